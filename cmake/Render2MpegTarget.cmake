@@ -1,0 +1,41 @@
+# What every target of ours is compiled with.
+#
+# -ffp-contract=off: a fused multiply-add rounds once where two operations round twice, so that letting the compiler
+# choose would make the film depend on the instruction set. -ffast-math is never used (docs/model.md, "Determinism").
+add_library(render2mpeg_options INTERFACE)
+target_compile_options(render2mpeg_options INTERFACE -ffp-contract=off -fno-math-errno -Wall -Wextra -Wshadow -Wnon-virtual-dtor)
+target_include_directories(render2mpeg_options INTERFACE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR})
+if(RENDER2MPEG_WERROR)
+  target_compile_options(render2mpeg_options INTERFACE -Werror)
+endif()
+if(RENDER2MPEG_SANITIZE)
+  target_compile_options(render2mpeg_options INTERFACE -fsanitize=${RENDER2MPEG_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(render2mpeg_options INTERFACE -fsanitize=${RENDER2MPEG_SANITIZE})
+endif()
+
+# render2mpeg_library(NAME [PUBLIC libs...] [PRIVATE libs...] [EXCEPT files...]): every *.cpp of the current folder as a static
+# library render2mpeg_NAME with our options.
+function(render2mpeg_library name)
+  cmake_parse_arguments(ARG "" "" "PUBLIC;PRIVATE;EXCEPT" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  foreach(file IN LISTS ARG_EXCEPT)
+    list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/${file})
+  endforeach()
+  if(NOT sources)
+    add_library(render2mpeg_${name} INTERFACE)
+    target_link_libraries(render2mpeg_${name} INTERFACE render2mpeg_options ${ARG_PUBLIC} ${ARG_PRIVATE})
+    return()
+  endif()
+  add_library(render2mpeg_${name} STATIC ${sources})
+  target_link_libraries(render2mpeg_${name} PUBLIC render2mpeg_options ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+endfunction()
+
+# render2mpeg_module(NAME SOURCES... [PRIVATE libs...]): a shared object render2mpeg_NAME.so that is opened on demand, for
+# outside libraries that are dear to start. It lies in <build>/modules and installs to <libdir>/render2mpeg.
+function(render2mpeg_module name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PRIVATE" ${ARGN})
+  add_library(render2mpeg_${name} MODULE ${ARG_SOURCES})
+  set_target_properties(render2mpeg_${name} PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/modules)
+  target_link_libraries(render2mpeg_${name} PRIVATE render2mpeg_options ${ARG_PRIVATE})
+  install(TARGETS render2mpeg_${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/render2mpeg)
+endfunction()

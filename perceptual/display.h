@@ -1,0 +1,44 @@
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "core/picture.h"
+#include "core/radiance.h"
+
+namespace render2mpeg::perceptual {
+
+/// Which luma weights a film uses; MPEG-2's matrix_coefficients.
+enum class ColorMatrix { bt601 = 6, bt709 = 1 };
+
+/// The display: exposure, tone curve, transfer function and matrix, each with an exact inverse (docs/model.md, "Display").
+class Display {
+ public:
+    /// `exposure` in EV: radiance is multiplied by 2^exposure. BT.601 is for pictures below 720 lines.
+    Display(float exposure, ColorMatrix matrix);
+
+    /// Scene-linear radiance to a picture. Non-finite input is a broken contract.
+    core::Picture develop(const core::Radiance& radiance) const;
+
+    /// The tone curve by itself: scene-linear, exposed, >= 0, to display-linear in [0, 1]; monotone; and its inverse, for values
+    /// below `tone_curve(infinity)`.
+    static float tone_curve(float exposed);
+    static float inverse_tone_curve(float display_linear);
+
+    /// Unrounded luma in code values, 16..235, of one radiance.
+    float luma_of(glm::vec3 radiance) const;
+    /// The radiance with the chromaticity of `radiance` whose luma is `luma`, clamped to 16..235 (SPEC 5.3).
+    glm::vec3 with_luma(glm::vec3 radiance, float luma) const;
+
+    float exposure() const { return exposure_; }
+    ColorMatrix matrix() const { return matrix_; }
+
+ private:
+    float exposure_;
+    float gain_;
+    ColorMatrix matrix_;
+};
+
+/// The matrix for a picture of so many lines.
+inline ColorMatrix matrix_for(int height) { return height < 720 ? ColorMatrix::bt601 : ColorMatrix::bt709; }
+
+}  // namespace render2mpeg::perceptual

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cmath>
+#include <glm/glm.hpp>
+
+namespace render2mpeg::core {
+
+/// Luminance weights of linear RGB with BT.709 primaries. [BT709, 3.2]
+inline constexpr glm::vec3 luminance_weights{0.2126f, 0.7152f, 0.0722f};
+
+/// Relative luminance of scene-linear BT.709 RGB.
+inline float luminance(glm::vec3 rgb) {
+    return luminance_weights.x * rgb.x + luminance_weights.y * rgb.y + luminance_weights.z * rgb.z;
+}
+
+/// sRGB code value in [0, 1] to linear light. [sRGB, 5.2]
+inline float srgb_to_linear(float v) {
+    return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+}
+/// Linear light in [0, 1] to sRGB code value. [sRGB, 5.2]
+inline float linear_to_srgb(float v) {
+    return v <= 0.0031308f ? v * 12.92f : 1.055f * std::pow(v, 1.0f / 2.4f) - 0.055f;
+}
+
+}  // namespace render2mpeg::core

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#include "core/plane.h"
+#include "core/visible.h"
+
+namespace render2mpeg::core {
+
+/// Dense exact motion from one picture to one of its references (SPEC 3).
+struct MotionField {
+    std::int64_t picture = 0;    ///< display number
+    std::int64_t reference = 0;  ///< display number; before or after `picture`
+    /// Position in the reference minus position here, in pixels, y down. Meaningless where the class is `none`; may point
+    /// outside the picture.
+    Plane<glm::vec2> vector;
+    /// Depth that the pixel's point has in the reference's camera; +infinity for the sky. Empty where nobody needs it.
+    Plane<float> depth_in_reference;
+    /// `none`: the point does not exist in the reference or lies behind its camera.
+    Plane<PixelClass> kind;
+};
+
+}  // namespace render2mpeg::core

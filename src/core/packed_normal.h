@@ -1,0 +1,45 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
+
+namespace render2mpeg::core {
+
+/// A unit vector in 32 bits, right to 5e-5 rad: octahedral coordinates of 16 bits each. [Cigolle2014]
+class PackedNormal {
+ public:
+    PackedNormal() = default;
+    explicit PackedNormal(glm::vec3 n) {
+        const float l1 = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
+        if (!(l1 > 0.0f)) return;
+        glm::vec2 p{n.x / l1, n.y / l1};
+        if (n.z < 0.0f) p = glm::vec2{(1 - std::abs(p.y)) * sign(p.x), (1 - std::abs(p.x)) * sign(p.y)};
+        x_ = quantise(p.x);
+        y_ = quantise(p.y);
+    }
+
+    glm::vec3 unpack() const {
+        const glm::vec2 p{x_ / 32767.0f, y_ / 32767.0f};
+        glm::vec3 n{p.x, p.y, 1 - std::abs(p.x) - std::abs(p.y)};
+        if (n.z < 0.0f) {
+            n.x = (1 - std::abs(p.y)) * sign(p.x);
+            n.y = (1 - std::abs(p.x)) * sign(p.y);
+        }
+        return n / std::sqrt(glm::dot(n, n));
+    }
+
+    bool operator==(const PackedNormal&) const = default;
+
+ private:
+    static float sign(float v) { return v < 0.0f ? -1.0f : 1.0f; }
+    static std::int16_t quantise(float v) {
+        return static_cast<std::int16_t>(std::lround(std::clamp(v, -1.0f, 1.0f) * 32767.0f));
+    }
+
+    std::int16_t x_ = 0;
+    std::int16_t y_ = 0;
+};
+
+}  // namespace render2mpeg::core

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/plane.h"
+
+namespace render2mpeg::core {
+
+/// One picture in display order: Y'CbCr 4:2:0, 8 bit, limited range (luma 16..235, chroma 16..240), chroma sited as in MPEG-2
+/// (horizontally on the even luma columns, vertically between two rows). Chroma planes have (w + 1) / 2 by (h + 1) / 2 samples.
+struct Picture {
+    std::int64_t number = 0;  ///< display number, from 0
+    Plane<std::uint8_t> y, cb, cr;
+    /// Luma before rounding, in code values: what the eye's model looks at. Empty for pictures that were decoded.
+    Plane<float> luma;
+
+    int width() const { return y.width(); }
+    int height() const { return y.height(); }
+};
+
+}  // namespace render2mpeg::core

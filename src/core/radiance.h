@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#include "core/plane.h"
+
+namespace render2mpeg::core {
+
+/// What a frame's pixels send to the eye: scene-linear RGB with BT.709 primaries, >= 0 and finite. `combined` is always there;
+/// the layers only where they are wanted, else empty. Light is kept apart from texture so that it can be interpolated and reused.
+struct Radiance {
+    std::int64_t frame = 0;
+    Plane<glm::vec3> combined;             ///< radiance
+    Plane<glm::vec3> emission;             ///< radiance of what shines itself, the sky included
+    Plane<glm::vec3> direct_irradiance;    ///< from lights, over pi as for a white Lambert surface
+    Plane<glm::vec3> indirect_irradiance;  ///< from light points of the second and later bounces, likewise
+    Plane<glm::vec3> albedo;               ///< diffuse reflectance, 0..1
+    Plane<glm::vec3> glossy;               ///< radiance by glossy lobes, reflectance included
+    Plane<glm::vec3> specular;             ///< radiance seen in mirrors and through glass
+    Plane<float> direct_cut;               ///< clusters used, mean over the pixel's gather points
+    Plane<float> indirect_cut;
+};
+
+}  // namespace render2mpeg::core

@@ -1,0 +1,46 @@
+#include "core/rational.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <numeric>
+
+#include "core/error.h"
+
+namespace render2mpeg::core {
+
+const std::vector<FrameRate>& mpeg2_frame_rates() {
+    static const std::vector<FrameRate> rates = {
+        {{24000, 1001}, 1, "23.976"}, {{24, 1}, 2, "24"}, {{25, 1}, 3, "25"},          {{30000, 1001}, 4, "29.97"},
+        {{30, 1}, 5, "30"},           {{50, 1}, 6, "50"}, {{60000, 1001}, 7, "59.94"}, {{60, 1}, 8, "60"},
+    };
+    return rates;
+}
+
+FrameRate frame_rate_from(const std::string& text) {
+    // Read a fraction or a decimal number.
+    char* end = nullptr;
+    double hertz = std::strtod(text.c_str(), &end);
+    if (end != text.c_str() && *end == '/') {
+        const char* denominator = end + 1;
+        const double d = std::strtod(denominator, &end);
+        hertz = end != denominator && d > 0 ? hertz / d : -1;
+    }
+    const bool whole = !text.empty() && *end == '\0' && std::isfinite(hertz);
+
+    // Take the nearest rate within 0.005 Hz: users write 23.98, 29.97 and 59.94 for rates that are no such decimals.
+    // chosen: 0.005 tells 23.98 from 24 and 29.97 from 30, whose distances are 0.02 and 0.03.
+    if (whole)
+        for (const FrameRate& rate : mpeg2_frame_rates())
+            if (std::abs(rate.hertz.value() - hertz) < 0.005) return rate;
+    std::string list;
+    for (const FrameRate& rate : mpeg2_frame_rates()) list += (list.empty() ? "" : ", ") + std::string(rate.name);
+    throw Error("frame rate " + text + ": MPEG-2 has no such rate; it has " + list);
+}
+
+Rational time_of(std::int64_t frame, const FrameRate& rate) {
+    const Rational t{frame * rate.hertz.den, rate.hertz.num};
+    const std::int64_t g = std::gcd(t.num, t.den);
+    return g > 1 ? Rational{t.num / g, t.den / g} : t;
+}
+
+}  // namespace render2mpeg::core

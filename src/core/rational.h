@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace render2mpeg::core {
+
+/// An exact fraction, so that frame 1000000 of a 29.97 Hz film has the time it should have.
+struct Rational {
+    std::int64_t num = 0;
+    std::int64_t den = 1;  ///< > 0
+
+    double value() const { return static_cast<double>(num) / static_cast<double>(den); }
+    bool operator==(const Rational&) const = default;
+};
+
+/// One of MPEG-2's eight frame rates. [H262, table 6-4]
+struct FrameRate {
+    Rational hertz;    ///< pictures per second
+    int code = 0;      ///< frame_rate_code, 1..8
+    const char* name;  ///< as users write it: "29.97"
+};
+
+/// All eight, in the order of their codes.
+const std::vector<FrameRate>& mpeg2_frame_rates();
+
+/// The rate a user means by "25", "29.97", "30000/1001" or "23.976". Throws Error with the list of rates otherwise.
+FrameRate frame_rate_from(const std::string& text);
+
+/// Time of frame n in seconds, exactly n / rate.
+Rational time_of(std::int64_t frame, const FrameRate& rate);
+
+}  // namespace render2mpeg::core

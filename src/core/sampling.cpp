@@ -1,0 +1,102 @@
+#include "core/sampling.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <vector>
+
+#include "core/error.h"
+#include "core/numeric.h"
+
+namespace render2mpeg::core {
+namespace {
+
+/// The first `halton_dimensions` primes and a permutation of the digits 0..p-1 for each.
+struct HaltonBases {
+    std::array<std::uint32_t, halton_dimensions> prime{};
+    std::array<std::vector<std::uint32_t>, halton_dimensions> permutation;
+
+    HaltonBases() {
+        // Find the primes by trial division.
+        int found = 0;
+        for (std::uint32_t n = 2; found < halton_dimensions; ++n) {
+            bool composite = false;
+            for (int i = 0; i < found && prime[i] * prime[i] <= n; ++i) composite = composite || n % prime[i] == 0;
+            if (!composite) prime[found++] = n;
+        }
+        // Shuffle the digits 1..p-1 (0 stays, so that the infinite tail of zeros adds nothing). Bases 2 and 3 stay plain.
+        for (int d = 0; d < halton_dimensions; ++d) {
+            permutation[d].resize(prime[d]);
+            std::iota(permutation[d].begin(), permutation[d].end(), 0u);
+            if (d < 2) continue;
+            for (std::uint32_t i = prime[d] - 1; i > 1; --i) {
+                const std::uint64_t j = 1 + mix((static_cast<std::uint64_t>(d) << 32) | i) % i;
+                std::swap(permutation[d][i], permutation[d][j]);
+            }
+        }
+    }
+};
+
+const HaltonBases& bases() {
+    static const HaltonBases instance;
+    return instance;
+}
+
+constexpr float below_one = 0x1.fffffep-1f;
+
+}  // namespace
+
+std::uint64_t mix(std::uint64_t counter) {
+    std::uint64_t z = counter + 0x9e3779b97f4a7c15ull;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+    return z ^ (z >> 31);
+}
+
+float uniform(std::uint64_t seed, std::uint64_t a, std::uint64_t b, std::uint64_t c) {
+    const std::uint64_t h = mix(mix(mix(mix(seed) ^ a) ^ b) ^ c);
+    return static_cast<float>(h >> 40) * 0x1p-24f;
+}
+
+float halton(int dimension, std::uint64_t index) {
+    EXPECTS(dimension >= 0 && dimension < halton_dimensions);
+    const std::uint64_t base = bases().prime[dimension];
+    const std::vector<std::uint32_t>& permutation = bases().permutation[dimension];
+    double digit_value = 1.0 / static_cast<double>(base);
+    double value = 0.0;
+    for (; index > 0; index /= base, digit_value /= static_cast<double>(base))
+        value += permutation[index % base] * digit_value;
+    return std::min(static_cast<float>(value), below_one);
+}
+
+glm::vec3 sample_cosine_hemisphere(glm::vec3 normal, glm::vec2 u) {
+    glm::vec3 t, b;
+    make_frame(normal, t, b);
+    const float r = std::sqrt(u.x);
+    const float phi = 2.0f * std::numbers::pi_v<float> * u.y;
+    const float z = sqrt_or_zero(1.0f - u.x);
+    return r * std::cos(phi) * t + r * std::sin(phi) * b + z * normal;
+}
+
+glm::vec3 sample_sphere(glm::vec2 u) {
+    const float z = 1.0f - 2.0f * u.x;
+    const float r = sqrt_or_zero(1.0f - z * z);
+    const float phi = 2.0f * std::numbers::pi_v<float> * u.y;
+    return {r * std::cos(phi), r * std::sin(phi), z};
+}
+
+glm::vec2 sample_triangle(glm::vec2 u) {
+    const float s = std::sqrt(u.x);
+    return {s * (1.0f - u.y), s * u.y};
+}
+
+void make_frame(glm::vec3 n, glm::vec3& tangent, glm::vec3& bitangent) {
+    const float sign = std::copysign(1.0f, n.z);
+    const float a = -1.0f / (sign + n.z);
+    const float b = n.x * n.y * a;
+    tangent = {1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
+    bitangent = {b, sign + n.y * n.y * a, -n.y};
+}
+
+}  // namespace render2mpeg::core

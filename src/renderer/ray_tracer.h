@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <memory>
+
+#include "core/isa.h"
+#include "core/surface_address.h"
+#include "scene/snapshot.h"
+
+namespace render2mpeg::renderer {
+
+/// What a ray meets. The normal is that of the triangle as it is wound, not turned to the ray, not normalised.
+struct Hit {
+    core::SurfaceAddress address;     ///< no surface: the ray left the scene
+    float distance = 0;
+    glm::vec3 geometric_normal{0};
+    bool found() const { return address.is_surface(); }
+};
+
+/// Up to 16 shadow rays from the points of a tile towards one light point: the shape that this machine traces fastest.
+struct alignas(64) ShadowPacket {
+    float origin_x[16], origin_y[16], origin_z[16];           ///< already moved off their surfaces (offset_origin)
+    float direction_x[16], direction_y[16], direction_z[16];  ///< need not be unit
+    float far[16];                                            ///< end of the ray in units of the direction's length
+    std::uint32_t active = 0;                                 ///< bit i: ray i is asked for
+};
+
+/// The only class that knows Embree. Non-finite rays are answered as misses (Debian's Embree aborts on them); the scene is
+/// built ROBUST.
+class RayTracer {
+ public:
+    /// Share of light, per channel, that a surface lets through at a point met by a shadow or eye ray: 0 opaque, 1 invisible.
+    /// Called from many threads.
+    using Transmittance = std::function<glm::vec3(const core::SurfaceAddress&)>;
+
+    /// `translucent[m]`: surfaces of material m let some light through and are asked `transmittance`; all others are opaque.
+    RayTracer(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent, Transmittance transmittance);
+    ~RayTracer();
+    RayTracer(RayTracer&&) noexcept;
+
+    /// Moves everything to where it is in the snapshot; cheap for what has not moved since the last call.
+    void pose(const scene::Snapshot& snapshot);
+
+    /// The nearest surface at a distance in (0, far), translucent ones included.
+    Hit nearest(glm::vec3 origin, glm::vec3 direction, float far) const;
+
+    /// Bit i: ray i of the packet is blocked by something opaque. Translucent surfaces do not block; where the packet met any,
+    /// `light` (16 values, if given) is multiplied by what passes (at most `max_layers` surfaces; beyond them: blocked).
+    std::uint32_t occluded(const ShadowPacket& packet, glm::vec3* light) const;
+
+    /// The same for one ray: what passes of light, 0 where blocked.
+    glm::vec3 passes(glm::vec3 origin, glm::vec3 direction, float far) const;
+
+    static constexpr int max_layers = 16;
+
+ private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// A ray origin moved off its surface to the side of `direction`, by a bound of the rounding error of the hit point, so that a ray
+/// never meets the surface it starts from, at any scale and distance from the origin (notes: 32 ulp of |p| along the normal).
+/// `geometric_normal` is unit.
+glm::vec3 offset_origin(glm::vec3 position, glm::vec3 geometric_normal, glm::vec3 direction);
+
+}  // namespace render2mpeg::renderer

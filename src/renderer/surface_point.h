@@ -1,0 +1,26 @@
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "core/surface_address.h"
+#include "image/texture.h"
+#include "renderer/bsdf.h"
+
+namespace render2mpeg::renderer {
+
+/// All that shading needs to know of one point, its material's textures looked up.
+struct SurfacePoint {
+    core::SurfaceAddress address;
+    std::uint32_t material = 0;
+    glm::vec3 position{0};           ///< world
+    glm::vec3 geometric_normal{0};   ///< unit, on the side of `outgoing`
+    glm::vec3 shading_normal{0};     ///< unit, on the side of `geometric_normal`, normal map applied
+    glm::vec3 outgoing{0};           ///< unit, to the eye or to where the path came from
+    Bsdf bsdf;
+    glm::vec3 emission{0};           ///< radiance towards `outgoing`
+    float alpha = 1;                 ///< 0: not there; mask already decided
+    bool back_side = false;          ///< seen from behind (of the winding)
+    bool unlit = false;
+};
+
+}  // namespace render2mpeg::renderer

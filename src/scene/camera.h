@@ -1,0 +1,64 @@
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+
+namespace render2mpeg::scene {
+
+/// A camera as a scene describes it, in its node's space: looks along -z, +y up, +x right.
+struct CameraLens {
+    std::string name;
+    int node = -1;
+    bool perspective = true;
+    float vertical_fov = 0.9f;   ///< radians, 0 < fov < pi
+    float y_magnification = 1;   ///< orthographic: half the visible height, scene units, > 0
+    float near = 0;              ///< scene units; nothing nearer is seen
+    float far = 0;               ///< 0: infinite
+};
+
+struct Ray {
+    glm::vec3 origin;
+    glm::vec3 direction;  ///< unit
+};
+
+/// Where a point appears: pixels, (0, 0) the upper left corner of the upper left pixel, whose centre is (0.5, 0.5).
+struct ScreenPoint {
+    glm::vec2 position;
+    float depth;   ///< along the camera's axis, > 0
+};
+
+/// A camera at one instant with one picture format.
+class Camera {
+ public:
+    Camera() = default;
+    /// `to_world` is rigid (orthonormal axes, no scale). `aspect` is the picture's width over its height as it is shown, pixel
+    /// aspect included.
+    Camera(const CameraLens& lens, const glm::mat4& to_world, int width, int height, float aspect);
+
+    /// The ray through a position on the picture.
+    Ray ray_through(glm::vec2 position) const;
+
+    /// Where a world point appears; nothing for points on or behind the plane of the eye.
+    std::optional<ScreenPoint> project(glm::vec3 world) const;
+
+    /// Where a direction (a point at infinity) appears; depth is +infinity.
+    std::optional<ScreenPoint> project_direction(glm::vec3 world_direction) const;
+
+    glm::vec3 position() const { return glm::vec3(to_world_[3]); }
+    glm::vec3 forward() const { return -glm::vec3(to_world_[2]); }
+    /// World size of one pixel: at unit depth for a perspective camera, everywhere for an orthographic one.
+    float pixel_size() const;
+    bool perspective() const { return lens_.perspective; }
+    const CameraLens& lens() const { return lens_; }
+    const glm::mat4& to_world() const { return to_world_; }
+
+ private:
+    CameraLens lens_;
+    glm::mat4 to_world_{1.0f};
+    int width_ = 0;
+    int height_ = 0;
+    glm::vec2 half_extent_{1, 1};  ///< of the picture at unit depth (perspective) or in scene units (orthographic)
+};
+
+}  // namespace render2mpeg::scene

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+
+#include "scene/load.h"
+
+/// One function per outside format; `load` chooses among them. Each returns what the file says, not yet completed.
+namespace render2mpeg::scene {
+
+Animation load_gltf(const std::filesystem::path& file, const LoadOptions& options);
+
+/// Every other mesh format (OBJ, PLY, FBX, DAE, 3DS, ...).
+Animation load_with_assimp(const std::filesystem::path& file, const LoadOptions& options);
+
+/// Our own JSON (docs/animation-file.md): loads the scene it refers to and adds to it. The result is completed already where the
+/// scene was; `complete` may be called again.
+Animation load_animation_file(const std::filesystem::path& file, const LoadOptions& options);
+
+/// Checks everything that the rest of the program relies on (indices, finite numbers, no cycles, rising keys, sizes that agree) and
+/// throws core::Error with file, object and cause; drops triangles that cannot be drawn; sets origin, bounds, mobility and duration;
+/// gives a film without camera an orbit and one without light a neutral sky. Idempotent.
+void complete(Animation& animation);
+
+}  // namespace render2mpeg::scene

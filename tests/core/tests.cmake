@@ -1,0 +1,1 @@
+render2mpeg_test(core LIBS render2mpeg_core)
