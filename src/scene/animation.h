@@ -75,6 +75,7 @@ struct Animation {
     std::optional<std::string> frame_rate;  ///< as the animation file says
     std::optional<std::int64_t> first_frame, last_frame;  ///< likewise
     std::optional<float> exposure;          ///< EV, likewise; none: automatic
+    std::optional<glm::ivec2> size;         ///< picture width and height, likewise
 
     std::vector<std::string> notes;         ///< one line each: what was assumed, dropped or not understood
 };
