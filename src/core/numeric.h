@@ -26,15 +26,6 @@ inline double sqrt_or_zero(double x) { return x > 0.0 ? std::sqrt(x) : 0.0; }
 /// Arc cosine of a cosine that may lie outside [-1, 1] by rounding.
 inline float acos_clamped(float x) { return std::acos(std::clamp(x, -1.0f, 1.0f)); }
 
-/// v / |v|, or `otherwise` where v has no direction (zero, not finite). Scaled first, so that neither 1e-30 nor 1e30
-/// under- or overflows in the square.
-inline glm::vec3 normalize_or(glm::vec3 v, glm::vec3 otherwise) {
-    const float m = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-    if (!(m > 0.0f) || !std::isfinite(m)) return otherwise;
-    const glm::vec3 s = v / m;
-    return s / std::sqrt(glm::dot(s, s));
-}
-
 inline bool is_finite(glm::vec2 v) { return std::isfinite(v.x) && std::isfinite(v.y); }
 inline bool is_finite(glm::vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 inline bool is_finite(const glm::mat4& m) {
@@ -42,6 +33,15 @@ inline bool is_finite(const glm::mat4& m) {
         for (int r = 0; r < 4; ++r)
             if (!std::isfinite(m[c][r])) return false;
     return true;
+}
+
+/// v / |v|, or `otherwise` where v has no direction (zero, not finite). Scaled first, so that neither 1e-30 nor 1e30
+/// under- or overflows in the square.
+inline glm::vec3 normalize_or(glm::vec3 v, glm::vec3 otherwise) {
+    const float m = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    if (!is_finite(v) || m == 0.0f) return otherwise;
+    const glm::vec3 s = v / m;
+    return s / std::sqrt(glm::dot(s, s));
 }
 
 }  // namespace render2mpeg::core

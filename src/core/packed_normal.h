@@ -7,7 +7,7 @@
 
 namespace render2mpeg::core {
 
-/// A unit vector in 32 bits, right to 5e-5 rad: octahedral coordinates of 16 bits each. [Cigolle2014]
+/// A unit vector in 32 bits, right to 7e-5 rad: octahedral coordinates of 16 bits each. [Cigolle2014]
 class PackedNormal {
  public:
     PackedNormal() = default;
