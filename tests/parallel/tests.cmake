@@ -1,0 +1,1 @@
+render2mpeg_test(parallel LIBS render2mpeg_parallel)
