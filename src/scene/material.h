@@ -33,6 +33,7 @@ struct Material {
     TextureUse emission_texture;
 
     AlphaMode alpha_mode = AlphaMode::opaque;
+    TextureUse alpha_texture;     ///< r: coverage in an image of its own, multiplies base_color's alpha (MTL's map_d); not in glTF
     float alpha_cutoff = 0.5f;
     bool double_sided = false;
     bool unlit = false;           ///< shows base_color as radiance, casts shadows, neither receives nor reflects light
