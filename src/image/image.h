@@ -11,12 +11,13 @@
 
 namespace render2mpeg::image {
 
-/// A decoded image, always four channels of float; what the file lacks is filled in (grey to RGB, alpha 1). Code values of 8- and
-/// 16-bit files are scaled to 0..1 and not linearised: only the user of the image knows whether they are colours.
+/// A decoded image, always four channels of float; what the file lacks is filled in (grey to RGB, alpha 1). Code values
+/// of 8- and 16-bit files are scaled to 0..1 and not linearised: only the user of the image knows whether they are
+/// colours.
 struct Image {
-    core::Plane<glm::vec4> pixels;   ///< (0, 0) is the upper left
-    bool has_alpha = false;          ///< the file had one
-    bool high_range = false;         ///< the file held floats (EXR, HDR): scene-linear already
+    core::Plane<glm::vec4> pixels;  ///< (0, 0) is the upper left
+    bool has_alpha = false;         ///< the file had one
+    bool high_range = false;        ///< the file held floats (EXR, HDR): scene-linear already
 };
 
 /// Reads a file, or `bytes` (if not empty) that came from one. `name` is for messages. Throws core::Error; sizes beyond
@@ -28,8 +29,8 @@ inline constexpr std::size_t max_pixels = std::size_t{16384} * 16384;
 /// One channel of a multilayer OpenEXR: "ViewLayer.Depth.Z".
 struct Channel {
     std::string name;
-    std::vector<float> values;   ///< row by row
-    bool half = false;           ///< stored as 16-bit float
+    std::vector<float> values;  ///< row by row
+    bool half = false;          ///< stored as 16-bit float
 };
 
 /// Writes an OpenEXR with these channels under a temporary name and renames it when whole. Throws core::Error.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
@@ -17,25 +18,51 @@ struct Footprint {
 
 enum class Encoding { linear, srgb };
 
-/// An image with its mip pyramid, filtered anisotropically. Values come linear. Any finite or non-finite coordinate gives a finite
-/// value.
-class Texture {
- public:
-    Texture() = default;
-    Texture(const Image& image, Encoding encoding, core::Wrap wrap_u, core::Wrap wrap_v, bool nearest = false);
+/// What the fourth channel is: one more number (glossiness), or how much of the texel is there. Under `coverage`
+/// colours are averaged in proportion to it, so that the black around a cut-out leaf does not darken its edge.
+enum class AlphaMeaning { value, coverage };
 
-    /// Mean over the footprint about uv; uv (0, 0) is the upper left corner of the image.
+/// An image with its mip pyramid, filtered anisotropically (docs/model.md, "Textures"). Values come linear and
+/// unassociated; alpha is never sRGB. Any finite or non-finite coordinate gives a finite value. Images whose values are
+/// all multiples of 1/255 are kept in 8 bits per channel, others as floats; NaN counts as 0 and magnitudes end at 1e18.
+class Texture {
+  public:
+    /// White, without an image.
+    Texture() = default;
+    /// `nearest`: texels keep their edges when magnified. The image must have pixels.
+    Texture(const Image& image, Encoding encoding, core::Wrap wrap_u, core::Wrap wrap_v, bool nearest = false,
+            AlphaMeaning alpha = AlphaMeaning::value);
+
+    /// Mean over the footprint about uv; uv (0, 0) is the upper left corner of the image. Where the coordinates or the
+    /// footprint are not finite: mean().
     glm::vec4 sample(glm::vec2 uv, const Footprint& footprint) const;
 
     /// Mean of the whole texture.
-    glm::vec4 mean() const;
-    int width() const;
-    int height() const;
+    glm::vec4 mean() const { return mean_; }
+    int width() const { return levels_.empty() ? 0 : levels_.front().width; }
+    int height() const { return levels_.empty() ? 0 : levels_.front().height; }
+    /// Of all levels.
+    std::size_t bytes() const { return codes_.size() + floats_.size() * sizeof(glm::vec4); }
 
- private:
-    struct Level;
+  private:
+    struct Level {
+        int width = 0, height = 0;
+        float texel = 1;        ///< size of one texel here in texels of level 0, the longer side
+        std::size_t first = 0;  ///< where its texels begin
+    };
+    struct Probes;
+
+    void append_level(const core::Plane<glm::vec4>& linear);
+    template <class Texels>
+    glm::vec4 filter(const Texels& texels, const Probes& probes) const;
+
     std::vector<Level> levels_;
+    std::vector<std::uint8_t> codes_;  ///< RGBA of all levels, in the encoding; empty where floats are kept
+    std::vector<glm::vec4> floats_;    ///< linear; empty where codes are kept
+    glm::vec4 mean_{1, 1, 1, 1};
     core::Wrap wrap_u_ = core::Wrap::repeat, wrap_v_ = core::Wrap::repeat;
+    Encoding encoding_ = Encoding::linear;
+    AlphaMeaning alpha_ = AlphaMeaning::value;
     bool nearest_ = false;
 };
 

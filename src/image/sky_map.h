@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "image/image.h"
+#include "image/texture.h"
+
+namespace render2mpeg::image {
+
+/// One part of the sky, as a light that is infinitely far.
+struct SkySample {
+    glm::vec3 direction{0, 1, 0};  ///< to the sky, world space, unit: the part's centre of power
+    glm::vec3 irradiance{0};  ///< across the beam: the integral of radiance over the part's solid angle; finite, >= 0
+    float solid_angle = 0;    ///< of the part, steradian, > 0
+    std::uint32_t id = 0;     ///< 0, 1, 2, ... in the order of `samples`; the same for the same arguments
+};
+
+/// Light from where no surface is: one colour, or a latitude-longitude image (+y up, -z in its middle, +x at three
+/// quarters of its width) times a colour. Everything is scene-linear and in world space.
+class SkyMap {
+  public:
+    /// The same radiance everywhere.
+    explicit SkyMap(glm::vec3 radiance);
+
+    /// `factor` (>= 0) multiplies the image. `rotation` turns the sky about +y, in radians, right-handed: what lay at
+    /// -z then lies at
+    /// (-sin, 0, -cos). 8- and 16-bit images are taken as sRGB. Negative values and NaN count as black, infinite ones
+    /// as 65504, the largest half float: an overflowed sun was at least that. An image without pixels is black.
+    SkyMap(const Image& image, glm::vec3 factor, float rotation);
+
+    /// Mean radiance over a cone of `solid_angle` steradian about `direction` (any length > 0); 0: a point,
+    /// interpolated. Finite for any arguments.
+    glm::vec3 radiance(glm::vec3 direction, float solid_angle) const;
+
+    /// Mean radiance over the sphere.
+    glm::vec3 mean() const { return mean_; }
+
+    /// Irradiance on a surface with this normal (unit) that sees nothing but sky. Exact; for an image it sums over all
+    /// its pixels, so this is for references and not for inner loops.
+    glm::vec3 irradiance(glm::vec3 normal) const;
+
+    /// At most `count` parts of about equal power (luminance x solid angle) that cover the whole sky; their irradiances
+    /// sum to 4 pi x mean(). Pixels that alone hold more than 1 / count of the power, like a sun, are parts of their
+    /// own. Fewer than `count` where the map has fewer bright pixels; none where the sky is black or `count` is 0. A
+    /// sky of one colour gives exactly `count` directions, spread evenly.
+    std::vector<SkySample> samples(int count) const;
+
+    /// Whether the sky has one colour.
+    bool uniform() const { return grid_.empty(); }
+
+  private:
+    glm::vec3 to_world(glm::vec3 map_direction) const;
+    glm::vec3 to_map(glm::vec3 world_direction) const;
+
+    glm::vec3 mean_{0};
+    float cos_rotation_ = 1, sin_rotation_ = 0;
+    core::Plane<glm::vec3> grid_;  ///< integral of radiance over each cell of the sphere; empty: one colour
+    Texture texture_;              ///< radiance, alpha the solid angle of a row relative to the equator's
+};
+
+}  // namespace render2mpeg::image
