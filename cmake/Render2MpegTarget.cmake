@@ -9,7 +9,9 @@ if(RENDER2MPEG_WERROR)
   target_compile_options(render2mpeg_options INTERFACE -Werror)
 endif()
 if(RENDER2MPEG_SANITIZE)
-  target_compile_options(render2mpeg_options INTERFACE -fsanitize=${RENDER2MPEG_SANITIZE} -fno-omit-frame-pointer)
+  # What a sanitizer finds ends the program: a report that a test survives is a report nobody reads.
+  target_compile_options(render2mpeg_options INTERFACE -fsanitize=${RENDER2MPEG_SANITIZE} -fno-sanitize-recover=all
+                         -fno-omit-frame-pointer)
   target_link_options(render2mpeg_options INTERFACE -fsanitize=${RENDER2MPEG_SANITIZE})
 endif()
 
@@ -38,4 +40,5 @@ function(render2mpeg_module name)
   set_target_properties(render2mpeg_${name} PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/modules)
   target_link_libraries(render2mpeg_${name} PRIVATE render2mpeg_options ${ARG_PRIVATE})
   install(TARGETS render2mpeg_${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/render2mpeg)
+  set_property(GLOBAL APPEND PROPERTY RENDER2MPEG_MODULES render2mpeg_${name})
 endfunction()
