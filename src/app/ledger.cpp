@@ -1,0 +1,43 @@
+#include "app/ledger.h"
+
+#include <ctime>
+#include <numeric>
+
+#include "core/numeric.h"
+#include "perceptual/metrics.h"
+
+namespace render2mpeg::app {
+
+double cpu_seconds() {
+    timespec t{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+double Ledger::total_seconds() const {
+    return std::accumulate(seconds.begin(), seconds.end(), 0.0);
+}
+
+double Ledger::psnr_y() const {
+    double sum = 0;
+    for (const FrameEntry& entry : frames) sum += entry.mse_y;
+    return perceptual::psnr(core::divide_or(sum, static_cast<double>(frames.size()), 0.0));
+}
+
+double Ledger::ssim_y() const {
+    double sum = 0;
+    for (const FrameEntry& entry : frames) sum += entry.ssim_y;
+    return core::divide_or(sum, static_cast<double>(frames.size()), 1.0);
+}
+
+double Ledger::mean_direct_cut() const {
+    return core::divide_or(static_cast<double>(rendering.direct_clusters), static_cast<double>(rendering.gather_points),
+                           0.0);
+}
+
+double Ledger::mean_indirect_cut() const {
+    return core::divide_or(static_cast<double>(rendering.indirect_clusters),
+                           static_cast<double>(rendering.gather_points), 0.0);
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "renderer/renderer.h"
+
+namespace render2mpeg::app {
+
+enum class Stage { load, see, shade, develop, encode, count };
+inline constexpr std::array stage_names{"load", "see", "shade", "develop", "encode"};
+
+/// CPU seconds of this process so far, summed over threads.
+double cpu_seconds();
+
+/// What became of one frame.
+struct FrameEntry {
+    std::int64_t frame = 0;
+    char type = '-';  ///< I, P, B; '-': not coded
+    int quantiser = 0;
+    std::uint64_t bytes = 0;
+    double mse_y = 0, ssim_y = 1;  ///< of the decoded picture against the rendered one
+    std::uint64_t shadow_rays = 0;
+    double direct_cut = 0, indirect_cut = 0;  ///< clusters per gather point
+    double seconds = 0;                       ///< CPU
+};
+
+/// What a run spent, where, and what came of it.
+struct Ledger {
+    std::array<double, static_cast<std::size_t>(Stage::count)> seconds{};  ///< CPU, summed over threads
+    double wall = 0;
+    std::vector<FrameEntry> frames;
+    renderer::Statistics rendering;
+    std::array<double, static_cast<std::size_t>(renderer::Pass::count)> pass_seconds{};
+
+    double stage_seconds(Stage stage) const { return seconds[static_cast<std::size_t>(stage)]; }
+    double total_seconds() const;
+    /// Means over the film. PSNR from the mean squared error of all frames; +infinity when nothing was lost.
+    double psnr_y() const;
+    double ssim_y() const;
+    double mean_direct_cut() const;
+    double mean_indirect_cut() const;
+};
+
+/// Calls `work`, adds the CPU time it took to one stage, and returns what it returned.
+template <class Work>
+auto timed(Ledger& ledger, Stage stage, Work&& work) {
+    struct Clock {
+        double& sum;
+        double start = cpu_seconds();
+        ~Clock() { sum += cpu_seconds() - start; }
+    };
+    const Clock clock{ledger.seconds[static_cast<std::size_t>(stage)]};
+    return work();
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,28 @@
+#include <cstdio>
+#include <exception>
+
+#include "app/options.h"
+#include "app/render.h"
+
+/// Everything that goes wrong anywhere ends here as one line and exit status 1.
+int main(int argc, char** argv) {
+    using namespace render2mpeg::app;
+    try {
+        const CommandLine line = parse(argc, argv);
+        if (line.exit_code) return *line.exit_code;
+        switch (line.command) {
+            case Command::render:
+                return render(line.render, line.text);
+            case Command::plan:
+                return plan(line.plan);
+            case Command::none:
+                break;
+        }
+        return 1;
+    } catch (const std::bad_alloc&) {
+        std::fputs("render2mpeg: out of memory\n", stderr);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "render2mpeg: %s\n", error.what());
+    }
+    return 1;
+}

@@ -1,0 +1,235 @@
+#include "app/options.h"
+
+#include <CLI/CLI.hpp>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/rational.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// A whole non-negative number that fills `text`; nothing otherwise.
+std::optional<std::int64_t> whole_number(std::string_view text) {
+    std::int64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (text.empty() || error != std::errc{} || end != text.data() + text.size() || value < 0) return {};
+    return value;
+}
+
+/// Runs a parser of ours as a CLI11 check, so that a mistake is told as soon as the command line is read.
+template <class Parser>
+CLI::Validator checked(Parser parser, const std::string& type) {
+    return CLI::Validator(
+        [parser](std::string& text) -> std::string {
+            try {
+                parser(text);
+                return {};
+            } catch (const core::Error& error) {
+                return error.what();
+            }
+        },
+        type);
+}
+
+std::string check_exposure(const std::string& text) {
+    if (text == "auto") return {};
+    char* end = nullptr;
+    const double ev = std::strtod(text.c_str(), &end);
+    if (text.empty() || *end != '\0' || !std::isfinite(ev) || std::abs(ev) > 100)
+        throw core::Error("exposure " + text + ": expected `auto` or a number of EV, e.g. -1.5");
+    return {};
+}
+
+/// Options that choose what is seen and lit: `render` and `plan` share them.
+void add_scene_options(CLI::App& command, RenderOptions& options) {
+    command
+        .add_option(
+            "INPUT", options.input,
+            "Scene: .gltf, .glb, an animation file (.json, or a folder with film.json), or any format that Assimp\n"
+            "reads (.obj, .ply, .fbx, .dae, .3ds, ...)")
+        ->required();
+    const std::string scene = "Scene";
+    command.add_option("--camera", options.camera, "Camera to look through, by name or index (default: the first)")
+        ->group(scene);
+    command.add_option("--animation", options.animation, "Animation to play, by name or index (default: all at once)")
+        ->group(scene);
+    command
+        .add_option("--sky", options.sky, "Sky image (EXR, HDR, latitude-longitude), or `none` (default: the scene's)")
+        ->type_name("FILE|none")
+        ->group(scene);
+    command.add_option("--vpls", options.vpls, "Light points that carry indirect light; 0: direct light only")
+        ->check(CLI::Range(0, 1 << 22))
+        ->capture_default_str()
+        ->group("Light");
+}
+
+void add_light_options(CLI::App& command, RenderOptions& options) {
+    const std::string light = "Light";
+    command
+        .add_option("--samples", options.samples,
+                    "Eye samples per pixel: edges and textures; light is gathered once per surface")
+        ->check(CLI::Range(1, 256))
+        ->capture_default_str()
+        ->group(light);
+    command
+        .add_option(
+            "--tolerance", options.tolerance,
+            "Error allowed in a pixel's light: fixed=P% of its luminance, or `reference`: every light point, slow")
+        ->type_name("fixed=P%|reference")
+        ->check(checked(tolerance_from, ""))
+        ->capture_default_str()
+        ->group(light);
+    command
+        .add_option("--clamp", options.clamp,
+                    "Light points too near a surface: `bounded` limits them, `none` does not (bright dots)")
+        ->check(CLI::IsMember({"bounded", "none"}))
+        ->capture_default_str()
+        ->group(light);
+}
+
+void add_picture_options(CLI::App& command, RenderOptions& options) {
+    const std::string picture = "Picture and time";
+    command.add_option("--size", options.size, "Picture size (default: the animation file's, or 512x512)")
+        ->type_name("WxH")
+        ->check(checked(size_from, ""))
+        ->group(picture);
+    command
+        .add_option(
+            "--fps", options.rate,
+            "Pictures per second: 23.976, 24, 25, 29.97, 30, 50, 59.94 or 60 (default: the animation file's, or 25)")
+        ->type_name("R")
+        ->check(checked(core::frame_rate_from, ""))
+        ->group(picture);
+    command
+        .add_option("--frames", options.frames,
+                    "First and last frame, counted from 0, both included (default: the whole film)")
+        ->type_name("A:B")
+        ->check(checked(frames_from, ""))
+        ->group(picture);
+    command.add_option("--exposure", options.exposure, "EV, or `auto`: one value for the film")
+        ->type_name("auto|EV")
+        ->check(checked(check_exposure, ""))
+        ->capture_default_str()
+        ->group(picture);
+}
+
+void add_coding_options(CLI::App& command, RenderOptions& options) {
+    const std::string coding = "MPEG-2";
+    command.add_option("--quantiser", options.quantiser, "quantiser_scale_code: 1 is the finest, 31 the coarsest")
+        ->check(CLI::Range(1, 31))
+        ->capture_default_str()
+        ->group(coding);
+    command.add_option("--gop", options.gop, "Pictures per closed group of pictures")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str()
+        ->group(coding);
+}
+
+void add_run_options(CLI::App& command, RenderOptions& options) {
+    const std::string run = "Run";
+    command.add_option("--threads", options.threads, "Threads; 0: one per core. The film's bytes do not depend on it")
+        ->check(CLI::Range(0, 1024))
+        ->capture_default_str()
+        ->group(run);
+    command
+        .add_option(
+            "--isa", options.isa,
+            "Instruction set: sse2, sse4.2, avx, avx2 or avx512 (default: the best there is). Films differ in a few\n"
+            "roundings between them")
+        ->type_name("LEVEL")
+        ->group(run);
+    command.add_option("--stats", options.stats, "Write statistics as JSON (docs/stats.md)")
+        ->type_name("FILE.json")
+        ->group(run);
+    command
+        .add_option("--aov", options.layers, "Write one multilayer OpenEXR per frame into this folder (docs/layers.md)")
+        ->type_name("DIR")
+        ->group(run);
+    command.add_flag("--dry-run", options.dry_run, "Read and check everything, say what would be done, write nothing")
+        ->group(run);
+    command.add_flag("--quiet", options.quiet, "Print nothing but errors")->group(run);
+}
+
+}  // namespace
+
+Size size_from(const std::string& text) {
+    const std::size_t x = text.find('x');
+    const auto width = x == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(0, x));
+    const auto height = x == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(x + 1));
+    if (!width || !height || *width < 1 || *height < 1 || *width > 16383 || *height > 16383)
+        throw core::Error("size " + text + ": expected WIDTHxHEIGHT in pixels, e.g. 720x576");
+    return {static_cast<int>(*width), static_cast<int>(*height)};
+}
+
+FrameRange frames_from(const std::string& text) {
+    const std::size_t colon = text.find(':');
+    const auto first = whole_number(std::string_view(text).substr(0, colon));
+    const auto last = colon == std::string::npos ? first : whole_number(std::string_view(text).substr(colon + 1));
+    // chosen: 2^31 frames are 2.7 years at 25 Hz; the limit keeps frame numbers exact in every later product.
+    constexpr std::int64_t limit = std::int64_t{1} << 31;
+    if (!first || !last || *last < *first || *last >= limit)
+        throw core::Error("frames " + text + ": expected FIRST:LAST with FIRST <= LAST, counted from 0, e.g. 0:47");
+    return {*first, *last};
+}
+
+ToleranceRequest tolerance_from(const std::string& text) {
+    if (text == "reference") return {true, 0};
+    if (text.starts_with("fixed=")) {
+        const char* number = text.c_str() + 6;
+        char* end = nullptr;
+        double value = std::strtod(number, &end);
+        if (end != number && *end == '%') value /= 100, ++end;
+        if (end != number && *end == '\0' && std::isfinite(value) && value >= 0 && value <= 1)
+            return {false, static_cast<float>(value)};
+    }
+    throw core::Error("tolerance " + text + ": expected fixed=P% with P from 0 to 100, e.g. fixed=2%, or `reference`");
+}
+
+CommandLine parse(int argc, char** argv) {
+    CommandLine line;
+    for (int i = 0; i < argc; ++i) line.text += (i == 0 ? "" : " ") + std::string(argv[i]);
+
+    CLI::App app("Renders a 3D animation with global illumination straight into an MPEG-2 file.", "render2mpeg");
+    app.set_version_flag("--version", "render2mpeg " RENDER2MPEG_VERSION);
+    app.require_subcommand(1);
+    app.get_formatter()->column_width(34);
+
+    CLI::App* render = app.add_subcommand("render", "Render a film");
+    render->footer(
+        "The ending of OUT chooses what is written: .mpg and .vob (MPEG-2 program streams), .ts, .m2v, .mkv, .mp4; "
+        ".y4m; or\n"
+        "numbered images, e.g. frames.%04d.exr or frames.%04d.png.\n"
+        "Example: render2mpeg render animations/cornell -o cornell.mpg --quantiser 6");
+    add_scene_options(*render, line.render);
+    render->add_option("-o,--output", line.render.output, "File to write; the ending chooses its kind")
+        ->type_name("OUT")
+        ->required();
+    add_picture_options(*render, line.render);
+    add_light_options(*render, line.render);
+    add_coding_options(*render, line.render);
+    add_run_options(*render, line.render);
+
+    CLI::App* plan = app.add_subcommand("plan", "Show which passes a scene calls for, and why");
+    plan->footer("Example: render2mpeg plan scene.glb --stats stats.json");
+    add_scene_options(*plan, line.plan.render);
+    plan->add_option("--aov", line.plan.render.layers, "Plan for a render with this option")
+        ->type_name("DIR")
+        ->group("Run");
+    plan->add_option("--stats", line.plan.statistics, "Statistics of a render of this scene: adds what each pass cost")
+        ->type_name("FILE.json")
+        ->group("Run");
+
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        line.exit_code = app.exit(error) == 0 ? 0 : 1;
+        return line;
+    }
+    line.command = render->parsed() ? Command::render : Command::plan;
+    return line;
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace render2mpeg::app {
+
+/// What --tolerance asks for.
+struct ToleranceRequest {
+    bool reference = false;  ///< every light point, no clustering
+    float relative = 0.02f;  ///< else: share of each pixel's luminance
+};
+
+/// Options of `render`, and of `plan` as far as they decide the plan. Absent values are filled from the scene or by
+/// default.
+struct RenderOptions {
+    std::filesystem::path input;
+    std::filesystem::path output;
+    std::optional<std::string> size;  ///< "WxH"
+    std::optional<std::string> rate;
+    std::optional<std::string> frames;  ///< "A:B", inclusive
+    int quantiser = 4;
+    int gop = 15;
+    int samples = 4;
+    int vpls = 4096;
+    std::string tolerance = "fixed=2%";
+    std::string exposure = "auto";   ///< "auto" or a number of EV; the animation file's wins over "auto"
+    std::string clamp = "bounded";   ///< "bounded" or "none"
+    std::optional<std::string> sky;  ///< image file or "none"
+    std::optional<std::string> camera;
+    std::optional<std::string> animation;
+    int threads = 0;  ///< 0: all
+    std::optional<std::string> isa;
+    std::optional<std::filesystem::path> stats;
+    std::optional<std::filesystem::path> layers;  ///< --aov
+    bool dry_run = false;
+    bool quiet = false;
+};
+
+struct PlanOptions {
+    RenderOptions render;  ///< only what decides the plan
+    std::optional<std::filesystem::path> statistics;
+};
+
+enum class Command { render, plan, none };
+
+/// One command line, read and checked for form. `exit_code` is set where there is nothing left to do (--help,
+/// --version, a mistake): the text was printed already.
+struct CommandLine {
+    Command command = Command::none;
+    RenderOptions render;
+    PlanOptions plan;
+    std::optional<int> exit_code;
+    std::string text;  ///< as given, for the statistics
+};
+
+CommandLine parse(int argc, char** argv);
+
+/// The parts of options that have a grammar. Each throws core::Error naming the option and what would be right.
+struct Size {
+    int width = 0, height = 0;
+};
+Size size_from(const std::string& text);
+struct FrameRange {
+    std::int64_t first = 0, last = 0;  ///< both inclusive
+};
+FrameRange frames_from(const std::string& text);
+ToleranceRequest tolerance_from(const std::string& text);
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,64 @@
+#include "app/output_kind.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <string>
+
+#include "core/error.h"
+#include "encoder/av/av.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// The one `%d`, `%4d` or `%04d` of an image sequence's name.
+struct NumberField {
+    std::size_t begin = 0, length = 0;
+    int digits = 0;
+};
+
+std::optional<NumberField> number_field(const std::string& name) {
+    const std::size_t begin = name.find('%');
+    if (begin == std::string::npos || name.find('%', begin + 1) != std::string::npos) return {};
+    std::size_t end = begin + 1;
+    int digits = 0;
+    while (end < name.size() && name[end] >= '0' && name[end] <= '9' && digits < 10)
+        digits = digits * 10 + (name[end++] - '0');
+    if (end >= name.size() || name[end] != 'd' || digits > 9) return {};
+    return NumberField{begin, end + 1 - begin, digits};
+}
+
+}  // namespace
+
+OutputKind kind_of(const std::filesystem::path& output) {
+    if (av::is_film(output)) return OutputKind::film;
+    const std::string ending = output.extension().string();
+    if (ending == ".y4m") return OutputKind::y4m;
+    if (ending == ".exr" || ending == ".png") {
+        if (!number_field(output.filename().string()))
+            throw core::Error("writing", output.string(),
+                              "an image sequence needs one frame number in its name, e.g. frames.%04d" + ending);
+        return ending == ".exr" ? OutputKind::exr : OutputKind::png;
+    }
+    throw core::Error("writing", output.string(),
+                      "the ending chooses what is written: .mpg, .vob, .ts, .m2v, .mkv, .mp4, .y4m, or images such as "
+                      "frames.%04d.exr or .png");
+}
+
+std::filesystem::path numbered(const std::filesystem::path& pattern, std::int64_t frame) {
+    std::string name = pattern.filename().string();
+    const auto field = number_field(name);
+    EXPECTS(field.has_value());
+    name.replace(field->begin, field->length, fmt::format("{:0{}d}", frame, field->digits));
+    return pattern.parent_path() / name;
+}
+
+std::filesystem::path work_folder_of(const std::filesystem::path& output) {
+    return std::filesystem::path(output).replace_extension(".partial");
+}
+
+std::filesystem::path partial_film_of(const std::filesystem::path& output) {
+    return std::filesystem::path(output).replace_extension(".partial" + output.extension().string());
+}
+
+}  // namespace render2mpeg::app

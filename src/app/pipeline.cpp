@@ -1,0 +1,120 @@
+#include "app/pipeline.h"
+
+#include <fmt/format.h>
+
+#include <map>
+
+#include "image/layers.h"
+#include "perceptual/metrics.h"
+#include "scene/motion.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// Motion from a picture to each of its references: exact at any distance, since a snapshot of any frame can be had.
+std::vector<core::MotionField> motion_of(const Production& film, const encoder::PicturePlan& coding,
+                                         const core::Visible& visible, const scene::Snapshot& world) {
+    std::vector<core::MotionField> fields;
+    for (const std::int64_t reference : coding.references)
+        fields.push_back(scene::motion_between(visible, world, film.snapshot(reference)));
+    return fields;
+}
+
+void write_frame_layers(const Production& film, const std::filesystem::path& folder, const core::Visible& visible,
+                        const core::Radiance& radiance, const scene::Snapshot& world) {
+    const core::MotionField before =
+        scene::motion_between(visible, world, film.snapshot(std::max<std::int64_t>(0, world.frame - 1)));
+    const core::MotionField after = scene::motion_between(visible, world, film.snapshot(world.frame + 1));
+    image::write_layers(folder / fmt::format("frame_{:04}.exr", world.frame), visible, radiance, &before, &after);
+}
+
+/// The pictures of a chunk between their rendering and their coding, with what is known of them.
+class Bookkeeper {
+  public:
+    explicit Bookkeeper(Ledger& ledger) : ledger_(ledger), first_(ledger.frames.size()) {}
+
+    /// Opens the entry of a frame with what gathering its light took: the growth of the renderer's counts.
+    void rendered(std::int64_t frame, const renderer::Statistics& before, const renderer::Statistics& after) {
+        FrameEntry entry;
+        entry.frame = frame;
+        entry.shadow_rays = after.shadow_rays - before.shadow_rays;
+        const auto points = static_cast<double>(std::max<std::uint64_t>(1, after.gather_points - before.gather_points));
+        entry.direct_cut = static_cast<double>(after.direct_clusters - before.direct_clusters) / points;
+        entry.indirect_cut = static_cast<double>(after.indirect_clusters - before.indirect_clusters) / points;
+        ledger_.frames.push_back(entry);
+    }
+    void took(double seconds) { ledger_.frames.back().seconds = seconds; }
+    void keep(core::Picture picture) {
+        const std::int64_t number = picture.number;
+        waiting_.emplace(number, std::move(picture));
+    }
+
+    /// Completes the entry of a picture that was coded.
+    void coded(const encoder::CodedPicture& coded) {
+        const auto original = waiting_.find(coded.plan.number);
+        EXPECTS(original != waiting_.end());
+        FrameEntry& entry =
+            ledger_.frames[first_ + static_cast<std::size_t>(coded.plan.number - ledger_.frames[first_].frame)];
+        entry.type = "-IPB"[static_cast<int>(coded.plan.type)];
+        entry.quantiser = coded.plan.quantiser;
+        entry.bytes = coded.bytes.size();
+        entry.mse_y = perceptual::mean_squared_error(original->second.y, coded.reconstruction.y);
+        entry.ssim_y = perceptual::ssim(original->second.y, coded.reconstruction.y);
+        waiting_.erase(original);
+    }
+
+  private:
+    Ledger& ledger_;
+    std::size_t first_;
+    std::map<std::int64_t, core::Picture> waiting_;
+};
+
+}  // namespace
+
+bool render_chunk(const Production& film, renderer::Renderer& renderer, const Chunk& chunk,
+                  const Destination& destination, Ledger& ledger, const std::function<bool()>& frame_done) {
+    const perceptual::Display display(film.exposure.value_or(0), perceptual::matrix_for(film.format.height));
+    const core::ToleranceMap tolerance = film.tolerance_map();
+    encoder::Encoder encoder(film.coding);
+    Bookkeeper books(ledger);
+    renderer.start_chunk(film.snapshot(chunk.first));
+    const auto write = [&](const std::vector<encoder::CodedPicture>& pictures) {
+        for (const encoder::CodedPicture& coded : pictures) {
+            books.coded(coded);
+            destination.film->append(coded);
+        }
+    };
+
+    bool whole = true;
+    for (std::int64_t n = chunk.first; n <= chunk.last && whole; ++n) {
+        const double start = cpu_seconds();
+        const renderer::Statistics before = renderer.statistics();
+        const scene::Snapshot world = film.snapshot(n);
+
+        // See, then light what is seen.
+        const renderer::Seen seen = timed(ledger, Stage::see, [&] { return renderer.see(world); });
+        const core::Radiance radiance =
+            timed(ledger, Stage::shade, [&] { return renderer.shade(world, seen, tolerance); });
+        books.rendered(n, before, renderer.statistics());
+
+        // Develop it.
+        core::Picture picture = timed(ledger, Stage::develop, [&] { return display.develop(radiance); });
+        picture.number = n;
+
+        // Encode it with the renderer's own motion, or write it as it is.
+        if (destination.film != nullptr) {
+            const encoder::PicturePlan coding = encoder.plan(n, {world.cut_before}, n == chunk.first);
+            books.keep(picture);
+            write(timed(ledger, Stage::encode,
+                        [&] { return encoder.push(picture, coding, motion_of(film, coding, seen.visible, world)); }));
+        }
+        if (destination.sink != nullptr) destination.sink->write(radiance, picture);
+        if (destination.layers != nullptr) write_frame_layers(film, *destination.layers, seen.visible, radiance, world);
+        books.took(cpu_seconds() - start);
+        whole = frame_done() || n == chunk.last;
+    }
+    if (destination.film != nullptr) write(timed(ledger, Stage::encode, [&] { return encoder.flush(); }));
+    return whole;
+}
+
+}  // namespace render2mpeg::app

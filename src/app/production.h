@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "app/options.h"
+#include "app/output_kind.h"
+#include "core/rational.h"
+#include "core/tolerance_map.h"
+#include "encoder/encoder.h"
+#include "perceptual/display.h"
+#include "renderer/plan.h"
+#include "renderer/renderer.h"
+#include "scene/animation.h"
+#include "scene/snapshot.h"
+
+namespace render2mpeg::app {
+
+/// Everything that decides a film: the scene and all settings, with the options' gaps filled. Constant while it is
+/// rendered.
+struct Production {
+    std::shared_ptr<const scene::Animation> animation;
+    core::FrameRate rate;
+    FrameRange frames;
+    scene::PictureFormat format;
+    renderer::Settings rendering;
+    renderer::Plan plan{{}};
+    encoder::Settings coding;
+    ToleranceRequest tolerance;
+    OutputKind kind = OutputKind::film;
+    std::optional<float> exposure;  ///< EV; none: to be measured
+
+    std::int64_t frame_count() const { return frames.last - frames.first + 1; }
+    scene::Snapshot snapshot(std::int64_t frame) const {
+        return scene::snapshot_at(*animation, frame, core::time_of(frame, rate), format);
+    }
+    core::ToleranceMap tolerance_map() const;
+};
+
+/// Loads the scene and settles every setting. Throws core::Error for all that cannot be rendered or coded.
+Production prepare(const RenderOptions& options);
+
+/// One exposure for the film, in EV: a few small, coarse frames spread over it are lit and their luminances judged.
+float measure_exposure(const Production& film);
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,138 @@
+#include "app/render.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <optional>
+
+#include "app/interrupt.h"
+#include "app/pipeline.h"
+#include "app/progress.h"
+#include "app/statistics.h"
+#include "core/error.h"
+#include "parallel/loops.h"
+
+namespace render2mpeg::app {
+namespace {
+
+void say_notes(const Production& film, bool quiet) {
+    if (quiet) return;
+    for (const std::string& note : film.animation->notes) std::fputs((note + "\n").c_str(), stderr);
+}
+
+std::string dry_run_text(const Production& film, const RenderOptions& options) {
+    const auto chunks = chunks_of(film.frames, film.coding.gop);
+    return fmt::format("{}: would render frames {} to {} ({:.2f} s at {} Hz) of {} at {}x{}, in {} chunk{}\n",
+                       options.output.string(), film.frames.first, film.frames.last,
+                       static_cast<double>(film.frame_count()) / film.rate.hertz.value(), film.rate.name,
+                       film.animation->source, film.format.width, film.format.height, chunks.size(),
+                       chunks.size() == 1 ? "" : "s") +
+           plan_table(film.plan, {});
+}
+
+/// Refuses what would only fail after hours of rendering.
+void check_writable(const std::filesystem::path& file) {
+    const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) throw core::Error("writing", file.string(), error.message());
+    if (std::filesystem::is_directory(file)) throw core::Error("writing", file.string(), "it is a folder");
+    const std::filesystem::path probe = folder / (file.filename().string() + ".probe");
+    if (!std::ofstream(probe)) throw core::Error("writing", file.string(), "the folder cannot be written");
+    std::filesystem::remove(probe, error);
+}
+
+/// Renders all chunks to their destinations. Returns the chunks' files, the last of them incomplete after an
+/// interruption.
+std::vector<ChunkFile> render_chunks(const Production& film, const RenderOptions& options, WorkFolder* work, Sink* sink,
+                                     Ledger& ledger) {
+    renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
+    Progress progress(film.frame_count(), 0, options.quiet);
+    std::vector<ChunkFile> files;
+    for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {
+        if (work != nullptr) files.push_back(work->open(chunk));
+        const Destination destination{work != nullptr ? &files.back() : nullptr, sink,
+                                      options.layers ? &*options.layers : nullptr};
+        const std::size_t first = ledger.frames.size();
+        const bool whole = render_chunk(film, renderer, chunk, destination, ledger, [&] {
+            progress.advance();
+            return !InterruptGuard::requested();
+        });
+        if (work != nullptr && whole)
+            files.back().finish({ledger.frames.begin() + static_cast<std::ptrdiff_t>(first), ledger.frames.end()});
+        else if (work != nullptr)
+            files.back().abandon();
+        if (!whole || InterruptGuard::requested()) break;
+    }
+    ledger.rendering = renderer.statistics();
+    for (std::size_t i = 0; i < ledger.pass_seconds.size(); ++i)
+        ledger.pass_seconds[i] = renderer.seconds(static_cast<renderer::Pass>(i));
+    return files;
+}
+
+/// Puts the film together, proves that it decodes to what was encoded, and only then gives it its name.
+std::uint64_t publish(const std::vector<ChunkFile>& chunks, const Production& film, const WorkFolder& work,
+                      const std::filesystem::path& target) {
+    const std::filesystem::path file = work.path("film" + target.extension().string());
+    assemble(chunks, film, file, target);
+    verify(file, chunks);
+    const std::uint64_t bytes = std::filesystem::file_size(file);
+    std::error_code error;
+    std::filesystem::rename(file, target, error);
+    if (error) throw core::Error("writing", target.string(), error.message());
+    return bytes;
+}
+
+}  // namespace
+
+int render(const RenderOptions& options, const std::string& command) {
+    const auto start = std::chrono::steady_clock::now();
+    const parallel::ThreadLimit threads(options.threads);
+    const InterruptGuard guard;
+
+    // Read and settle everything before anything is written.
+    Ledger ledger;
+    Production film = timed(ledger, Stage::load, [&] { return prepare(options); });
+    say_notes(film, options.quiet);
+    if (options.dry_run) return std::fputs(dry_run_text(film, options).c_str(), stdout), 0;
+    if (film.kind == OutputKind::film || film.kind == OutputKind::y4m) check_writable(options.output);
+    if (options.layers) check_writable(*options.layers / "frame.exr");
+    if (options.stats) check_writable(*options.stats);
+    if (!film.exposure) film.exposure = timed(ledger, Stage::load, [&] { return measure_exposure(film); });
+
+    // Render.
+    std::optional<WorkFolder> work;
+    if (film.kind == OutputKind::film) work.emplace(options.output, film, command);
+    const std::unique_ptr<Sink> sink = make_sink(film, options.output);
+    const std::vector<ChunkFile> chunks = render_chunks(film, options, work ? &*work : nullptr, sink.get(), ledger);
+
+    // Publish what is whole; leave what is not beside the target.
+    const bool complete = static_cast<std::int64_t>(ledger.frames.size()) == film.frame_count();
+    RunFacts facts{command, options.input.string(), options.output.string(), 0, complete};
+    if (work && !ledger.frames.empty()) {
+        const std::filesystem::path target = complete ? options.output : partial_film_of(options.output);
+        facts.bytes = publish(chunks, film, *work, target);
+        facts.output = target.string();
+        if (complete) work->remove();
+    }
+    if (sink && complete) sink->finish();
+    if (film.kind == OutputKind::y4m && complete) facts.bytes = std::filesystem::file_size(options.output);
+    ledger.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+    if (options.stats) write_statistics(*options.stats, film, ledger, facts);
+    if (!options.quiet) std::fputs(summary(film, ledger, facts).c_str(), stdout);
+    if (!complete && !options.quiet)
+        std::fputs(fmt::format("interrupted after {} of {} frames\n", ledger.frames.size(), film.frame_count()).c_str(),
+                   stderr);
+    return complete ? 0 : 130;
+}
+
+int plan(const PlanOptions& options) {
+    const Production film = prepare(options.render);
+    say_notes(film, false);
+    std::fputs(plan_table(film.plan, options.statistics.value_or("")).c_str(), stdout);
+    return 0;
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "app/ledger.h"
+#include "app/production.h"
+
+namespace render2mpeg::app {
+
+/// What a run's statistics say besides the ledger.
+struct RunFacts {
+    std::string command;
+    std::string input, output;
+    std::uint64_t bytes = 0;  ///< of the output file; 0 for image sequences
+    bool complete = true;     ///< false: interrupted
+};
+
+/// Largest resident memory of this process so far, MiB.
+double peak_memory_mib();
+
+/// Writes the statistics file (docs/stats.md).
+void write_statistics(const std::filesystem::path& file, const Production& film, const Ledger& ledger,
+                      const RunFacts& facts);
+
+/// The lines a user reads at the end of a render.
+std::string summary(const Production& film, const Ledger& ledger, const RunFacts& facts);
+
+/// The plan as a table: each pass, whether it runs, why, and, if `statistics` names the file of a render, what it cost.
+std::string plan_table(const renderer::Plan& plan, const std::filesystem::path& statistics);
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,105 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "app/progress.h"
+#include "app/statistics.h"
+#include "core/error.h"
+#include "core/numeric.h"
+
+namespace render2mpeg::app {
+namespace {
+
+std::string size_text(double bytes) {
+    if (bytes < 1e3) return fmt::format("{:.0f} B", bytes);
+    if (bytes < 1e6) return fmt::format("{:.1f} kB", bytes / 1e3);
+    return bytes < 1e9 ? fmt::format("{:.2f} MB", bytes / 1e6) : fmt::format("{:.2f} GB", bytes / 1e9);
+}
+
+std::string count_text(double count) {
+    if (count < 1e4) return fmt::format("{:.0f}", count);
+    if (count < 1e6) return fmt::format("{:.1f} k", count / 1e3);
+    return count < 1e9 ? fmt::format("{:.1f} M", count / 1e6) : fmt::format("{:.2f} G", count / 1e9);
+}
+
+std::string percent_text(double share) {
+    return fmt::format("{:.1f} %", 100 * share);
+}
+
+/// CPU seconds by pass and of the whole, from the statistics of a render.
+struct PassCosts {
+    nlohmann::json passes;
+    double total = 0;
+};
+
+PassCosts read_costs(const std::filesystem::path& file) {
+    std::ifstream stream(file);
+    if (!stream) throw core::Error("reading", file.string(), "the file cannot be opened");
+    try {
+        const nlohmann::json statistics = nlohmann::json::parse(stream);
+        return {statistics.at("passes"), statistics.at("seconds").at("cpu").get<double>()};
+    } catch (const nlohmann::json::exception&) {
+        throw core::Error("reading", file.string(), "these are not the statistics of a render (docs/stats.md)");
+    }
+}
+
+}  // namespace
+
+std::string summary(const Production& film, const Ledger& ledger, const RunFacts& facts) {
+    const renderer::Statistics& r = ledger.rendering;
+    const auto frames = static_cast<double>(ledger.frames.size());
+    const double duration = frames / film.rate.hertz.value();
+    std::string text = fmt::format("{}: {} frames, {}x{} at {} Hz, {:.2f} s", facts.output, ledger.frames.size(),
+                                   film.format.width, film.format.height, film.rate.name, duration);
+    if (facts.bytes > 0)
+        text += fmt::format(", {}, {:.0f} kb/s", size_text(static_cast<double>(facts.bytes)),
+                            core::divide_or(8e-3 * static_cast<double>(facts.bytes), duration, 0.0));
+    text += "\n  CPU time   ";
+    for (std::size_t i = 0; i < ledger.seconds.size(); ++i)
+        text += fmt::format("{} {:.2f}  ", stage_names[i], ledger.seconds[i]);
+    text += fmt::format("of {:.2f} s; {} on the clock; peak memory {:.0f} MiB\n", cpu_seconds(),
+                        clock_text(ledger.wall), peak_memory_mib());
+
+    text += fmt::format(
+        "  light      {} direct and {} indirect light points; mean cut {:.1f} and {:.1f}; {} points to light, {} "
+        "shadow rays\n",
+        r.direct_points, r.indirect_points, ledger.mean_direct_cut(), ledger.mean_indirect_cut(),
+        count_text(static_cast<double>(r.gather_points)), count_text(static_cast<double>(r.shadow_rays)));
+    if (r.capped_points > 0)
+        text +=
+            fmt::format("             {} of the points stopped at the largest cut: their tolerance is not certified\n",
+                        percent_text(core::divide_or(static_cast<double>(r.capped_points),
+                                                     static_cast<double>(r.gather_points), 0.0)));
+    if (r.clamped_energy > 0.0005)
+        text +=
+            fmt::format("             {} of the light was clamped near light points\n", percent_text(r.clamped_energy));
+    if (r.non_finite > 0)
+        text += fmt::format("             {} values were not finite and became 0, the first in {}\n", r.non_finite,
+                            r.first_non_finite);
+    if (film.kind == OutputKind::film)
+        text += fmt::format("  quality    decoded against rendered: PSNR-Y {:.2f} dB, SSIM-Y {:.4f}\n", ledger.psnr_y(),
+                            ledger.ssim_y());
+    return text;
+}
+
+std::string plan_table(const renderer::Plan& plan, const std::filesystem::path& statistics) {
+    const bool costs_known = !statistics.empty();
+    const PassCosts costs = costs_known ? read_costs(statistics) : PassCosts{};
+    std::string text;
+    for (const renderer::PlanRow& row : plan.rows()) {
+        text += fmt::format("{:<3} {:<18}", row.runs ? "yes" : "no", row.name);
+        if (costs_known) {
+            const auto cost = costs.passes.find(row.name);
+            text += cost != costs.passes.end() && cost->is_number()
+                        ? fmt::format(" {:>9.2f} s {:>7}", cost->get<double>(),
+                                      percent_text(core::divide_or(cost->get<double>(), costs.total, 0.0)))
+                        : fmt::format(" {:>11} {:>7}", "", "");
+        }
+        text += fmt::format("  {}\n", row.reason);
+    }
+    return text;
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "app/chunk.h"
+#include "app/ledger.h"
+#include "app/production.h"
+#include "encoder/encoder.h"
+
+namespace render2mpeg::app {
+
+/// What is remembered of a coded picture until the film is put together.
+struct PictureRecord {
+    std::int64_t number = 0;        ///< display number, absolute
+    std::int64_t coding_order = 0;  ///< within its chunk
+    bool starts_gop = false;
+    std::uint64_t bytes = 0;
+    std::uint64_t checksum = 0;  ///< of its reconstruction
+};
+
+/// A 64-bit checksum of a picture's three planes. [FNV]
+std::uint64_t checksum_of(const core::Picture& picture);
+
+/// The coded pictures of one chunk, in coding order, in a file that grows while the chunk is rendered.
+class ChunkFile {
+  public:
+    ChunkFile(const std::filesystem::path& file, const Chunk& chunk);
+
+    void append(const encoder::CodedPicture& coded);
+    /// Closes the stream and writes its record beside it (`.json`), which marks the chunk as complete.
+    void finish(const std::vector<FrameEntry>& frames);
+    /// Closes the stream as it is: playable, not complete.
+    void abandon();
+
+    const Chunk& chunk() const { return chunk_; }
+    const std::filesystem::path& file() const { return file_; }
+    const std::vector<PictureRecord>& pictures() const { return pictures_; }
+
+  private:
+    std::filesystem::path file_;
+    Chunk chunk_;
+    std::ofstream stream_;
+    std::vector<PictureRecord> pictures_;
+};
+
+/// `OUT.partial/`: the chunks of a film that is not whole yet, with a manifest of what they belong to.
+class WorkFolder {
+  public:
+    /// Creates the folder, empty but for the manifest; what an earlier run left there is removed.
+    WorkFolder(const std::filesystem::path& output, const Production& film, const std::string& command);
+
+    ChunkFile open(const Chunk& chunk);
+    std::filesystem::path path(const std::string& name) const { return folder_ / name; }
+    /// Removes the folder with all that it holds.
+    void remove();
+
+  private:
+    std::filesystem::path folder_;
+};
+
+/// Joins chunks to one film `file`, whose format the ending of `name` tells.
+void assemble(const std::vector<ChunkFile>& chunks, const Production& film, const std::filesystem::path& file,
+              const std::filesystem::path& name);
+
+/// Decodes the film and throws core::Error unless every picture equals its recorded reconstruction bit for bit.
+void verify(const std::filesystem::path& film, const std::vector<ChunkFile>& chunks);
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,172 @@
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "support/program.h"
+
+/// What a user meets at the door: help, refusals, interruptions.
+namespace render2mpeg {
+namespace {
+
+using support::contents;
+using support::film;
+using support::Folder;
+using support::program;
+using support::run;
+
+std::filesystem::path write(const std::filesystem::path& file, const std::string& text) {
+    std::ofstream(file, std::ios::binary) << text;
+    return file;
+}
+
+/// Refused as the house wants it: one line, exit status 1, nothing written, `words` said.
+void expect_refusal(const Folder& folder, const std::string& arguments, const std::string& words) {
+    const std::size_t before = folder.entries();
+    const auto outcome = run(program() + " " + arguments);
+    EXPECT_EQ(outcome.status, 1) << arguments << "\n" << outcome.output;
+    EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
+    EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
+    EXPECT_EQ(folder.entries(), before) << arguments;
+}
+
+TEST(Help, ShowsEveryOptionWithItsDefault) {
+    const auto help = run(program() + " render --help");
+    EXPECT_EQ(help.status, 0);
+    for (const char* words :
+         {"--size",    "--fps",       "--frames",  "--quantiser", "=4",        "--gop",   "=15",      "--samples",
+          "--vpls",    "--tolerance", "=fixed=2%", "--exposure",  "=auto",     "--sky",   "--camera", "--animation",
+          "--threads", "--isa",       "--stats",   "--aov",       "--dry-run", "--quiet", ".mpg",     "%04d"})
+        EXPECT_NE(help.output.find(words), std::string::npos) << words;
+    EXPECT_EQ(run(program() + " plan --help").status, 0);
+    EXPECT_EQ(run(program() + " --version").output.substr(0, 12), "render2mpeg ");
+}
+
+TEST(Help, TheProgramItselfLoadsNoHeavyLibrary) {
+    const auto libraries = run("ldd " + program());
+    for (const char* heavy : {"libavformat", "libavcodec", "libOpenImageIO", "libOpenEXR"})
+        EXPECT_EQ(libraries.output.find(heavy), std::string::npos) << heavy;
+}
+
+TEST(Refusal, NamesTheFileAndTheCause) {
+    const Folder folder;
+    const std::string out = " -o " + (folder / "x.mpg").string();
+    const auto gltf = [&](const std::string& name, const std::string& text) {
+        return "render " + write(folder / name, text).string() + out;
+    };
+
+    expect_refusal(folder, "render " + (folder / "absent.glb").string() + out, "absent.glb");
+    const std::string truncated = gltf("truncated.gltf", R"({"asset":{"version":"2.0"},"nodes":[)");
+    expect_refusal(folder, truncated, "truncated.gltf");
+    const std::string cycle = gltf(
+        "cycle.gltf",
+        R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"children":[1]},{"children":[0]}]})");
+    expect_refusal(folder, cycle, "cycle.gltf");
+    const std::string count =
+        gltf("count.gltf", R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
+        "bufferViews":[{"buffer":0,"byteLength":36}],"accessors":[{"bufferView":0,"componentType":5126,"count":1000000000,"type":"VEC3"}]})");
+    expect_refusal(folder, count, "count.gltf");
+    const std::string outside =
+        gltf("outside.gltf", R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":4,"uri":"../../etc/hostname"}]})");
+    expect_refusal(folder, outside, "outside.gltf");
+    const std::string required = gltf(
+        "required.gltf",
+        R"({"asset":{"version":"2.0"},"extensionsRequired":["EXT_unheard_of"],"extensionsUsed":["EXT_unheard_of"]})");
+    expect_refusal(folder, required, "EXT_unheard_of");
+    const std::string key = gltf("key.json", R"({"camra":{}})");
+    expect_refusal(folder, key, "camra");
+}
+
+TEST(Refusal, NamesTheOptionAndWhatWouldBeRight) {
+    const Folder folder;
+    const std::string start = "render " + film("cornell");
+    const std::string out = " -o " + (folder / "x.mpg").string();
+    const auto refused = [&](const std::string& arguments, const std::string& words) {
+        const auto outcome = run(program() + " " + arguments);
+        EXPECT_EQ(outcome.status, 1) << outcome.output;
+        EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
+        EXPECT_EQ(folder.entries(), 0u);
+    };
+    refused(start + out + " --fps 31", "23.976, 24, 25, 29.97, 30, 50, 59.94, 60");
+    refused(start + out + " --size 640", "WIDTHxHEIGHT");
+    refused(start + out + " --frames 9:3", "FIRST:LAST");
+    refused(start + out + " --quantiser 32", "quantiser");
+    refused(start + out + " --tolerance 2", "fixed=P%");
+    refused(start + out + " --exposure bright", "auto");
+    refused(start + out + " --isa mmx", "sse2, sse4.2, avx, avx2, avx512");
+    refused(start + out + " --camera nobody", "nobody");
+    refused(start + " -o " + (folder / "x.avi").string(), ".mpg, .vob, .ts, .m2v, .mkv, .mp4");
+    refused(start + " -o " + (folder / "x.png").string(), "%04d");
+    refused(start + out + " --size 4096x2304", "1920");
+}
+
+TEST(DryRun, ChecksAllAndWritesNothing) {
+    const Folder folder;
+    const auto outcome =
+        run(program() + " render " + film("cornell") + " --dry-run --frames 0:99 -o " + (folder / "x.mpg").string());
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("2 chunks"), std::string::npos) << outcome.output;
+    EXPECT_EQ(folder.entries(), 0u);
+}
+
+TEST(PlanCommand, GivesAReasonForEveryPassAndItsCostAfterARender) {
+    const auto still = run(program() + " plan " + film("still_room"));
+    EXPECT_EQ(still.status, 0);
+    EXPECT_NE(still.output.find("no cause"), std::string::npos) << still.output;
+    const Folder folder;
+    const std::string stats = (folder / "s.json").string();
+    ASSERT_EQ(run(program() + " render " + film("still_room") +
+                  " --size 32x32 --samples 1 --vpls 16 --frames 0:1 --quiet -o " + (folder / "x.mpg").string() +
+                  " --stats " + stats)
+                  .status,
+              0);
+    const auto priced = run(program() + " plan " + film("still_room") + " --stats " + stats);
+    EXPECT_EQ(priced.status, 0);
+    EXPECT_NE(priced.output.find(" %"), std::string::npos) << priced.output;
+}
+
+TEST(Statistics, HaveEveryDocumentedKey) {
+    const Folder folder;
+    const auto file = folder / "s.json";
+    ASSERT_EQ(
+        run(program() + " render " + film("cornell") + " --size 32x32 --samples 1 --vpls 16 --frames 0:1 --quiet -o " +
+            (folder / "x.mpg").string() + " --stats " + file.string())
+            .status,
+        0);
+    const auto statistics = nlohmann::json::parse(contents(file));
+    for (const char* key :
+         {"version", "command", "input", "output", "width", "height", "fps", "frames", "bytes", "seconds", "rays",
+          "light_points", "mean_cut", "peak_rss_mib", "non_finite", "clamped_energy", "psnr_y", "ssim_y", "per_frame"})
+        EXPECT_TRUE(statistics.contains(key)) << key;
+    for (const char* key : {"load", "see", "shade", "develop", "encode", "wall", "cpu"})
+        EXPECT_TRUE(statistics.at("seconds").contains(key)) << key;
+    for (const char* key : {"primary", "shadow", "photon"})
+        EXPECT_GT(statistics.at("rays").at(key).get<double>(), 0) << key;
+    EXPECT_EQ(statistics.at("per_frame").size(), 2u);
+    EXPECT_EQ(statistics.at("bytes"), std::filesystem::file_size(folder / "x.mpg"));
+    EXPECT_EQ(statistics.at("per_frame")[0].at("type"), "I");
+}
+
+TEST(Interruption, LeavesAPlayablePartialFilmAndNoFinalOne) {
+    const Folder folder;
+    const auto output = folder / "film.mpg";
+    const auto outcome =
+        run(program() + " render " + film("cornell") + " --size 128x128 --frames 0:999 --exposure 0 --quiet -o " +
+            output.string() + " & job=$!; while [ ! -s " + (folder / "film.partial").string() +
+            "/chunk_00000.m2v ]; do sleep 0.05; done; sleep 0.3; " + "kill -INT $job; wait $job");
+    EXPECT_EQ(outcome.status, 130) << outcome.output;
+    EXPECT_FALSE(std::filesystem::exists(output));
+    const auto partial = folder / "film.partial.mpg";
+    ASSERT_TRUE(std::filesystem::exists(partial));
+    const auto decoded = run("ffmpeg -v error -xerror -err_detect explode -i " + partial.string() + " -f null -");
+    EXPECT_EQ(decoded.status, 0);
+    EXPECT_EQ(decoded.output, "");
+}
+
+}  // namespace
+}  // namespace render2mpeg

@@ -1,0 +1,150 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "support/program.h"
+
+/// Whole renders, as a user starts them, judged by foreign decoders.
+namespace render2mpeg {
+namespace {
+
+using support::contents;
+using support::film;
+using support::Folder;
+using support::run;
+
+const std::string small = " --size 64x48 --samples 1 --vpls 64 --exposure 0 --quiet";
+
+std::string render(const std::string& input, const std::filesystem::path& output, const std::string& options) {
+    return support::program() + " render " + input + " -o " + output.string() + options;
+}
+
+/// Frames that libavcodec decodes, without a word of complaint; -1 otherwise.
+int frames_by_ffmpeg(const std::filesystem::path& file) {
+    const auto strict = run("ffmpeg -v error -xerror -err_detect explode -i " + file.string() + " -f null -");
+    if (strict.status != 0 || !strict.output.empty()) return -1;
+    const auto counted =
+        run("ffprobe -v error -count_frames -select_streams v -show_entries stream=nb_read_frames -of csv=p=0 " +
+            file.string());
+    return std::atoi(counted.output.c_str());
+}
+
+/// Pictures that libmpeg2's own program writes.
+int frames_by_mpeg2dec(const std::filesystem::path& file, const std::string& demultiplex) {
+    const Folder pictures;
+    run("cd " + pictures.path().string() + " && mpeg2dec " + demultiplex + " -o pgm " + file.string());
+    return static_cast<int>(pictures.entries());
+}
+
+class EveryFilm : public testing::TestWithParam<const char*> {};
+
+TEST_P(EveryFilm, DecodesWholeEverywhereAndHasOnlyFiniteLight) {
+    const Folder folder;
+    const auto output = folder / "film.mpg";
+    const auto outcome =
+        run(render(film(GetParam()), output, small + " --frames 0:4 --gop 3 --stats " + (folder / "s.json").string()));
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_EQ(frames_by_ffmpeg(output), 5);
+    EXPECT_EQ(frames_by_mpeg2dec(output, "-s"), 5);
+    const auto statistics = nlohmann::json::parse(contents(folder / "s.json"));
+    EXPECT_EQ(statistics.at("non_finite"), 0);
+    EXPECT_EQ(statistics.at("frames"), 5);
+    EXPECT_GT(statistics.at("psnr_y").get<double>(), 25.0) << "quantiser 4 on a small picture";
+    EXPECT_FALSE(std::filesystem::exists(folder / "film.partial"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Animations, EveryFilm,
+                         testing::Values("cornell", "colonnade", "many_lamps", "mirror_and_glass", "character",
+                                         "still_room", "flash_cut"),
+                         [](const auto& info) { return std::string(info.param); });
+
+TEST(OutputKind, EveryFilmEndingGivesItsContainerWithAllPictures) {
+    const Folder folder;
+    for (const auto& [ending, format] : {std::pair{"mpg", "mpeg"},
+                                         {"vob", "mpeg"},
+                                         {"ts", "mpegts"},
+                                         {"m2v", "mpegvideo"},
+                                         {"mkv", "matroska,webm"},
+                                         {"mp4", "mov,mp4,m4a,3gp,3g2,mj2"}}) {
+        const auto output = folder / (std::string("film.") + ending);
+        ASSERT_EQ(run(render(film("cornell"), output, small + " --frames 0:3 --gop 2")).status, 0) << ending;
+        EXPECT_EQ(frames_by_ffmpeg(output), 4) << ending;
+        EXPECT_EQ(run("ffprobe -v error -show_entries format=format_name -of csv=p=0 " + output.string()).output,
+                  std::string(format).find(',') == std::string::npos ? format + std::string("\n")
+                                                                     : "\"" + std::string(format) + "\"\n");
+        EXPECT_EQ(
+            run("ffprobe -v error -show_entries stream=codec_name -of csv=p=0 " + output.string()).output.substr(0, 10),
+            "mpeg2video");
+    }
+}
+
+TEST(OutputKind, ImagesAndRawVideoAreWrittenFrameByFrame) {
+    const Folder folder;
+    ASSERT_EQ(run(render(film("cornell"), folder / "film.y4m", small + " --frames 0:2")).status, 0);
+    EXPECT_EQ(frames_by_ffmpeg(folder / "film.y4m"), 3);
+    ASSERT_EQ(run(render(film("cornell"), folder / "f.%04d.png", small + " --frames 5:6")).status, 0);
+    EXPECT_TRUE(std::filesystem::exists(folder / "f.0005.png"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "f.0006.png"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "f.0007.png"));
+    ASSERT_EQ(run(render(film("cornell"), folder / "f.%d.exr", small + " --frames 5:5")).status, 0);
+    EXPECT_EQ(
+        run("ffprobe -v error -show_entries stream=width,height -of csv=p=0 " + (folder / "f.5.exr").string()).output,
+        "64,48\n");
+}
+
+TEST(Size, AnySizeIsCodedAndShownAsItIs) {
+    const Folder folder;
+    for (const std::string size : {"1x1", "17x33", "50x16", "16x50"}) {
+        const auto output = folder / ("s" + size + ".m2v");
+        const auto outcome = run(
+            render(film("cornell"), output, " --samples 1 --vpls 16 --exposure 0 --quiet --frames 0:2 --size " + size));
+        ASSERT_EQ(outcome.status, 0) << outcome.output;
+        EXPECT_EQ(frames_by_ffmpeg(output), 3) << size;
+        const auto shown = run("ffprobe -v error -show_entries stream=width,height -of csv=p=0:s=x " + output.string());
+        EXPECT_EQ(shown.output, size + "\n");
+    }
+}
+
+TEST(Determinism, TheFilmDoesNotDependOnThreads) {
+    const Folder folder;
+    ASSERT_EQ(run(render(film("cornell"), folder / "one.m2v", small + " --frames 0:3 --threads 1")).status, 0);
+    ASSERT_EQ(run(render(film("cornell"), folder / "four.m2v", small + " --frames 0:3 --threads 4")).status, 0);
+    EXPECT_EQ(contents(folder / "one.m2v"), contents(folder / "four.m2v"));
+}
+
+TEST(Determinism, LayersAndStatisticsChangeNoBitOfTheFilm) {
+    const Folder folder;
+    ASSERT_EQ(run(render(film("character"), folder / "plain.m2v", small + " --frames 0:2")).status, 0);
+    ASSERT_EQ(run(render(film("character"), folder / "layers.m2v",
+                         small + " --frames 0:2 --aov " + (folder / "aov").string() + " --stats " +
+                             (folder / "s.json").string()))
+                  .status,
+              0);
+    EXPECT_EQ(contents(folder / "plain.m2v"), contents(folder / "layers.m2v"));
+    const auto header = run("exrheader " + (folder / "aov").string() + "/frame_0001.exr");
+    for (const char* channel : {"ViewLayer.Combined.R", "ViewLayer.Depth.Z", "ViewLayer.Normal.X", "ViewLayer.Vector.W",
+                                "ViewLayer.IndexOB.X", "ViewLayer.IndexMA.X"})
+        EXPECT_NE(header.output.find(channel), std::string::npos) << channel << "\n" << header.output;
+}
+
+TEST(Quality, StatisticsAgreeWithTheFiltersOfFfmpegToFourDigits) {
+    const Folder folder;
+    const auto stats = folder / "s.json";
+    ASSERT_EQ(
+        run(render(film("cornell"), folder / "f.mpg", small + " --quantiser 12 --frames 0:4 --stats " + stats.string()))
+            .status,
+        0);
+    ASSERT_EQ(run(render(film("cornell"), folder / "f.y4m", small + " --frames 0:4")).status, 0);
+    const auto filters = run("ffmpeg -v info -idct simple -i " + (folder / "f.mpg").string() + " -i " +
+                             (folder / "f.y4m").string() + " -lavfi '[0][1]psnr;[0][1]ssim' -f null -");
+    const auto value_after = [&](const std::string& key, std::size_t from) {
+        const std::size_t at = filters.output.find(key, from);
+        return at == std::string::npos ? -1.0 : std::strtod(filters.output.c_str() + at + key.size(), nullptr);
+    };
+    const auto statistics = nlohmann::json::parse(contents(stats));
+    EXPECT_NEAR(statistics.at("psnr_y").get<double>(), value_after("PSNR y:", 0), 5e-4) << filters.output;
+    EXPECT_NEAR(statistics.at("ssim_y").get<double>(), value_after("SSIM Y:", 0), 5e-5) << filters.output;
+}
+
+}  // namespace
+}  // namespace render2mpeg

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+/// Runs programs as a user does, and gives each test a folder of its own.
+namespace render2mpeg::support {
+
+struct Outcome {
+    int status = -1;     ///< exit status; 128 + signal for a program that a signal ended
+    std::string output;  ///< standard output and standard error together
+};
+
+inline Outcome run(const std::string& command) {
+    Outcome outcome;
+    std::FILE* pipe = popen(("( " + command + " ) 2>&1 </dev/null").c_str(), "r");
+    if (pipe == nullptr) return outcome;
+    std::array<char, 4096> buffer;
+    while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
+        outcome.output.append(buffer.data(), n);
+    const int status = pclose(pipe);
+    outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return outcome;
+}
+
+/// A new, empty folder that goes with the object.
+class Folder {
+  public:
+    Folder() {
+        std::string pattern = (std::filesystem::temp_directory_path() / "render2mpeg.XXXXXX").string();
+        if (mkdtemp(pattern.data()) != nullptr) path_ = pattern;
+    }
+    ~Folder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+
+    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+    const std::filesystem::path& path() const { return path_; }
+    std::size_t entries() const {
+        return static_cast<std::size_t>(
+            std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator{}));
+    }
+
+  private:
+    std::filesystem::path path_;
+};
+
+inline std::string contents(const std::filesystem::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return text.str();
+}
+
+inline std::filesystem::path source_folder() {
+    return RENDER2MPEG_SOURCE_DIR;
+}
+inline std::string program() {
+    return (std::filesystem::path(RENDER2MPEG_BINARY_DIR) / "render2mpeg").string();
+}
+inline std::string film(const std::string& name) {
+    return (source_folder() / "animations" / name).string();
+}
+
+}  // namespace render2mpeg::support
