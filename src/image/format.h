@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace render2mpeg::image {
+
+/// The kinds of file that are read. Whatever else OpenImageIO could open is refused: every parser is a door.
+enum class Format { png, jpeg, exr, hdr, tga, bmp, tiff, gif, webp, psd, dds, pnm };
+
+/// "png", "jpeg", ...: the words that OpenImageIO uses.
+const char* name_of(Format format);
+
+/// What a file is by its first bytes. TGA has no such mark: it is what ends in .tga or carries TGA's footer. Nothing
+/// for all others.
+std::optional<Format> format_of(std::span<const std::byte> bytes, const std::string& name);
+
+/// Whether a JPEG file ends before its picture does, which decoders answer with grey pixels instead of an error: there
+/// is no end marker behind the first scan.
+bool is_cut_off_jpeg(std::span<const std::byte> bytes);
+
+}  // namespace render2mpeg::image

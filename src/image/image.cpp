@@ -1,0 +1,99 @@
+#include "image/image.h"
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <system_error>
+
+#include "core/error.h"
+#include "core/module.h"
+#include "image/format.h"
+#include "image/module/codec.h"
+
+namespace render2mpeg::image {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Larger files are refused: 4 GiB holds the largest image at 16 bytes per pixel.
+constexpr std::uintmax_t max_file_bytes = std::uintmax_t{1} << 32;
+
+/// Opens the module at the first call, which costs half a second.
+const Codec& codec() {
+    static const Codec& opened = *core::module_function<const Codec*()>("image", "render2mpeg_image_codec")();
+    return opened;
+}
+
+std::vector<std::byte> bytes_of_file(const fs::path& path, const std::string& name) {
+    std::error_code failure;
+    const fs::file_status status = fs::status(path, failure);
+    if (!fs::exists(status)) throw core::Error("reading", name, "no such file");
+    if (!fs::is_regular_file(status)) throw core::Error("reading", name, "not a file");
+    const std::uintmax_t size = fs::file_size(path, failure);
+    if (failure) throw core::Error("reading", name, failure.message());
+    if (size > max_file_bytes) throw core::Error("reading", name, "larger than 4 GiB");
+
+    std::vector<std::byte> bytes(static_cast<std::size_t>(size));
+    std::ifstream file(path, std::ios::binary);
+    file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    if (!file) throw core::Error("reading", name, "cannot be opened or read");
+    return bytes;
+}
+
+/// Readers of a folder of frames must never see half a file: the name appears when the bytes are there.
+void replace_file(const fs::path& path, std::span<const unsigned char> bytes) {
+    fs::path unfinished = path;
+    unfinished += ".part";
+    std::ofstream file(unfinished, std::ios::binary | std::ios::trunc);
+    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    file.close();
+    std::error_code failure;
+    if (file) fs::rename(unfinished, path, failure);
+    if (file && !failure) return;
+
+    std::error_code ignored;
+    fs::remove(unfinished, ignored);
+    throw core::Error("writing", path.string(),
+                      failure ? failure.message() : "cannot be created or written (folder, permissions, disk space?)");
+}
+
+}  // namespace
+
+Image read_image(const fs::path& path, std::span<const std::byte> bytes, const std::string& name) {
+    // Take a path with nothing in memory as a file, and memory as it is.
+    std::vector<std::byte> from_file;
+    if (bytes.empty()) {
+        from_file = bytes_of_file(path, name);
+        bytes = from_file;
+    }
+    if (bytes.empty()) throw core::Error("reading", name, "the image is empty");
+
+    // Refuse what no decoder should see.
+    const std::optional<Format> format = format_of(bytes, name.empty() ? path.string() : name);
+    if (!format)
+        throw core::Error(
+            "reading", name,
+            "not an image of a known kind (PNG, JPEG, OpenEXR, HDR, TGA, BMP, TIFF, GIF, WebP, PSD, DDS, PNM)");
+    if (*format == Format::jpeg && is_cut_off_jpeg(bytes))
+        throw core::Error("reading", name, "the JPEG file is cut off");
+
+    return codec().decode(bytes, *format, name);
+}
+
+void write_exr(const fs::path& path, int width, int height, std::span<const Channel> channels) {
+    EXPECTS(width > 0 && height > 0 && !channels.empty());
+    std::set<std::string> names;
+    for (const Channel& channel : channels) {
+        EXPECTS(!channel.name.empty() && names.insert(channel.name).second);
+        EXPECTS(channel.values.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    }
+    replace_file(path, codec().encode_exr(width, height, channels, path.string()));
+}
+
+void write_png(const fs::path& path, int width, int height, std::span<const unsigned char> rgb) {
+    EXPECTS(width > 0 && height > 0);
+    EXPECTS(rgb.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
+    replace_file(path, codec().encode_png(width, height, rgb, path.string()));
+}
+
+}  // namespace render2mpeg::image

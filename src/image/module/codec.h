@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "image/format.h"
+#include "image/image.h"
+
+namespace render2mpeg::image {
+
+/// What the module render2mpeg_image_module.so offers. It works on memory alone: files are the business of those who
+/// call it. All functions may be called from many threads at once and throw core::Error.
+class Codec {
+  public:
+    virtual ~Codec() = default;
+
+    /// `format` is what the bytes claim to be; `name` is for messages.
+    virtual Image decode(std::span<const std::byte> bytes, Format format, const std::string& name) const = 0;
+
+    virtual std::vector<unsigned char> encode_exr(int width, int height, std::span<const Channel> channels,
+                                                  const std::string& name) const = 0;
+    virtual std::vector<unsigned char> encode_png(int width, int height, std::span<const unsigned char> rgb,
+                                                  const std::string& name) const = 0;
+};
+
+/// In exr.cpp, the only file that includes OpenEXR.
+std::vector<unsigned char> encode_multilayer_exr(int width, int height, std::span<const Channel> channels,
+                                                 const std::string& name);
+
+}  // namespace render2mpeg::image

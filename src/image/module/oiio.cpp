@@ -1,0 +1,127 @@
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <array>
+#include <cctype>
+#include <limits>
+#include <new>
+
+#include "core/error.h"
+#include "image/channels.h"
+#include "image/module/codec.h"
+
+namespace render2mpeg::image {
+namespace {
+
+/// Deflate packs at most 1032 bytes into one [RFC1951]; a PNG that claims more pixels than that is cut off or a lie.
+constexpr std::uint64_t max_png_expansion = 1032;
+
+/// The first line of a message, without the white space about it.
+std::string one_line(const std::string& message) {
+    std::string line = message.substr(0, message.find_first_of("\r\n"));
+    while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())) != 0) line.pop_back();
+    return line.empty() ? "the image is damaged" : line;
+}
+
+/// Refuses images by their header, before any pixel has a place.
+void check_header(const OIIO::ImageSpec& spec, std::size_t file_bytes, Format format, const std::string& name) {
+    if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0)
+        throw core::Error("reading", name, "it has no pixels");
+    if (spec.depth > 1 || spec.deep) throw core::Error("reading", name, "volumes and deep images are not read");
+    const std::uint64_t pixels = static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height);
+    if (pixels > max_pixels)
+        throw core::Error("reading", name,
+                          std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels: the limit is " +
+                              std::to_string(max_pixels) + " in all");
+    // At one bit per pixel, the least a PNG stores.
+    if (format == Format::png && pixels / 8 > max_png_expansion * file_bytes)
+        throw core::Error("reading", name, "the PNG file is too short for its size in pixels");
+}
+
+/// Reads the chosen channels straight to where they belong.
+void read_channels(OIIO::ImageInput& input, const ChannelChoice& choice, core::Plane<glm::vec4>& pixels,
+                   const std::string& name) {
+    constexpr auto stride = static_cast<OIIO::stride_t>(sizeof(glm::vec4));
+    auto* const base = reinterpret_cast<float*>(pixels.row(0));
+    const auto read = [&](int first, int count, int component) {
+        if (!input.read_image(0, 0, first, first + count, OIIO::TypeDesc::FLOAT, base + component, stride))
+            throw core::Error("reading", name, one_line(input.geterror()));
+    };
+    if (choice.consecutive())
+        read(choice.channel[0], choice.count(), 0);
+    else
+        for (int component = 0; component < 4; ++component)
+            if (choice.channel[static_cast<std::size_t>(component)] >= 0)
+                read(choice.channel[static_cast<std::size_t>(component)], 1, component);
+}
+
+/// Gives grey images three channels and all images an alpha.
+void fill_in(const ChannelChoice& choice, core::Plane<glm::vec4>& pixels) {
+    const bool grey = choice.is_grey();
+    const bool opaque = choice.channel[3] < 0;
+    for (glm::vec4& pixel : pixels.values()) {
+        if (grey) pixel.y = pixel.z = pixel.x;
+        if (opaque) pixel.w = 1;
+    }
+}
+
+class OiioCodec final : public Codec {
+  public:
+    OiioCodec() {
+        // Whoever reads many images does so in threads of his own.
+        OIIO::attribute("threads", 1);
+        OIIO::attribute("exr_threads", -1);
+    }
+
+    Image decode(std::span<const std::byte> bytes, Format format, const std::string& name) const override try {
+        OIIO::Filesystem::IOMemReader reader(const_cast<std::byte*>(bytes.data()), bytes.size());
+        const auto input = OIIO::ImageInput::create(name_of(format), false, nullptr, &reader);
+        if (!input) throw core::Error("reading", name, one_line(OIIO::geterror()));
+
+        // Ask for colours as they are stored; gamma, profiles and orientation in the file are ignored [glTF2, 3.8.3].
+        OIIO::ImageSpec wishes, spec;
+        wishes.attribute("oiio:UnassociatedAlpha", 1);
+        if (!input->open(name, spec, wishes)) throw core::Error("reading", name, one_line(input->geterror()));
+        check_header(spec, bytes.size(), format, name);
+
+        const ChannelChoice choice = choose_channels(spec.channelnames, spec.alpha_channel);
+        Image image;
+        image.pixels = core::Plane<glm::vec4>(spec.width, spec.height);
+        image.has_alpha = choice.channel[3] >= 0;
+        image.high_range = spec.format.is_floating_point();
+        read_channels(*input, choice, image.pixels, name);
+        fill_in(choice, image.pixels);
+        return image;
+    } catch (const core::Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw core::Error("reading", name, "not enough memory for its pixels");
+    } catch (const std::exception& failure) {
+        throw core::Error("reading", name, one_line(failure.what()));
+    }
+
+    std::vector<unsigned char> encode_exr(int width, int height, std::span<const Channel> channels,
+                                          const std::string& name) const override {
+        return encode_multilayer_exr(width, height, channels, name);
+    }
+
+    std::vector<unsigned char> encode_png(int width, int height, std::span<const unsigned char> rgb,
+                                          const std::string& name) const override {
+        std::vector<unsigned char> bytes;
+        OIIO::Filesystem::IOVecOutput writer(bytes);
+        const auto output = OIIO::ImageOutput::create("png", &writer);
+        if (!output) throw core::Error("writing", name, one_line(OIIO::geterror()));
+        const OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
+        if (!output->open(name, spec) || !output->write_image(OIIO::TypeDesc::UINT8, rgb.data()) || !output->close())
+            throw core::Error("writing", name, one_line(output->geterror()));
+        return bytes;
+    }
+};
+
+}  // namespace
+}  // namespace render2mpeg::image
+
+extern "C" const render2mpeg::image::Codec* render2mpeg_image_codec() {
+    static const render2mpeg::image::OiioCodec codec;
+    return &codec;
+}

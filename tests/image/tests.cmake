@@ -1,0 +1,1 @@
+render2mpeg_test(image LIBS render2mpeg_image)
