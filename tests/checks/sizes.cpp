@@ -1,0 +1,80 @@
+#include "checks/sizes.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace render2mpeg::checks {
+namespace {
+
+std::size_t indent_of(std::string_view line) {
+    return std::min(line.find_first_not_of(' '), line.size());
+}
+
+/// Whether a line that ends in '{' opens a function: it has a parameter list, and neither names a scope nor steers a
+/// flow.
+bool opens_function(std::string_view head) {
+    constexpr std::array<std::string_view, 14> others = {"namespace", "class", "struct", "enum",  "union",
+                                                         "extern",    "if",    "for",    "while", "switch",
+                                                         "do",        "else",  "try",    "} "};
+    for (const std::string_view word : others)
+        if (head.starts_with(word)) return false;
+    return head.find('(') != std::string_view::npos && head.find("= {") == std::string_view::npos;
+}
+
+}  // namespace
+
+std::vector<Finding> oversized_files(const std::vector<File>& files) {
+    std::vector<Finding> findings;
+    for (const File& file : files) {
+        if (!file.is_cpp()) continue;
+        const int limit = file.is_product() ? longest_source : longest_test;
+        const int lines = static_cast<int>(lines_of(file.text).size());
+        if (lines > limit)
+            findings.push_back({file.path, 0, std::to_string(lines) + " lines, of at most " + std::to_string(limit)});
+    }
+    return findings;
+}
+
+std::vector<Function> functions_in(const File& file) {
+    const std::vector<std::string_view> lines = lines_of(file.code);
+    std::vector<Function> functions;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        // Find where a body opens, and go back to where its head begins: the last line above that is indented no
+        // further.
+        if (!lines[i].ends_with("{")) continue;
+        std::size_t first = i;
+        const auto closes = [&](std::string_view l) {
+            return l.ends_with(";") || l.ends_with("}") || l.ends_with("{") || l.empty();
+        };
+        while (first > 0 && !closes(lines[first - 1]) && indent_of(lines[first]) > indent_of(lines[first - 1]) &&
+               lines[first - 1].find_first_not_of(' ') != std::string_view::npos)
+            --first;
+        const std::size_t indent = indent_of(lines[first]);
+        const std::string_view head = lines[first].substr(indent);
+        if (!opens_function(head)) continue;
+
+        // The body ends at the first brace that stands where the head begins.
+        std::size_t last = i + 1;
+        while (last < lines.size() &&
+               !(indent_of(lines[last]) == indent && lines[last].substr(indent).starts_with("}")))
+            ++last;
+        functions.push_back({std::string(head), static_cast<int>(first) + 1, static_cast<int>(last - first) + 1});
+        i = last;
+    }
+    return functions;
+}
+
+std::vector<Finding> oversized_functions(const std::vector<File>& files) {
+    std::vector<Finding> findings;
+    for (const File& file : files) {
+        if (!file.is_product()) continue;
+        for (const Function& function : functions_in(file))
+            if (function.lines > longest_function)
+                findings.push_back(
+                    {file.path, function.line, std::to_string(function.lines) + " lines: " + function.head});
+    }
+    return findings;
+}
+
+}  // namespace render2mpeg::checks

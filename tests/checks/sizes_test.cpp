@@ -1,0 +1,62 @@
+#include "checks/sizes.h"
+
+#include <gtest/gtest.h>
+
+#include <iostream>
+
+namespace render2mpeg::checks {
+namespace {
+
+std::string lines(int count, const std::string& line = "\n") {
+    std::string text;
+    for (int i = 0; i < count; ++i) text += line;
+    return text;
+}
+
+TEST(Files, OfThisTreeHaveOneDutyEach) {
+    const auto findings = oversized_files(read_tree(RENDER2MPEG_SOURCE_DIR));
+    EXPECT_TRUE(findings.empty()) << list_of(findings);
+}
+
+TEST(Functions, OfTheProgramsLoopStayOnAPage) {
+    const auto findings = oversized_functions(read_tree(RENDER2MPEG_SOURCE_DIR));
+    for (const Finding& finding : findings) {
+        EXPECT_NE(finding.path, "src/app/pipeline.cpp") << finding;
+        std::cout << "warning: " << finding << '\n';
+    }
+}
+
+TEST(SizeCheck, FindsSourcesAndTestsThatAreTooLong) {
+    EXPECT_TRUE(oversized_files({make_file("src/core/a.cpp", lines(350))}).empty());
+    EXPECT_EQ(oversized_files({make_file("src/core/a.cpp", lines(351))}).size(), 1u);
+    EXPECT_EQ(oversized_files({make_file("encoder/a.h", lines(350) + "last, without its end")}).size(), 1u);
+    EXPECT_TRUE(oversized_files({make_file("tests/core/a_test.cpp", lines(500))}).empty());
+    EXPECT_EQ(oversized_files({make_file("tests/core/a_test.cpp", lines(501))}).size(), 1u);
+    EXPECT_TRUE(oversized_files({make_file("docs/model.md", lines(2000))}).empty());
+}
+
+TEST(SizeCheck, FindsFunctionsThatAreTooLong) {
+    const std::string heads[] = {"int f(int a) {\n", "void Class::f(int a,\n             int b) const {\n",
+                                 "    int inline_member() {\n"};
+    for (const std::string& head : heads) {
+        const std::string indent(head.find_first_not_of(' '), ' ');
+        const int head_lines = static_cast<int>(lines_of(head).size());
+        const auto text = [&](int body) {
+            return "namespace n {\n\n" + head + lines(body, indent + "    a();\n") + indent + "}\n\n}\n";
+        };
+        EXPECT_TRUE(oversized_functions({make_file("src/core/a.cpp", text(59 - head_lines))}).empty()) << head;
+        const auto findings = oversized_functions({make_file("src/core/a.cpp", text(60 - head_lines))});
+        ASSERT_EQ(findings.size(), 1u) << head;
+        EXPECT_EQ(findings[0].line, 3);
+    }
+}
+
+TEST(SizeCheck, TakesNoScopeForAFunction) {
+    const std::string body = lines(100, "    int a;\n");
+    for (const char* head :
+         {"namespace a {\n", "class A final : public B<decltype(c())> {\n", "struct S {\n", "enum class E {\n"})
+        EXPECT_TRUE(oversized_functions({make_file("src/core/a.cpp", head + body + "}\n")}).empty()) << head;
+}
+
+}  // namespace
+}  // namespace render2mpeg::checks
