@@ -4,6 +4,7 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <memory>
+#include <vector>
 
 #include "core/isa.h"
 #include "core/surface_address.h"
@@ -13,8 +14,8 @@ namespace render2mpeg::renderer {
 
 /// What a ray meets. The normal is that of the triangle as it is wound, not turned to the ray, not normalised.
 struct Hit {
-    core::SurfaceAddress address;     ///< no surface: the ray left the scene
-    float distance = 0;
+    core::SurfaceAddress address;  ///< no surface: the ray left the scene
+    float distance = 0;            ///< in units of the direction's length
     glm::vec3 geometric_normal{0};
     bool found() const { return address.is_surface(); }
 };
@@ -24,45 +25,55 @@ struct alignas(64) ShadowPacket {
     float origin_x[16], origin_y[16], origin_z[16];           ///< already moved off their surfaces (offset_origin)
     float direction_x[16], direction_y[16], direction_z[16];  ///< need not be unit
     float far[16];                                            ///< end of the ray in units of the direction's length
-    std::uint32_t active = 0;                                 ///< bit i: ray i is asked for
+    std::uint32_t active = 0;  ///< bit i: ray i is asked for; the others' values do not matter
 };
 
-/// The only class that knows Embree. Non-finite rays are answered as misses (Debian's Embree aborts on them); the scene is
-/// built ROBUST.
+/// The only class that knows Embree. Non-finite rays are answered as misses (Debian's Embree aborts on them); the scene
+/// is built ROBUST. Answers are a function of what is posed, whatever was posed before and whatever the number of
+/// threads.
 class RayTracer {
- public:
-    /// Share of light, per channel, that a surface lets through at a point met by a shadow or eye ray: 0 opaque, 1 invisible.
-    /// Called from many threads.
+  public:
+    /// Share of light, per channel, that a surface lets through at a point met by a shadow or eye ray: 0 opaque, 1
+    /// invisible. Called from many threads.
     using Transmittance = std::function<glm::vec3(const core::SurfaceAddress&)>;
 
-    /// `translucent[m]`: surfaces of material m let some light through and are asked `transmittance`; all others are opaque.
-    RayTracer(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent, Transmittance transmittance);
+    /// `translucent[m]`: surfaces of material m let some light through and are asked `transmittance`; all others are
+    /// opaque. The animation is complete and outlives this. Throws core::Error where Embree cannot start or runs out of
+    /// memory.
+    RayTracer(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent,
+              Transmittance transmittance);
     ~RayTracer();
     RayTracer(RayTracer&&) noexcept;
 
-    /// Moves everything to where it is in the snapshot; cheap for what has not moved since the last call.
+    /// Moves everything to where it is in the snapshot; cheap for what has not moved since the last call. Before the
+    /// first call every ray misses. Not to be called while rays are traced.
     void pose(const scene::Snapshot& snapshot);
 
-    /// The nearest surface at a distance in (0, far), translucent ones included.
+    /// The nearest surface at a distance in (0, far), translucent ones included. Of surfaces that lie in one plane
+    /// (within 2^-19 of the distance) the one with the lowest object, then primitive wins, so that they do not flicker.
     Hit nearest(glm::vec3 origin, glm::vec3 direction, float far) const;
 
-    /// Bit i: ray i of the packet is blocked by something opaque. Translucent surfaces do not block; where the packet met any,
-    /// `light` (16 values, if given) is multiplied by what passes (at most `max_layers` surfaces; beyond them: blocked).
+    /// Bit i: ray i of the packet is blocked by something opaque. Translucent surfaces do not block; where the packet
+    /// met any, `light` (16 values, if given) is multiplied by what passes (at most `max_layers` surfaces; beyond them:
+    /// blocked).
     std::uint32_t occluded(const ShadowPacket& packet, glm::vec3* light) const;
 
     /// The same for one ray: what passes of light, 0 where blocked.
     glm::vec3 passes(glm::vec3 origin, glm::vec3 direction, float far) const;
 
+    /// Whether rays meet this object through a transform of its own, which costs some digits.
+    bool is_instanced(std::uint32_t object) const;
+
     static constexpr int max_layers = 16;
 
- private:
+  private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
 
-/// A ray origin moved off its surface to the side of `direction`, by a bound of the rounding error of the hit point, so that a ray
-/// never meets the surface it starts from, at any scale and distance from the origin (notes: 32 ulp of |p| along the normal).
-/// `geometric_normal` is unit.
-glm::vec3 offset_origin(glm::vec3 position, glm::vec3 geometric_normal, glm::vec3 direction);
+/// A ray origin moved off its surface to the side of `direction`, by a bound of the rounding error of a point that was
+/// computed on it: 32 ulp of |p|, and at least `error` (scene units). There is no fixed epsilon, so that scenes of any
+/// scale and at any place look alike. `geometric_normal` is unit.
+glm::vec3 offset_origin(glm::vec3 position, glm::vec3 geometric_normal, glm::vec3 direction, float error = 0);
 
 }  // namespace render2mpeg::renderer

@@ -5,6 +5,7 @@
 
 #include "core/isa.h"
 #include "core/surface_address.h"
+#include "image/sky_map.h"
 #include "renderer/plan.h"
 #include "renderer/ray_tracer.h"
 #include "renderer/surface_point.h"
@@ -48,9 +49,12 @@ class Scenery {
     /// for unlit materials, which light nothing.
     glm::vec3 mean_emission(std::uint32_t object, std::uint32_t primitive) const;
 
-    /// Radiance of what is seen where there is no surface, in a unit direction; `spread` is the angle in radians that
-    /// the look-up stands for (a pixel's), over which the sky image is filtered. 0 where no sky is planned.
-    glm::vec3 sky(glm::vec3 direction, float spread) const;
+    /// How the unit normal that smooth shading interpolates changes over a footprint: `dx`, `dy` are differences of
+    /// normals, 0 on flat triangles. On the side of the triangle's front.
+    SurfaceFootprint normal_change(const core::SurfaceAddress& address, const SurfaceFootprint& footprint) const;
+
+    /// What is seen where there is no surface, and its light; null where the plan wants neither.
+    const image::SkyMap* sky() const;
 
   private:
     struct Impl;

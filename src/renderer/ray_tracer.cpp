@@ -1,0 +1,232 @@
+#include "renderer/ray_tracer.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "renderer/flush_denormals.h"
+#include "renderer/traced_scene.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Components beyond this overflow in Embree's products and are refused by its own check.
+constexpr float largest_component = 1e18f;
+
+/// Half the width of the interval about a hit, relative to its distance, in which surfaces count as lying in one plane.
+/// chosen: 16 ulp, several times the rounding of two tessellations of one plane; tried 4..64 ulp.
+constexpr float coplanar = 0x1p-19f;
+
+/// Light behind several layers is a product, and a packet does not promise in which order its layers are met. Sums of
+/// whole numbers do not depend on order: light is kept as its negative logarithm to base 2 in these steps, exact to
+/// 1e-6.
+constexpr float optical_steps = 0x1p20f;
+constexpr std::int64_t opaque_depth = std::int64_t{1} << 32;  ///< 2^-4096
+
+bool is_traceable(glm::vec3 origin, glm::vec3 direction, float far) {
+    const auto fits = [](float v) { return std::abs(v) <= largest_component; };  // false for NaN
+    return fits(origin.x) && fits(origin.y) && fits(origin.z) && fits(direction.x) && fits(direction.y) &&
+           fits(direction.z) && far > 0.0f;
+}
+
+RTCRay ray_of(glm::vec3 origin, glm::vec3 direction, float near, float far) {
+    RTCRay ray{};
+    ray.org_x = origin.x, ray.org_y = origin.y, ray.org_z = origin.z;
+    ray.dir_x = direction.x, ray.dir_y = direction.y, ray.dir_z = direction.z;
+    ray.tnear = near;
+    ray.tfar = far;
+    ray.mask = 0xffffffffu;
+    return ray;
+}
+
+}  // namespace
+
+struct RayTracer::Impl {
+    TracedScene scene;
+    Transmittance transmittance;
+
+    /// What Embree hands through to our filters; its own part comes first, so that its pointer is ours.
+    struct ShadowContext {
+        RTCIntersectContext embree;
+        const Impl* self;
+        std::uint32_t met;          ///< bit i: ray i met a layer
+        int layers[16];             ///< so far
+        std::int64_t depth[16][3];  ///< optical depth so far, per channel
+    };
+    struct TieContext {
+        RTCIntersectContext embree;
+        const Impl* self;
+        Hit best;
+    };
+
+    core::SurfaceAddress address(unsigned instance, unsigned geometry, unsigned primitive, float u, float v) const {
+        // Barycentrics may lie outside by rounding.
+        const float inside_u = std::clamp(u, 0.0f, 1.0f);
+        return {scene.object_of(instance, geometry), primitive, inside_u, std::clamp(v, 0.0f, 1.0f - inside_u)};
+    }
+
+    /// Prepares `context` for rays that may meet layers; costs nothing where there are none.
+    void begin(ShadowContext& context, RTCIntersectContextFlags flags) const {
+        rtcInitIntersectContext(&context.embree);
+        context.embree.flags = flags;
+        context.met = 0;
+        if (!scene.any_translucent()) return;
+        context.self = this;
+        std::fill_n(context.layers, 16, 0);
+        std::fill_n(&context.depth[0][0], 48, std::int64_t{0});
+    }
+
+    static glm::vec3 light_through(const std::int64_t (&depth)[3]) {
+        glm::vec3 light;
+        for (int c = 0; c < 3; ++c) light[c] = std::exp2(-static_cast<float>(depth[c]) / optical_steps);
+        return light;
+    }
+
+    static void filter_shadow(const RTCFilterFunctionNArguments* arguments);
+    static void filter_ties(const RTCFilterFunctionNArguments* arguments);
+};
+
+/// Lets a shadow ray go on through a layer: takes from its light what the layer keeps, until nothing is left or there
+/// were too many.
+void RayTracer::Impl::filter_shadow(const RTCFilterFunctionNArguments* arguments) {
+    auto& context = *reinterpret_cast<ShadowContext*>(arguments->context);
+    const unsigned n = arguments->N;
+    for (unsigned i = 0; i < n; ++i) {
+        if (arguments->valid[i] != -1) continue;
+        const unsigned ray = RTCRayN_id(arguments->ray, n, i);
+        RTCHitN* const hit = arguments->hit;
+        const core::SurfaceAddress address =
+            context.self->address(RTCHitN_instID(hit, n, i, 0), RTCHitN_geomID(hit, n, i), RTCHitN_primID(hit, n, i),
+                                  RTCHitN_u(hit, n, i), RTCHitN_v(hit, n, i));
+        const glm::vec3 passing = context.self->transmittance(address);
+        if (++context.layers[ray] > max_layers || !(passing.x > 0 || passing.y > 0 || passing.z > 0)) continue;
+        for (int c = 0; c < 3; ++c) {
+            context.depth[ray][c] +=
+                passing[c] > 0 ? std::llround(-std::log2(std::min(passing[c], 1.0f)) * optical_steps) : opaque_depth;
+        }
+        context.met |= 1u << ray;
+        arguments->valid[i] = 0;
+    }
+}
+
+/// Remembers the lowest id among all surfaces in the interval, and refuses every hit so that all are seen.
+void RayTracer::Impl::filter_ties(const RTCFilterFunctionNArguments* arguments) {
+    auto& context = *reinterpret_cast<TieContext*>(arguments->context);
+    RTCHitN* const hit = arguments->hit;
+    const core::SurfaceAddress address =
+        context.self->address(RTCHitN_instID(hit, 1, 0, 0), RTCHitN_geomID(hit, 1, 0), RTCHitN_primID(hit, 1, 0),
+                              RTCHitN_u(hit, 1, 0), RTCHitN_v(hit, 1, 0));
+    const core::SurfaceAddress& best = context.best.address;
+    if (std::pair(address.object, address.primitive) < std::pair(best.object, best.primitive)) {
+        const glm::vec3 normal{RTCHitN_Ng_x(hit, 1, 0), RTCHitN_Ng_y(hit, 1, 0), RTCHitN_Ng_z(hit, 1, 0)};
+        context.best = {address, RTCRayN_tfar(arguments->ray, 1, 0), normal};
+    }
+    arguments->valid[0] = 0;
+}
+
+RayTracer::RayTracer(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent,
+                     Transmittance transmittance)
+    : impl_(new Impl{TracedScene(animation, isa, std::move(translucent), &Impl::filter_shadow),
+                     std::move(transmittance)}) {}
+
+RayTracer::~RayTracer() = default;
+RayTracer::RayTracer(RayTracer&&) noexcept = default;
+
+void RayTracer::pose(const scene::Snapshot& snapshot) {
+    impl_->scene.pose(snapshot);
+}
+
+bool RayTracer::is_instanced(std::uint32_t object) const {
+    return impl_->scene.is_instanced(object);
+}
+
+Hit RayTracer::nearest(glm::vec3 origin, glm::vec3 direction, float far) const {
+    if (!is_traceable(origin, direction, far)) return {};
+    const FlushDenormals flushed;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit found{};
+    found.ray = ray_of(origin, direction, 0.0f, far);
+    found.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    found.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(impl_->scene.root(), &context, &found);
+    if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+
+    // Look once more at what else lies about the same distance; the lowest id wins.
+    Impl::TieContext ties;
+    rtcInitIntersectContext(&ties.embree);
+    ties.embree.filter = &Impl::filter_ties;
+    ties.self = impl_.get();
+    ties.best = {impl_->address(found.hit.instID[0], found.hit.geomID, found.hit.primID, found.hit.u, found.hit.v),
+                 found.ray.tfar,
+                 {found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z}};
+    const float t = found.ray.tfar;
+    RTCRayHit again{};
+    again.ray = ray_of(origin, direction, t * (1.0f - coplanar), std::min(far, t * (1.0f + coplanar)));
+    again.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    again.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(impl_->scene.root(), &ties.embree, &again);
+
+    Hit& hit = ties.best;
+    hit.geometric_normal = impl_->scene.world_normal(hit.address.object, hit.geometric_normal);
+    return hit;
+}
+
+std::uint32_t RayTracer::occluded(const ShadowPacket& packet, glm::vec3* light) const {
+    // Copy the packet, without the rays that must not be traced.
+    const FlushDenormals flushed;
+    alignas(64) int valid[16];
+    RTCRay16 rays{};
+    bool any = false;
+    for (int i = 0; i < 16; ++i) {
+        const glm::vec3 origin{packet.origin_x[i], packet.origin_y[i], packet.origin_z[i]};
+        const glm::vec3 direction{packet.direction_x[i], packet.direction_y[i], packet.direction_z[i]};
+        const bool traced = ((packet.active >> i) & 1u) != 0 && is_traceable(origin, direction, packet.far[i]);
+        valid[i] = traced ? -1 : 0;
+        any = any || traced;
+        if (!traced) continue;
+        rays.org_x[i] = origin.x, rays.org_y[i] = origin.y, rays.org_z[i] = origin.z;
+        rays.dir_x[i] = direction.x, rays.dir_y[i] = direction.y, rays.dir_z[i] = direction.z;
+        rays.tfar[i] = packet.far[i];
+        rays.mask[i] = 0xffffffffu;
+        rays.id[i] = static_cast<unsigned>(i);
+    }
+    if (!any) return 0;
+
+    Impl::ShadowContext context;
+    impl_->begin(context, RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+    rtcOccluded16(valid, impl_->scene.root(), &context.embree, &rays);
+
+    std::uint32_t blocked = 0;
+    for (int i = 0; i < 16; ++i)
+        if (valid[i] != 0 && rays.tfar[i] < 0.0f) blocked |= 1u << i;
+    if (light != nullptr && context.met != 0) {
+        for (int i = 0; i < 16; ++i)
+            if ((context.met >> i) & 1u) light[i] *= Impl::light_through(context.depth[i]);
+    }
+    return blocked;
+}
+
+glm::vec3 RayTracer::passes(glm::vec3 origin, glm::vec3 direction, float far) const {
+    if (!is_traceable(origin, direction, far)) return glm::vec3{1.0f};
+    const FlushDenormals flushed;
+    Impl::ShadowContext context;
+    impl_->begin(context, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+    RTCRay ray = ray_of(origin, direction, 0.0f, far);
+    rtcOccluded1(impl_->scene.root(), &context.embree, &ray);
+    if (ray.tfar < 0.0f) return glm::vec3{0.0f};
+    return context.met != 0 ? Impl::light_through(context.depth[0]) : glm::vec3{1.0f};
+}
+
+glm::vec3 offset_origin(glm::vec3 position, glm::vec3 geometric_normal, glm::vec3 direction, float error) {
+    // 32 ulp of the largest coordinate: 2^-23 of it is between one and two of its ulps. [notes of measurements:
+    // docs/model.md]
+    const float largest = std::max({std::abs(position.x), std::abs(position.y), std::abs(position.z)});
+    const float distance = std::max(largest * 0x1p-18f, error);
+    return position + (glm::dot(direction, geometric_normal) < 0.0f ? -distance : distance) * geometric_normal;
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/isa.h"
+#include "scene/snapshot.h"
+
+struct RTCDeviceTy;
+struct RTCSceneTy;
+struct RTCGeometryTy;
+struct RTCFilterFunctionNArguments;
+
+namespace render2mpeg::renderer {
+
+/// The geometry of an animation in Embree's scenes, posed (docs/model.md, "Visibility"). Part of RayTracer.
+///
+/// Triangles of still objects lie together in one scene, in world space. If anything moves, that scene is one instance
+/// of the scene that rays are traced in, and every rigid or deforming object is another. All trees are built anew from
+/// what is posed and never refitted, so that nothing depends on what was posed before.
+class TracedScene {
+  public:
+    /// Called for shadow rays that meet a translucent object; see rtcSetGeometryOccludedFilterFunction.
+    using Filter = void (*)(const RTCFilterFunctionNArguments*);
+
+    TracedScene(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent, Filter filter);
+    ~TracedScene();
+
+    void pose(const scene::Snapshot& snapshot);
+
+    RTCSceneTy* root() const { return top_ ? top_.get() : still_.get(); }
+    bool any_translucent() const { return any_translucent_; }
+    bool is_instanced(std::uint32_t object) const { return placed_[object].kind == Kind::instanced; }
+
+    /// The object that Embree means by an instance and a geometry id.
+    std::uint32_t object_of(unsigned instance, unsigned geometry) const {
+        const bool within_still = instance == no_instance || instance == placed_.size();
+        return within_still ? geometry : instance;
+    }
+
+    /// An Embree normal in world space, along the triangle's winding there; any length.
+    glm::vec3 world_normal(std::uint32_t object, glm::vec3 normal) const {
+        return is_instanced(object) ? placed_[object].wound_normal * normal : normal;
+    }
+
+  private:
+    static constexpr unsigned no_instance = 0xffffffffu;
+    struct ReleaseDevice {
+        void operator()(RTCDeviceTy* device) const;
+    };
+    struct ReleaseScene {
+        void operator()(RTCSceneTy* scene) const;
+    };
+    using Device = std::unique_ptr<RTCDeviceTy, ReleaseDevice>;
+    using Scene = std::unique_ptr<RTCSceneTy, ReleaseScene>;
+
+    enum class Kind { baked, instanced, deforming };
+    struct Placed {
+        Kind kind = Kind::baked;
+        bool present = false;
+        RTCGeometryTy* geometry =
+            nullptr;  ///< baked: in `still_`; else the instance in `top_`. None until first present
+        RTCGeometryTy* triangles = nullptr;  ///< deforming: in `own`
+        Scene own;                           ///< deforming
+        glm::mat4 to_world{0.0f};
+        glm::mat3 wound_normal{1.0f};  ///< instanced: cofactors of to_world
+    };
+
+    Scene new_scene(bool instances) const;
+    bool is_filtered(std::uint32_t object) const;
+    RTCGeometryTy* new_triangles(const std::vector<glm::vec3>& positions, std::uint32_t object) const;
+    RTCGeometryTy* new_instance(RTCSceneTy* of, unsigned id) const;
+    RTCSceneTy* shared_mesh(std::uint32_t object);
+    bool place(std::uint32_t object, const scene::Snapshot& snapshot);
+    bool bake(std::uint32_t object, const glm::mat4& to_world);
+    bool move_instance(std::uint32_t object, const glm::mat4& to_world);
+    bool deform(std::uint32_t object, const scene::DeformedMesh& mesh);
+    void check(const char* doing);
+
+    const scene::Animation& animation_;
+    std::vector<bool> translucent_;
+    Filter filter_;
+    std::string message_;  ///< of Embree's first error since the last check
+    Device device_;
+    std::map<std::pair<int, bool>, Scene> shared_;  ///< meshes in their own space, without and with the filter
+    Scene still_;
+    Scene top_;  ///< none where everything is baked
+    RTCGeometryTy* still_instance_ = nullptr;
+    std::vector<Placed> placed_;
+    bool any_translucent_ = false;
+};
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,1 @@
+render2mpeg_test(renderer LIBS render2mpeg_renderer)
