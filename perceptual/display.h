@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <glm/glm.hpp>
+#include <vector>
 
 #include "core/picture.h"
 #include "core/radiance.h"
@@ -10,35 +12,48 @@ namespace render2mpeg::perceptual {
 /// Which luma weights a film uses; MPEG-2's matrix_coefficients.
 enum class ColorMatrix { bt601 = 6, bt709 = 1 };
 
-/// The display: exposure, tone curve, transfer function and matrix, each with an exact inverse (docs/model.md, "Display").
+/// The display: exposure, tone curve, transfer function and matrix, each with an exact inverse (docs/model.md,
+/// "Display"). Immutable; all functions may run in several threads at once.
 class Display {
- public:
+  public:
+    /// Exposures beyond +-`max_exposure` EV are a broken contract.
+    static constexpr float max_exposure = 64.0f;
+
     /// `exposure` in EV: radiance is multiplied by 2^exposure. BT.601 is for pictures below 720 lines.
     Display(float exposure, ColorMatrix matrix);
 
-    /// Scene-linear radiance to a picture. Non-finite input is a broken contract.
+    /// Scene-linear radiance to a picture. Non-finite input is a broken contract; negative light counts as none.
     core::Picture develop(const core::Radiance& radiance) const;
 
-    /// The tone curve by itself: scene-linear, exposed, >= 0, to display-linear in [0, 1]; monotone; and its inverse, for values
-    /// below `tone_curve(infinity)`.
+    /// The same to full-range R'G'B' code values 0..255, 3 per pixel: what a screen shows for the film's own signal,
+    /// for PNGs that are to look like the film.
+    std::vector<std::uint8_t> develop_rgb(const core::Radiance& radiance) const;
+
+    /// The tone curve by itself: scene-linear, exposed, >= 0, to display-linear in [0, 1]; monotone; and its inverse,
+    /// for values below `tone_curve(infinity)`.
     static float tone_curve(float exposed);
     static float inverse_tone_curve(float display_linear);
 
     /// Unrounded luma in code values, 16..235, of one radiance.
     float luma_of(glm::vec3 radiance) const;
-    /// The radiance with the chromaticity of `radiance` whose luma is `luma`, clamped to 16..235 (SPEC 5.3).
+    /// The radiance with the chromaticity of `radiance` whose luma is `luma`, clamped to 16..235 (SPEC 5.3). Black has
+    /// no chromaticity and is taken as grey. White lies at infinity, and the luma of a pure colour ends below white:
+    /// there the largest component ends at SignalCurve::brightest, 2^18 times what the exposure makes 1, so that the
+    /// result is finite and luma_of(with_luma(c, l)) <= l + 1e-4 always. Elsewhere it is l to 1e-4 code values.
     glm::vec3 with_luma(glm::vec3 radiance, float luma) const;
 
     float exposure() const { return exposure_; }
     ColorMatrix matrix() const { return matrix_; }
 
- private:
+  private:
     float exposure_;
     float gain_;
     ColorMatrix matrix_;
 };
 
 /// The matrix for a picture of so many lines.
-inline ColorMatrix matrix_for(int height) { return height < 720 ? ColorMatrix::bt601 : ColorMatrix::bt709; }
+inline ColorMatrix matrix_for(int height) {
+    return height < 720 ? ColorMatrix::bt601 : ColorMatrix::bt709;
+}
 
 }  // namespace render2mpeg::perceptual

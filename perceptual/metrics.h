@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "core/picture.h"
 #include "core/plane.h"
 
 namespace render2mpeg::perceptual {
@@ -9,12 +10,35 @@ namespace render2mpeg::perceptual {
 /// Mean squared difference of two planes of the same size, in code values squared.
 double mean_squared_error(const core::Plane<std::uint8_t>& a, const core::Plane<std::uint8_t>& b);
 
-/// Peak signal-to-noise ratio in dB for 8-bit planes (peak 255); +infinity for equal ones. Films are averaged by their mean
-/// squared error, as ffmpeg's `psnr` filter does.
+/// Peak signal-to-noise ratio in dB for 8-bit planes (peak 255); +infinity for equal ones. Films are averaged by their
+/// mean squared error, as ffmpeg's `psnr` filter does.
 double psnr(double mean_squared_error);
 
-/// Structural similarity in [-1, 1] [Wang2004] with the block sums of ffmpeg's `ssim` filter: 8x8 windows every 4 pixels.
-/// Films are averaged arithmetically. 1 for planes too small for one window that are equal.
+/// Structural similarity in [-1, 1] [Wang2004] with the block sums of ffmpeg's `ssim` filter: 8x8 windows every 4
+/// pixels. Films are averaged arithmetically. 1 for planes too small for one window that are equal.
 double ssim(const core::Plane<std::uint8_t>& a, const core::Plane<std::uint8_t>& b);
+
+/// Quality of a film, picture by picture, averaged as ffmpeg's `psnr` and `ssim` filters do (docs/model.md, "Metrics").
+class FilmQuality {
+  public:
+    /// Both pictures have the same size.
+    void add(const core::Picture& picture, const core::Picture& reference);
+
+    /// Of luma, dB; +infinity while every picture equals its reference. ffmpeg: `y` of psnr.
+    double psnr_y() const;
+    /// Of all samples of the three planes alike. ffmpeg: `average` of psnr.
+    double psnr_average() const;
+    /// Of luma. ffmpeg: `Y` of ssim. 1 before the first picture.
+    double ssim_y() const;
+    /// Of the planes, weighted by their number of samples. ffmpeg: `All` of ssim.
+    double ssim_all() const;
+
+    std::int64_t pictures() const { return pictures_; }
+
+  private:
+    std::int64_t pictures_ = 0;
+    double error_y_ = 0, error_all_ = 0;            ///< sums over the pictures of mean squared errors
+    double similarity_y_ = 0, similarity_all_ = 0;  ///< sums over the pictures
+};
 
 }  // namespace render2mpeg::perceptual

@@ -1,12 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "core/picture.h"
 #include "encoder/encoder.h"
@@ -14,28 +13,42 @@
 /// FFmpeg's part: containers, and decoding for verification. Its libraries are opened on demand.
 namespace render2mpeg::av {
 
-/// Whether a file name's ending is a container or elementary stream that Muxer writes: mpg, vob, ts, m2v, mkv, mp4.
+/// Whether a file name's ending is a container or elementary stream that Muxer writes: mpg, mpeg, vob, ts, m2v, mkv,
+/// mp4. Case does not matter.
 bool is_film(const std::filesystem::path& file);
 
-/// Writes coded pictures to a file of the kind that `name`'s ending tells.
+/// Writes coded pictures to a file of the kind that `name`'s ending tells: mpg, mpeg and vob are MPEG-2 program
+/// streams. The same pictures give the same bytes: no dates, no random identifiers.
 class Muxer {
- public:
-    /// `file` is where bytes go; `name` (often the final name) chooses the format. Throws core::Error.
-    Muxer(const std::filesystem::path& file, const std::filesystem::path& name, const encoder::Settings& settings);
+  public:
+    /// `file` is where bytes go; `name` (often the final name) chooses the format. `largest_picture` is the size in
+    /// bytes of the film's largest coded picture if it is known, else 0: a program stream declares at its very start
+    /// how fast and into how large a buffer its pictures come, and without it guesses from the first picture and the
+    /// sequence header. Throws core::Error if the ending is none of ours or the file cannot be created.
+    Muxer(const std::filesystem::path& file, const std::filesystem::path& name, const encoder::Settings& settings,
+          std::size_t largest_picture = 0);
+    /// Closes the file; it is not whole unless finish() was called.
     ~Muxer();
+    Muxer(const Muxer&) = delete;
+    Muxer& operator=(const Muxer&) = delete;
 
-    /// One access unit in coding order. `display_number` and `coding_order` count from the film's first picture.
-    void write(std::span<const std::uint8_t> bytes, std::int64_t display_number, std::int64_t coding_order, bool starts_gop);
-    /// Writes trailers and closes. Without it the file is not whole.
+    /// One access unit in coding order. `display_number` and `coding_order` count from the film's first picture. The
+    /// first one begins with the sequence header, whose low_delay tells whether pictures are shown as they are decoded
+    /// (no B pictures) or one picture later. Throws core::Error if the disk is full.
+    void write(std::span<const std::uint8_t> bytes, std::int64_t display_number, std::int64_t coding_order,
+               bool starts_gop);
+    /// Writes trailers and closes. Without it the file is not whole. Throws core::Error, also for a film without
+    /// pictures.
     void finish();
 
- private:
+  private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
 
-/// Decodes a film with libavcodec (`-idct simple`) and hands over its pictures in display order, 4:2:0 planes cropped to the
-/// display size. Throws core::Error on the first decoding error, with libavcodec's message.
+/// Decodes a film with libavcodec (`-idct simple`) and hands over its pictures in display order, numbered from 0, 4:2:0
+/// planes cropped to the display size. Throws core::Error on the first decoding error, with libavcodec's message; what
+/// libavcodec would conceal counts as an error.
 void decode(const std::filesystem::path& file, const std::function<void(const core::Picture&)>& picture);
 
 }  // namespace render2mpeg::av

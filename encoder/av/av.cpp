@@ -1,0 +1,97 @@
+#include "encoder/av/av.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "core/error.h"
+#include "core/module.h"
+#include "encoder/av/backend.h"
+
+namespace render2mpeg::av {
+namespace {
+
+/// Endings and libavformat's names. Its own guess for .mpg is MPEG-1's system stream.
+constexpr std::array<std::pair<std::string_view, const char*>, 7> formats{{{".mpg", "vob"},
+                                                                           {".mpeg", "vob"},
+                                                                           {".vob", "vob"},
+                                                                           {".ts", "mpegts"},
+                                                                           {".m2v", "mpeg2video"},
+                                                                           {".mkv", "matroska"},
+                                                                           {".mp4", "mp4"}}};
+
+/// Null where the ending is none of ours.
+const char* format_of(const std::filesystem::path& name) {
+    std::string ending = name.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    for (const auto& [known, format] : formats)
+        if (ending == known) return format;
+    return nullptr;
+}
+
+const Backend& backend() {
+    static const Backend* const backend = core::module_function<const Backend*()>("av", "render2mpeg_av_backend")();
+    return *backend;
+}
+
+}  // namespace
+
+bool is_film(const std::filesystem::path& file) {
+    return format_of(file) != nullptr;
+}
+
+struct Muxer::Impl {
+    std::filesystem::path file;
+    const char* format = nullptr;
+    encoder::Settings settings;
+    std::size_t largest_picture = 0;
+    /// Created with the first picture, whose headers the container needs.
+    std::unique_ptr<Container> container;
+    std::int64_t decoding_delay = 0;  ///< pictures between decoding and showing
+};
+
+Muxer::Muxer(const std::filesystem::path& file, const std::filesystem::path& name, const encoder::Settings& settings,
+             std::size_t largest_picture)
+    : impl_(std::make_unique<Impl>()) {
+    const char* format = format_of(name);
+    if (format == nullptr)
+        throw core::Error("writing", name.string(), "its ending is none of mpg, mpeg, vob, ts, m2v, mkv, mp4");
+    // Open the module and the file now, so that a film that cannot be written fails before it is rendered.
+    backend();
+    if (!std::ofstream(file, std::ios::binary | std::ios::trunc))
+        throw core::Error("writing", file.string(), "cannot create the file");
+    *impl_ = {file, format, settings, largest_picture, nullptr, 0};
+}
+
+Muxer::~Muxer() = default;
+
+void Muxer::write(std::span<const std::uint8_t> bytes, std::int64_t display_number, std::int64_t coding_order,
+                  bool starts_gop) {
+    if (!impl_->container) {
+        SequenceFacts facts = read_sequence(bytes);
+        EXPECTS(facts.width == impl_->settings.width && facts.height == impl_->settings.height);
+        // Without the film's largest picture, take twice the first one's size: an I picture, and those are the large
+        // ones.
+        facts.largest_picture = impl_->largest_picture > 0 ? impl_->largest_picture : 2 * bytes.size();
+        impl_->decoding_delay = facts.low_delay ? 0 : 1;
+        impl_->container = backend().create(impl_->file, impl_->format, impl_->settings, facts);
+    }
+    const std::int64_t decoding = coding_order - impl_->decoding_delay;
+    EXPECTS(decoding <= display_number);
+    impl_->container->write(bytes, display_number, decoding, starts_gop);
+}
+
+void Muxer::finish() {
+    if (!impl_->container) throw core::Error("writing", impl_->file.string(), "there are no pictures to write");
+    impl_->container->finish();
+}
+
+void decode(const std::filesystem::path& file, const std::function<void(const core::Picture&)>& picture) {
+    backend().decode(file, picture);
+}
+
+}  // namespace render2mpeg::av

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+
+#include "core/picture.h"
+#include "encoder/av/sequence_facts.h"
+#include "encoder/encoder.h"
+
+/// What the module render2mpeg_av_module.so offers to the light library in front of it (av.cpp). Nothing else includes
+/// this.
+namespace render2mpeg::av {
+
+/// A film file being written.
+class Container {
+  public:
+    virtual ~Container() = default;
+    /// One coded picture. Times count frames from the film's first picture.
+    virtual void write(std::span<const std::uint8_t> bytes, std::int64_t presentation, std::int64_t decoding,
+                       bool random_access) = 0;
+    virtual void finish() = 0;
+};
+
+class Backend {
+  public:
+    virtual ~Backend() = default;
+    /// Creates `file` as libavformat's `format`, for a stream with these facts. `name` is for messages.
+    virtual std::unique_ptr<Container> create(const std::filesystem::path& file, const char* format,
+                                              const encoder::Settings& settings, const SequenceFacts& facts) const = 0;
+    virtual void decode(const std::filesystem::path& file,
+                        const std::function<void(const core::Picture&)>& picture) const = 0;
+};
+
+}  // namespace render2mpeg::av

@@ -1,0 +1,28 @@
+#include "encoder/av/backend.h"
+
+#include "encoder/av/module/container.h"
+#include "encoder/av/module/decoder.h"
+
+namespace render2mpeg::av {
+namespace {
+
+class FfmpegBackend final : public Backend {
+  public:
+    std::unique_ptr<Container> create(const std::filesystem::path& file, const char* format,
+                                      const encoder::Settings& settings, const SequenceFacts& facts) const override {
+        return create_container(file, format, settings, facts);
+    }
+    void decode(const std::filesystem::path& file,
+                const std::function<void(const core::Picture&)>& picture) const override {
+        decode_film(file, picture);
+    }
+};
+
+}  // namespace
+}  // namespace render2mpeg::av
+
+/// The module's only door.
+extern "C" const render2mpeg::av::Backend* render2mpeg_av_backend() {
+    static const render2mpeg::av::FfmpegBackend backend;
+    return &backend;
+}

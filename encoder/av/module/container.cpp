@@ -1,0 +1,171 @@
+#include "encoder/av/module/container.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include "core/error.h"
+#include "encoder/av/module/ffmpeg.h"
+
+namespace render2mpeg::av {
+namespace {
+
+/// Width by height of a pixel [H262, 6.3.3: codes 2 to 4 give the display's aspect ratio].
+AVRational pixel_aspect(const SequenceFacts& facts) {
+    AVRational display{0, 1};
+    switch (facts.aspect_ratio_code) {
+        case 2:
+            display = {4, 3};
+            break;
+        case 3:
+            display = {16, 9};
+            break;
+        case 4:
+            display = {221, 100};
+            break;
+        default:
+            return {1, 1};
+    }
+    return av_mul_q(display, {facts.height, facts.width});
+}
+
+/// Bytes of one pack of a program stream: a sector of a disc [H222, 2.5.3.3 leaves it open; libavformat's default].
+constexpr std::int64_t pack_bytes = 2048;
+
+/// How fast a program stream comes, in bits per second: at least what its video asks for with 5 % for headers, and fast
+/// enough that the largest picture comes within one picture's time, so that no buffer ever runs dry. libavformat
+/// advances the clock by whole ticks of 90 kHz per pack: of the rates above, take the next one for which that is exact.
+int program_rate(const SequenceFacts& facts, const core::FrameRate& rate) {
+    const double largest = static_cast<double>(facts.largest_picture) * 8 * rate.hertz.value();
+    const double needed = 1.05 * std::max(static_cast<double>(facts.bit_rate), largest) + 10000;
+    constexpr std::int64_t unit = 50;  // program_mux_rate counts 50 bytes per second [H222, 2.5.3.4]
+    constexpr std::int64_t most = (1 << 22) - 1;
+    const auto units = std::clamp(static_cast<std::int64_t>(needed / (8 * unit)) + 1, std::int64_t{1}, most);
+    const std::int64_t ticks = std::max(pack_bytes * 90000 / unit / units, std::int64_t{1});
+    return static_cast<int>(std::min(pack_bytes * 90000 / unit / ticks, most) * 8 * unit);
+}
+
+class File final : public Container {
+  public:
+    File(const std::filesystem::path& file, const char* format, const encoder::Settings& settings,
+         const SequenceFacts& facts)
+        : file_(file.string()),
+          tick_{static_cast<int>(settings.rate.hertz.den), static_cast<int>(settings.rate.hertz.num)} {
+        const Messages messages;
+        AVFormatContext* context = nullptr;
+        check(avformat_alloc_output_context2(&context, nullptr, format, file_.c_str()), messages);
+        context_.reset(context);
+        context->flags |= AVFMT_FLAG_BITEXACT;  // no dates, no versions, no random identifiers
+        context->max_delay = 700000;  // microseconds that data may wait before its decoding: ffmpeg's own choice
+        av_dict_set(&context->metadata, "service_provider", "render2mpeg", 0);
+        av_dict_set(&context->metadata, "service_name", "render2mpeg", 0);
+        describe_stream(settings, facts, messages);
+
+        AVDictionary* options = nullptr;
+        if (std::strcmp(format, "vob") == 0)
+            av_dict_set_int(&options, "muxrate", program_rate(facts, settings.rate), 0);
+        check(avio_open(&context->pb, ("file:" + file_).c_str(), AVIO_FLAG_WRITE), messages);
+        const int result = avformat_write_header(context, &options);
+        av_dict_free(&options);
+        check(result, messages);
+    }
+
+    void write(std::span<const std::uint8_t> bytes, std::int64_t presentation, std::int64_t decoding,
+               bool random_access) override {
+        const Messages messages;
+        EXPECTS(context_->pb != nullptr && bytes.size() < std::numeric_limits<int>::max());
+        check(av_new_packet(packet_.get(), static_cast<int>(bytes.size())), messages);
+        std::copy(bytes.begin(), bytes.end(), packet_->data);
+        packet_->pts = presentation;
+        packet_->dts = decoding;
+        packet_->duration = 1;
+        packet_->flags = random_access ? AV_PKT_FLAG_KEY : 0;
+        packet_->stream_index = 0;
+        av_packet_rescale_ts(packet_.get(), tick_, context_->streams[0]->time_base);
+        check(av_interleaved_write_frame(context_.get(), packet_.get()), messages);
+        check(context_->pb->error, messages);
+    }
+
+    void finish() override {
+        const Messages messages;
+        EXPECTS(context_->pb != nullptr);
+        check(av_write_trailer(context_.get()), messages);
+        avio_flush(context_->pb);
+        const int error = context_->pb->error;
+        const int closed = avio_closep(&context_->pb);
+        check(error, messages);
+        check(closed, messages);
+    }
+
+  private:
+    struct Closed {
+        void operator()(AVFormatContext* context) const {
+            if (context->pb != nullptr) avio_closep(&context->pb);
+            avformat_free_context(context);
+        }
+    };
+
+    void check(int result, const Messages& messages) const {
+        if (result < 0) throw core::Error("writing", file_, cause_of(result, messages));
+    }
+
+    void describe_stream(const encoder::Settings& settings, const SequenceFacts& facts, const Messages& messages) {
+        AVStream* stream = avformat_new_stream(context_.get(), nullptr);
+        if (stream == nullptr || !packet_) check(AVERROR(ENOMEM), messages);
+        stream->time_base = tick_;
+        stream->avg_frame_rate = stream->r_frame_rate = av_inv_q(tick_);
+        stream->sample_aspect_ratio = pixel_aspect(facts);
+
+        AVCodecParameters& codec = *stream->codecpar;
+        codec.codec_type = AVMEDIA_TYPE_VIDEO;
+        codec.codec_id = AV_CODEC_ID_MPEG2VIDEO;
+        codec.profile = FF_PROFILE_MPEG2_MAIN;
+        codec.format = AV_PIX_FMT_YUV420P;
+        codec.width = settings.width;
+        codec.height = settings.height;
+        codec.sample_aspect_ratio = stream->sample_aspect_ratio;
+        codec.field_order = facts.progressive ? AV_FIELD_PROGRESSIVE : AV_FIELD_UNKNOWN;
+        codec.color_range = AVCOL_RANGE_MPEG;
+        codec.chroma_location = AVCHROMA_LOC_LEFT;
+        // MPEG-2's numbers for these three are those of ISO/IEC 23091-2, which are FFmpeg's.
+        codec.color_primaries = static_cast<AVColorPrimaries>(facts.color_primaries);
+        codec.color_trc = static_cast<AVColorTransferCharacteristic>(facts.transfer_characteristics);
+        codec.color_space = static_cast<AVColorSpace>(facts.matrix_coefficients);
+        codec.video_delay = facts.low_delay ? 0 : 1;
+        codec.extradata = static_cast<std::uint8_t*>(av_mallocz(facts.headers.size() + AV_INPUT_BUFFER_PADDING_SIZE));
+        if (codec.extradata == nullptr) check(AVERROR(ENOMEM), messages);
+        std::copy(facts.headers.begin(), facts.headers.end(), codec.extradata);
+        codec.extradata_size = static_cast<int>(facts.headers.size());
+        describe_buffer(*stream, facts, messages);
+    }
+
+    /// The decoder's buffer: the stream's own, but never less than two of the largest pictures, one that is being
+    /// decoded and one that comes in.
+    void describe_buffer(AVStream& stream, const SequenceFacts& facts, const Messages& messages) {
+        std::size_t size = 0;
+        AVCPBProperties* buffer = av_cpb_properties_alloc(&size);
+        if (buffer == nullptr) check(AVERROR(ENOMEM), messages);
+        buffer->max_bitrate = facts.bit_rate;
+        buffer->buffer_size = std::max(facts.buffer_bits, static_cast<std::int64_t>(facts.largest_picture) * 16);
+        buffer->vbv_delay = std::numeric_limits<std::uint64_t>::max();
+        const int result =
+            av_stream_add_side_data(&stream, AV_PKT_DATA_CPB_PROPERTIES, reinterpret_cast<std::uint8_t*>(buffer), size);
+        if (result < 0) av_free(buffer);
+        check(result, messages);
+    }
+
+    std::string file_;
+    AVRational tick_;  ///< seconds from picture to picture
+    std::unique_ptr<AVFormatContext, Closed> context_;
+    Packet packet_{av_packet_alloc()};
+};
+
+}  // namespace
+
+std::unique_ptr<Container> create_container(const std::filesystem::path& file, const char* format,
+                                            const encoder::Settings& settings, const SequenceFacts& facts) {
+    return std::make_unique<File>(file, format, settings, facts);
+}
+
+}  // namespace render2mpeg::av

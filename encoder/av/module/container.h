@@ -1,0 +1,14 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "encoder/av/backend.h"
+
+namespace render2mpeg::av {
+
+/// `Backend::create` inside the module.
+std::unique_ptr<Container> create_container(const std::filesystem::path& file, const char* format,
+                                            const encoder::Settings& settings, const SequenceFacts& facts);
+
+}  // namespace render2mpeg::av

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+
+#include "core/picture.h"
+
+namespace render2mpeg::av {
+
+/// `av::decode` inside the module.
+void decode_film(const std::filesystem::path& file, const std::function<void(const core::Picture&)>& picture);
+
+}  // namespace render2mpeg::av

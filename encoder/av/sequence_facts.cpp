@@ -1,0 +1,108 @@
+#include "encoder/av/sequence_facts.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "core/error.h"
+
+namespace render2mpeg::av {
+namespace {
+
+// Start codes and extension identifiers [H262, tables 6-1 and 6-2].
+constexpr std::uint8_t user_start_code = 0xb2, sequence_start_code = 0xb3, extension_start_code = 0xb5;
+constexpr std::uint32_t sequence_extension = 1, sequence_display_extension = 2;
+
+/// Reads bits, most significant first; zeros past the end, and then `overrun` is true.
+class Bits {
+  public:
+    explicit Bits(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+
+    std::uint32_t read(int count) {
+        std::uint32_t value = 0;
+        for (int i = 0; i < count; ++i, ++position_) {
+            const std::size_t byte = position_ / 8;
+            value = value << 1 | (byte < bytes_.size() ? bytes_[byte] >> (7 - position_ % 8) & 1u : 0u);
+        }
+        return value;
+    }
+    void skip(std::size_t count) { position_ += count; }
+    bool overrun() const { return position_ > 8 * bytes_.size(); }
+
+  private:
+    std::span<const std::uint8_t> bytes_;
+    std::size_t position_ = 0;
+};
+
+/// Place of the next 00 00 01 at or after `from`, or the end.
+std::size_t next_start_code(std::span<const std::uint8_t> bytes, std::size_t from) {
+    constexpr std::uint8_t prefix[3] = {0, 0, 1};
+    const auto at = std::search(bytes.begin() + static_cast<std::ptrdiff_t>(from), bytes.end(), prefix, prefix + 3);
+    return static_cast<std::size_t>(at - bytes.begin());
+}
+
+bool read_header(Bits bits, SequenceFacts& facts) {
+    facts.width = static_cast<int>(bits.read(12));
+    facts.height = static_cast<int>(bits.read(12));
+    facts.aspect_ratio_code = static_cast<int>(bits.read(4));
+    bits.skip(4);  // frame_rate_code
+    facts.bit_rate = bits.read(18);
+    bits.skip(1);
+    facts.buffer_bits = bits.read(10);
+    return !bits.overrun();
+}
+
+/// True for a sequence extension that is whole.
+bool read_extension(Bits bits, SequenceFacts& facts) {
+    switch (bits.read(4)) {
+        case sequence_extension:
+            bits.skip(8);  // profile and level
+            facts.progressive = bits.read(1) != 0;
+            bits.skip(2);  // chroma_format
+            facts.width |= static_cast<int>(bits.read(2)) << 12;
+            facts.height |= static_cast<int>(bits.read(2)) << 12;
+            facts.bit_rate |= static_cast<std::int64_t>(bits.read(12)) << 18;
+            bits.skip(1);
+            facts.buffer_bits |= static_cast<std::int64_t>(bits.read(8)) << 10;
+            facts.low_delay = bits.read(1) != 0;
+            return !bits.overrun();
+        case sequence_display_extension:
+            bits.skip(3);  // video_format
+            if (bits.read(1) == 0) return false;
+            facts.color_primaries = static_cast<int>(bits.read(8));
+            facts.transfer_characteristics = static_cast<int>(bits.read(8));
+            facts.matrix_coefficients = static_cast<int>(bits.read(8));
+            return false;
+        default:
+            return false;
+    }
+}
+
+}  // namespace
+
+SequenceFacts read_sequence(std::span<const std::uint8_t> picture) {
+    SequenceFacts facts;
+    bool has_header = false, has_extension = false;
+    std::size_t at = next_start_code(picture, 0);
+    for (; at + 4 <= picture.size(); at = next_start_code(picture, at + 4)) {
+        const std::uint8_t code = picture[at + 3];
+        const Bits payload(picture.subspan(at + 4, next_start_code(picture, at + 4) - at - 4));
+        if (!has_header) {
+            if (at != 0 || code != sequence_start_code || !read_header(payload, facts)) break;
+            has_header = true;
+        } else if (code == extension_start_code) {
+            has_extension |= read_extension(payload, facts);
+        } else if (code != user_start_code) {
+            break;
+        }
+    }
+    if (!has_header || !has_extension)
+        throw core::Error(
+            "the first coded picture of the film does not begin with an MPEG-2 sequence header and extension");
+
+    facts.headers.assign(picture.begin(), picture.begin() + static_cast<std::ptrdiff_t>(std::min(at, picture.size())));
+    facts.bit_rate *= 400;           // bit_rate counts 400 bits per second [H262, 6.3.3]
+    facts.buffer_bits *= 16 * 1024;  // vbv_buffer_size counts 16 * 1024 bits
+    return facts;
+}
+
+}  // namespace render2mpeg::av

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace render2mpeg::av {
+
+/// What a container has to know of an MPEG-2 video stream, as the stream itself says it before its first picture.
+struct SequenceFacts {
+    std::vector<std::uint8_t> headers;  ///< sequence header and all that follows up to the first GOP or picture
+    int width = 0, height = 0;
+    int aspect_ratio_code = 1;     ///< [H262, table 6-3]
+    std::int64_t bit_rate = 0;     ///< bits per second
+    std::int64_t buffer_bits = 0;  ///< vbv_buffer_size
+    bool progressive = false;
+    bool low_delay = false;   ///< pictures are shown as soon as they are decoded: there are no B pictures
+    int color_primaries = 2;  ///< [H262, tables 6-7 to 6-9]; 2: not said
+    int transfer_characteristics = 2;
+    int matrix_coefficients = 2;
+    std::size_t largest_picture = 0;  ///< bytes; not in the stream: known or estimated by who writes it
+};
+
+/// Reads the sequence header, sequence extension and sequence display extension at the start of `picture`
+/// [H262, 6.2.2]. Throws core::Error if it does not start with an MPEG-2 sequence.
+SequenceFacts read_sequence(std::span<const std::uint8_t> picture);
+
+}  // namespace render2mpeg::av

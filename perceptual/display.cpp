@@ -1,0 +1,173 @@
+#include "perceptual/display.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "core/error.h"
+#include "core/numeric.h"
+#include "perceptual/signal_curve.h"
+
+namespace render2mpeg::perceptual {
+namespace {
+
+/// Weights of R', G', B' in luma: [BT709, 3.2] and [BT601, 2.5.1].
+glm::vec3 luma_weights(ColorMatrix matrix) {
+    return matrix == ColorMatrix::bt709 ? glm::vec3{0.2126f, 0.7152f, 0.0722f} : glm::vec3{0.299f, 0.587f, 0.114f};
+}
+
+/// Luma as a share of the way from black to white, and colour differences B' - Y', R' - Y'.
+struct Signals {
+    std::vector<float> luma, blue, red;
+    explicit Signals(int width) : luma(extent(width)), blue(extent(width)), red(extent(width)) {}
+    static std::size_t extent(int width) { return static_cast<std::size_t>(width); }
+};
+
+/// Returns 0, or NaN if any component is not finite.
+float signals_of_row(std::span<const glm::vec3> row, float gain, glm::vec3 weight, const SignalCurve& curve,
+                     Signals& out) {
+    float finite = 0.0f;
+    for (std::size_t x = 0; x < row.size(); ++x) {
+        const glm::vec3 c = row[x];
+        finite += c.x * 0.0f + c.y * 0.0f + c.z * 0.0f;
+        const float r = curve.signal(c.x * gain), g = curve.signal(c.y * gain), b = curve.signal(c.z * gain);
+        const float luma = weight.x * r + weight.y * g + weight.z * b;
+        out.luma[x] = luma;
+        out.blue[x] = b - luma;
+        out.red[x] = r - luma;
+    }
+    return finite;
+}
+
+/// Colour differences at half the width, sited on the even columns: [1 2 1] / 4, the edges repeated.
+void halve(const std::vector<float>& full, std::vector<float>& half) {
+    const std::size_t last = full.size() - 1;
+    for (std::size_t i = 0; i < half.size(); ++i) {
+        const std::size_t x = 2 * i;
+        half[i] = 0.25f * (full[x > 0 ? x - 1 : 0] + 2.0f * full[x] + full[std::min(x + 1, last)]);
+    }
+}
+
+std::uint8_t code(float value) {
+    return static_cast<std::uint8_t>(value + 0.5f);
+}
+
+/// Chroma code values halfway between two rows. `scale` brings the colour difference to -112..112.
+void write_chroma(const std::vector<float>& upper, const std::vector<float>& lower, float scale, std::uint8_t* out) {
+    for (std::size_t i = 0; i < upper.size(); ++i)
+        out[i] = code(std::clamp(128.0f + scale * 0.5f * (upper[i] + lower[i]), 16.0f, 240.0f));
+}
+
+float largest(glm::vec3 v) {
+    return std::max({v.x, v.y, v.z});
+}
+
+}  // namespace
+
+Display::Display(float exposure, ColorMatrix matrix)
+    : exposure_(exposure), gain_(std::exp2(exposure)), matrix_(matrix) {
+    EXPECTS(std::abs(exposure) <= max_exposure);
+}
+
+core::Picture Display::develop(const core::Radiance& radiance) const {
+    const int width = radiance.combined.width(), height = radiance.combined.height();
+    core::Picture picture;
+    picture.number = radiance.frame;
+    picture.y = core::Plane<std::uint8_t>(width, height);
+    picture.luma = core::Plane<float>(width, height);
+    picture.cb = core::Plane<std::uint8_t>((width + 1) / 2, (height + 1) / 2);
+    picture.cr = core::Plane<std::uint8_t>((width + 1) / 2, (height + 1) / 2);
+    if (picture.y.empty()) return picture;
+
+    const SignalCurve& curve = SignalCurve::instance();
+    const glm::vec3 weight = luma_weights(matrix_);
+    // [BT709, 3.4] and [BT601, 2.5.3]: C = 224 (difference) / (2 (1 - weight)).
+    const float blue_scale = 112.0f / (1.0f - weight.z), red_scale = 112.0f / (1.0f - weight.x);
+    Signals signals(width);
+    std::vector<float> blue[2], red[2];
+    for (int k = 0; k < 2; ++k) blue[k] = red[k] = std::vector<float>(static_cast<std::size_t>(picture.cb.width()));
+
+    float finite = 0.0f;
+    for (int pair = 0; pair < picture.cb.height(); ++pair) {
+        for (int k = 0; k < 2; ++k) {
+            const int y = std::min(2 * pair + k, height - 1);
+            finite += signals_of_row({radiance.combined.row(y), signals.luma.size()}, gain_, weight, curve, signals);
+            for (int x = 0; x < width; ++x) {
+                const float luma = 16.0f + 219.0f * signals.luma[static_cast<std::size_t>(x)];
+                picture.luma.row(y)[x] = luma;
+                picture.y.row(y)[x] = code(luma);
+            }
+            halve(signals.blue, blue[k]);
+            halve(signals.red, red[k]);
+        }
+        write_chroma(blue[0], blue[1], blue_scale, picture.cb.row(pair));
+        write_chroma(red[0], red[1], red_scale, picture.cr.row(pair));
+    }
+    EXPECTS(finite == 0.0f);
+    return picture;
+}
+
+std::vector<std::uint8_t> Display::develop_rgb(const core::Radiance& radiance) const {
+    const SignalCurve& curve = SignalCurve::instance();
+    std::vector<std::uint8_t> codes;
+    codes.reserve(3 * radiance.combined.size());
+    for (const glm::vec3& c : radiance.combined.values()) {
+        EXPECTS(core::is_finite(c));
+        for (int i = 0; i < 3; ++i) codes.push_back(code(255.0f * curve.signal(c[i] * gain_)));
+    }
+    return codes;
+}
+
+float Display::tone_curve(float exposed) {
+    return static_cast<float>(perceptual::tone_curve(static_cast<double>(exposed)));
+}
+
+float Display::inverse_tone_curve(float display_linear) {
+    return static_cast<float>(perceptual::inverse_tone_curve(static_cast<double>(display_linear)));
+}
+
+float Display::luma_of(glm::vec3 radiance) const {
+    const SignalCurve& curve = SignalCurve::instance();
+    const glm::vec3 weight = luma_weights(matrix_), c = radiance * gain_;
+    return 16.0f +
+           219.0f * (weight.x * curve.signal(c.x) + weight.y * curve.signal(c.y) + weight.z * curve.signal(c.z));
+}
+
+glm::vec3 Display::with_luma(glm::vec3 radiance, float luma) const {
+    const SignalCurve& curve = SignalCurve::instance();
+    const glm::vec3 weight = luma_weights(matrix_);
+    const float size = largest(radiance);
+    const glm::vec3 hue = size > 0.0f && std::isfinite(size) ? glm::max(radiance, 0.0f) / size : glm::vec3(1.0f);
+    const auto point_at = [&](float peak) {
+        const SignalCurve::Point r = curve.point(hue.x * peak), g = curve.point(hue.y * peak),
+                                 b = curve.point(hue.z * peak);
+        return SignalCurve::Point{weight.x * r.signal + weight.y * g.signal + weight.z * b.signal,
+                                  weight.x * r.log_slope + weight.y * g.log_slope + weight.z * b.log_slope};
+    };
+
+    // Answer the ends: black, white, and all that lies on the straight part of the curve, which is nowhere steeper.
+    const float wanted = (std::clamp(luma, 16.0f, 235.0f) - 16.0f) / 219.0f;
+    if (!(wanted > 0.0f)) return glm::vec3(0.0f);
+    const float most = point_at(SignalCurve::brightest).signal;
+    if (wanted >= most) return hue * (SignalCurve::brightest / gain_);
+    float low = wanted / (4.5f * glm::dot(weight, hue)), high = SignalCurve::brightest;
+
+    // Find the peak p with signal(p) = wanted. f = signal / (most - signal) is proportional to p at both ends and a
+    // mild power of it between, so that Newton's rule on log f over log p needs about four steps; where a weak channel
+    // makes a plateau, bisection on log p takes over.
+    float peak = std::min(low, high);
+    for (int step = 0; step < 48; ++step) {
+        const SignalCurve::Point at = point_at(peak);
+        (at.signal < wanted ? low : high) = peak;
+        const float slope = at.log_slope * most / std::max(at.signal * (most - at.signal), 1e-30f);
+        const float ratio = wanted * (most - at.signal) / (at.signal * (most - wanted));
+        float next = peak * std::exp(core::divide_or(std::log(std::max(ratio, 1e-30f)), slope, 0.0f));
+        if (!(next > low && next < high)) next = std::sqrt(low) * std::sqrt(high);
+        // chosen: 2e-7, the spacing of floats around 1; coarser stops cost luma at the steep end of dark colours.
+        if (std::abs(next - peak) <= 2e-7f * peak) break;
+        peak = next;
+    }
+    return hue * (peak / gain_);
+}
+
+}  // namespace render2mpeg::perceptual

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <span>
+
+namespace render2mpeg::perceptual {
+
+/// The exposure in EV that brings the middle of these luminances to mid grey (0.18), for a whole film from samples of
+/// some of its frames. Scene-linear luminances in any order, which does not change the result by a bit. Samples that
+/// are black, or ten stops below the bright ones and so black on the display, do not count, nor do non-finite ones; of
+/// the rest only the middle half does, so that neither a lamp nor a strip of sky decides. 0 if nothing is left. Within
+/// +-Display::max_exposure.
+float auto_exposure(std::span<const float> luminances);
+
+}  // namespace render2mpeg::perceptual

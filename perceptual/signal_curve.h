@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+
+namespace render2mpeg::perceptual {
+
+/// The display's tone curve by itself: scene-linear, exposed, >= 0, to display-linear in [0, 1] (docs/model.md,
+/// "Display").
+double tone_curve(double exposed);
+/// Its inverse, for display-linear values in [0, 1).
+double inverse_tone_curve(double display_linear);
+
+/// Display-linear light in [0, 1] to the signal R', G' or B' in [0, 1], and back. [BT709, 1.2] with the constants that
+/// make value and slope continuous [BT2020, table 4].
+double opto_electronic(double display_linear);
+double inverse_opto_electronic(double signal);
+
+/// Tone curve and transfer function in one, tabulated: exposed scene-linear light to signal. Right to 1e-4 code values
+/// of 219 (test), which is below what float luma resolves twice over, and ten times as fast as the powers. Non-negative
+/// input; NaN gives 0.
+class SignalCurve {
+  public:
+    /// Beyond this exposed light the curve stays where it is: 6e-5 code values below white.
+    static constexpr float brightest = 262144.0f;
+
+    /// The only one; built at first use.
+    static const SignalCurve& instance();
+
+    struct Point {
+        float signal;
+        float log_slope;  ///< derivative of the signal by the natural logarithm of the light: signal' x light
+    };
+
+    float signal(float exposed) const {
+        if (!(exposed >= first)) return exposed > 0.0f ? 4.5f * exposed : 0.0f;
+        const Place p = place(exposed);
+        return p.segment.a + p.t * (p.segment.b + p.t * p.segment.c);
+    }
+
+    Point point(float exposed) const {
+        if (!(exposed >= first)) return exposed > 0.0f ? Point{4.5f * exposed, 4.5f * exposed} : Point{0.0f, 0.0f};
+        if (exposed >= brightest) return {signal(brightest), 0.0f};
+        const Place p = place(exposed);
+        const float mantissa =
+            std::bit_cast<float>((std::bit_cast<std::uint32_t>(exposed) & 0x007fffffu) | 0x3f800000u);
+        return {p.segment.a + p.t * (p.segment.b + p.t * p.segment.c),
+                (p.segment.b + 2.0f * p.t * p.segment.c) * (mantissa * segments_per_octave)};
+    }
+
+  private:
+    /// Below this the curve is the straight line 4.5 x. A power of two, below the end of the line at 0.018.
+    static constexpr float first = 0.015625f;
+    static constexpr int segment_bits = 7;
+    static constexpr float segments_per_octave = 128.0f;
+    static constexpr std::uint32_t first_segment = std::bit_cast<std::uint32_t>(first) >> (23 - segment_bits);
+    static constexpr std::uint32_t last_segment = std::bit_cast<std::uint32_t>(brightest) >> (23 - segment_bits);
+
+    /// signal = a + t (b + t c), t in [0, 1) over the segment.
+    struct Segment {
+        float a, b, c;
+    };
+    struct Place {
+        const Segment& segment;
+        float t;
+    };
+
+    SignalCurve();
+
+    /// A float's bits, read as an integer, are its place on a piecewise linear logarithmic scale.
+    Place place(float exposed) const {
+        const auto bits = std::bit_cast<std::uint32_t>(exposed < brightest ? exposed : brightest);
+        constexpr std::uint32_t rest = (1u << (23 - segment_bits)) - 1;
+        return {segments_[(bits >> (23 - segment_bits)) - first_segment],
+                static_cast<float>(bits & rest) * (1.0f / static_cast<float>(rest + 1))};
+    }
+
+    std::array<Segment, last_segment - first_segment + 1> segments_;
+};
+
+}  // namespace render2mpeg::perceptual
