@@ -93,7 +93,6 @@ TEST(ThreadLimit, OfOneRunsEverythingOnTheCallersThread) {
 
 TEST(ThreadLimit, IsNeverExceeded) {
     const ThreadLimit limit(2);
-    std::mutex mutex;
     std::atomic<int> running = 0, most = 0;
     for_each(300, [&](std::size_t) {
         const int now = ++running;
