@@ -52,7 +52,9 @@ class Texture {
     };
     struct Probes;
 
-    void append_level(const core::Plane<glm::vec4>& linear);
+    void append_level(const core::Plane<glm::vec4>& linear, bool in_codes);
+    glm::vec4 unassociated(glm::vec4 v) const;
+    Probes cover(glm::vec2 uv, const Footprint& footprint) const;
     template <class Texels>
     glm::vec4 filter(const Texels& texels, const Probes& probes) const;
 
