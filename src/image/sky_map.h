@@ -51,8 +51,14 @@ class SkyMap {
     bool uniform() const { return grid_.empty(); }
 
   private:
-    glm::vec3 to_world(glm::vec3 map_direction) const;
-    glm::vec3 to_map(glm::vec3 world_direction) const;
+    glm::vec3 to_world(glm::vec3 in_map) const;
+    glm::vec3 to_map(glm::vec3 in_world) const;
+    glm::vec3 direction_of(float column, float row) const;
+    double cell_solid_angle(int row) const;
+    struct Part;
+    SkySample sample_of(const Part& part, const core::Plane<float>& power) const;
+    void divide(const Part& part, const core::Plane<float>& power, std::vector<Part>& open,
+                std::vector<SkySample>& samples) const;
 
     glm::vec3 mean_{0};
     float cos_rotation_ = 1, sin_rotation_ = 0;
