@@ -11,10 +11,10 @@ struct CameraLens {
     std::string name;
     int node = -1;
     bool perspective = true;
-    float vertical_fov = 0.9f;   ///< radians, 0 < fov < pi
-    float y_magnification = 1;   ///< orthographic: half the visible height, scene units, > 0
-    float near = 0;              ///< scene units; nothing nearer is seen
-    float far = 0;               ///< 0: infinite
+    float vertical_fov = 0.9f;  ///< radians, 0 < fov < pi
+    float y_magnification = 1;  ///< orthographic: half the visible height, scene units, > 0
+    float near = 0;             ///< scene units; nothing nearer is seen
+    float far = 0;              ///< 0: infinite
 };
 
 struct Ray {
@@ -25,15 +25,15 @@ struct Ray {
 /// Where a point appears: pixels, (0, 0) the upper left corner of the upper left pixel, whose centre is (0.5, 0.5).
 struct ScreenPoint {
     glm::vec2 position;
-    float depth;   ///< along the camera's axis, > 0
+    float depth;  ///< along the camera's axis, > 0
 };
 
 /// A camera at one instant with one picture format.
 class Camera {
- public:
+  public:
     Camera() = default;
-    /// `to_world` is rigid (orthonormal axes, no scale). `aspect` is the picture's width over its height as it is shown, pixel
-    /// aspect included.
+    /// `to_world` is rigid (orthonormal axes, no scale). `aspect` is the picture's width over its height as it is
+    /// shown, pixel aspect included.
     Camera(const CameraLens& lens, const glm::mat4& to_world, int width, int height, float aspect);
 
     /// The ray through a position on the picture.
@@ -41,8 +41,11 @@ class Camera {
 
     /// Where a world point appears; nothing for points on or behind the plane of the eye.
     std::optional<ScreenPoint> project(glm::vec3 world) const;
+    /// The same for a position in double precision.
+    std::optional<ScreenPoint> project_exact(glm::dvec3 world) const;
 
-    /// Where a direction (a point at infinity) appears; depth is +infinity.
+    /// Where a direction (a point at infinity) appears; depth is +infinity. Nothing for orthographic cameras, which see
+    /// one direction everywhere.
     std::optional<ScreenPoint> project_direction(glm::vec3 world_direction) const;
 
     glm::vec3 position() const { return glm::vec3(to_world_[3]); }
@@ -53,7 +56,10 @@ class Camera {
     const CameraLens& lens() const { return lens_; }
     const glm::mat4& to_world() const { return to_world_; }
 
- private:
+  private:
+    /// From coordinates along the camera's axes, divided by `scale` where it is a perspective camera.
+    std::optional<ScreenPoint> on_picture(double right, double up, double scale, double depth) const;
+
     CameraLens lens_;
     glm::mat4 to_world_{1.0f};
     int width_ = 0;

@@ -1,0 +1,41 @@
+#include "scene/extent.h"
+
+#include <limits>
+
+#include "scene/pose.h"
+
+namespace render2mpeg::scene {
+
+std::vector<glm::dvec3> world_positions(const Animation& animation, const Object& object, const Pose& pose) {
+    if (!pose.is_visible(object.node)) return {};
+    if (object.mobility == Mobility::deforming) return deformed_positions(animation, object, pose);
+    const glm::dmat4 to_world = pose.world_of(object.node);
+    if (!normal_matrix(glm::dmat3(to_world)).finite) return {};
+    std::vector<glm::dvec3> positions;
+    const Mesh& mesh = animation.meshes[static_cast<std::size_t>(object.mesh)];
+    positions.reserve(mesh.positions.size());
+    for (const glm::vec3& p : mesh.positions) positions.emplace_back(to_world * glm::dvec4(p, 1));
+    return positions;
+}
+
+std::optional<Extent> extent_at(const Animation& animation, double seconds) {
+    const Pose pose = pose_at(animation, seconds);
+    Extent extent{glm::dvec3(std::numeric_limits<double>::infinity()),
+                  glm::dvec3(-std::numeric_limits<double>::infinity())};
+    bool any = false;
+    for (const Object& object : animation.objects) {
+        const std::vector<glm::dvec3> positions = world_positions(animation, object, pose);
+        if (positions.empty()) continue;
+        // Vertices that no triangle uses do not count.
+        for (const glm::uvec3& t : animation.meshes[static_cast<std::size_t>(object.mesh)].triangles) {
+            for (int k = 0; k < 3; ++k) {
+                extent.low = glm::min(extent.low, positions[t[k]]);
+                extent.high = glm::max(extent.high, positions[t[k]]);
+            }
+            any = true;
+        }
+    }
+    return any ? std::optional(extent) : std::nullopt;
+}
+
+}  // namespace render2mpeg::scene

@@ -1,0 +1,69 @@
+#include "scene/load.h"
+
+#include <algorithm>
+#include <cctype>
+#include <system_error>
+
+#include "core/error.h"
+#include "scene/choice.h"
+#include "scene/loaders.h"
+#include "scene/wording.h"
+
+namespace render2mpeg::scene {
+namespace {
+
+std::string lower_case_ending(const std::filesystem::path& file) {
+    std::string ending = file.extension().string();
+    for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return ending;
+}
+
+void choose_camera(Animation& animation, const std::string& wanted) {
+    std::vector<std::string> names;
+    for (const CameraLens& lens : animation.cameras) names.push_back(lens.name);
+    const std::optional<std::size_t> chosen = choose(wanted, names);
+    if (!chosen) throw core::Error("reading", animation.source, no_such("camera", wanted, names));
+    animation.shots = {{0, static_cast<int>(*chosen)}};
+}
+
+}  // namespace
+
+Animation load_as_is(const std::filesystem::path& file, const LoadOptions& options) {
+    std::error_code failure;
+    const std::filesystem::file_status status = std::filesystem::status(file, failure);
+    if (!std::filesystem::exists(status)) throw core::Error("reading", file.string(), "there is no such file");
+    if (std::filesystem::is_directory(status))
+        throw core::Error("reading", file.string(), "is a folder, not a scene file");
+    const std::string ending = lower_case_ending(file);
+    if (ending == ".gltf" || ending == ".glb") return load_gltf(file, options);
+    if (ending == ".json") return load_animation_file(file, options);
+    return load_with_assimp(file, options);
+}
+
+Animation load(const std::filesystem::path& file, const LoadOptions& options) {
+    Animation animation = load_as_is(file, options);
+    animation.source = file.string();
+    if (options.camera) choose_camera(animation, *options.camera);
+    const bool no_sky = options.sky && *options.sky == "none";
+    if (no_sky) animation.sky = {};
+    if (options.sky && !no_sky) {
+        std::error_code failure;
+        if (!std::filesystem::is_regular_file(*options.sky, failure))
+            throw core::Error("reading", *options.sky, "there is no such file");
+        animation.sky = {};
+        animation.sky.color = glm::vec3(1);
+        animation.sky.image = static_cast<int>(animation.images.size());
+        animation.images.push_back({*options.sky, *options.sky, {}});
+    }
+    complete(animation);
+
+    // `complete` lights a film that has no light; here the user asked for none.
+    if (no_sky) {
+        animation.sky = {};
+        std::vector<std::string>& notes = animation.notes;
+        notes.erase(std::remove(notes.begin(), notes.end(), neutral_sky_note), notes.end());
+    }
+    return animation;
+}
+
+}  // namespace render2mpeg::scene

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "scene/animation.h"
+#include "scene/extent.h"
+
+namespace render2mpeg::scene {
+
+/// A coarse picture of where a film's surfaces are at one instant, good enough to judge a view before there is a ray
+/// tracer. Cubic cells, at most 48 along the longest side.
+class SurfaceGrid {
+  public:
+    SurfaceGrid(const Animation& animation, double seconds, const Extent& extent);
+
+    /// How many cells with a surface that faces the eye a camera sees (at most one per ray of a 24 x 16 raster, each
+    /// cell once). Looks along -z of `axes` (right, up, back), 58 by 40 degrees.
+    int cells_in_view(glm::dvec3 eye, const glm::dmat3& axes);
+
+    /// Whether neither the cell of this point nor one beside it holds a surface.
+    bool is_free(glm::dvec3 point) const;
+
+  private:
+    struct Cell {
+        glm::vec3 normal{0};        ///< sum over the samples
+        std::uint32_t samples = 0;  ///< 0: empty
+        std::uint32_t seen = 0;     ///< number of the last view that counted it
+    };
+
+    std::size_t samples_needed(const std::vector<std::vector<glm::dvec3>>& positions, const Animation& animation) const;
+    void add_triangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, double side);
+    void set_size(int longest);
+    glm::ivec3 cell_of(glm::dvec3 point) const;
+    bool inside(glm::ivec3 cell) const;
+    Cell& at(glm::ivec3 cell) { return cells_[index(cell)]; }
+    std::size_t index(glm::ivec3 cell) const;
+    bool counts_along(glm::dvec3 eye, glm::dvec3 direction);
+
+    Extent extent_;
+    double cell_ = 1;  ///< edge length
+    glm::ivec3 size_{1};
+    std::vector<Cell> cells_;
+    std::uint32_t view_ = 0;
+};
+
+}  // namespace render2mpeg::scene
