@@ -31,8 +31,10 @@ struct Sums {
     }
 };
 
-/// [Wang2004, eq. 13] of n samples, everything times n (means) or n^2 (variances); variances are unbiased (n - 1),
-/// which is what the factor in the second constant stands for. ffmpeg rounds both constants to integers for n = 64.
+/// [Wang2004, eq. 13] of n samples in terms of sums: means times n, variances times n (n - 1), which is why the second
+/// constant is multiplied so. The first one should be multiplied by n^2; ffmpeg, and x264 before it, multiply it by n,
+/// and so count the means of dark windows more strictly. Both are rounded to integers there. We do likewise, so that
+/// figures can be compared.
 double similarity(const Sums& s, double n) {
     const double c1 = std::floor(0.01 * 0.01 * 255 * 255 * n + 0.5);
     const double c2 = std::floor(0.03 * 0.03 * 255 * 255 * n * (n - 1) + 0.5);

@@ -1,0 +1,1 @@
+render2mpeg_test(perceptual LIBS render2mpeg_perceptual render2mpeg_av)
