@@ -102,7 +102,9 @@ void RayTracer::Impl::filter_shadow(const RTCFilterFunctionNArguments* arguments
             context.self->address(RTCHitN_instID(hit, n, i, 0), RTCHitN_geomID(hit, n, i), RTCHitN_primID(hit, n, i),
                                   RTCHitN_u(hit, n, i), RTCHitN_v(hit, n, i));
         const glm::vec3 passing = context.self->transmittance(address);
-        if (++context.layers[ray] > max_layers || !(passing.x > 0 || passing.y > 0 || passing.z > 0)) continue;
+        // Holes take nothing and do not count: foliage has many.
+        if (passing != glm::vec3{1.0f}) ++context.layers[ray];
+        if (context.layers[ray] > max_layers || !(passing.x > 0 || passing.y > 0 || passing.z > 0)) continue;
         for (int c = 0; c < 3; ++c) {
             context.depth[ray][c] +=
                 passing[c] > 0 ? std::llround(-std::log2(std::min(passing[c], 1.0f)) * optical_steps) : opaque_depth;
