@@ -38,8 +38,8 @@ std::string check_exposure(const std::string& text) {
     if (text == "auto") return {};
     char* end = nullptr;
     const double ev = std::strtod(text.c_str(), &end);
-    if (text.empty() || *end != '\0' || !std::isfinite(ev) || std::abs(ev) > 100)
-        throw core::Error("exposure " + text + ": expected `auto` or a number of EV, e.g. -1.5");
+    if (text.empty() || *end != '\0' || !std::isfinite(ev) || std::abs(ev) > 64)
+        throw core::Error("exposure " + text + ": expected `auto` or a number of EV from -64 to 64, e.g. -1.5");
     return {};
 }
 

@@ -9,7 +9,8 @@ namespace {
 
 class Y4mSink : public Sink {
   public:
-    Y4mSink(const Production& film, const std::filesystem::path& output) : writer_(output, film.coding) {}
+    Y4mSink(const Production& film, const std::filesystem::path& output)
+        : writer_(output, film.format.width, film.format.height, film.rate) {}
     void write(const core::Radiance&, const core::Picture& picture) override { writer_.write(picture); }
     void finish() override { writer_.finish(); }
 
@@ -40,10 +41,8 @@ class PngSink : public Sink {
     PngSink(const Production& film, const std::filesystem::path& pattern)
         : display_(film.exposure.value_or(0), perceptual::matrix_for(film.format.height)), pattern_(pattern) {}
     void write(const core::Radiance& radiance, const core::Picture& picture) override {
-        std::vector<unsigned char> rgb;
-        for (const glm::vec3& pixel : radiance.combined.values())
-            for (int c = 0; c < 3; ++c) rgb.push_back(display_.rgb8(pixel)[c]);
-        image::write_png(numbered(pattern_, picture.number), picture.width(), picture.height(), rgb);
+        image::write_png(numbered(pattern_, picture.number), picture.width(), picture.height(),
+                         display_.develop_rgb(radiance));
     }
 
   private:
