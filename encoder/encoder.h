@@ -59,6 +59,7 @@ struct CodedPicture {
     core::Picture reconstruction;                 ///< what a decoder shows: cropped to the display size
     core::Plane<MacroblockRecord> macroblocks;
     std::uint64_t block_evaluations = 0;          ///< 16x16 differences computed to choose motion
+    bool exceeds_level = false;                   ///< a decoder whose buffer has the level's size and fills at its rate starves here
 };
 
 /// Pictures in display order to coded pictures in coding order. Neither searches for motion nor looks at other films' pictures:

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "encoder/mpeg2/codes.h"
+#include "encoder/mpeg2/kernels.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+
+/// A block's coefficients as they wait to be written: `run` zeros in scan order, then a level.
+struct RunLevel {
+    std::uint8_t run;
+    std::int16_t level;
+};
+
+/// Lengths of coefficient codes, sign included, escapes resolved.
+class CoefficientLengths {
+  public:
+    explicit CoefficientLengths(const CoefficientCodes& codes);
+
+    int bits(int run, int magnitude) const { return magnitude < levels ? length_[run][magnitude] : escape_bits; }
+    int end_of_block() const { return end_of_block_; }
+
+    static const CoefficientLengths& zero();  ///< table B-14
+    static const CoefficientLengths& one();   ///< table B-15
+
+  private:
+    static constexpr int levels = 64;
+    std::uint8_t length_[64][levels];  ///< [run][magnitude 1..]
+    int end_of_block_;
+};
+
+/// One 8x8 block through DCT and quantisation; arrays in the encoder's order (kernels.h).
+struct Block {
+    alignas(32) float coefficients[64];
+    alignas(32) std::int16_t levels[64];
+    alignas(32) std::int16_t dequantised[64];
+    std::uint64_t scan_mask;  ///< bit i: the i-th coefficient of the scan is not 0 (intra: DC never counts)
+    float distortion;         ///< squared error as coded
+    float energy;             ///< squared error of a non-intra block that is not coded
+    int dc;                   ///< intra: quantised DC, 0..255
+};
+
+/// Quantises `block.coefficients`, all of them. The block then holds everything but `dc`.
+void quantise_non_intra(Block& block, const QuantTable& table);
+/// Likewise; DC by its own step of 8.
+void quantise_intra(Block& block, const QuantTable& table);
+
+/// Lowers levels by one where the bits saved are worth the distortion: J = distortion + lambda * bits, by real code
+/// lengths.
+void economise(Block& block, const QuantTable& table, const CoefficientLengths& lengths, bool intra, float lambda);
+
+/// Bits of the coefficients and the end of the block; of the AC coefficients only for an intra block.
+int coefficient_bits(const Block& block, const CoefficientLengths& lengths, bool intra);
+
+/// Bits of an intra DC difference.
+int dc_bits(int difference, bool luma);
+
+/// Appends the coefficients in scan order; an intra block without its DC.
+void append_runs(const Block& block, std::vector<RunLevel>& runs, bool intra);
+
+void write_dc(BitWriter& out, int difference, bool luma);
+/// `count` runs and the end of the block.
+void write_coefficients(BitWriter& out, const RunLevel* runs, int count, const CoefficientCodes& codes, bool intra);
+
+}  // namespace render2mpeg::encoder::mpeg2

@@ -1,0 +1,105 @@
+#include "encoder/mpeg2/candidates.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/numeric.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+namespace {
+
+/// Every second pixel of every second row. chosen: all 256 pixels cost four times as much and change a half-pel
+/// candidate only at objects of a pixel's width.
+constexpr int sample_step = 2;
+
+/// Vectors of the macroblock's valid pixels, at most 64.
+struct Samples {
+    std::array<glm::vec2, 64> vector;
+    int count = 0;
+    glm::vec2 low{0.0f}, high{0.0f};
+};
+
+bool is_valid(const core::MotionField& motion, int x, int y) {
+    return motion.kind.at(x, y) != core::PixelClass::none && core::is_finite(motion.vector.at(x, y));
+}
+
+Samples gather(const core::MotionField& motion, int column, int row) {
+    Samples samples;
+    const int end_x = std::min(column * 16 + 16, motion.vector.width());
+    const int end_y = std::min(row * 16 + 16, motion.vector.height());
+    for (int y = row * 16; y < end_y; y += sample_step)
+        for (int x = column * 16; x < end_x; x += sample_step) {
+            if (!is_valid(motion, x, y)) continue;
+            // Pictures are at most 1920 wide, so that a vector beyond 4096 is as good as 4096, and sums stay finite.
+            const glm::vec2 v = glm::clamp(motion.vector.at(x, y), glm::vec2{-4096.0f}, glm::vec2{4096.0f});
+            samples.low = samples.count == 0 ? v : glm::min(samples.low, v);
+            samples.high = samples.count == 0 ? v : glm::max(samples.high, v);
+            samples.vector[static_cast<std::size_t>(samples.count++)] = v;
+        }
+    return samples;
+}
+
+Vector to_half_pixels(glm::vec2 v, const VectorRange& range) {
+    return range.clamp(static_cast<int>(std::floor(2.0f * v.x + 0.5f)),
+                       static_cast<int>(std::floor(2.0f * v.y + 0.5f)));
+}
+
+glm::vec2 median(Samples& samples) {
+    const auto middle = samples.vector.begin() + samples.count / 2;
+    const auto end = samples.vector.begin() + samples.count;
+    std::nth_element(samples.vector.begin(), middle, end, [](glm::vec2 a, glm::vec2 b) { return a.x < b.x; });
+    const float x = middle->x;
+    std::nth_element(samples.vector.begin(), middle, end, [](glm::vec2 a, glm::vec2 b) { return a.y < b.y; });
+    return {x, middle->y};
+}
+
+/// Centres of two clusters, begun at the two ends along the axis of the larger spread.
+std::array<glm::vec2, 2> two_means(const Samples& samples) {
+    const glm::vec2 spread = samples.high - samples.low;
+    const int axis = spread.x >= spread.y ? 0 : 1;
+    const auto end = samples.vector.begin() + samples.count;
+    const auto [first, last] = std::minmax_element(samples.vector.begin(), end,
+                                                   [axis](glm::vec2 a, glm::vec2 b) { return a[axis] < b[axis]; });
+    std::array<glm::vec2, 2> centre = {*first, *last};
+    // chosen: three rounds; clusters of two rigid motions are stable after two.
+    for (int round = 0; round < 3; ++round) {
+        std::array<glm::vec2, 2> sum = {glm::vec2{0.0f}, glm::vec2{0.0f}};
+        std::array<float, 2> weight = {0.0f, 0.0f};
+        for (auto v = samples.vector.begin(); v != end; ++v) {
+            const glm::vec2 a = *v - centre[0], b = *v - centre[1];
+            const std::size_t nearer = glm::dot(b, b) < glm::dot(a, a) ? 1 : 0;
+            sum[nearer] += *v;
+            weight[nearer] += 1.0f;
+        }
+        for (std::size_t k = 0; k < 2; ++k)
+            if (weight[k] > 0.0f) centre[k] = sum[k] / weight[k];
+    }
+    return centre;
+}
+
+}  // namespace
+
+Candidates exact_candidates(const core::MotionField& motion, int column, int row, const VectorRange& range) {
+    Candidates candidates;
+    Samples samples = gather(motion, column, row);
+    if (samples.count == 0) return candidates;
+
+    // Take the middle where all pixels move alike to a quarter pixel.
+    const glm::vec2 spread = samples.high - samples.low;
+    if (std::max(spread.x, spread.y) <= 0.25f) {
+        candidates.add(to_half_pixels((samples.low + samples.high) * 0.5f, range));
+        return candidates;
+    }
+    // chosen: modes of less than a pixel's distance are within reach of the refinement by half pixels.
+    if (std::max(spread.x, spread.y) > 1.0f)
+        for (const glm::vec2 mode : two_means(samples)) candidates.add(to_half_pixels(mode, range));
+    candidates.add(to_half_pixels(median(samples), range));
+    const int x = std::min(column * 16 + 8, motion.vector.width() - 1);
+    const int y = std::min(row * 16 + 8, motion.vector.height() - 1);
+    if (is_valid(motion, x, y))
+        candidates.add(
+            to_half_pixels(glm::clamp(motion.vector.at(x, y), glm::vec2{-4096.0f}, glm::vec2{4096.0f}), range));
+    return candidates;
+}
+
+}  // namespace render2mpeg::encoder::mpeg2

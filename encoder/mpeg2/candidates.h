@@ -1,0 +1,27 @@
+#pragma once
+
+#include <array>
+
+#include "core/motion_field.h"
+#include "encoder/mpeg2/vector.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+
+/// Vectors that the renderer's exact motion offers for a macroblock, without repeats.
+struct Candidates {
+    std::array<Vector, 4> vector;
+    int count = 0;
+
+    void add(Vector v) {
+        for (int i = 0; i < count; ++i)
+            if (vector[static_cast<std::size_t>(i)] == v) return;
+        vector[static_cast<std::size_t>(count++)] = v;
+    }
+};
+
+/// Median, the two modes where the macroblock holds a silhouette, and the centre pixel, rounded to half pixels and
+/// moved into `range`. Pixels of class `none` and vectors that are not finite are left out; none left: no candidates.
+/// The macroblock may hang over the field's right and lower side.
+Candidates exact_candidates(const core::MotionField& motion, int column, int row, const VectorRange& range);
+
+}  // namespace render2mpeg::encoder::mpeg2

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+
+#include "encoder/mpeg2/block_coding.h"
+#include "encoder/mpeg2/codes.h"
+#include "encoder/mpeg2/frame.h"
+#include "encoder/mpeg2/motion.h"
+#include "encoder/mpeg2/quantiser.h"
+#include "encoder/mpeg2/vector.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+
+/// What prediction within a slice starts from at a macroblock. Reset at the slice's start. [H262, 7.2.1 and 7.6.3.4]
+struct SliceState {
+    static constexpr int dc_reset = 128;  ///< for intra_dc_precision 8
+    int dc[3] = {dc_reset, dc_reset, dc_reset};
+    Vector vector;
+    int quantiser = 1;  ///< in force
+    int skipped = 0;    ///< macroblocks since the last coded one
+
+    void reset_dc() { dc[0] = dc[1] = dc[2] = dc_reset; }
+};
+
+/// What does not change within a picture.
+struct PictureCoding {
+    const Frame& source;
+    const Frame* reference;  ///< null in an intra picture
+    Frame& reconstruction;
+    bool intra_picture;
+    int f_code[2];
+    float lambda_factor;  ///< lambda = lambda_factor * q^2
+};
+
+/// How one macroblock is coded, ready to be written.
+struct MacroblockCode {
+    MacroblockType type;
+    bool skipped = false;
+    std::uint8_t pattern = 0;    ///< coded_block_pattern; 63 for intra
+    std::uint8_t quantiser = 1;  ///< in force
+    Vector vector;
+    std::uint8_t dc[6] = {};    ///< intra: quantised DCs
+    std::uint8_t runs[6] = {};  ///< coefficients per block in the row's list
+    std::uint32_t bits = 0;     ///< once written; what macroblocks skipped before it cost is on its bill
+};
+
+/// What an attempt comes to.
+struct Totals {
+    MacroblockType type;
+    int pattern = 0;        ///< coded_block_pattern; 63 for intra
+    float distortion = 0;   ///< squared error of luma and chroma
+    int bits = 0;           ///< whole macroblock but for the address increment; intra blocks with table B-14
+    int bits_with_one = 0;  ///< the same with table B-15 for intra blocks
+
+    float cost(float lambda) const { return distortion + lambda * static_cast<float>(bits); }
+};
+
+/// A macroblock tried in one way: everything needed to compare and to keep it.
+struct Attempt {
+    Block block[6];  ///< Y upper left, upper right, lower left, lower right, Cb, Cr
+    Prediction prediction;
+    Vector vector;
+    int quantiser = 1;
+    Totals totals;
+};
+
+/// Tries the macroblock with forward motion; blocks not worth their bits are dropped.
+void attempt_inter(const PictureCoding& picture, int column, int row, Vector v, int quantiser, const SliceState& state,
+                   Attempt& out);
+
+/// Tries it intra.
+void attempt_intra(const PictureCoding& picture, int column, int row, int quantiser, const SliceState& state,
+                   Attempt& out);
+
+/// Squared error of the macroblock as a copy of the reference.
+float skip_distortion(const PictureCoding& picture, int column, int row);
+
+/// Makes blocks empty from the high frequencies down until the macroblock has at most `limit` bits.
+void truncate_to(Attempt& attempt, const PictureCoding& picture, const SliceState& state, int limit);
+
+/// Writes the decoded macroblock into the picture's reconstruction.
+void reconstruct(const PictureCoding& picture, int column, int row, Attempt& attempt);
+void reconstruct_skipped(const PictureCoding& picture, int column, int row);
+
+/// The state after a macroblock that was coded so.
+void advance(SliceState& state, const MacroblockCode& code);
+
+/// Bits of macroblock_address_increment for an increment of 1 + skipped.
+int address_increment_bits(int skipped);
+
+}  // namespace render2mpeg::encoder::mpeg2

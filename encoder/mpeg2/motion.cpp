@@ -1,0 +1,207 @@
+#include "encoder/mpeg2/motion.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "encoder/mpeg2/candidates.h"
+#include "encoder/mpeg2/kernels.h"
+#include "encoder/mpeg2/levels.h"
+#include "parallel/loops.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+namespace {
+
+/// The vectors tried for one macroblock and their differences, so that none is computed twice.
+class Trials {
+  public:
+    struct Trial {
+        Vector vector;
+        std::uint32_t difference = 0;
+    };
+
+    bool full() const { return count_ == evaluation_limit; }
+    int count() const { return count_; }
+    const Trial* begin() const { return trials_.data(); }
+    const Trial* end() const { return trials_.data() + count_; }
+    const Trial* find(Vector v) const {
+        const Trial* t = std::find_if(begin(), end(), [v](const Trial& trial) { return trial.vector == v; });
+        return t == end() ? nullptr : t;
+    }
+    void add(Vector v, std::uint32_t difference) { trials_[static_cast<std::size_t>(count_++)] = {v, difference}; }
+
+  private:
+    std::array<Trial, evaluation_limit> trials_;
+    int count_ = 0;
+};
+
+std::int16_t median(std::int16_t a, std::int16_t b, std::int16_t c) {
+    return std::max(std::min(a, b), std::min(std::max(a, b), c));
+}
+
+/// One picture's choice, in two passes over the rows. Rows are independent within a pass: what a row takes from another
+/// one is what the first pass left there. So threads change nothing, and a predictor may even lie below.
+class Chooser {
+  public:
+    explicit Chooser(const MotionSources& sources)
+        : s_(sources),
+          columns_(sources.picture.columns()),
+          rows_(sources.picture.rows()),
+          first_(columns_, rows_),
+          chosen_(columns_, rows_),
+          trials_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {}
+
+    MotionChoice run() {
+        parallel::for_each(static_cast<std::size_t>(rows_),
+                           [this](std::size_t row) { try_sources(static_cast<int>(row)); });
+        estimate_f_codes();
+        parallel::for_each(static_cast<std::size_t>(rows_), [this](std::size_t row) { settle(static_cast<int>(row)); });
+        MotionChoice choice{std::move(chosen_), 0};
+        for (const Trials& t : trials_) choice.evaluations += static_cast<std::uint64_t>(t.count());
+        return choice;
+    }
+
+  private:
+    Trials& trials(int column, int row) {
+        return trials_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+                       static_cast<std::size_t>(column)];
+    }
+    VectorRange range(int column, int row) const {
+        return vector_range(column, row, columns_, rows_, s_.horizontal_f_code_limit, vertical_f_code_limit);
+    }
+
+    /// First pass: exact vectors, zero, the picture before, and what the left neighbour liked.
+    void try_sources(int row) {
+        Vector left;
+        for (int column = 0; column < columns_; ++column) {
+            const VectorRange allowed = range(column, row);
+            evaluate(column, row, Vector{});
+            if (s_.exact) {
+                const Candidates exact = exact_candidates(*s_.exact, column, row, allowed);
+                for (int i = 0; i < exact.count; ++i) evaluate(column, row, exact.vector[static_cast<std::size_t>(i)]);
+            }
+            if (s_.previous) evaluate(column, row, allowed.clamp(s_.previous->at(column, row)));
+            evaluate(column, row, allowed.clamp(left));
+            const Trials& t = trials(column, row);
+            left = std::min_element(t.begin(), t.end(), [](const auto& a, const auto& b) {
+                       return a.difference < b.difference;
+                   })->vector;
+            first_.at(column, row) = left;
+        }
+    }
+
+    /// Prices the second pass's bits: the f_codes that what has been found so far needs.
+    void estimate_f_codes() {
+        Vector low, high;
+        for (const Vector& v : first_.values()) {
+            low = {std::min(low.x, v.x), std::min(low.y, v.y)};
+            high = {std::max(high.x, v.x), std::max(high.y, v.y)};
+        }
+        f_code_[0] = f_code_for(low.x, high.x);
+        f_code_[1] = f_code_for(low.y, high.y);
+    }
+
+    /// Second pass: the neighbours' vectors, then half pixels about the best.
+    void settle(int row) {
+        Vector left;  // prediction of the vector in the stream
+        for (int column = 0; column < columns_; ++column) {
+            const VectorRange allowed = range(column, row);
+            const Vector above = neighbour(column, row - 1), above_right = neighbour(column + 1, row - 1);
+            const Vector middle{median(left.x, above.x, above_right.x), median(left.y, above.y, above_right.y)};
+            for (const Vector v :
+                 {left, above, above_right, middle, neighbour(column + 1, row), neighbour(column, row + 1)})
+                evaluate(column, row, allowed.clamp(v));
+
+            Vector best = cheapest(trials(column, row), left);
+            for (int round = 0; round < 2; ++round) {
+                for (int dy = -1; dy <= 1; ++dy)
+                    for (int dx = -1; dx <= 1; ++dx) {
+                        const Vector v{static_cast<std::int16_t>(best.x + dx), static_cast<std::int16_t>(best.y + dy)};
+                        if (allowed.contains(v)) evaluate(column, row, v);
+                    }
+                const Vector better = cheapest(trials(column, row), left);
+                if (better == best) break;
+                best = better;
+            }
+            chosen_.at(column, row) = best;
+            left = best;
+        }
+    }
+
+    /// What the first pass chose, zero outside the picture.
+    Vector neighbour(int column, int row) const {
+        const bool inside = column < columns_ && row >= 0 && row < rows_;
+        return inside ? first_.at(column, row) : Vector{};
+    }
+
+    Vector cheapest(const Trials& t, Vector prediction) const {
+        const Trials::Trial* best = nullptr;
+        float best_cost = 0.0f;
+        for (const Trials::Trial& trial : t) {
+            const float cost = static_cast<float>(trial.difference) +
+                               s_.cost_per_bit * static_cast<float>(vector_bits(trial.vector, prediction));
+            if (best && cost >= best_cost) continue;
+            best = &trial;
+            best_cost = cost;
+        }
+        return best->vector;
+    }
+
+    /// Bits of macroblock_type and vector. A zero vector needs none, but a macroblock type one bit longer.
+    int vector_bits(Vector v, Vector prediction) const {
+        if (v.is_zero()) return 2;
+        return 1 + bounded_bits(v.x - prediction.x, f_code_[0]) + bounded_bits(v.y - prediction.y, f_code_[1]);
+    }
+    /// A vector found later may leave the estimated range; it then costs what the f_code's largest difference costs,
+    /// and a bit more.
+    static int bounded_bits(int difference, int f_code) {
+        const int reach = 32 << (f_code - 1);
+        return difference >= -reach && difference < reach ? component_bits(difference, f_code) : 12 + f_code;
+    }
+
+    void evaluate(int column, int row, Vector v) {
+        Trials& t = trials(column, row);
+        if (t.full() || t.find(v)) return;
+        const Kernels& k = kernels();
+        const auto stride = static_cast<std::ptrdiff_t>(s_.picture.y.width());
+        const std::uint8_t* here = s_.picture.y.row(row * 16) + column * 16;
+        const std::uint8_t* there = s_.reference.y.row(row * 16 + (v.y >> 1)) + column * 16 + (v.x >> 1);
+        const int half = (v.x & 1) | (v.y & 1) << 1;
+        if (half == 0) {
+            t.add(v, k.satd_16x16(here, stride, there, stride));
+            return;
+        }
+        alignas(32) std::uint8_t prediction[256];
+        k.predict_16x16(prediction, 16, there, stride, half);
+        t.add(v, k.satd_16x16(here, stride, prediction, 16));
+    }
+
+    const MotionSources& s_;
+    int columns_, rows_;
+    core::Plane<Vector> first_, chosen_;
+    std::vector<Trials> trials_;
+    std::array<int, 2> f_code_ = {1, 1};
+};
+
+}  // namespace
+
+MotionChoice choose_vectors(const MotionSources& sources) {
+    return Chooser(sources).run();
+}
+
+void predict(const Frame& reference, int column, int row, Vector v, Prediction& out) {
+    const Kernels& k = kernels();
+    const auto stride = static_cast<std::ptrdiff_t>(reference.y.width());
+    const std::uint8_t* luma = reference.y.row(row * 16 + (v.y >> 1)) + column * 16 + (v.x >> 1);
+    k.predict_16x16(out.y, 16, luma, stride, (v.x & 1) | (v.y & 1) << 1);
+
+    // Halve the vector towards zero for chroma. [H262, 7.6.3.7]
+    const int x = v.x / 2, y = v.y / 2, half = (x & 1) | (y & 1) << 1;
+    const auto chroma_stride = static_cast<std::ptrdiff_t>(reference.cb.width());
+    for (int plane = 1; plane <= 2; ++plane) {
+        const std::uint8_t* chroma = reference.plane(plane).row(row * 8 + (y >> 1)) + column * 8 + (x >> 1);
+        k.predict_8x8(plane == 1 ? out.cb : out.cr, 8, chroma, chroma_stride, half);
+    }
+}
+
+}  // namespace render2mpeg::encoder::mpeg2

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/motion_field.h"
+#include "core/plane.h"
+#include "encoder/mpeg2/frame.h"
+#include "encoder/mpeg2/vector.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+
+/// Where the vectors of a picture come from.
+struct MotionSources {
+    const Frame& picture;
+    const Frame& reference;               ///< reconstruction
+    const core::MotionField* exact;       ///< null: predictors and zero only
+    const core::Plane<Vector>* previous;  ///< vectors of the picture before, a predictor; null: none
+    int horizontal_f_code_limit;
+    float cost_per_bit;  ///< Hadamard sum
+};
+
+struct MotionChoice {
+    core::Plane<Vector> vectors;    ///< one per macroblock
+    std::uint64_t evaluations = 0;  ///< 16x16 differences computed
+};
+
+/// Most 16x16 differences computed for one macroblock.
+inline constexpr int evaluation_limit = 40;
+
+/// Chooses a vector for every macroblock by Hadamard difference plus the price of the vector's bits, among the
+/// renderer's exact vectors, predictors (left, above, above right, their median, the picture before) and zero, then
+/// among half-pel neighbours of the best in at most two rounds. No search: a vector is never more than two half pixels
+/// from one of these.
+MotionChoice choose_vectors(const MotionSources& sources);
+
+/// Luma and chroma prediction of a macroblock: 16x16 samples, then 8x8 of Cb and Cr.
+struct Prediction {
+    alignas(32) std::uint8_t y[256];
+    alignas(32) std::uint8_t cb[64];
+    alignas(32) std::uint8_t cr[64];
+};
+/// [H262, 7.6.3.7 and 7.6.4]. The vector keeps inside the reference (vector_range).
+void predict(const Frame& reference, int column, int row, Vector v, Prediction& out);
+
+}  // namespace render2mpeg::encoder::mpeg2

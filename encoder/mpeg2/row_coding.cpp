@@ -1,0 +1,191 @@
+#include "encoder/mpeg2/row_coding.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "encoder/mpeg2/levels.h"
+#include "encoder/mpeg2/syntax.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+namespace {
+
+/// Decides the macroblocks of one row from left to right.
+class RowDecider {
+  public:
+    RowDecider(const PictureCoding& picture, int row, int quantiser)
+        : picture_(picture),
+          row_(row),
+          quantiser_(quantiser),
+          inter_(std::make_unique<Attempt>()),
+          intra_(std::make_unique<Attempt>()) {
+        state_.quantiser = quantiser;
+        lambda_ = picture.lambda_factor * static_cast<float>(quantiser * quantiser);
+    }
+
+    RowCode run(const Vector* vectors) {
+        const int columns = picture_.source.columns();
+        code_.macroblocks.reserve(static_cast<std::size_t>(columns));
+        for (int column = 0; column < columns; ++column) {
+            if (picture_.intra_picture) {
+                attempt_intra(picture_, column, row_, quantiser_, state_, *intra_);
+                keep(column, *intra_);
+            } else {
+                // A slice begins and ends with a coded macroblock. [H262, 6.3.17]
+                decide_predicted(column, vectors[column], column > 0 && column < columns - 1);
+            }
+        }
+        return std::move(code_);
+    }
+
+  private:
+    void decide_predicted(int column, Vector v, bool may_skip) {
+        attempt_inter(picture_, column, row_, v, quantiser_, state_, *inter_);
+        const float inter =
+            inter_->totals.cost(lambda_) + lambda_ * static_cast<float>(address_increment_bits(state_.skipped));
+        const bool intra = intra_may_win(column, inter) && try_intra(column, inter);
+        const float best = intra ? intra_->totals.cost(lambda_) : inter;
+        if (may_skip && skip_cost(column) <= best) {
+            skip(column);
+        } else {
+            keep(column, intra ? *intra_ : *inter_);
+        }
+    }
+
+    /// Distortion, and the bits by which the next address increment grows.
+    float skip_cost(int column) const {
+        return skip_distortion(picture_, column, row_) +
+               lambda_ * static_cast<float>(address_increment_bits(state_.skipped + 1));
+    }
+
+    /// Intra costs at least its type, six DC sizes and six ends of block, and its distortion is hardly below what
+    /// quantisation leaves of the block's own activity.
+    bool intra_may_win(int column, float inter_cost) const {
+        constexpr int least_bits = 5 + 6 * 2 + 6 * 2;
+        if (inter_cost <= lambda_ * least_bits) return false;
+        const Kernels& k = kernels();
+        const auto stride = static_cast<std::ptrdiff_t>(picture_.source.y.width());
+        const std::uint8_t* here = picture_.source.y.row(row_ * 16) + column * 16;
+        return static_cast<float>(k.activity_16x16(here, stride)) <
+               intra_activity_limit * static_cast<float>(k.satd_16x16(here, stride, inter_->prediction.y, 16));
+    }
+
+    bool try_intra(int column, float inter_cost) {
+        attempt_intra(picture_, column, row_, quantiser_, state_, *intra_);
+        return intra_->totals.cost(lambda_) + lambda_ * static_cast<float>(address_increment_bits(state_.skipped)) <
+               inter_cost;
+    }
+
+    void skip(int column) {
+        reconstruct_skipped(picture_, column, row_);
+        MacroblockCode code;
+        code.skipped = true;
+        code.quantiser = static_cast<std::uint8_t>(state_.quantiser);
+        append(code);
+    }
+
+    /// Adopts an attempt, made coarser where it would exceed the limit of bits.
+    void keep(int column, Attempt& attempt) {
+        const int limit = static_cast<int>(macroblock_bits_limit) - address_increment_bits(state_.skipped);
+        while (largest(attempt) > limit && attempt.quantiser < 31)
+            requantise(column, attempt, std::min(31, attempt.quantiser + 2));
+        if (largest(attempt) > limit) truncate_to(attempt, picture_, state_, limit);
+
+        MacroblockCode code;
+        code.type = attempt.totals.type;
+        code.pattern = static_cast<std::uint8_t>(attempt.totals.pattern);
+        const bool quantised = code.type.intra || code.type.pattern;
+        code.quantiser = static_cast<std::uint8_t>(quantised ? attempt.quantiser : state_.quantiser);
+        code.vector = attempt.vector;
+        for (std::size_t i = 0; i < 6; ++i) {
+            const Block& block = attempt.block[i];
+            code.dc[i] = static_cast<std::uint8_t>(code.type.intra ? block.dc : 0);
+            if ((code.pattern & (32 >> i)) == 0) continue;
+            const std::size_t before = code_.runs.size();
+            append_runs(block, code_.runs, code.type.intra);
+            code.runs[i] = static_cast<std::uint8_t>(code_.runs.size() - before);
+        }
+        code_.table_one_gain += attempt.totals.bits - attempt.totals.bits_with_one;
+        reconstruct(picture_, column, row_, attempt);
+        append(code);
+    }
+
+    void requantise(int column, Attempt& attempt, int quantiser) {
+        if (attempt.totals.type.intra) {
+            attempt_intra(picture_, column, row_, quantiser, state_, attempt);
+        } else {
+            attempt_inter(picture_, column, row_, attempt.vector, quantiser, state_, attempt);
+        }
+    }
+
+    static int largest(const Attempt& attempt) { return std::max(attempt.totals.bits, attempt.totals.bits_with_one); }
+
+    void append(const MacroblockCode& code) {
+        advance(state_, code);
+        code_.macroblocks.push_back(code);
+    }
+
+    /// chosen: intra is tried where the block's activity is below this multiple of the residual's; tried 0.8..2.
+    static constexpr float intra_activity_limit = 1.5f;
+
+    const PictureCoding& picture_;
+    int row_;
+    int quantiser_;
+    float lambda_;
+    SliceState state_;
+    std::unique_ptr<Attempt> inter_, intra_;
+    RowCode code_;
+};
+
+void write_address_increment(BitWriter& out, int increment) {
+    for (; increment > 33; increment -= 33) out.put(address_increment_codes[0]);
+    out.put(address_increment_codes[static_cast<std::size_t>(increment)]);
+}
+
+/// Writes one coded macroblock; gives the runs after its own.
+const RunLevel* write_macroblock(BitWriter& out, const RowSyntax& syntax, const SliceState& state,
+                                 const MacroblockCode& code, const RunLevel* runs) {
+    write_address_increment(out, state.skipped + 1);
+    out.put(macroblock_type_code(syntax.intra_picture, code.type));
+    if (code.type.quant) out.put(code.quantiser, 5);
+    if (code.type.motion_forward) {
+        write_component(out, code.vector.x - state.vector.x, syntax.f_code[0]);
+        write_component(out, code.vector.y - state.vector.y, syntax.f_code[1]);
+    }
+    if (code.type.pattern) out.put(pattern_codes[code.pattern]);
+    const bool one = code.type.intra && syntax.intra_vlc_format;
+    const CoefficientCodes& codes = one ? coefficient_codes_one() : coefficient_codes_zero();
+    int dc[3] = {state.dc[0], state.dc[1], state.dc[2]};
+    for (int i = 0; i < 6; ++i) {
+        if ((code.pattern & (32 >> i)) == 0) continue;
+        if (code.type.intra) {
+            const int plane = i < 4 ? 0 : i - 3;
+            write_dc(out, code.dc[i] - dc[plane], plane == 0);
+            dc[plane] = code.dc[i];
+        }
+        write_coefficients(out, runs, code.runs[i], codes, code.type.intra);
+        runs += code.runs[i];
+    }
+    return runs;
+}
+
+}  // namespace
+
+RowCode decide_row(const PictureCoding& picture, int row, int quantiser, const Vector* vectors) {
+    return RowDecider(picture, row, quantiser).run(vectors);
+}
+
+void write_row(BitWriter& out, const RowSyntax& syntax, RowCode& code) {
+    write_slice_header(out, syntax.lines, syntax.row, syntax.quantiser);
+    SliceState state;
+    state.quantiser = syntax.quantiser;
+    const RunLevel* runs = code.runs.data();
+    for (MacroblockCode& macroblock : code.macroblocks) {
+        const std::size_t before = out.bit_count();
+        if (!macroblock.skipped) runs = write_macroblock(out, syntax, state, macroblock, runs);
+        macroblock.bits = static_cast<std::uint32_t>(out.bit_count() - before);
+        advance(state, macroblock);
+    }
+    out.align();
+}
+
+}  // namespace render2mpeg::encoder::mpeg2

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "encoder/mpeg2/macroblock.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+
+/// A row of macroblocks, decided and reconstructed but not yet written: only then are the picture's best tables and
+/// f_codes known.
+struct RowCode {
+    std::vector<MacroblockCode> macroblocks;
+    std::vector<RunLevel> runs;       ///< of all blocks, in their order
+    std::int64_t table_one_gain = 0;  ///< bits saved by coding intra blocks with table B-15
+};
+
+/// Decides every macroblock of a row by distortion + lambda * bits, and reconstructs it. `vectors` has one per
+/// macroblock of the row; not read in an intra picture.
+RowCode decide_row(const PictureCoding& picture, int row, int quantiser, const Vector* vectors);
+
+/// What the writer needs beyond a row's code.
+struct RowSyntax {
+    bool intra_picture;
+    int lines;
+    int row;
+    int quantiser;  ///< of the slice's header
+    int f_code[2];
+    bool intra_vlc_format;
+};
+
+/// Writes the row as one slice, whole bytes; notes the bits of every macroblock in its code.
+void write_row(BitWriter& out, const RowSyntax& syntax, RowCode& code);
+
+}  // namespace render2mpeg::encoder::mpeg2

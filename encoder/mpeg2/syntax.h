@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+
+#include "encoder/encoder.h"
+#include "encoder/mpeg2/bit_writer.h"
+#include "encoder/mpeg2/levels.h"
+
+/// The layers above the macroblock. [H262, 6.2]
+namespace render2mpeg::encoder::mpeg2 {
+
+/// Sequence header, sequence extension and sequence display extension. Bit rate and buffer size are the level's maxima.
+void write_sequence(BitWriter& out, const Settings& settings, const Level& level);
+
+/// Header of a closed GOP whose first picture in display order is `first_number`. The time code counts pictures at the
+/// rounded rate (no drop frames).
+void write_gop(BitWriter& out, const core::FrameRate& rate, std::int64_t first_number);
+
+/// What a picture's header and coding extension say; progressive frame pictures with frame prediction and frame DCT
+/// only.
+struct PictureHeader {
+    int temporal_reference = 0;  ///< display number within the GOP
+    PictureType type = PictureType::intra;
+    int f_code[2] = {15, 15};  ///< forward, horizontal and vertical, 1..9; 15: no vectors
+    int intra_dc_bits = 8;     ///< precision of intra DC, 8..10
+    bool intra_vlc_format = false;
+};
+void write_picture_header(BitWriter& out, const PictureHeader& header);
+
+/// Start of the slice of macroblock row `row` in a picture of `lines` lines.
+void write_slice_header(BitWriter& out, int lines, int row, int quantiser);
+
+}  // namespace render2mpeg::encoder::mpeg2

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "encoder/mpeg2/bit_writer.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+
+/// A motion vector in half pixels, y down.
+struct Vector {
+    std::int16_t x = 0, y = 0;
+
+    bool operator==(const Vector&) const = default;
+    bool is_zero() const { return x == 0 && y == 0; }
+};
+
+/// Vectors that a macroblock may use; both ends belong to it. It always holds the zero vector.
+struct VectorRange {
+    int low_x, high_x, low_y, high_y;
+
+    bool contains(Vector v) const { return v.x >= low_x && v.x <= high_x && v.y >= low_y && v.y <= high_y; }
+    /// The nearest vector inside; takes any numbers.
+    Vector clamp(int x, int y) const {
+        return {static_cast<std::int16_t>(std::clamp(x, low_x, high_x)),
+                static_cast<std::int16_t>(std::clamp(y, low_y, high_y))};
+    }
+    Vector clamp(Vector v) const { return clamp(v.x, v.y); }
+};
+
+/// Vectors that keep the prediction of macroblock (column, row) inside the picture [H262, 7.6.3.8] and that the f_codes
+/// can express: -16 * 2^(f_code - 1) .. 16 * 2^(f_code - 1) - 1. [H262, table 7-8]
+VectorRange vector_range(int column, int row, int columns, int rows, int horizontal_f_code, int vertical_f_code);
+
+/// The smallest f_code, at least 1, for components from `low` to `high`.
+int f_code_for(int low, int high);
+
+/// Bits of one component's difference from its prediction. Both lie in the range of the f_code.
+int component_bits(int difference, int f_code);
+
+/// Writes one component as motion_code and motion_residual. [H262, 7.6.3.1]
+void write_component(BitWriter& out, int difference, int f_code);
+
+}  // namespace render2mpeg::encoder::mpeg2
