@@ -145,7 +145,7 @@ glm::vec3 Display::with_luma(glm::vec3 radiance, float luma) const {
                                   weight.x * r.log_slope + weight.y * g.log_slope + weight.z * b.log_slope};
     };
 
-    // Answer the ends: black, white, and all that lies on the straight part of the curve, which is nowhere steeper.
+    // Answer the ends, black and white. The curve is nowhere steeper than at 0: that bounds the answer from below.
     const float wanted = (std::clamp(luma, 16.0f, 235.0f) - 16.0f) / 219.0f;
     if (!(wanted > 0.0f)) return glm::vec3(0.0f);
     const float most = point_at(SignalCurve::brightest).signal;
@@ -153,19 +153,23 @@ glm::vec3 Display::with_luma(glm::vec3 radiance, float luma) const {
     float low = wanted / (4.5f * glm::dot(weight, hue)), high = SignalCurve::brightest;
 
     // Find the peak p with signal(p) = wanted. f = signal / (most - signal) is proportional to p at both ends and a
-    // mild power of it between, so that Newton's rule on log f over log p needs about four steps; where a weak channel
-    // makes a plateau, bisection on log p takes over.
-    float peak = std::min(low, high);
+    // mild power of it between, so that Newton's rule on log f over log p needs two to four steps from the radiance's
+    // own place, which is near where a tolerance is asked for; where a weak channel makes a plateau, bisection on log p
+    // takes over.
+    low = std::min(low, high);
+    float peak = std::clamp(size > 0.0f ? size * gain_ : low, low, std::max(low, 64.0f));
     for (int step = 0; step < 48; ++step) {
         const SignalCurve::Point at = point_at(peak);
         (at.signal < wanted ? low : high) = peak;
-        const float slope = at.log_slope * most / std::max(at.signal * (most - at.signal), 1e-30f);
-        const float ratio = wanted * (most - at.signal) / (at.signal * (most - wanted));
-        float next = peak * std::exp(core::divide_or(std::log(std::max(ratio, 1e-30f)), slope, 0.0f));
-        if (!(next > low && next < high)) next = std::sqrt(low) * std::sqrt(high);
-        // chosen: 2e-7, the spacing of floats around 1; coarser stops cost luma at the steep end of dark colours.
-        if (std::abs(next - peak) <= 2e-7f * peak) break;
-        peak = next;
+        const float rest = std::max(most - at.signal, 1e-7f);  // what float resolves of a signal near 1
+        const float slope = at.log_slope * most / (at.signal * rest);
+        const float ratio = wanted * rest / (at.signal * (most - wanted));
+        const float next = peak * std::exp(core::divide_or(std::log(ratio), slope, 100.0f));
+        // chosen: 1e-4; the step is carried out, and Newton's next error is its square. Tried 2e-7 .. 1e-3: twice the
+        // time, or errors beyond 1e-4 code values.
+        const bool close = std::abs(next - peak) <= 1e-4f * peak;
+        peak = close || (next > low && next < high) ? next : std::sqrt(low) * std::sqrt(high);
+        if (close) break;
     }
     return hue * (peak / gain_);
 }
