@@ -35,15 +35,16 @@ constexpr std::int64_t pack_bytes = 2048;
 
 /// How fast a program stream comes, in bits per second: at least what its video asks for with 5 % for headers, and fast
 /// enough that the largest picture comes within one picture's time, so that no buffer ever runs dry. libavformat
-/// advances the clock by whole ticks of 90 kHz per pack: of the rates above, take the next one for which that is exact.
+/// advances the clock by whole ticks of 90 kHz per pack, cutting off fractions: take the next rate above for which
+/// there are none.
 int program_rate(const SequenceFacts& facts, const core::FrameRate& rate) {
     const double largest = static_cast<double>(facts.largest_picture) * 8 * rate.hertz.value();
     const double needed = 1.05 * std::max(static_cast<double>(facts.bit_rate), largest) + 10000;
-    constexpr std::int64_t unit = 50;  // program_mux_rate counts 50 bytes per second [H222, 2.5.3.4]
-    constexpr std::int64_t most = (1 << 22) - 1;
-    const auto units = std::clamp(static_cast<std::int64_t>(needed / (8 * unit)) + 1, std::int64_t{1}, most);
-    const std::int64_t ticks = std::max(pack_bytes * 90000 / unit / units, std::int64_t{1});
-    return static_cast<int>(std::min(pack_bytes * 90000 / unit / ticks, most) * 8 * unit);
+    constexpr std::int64_t unit = 50;  // program_mux_rate counts 50 bytes per second, in 22 bits [H222, 2.5.3.4]
+    constexpr std::int64_t product = pack_bytes * 90000 / unit;  // of a rate in these units and a pack's ticks
+    auto ticks = std::max(static_cast<std::int64_t>(static_cast<double>(product * 8 * unit) / needed), std::int64_t{1});
+    while (product % ticks != 0) --ticks;
+    return static_cast<int>(product / ticks * 8 * unit);
 }
 
 class File final : public Container {
@@ -51,6 +52,7 @@ class File final : public Container {
     File(const std::filesystem::path& file, const char* format, const encoder::Settings& settings,
          const SequenceFacts& facts)
         : file_(file.string()),
+          is_program_(std::strcmp(format, "vob") == 0),
           tick_{static_cast<int>(settings.rate.hertz.den), static_cast<int>(settings.rate.hertz.num)} {
         const Messages messages;
         AVFormatContext* context = nullptr;
@@ -91,6 +93,8 @@ class File final : public Container {
         const Messages messages;
         EXPECTS(context_->pb != nullptr);
         check(av_write_trailer(context_.get()), messages);
+        // libavformat leaves out what ends a program stream [H222, 2.5.3.2: MPEG_program_end_code].
+        if (is_program_) avio_wb32(context_->pb, 0x000001b9);
         avio_flush(context_->pb);
         const int error = context_->pb->error;
         const int closed = avio_closep(&context_->pb);
@@ -147,7 +151,9 @@ class File final : public Container {
         AVCPBProperties* buffer = av_cpb_properties_alloc(&size);
         if (buffer == nullptr) check(AVERROR(ENOMEM), messages);
         buffer->max_bitrate = facts.bit_rate;
-        buffer->buffer_size = std::max(facts.buffer_bits, static_cast<std::int64_t>(facts.largest_picture) * 16);
+        // A program stream counts it in 1024 bytes, and libavformat cuts off the rest.
+        const std::int64_t bits = std::max(facts.buffer_bits, static_cast<std::int64_t>(facts.largest_picture) * 16);
+        buffer->buffer_size = (bits + 8191) / 8192 * 8192;
         buffer->vbv_delay = std::numeric_limits<std::uint64_t>::max();
         const int result =
             av_stream_add_side_data(&stream, AV_PKT_DATA_CPB_PROPERTIES, reinterpret_cast<std::uint8_t*>(buffer), size);
@@ -156,6 +162,7 @@ class File final : public Container {
     }
 
     std::string file_;
+    bool is_program_;
     AVRational tick_;  ///< seconds from picture to picture
     std::unique_ptr<AVFormatContext, Closed> context_;
     Packet packet_{av_packet_alloc()};

@@ -1,0 +1,274 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include "av/coded_film.h"
+#include "av/program_stream.h"
+#include "core/error.h"
+
+namespace render2mpeg::test {
+namespace {
+
+using support::run;
+
+std::vector<core::Picture> decoded(const fs::path& file) {
+    std::vector<core::Picture> pictures;
+    av::decode(file, [&](const core::Picture& p) { pictures.push_back(p); });
+    return pictures;
+}
+
+/// One field of what ffprobe says of the film's stream.
+std::string probed(const fs::path& file, const std::string& field) {
+    std::string text = run("ffprobe -v error -count_packets -select_streams v:0 -show_entries stream=" + field +
+                           " -of csv=p=0 " + file.string())
+                           .output;
+    return text.substr(0, text.find_first_of(",\n"));
+}
+
+struct Times {
+    std::optional<double> pts, dts;
+    bool key = false;
+};
+
+std::vector<Times> packet_times(const fs::path& file) {
+    const std::string text =
+        run("ffprobe -v error -select_streams v:0 -show_entries packet=pts_time,dts_time,flags -of csv=p=0 " +
+            file.string())
+            .output;
+    std::vector<Times> all;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream fields(line);
+        std::string pts, dts, flags;
+        if (!std::getline(fields, pts, ',') || !std::getline(fields, dts, ',') || !std::getline(fields, flags, ','))
+            continue;
+        Times times;
+        if (pts != "N/A") times.pts = std::stod(pts);
+        if (dts != "N/A") times.dts = std::stod(dts);
+        times.key = flags.find('K') != std::string::npos;
+        all.push_back(times);
+    }
+    return all;
+}
+
+class EveryKind : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(EveryKind, HoldsTheFilmsPicturesUnharmed) {
+    const Folder folder;
+    const CodedFilm film = coded_film(folder, 176, 112, "29.97", 31, "-g 12 -bf 2 -q:v 5");
+    ASSERT_EQ(film.pictures.size(), 31u);
+    const fs::path file = film.mux(folder / (std::string("film.") + GetParam()));
+    const auto pictures = decoded(file), original = decoded(film.source);
+    ASSERT_EQ(pictures.size(), 31u);
+    ASSERT_EQ(original.size(), 31u);
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+        EXPECT_EQ(pictures[i].number, static_cast<std::int64_t>(i));
+        EXPECT_TRUE(pictures[i].y == original[i].y && pictures[i].cb == original[i].cb &&
+                    pictures[i].cr == original[i].cr)
+            << i;
+    }
+    const support::Outcome strict =
+        run("ffmpeg -v error -xerror -err_detect explode -i " + file.string() + " -f null -");
+    EXPECT_EQ(strict.status, 0);
+    EXPECT_EQ(strict.output, "");
+}
+
+TEST_P(EveryKind, TellsPlayersWhatItIs) {
+    const Folder folder;
+    const CodedFilm film =
+        coded_film(folder, 176, 112, "23.976", 25,
+                   "-g 12 -q:v 5 -aspect 16:9 -color_primaries bt709 -color_trc bt709 -colorspace smpte170m");
+    const fs::path file = film.mux(folder / (std::string("film.") + GetParam()));
+    EXPECT_EQ(probed(file, "codec_name"), "mpeg2video");
+    EXPECT_EQ(probed(file, "width"), "176");
+    EXPECT_EQ(probed(file, "height"), "112");
+    EXPECT_EQ(probed(file, "nb_read_packets"), "25");
+    EXPECT_EQ(probed(file, "r_frame_rate"), "24000/1001");
+    EXPECT_EQ(probed(file, "sample_aspect_ratio"), "112:99");
+    EXPECT_EQ(probed(file, "color_range"), "tv");
+    EXPECT_EQ(probed(file, "color_space"), "smpte170m");
+    EXPECT_EQ(probed(file, "color_primaries"), "bt709");
+    EXPECT_EQ(run("ffprobe -v warning " + file.string()).output, "");
+}
+
+TEST_P(EveryKind, HasTheSameBytesEveryTime) {
+    const Folder folder;
+    const CodedFilm film = coded_film(folder, 64, 48, "25", 13, "-g 6 -q:v 8");
+    const auto first = bytes_of(film.mux(folder / (std::string("a.") + GetParam())));
+    const auto second = bytes_of(film.mux(folder / (std::string("b.") + GetParam())));
+    EXPECT_FALSE(first.empty());
+    EXPECT_TRUE(first == second);
+}
+
+INSTANTIATE_TEST_SUITE_P(Muxer, EveryKind, ::testing::Values("mpg", "vob", "ts", "m2v", "mkv", "mp4"),
+                         [](const auto& parameter) { return std::string(parameter.param); });
+
+class Timed : public ::testing::TestWithParam<const char*> {};
+
+/// Decoding in coding order and showing in display order, both in steps of one picture; the first one is shown at the
+/// film's start, whatever offset the container has. mkv counts milliseconds.
+TEST_P(Timed, ShowsEveryPictureAtItsTime) {
+    const std::string ending = GetParam();
+    for (const std::string options : {"-g 9 -bf 0", "-g 9 -bf 2", "-g 12 -bf 0 -flags low_delay"}) {
+        for (const std::string rate : {"24", "29.97"}) {
+            const Folder folder;
+            const CodedFilm film = coded_film(folder, 96, 80, rate, 28, options + " -q:v 2");
+            const auto times = packet_times(film.mux(folder / ("film." + ending)));
+            ASSERT_EQ(times.size(), film.pictures.size());
+            const double tick = 1 / film.settings.rate.hertz.value(), exact = ending == "mkv" ? 1.1e-3 : 3e-5;
+            ASSERT_TRUE(times[0].pts.has_value() && times[0].dts.has_value());
+            for (std::size_t i = 0; i < times.size(); ++i) {
+                if (times[i].pts) {
+                    EXPECT_NEAR(*times[i].pts - *times[0].pts,
+                                static_cast<double>(film.pictures[i].display_number) * tick, exact);
+                }
+                if (times[i].dts) {
+                    EXPECT_NEAR(*times[i].dts - *times[0].dts, static_cast<double>(i) * tick, exact);
+                }
+                if (times[i].pts && times[i].dts) {
+                    EXPECT_GE(*times[i].pts, *times[i].dts - exact);
+                }
+                EXPECT_EQ(times[i].key, film.pictures[i].starts_gop) << i;
+            }
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Muxer, Timed, ::testing::Values("mpg", "vob", "ts", "mkv", "mp4"),
+                         [](const auto& parameter) { return std::string(parameter.param); });
+
+/// Plays the standard's decoder model on a program stream: every picture is in the buffer before it is decoded, the
+/// buffer never holds more than the file declares, and bytes come no faster than declared.
+void expect_playable(const CodedFilm& film, const fs::path& file) {
+    const auto bytes = bytes_of(file);
+    const ProgramStream stream = ProgramStreamReader(bytes).read();
+    ASSERT_FALSE(stream.packs.empty());
+    EXPECT_TRUE(stream.has_system_header);
+    EXPECT_TRUE(stream.has_end_code);
+    ASSERT_TRUE(stream.packs[0].dts.has_value());
+
+    const double tick = 1 / film.settings.rate.hertz.value();
+    std::vector<std::size_t> ends;
+    for (const CodedPicture& p : film.pictures) ends.push_back((ends.empty() ? 0 : ends.back()) + p.bytes.size());
+    std::size_t received = 0, decoded = 0, picture = 0, fullest = 0;
+    for (std::size_t i = 0; i < stream.packs.size(); ++i) {
+        const Pack& pack = stream.packs[i];
+        const double whole = pack.scr + static_cast<double>(pack.bytes) / pack.rate;
+        EXPECT_EQ(pack.bytes, 2048u);
+        if (i + 1 < stream.packs.size()) {
+            EXPECT_GE(stream.packs[i + 1].scr, whole - 1e-9);
+        }
+        // Decode what is due before this pack is whole; it must have come.
+        while (picture < ends.size() && *stream.packs[0].dts + static_cast<double>(picture) * tick < whole - 2e-5) {
+            EXPECT_LE(ends[picture], received) << "picture " << picture << " is not there in time";
+            decoded = ends[picture++];
+        }
+        received += pack.payload;
+        fullest = std::max(fullest, received - std::min(decoded, received));
+    }
+    EXPECT_EQ(received, ends.back());
+    EXPECT_LE(fullest, stream.buffer_bytes);
+    EXPECT_GT(fullest, stream.buffer_bytes / 100) << "declares far more buffer than it uses";
+}
+
+TEST(ProgramStream, PlaysOnTheStandardsDecoder) {
+    // Smallest and largest pictures: coarse, fine, noise that is all intra, stills whose I pictures alone are large.
+    for (const std::string options :
+         {"-g 12 -bf 2 -q:v 31", "-g 12 -bf 2 -q:v 1 -qmin 1", "-g 1 -q:v 1 -qmin 1 -vf noise=alls=90:allf=t",
+          "-g 15 -bf 0 -q:v 1 -qmin 1 -vf loop=-1:1,noise=alls=90", "-g 12 -bf 2 -b:v 2M -maxrate 4M -bufsize 1835k"}) {
+        const Folder folder;
+        const CodedFilm film = coded_film(folder, 352, 288, "25", 40, options);
+        SCOPED_TRACE(options);
+        expect_playable(film, film.mux(folder / "film.mpg"));
+        CodedFilm unknown = film;
+        unknown.largest = 0;
+        expect_playable(unknown, unknown.mux(folder / "guessed.vob"));
+    }
+}
+
+TEST(Muxer, KnowsItsKindsByTheirEndings) {
+    for (const char* name : {"a.mpg", "b.MPG", "c.mpeg", "d.vob", "dir.x/e.ts", "f.m2v", "g.mkv", "h.Mp4"})
+        EXPECT_TRUE(av::is_film(name)) << name;
+    for (const char* name : {"", "mpg", ".mpg/x", "a.avi", "a.y4m", "a.mpg.tmp", "frames.%04d.png"})
+        EXPECT_FALSE(av::is_film(name)) << name;
+}
+
+encoder::Settings small() {
+    encoder::Settings settings;
+    settings.width = 64;
+    settings.height = 48;
+    settings.rate = core::frame_rate_from("25");
+    return settings;
+}
+
+/// The message of the error that `action` throws, or empty.
+template <class Action>
+std::string error_of(Action action) {
+    try {
+        action();
+    } catch (const core::Error& error) {
+        return error.what();
+    }
+    return {};
+}
+
+TEST(Muxer, RefusesWhatItCannotWriteBeforeAnythingIsRendered) {
+    const Folder folder;
+    EXPECT_NE(error_of([&] { av::Muxer(folder / "film.avi", folder / "film.avi", small()); }).find("mpg, mpeg, vob"),
+              std::string::npos);
+    const std::string nowhere = error_of([&] { av::Muxer(folder / "no/such/film.mpg", "film.mpg", small()); });
+    EXPECT_NE(nowhere.find("no/such/film.mpg"), std::string::npos) << nowhere;
+}
+
+TEST(Muxer, TakesTheKindFromTheFinalName) {
+    const Folder folder;
+    const CodedFilm film = coded_film(folder, 64, 48, "25", 3, "-q:v 8");
+    av::Muxer muxer(folder / "film.partial", folder / "film.mkv", film.settings);
+    for (std::size_t i = 0; i < film.pictures.size(); ++i)
+        muxer.write(film.pictures[i].bytes, film.pictures[i].display_number, static_cast<std::int64_t>(i), i == 0);
+    muxer.finish();
+    EXPECT_EQ(bytes_of(folder / "film.partial").at(0), 0x1a);  // EBML
+}
+
+TEST(Muxer, RefusesAFilmThatIsNone) {
+    const Folder folder;
+    EXPECT_NE(error_of([&] { av::Muxer(folder / "film.mpg", "film.mpg", small()).finish(); }).find("no pictures"),
+              std::string::npos);
+    const std::vector<std::uint8_t> rubbish{0, 0, 1, 0, 0, 0xb, 0xff, 0xff};
+    av::Muxer muxer(folder / "film.ts", "film.ts", small());
+    EXPECT_NE(error_of([&] { muxer.write(rubbish, 0, 0, true); }).find("sequence header"), std::string::npos);
+}
+
+TEST(Muxer, SaysThatTheDiskIsFull) {
+    if (!fs::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
+    const Folder folder;
+    const CodedFilm film = coded_film(folder, 64, 48, "25", 50, "-q:v 2");
+    for (const char* name : {"film.mpg", "film.ts", "film.m2v", "film.mkv", "film.mp4"}) {
+        const std::string message = error_of([&] {
+            av::Muxer muxer("/dev/full", name, film.settings);
+            for (std::size_t i = 0; i < film.pictures.size(); ++i)
+                muxer.write(film.pictures[i].bytes, film.pictures[i].display_number, static_cast<std::int64_t>(i),
+                            film.pictures[i].starts_gop);
+            muxer.finish();
+        });
+        EXPECT_NE(message.find("/dev/full"), std::string::npos) << name << ": " << message;
+        EXPECT_NE(message.find("No space left"), std::string::npos) << name << ": " << message;
+    }
+}
+
+TEST(Muxer, AFilmThatIsGivenUpHarmsNothing) {
+    const Folder folder;
+    const CodedFilm film = coded_film(folder, 64, 48, "25", 5, "-q:v 2");
+    for (const char* ending : {"mpg", "ts", "m2v", "mkv", "mp4"}) {
+        av::Muxer muxer(folder / "film", std::string("film.") + ending, film.settings);
+        muxer.write(film.pictures[0].bytes, 0, 0, true);
+    }
+}
+
+}  // namespace
+}  // namespace render2mpeg::test
