@@ -64,12 +64,13 @@ bool fits_in_8_bits(const core::Plane<glm::vec4>& pixels) {
 }
 
 /// Linear values; colours times coverage where alpha means that.
-core::Plane<glm::vec4> linear_pixels(const core::Plane<glm::vec4>& pixels, Encoding encoding, AlphaMeaning alpha) {
+core::Plane<glm::vec4> linear_pixels(const core::Plane<glm::vec4>& pixels, bool in_codes, Encoding encoding,
+                                     AlphaMeaning alpha) {
     core::Plane<glm::vec4> linear(pixels.width(), pixels.height());
     std::transform(pixels.values().begin(), pixels.values().end(), linear.values().begin(), [&](glm::vec4 p) {
         for (int c = 0; c < 4; ++c) p[c] = finite(p[c]);
         if (encoding == Encoding::srgb)
-            for (int c = 0; c < 3; ++c) p[c] = core::srgb_to_linear(p[c]);
+            for (int c = 0; c < 3; ++c) p[c] = in_codes ? tables.srgb[code_of(p[c])] : core::srgb_to_linear(p[c]);
         return alpha == AlphaMeaning::coverage ? glm::vec4(glm::vec3(p) * p.w, p.w) : p;
     });
     return linear;
@@ -153,18 +154,21 @@ Texture::Texture(const Image& image, Encoding encoding, core::Wrap wrap_u, core:
       nearest_(nearest) {
     EXPECTS(!image.pixels.empty());
     const bool in_codes = !image.high_range && fits_in_8_bits(image.pixels);
-    core::Plane<glm::vec4> level = linear_pixels(image.pixels, encoding_, alpha_);
+    core::Plane<glm::vec4> level = linear_pixels(image.pixels, in_codes, encoding_, alpha_);
 
     // Take the mean of the finest level in double precision.
     glm::dvec4 sum{0};
     for (const glm::vec4& p : level.values()) sum += glm::dvec4(p);
-    mean_ = unassociated(glm::vec4(sum / static_cast<double>(level.size())));
+    const auto whole = glm::vec4(sum / static_cast<double>(level.size()));
+    mean_ = unassociated(whole);
 
-    // Build the pyramid down to one texel; only what is stored is rounded, not what the next level is made of.
+    // Build the pyramid down to one texel, which is the mean whatever the filter did at the edges. Only what is stored
+    // is rounded, not what the next level is made of.
     while (true) {
-        append_level(level, in_codes);
+        append_level(level, in_codes ? &image.pixels : nullptr);
         if (level.size() == 1) break;
         level = halve(level, wrap_u, wrap_v);
+        if (level.size() == 1) level.at(0, 0) = whole;
     }
 }
 
@@ -175,21 +179,24 @@ glm::vec4 Texture::unassociated(glm::vec4 v) const {
     return glm::vec4(glm::vec3(v) / v.w, v.w);
 }
 
-void Texture::append_level(const core::Plane<glm::vec4>& linear, bool in_codes) {
-    Level level{linear.width(), linear.height(), 1, in_codes ? codes_.size() / 4 : floats_.size()};
+/// Stores a level; `original` is the image where it is kept in codes: the first level takes its own.
+void Texture::append_level(const core::Plane<glm::vec4>& linear, const core::Plane<glm::vec4>* original) {
+    Level level{linear.width(), linear.height(), 1, original ? codes_.size() / 4 : floats_.size()};
     if (!levels_.empty())
         level.texel = std::max(static_cast<float>(width()) / static_cast<float>(level.width),
                                static_cast<float>(height()) / static_cast<float>(level.height));
+    const bool is_original = original && levels_.empty();
     levels_.push_back(level);
-    for (const glm::vec4& value : linear.values()) {
-        const glm::vec4 texel = unassociated(value);
-        if (!in_codes) {
+    for (std::size_t i = 0; i < linear.size(); ++i) {
+        glm::vec4 texel = is_original ? original->values()[i] : unassociated(linear.values()[i]);
+        if (!original) {
             floats_.push_back(texel);
             continue;
         }
-        for (int c = 0; c < 3; ++c)
-            codes_.push_back(code_of(encoding_ == Encoding::srgb ? core::linear_to_srgb(texel[c]) : texel[c]));
-        codes_.push_back(code_of(texel.w));
+        for (int c = 0; c < 4; ++c) {
+            const bool curved = encoding_ == Encoding::srgb && c < 3 && !is_original;
+            codes_.push_back(code_of(curved ? core::linear_to_srgb(texel[c]) : texel[c]));
+        }
     }
 }
 

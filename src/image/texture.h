@@ -52,7 +52,7 @@ class Texture {
     };
     struct Probes;
 
-    void append_level(const core::Plane<glm::vec4>& linear, bool in_codes);
+    void append_level(const core::Plane<glm::vec4>& linear, const core::Plane<glm::vec4>* original);
     glm::vec4 unassociated(glm::vec4 v) const;
     Probes cover(glm::vec2 uv, const Footprint& footprint) const;
     template <class Texels>
