@@ -48,13 +48,31 @@ struct RayTracer::Impl {
     TracedScene scene;
     Transmittance transmittance;
 
+    struct LayerId {
+        std::uint32_t object, primitive;
+        bool operator==(const LayerId&) const = default;
+    };
     /// What Embree hands through to our filters; its own part comes first, so that its pointer is ours.
     struct ShadowContext {
         RTCIntersectContext embree;
         const Impl* self;
-        std::uint32_t met;          ///< bit i: ray i met a layer
-        int layers[16];             ///< so far
-        std::int64_t depth[16][3];  ///< optical depth so far, per channel
+        std::uint32_t met;              ///< bit i: ray i met a layer
+        int layers[16];                 ///< so far
+        LayerId layer[16][max_layers];  ///< the first of them
+        std::int64_t depth[16][3];      ///< optical depth so far, per channel
+
+        /// Counts a layer, unless it takes nothing (foliage has many holes) or is known: Embree asks several times for
+        /// the same layer where the rays of a coherent packet lie in several octants.
+        bool is_new_layer(unsigned ray, const core::SurfaceAddress& address, glm::vec3 passing) {
+            if (passing == glm::vec3{1.0f}) return false;
+            const LayerId id{address.object, address.primitive};
+            const LayerId* known = layer[ray];
+            const int count = std::min(layers[ray], max_layers);
+            if (std::find(known, known + count, id) != known + count) return false;
+            if (layers[ray] < max_layers) layer[ray][layers[ray]] = id;
+            ++layers[ray];
+            return true;
+        }
     };
     struct TieContext {
         RTCIntersectContext embree;
@@ -102,9 +120,12 @@ void RayTracer::Impl::filter_shadow(const RTCFilterFunctionNArguments* arguments
             context.self->address(RTCHitN_instID(hit, n, i, 0), RTCHitN_geomID(hit, n, i), RTCHitN_primID(hit, n, i),
                                   RTCHitN_u(hit, n, i), RTCHitN_v(hit, n, i));
         const glm::vec3 passing = context.self->transmittance(address);
-        // Holes take nothing and do not count: foliage has many.
-        if (passing != glm::vec3{1.0f}) ++context.layers[ray];
-        if (context.layers[ray] > max_layers || !(passing.x > 0 || passing.y > 0 || passing.z > 0)) continue;
+        if (!(passing.x > 0 || passing.y > 0 || passing.z > 0)) continue;
+        if (!context.is_new_layer(ray, address, passing)) {
+            arguments->valid[i] = 0;
+            continue;
+        }
+        if (context.layers[ray] > max_layers) continue;
         for (int c = 0; c < 3; ++c) {
             context.depth[ray][c] +=
                 passing[c] > 0 ? std::llround(-std::log2(std::min(passing[c], 1.0f)) * optical_steps) : opaque_depth;
