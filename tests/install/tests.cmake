@@ -1,0 +1,6 @@
+# An installed tree that was moved still finds its modules: renders with the installed program after renaming the prefix.
+add_test(NAME install.MovedTreeStillRenders
+         COMMAND ${CMAKE_COMMAND} -D BUILD=${PROJECT_BINARY_DIR} -D BINDIR=${CMAKE_INSTALL_BINDIR} -D LIBDIR=${CMAKE_INSTALL_LIBDIR}
+                 -D DATADIR=${CMAKE_INSTALL_DATADIR} -D DOCDIR=${CMAKE_INSTALL_DOCDIR}
+                 -P ${CMAKE_CURRENT_SOURCE_DIR}/install/moved_tree.cmake)
+set_tests_properties(install.MovedTreeStillRenders PROPERTIES LABELS slow TIMEOUT 300)
