@@ -220,13 +220,16 @@ Texture::Probes Texture::cover(glm::vec2 uv, const Footprint& footprint) const {
 
     // Cover it by probes as large as the shorter axis, or larger where there would be too many.
     const float ratio = longer / std::max(shorter, 1.0f);
-    probes.count = std::clamp(static_cast<int>(std::ceil(std::min(ratio, 64.0f) - 0.02f)), 1, max_probes);
+    probes.count = std::clamp(static_cast<int>(std::ceil(std::min(ratio, 64.0f) - 0.05f)), 1, max_probes);
     const float probe = std::max({shorter, 1.0f, longer / static_cast<float>(probes.count)});
     if (probes.count > 1) {
+        // Space them so that the variance along the axis is that of the whole length, whatever their number: nothing
+        // jumps where it changes.
+        const auto n = static_cast<float>(probes.count);
+        const float step = core::sqrt_or_zero((longer_squared - probe * probe) / (n * n - 1.0f));
         const glm::vec2 axis = half_gap >= 0 ? glm::vec2(longer_squared - yy, xy) : glm::vec2(xy, longer_squared - xx);
-        const glm::vec2 span = axis * core::divide_or(longer, std::sqrt(glm::dot(axis, axis)), 0.0f) / size;
-        probes.step = span / static_cast<float>(probes.count);
-        probes.first = uv - probes.step * (0.5f * static_cast<float>(probes.count - 1));
+        probes.step = axis * core::divide_or(step, std::sqrt(glm::dot(axis, axis)), 0.0f) / size;
+        probes.first = uv - probes.step * (0.5f * (n - 1.0f));
     }
 
     // Choose the two levels between whose texels a probe's size lies. Level k's texels are at least 2^k long.

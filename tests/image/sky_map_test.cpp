@@ -249,8 +249,7 @@ TEST(SkyMap, WideLookupsAreMeansOverTheSphere) {
                            (glm::dvec3(tangent) * std::cos(turn) + glm::dvec3(bitangent) * std::sin(turn)) * sine) /
                     1000;
             }
-            EXPECT_NEAR(sky.radiance(axis, static_cast<float>(solid_angle)).y, truth, 0.02 + 3 * solid_angle)
-                << axis.y;
+            EXPECT_NEAR(sky.radiance(axis, static_cast<float>(solid_angle)).y, truth, 0.02 + 3 * solid_angle) << axis.y;
         }
     expect_close(sky.radiance({0, 1, 0}, static_cast<float>(4 * pi)), sky.mean(), 1e-6);
     EXPECT_NEAR(sky.mean().y, 2, 1e-3);
