@@ -85,16 +85,20 @@ inline std::vector<CodedPicture> access_units(const std::vector<std::uint8_t>& s
     return pictures;
 }
 
-/// `options` are ffmpeg's for its mpeg2video encoder, e.g. "-g 12 -bf 2 -q:v 4".
+/// `options` are ffmpeg's for its mpeg2video encoder, e.g. "-g 12 -bf 2 -q:v 4"; `filter` changes its test pictures.
 inline CodedFilm coded_film(const Folder& folder, int width, int height, const std::string& rate, int pictures,
-                            const std::string& options) {
+                            const std::string& options, const std::string& filter = "") {
     const fs::path file = folder / "source.m2v";
     const core::FrameRate frame_rate = core::frame_rate_from(rate);
     const std::string hertz = std::to_string(frame_rate.hertz.num) + "/" + std::to_string(frame_rate.hertz.den);
+    // testsrc2 makes even sizes only.
+    const std::string size = std::to_string(width) + ":" + std::to_string(height);
+    const std::string source = "testsrc2=size=" + std::to_string(width + width % 2) + "x" +
+                               std::to_string(height + height % 2) + ":rate=" + hertz + ",format=yuv420p,crop=" + size +
+                               ":0:0:exact=1" + (filter.empty() ? "" : "," + filter);
     const support::Outcome made =
-        support::run("ffmpeg -v error -y -f lavfi -i testsrc2=size=" + std::to_string(width) + "x" +
-                     std::to_string(height) + ":rate=" + hertz + " -frames:v " + std::to_string(pictures) +
-                     " -pix_fmt yuv420p -c:v mpeg2video " + options + " -f mpeg2video " + file.string());
+        support::run("ffmpeg -v error -y -f lavfi -i '" + source + "' -frames:v " + std::to_string(pictures) +
+                     " -c:v mpeg2video " + options + " -f mpeg2video " + file.string());
     if (made.status != 0) throw std::runtime_error(made.output);
 
     CodedFilm film;
