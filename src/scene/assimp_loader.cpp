@@ -30,7 +30,8 @@ class FolderOnly : public Assimp::DefaultIOSystem {
     bool Exists(const char* file) const override { return inside(file) && DefaultIOSystem::Exists(file); }
     Assimp::IOStream* Open(const char* file, const char* mode) override {
         if (inside(file)) return DefaultIOSystem::Open(file, mode);
-        notes_.push_back("\"" + std::string(file) + "\" lies outside of the scene's folder and was not read");
+        notes_.push_back(
+            std::string(1, '"').append(file).append("\" lies outside of the scene's folder and was not read"));
         return nullptr;
     }
 

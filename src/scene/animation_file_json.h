@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace render2mpeg::scene {
+
+/// A value of an animation file that knows where it stands, so that every complaint names the place:
+/// `camera.keys[3].position`. Whatever does not have the type or range asked for is a core::Error.
+class JsonValue {
+  public:
+    /// Reads a file: JSON with comments. Refuses what is larger than 16 MiB, nested deeper than 32, or says a key
+    /// twice.
+    static JsonValue read(const std::filesystem::path& file);
+
+    /// `file: camera.keys[3].position: <cause>`
+    [[noreturn]] void fail(const std::string& cause) const;
+
+    /// Where it stands in the file; empty for the whole.
+    const std::string& place() const { return path_; }
+
+    bool is_number() const;
+    bool is_text() const;
+    bool is_list() const;
+    bool is_object() const;
+
+    double number(double at_least, double at_most) const;
+    std::int64_t integer(std::int64_t at_least, std::int64_t at_most) const;
+    bool boolean() const;
+    std::string text() const;
+    /// One of these words; an unknown one is told the nearest. Returns its place in the list.
+    std::size_t word(std::span<const std::string_view> words) const;
+
+    std::vector<JsonValue> list(std::size_t at_least, std::size_t at_most) const;
+    std::vector<double> numbers(std::size_t count) const;
+    glm::dvec3 position() const;  ///< [x, y, z], each within 1e7
+    /// A linear colour: "#rrggbb" (sRGB code values), [r, g, b] or one number for grey, each 0..`at_most`.
+    glm::vec3 color(double at_most) const;
+
+    /// Throws for the first key that is none of these, and names the nearest.
+    void allow_only(std::span<const std::string_view> keys) const;
+    std::optional<JsonValue> find(std::string_view key) const;
+    JsonValue need(std::string_view key) const;
+    bool has(std::string_view key) const { return find(key).has_value(); }
+    /// In the order of the file.
+    std::vector<std::pair<std::string, JsonValue>> members() const;
+
+  private:
+    using Json = nlohmann::ordered_json;
+    JsonValue(std::shared_ptr<const Json> root, const Json* value, std::string file, std::string path);
+    JsonValue below(const Json& value, const std::string& step) const;
+    [[noreturn]] void expected(const std::string& what) const;
+
+    std::shared_ptr<const Json> root_;
+    const Json* value_;
+    std::string file_, path_;
+};
+
+/// The word that takes the fewest insertions, deletions and changes of letters to become; empty for an empty list.
+std::string nearest_word(std::string_view word, std::span<const std::string_view> words);
+
+}  // namespace render2mpeg::scene

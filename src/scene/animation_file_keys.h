@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+/// Every key that each kind of object of an animation file may have. docs/animation-file.schema.json says the same,
+/// which a test holds.
+namespace render2mpeg::scene::animation_file_keys {
+
+using K = std::string_view;
+
+inline constexpr std::array film{K("$schema"), K("title"),  K("scene"),   K("size"),      K("frame_rate"), K("frames"),
+                                 K("seconds"), K("times"),  K("sky"),     K("exposure"),  K("camera"),     K("cameras"),
+                                 K("shots"),   K("lights"), K("objects"), K("materials"), K("change")};
+
+inline constexpr std::array camera{K("position"), K("look_at"),       K("rotate"), K("roll"), K("fov"),
+                                   K("height"),   K("interpolation"), K("keys"),   K("loop"), K("near")};
+inline constexpr std::array camera_key{K("at"), K("position"), K("look_at"), K("rotate"), K("roll"), K("fov")};
+
+inline constexpr std::array shot{K("at"), K("camera")};
+
+inline constexpr std::array light{
+    K("name"),   K("kind"),  K("color"),         K("intensity"), K("range"),   K("position"), K("look_at"),
+    K("rotate"), K("angle"), K("softness"),      K("elevation"), K("azimuth"), K("size"),     K("radius"),
+    K("power"),  K("keys"),  K("interpolation"), K("loop"),      K("repeat"),  K("colors"),   K("stagger")};
+inline constexpr std::array light_key{K("at"), K("position"), K("look_at"), K("rotate"), K("power")};
+
+inline constexpr std::array object{K("name"),        K("shape"),  K("size"),    K("radius"),   K("top_radius"),
+                                   K("tube_radius"), K("height"), K("opening"), K("profile"),  K("crease"),
+                                   K("segments"),    K("uv"),     K("parts"),   K("material"), K("position"),
+                                   K("rotate"),      K("scale"),  K("visible"), K("keys"),     K("interpolation"),
+                                   K("loop"),        K("repeat"), K("colors")};
+inline constexpr std::array object_key{K("at"), K("position"), K("rotate"), K("scale"), K("visible")};
+
+inline constexpr std::array change{K("position"), K("rotate"),        K("scale"), K("visible"),
+                                   K("keys"),     K("interpolation"), K("loop"),  K("material")};
+
+inline constexpr std::array repeat{K("count"), K("step"), K("centered"), K("ring")};
+inline constexpr std::array ring{K("count"), K("radius"), K("from"), K("to")};
+
+inline constexpr std::array material{K("base_color"),
+                                     K("texture"),
+                                     K("texture_scale"),
+                                     K("alpha"),
+                                     K("alpha_cutoff"),
+                                     K("metallic"),
+                                     K("roughness"),
+                                     K("normal_texture"),
+                                     K("normal_scale"),
+                                     K("emission"),
+                                     K("emission_texture"),
+                                     K("transmission"),
+                                     K("ior"),
+                                     K("double_sided"),
+                                     K("unlit"),
+                                     K("power"),
+                                     K("keys"),
+                                     K("interpolation"),
+                                     K("loop")};
+inline constexpr std::array material_key{K("at"), K("power")};
+
+inline constexpr std::array checker{K("checker"), K("squares")};
+
+inline constexpr std::array sky{K("color"),  K("image"),   K("rotation"), K("strength"),
+                                K("zenith"), K("horizon"), K("ground")};
+
+}  // namespace render2mpeg::scene::animation_file_keys
