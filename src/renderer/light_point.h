@@ -7,23 +7,26 @@ namespace render2mpeg::renderer {
 
 /// How a light point's radiant intensity depends on direction.
 enum class LightPointKind : std::uint8_t {
-    oriented,      ///< emissive triangle or VPL: intensity x max(0, cos to its normal)
-    omni,          ///< point light
-    spot,          ///< punctual spot
-    directional    ///< infinitely far: `intensity` is irradiance across the beam, `normal` the direction it shines along
+    oriented,    ///< emissive triangle or VPL: intensity x max(0, cos to its normal)
+    omni,        ///< point light
+    spot,        ///< punctual spot
+    directional  ///< infinitely far: `intensity` is irradiance across the beam, `normal` the direction it shines along
 };
 
 /// One light point. Lit point x receives intensity x emit(direction) / distance^2 (SPEC 4.1).
 struct LightPoint {
     glm::vec3 position{0};
-    glm::vec3 normal{0, 0, 1};      ///< unit
-    glm::vec3 intensity{0};         ///< radiant intensity along the normal, per channel, finite, >= 0
+    glm::vec3 normal{0, 0, 1};              ///< unit
+    glm::vec3 intensity{0};                 ///< radiant intensity along the normal, per channel, finite, >= 0
     float spot_scale = 0, spot_offset = 0;  ///< spot: emit = clamp(cos * scale + offset, 0, 1)^2 [KHR_lights_punctual]
-    float range = 0;                ///< punctual lights' range, 0: infinite
-    std::uint32_t id = 0;           ///< stable over the film
+    float range = 0;                        ///< punctual lights' range, 0: infinite
+    /// Squared radius of the disc of surface that the point stands for (directional: solid angle over pi); 0: a true
+    /// point. Light nearer than a multiple of it is clamped, and sharp lobes see the disc, not the point.
+    float disc2 = 0;
+    std::uint32_t id = 0;                ///< stable over the film
     std::uint32_t object = 0xffffffffu;  ///< on whose surface it lies; no_id: on none
     LightPointKind kind = LightPointKind::oriented;
-    bool moving = false;            ///< on a surface or light that moves
+    bool moving = false;  ///< on a surface or light that moves
 };
 
 }  // namespace render2mpeg::renderer

@@ -19,32 +19,33 @@ enum class Clamp { bounded, none };
 
 struct Settings {
     scene::PictureFormat format;
-    int samples = 4;             ///< eye samples per pixel, >= 1
-    int direct_points = 1024;    ///< light points for emissive surfaces and sky together
-    int vpls = 4096;             ///< light points of indirect light, about; 0: none
-    int bounces = 8;             ///< longest photon path
-    int min_cut = 8;             ///< clusters per gather point, both trees together
+    int samples = 4;           ///< eye samples per pixel, >= 1
+    int direct_points = 1024;  ///< light points for emissive surfaces and sky together
+    int vpls = 4096;           ///< light points of indirect light, about; 0: none
+    int bounces = 8;           ///< longest photon path
+    int min_cut = 8;           ///< clusters per gather point, both trees together
     int max_cut = 1000;
-    int specular_depth = 6;      ///< mirrors and glass after one another
+    int specular_depth = 6;  ///< mirrors and glass after one another
     Clamp clamp = Clamp::bounded;
     core::Isa isa = core::Isa::sse2;
-    std::uint64_t seed = 1;      ///< of representatives and light samples; photons use a fixed Halton sequence
+    std::uint64_t seed = 1;  ///< of representatives and light samples; photons use a fixed Halton sequence
 };
 
 /// What was done and found, summed since construction. Counts of rays are rays, not packets.
 struct Statistics {
     std::uint64_t primary_rays = 0, shadow_rays = 0, photon_rays = 0, specular_rays = 0;
-    std::uint64_t gather_points = 0, capped_points = 0;      ///< capped: stopped by max_cut, tolerance not reached
+    std::uint64_t gather_points = 0, capped_points = 0;  ///< capped: stopped by max_cut, tolerance not reached
     std::uint64_t direct_clusters = 0, indirect_clusters = 0;
-    std::uint64_t non_finite = 0;                            ///< pixel values replaced by 0
-    std::string first_non_finite;                            ///< where: "frame 3, pixel (10, 20)"
-    double clamped_energy = 0;                               ///< share of gathered luminance that clamping removed, 0..1
-    std::size_t direct_points = 0, indirect_points = 0;      ///< light points of the last frame
+    std::uint64_t non_finite = 0;                        ///< pixel values replaced by 0
+    std::string first_non_finite;                        ///< where: "frame 3, pixel (10, 20)"
+    double clamped_energy = 0;                           ///< share of gathered luminance that clamping removed, 0..1
+    std::size_t direct_points = 0, indirect_points = 0;  ///< light points of the last frame
 };
 
-/// See and shade. State that lives over frames is a function of the animation, the settings and the chunk's first frame.
+/// See and shade. State that lives over frames is a function of the animation, the settings and the chunk's first
+/// frame.
 class Renderer {
- public:
+  public:
     /// Decodes textures and builds what never changes. Throws core::Error for images that cannot be read.
     Renderer(const scene::Animation& animation, const Settings& settings, const Plan& plan);
     ~Renderer();
@@ -62,7 +63,7 @@ class Renderer {
     /// CPU seconds by pass since construction, for the plan's table.
     double seconds(Pass pass) const;
 
- private:
+  private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };

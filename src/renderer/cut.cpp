@@ -1,0 +1,235 @@
+// Lightcuts [Walter2005, 4; Render2MPEG, algorithm 3] for groups of up to sixteen points. Changed: the points of a
+// group share one cut, and with it one packet of shadow rays per refined cluster, but each keeps its own bounds,
+// luminance and tolerance; the cut is refined until every point accepts every cluster. All trees share one heap, so
+// that direct and indirect light are held against the pixel's total.
+#include "renderer/cut.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "core/color.h"
+#include "renderer/cut_sums.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// A ray from each lane that the light could reach towards it.
+void aim(const GatherLanes& lanes, LightFamily family, const TreeLight& light, const LightLanes& unit,
+         ShadowPacket& packet) {
+    const bool far_away = family == LightFamily::directional;
+    const float keep = far_away ? 0.0f : 1.0f;
+    const float far = far_away ? std::numeric_limits<float>::infinity() : 1.0f;
+    packet.active = 0;
+    for (int i = 0; i < lane_count; ++i) {
+        packet.origin_x[i] = lanes.origin.x[i];
+        packet.origin_y[i] = lanes.origin.y[i];
+        packet.origin_z[i] = lanes.origin.z[i];
+        packet.direction_x[i] = light.position.x - keep * lanes.origin.x[i];
+        packet.direction_y[i] = light.position.y - keep * lanes.origin.y[i];
+        packet.direction_z[i] = light.position.z - keep * lanes.origin.z[i];
+        packet.far[i] = far;
+        packet.active |= unit.diffuse[i] > 0.0f ? 1u << i : 0u;
+    }
+}
+
+bool less_urgent(float a, float b) {
+    return a < b;
+}
+
+}  // namespace
+
+void Gatherer::trace(const GatherLanes& lanes, LightFamily family, const TreeLight& light, Slot& slot,
+                     GatheredLight& out) {
+    evaluate_light(lanes, family, light, forest_.clamp, slot.unit);
+    ShadowPacket packet;
+    aim(lanes, family, light, slot.unit, packet);
+    std::uint32_t blocked = 0;
+    if (forest_.translucent) {
+        glm::vec3 passes[lane_count];
+        std::fill(std::begin(passes), std::end(passes), glm::vec3(1));
+        if (packet.active != 0) blocked = tracer_.occluded(packet, passes);
+        for (int i = 0; i < lane_count; ++i)
+            for (int k = 0; k < 3; ++k) slot.passes[i][k] = passes[i][k];
+    } else if (packet.active != 0) {
+        blocked = tracer_.occluded(packet, nullptr);
+    }
+    out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
+    if (blocked == 0) return;
+    for (int i = 0; i < lane_count; ++i) {
+        const float visible = (blocked >> i & 1u) != 0 ? 0.0f : 1.0f;
+        slot.unit.diffuse[i] *= visible;
+        if (!lanes.glossy) continue;
+        slot.unit.f0[i] *= visible;
+        slot.unit.schlick[i] *= visible;
+    }
+}
+
+void Gatherer::add_slot(const GatherLanes& lanes, const Slot& slot, glm::vec3 intensity, Lanes& luminance) const {
+    if (!forest_.translucent) {
+        add_luminance(lanes, slot.unit, intensity, luminance);
+        return;
+    }
+    // Each lane sees the light in its own colour: once per channel, with what passes put into the unit values.
+    for (int k = 0; k < 3; ++k) {
+        LightLanes tinted;
+        for (int i = 0; i < lane_count; ++i) {
+            tinted.diffuse[i] = slot.unit.diffuse[i] * slot.passes[i][k];
+            tinted.f0[i] = lanes.glossy ? slot.unit.f0[i] * slot.passes[i][k] : 0.0f;
+            tinted.schlick[i] = lanes.glossy ? slot.unit.schlick[i] * slot.passes[i][k] : 0.0f;
+        }
+        glm::vec3 channel(0);
+        channel[k] = intensity[k];
+        add_luminance(lanes, tinted, channel, luminance);
+    }
+}
+
+void Gatherer::gather_exact(const GatherLanes& lanes, CutSums& sums, GatheredLight& out) {
+    for (const ExactLight& exact : forest_.exact) {
+        Slot slot;
+        trace(lanes, exact.family, exact.light, slot, out);
+        add_slot(lanes, slot, exact.light.intensity, luminance_);
+        sums.add(slot.unit, slot.passes, exact.light.intensity, true);
+        ++out.direct_clusters;
+    }
+}
+
+void Gatherer::push(const GatherLanes& lanes, std::uint32_t index) {
+    Slot& slot = slots_[index];
+    slot.is_open = false;
+    if (slot.ref.is_leaf()) return;
+    const LightTree& tree = forest_.trees[slot.tree];
+    bound_node(lanes, tree.family, tree.nodes[slot.ref.index()], forest_.clamp, slot.bound);
+    const float urgency = rule_.urgency(slot.bound);
+    if (!(urgency > 0.0f)) return;
+    slot.is_open = true;
+    heap_.push_back({urgency, index});
+    std::push_heap(heap_.begin(), heap_.end(),
+                   [](const Entry& a, const Entry& b) { return less_urgent(a.urgency, b.urgency); });
+}
+
+void Gatherer::start_cut(const GatherLanes& lanes, GatheredLight& out) {
+    slots_.clear();
+    heap_.clear();
+    settled_.clear();
+    for (int t = 0; t < LightForest::tree_count; ++t) {
+        const LightTree& tree = forest_.trees[t];
+        if (tree.empty()) continue;
+        Slot& slot = slots_.emplace_back();
+        slot.tree = t;
+        slot.ref = tree.root;
+        slot.representative = tree.representative(tree.root);
+        trace(lanes, tree.family, tree.lights[slot.representative], slot, out);
+        add_slot(lanes, slot, tree.intensity(tree.root), luminance_);
+    }
+    rule_.observe(luminance_);
+    for (std::uint32_t i = 0; i < slots_.size(); ++i) push(lanes, i);
+}
+
+void Gatherer::split(const GatherLanes& lanes, std::uint32_t index, GatheredLight& out) {
+    const LightTree& tree = forest_.trees[slots_[index].tree];
+    const LightNode& node = tree.nodes[slots_[index].ref.index()];
+    // The child that holds the representative keeps its rays; only the other one, adopted, is traced.
+    const bool first_keeps = tree.representative(node.child[0]) == node.representative;
+    const LightRef kept = node.child[first_keeps ? 0 : 1], adopted = node.child[first_keeps ? 1 : 0];
+    Slot& old = slots_[index];
+    old.ref = kept;
+    add_slot(lanes, old, tree.intensity(kept) - node.intensity, luminance_);
+
+    const auto added = static_cast<std::uint32_t>(slots_.size());
+    Slot& slot = slots_.emplace_back();
+    slot.tree = slots_[index].tree;
+    slot.ref = adopted;
+    slot.representative = tree.representative(adopted);
+    trace(lanes, tree.family, tree.lights[slot.representative], slot, out);
+    add_slot(lanes, slot, tree.intensity(adopted), luminance_);
+    rule_.observe(luminance_);
+    push(lanes, index);
+    push(lanes, added);
+}
+
+bool Gatherer::reopen(const GatherLanes& lanes) {
+    // Sum the luminance afresh, since running differences lose digits, and hold every cluster against it.
+    for (int i = 0; i < lane_count; ++i) luminance_[i] = exact_luminance_[i];
+    for (const Slot& slot : slots_) add_slot(lanes, slot, forest_.trees[slot.tree].intensity(slot.ref), luminance_);
+    rule_.observe(luminance_);
+    std::vector<Entry> still;
+    heap_.clear();
+    for (const Entry& entry : settled_) {
+        const float urgency = rule_.urgency(slots_[entry.slot].bound);
+        (CutRule::accepts(urgency) ? still : heap_).push_back({urgency, entry.slot});
+    }
+    settled_.swap(still);
+    std::make_heap(heap_.begin(), heap_.end(),
+                   [](const Entry& a, const Entry& b) { return less_urgent(a.urgency, b.urgency); });
+    return !heap_.empty();
+}
+
+void Gatherer::refine(const GatherLanes& lanes, const CutLimits& limits, GatheredLight& out) {
+    const auto least = static_cast<std::size_t>(std::max(limits.least, 0));
+    const auto most = static_cast<std::size_t>(std::max(limits.most, 1));
+    while (!heap_.empty() || reopen(lanes)) {
+        std::pop_heap(heap_.begin(), heap_.end(),
+                      [](const Entry& a, const Entry& b) { return less_urgent(a.urgency, b.urgency); });
+        Entry entry = heap_.back();
+        heap_.pop_back();
+        // The tolerance has moved since the entry was made.
+        entry.urgency = rule_.urgency(slots_[entry.slot].bound);
+        if (CutRule::accepts(entry.urgency) && slots_.size() >= least) {
+            settled_.push_back(entry);
+            continue;
+        }
+        if (slots_.size() >= most) {
+            for (const Slot& slot : slots_)
+                if (slot.is_open) out.capped |= rule_.broken(slot.bound);
+            return;
+        }
+        split(lanes, entry.slot, out);
+    }
+}
+
+void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance, const CutLimits& limits,
+                      GatheredLight& out) {
+    out.direct_clusters = out.indirect_clusters = 0;
+    out.capped = 0;
+    out.shadow_rays = 0;
+    CutSums sums(lanes, forest_.translucent);
+    std::fill(std::begin(luminance_), std::end(luminance_), 0.0f);
+    gather_exact(lanes, sums, out);
+    std::copy(std::begin(luminance_), std::end(luminance_), std::begin(exact_luminance_));
+    rule_.start(tolerance.absolute, tolerance.relative, tolerance.base);
+    start_cut(lanes, out);
+    refine(lanes, limits, out);
+
+    for (const Slot& slot : slots_) {
+        const LightTree& tree = forest_.trees[slot.tree];
+        const bool direct = LightForest::is_direct(slot.tree);
+        const glm::vec3 intensity = tree.intensity(slot.ref);
+        sums.add(slot.unit, slot.passes, intensity, direct);
+        if (slot.unit.any_clamped)
+            sums.add_clamped(tree.family, tree.lights[slot.representative], slot.unit, intensity);
+        ++(direct ? out.direct_clusters : out.indirect_clusters);
+    }
+    sums.store(out);
+}
+
+void Gatherer::gather_all(const GatherLanes& lanes, GatheredLight& out) {
+    out.direct_clusters = out.indirect_clusters = 0;
+    out.capped = 0;
+    out.shadow_rays = 0;
+    CutSums sums(lanes, forest_.translucent);
+    gather_exact(lanes, sums, out);
+    Slot slot;
+    for (int t = 0; t < LightForest::tree_count; ++t) {
+        const LightTree& tree = forest_.trees[t];
+        for (const TreeLight& light : tree.lights) {
+            trace(lanes, tree.family, light, slot, out);
+            sums.add(slot.unit, slot.passes, light.intensity, LightForest::is_direct(t));
+            if (slot.unit.any_clamped) sums.add_clamped(tree.family, light, slot.unit, light.intensity);
+        }
+        (LightForest::is_direct(t) ? out.direct_clusters : out.indirect_clusters) +=
+            static_cast<int>(tree.lights.size());
+    }
+    sums.store(out);
+}
+
+}  // namespace render2mpeg::renderer

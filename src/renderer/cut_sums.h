@@ -1,0 +1,36 @@
+#pragma once
+
+#include "renderer/cut.h"
+
+namespace render2mpeg::renderer {
+
+/// Sums of gathered light over clusters, in two levels: few numbers are added to a part, parts to the whole, so that a
+/// sum over a million lights in single precision keeps its digits. The order of calls decides the bytes.
+class CutSums {
+  public:
+    CutSums(const GatherLanes& lanes, bool translucent);
+
+    /// Adds a cluster's light; `passes` counts only in translucent scenes.
+    void add(const LightLanes& unit, const float (&passes)[lane_count][3], glm::vec3 intensity, bool direct);
+
+    /// Counts what the clamp took from a cluster: the difference to what its light sends when only the form factor of a
+    /// whole sky bounds it, G <= 1 / disc2; the unclamped sum has no finite variance to be measured.
+    void add_clamped(LightFamily family, const TreeLight& light, const LightLanes& visible, glm::vec3 intensity);
+
+    void store(GatheredLight& out);
+
+  private:
+    static constexpr int part_length = 64;
+    struct Part {
+        RgbLanes direct, indirect, f0, schlick;
+    };
+    void flush();
+
+    const GatherLanes& lanes_;
+    bool translucent_;
+    int in_part_ = 0;
+    Part part_{}, whole_{};
+    alignas(64) Lanes clamped_{};
+};
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,64 @@
+#include "renderer/gather_groups.h"
+
+#include <algorithm>
+#include <array>
+
+namespace render2mpeg::renderer {
+namespace {
+
+constexpr int block_size = 4;
+constexpr int blocks_across = tile_size / block_size;
+
+/// How alike points of a group are. chosen: the normal's 0.9 is that of the measurements behind the design; 0.02 and
+/// 0.1 of the distance keep both sides of an edge apart (0.01..0.05 and 0.05..0.3 change the time by less than 3 %).
+constexpr float least_normal = 0.9f;
+constexpr float largest_step = 0.02f;  ///< off the plane of the first point, over its distance to the eye
+constexpr float largest_gap = 0.1f;    ///< between points, likewise
+
+bool belongs(const GatherPoint& first, const GatherPoint& other, glm::vec3 eye) {
+    const SurfacePoint& a = first.point;
+    const SurfacePoint& b = other.point;
+    if (first.reached_by_specular != other.reached_by_specular || a.bsdf.has_glossy() != b.bsdf.has_glossy())
+        return false;
+    if (!(glm::dot(a.shading_normal, b.shading_normal) > least_normal)) return false;
+    if (!(glm::dot(a.geometric_normal, b.geometric_normal) > least_normal)) return false;
+    const float distance = glm::length(a.position - eye);
+    const glm::vec3 between = b.position - a.position;
+    return std::abs(glm::dot(between, a.geometric_normal)) <= largest_step * distance &&
+           glm::dot(between, between) <= largest_gap * distance * largest_gap * distance;
+}
+
+/// Adds a point to the first group that takes it, or to a new one.
+void assign(std::uint32_t index, const GatherTile& tile, glm::vec3 eye, std::vector<GatherGroup>& groups) {
+    for (GatherGroup& group : groups) {
+        if (group.size() >= lane_count || !belongs(tile[group.front()], tile[index], eye)) continue;
+        group.push_back(index);
+        return;
+    }
+    groups.push_back({index});
+}
+
+}  // namespace
+
+std::vector<GatherGroup> group_points(const GatherTile& tile, glm::vec3 eye) {
+    std::array<std::vector<std::uint32_t>, blocks_across * blocks_across> blocks;
+    for (std::uint32_t i = 0; i < tile.size(); ++i) {
+        const int x = tile[i].pixel % tile_size, y = tile[i].pixel / tile_size;
+        blocks[static_cast<std::size_t>(y / block_size * blocks_across + x / block_size)].push_back(i);
+    }
+    // Group within blocks; then let the scattered small groups of the tile find each other, so that packets are full.
+    std::vector<GatherGroup> groups, small;
+    for (const auto& block : blocks) {
+        std::vector<GatherGroup> of_block;
+        for (const std::uint32_t i : block) assign(i, tile, eye, of_block);
+        for (GatherGroup& group : of_block)
+            (2 * group.size() >= lane_count ? groups : small).push_back(std::move(group));
+    }
+    std::vector<GatherGroup> merged;
+    for (const GatherGroup& group : small)
+        for (const std::uint32_t i : group) assign(i, tile, eye, merged);
+    for (GatherGroup& group : merged) groups.push_back(std::move(group));
+    return groups;
+}
+
+}  // namespace render2mpeg::renderer

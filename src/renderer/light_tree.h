@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "core/packed_normal.h"
+#include "renderer/light_point.h"
+
+namespace render2mpeg::renderer {
+
+/// Light points that one tree holds: their bounds differ by kind [Walter2005, 4.1].
+enum class LightFamily : std::uint8_t { oriented, punctual, directional };
+
+LightFamily family_of(LightPointKind kind);
+
+/// A node of a light tree: a light (a leaf) or an inner node.
+class LightRef {
+  public:
+    LightRef() = default;
+    static LightRef leaf(std::uint32_t light) { return LightRef(light | leaf_bit); }
+    static LightRef inner(std::uint32_t node) { return LightRef(node); }
+    bool is_leaf() const { return (value_ & leaf_bit) != 0; }
+    std::uint32_t index() const { return value_ & ~leaf_bit; }
+    bool operator==(const LightRef&) const = default;
+
+  private:
+    static constexpr std::uint32_t leaf_bit = 0x80000000u;
+    explicit LightRef(std::uint32_t value) : value_(value) {}
+    std::uint32_t value_ = 0;
+};
+
+/// A light as the inner loop reads it: 48 bytes.
+struct TreeLight {
+    glm::vec3 position{0};      ///< world; directional: unit direction to the light
+    float disc2 = 0;            ///< see LightPoint::disc2; punctual: squared range, infinite for none
+    glm::vec3 normal{0, 0, 1};  ///< unit; directional: unused
+    std::uint32_t id = 0;       ///< LightPoint::id
+    glm::vec3 intensity{0};
+    float spot_scale = 0;  ///< punctual: emit = clamp(cos scale + offset, 0, 1)^2; omni: 0 and 1
+    float spot_offset = 1;
+};
+
+/// An inner node: 64 bytes, one cache line. Its two children, its representative and what bounds need.
+struct alignas(64) LightNode {
+    glm::vec3 middle{0};    ///< of a box that holds all positions (directional: directions)
+    float least_disc2 = 0;  ///< least and largest TreeLight::disc2 below
+    glm::vec3 half{0};      ///< extent of the box to each side
+    float largest_disc2 = 0;
+    glm::vec3 intensity{0};  ///< summed
+    float cone_cosine = 1;   ///< of the half angle of a cone about `axis` that holds all normals; -1: all directions
+    LightRef child[2];
+    std::uint32_t representative = 0;  ///< light, chosen with a probability in proportion to its intensity
+    core::PackedNormal axis;
+};
+static_assert(sizeof(TreeLight) <= 56 && sizeof(LightNode) == 64);
+
+/// A binary tree over light points of one family [Walter2005, 4.1], clustered bottom up. Plain data, fixed once built.
+struct LightTree {
+    LightFamily family = LightFamily::oriented;
+    std::vector<LightNode> nodes;
+    std::vector<TreeLight> lights;  ///< those with any intensity, in an order of the tree's own
+    LightRef root;                  ///< meaningless where there are no lights
+
+    bool empty() const { return lights.empty(); }
+    glm::vec3 intensity(LightRef ref) const {
+        return ref.is_leaf() ? lights[ref.index()].intensity : nodes[ref.index()].intensity;
+    }
+    std::uint32_t representative(LightRef ref) const {
+        return ref.is_leaf() ? ref.index() : nodes[ref.index()].representative;
+    }
+    /// Bytes held, for the budget per light.
+    std::size_t bytes() const { return nodes.capacity() * sizeof(LightNode) + lights.capacity() * sizeof(TreeLight); }
+};
+
+/// Builds a tree over `points`, which are all of `family`; lights without intensity are left out, and coincident ones
+/// that shine alike become one. The result is a function of the arguments alone. O(n log n).
+LightTree build_light_tree(LightFamily family, std::span<const LightPoint> points, std::uint64_t seed);
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,215 @@
+#include "renderer/renderer.h"
+
+#include <ctime>
+#include <numeric>
+
+#include "core/error.h"
+#include "renderer/light_density.h"
+#include "renderer/light_forest.h"
+#include "renderer/light_points.h"
+#include "renderer/photons.h"
+#include "renderer/see.h"
+#include "renderer/shade.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// CPU seconds of this process, all threads.
+double cpu_seconds() {
+    timespec t{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/// Adds the CPU time of its life to a row.
+class Stopwatch {
+  public:
+    explicit Stopwatch(double& row) : row_(row), start_(cpu_seconds()) {}
+    ~Stopwatch() { row_ += cpu_seconds() - start_; }
+    Stopwatch(const Stopwatch&) = delete;
+    Stopwatch& operator=(const Stopwatch&) = delete;
+
+  private:
+    double& row_;
+    double start_;
+};
+
+/// Share of 1 up to which one VPL may give of what its surroundings would give if they filled the receiver's view.
+/// chosen: 2 %, what [Render2MPEG, 6.5] finds best without compensation.
+constexpr float vpl_clamp = 0.02f;
+
+/// VPLs may miss what was asked for by this factor before the number of paths is found anew for a frame: lamps went on
+/// or off.
+constexpr std::uint64_t drift = 2;
+
+/// What light depends on: everything of a snapshot but the camera.
+bool same_light(const scene::Snapshot& a, const scene::Snapshot& b) {
+    const auto same_object = [](const scene::ObjectState& x, const scene::ObjectState& y) {
+        return x.to_world == y.to_world && x.present == y.present && x.deformed == y.deformed;
+    };
+    const auto same_lamp = [](const scene::LightState& x, const scene::LightState& y) {
+        return x.kind == y.kind && x.position == y.position && x.direction == y.direction &&
+               x.intensity == y.intensity && x.range == y.range && x.cos_inner == y.cos_inner &&
+               x.cos_outer == y.cos_outer && x.id == y.id;
+    };
+    const auto same_shape = [](const scene::DeformedMesh& x, const scene::DeformedMesh& y) {
+        return x.positions == y.positions && x.normals == y.normals;
+    };
+    return std::equal(a.objects.begin(), a.objects.end(), b.objects.begin(), b.objects.end(), same_object) &&
+           std::equal(a.lights.begin(), a.lights.end(), b.lights.begin(), b.lights.end(), same_lamp) &&
+           std::equal(a.deformed.begin(), a.deformed.end(), b.deformed.begin(), b.deformed.end(), same_shape) &&
+           a.emission_factor == b.emission_factor;
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+    Impl(const scene::Animation& film, const Settings& s, const Plan& p)
+        : settings(s), plan(p), scenery(film, s.isa, p), light_points(scenery, p, s.direct_points, s.seed) {}
+
+    double& row(Pass pass) { return rows[static_cast<std::size_t>(pass)]; }
+
+    void pose(const scene::Snapshot& snapshot) {
+        const Stopwatch watch(row(Pass::pose));
+        scenery.pose(snapshot);
+    }
+
+    void start_chunk(const scene::Snapshot& first) {
+        pose(first);
+        {
+            const Stopwatch watch(row(Pass::emissive_lights));
+            light_points.place(scenery, first);
+        }
+        paths = 0;
+        if (plan.runs(Pass::photons) && settings.vpls > 0) {
+            const Stopwatch watch(row(Pass::photons));
+            paths = paths_for(scenery, light_points.at(scenery), settings.vpls, settings.bounces);
+        }
+        lit.reset();
+        started = true;
+    }
+
+    /// The lights of the posed snapshot; nothing is done where nothing that light touches has changed since the last
+    /// frame.
+    void update_light(const scene::Snapshot& snapshot) {
+        if (lit && same_light(*lit, snapshot)) return;
+        std::vector<LightPoint> direct;
+        {
+            const Stopwatch watch(row(Pass::emissive_lights));
+            direct = light_points.at(scenery);
+        }
+        std::vector<LightPoint> vpls;
+        if (plan.runs(Pass::photons) && settings.vpls > 0) {
+            const Stopwatch watch(row(Pass::photons));
+            vpls = trace_vpls(direct);
+            estimate_discs(vpls);
+        }
+        {
+            const Stopwatch watch(row(Pass::direct_tree));
+            forest = plant(direct, vpls, settings.seed);
+        }
+        forest.clamp = settings.clamp == Clamp::none ? GeometryClamp::none() : GeometryClamp{vpl_clamp};
+        forest.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass);
+        statistics.direct_points = direct.size();
+        statistics.indirect_points = vpls.size();
+        lit = snapshot;
+    }
+
+    std::vector<LightPoint> trace_vpls(const std::vector<LightPoint>& direct) {
+        PhotonResult result = trace_photons(scenery, direct, {1, paths, settings.bounces});
+        statistics.photon_rays += result.rays;
+        // Keep the chunk's number of paths, so that what is still keeps its light, unless the film has become another
+        // one.
+        const auto wanted = static_cast<std::uint64_t>(settings.vpls);
+        const std::uint64_t left = result.vpls.size();
+        if (left * drift >= wanted && left <= wanted * drift) return std::move(result.vpls);
+        const std::uint64_t fresh = paths_for(scenery, direct, settings.vpls, settings.bounces);
+        if (fresh == paths) return std::move(result.vpls);
+        result = trace_photons(scenery, direct, {1, fresh, settings.bounces});
+        statistics.photon_rays += result.rays;
+        return std::move(result.vpls);
+    }
+
+    /// Parts the time of gathering among the rows of the plan that it serves, by clusters.
+    void share_time(double seconds, const ShadeCounts& counts) {
+        const double direct = static_cast<double>(counts.direct_clusters),
+                     indirect = static_cast<double>(counts.indirect_clusters);
+        const double all = direct + indirect;
+        const Pass tree = plan.runs(Pass::direct_tree) ? Pass::direct_tree : Pass::punctual_lights;
+        row(tree) += all > 0 ? seconds * direct / all : seconds;
+        row(Pass::indirect_tree) += all > 0 ? seconds * indirect / all : 0.0;
+    }
+
+    Settings settings;
+    Plan plan;
+    Scenery scenery;
+    LightPoints light_points;
+    LightForest forest;
+    std::uint64_t paths = 0;             ///< photons of this chunk
+    std::optional<scene::Snapshot> lit;  ///< the instant that `forest` shows
+    bool started = false;
+    Statistics statistics;
+    double gathered = 0, clamped = 0;
+    std::array<double, static_cast<std::size_t>(Pass::count)> rows{};
+};
+
+Renderer::Renderer(const scene::Animation& animation, const Settings& settings, const Plan& plan)
+    : impl_(std::make_unique<Impl>(animation, settings, plan)) {}
+Renderer::~Renderer() = default;
+
+void Renderer::start_chunk(const scene::Snapshot& first) {
+    impl_->start_chunk(first);
+}
+
+Seen Renderer::see(const scene::Snapshot& snapshot) {
+    impl_->pose(snapshot);
+    const Stopwatch watch(impl_->row(Pass::see));
+    SeeCounts counts;
+    Seen seen =
+        renderer::see(impl_->scenery, {impl_->settings.format, impl_->settings.samples, impl_->settings.specular_depth},
+                      impl_->plan, counts);
+    impl_->statistics.primary_rays += counts.primary_rays;
+    impl_->statistics.specular_rays += counts.specular_rays;
+    return seen;
+}
+
+core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance) {
+    EXPECTS(seen.visible.frame == snapshot.frame);
+    if (!impl_->started) impl_->start_chunk(snapshot);
+    impl_->pose(snapshot);
+    impl_->update_light(snapshot);
+
+    const double start = cpu_seconds();
+    ShadeCounts counts;
+    const ShadeSettings settings{{impl_->settings.min_cut, impl_->settings.max_cut}, impl_->plan.runs(Pass::layers)};
+    core::Radiance radiance = renderer::shade(impl_->forest, impl_->scenery.tracer(), seen, snapshot.camera.position(),
+                                              tolerance, settings, counts);
+    impl_->share_time(cpu_seconds() - start, counts);
+
+    Statistics& s = impl_->statistics;
+    if (s.non_finite == 0 && counts.non_finite > 0)
+        s.first_non_finite = "frame " + std::to_string(snapshot.frame) + ", pixel (" +
+                             std::to_string(counts.first_non_finite % seen.visible.width()) + ", " +
+                             std::to_string(counts.first_non_finite / seen.visible.width()) + ")";
+    s.non_finite += counts.non_finite;
+    s.shadow_rays += counts.shadow_rays;
+    s.gather_points += counts.gather_points;
+    s.capped_points += counts.capped_points;
+    s.direct_clusters += counts.direct_clusters;
+    s.indirect_clusters += counts.indirect_clusters;
+    impl_->gathered += counts.gathered;
+    impl_->clamped += counts.clamped;
+    const double all = impl_->gathered + impl_->clamped;
+    s.clamped_energy = all > 0 ? impl_->clamped / all : 0.0;
+    return radiance;
+}
+
+const Statistics& Renderer::statistics() const {
+    return impl_->statistics;
+}
+
+double Renderer::seconds(Pass pass) const {
+    return impl_->rows[static_cast<std::size_t>(pass)];
+}
+
+}  // namespace render2mpeg::renderer

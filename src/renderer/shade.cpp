@@ -1,0 +1,254 @@
+#include "renderer/shade.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/color.h"
+#include "core/error.h"
+#include "core/numeric.h"
+#include "parallel/loops.h"
+#include "renderer/gather_groups.h"
+#include "renderer/lobe.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Light of one gather point, textures not yet applied.
+struct PointLight {
+    glm::vec3 direct{0}, indirect{0};  ///< irradiance over pi
+    glm::vec3 glossy{0};               ///< radiance
+    float direct_cut = 0, indirect_cut = 0;
+};
+
+/// What the pixels of a tile know before their light is gathered.
+struct PixelShares {
+    std::vector<float> weight = std::vector<float>(tile_size * tile_size, 0.0f);  ///< luminance of all weights
+};
+
+class TileShader {
+  public:
+    TileShader(const LightForest& forest, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
+               const core::ToleranceMap& tolerance, const ShadeSettings& settings, core::Radiance& radiance)
+        : seen_(seen),
+          eye_(eye),
+          tolerance_(tolerance),
+          settings_(settings),
+          radiance_(radiance),
+          gatherer_(forest, tracer) {}
+
+    ShadeCounts shade(std::size_t tile_index);
+
+  private:
+    void tolerances(std::span<const GatherPoint* const> points, const PixelShares& shares, GroupTolerance& out) const;
+    void gather(const GatherTile& tile, const GatherGroup& group, const PixelShares& shares);
+    void add_to_pixels(const GatherTile& tile);
+    void add_layers(const GatherTile& tile, std::size_t first, std::size_t last, int x, int y);
+    void check(int x, int y);
+    int x_of(const GatherPoint& p) const { return tile_x_ + p.pixel % tile_size; }
+    int y_of(const GatherPoint& p) const { return tile_y_ + p.pixel / tile_size; }
+
+    const Seen& seen_;
+    glm::vec3 eye_;
+    const core::ToleranceMap& tolerance_;
+    const ShadeSettings& settings_;
+    core::Radiance& radiance_;
+    Gatherer gatherer_;
+    GatherLanes lanes_;
+    GatheredLight gathered_;
+    std::vector<PointLight> light_;
+    ShadeCounts counts_;
+    int tile_x_ = 0, tile_y_ = 0;
+};
+
+void TileShader::tolerances(std::span<const GatherPoint* const> points, const PixelShares& shares,
+                            GroupTolerance& out) const {
+    for (int i = 0; i < lane_count; ++i) {
+        const GatherPoint& p = *points[std::min<std::size_t>(static_cast<std::size_t>(i), points.size() - 1)];
+        // A pixel's tolerance is parted among its points by their weight; what the pixel shows without gathering counts
+        // as light.
+        const core::Tolerance& t = tolerance_.pixels.at(x_of(p), y_of(p));
+        const float part = core::divide_or(core::luminance(p.weight), shares.weight[p.pixel], 1.0f);
+        out.absolute[i] = std::max(t.absolute, 0.0f) * part;
+        out.relative[i] = std::max(t.relative, 0.0f);
+        out.base[i] = std::max(core::luminance(seen_.unscattered.at(x_of(p), y_of(p))), 0.0f) * part;
+    }
+}
+
+void TileShader::gather(const GatherTile& tile, const GatherGroup& group, const PixelShares& shares) {
+    const GatherPoint* points[lane_count] = {};
+    for (std::size_t i = 0; i < group.size(); ++i) points[i] = &tile[group[i]];
+    const std::span<const GatherPoint* const> used(points, group.size());
+    fill(lanes_, used);
+    if (tolerance_.is_reference()) {
+        gatherer_.gather_all(lanes_, gathered_);
+    } else {
+        GroupTolerance tolerance;
+        tolerances(used, shares, tolerance);
+        gatherer_.gather(lanes_, tolerance, settings_.limits, gathered_);
+    }
+    const auto size = static_cast<std::uint64_t>(group.size());
+    counts_.groups += 1;
+    counts_.gather_points += size;
+    counts_.shadow_rays += gathered_.shadow_rays;
+    counts_.capped_points +=
+        static_cast<std::uint64_t>(__builtin_popcount(gathered_.capped & ((1u << group.size()) - 1u)));
+    counts_.direct_clusters += size * static_cast<std::uint64_t>(gathered_.direct_clusters);
+    counts_.indirect_clusters += size * static_cast<std::uint64_t>(gathered_.indirect_clusters);
+    for (std::size_t i = 0; i < group.size(); ++i) {
+        const int lane = static_cast<int>(i);
+        const GatherPoint& p = *points[i];
+        PointLight& light = light_[group[i]];
+        light.direct = gathered_.direct.at(lane) * lobe::inverse_pi;
+        light.indirect = gathered_.indirect.at(lane) * lobe::inverse_pi;
+        if (p.point.bsdf.has_glossy())
+            light.glossy = p.point.bsdf.f0 * gathered_.f0.at(lane) + gathered_.schlick.at(lane);
+        light.direct_cut = static_cast<float>(gathered_.direct_clusters);
+        light.indirect_cut = static_cast<float>(gathered_.indirect_clusters);
+        if (std::isfinite(gathered_.clamped[lane])) counts_.clamped += gathered_.clamped[lane];
+    }
+}
+
+void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size_t last, int x, int y) {
+    // Weight irradiance by what it lights, so that albedo x irradiance is the pixel's diffuse light exactly.
+    glm::vec3 share(0), albedo(0), direct(0), indirect(0), plain_direct(0), plain_indirect(0), glossy(0), specular(0);
+    float direct_cut = 0, indirect_cut = 0;
+    for (std::size_t i = first; i < last; ++i) {
+        const GatherPoint& p = tile[i];
+        const PointLight& l = light_[i];
+        const glm::vec3 scattered = p.point.bsdf.diffuse * (l.direct + l.indirect) + l.glossy;
+        direct_cut += l.direct_cut;
+        indirect_cut += l.indirect_cut;
+        if (p.reached_by_specular) {
+            specular += p.weight * scattered;
+            continue;
+        }
+        const glm::vec3 reflects = p.weight * p.point.bsdf.diffuse;
+        share += p.weight;
+        albedo += reflects;
+        direct += reflects * l.direct;
+        indirect += reflects * l.indirect;
+        plain_direct += p.weight * l.direct;
+        plain_indirect += p.weight * l.indirect;
+        glossy += p.weight * l.glossy;
+    }
+    const auto mean = [](glm::vec3 sum, glm::vec3 weight, glm::vec3 plain, glm::vec3 plain_weight) {
+        glm::vec3 r;
+        for (int k = 0; k < 3; ++k)
+            r[k] = core::divide_or(sum[k], weight[k], core::divide_or(plain[k], plain_weight[k], 0.0f));
+        return r;
+    };
+    radiance_.albedo.at(x, y) = albedo;
+    radiance_.direct_irradiance.at(x, y) = mean(direct, albedo, plain_direct, share);
+    radiance_.indirect_irradiance.at(x, y) = mean(indirect, albedo, plain_indirect, share);
+    radiance_.glossy.at(x, y) = glossy;
+    const auto count = static_cast<float>(std::max<std::size_t>(last - first, 1));
+    radiance_.direct_cut.at(x, y) = direct_cut / count;
+    radiance_.indirect_cut.at(x, y) = indirect_cut / count;
+    radiance_.specular.at(x, y) += specular;
+}
+
+void TileShader::add_to_pixels(const GatherTile& tile) {
+    for (std::size_t first = 0; first < tile.size();) {
+        std::size_t last = first;
+        const int x = x_of(tile[first]), y = y_of(tile[first]);
+        glm::vec3 sum(0);
+        for (; last < tile.size() && tile[last].pixel == tile[first].pixel; ++last) {
+            const GatherPoint& p = tile[last];
+            const PointLight& l = light_[last];
+            sum += p.weight * (p.point.bsdf.diffuse * (l.direct + l.indirect) + l.glossy);
+        }
+        radiance_.combined.at(x, y) += sum;
+        const float luminance = core::luminance(sum);
+        if (std::isfinite(luminance)) counts_.gathered += luminance;
+        if (settings_.layers) add_layers(tile, first, last, x, y);
+        first = last;
+    }
+}
+
+void TileShader::check(int x, int y) {
+    bool finite = core::is_finite(radiance_.combined.at(x, y));
+    core::Plane<glm::vec3>* layers[] = {
+        &radiance_.emission, &radiance_.direct_irradiance, &radiance_.indirect_irradiance, &radiance_.albedo,
+        &radiance_.glossy,   &radiance_.specular};
+    if (settings_.layers)
+        for (const auto* layer : layers) finite = finite && core::is_finite(layer->at(x, y));
+    if (finite) {
+        radiance_.combined.at(x, y) = glm::max(radiance_.combined.at(x, y), glm::vec3(0));
+        return;
+    }
+    if (counts_.non_finite++ == 0) counts_.first_non_finite = static_cast<std::int64_t>(y) * seen_.visible.width() + x;
+    radiance_.combined.at(x, y) = glm::vec3(0);
+    if (settings_.layers)
+        for (auto* layer : layers) layer->at(x, y) = glm::vec3(0);
+}
+
+ShadeCounts TileShader::shade(std::size_t tile_index) {
+    const auto across = static_cast<std::size_t>(seen_.tiles_across());
+    tile_x_ = static_cast<int>(tile_index % across) * tile_size;
+    tile_y_ = static_cast<int>(tile_index / across) * tile_size;
+    counts_ = {};
+    const GatherTile& tile = seen_.tiles[tile_index];
+    const int x_end = std::min(tile_x_ + tile_size, seen_.visible.width());
+    const int y_end = std::min(tile_y_ + tile_size, seen_.visible.height());
+    // Start from what needs no gathering.
+    for (int y = tile_y_; y < y_end; ++y) {
+        for (int x = tile_x_; x < x_end; ++x) {
+            const glm::vec3 all = seen_.unscattered.at(x, y);
+            radiance_.combined.at(x, y) = all;
+            if (!settings_.layers) continue;
+            const glm::vec3 specular =
+                seen_.unscattered_specular.empty() ? glm::vec3(0) : seen_.unscattered_specular.at(x, y);
+            radiance_.emission.at(x, y) = glm::max(all - specular, glm::vec3(0));
+            radiance_.specular.at(x, y) = specular;
+        }
+    }
+    PixelShares shares;
+    for (const GatherPoint& p : tile) shares.weight[p.pixel] += core::luminance(p.weight);
+    light_.assign(tile.size(), {});
+    for (const GatherGroup& group : group_points(tile, eye_)) gather(tile, group, shares);
+    add_to_pixels(tile);
+    for (int y = tile_y_; y < y_end; ++y)
+        for (int x = tile_x_; x < x_end; ++x) check(x, y);
+    return counts_;
+}
+
+}  // namespace
+
+void ShadeCounts::add(const ShadeCounts& more) {
+    if (non_finite == 0) first_non_finite = more.first_non_finite;
+    gather_points += more.gather_points;
+    capped_points += more.capped_points;
+    groups += more.groups;
+    direct_clusters += more.direct_clusters;
+    indirect_clusters += more.indirect_clusters;
+    shadow_rays += more.shadow_rays;
+    non_finite += more.non_finite;
+    gathered += more.gathered;
+    clamped += more.clamped;
+}
+
+core::Radiance shade(const LightForest& forest, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
+                     const core::ToleranceMap& tolerance, const ShadeSettings& settings, ShadeCounts& counts) {
+    const int width = seen.visible.width(), height = seen.visible.height();
+    EXPECTS(tolerance.is_reference() || (tolerance.pixels.width() == width && tolerance.pixels.height() == height));
+    core::Radiance radiance;
+    radiance.frame = seen.visible.frame;
+    radiance.combined = core::Plane<glm::vec3>(width, height, glm::vec3(0));
+    if (settings.layers) {
+        for (auto* layer : {&radiance.emission, &radiance.direct_irradiance, &radiance.indirect_irradiance,
+                            &radiance.albedo, &radiance.glossy, &radiance.specular})
+            *layer = core::Plane<glm::vec3>(width, height, glm::vec3(0));
+        radiance.direct_cut = core::Plane<float>(width, height, 0.0f);
+        radiance.indirect_cut = core::Plane<float>(width, height, 0.0f);
+    }
+    std::vector<ShadeCounts> of_tile(seen.tiles.size());
+    parallel::for_each(seen.tiles.size(), [&](std::size_t i) {
+        TileShader shader(forest, tracer, seen, eye, tolerance, settings, radiance);
+        of_tile[i] = shader.shade(i);
+    });
+    for (const ShadeCounts& c : of_tile) counts.add(c);
+    return radiance;
+}
+
+}  // namespace render2mpeg::renderer

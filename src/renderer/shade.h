@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/radiance.h"
+#include "core/tolerance_map.h"
+#include "renderer/cut.h"
+#include "renderer/gather_point.h"
+#include "renderer/light_forest.h"
+#include "renderer/ray_tracer.h"
+
+namespace render2mpeg::renderer {
+
+struct ShadeSettings {
+    CutLimits limits;
+    bool layers = false;  ///< fill all planes of Radiance, not only `combined`
+};
+
+/// What one frame's gathering did and found.
+struct ShadeCounts {
+    std::uint64_t gather_points = 0, capped_points = 0, groups = 0;
+    std::uint64_t direct_clusters = 0, indirect_clusters = 0;  ///< summed over gather points
+    std::uint64_t shadow_rays = 0;
+    std::uint64_t non_finite = 0;
+    std::int64_t first_non_finite = -1;  ///< y * width + x of the first in raster order of tiles; -1: none
+    double gathered = 0, clamped = 0;    ///< luminance summed over pixels: what arrived, what the clamp took
+
+    void add(const ShadeCounts& more);
+};
+
+/// Gathers the light of every gather point of a frame, multiplies it by its textures and adds it up in pixels
+/// (docs/model.md, "Lightcut"). The same bytes for any number of threads.
+core::Radiance shade(const LightForest& forest, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
+                     const core::ToleranceMap& tolerance, const ShadeSettings& settings, ShadeCounts& counts);
+
+}  // namespace render2mpeg::renderer
