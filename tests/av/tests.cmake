@@ -1,1 +1,1 @@
-render2mpeg_test(av LIBS render2mpeg_av)
+render2mpeg_test(av LIBS render2mpeg_av render2mpeg_encoder)

@@ -7,7 +7,8 @@
 namespace render2mpeg::av {
 namespace {
 
-constexpr int strictness = AV_EF_EXPLODE | AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER;
+/// Without AV_EF_BITSTREAM, which takes a sequence end code behind the last slice for damage.
+constexpr int strictness = AV_EF_EXPLODE | AV_EF_CRCCHECK | AV_EF_BUFFER;
 
 /// One film being decoded.
 class Film {
