@@ -27,7 +27,7 @@ float auto_exposure(std::span<const float> luminances) {
     double sum = 0.0;
     for (std::size_t i = begin; i < end; ++i)
         sum += std::log2(static_cast<double>(first[static_cast<std::ptrdiff_t>(i)]));
-    const double key = std::log2(0.18);  // [Reinhard2002, 2]: the usual key
+    const double key = std::log2(0.18);  // [Reinhard2002, eq. 2]: their usual key
     const auto exposure = static_cast<float>(key - sum / static_cast<double>(end - begin));
     return std::clamp(exposure, -Display::max_exposure, Display::max_exposure);
 }
