@@ -9,6 +9,7 @@
 #include "core/module.h"
 #include "image/format.h"
 #include "image/module/codec.h"
+#include "image/png_chunks.h"
 
 namespace render2mpeg::image {
 namespace {
@@ -77,7 +78,8 @@ Image read_image(const fs::path& path, std::span<const std::byte> bytes, const s
     if (*format == Format::jpeg && is_cut_off_jpeg(bytes))
         throw core::Error("reading", name, "the JPEG file is cut off");
 
-    return codec().decode(bytes, *format, name);
+    if (*format != Format::png) return codec().decode(bytes, *format, name);
+    return codec().decode(essential_png(bytes, name), *format, name);
 }
 
 void write_exr(const fs::path& path, int width, int height, std::span<const Channel> channels) {

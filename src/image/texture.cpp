@@ -16,7 +16,8 @@
 namespace render2mpeg::image {
 namespace {
 
-/// chosen: 16 probes, tried 4..32 on a floor up to the horizon; beyond 16 the pictures differ by less than 1/255.
+/// chosen: tried 4, 8, 16 and 32 on floors up to the horizon. Against 64 probes a checkerboard differs by 8.5, 3.1, 1.0
+/// and 0.2 code values (root mean square), a photograph of paving stones by 0.7, 0.3, 0.14 and 0.05.
 constexpr int max_probes = 16;
 /// Coordinates from here on have no fraction.
 constexpr float no_fraction = 16777216.0f;

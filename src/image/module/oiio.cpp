@@ -74,12 +74,15 @@ class OiioCodec final : public Codec {
     }
 
     Image decode(std::span<const std::byte> bytes, Format format, const std::string& name) const override try {
-        OIIO::Filesystem::IOMemReader reader(const_cast<std::byte*>(bytes.data()), bytes.size());
-        const auto input = OIIO::ImageInput::create(name_of(format), false, nullptr, &reader);
+        const auto input = OIIO::ImageInput::create(name_of(format));
         if (!input) throw core::Error("reading", name, one_line(OIIO::geterror()));
+        EXPECTS(input->supports("ioproxy"));
+        OIIO::Filesystem::IOMemReader reader(const_cast<std::byte*>(bytes.data()), bytes.size());
+        OIIO::Filesystem::IOProxy* source = &reader;
 
         // Ask for colours as they are stored; gamma, profiles and orientation in the file are ignored [glTF2, 3.8.3].
         OIIO::ImageSpec wishes, spec;
+        wishes.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &source);
         wishes.attribute("oiio:UnassociatedAlpha", 1);
         if (!input->open(name, spec, wishes)) throw core::Error("reading", name, one_line(input->geterror()));
         check_header(spec, bytes.size(), format, name);
