@@ -180,22 +180,29 @@ glm::vec3 SkyMap::irradiance(glm::vec3 normal) const {
 
     // Cut cells that are large on the sphere into smaller ones, for the cosine varies within them.
     const int pieces = (1023 + grid_.width()) / grid_.width();
+    const int columns = grid_.width() * pieces, rows = grid_.height() * pieces;
+    std::vector<glm::vec2> azimuths(static_cast<std::size_t>(columns));
+    for (int x = 0; x < columns; ++x) {
+        const double azimuth = 2 * pi * ((x + 0.5) / columns - 0.5);
+        azimuths[static_cast<std::size_t>(x)] = {std::sin(azimuth), -std::cos(azimuth)};
+    }
+
+    // Weigh each cell by the mean cosine of its pieces.
     const glm::vec3 n = to_map(normal);
     glm::dvec3 sum{0};
-    for (int y = 0; y < grid_.height(); ++y)
+    for (int y = 0; y < rows; ++y) {
+        const double polar = (y + 0.5) * pi / rows;
+        const double share = band(y, rows) / (band(y / pieces, grid_.height()) * pieces);
+        const auto sine = static_cast<float>(std::sin(polar)), height = static_cast<float>(n.y * std::cos(polar));
         for (int x = 0; x < grid_.width(); ++x) {
-            double cosine = 0;
-            for (int i = 0; i < pieces * pieces; ++i) {
-                const float dx = (static_cast<float>(i % pieces) + 0.5f) / static_cast<float>(pieces) - 0.5f;
-                const int sub_row = y * pieces + i / pieces;
-                const float dy = (static_cast<float>(i / pieces) + 0.5f) / static_cast<float>(pieces) - 0.5f;
-                const double weight = band(sub_row, grid_.height() * pieces) / (band(y, grid_.height()) * pieces);
-                cosine +=
-                    weight *
-                    std::max(0.0f, glm::dot(n, direction_of(static_cast<float>(x) + dx, static_cast<float>(y) + dy)));
+            float cosine = 0;
+            for (int piece = x * pieces; piece < (x + 1) * pieces; ++piece) {
+                const glm::vec2 azimuth = azimuths[static_cast<std::size_t>(piece)];
+                cosine += std::max(0.0f, height + sine * (n.x * azimuth.x + n.z * azimuth.y));
             }
-            sum += glm::dvec3(grid_.at(x, y)) * cosine;
+            sum += glm::dvec3(grid_.at(x, y / pieces)) * (share * cosine);
         }
+    }
     return glm::vec3(sum);
 }
 
