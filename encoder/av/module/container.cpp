@@ -47,13 +47,16 @@ int program_rate(const SequenceFacts& facts, const core::FrameRate& rate) {
     return static_cast<int>(product / ticks * 8 * unit);
 }
 
+/// Seconds from picture to picture.
+AVRational tick_of(const core::FrameRate& rate) {
+    return {static_cast<int>(rate.hertz.den), static_cast<int>(rate.hertz.num)};
+}
+
 class File final : public Container {
   public:
     File(const std::filesystem::path& file, const char* format, const encoder::Settings& settings,
          const SequenceFacts& facts)
-        : file_(file.string()),
-          is_program_(std::strcmp(format, "vob") == 0),
-          tick_{static_cast<int>(settings.rate.hertz.den), static_cast<int>(settings.rate.hertz.num)} {
+        : file_(file.string()), is_program_(std::strcmp(format, "vob") == 0), tick_(tick_of(settings.rate)) {
         const Messages messages;
         AVFormatContext* context = nullptr;
         check(avformat_alloc_output_context2(&context, nullptr, format, file_.c_str()), messages);
@@ -163,7 +166,7 @@ class File final : public Container {
 
     std::string file_;
     bool is_program_;
-    AVRational tick_;  ///< seconds from picture to picture
+    AVRational tick_;
     std::unique_ptr<AVFormatContext, Closed> context_;
     Packet packet_{av_packet_alloc()};
 };
