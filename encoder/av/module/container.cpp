@@ -63,8 +63,10 @@ class File final : public Container {
         context_.reset(context);
         context->flags |= AVFMT_FLAG_BITEXACT;  // no dates, no versions, no random identifiers
         context->max_delay = 700000;  // microseconds that data may wait before its decoding: ffmpeg's own choice
-        av_dict_set(&context->metadata, "service_provider", "render2mpeg", 0);
-        av_dict_set(&context->metadata, "service_name", "render2mpeg", 0);
+        if (std::strcmp(format, "mpegts") == 0) {  // a transport stream has to name its service; others would keep tags
+            av_dict_set(&context->metadata, "service_provider", "render2mpeg", 0);
+            av_dict_set(&context->metadata, "service_name", "render2mpeg", 0);
+        }
         describe_stream(settings, facts, messages);
 
         AVDictionary* options = nullptr;
