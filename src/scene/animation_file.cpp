@@ -33,7 +33,7 @@ Animation base_scene(const JsonValue& value, const fs::path& folder, const LoadO
 /// Frame rate, range, size and exposure.
 FilmClock read_format(const JsonValue& value, Animation& film) {
     FilmClock clock;
-    film.frame_rate = "25";   // what FilmClock begins with
+    film.frame_rate = "25";  // what FilmClock begins with
     if (const auto rate = value.find("frame_rate")) {
         std::string text;
         if (rate->is_number()) {

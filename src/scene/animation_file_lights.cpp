@@ -87,6 +87,9 @@ void Things::build_lamp(const JsonValue& value, const std::string& name, int nod
         Material material;
         material.name = name;
         material.base_color = glm::vec4(0, 0, 0, 1);
+        material.specular_glossiness = true;
+        material.specular = glm::vec3(0);
+        material.glossiness = 0;
         material.emission =
             color * static_cast<float>(value.has("intensity") ? value.need("intensity").number(0, 1e6) : 10);
         const int index = static_cast<int>(film_.materials.size());

@@ -141,7 +141,9 @@ Mesh sphere_mesh(double radius, int segments, TextureLayout layout) {
 }
 
 Mesh cylinder_mesh(double radius, double top_radius, double height, int segments, TextureLayout layout) {
-    return lathe_mesh({{0, 0}, {radius, 0}, {top_radius, height}, {0, height}}, segments, 1, layout);
+    std::vector<glm::dvec2> outline{{0, 0}, {radius, 0}, {top_radius, height}};
+    if (top_radius > 0) outline.emplace_back(0, height);
+    return lathe_mesh(outline, segments, 1, layout);
 }
 
 Mesh disc_mesh(double radius, int segments, TextureLayout layout) {
