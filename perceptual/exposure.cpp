@@ -7,11 +7,23 @@
 #include "perceptual/display.h"
 
 namespace render2mpeg::perceptual {
+namespace {
 
-float auto_exposure(std::span<const float> luminances) {
+std::vector<float> lit_of(std::span<const float> luminances) {
     std::vector<float> lit;
     for (const float luminance : luminances)
         if (luminance > 0.0f && std::isfinite(luminance)) lit.push_back(luminance);
+    return lit;
+}
+
+}  // namespace
+
+float auto_exposure(std::span<const float> surfaces, std::span<const float> sky) {
+    std::vector<float> lit = lit_of(surfaces);
+    // chosen: 1/20 of what is lit, tried 1/50 .. 1/5: below it the sky is the subject, a bird or a leaf in front of it
+    // is not.
+    const std::vector<float> lit_sky = lit_of(sky);
+    if (lit.size() * 19 < lit_sky.size()) lit.insert(lit.end(), lit_sky.begin(), lit_sky.end());
     if (lit.empty()) return 0.0f;
     std::sort(lit.begin(), lit.end());
 

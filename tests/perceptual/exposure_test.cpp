@@ -52,7 +52,7 @@ TEST(AutoExposure, DoesNotSeeBlackPixels) {
     EXPECT_NEAR(auto_exposure(samples), alone, 1e-6f);
 }
 
-TEST(AutoExposure, IsNotLedAstrayByLampsAndStripsOfSky) {
+TEST(AutoExposure, IsNotLedAstrayByLampsAndWindows) {
     std::vector<float> samples = scene(0.4f);
     const float alone = auto_exposure(samples);
     samples.insert(samples.end(), 500, 4000.0f);
@@ -60,6 +60,16 @@ TEST(AutoExposure, IsNotLedAstrayByLampsAndStripsOfSky) {
     samples.insert(samples.end(), 1500, 12.0f);
     EXPECT_NEAR(auto_exposure(samples), alone, 0.75f);
     EXPECT_LT(auto_exposure(samples), alone);
+}
+
+TEST(AutoExposure, TakesTheSkyOnlyWhereThereIsLittleElse) {
+    const std::vector<float> ground = scene(0.1f, 2000), sky = scene(20.0f, 30000);
+    EXPECT_EQ(auto_exposure(ground, sky), auto_exposure(ground));
+    const std::vector<float> bird = scene(0.1f, 500);
+    EXPECT_NEAR(auto_exposure(bird, sky), auto_exposure(sky), 0.1f);
+    EXPECT_EQ(auto_exposure({}, sky), auto_exposure(sky));
+    const std::vector<float> night(30000, 0.0f);
+    EXPECT_EQ(auto_exposure(bird, night), auto_exposure(bird));
 }
 
 TEST(AutoExposure, DoesNotDependOnTheOrder) {
