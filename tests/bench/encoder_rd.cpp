@@ -1,0 +1,196 @@
+// Rate against quality of our encoder and of libavcodec's (constant quantiser, the same GOPs), over four quantisers:
+// prints the points and the Bjontegaard difference of rate (piecewise cubic, PSNR of luma; negative: fewer bits than
+// libavcodec).
+//
+//   bench_encoder_rd [width height count]
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <string>
+#include <vector>
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavutil/opt.h>
+}
+
+#include "bd_rate.h"
+#include "encoder/encoder.h"
+#include "encoder_clip.h"
+#include "parallel/loops.h"
+
+namespace render2mpeg::bench {
+namespace {
+
+double squared_error(const core::Plane<std::uint8_t>& a, const std::uint8_t* b, int stride) {
+    double sum = 0;
+    for (int y = 0; y < a.height(); ++y)
+        for (int x = 0; x < a.width(); ++x) {
+            const double d = static_cast<double>(a.at(x, y)) - b[static_cast<std::ptrdiff_t>(y) * stride + x];
+            sum += d * d;
+        }
+    return sum / static_cast<double>(a.size());
+}
+
+double psnr(double mean_squared_error) {
+    return 10 * std::log10(255.0 * 255.0 / mean_squared_error);
+}
+
+RatePoint ours(const Clip& clip, int quantiser, int gop, bool use_motion) {
+    encoder::Settings s;
+    s.width = clip.pictures[0].width();
+    s.height = clip.pictures[0].height();
+    s.rate = core::frame_rate_from("30");
+    s.quantiser = quantiser;
+    s.gop = gop;
+    encoder::Encoder encoder(s);
+    RatePoint point;
+    double error = 0;
+    std::uint64_t evaluations = 0, macroblocks = 0;
+    std::vector<std::uint8_t> stream;
+    const std::clock_t begin = std::clock();
+    for (std::size_t n = 0; n < clip.pictures.size(); ++n) {
+        const encoder::PicturePlan plan = encoder.plan(static_cast<std::int64_t>(n), {}, n == 0);
+        const std::span<const core::MotionField> motion(&clip.motion[n],
+                                                        use_motion && !plan.references.empty() ? 1 : 0);
+        for (const encoder::CodedPicture& coded : encoder.push(clip.pictures[n], plan, motion)) {
+            point.bits += 8.0 * static_cast<double>(coded.bytes.size());
+            error += squared_error(clip.pictures[n].y, coded.reconstruction.y.row(0), s.width);
+            evaluations += coded.block_evaluations;
+            if (!plan.references.empty()) macroblocks += coded.macroblocks.size();
+            stream.insert(stream.end(), coded.bytes.begin(), coded.bytes.end());
+        }
+    }
+    const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+    point.psnr = psnr(error / static_cast<double>(clip.pictures.size()));
+    std::printf("ours%-10s q %2d  %9.0f bits/picture  %.3f dB  %5.1f pictures/CPU s  %.1f evaluations/macroblock\n",
+                use_motion ? "" : " no motion", quantiser, point.bits / static_cast<double>(clip.pictures.size()),
+                point.psnr, static_cast<double>(clip.pictures.size()) / seconds,
+                macroblocks ? static_cast<double>(evaluations) / static_cast<double>(macroblocks) : 0.0);
+    if (const char* directory = std::getenv("ENCODER_RD_STREAMS"))
+        std::ofstream(std::string(directory) + "/ours_q" + std::to_string(quantiser) + ".m2v", std::ios::binary)
+            .write(reinterpret_cast<const char*>(stream.data()), static_cast<std::streamsize>(stream.size()));
+    return point;
+}
+
+/// What libavcodec's decoder shows, so that its encoder is measured like ours.
+void collect(AVCodecContext* decoder, const Clip& clip, std::size_t& shown, double& error) {
+    AVFrame* frame = av_frame_alloc();
+    while (avcodec_receive_frame(decoder, frame) == 0 && shown < clip.pictures.size())
+        error += squared_error(clip.pictures[shown++].y, frame->data[0], frame->linesize[0]);
+    av_frame_free(&frame);
+}
+
+RatePoint libavcodec(const Clip& clip, int quantiser, int gop, bool strong) {
+    const int width = clip.pictures[0].width(), height = clip.pictures[0].height();
+    AVCodecContext* encoder = avcodec_alloc_context3(avcodec_find_encoder(AV_CODEC_ID_MPEG2VIDEO));
+    encoder->width = width;
+    encoder->height = height;
+    encoder->pix_fmt = AV_PIX_FMT_YUV420P;
+    encoder->time_base = {1, 30};
+    encoder->framerate = {30, 1};
+    encoder->gop_size = gop;
+    encoder->max_b_frames = 0;
+    encoder->thread_count = 1;
+    encoder->flags |= AV_CODEC_FLAG_QSCALE;
+    encoder->bit_rate = 400'000'000;
+    if (strong) {
+        encoder->mb_decision = FF_MB_DECISION_RD;
+        encoder->trellis = 2;
+        av_opt_set(encoder, "mpv_flags", "+skip_rd+mv0", AV_OPT_SEARCH_CHILDREN);
+        encoder->mb_cmp = FF_CMP_RD;
+        encoder->me_sub_cmp = FF_CMP_SATD;
+        encoder->dia_size = 770;
+        encoder->pre_dia_size = 4;
+        encoder->last_predictor_count = 3;
+    }
+    AVCodecContext* decoder = avcodec_alloc_context3(avcodec_find_decoder(AV_CODEC_ID_MPEG2VIDEO));
+    avcodec_open2(encoder, nullptr, nullptr);
+    avcodec_open2(decoder, nullptr, nullptr);
+
+    RatePoint point;
+    double error = 0;
+    std::size_t shown = 0;
+    std::clock_t spent = 0;
+    const auto drain = [&] {
+        AVPacket* packet = av_packet_alloc();
+        for (;;) {
+            const std::clock_t begin = std::clock();
+            const int status = avcodec_receive_packet(encoder, packet);
+            spent += std::clock() - begin;
+            if (status < 0) break;
+            point.bits += 8.0 * packet->size;
+            avcodec_send_packet(decoder, packet);
+            collect(decoder, clip, shown, error);
+            av_packet_unref(packet);
+        }
+        av_packet_free(&packet);
+    };
+    for (std::size_t n = 0; n < clip.pictures.size(); ++n) {
+        const core::Picture& p = clip.pictures[n];
+        AVFrame* frame = av_frame_alloc();
+        frame->format = AV_PIX_FMT_YUV420P;
+        frame->width = width;
+        frame->height = height;
+        av_frame_get_buffer(frame, 0);
+        for (int plane = 0; plane < 3; ++plane) {
+            const core::Plane<std::uint8_t>& from = plane == 0 ? p.y : plane == 1 ? p.cb : p.cr;
+            for (int y = 0; y < from.height(); ++y)
+                std::copy_n(from.row(y), from.width(),
+                            frame->data[plane] + static_cast<std::ptrdiff_t>(y) * frame->linesize[plane]);
+        }
+        frame->pts = static_cast<std::int64_t>(n);
+        frame->quality = FF_QP2LAMBDA * quantiser;
+        const std::clock_t begin = std::clock();
+        avcodec_send_frame(encoder, frame);
+        spent += std::clock() - begin;
+        av_frame_free(&frame);
+        drain();
+    }
+    avcodec_send_frame(encoder, nullptr);
+    drain();
+    avcodec_send_packet(decoder, nullptr);
+    collect(decoder, clip, shown, error);
+    avcodec_free_context(&encoder);
+    avcodec_free_context(&decoder);
+    point.psnr = psnr(error / static_cast<double>(clip.pictures.size()));
+    std::printf("libavcodec%-4s q %2d  %9.0f bits/picture  %.3f dB  %5.1f pictures/CPU s\n", strong ? " +" : "",
+                quantiser, point.bits / static_cast<double>(clip.pictures.size()), point.psnr,
+                static_cast<double>(clip.pictures.size()) * CLOCKS_PER_SEC / static_cast<double>(spent));
+    return point;
+}
+
+}  // namespace
+}  // namespace render2mpeg::bench
+
+int main(int argc, char** argv) {
+    using namespace render2mpeg;
+    const bool sized = argc > 3;
+    const int width = sized ? std::atoi(argv[1]) : 1280, height = sized ? std::atoi(argv[2]) : 720,
+              count = sized ? std::atoi(argv[3]) : 30;
+    const parallel::ThreadLimit limit(std::getenv("ENCODER_RD_THREADS") ? std::atoi(std::getenv("ENCODER_RD_THREADS"))
+                                                                        : 1);
+    const bool only_ours = std::getenv("ENCODER_RD_ONLY_OURS") != nullptr;
+    for (const float speed : {1.0f, 3.0f}) {
+        std::printf("clip: speed %g, %dx%d, %d pictures\n", static_cast<double>(speed), width, height, count);
+        const bench::Clip clip = bench::make_clip(width, height, count, speed);
+        std::vector<bench::RatePoint> with, without, plain, strong;
+        for (const int q : {2, 4, 8, 16}) {
+            with.push_back(bench::ours(clip, q, 15, true));
+            if (only_ours) continue;
+            without.push_back(bench::ours(clip, q, 15, false));
+            plain.push_back(bench::libavcodec(clip, q, 15, false));
+            strong.push_back(bench::libavcodec(clip, q, 15, true));
+        }
+        if (only_ours) continue;
+        std::printf("BD-rate against libavcodec -bf 0:                    %+.2f %%, without motion %+.2f %%\n",
+                    bench::bd_rate(plain, with), bench::bd_rate(plain, without));
+        std::printf("BD-rate against libavcodec -bf 0, rd, trellis, umh:  %+.2f %%, without motion %+.2f %%\n",
+                    bench::bd_rate(strong, with), bench::bd_rate(strong, without));
+    }
+    return 0;
+}
