@@ -1,24 +1,17 @@
 #pragma once
 
-#include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
 
 #include "image/image.h"
+#include "image/sky_grid.h"
 #include "image/texture.h"
 
 namespace render2mpeg::image {
 
-/// One part of the sky, as a light that is infinitely far.
-struct SkySample {
-    glm::vec3 direction{0, 1, 0};  ///< to the sky, world space, unit: the part's centre of power
-    glm::vec3 irradiance{0};  ///< across the beam: the integral of radiance over the part's solid angle; finite, >= 0
-    float solid_angle = 0;    ///< of the part, steradian, > 0
-    std::uint32_t id = 0;     ///< 0, 1, 2, ... in the order of `samples`; the same for the same arguments
-};
-
 /// Light from where no surface is: one colour, or a latitude-longitude image (+y up, -z in its middle, +x at three
-/// quarters of its width) times a colour. Everything is scene-linear and in world space.
+/// quarters of its width) times a colour. Everything is scene-linear and in world space. How it becomes lights:
+/// docs/model.md, "Skies".
 class SkyMap {
   public:
     /// The same radiance everywhere.
@@ -41,10 +34,11 @@ class SkyMap {
     /// its pixels, so this is for references and not for inner loops.
     glm::vec3 irradiance(glm::vec3 normal) const;
 
-    /// At most `count` parts of about equal power (luminance x solid angle) that cover the whole sky; their irradiances
-    /// sum to 4 pi x mean(). Pixels that alone hold more than 1 / count of the power, like a sun, are parts of their
-    /// own. Fewer than `count` where the map has fewer bright pixels; none where the sky is black or `count` is 0. A
-    /// sky of one colour gives exactly `count` directions, spread evenly.
+    /// At most `count` parts of about equal power (luminance x solid angle) that cover all that shines; their
+    /// irradiances sum to 4 pi x mean(). Pixels that alone hold more than 1 / count of the power, like a sun, are parts
+    /// of their own, but pixels that lie within a quarter of a degree are one. Fewer than `count` where the map has
+    /// fewer bright pixels; none where the sky is black or `count` is 0. A sky of one colour gives exactly `count`
+    /// directions, spread evenly.
     std::vector<SkySample> samples(int count) const;
 
     /// Whether the sky has one colour.
@@ -53,17 +47,11 @@ class SkyMap {
   private:
     glm::vec3 to_world(glm::vec3 in_map) const;
     glm::vec3 to_map(glm::vec3 in_world) const;
-    glm::vec3 direction_of(float column, float row) const;
-    double cell_solid_angle(int row) const;
-    struct Part;
-    SkySample sample_of(const Part& part, const core::Plane<float>& power) const;
-    void divide(const Part& part, const core::Plane<float>& power, std::vector<Part>& open,
-                std::vector<SkySample>& samples) const;
 
     glm::vec3 mean_{0};
     float cos_rotation_ = 1, sin_rotation_ = 0;
-    core::Plane<glm::vec3> grid_;  ///< integral of radiance over each cell of the sphere; empty: one colour
-    Texture texture_;              ///< radiance, alpha the solid angle of a row relative to the equator's
+    SkyGrid grid_;     ///< empty: one colour
+    Texture texture_;  ///< radiance; alpha weighs rows by their solid angle
 };
 
 }  // namespace render2mpeg::image

@@ -188,6 +188,10 @@ void Texture::append_level(const core::Plane<glm::vec4>& linear, const core::Pla
                                static_cast<float>(height()) / static_cast<float>(level.height));
     const bool is_original = original && levels_.empty();
     levels_.push_back(level);
+    if (original)
+        codes_.reserve(codes_.size() + linear.size() * 4);
+    else
+        floats_.reserve(floats_.size() + linear.size());
     for (std::size_t i = 0; i < linear.size(); ++i) {
         glm::vec4 texel = is_original ? original->values()[i] : unassociated(linear.values()[i]);
         if (!original) {
