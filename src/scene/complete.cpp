@@ -90,11 +90,9 @@ void complete(Animation& animation) {
         note_once(animation, add_automatic_camera(animation));
         set_duration(animation);
     } else if (animation.cameras.size() > 1 && animation.shots.empty()) {
-        std::string others;
-        for (std::size_t i = 1; i < animation.cameras.size(); ++i)
-            others += (i > 1 ? ", " : "") + in_quotes(animation.cameras[i].name);
-        note_once(animation, "several cameras: the first is used, " + in_quotes(animation.cameras.front().name) +
-                                 "; the others are " + others);
+        const std::string& name = animation.cameras.front().name;
+        note_once(animation, counted(animation.cameras.size(), "camera") + " and no choice: the first is used" +
+                                 (name.empty() ? "" : ", " + in_quotes(name)));
     }
     if (!has_light(animation)) {
         animation.sky.color = glm::vec3(1);

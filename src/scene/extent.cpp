@@ -1,5 +1,6 @@
 #include "scene/extent.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "scene/pose.h"
@@ -36,6 +37,30 @@ std::optional<Extent> extent_at(const Animation& animation, double seconds) {
         }
     }
     return any ? std::optional(extent) : std::nullopt;
+}
+
+Extent detailed_extent_at(const Animation& animation, double seconds) {
+    const Pose pose = pose_at(animation, seconds);
+    std::vector<double> centres[3];
+    for (const Object& object : animation.objects) {
+        const std::vector<glm::dvec3> positions = world_positions(animation, object, pose);
+        if (positions.empty()) continue;
+        for (const glm::uvec3& t : animation.meshes[static_cast<std::size_t>(object.mesh)].triangles)
+            for (int k = 0; k < 3; ++k)
+                centres[k].push_back((positions[t.x][k] + positions[t.y][k] + positions[t.z][k]) / 3);
+    }
+    Extent extent;
+    for (int k = 0; k < 3; ++k) {
+        std::vector<double>& c = centres[k];
+        if (c.empty()) continue;
+        const auto at = [&](std::size_t rank) {
+            std::nth_element(c.begin(), c.begin() + static_cast<std::ptrdiff_t>(rank), c.end());
+            return c[rank];
+        };
+        extent.low[k] = at(c.size() / 100);
+        extent.high[k] = at(c.size() - 1 - c.size() / 100);
+    }
+    return extent;
 }
 
 }  // namespace render2mpeg::scene

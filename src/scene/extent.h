@@ -18,6 +18,10 @@ struct Extent {
 /// The box about all triangles that are present at this time; nothing where there are none. Needs a valid film.
 std::optional<Extent> extent_at(const Animation& animation, double seconds);
 
+/// The box about the middle 98 % of the triangles along each axis (by their centres): what is modelled, without the
+/// ground and the backdrop around it. Needs a film that has triangles at this time.
+Extent detailed_extent_at(const Animation& animation, double seconds);
+
 /// World positions of an object's vertices at a pose, in the file's own space; empty where it is not present.
 std::vector<glm::dvec3> world_positions(const Animation& animation, const Object& object, const struct Pose& pose);
 

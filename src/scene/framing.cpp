@@ -1,8 +1,9 @@
 // A camera for films that have none.
 //
-// An object is best seen from an orbit about it; a closed room shows an orbit nothing but the backs of its walls, and a
-// room with an open side, like a Cornell box, is best seen through it. The three are judged alike, by how many cells of
-// surface that face the eye a view shows on average (surface_grid.h), so that no scene needs to be recognised.
+// An object is best seen from an orbit about it. A closed room shows an orbit nothing but the backs of its walls: there
+// the camera turns about within; and a room with an open side, like a Cornell box, is best seen through it. The ways
+// are told apart by what a view shows: cells of surface that face the eye, and such that are turned away
+// (surface_grid.h). No scene needs to be recognised.
 #include "scene/framing.h"
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "core/numeric.h"
 #include "scene/extent.h"
 #include "scene/surface_grid.h"
 
@@ -20,9 +22,15 @@ constexpr double vertical_fov = 0.6981317;  // 40 degrees: tangent 0.364 of half
 constexpr double orbit_elevation = 0.35;    // radians: shows tops as well as sides
 constexpr double front_elevation = 0.03;    // nearly level, so that the ceiling of a box does not hide its back wall
 constexpr int headings = 8;
-// chosen: a view must show a quarter more than the orbit before it replaces it; 1.1 .. 1.5 made no difference for ten
-// scenes.
-constexpr double preference_for_orbit = 1.25;
+// chosen: from the shares of turned-away cells that an orbit sees: 0 .. 0.10 for six objects and figures, 0.16 .. 0.25
+// for three halls and rooms with outer walls, 0.54 for a single triangle, 0.75 .. 0.9 for four rooms whose walls have
+// no outside.
+constexpr double share_of_halls = 0.12, share_of_one_sided = 0.5;
+// chosen: within the three halls a view shows 1.9 .. 4.6 times what an orbit does, within a figure 1.4 times; 1.45
+// .. 1.8 choose alike.
+constexpr double gain_within = 1.6;
+// chosen: a Cornell box has 0 seen through its open side, a closed room 0.8; 0.05 .. 0.5 choose alike.
+constexpr double share_of_open_side = 0.2;
 constexpr double orbit_period = 8, turn_period = 16, sway_period = 8;  // seconds
 
 double heading_of(int k) {
@@ -34,9 +42,21 @@ glm::dmat3 axes_for(double yaw, double pitch) {
     return glm::mat3_cast(glm::angleAxis(yaw, glm::dvec3(0, 1, 0)) * glm::angleAxis(pitch, glm::dvec3(1, 0, 0)));
 }
 
-/// Far enough to see the whole sphere about the extent.
-double fitting_distance(const Extent& extent) {
-    return extent.radius() / std::sin(0.5 * vertical_fov);
+/// How far from the centre of the extent a camera sees the whole of it from every heading, in a square picture at the
+/// least.
+double fitting_distance(const Extent& extent, double elevation) {
+    const double tangent = std::tan(0.5 * vertical_fov);
+    double distance = 0;
+    for (int k = 0; k < headings; ++k) {
+        const glm::dmat3 axes = axes_for(heading_of(k), -elevation);
+        for (int corner = 0; corner < 8; ++corner) {
+            const glm::dvec3 side(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5);
+            const glm::dvec3 seen = glm::transpose(axes) * (side * (extent.high - extent.low));
+            distance = std::max(distance, seen.z + std::max(std::abs(seen.x), std::abs(seen.y)) / tangent);
+        }
+    }
+    // chosen: a margin of 5 %; 0 touches the border, 10 % looks lost.
+    return 1.05 * distance;
 }
 
 /// A way of looking: a pivot that turns, and a camera at a distance from it.
@@ -46,52 +66,69 @@ struct Framing {
     double distance = 0;
     double elevation = 0;
     double start_yaw = 0;
-    double score = 0;  ///< mean cells in view
+    double facing = 0;       ///< mean cells in view that face the eye
+    double turned_away = 0;  ///< mean cells in view that do not
+
+    double share_turned_away() const { return core::divide_or(turned_away, facing + turned_away, 0.0); }
 };
 
 Framing judge_orbit(SurfaceGrid& grid, const Extent& extent) {
-    Framing framing{Framing::Kind::orbit, extent.centre(), fitting_distance(extent), orbit_elevation, 0, 0};
+    Framing framing{
+        Framing::Kind::orbit, extent.centre(), fitting_distance(extent, orbit_elevation), orbit_elevation, 0, 0, 0};
     for (int k = 0; k < headings; ++k) {
         const glm::dmat3 axes = axes_for(heading_of(k), -orbit_elevation);
-        framing.score +=
-            grid.cells_in_view(framing.pivot + axes[2] * framing.distance, axes) / static_cast<double>(headings);
+        const SurfaceGrid::Seen seen = grid.seen_from(framing.pivot + axes[2] * framing.distance, axes);
+        framing.facing += seen.front / static_cast<double>(headings);
+        framing.turned_away += seen.back / static_cast<double>(headings);
     }
     return framing;
 }
 
 /// The best of the level views from outside.
 Framing judge_front(SurfaceGrid& grid, const Extent& extent) {
-    Framing best{Framing::Kind::front, extent.centre(), fitting_distance(extent), front_elevation, 0, -1};
+    Framing best{
+        Framing::Kind::front, extent.centre(), fitting_distance(extent, front_elevation), front_elevation, 0, -1, 0};
     for (int k = 0; k < headings; ++k) {
         const glm::dmat3 axes = axes_for(heading_of(k), -front_elevation);
-        const int cells = grid.cells_in_view(best.pivot + axes[2] * best.distance, axes);
-        if (cells <= best.score) continue;
-        best.score = cells;
+        const SurfaceGrid::Seen seen = grid.seen_from(best.pivot + axes[2] * best.distance, axes);
+        if (seen.front <= best.facing) continue;
+        best.facing = seen.front;
+        best.turned_away = seen.back;
         best.start_yaw = heading_of(k);
     }
     return best;
 }
 
-/// The best place within the extent to turn about at.
-Framing judge_turn(SurfaceGrid& grid, const Extent& extent) {
-    Framing best{Framing::Kind::turn, extent.centre(), 0, 0, 0, -1};
-    constexpr std::array<double, 5> across{0.5, 0.3, 0.7, 0.15, 0.85};
-    constexpr std::array<double, 4> high{0.35, 0.5, 0.2, 0.7};
+/// The best place within the extent to turn about at: the one that shows most detail, since the makers of a scene spend
+/// their triangles where they mean to look.
+Framing judge_turn(const Animation& animation, const Extent& whole) {
+    // A room with few triangles may have its walls outside the middle of them: keep the box where that is not much
+    // smaller.
+    Extent extent = detailed_extent_at(animation, 0);
+    if (extent.radius() > 0.6 * whole.radius()) extent = whole;
+    SurfaceGrid grid(animation, 0, extent);
+
+    Framing best{Framing::Kind::turn, extent.centre(), 0, 0, 0, 0, 0};
+    double most_detail = 0;
+    constexpr std::array<double, 5> across{0.5, 0.35, 0.65, 0.2, 0.8};
+    constexpr std::array<double, 3> high{0.35, 0.2, 0.6};
     for (const double y : high)
         for (const double x : across)
             for (const double z : across) {
                 const glm::dvec3 eye = extent.low + glm::dvec3(x, y, z) * (extent.high - extent.low);
                 if (!grid.is_free(eye)) continue;
-                double sum = 0, most = -1, best_yaw = 0;
+                double facing = 0, detail = 0, best_heading = -1, best_yaw = 0;
                 for (int k = 0; k < headings; ++k) {
-                    const int cells = grid.cells_in_view(eye, axes_for(heading_of(k), 0));
-                    sum += cells / static_cast<double>(headings);
-                    if (cells <= most) continue;
-                    most = cells;
+                    const SurfaceGrid::Seen seen = grid.seen_from(eye, axes_for(heading_of(k), 0));
+                    facing += seen.front / static_cast<double>(headings);
+                    detail += seen.detail;
+                    if (seen.detail <= best_heading) continue;
+                    best_heading = seen.detail;
                     best_yaw = heading_of(k);
                 }
-                if (sum <= best.score) continue;
-                best.score = sum;
+                if (detail <= most_detail) continue;
+                most_detail = detail;
+                best.facing = facing;
                 best.pivot = eye;
                 best.start_yaw = best_yaw;
             }
@@ -114,14 +151,17 @@ std::optional<Extent> extent_of_film(const Animation& animation) {
 
 Framing choose_framing(const Animation& animation) {
     const std::optional<Extent> extent = extent_of_film(animation);
-    if (!extent) return {Framing::Kind::orbit, glm::dvec3(0), 3, orbit_elevation, 0, 0};
+    if (!extent) return {Framing::Kind::orbit, glm::dvec3(0), 3, orbit_elevation, 0, 0, 0};
     SurfaceGrid grid(animation, 0, *extent);
-    Framing best = judge_orbit(grid, *extent);
-    const double to_beat = preference_for_orbit * best.score;
-    const Framing front = judge_front(grid, *extent), turn = judge_turn(grid, *extent);
-    if (front.score > to_beat) best = front;
-    if (turn.score > to_beat && turn.score > best.score) best = turn;
-    return best;
+    const Framing orbit = judge_orbit(grid, *extent);
+    if (orbit.share_turned_away() < share_of_halls) return orbit;
+    if (orbit.share_turned_away() > share_of_one_sided) {
+        const Framing front = judge_front(grid, *extent);
+        if (front.share_turned_away() < share_of_open_side) return front;
+    }
+    const Framing turn = judge_turn(animation, *extent);
+    if (getenv("DBG")) fprintf(stderr, "orbit %g away %g turn %g\n", orbit.facing, orbit.turned_away, turn.facing);
+    return turn.facing > gain_within * orbit.facing ? turn : orbit;
 }
 
 /// Rotation keys about +y that last for the film, or for one period where nothing else moves.

@@ -65,6 +65,7 @@ void SurfaceGrid::set_size(int longest) {
 }
 
 void SurfaceGrid::add_triangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, double side) {
+    ++triangle_;
     const glm::dvec3 cross = glm::cross(b - a, c - a);
     const double length = glm::length(cross);
     const glm::vec3 normal = length > 0 ? glm::vec3(cross * (side / length)) : glm::vec3(0);
@@ -78,6 +79,8 @@ void SurfaceGrid::add_triangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, double 
             Cell& cell = at(where);
             cell.normal += normal;
             ++cell.samples;
+            if (cell.last_triangle != triangle_) ++cell.triangles;
+            cell.last_triangle = triangle_;
         }
     }
 }
@@ -107,12 +110,12 @@ bool SurfaceGrid::is_free(glm::dvec3 point) const {
     return true;
 }
 
-bool SurfaceGrid::counts_along(glm::dvec3 eye, glm::dvec3 direction) {
+void SurfaceGrid::look_along(glm::dvec3 eye, glm::dvec3 direction, Seen& seen) {
     // Clip to the box.
     double from = 0, to = 1e300;
     for (int k = 0; k < 3; ++k) {
         if (direction[k] == 0) {
-            if (eye[k] < extent_.low[k] || eye[k] > extent_.high[k]) return false;
+            if (eye[k] < extent_.low[k] || eye[k] > extent_.high[k]) return;
             continue;
         }
         double t0 = (extent_.low[k] - eye[k]) / direction[k], t1 = (extent_.high[k] - eye[k]) / direction[k];
@@ -129,25 +132,27 @@ bool SurfaceGrid::counts_along(glm::dvec3 eye, glm::dvec3 direction) {
         Cell& cell = at(where);
         if (cell.samples == 0) continue;
         const float facing = -glm::dot(cell.normal, glm::vec3(direction)) / static_cast<float>(cell.samples);
-        if (facing < -0.05f || cell.seen == view_) return false;
+        if (cell.seen == view_) return;
         cell.seen = view_;
-        return true;
+        const bool faces = facing >= -0.05f;
+        ++(faces ? seen.front : seen.back);
+        if (faces) seen.detail += std::log2(1.0 + cell.triangles);
+        return;
     }
-    return false;
 }
 
-int SurfaceGrid::cells_in_view(glm::dvec3 eye, const glm::dmat3& axes) {
+SurfaceGrid::Seen SurfaceGrid::seen_from(glm::dvec3 eye, const glm::dmat3& axes) {
     ++view_;
-    constexpr int columns = 24, rows = 16;
+    constexpr int columns = 18, rows = 12;
     constexpr double half_width = 0.55, half_height = 0.3640;  // tangents of 29 and 20 degrees
-    int count = 0;
+    Seen seen;
     for (int y = 0; y < rows; ++y)
         for (int x = 0; x < columns; ++x) {
             const double right = half_width * ((2 * x + 1.0) / columns - 1),
                          up = half_height * (1 - (2 * y + 1.0) / rows);
-            count += counts_along(eye, glm::normalize(axes * glm::dvec3(right, up, -1)));
+            look_along(eye, glm::normalize(axes * glm::dvec3(right, up, -1)), seen);
         }
-    return count;
+    return seen;
 }
 
 }  // namespace render2mpeg::scene

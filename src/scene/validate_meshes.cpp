@@ -51,7 +51,35 @@ std::vector<char> sound_vertices(const Mesh& mesh) {
     return sound;
 }
 
-void drop_triangles(Animation& animation, Mesh& mesh, const std::string& name) {
+/// What was mended in all meshes, as one line: some files have thousands of meshes.
+class Tally {
+  public:
+    /// `verb` 3 `noun`s `reason`.
+    Tally(const char* verb, const char* noun, const char* reason) : verb_(verb), noun_(noun), reason_(reason) {}
+    void add(std::size_t count, const std::string& mesh) {
+        if (count == 0) return;
+        if (meshes_++ == 0) first_ = mesh;
+        count_ += count;
+    }
+    void write(Animation& animation) const {
+        if (count_ == 0) return;
+        const std::string others = meshes_ > 1 ? " and " + counted(meshes_ - 1, "other") : "";
+        note_once(animation, first_ + others + ": " + verb_ + " " + counted(count_, noun_) + " " + reason_);
+    }
+
+  private:
+    std::string verb_, noun_, reason_, first_;
+    std::size_t count_ = 0, meshes_ = 0;
+};
+
+struct Tallies {
+    Tally broken{"dropped", "triangle", "with a corner that is not finite"};
+    Tally flat{"dropped", "triangle", "without area"};
+    Tally normals{"derived", "normal", "in place of what is not finite"};
+    Tally attributes{"replaced", "texture coordinate or colour", "as not finite"};
+};
+
+void drop_triangles(Mesh& mesh, const std::string& name, Tallies& tallies) {
     // A shape that moves vertex by vertex may open a triangle that is flat in the base shape.
     const bool bends = !mesh.joints.empty() || !mesh.morph_targets.empty();
     const std::vector<char> sound = sound_vertices(mesh);
@@ -66,9 +94,8 @@ void drop_triangles(Animation& animation, Mesh& mesh, const std::string& name) {
         return false;
     };
     mesh.triangles.erase(std::remove_if(mesh.triangles.begin(), mesh.triangles.end(), is_bad), mesh.triangles.end());
-    if (broken > 0)
-        note_once(animation, name + ": dropped " + counted(broken, "triangle") + " with a corner that is not finite");
-    if (flat > 0) note_once(animation, name + ": dropped " + counted(flat, "triangle") + " without area");
+    tallies.broken.add(broken, name);
+    tallies.flat.add(flat, name);
 
     // Nothing refers to the broken vertices any more.
     for (std::size_t v = 0; v < sound.size(); ++v) {
@@ -94,7 +121,7 @@ void derive_normals(Mesh& mesh, const std::vector<char>& wanted) {
     }
 }
 
-void mend_normals(Animation& animation, Mesh& mesh, const std::string& name) {
+void mend_normals(Mesh& mesh, const std::string& name, Tallies& tallies) {
     // Make normals unit; leave what is so to within rounding alone, so that completing twice changes nothing.
     std::vector<char> missing(mesh.normals.size(), 0);
     std::size_t broken = 0;
@@ -108,14 +135,14 @@ void mend_normals(Animation& animation, Mesh& mesh, const std::string& name) {
         n = unit;
     }
     if (std::find(missing.begin(), missing.end(), 1) != missing.end()) derive_normals(mesh, missing);
-    if (broken > 0) note_once(animation, name + ": derived " + counted(broken, "normal") + " that were not finite");
+    tallies.normals.add(broken, name);
     for (MorphTarget& target : mesh.morph_targets)
         for (glm::vec3& n : target.normals)
             if (!core::is_finite(n)) n = glm::vec3(0);
 }
 
 /// What only textures and colours suffer from: replaced, and said.
-void mend_attributes(Animation& animation, Mesh& mesh, const std::string& name) {
+void mend_attributes(Mesh& mesh, const std::string& name, Tallies& tallies) {
     std::size_t broken = 0;
     for (std::vector<glm::vec2>& set : mesh.uv)
         for (glm::vec2& uv : set)
@@ -125,9 +152,7 @@ void mend_attributes(Animation& animation, Mesh& mesh, const std::string& name) 
         // Above 1 a surface would send out more than falls on it.
         c = glm::clamp(c, glm::vec4(0), glm::vec4(1));
     }
-    if (broken > 0)
-        note_once(animation,
-                  name + ": replaced " + counted(broken, "texture coordinate or colour") + " that were not finite");
+    tallies.attributes.add(broken, name);
 
     // A tangent is of use only where all are.
     for (glm::vec4& t : mesh.tangents) {
@@ -157,14 +182,17 @@ void mend_attributes(Animation& animation, Mesh& mesh, const std::string& name) 
 }  // namespace
 
 void validate_meshes(Animation& animation) {
+    Tallies tallies;
     for (std::size_t i = 0; i < animation.meshes.size(); ++i) {
         Mesh& mesh = animation.meshes[i];
         const std::string name = described("mesh", i, mesh.name);
         check_sizes(animation, mesh, name);
-        drop_triangles(animation, mesh, name);
-        mend_normals(animation, mesh, name);
-        mend_attributes(animation, mesh, name);
+        drop_triangles(mesh, name, tallies);
+        mend_normals(mesh, name, tallies);
+        mend_attributes(mesh, name, tallies);
     }
+    for (const Tally* tally : {&tallies.broken, &tallies.flat, &tallies.normals, &tallies.attributes})
+        tally->write(animation);
 }
 
 }  // namespace render2mpeg::scene
