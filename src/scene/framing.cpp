@@ -160,7 +160,6 @@ Framing choose_framing(const Animation& animation) {
         if (front.share_turned_away() < share_of_open_side) return front;
     }
     const Framing turn = judge_turn(animation, *extent);
-    if (getenv("DBG")) fprintf(stderr, "orbit %g away %g turn %g\n", orbit.facing, orbit.turned_away, turn.facing);
     return turn.facing > gain_within * orbit.facing ? turn : orbit;
 }
 
