@@ -23,10 +23,11 @@ struct LightForest {
     static constexpr int tree_count = direct_trees + 1;
     std::array<LightTree, tree_count> trees;
     std::vector<ExactLight> exact;
-    GeometryClamp clamp;
+    GeometryClamp direct_clamp, indirect_clamp;
     bool translucent = false;  ///< shadow rays may meet surfaces that let light through
 
     static bool is_direct(int tree) { return tree < direct_trees; }
+    GeometryClamp clamp(int tree) const { return is_direct(tree) ? direct_clamp : indirect_clamp; }
 };
 
 /// As many punctual lights as this, in all, are gathered exactly instead of being clustered: a cut could save few of

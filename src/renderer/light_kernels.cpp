@@ -55,8 +55,8 @@ __attribute__((always_inline)) inline void evaluate_lanes(const GatherLanes& __r
                                                           float scale, LightLanes& __restrict out) {
     const float lx = light.position.x, ly = light.position.y, lz = light.position.z;
     const float mx = light.normal.x, my = light.normal.y, mz = light.normal.z;
-    const float clamp = family == LightFamily::oriented ? scale / std::max(light.disc2, lobe::tiny) : 0.0f;
-    const float spot_scale = light.spot_scale, spot_offset = light.spot_offset, disc2 = light.disc2;
+    const float range2 = light.disc2, spot_scale = light.spot_scale, spot_offset = light.spot_offset;
+    const float blur2 = light.disc2 / scale, clamp = 1.0f / std::max(blur2, lobe::tiny);
     Lanes unclamped;
     for (int i = 0; i < lane_count; ++i) {
         float x = lx, y = ly, z = lz, inverse2 = 1.0f, emit = 1.0f;
@@ -75,7 +75,7 @@ __attribute__((always_inline)) inline void evaluate_lanes(const GatherLanes& __r
                 emit = std::max(cosine, 0.0f);
             } else {
                 // Window of the range [KHR_lights_punctual] and the spot's falloff.
-                const float reach2 = distance2 / disc2;
+                const float reach2 = distance2 / range2;
                 const float window = std::min(std::max(1.0f - reach2 * reach2, 0.0f), 1.0f);
                 const float spot = std::min(std::max(cosine * spot_scale + spot_offset, 0.0f), 1.0f);
                 emit = window * spot * spot;
@@ -91,7 +91,7 @@ __attribute__((always_inline)) inline void evaluate_lanes(const GatherLanes& __r
         }
         out.diffuse[i] = g;
         if constexpr (glossy)
-            glossy_value(lanes, i, x, y, z, family == LightFamily::punctual ? 0.0f : disc2 * inverse2, g, out);
+            glossy_value(lanes, i, x, y, z, family == LightFamily::punctual ? 0.0f : blur2 * inverse2, g, out);
     }
     int clamped = 0;
     if constexpr (family == LightFamily::oriented)
@@ -123,8 +123,9 @@ __attribute__((always_inline)) inline void bound_lanes(const GatherLanes& __rest
     const float cx = node.middle.x, cy = node.middle.y, cz = node.middle.z;
     const float hx = node.half.x, hy = node.half.y, hz = node.half.z;
     const float red = node.intensity.x * outward, green = node.intensity.y * outward, blue = node.intensity.z * outward;
-    const float cone = node.cone_cosine, least_disc2 = node.least_disc2, largest_disc2 = node.largest_disc2;
-    const float clamp = scale / std::max(least_disc2, lobe::tiny);
+    const float cone = node.cone_cosine, range2 = node.largest_disc2;
+    const float least_blur2 = node.least_disc2 / scale, largest_blur2 = node.largest_disc2 / scale;
+    const float clamp = 1.0f / std::max(least_blur2, lobe::tiny);
     const glm::vec3 a = frame.axis, t = frame.tangent, b = frame.bitangent, across = frame.half;
     for (int i = 0; i < lane_count; ++i) {
         float x = cx, y = cy, z = cz, inverse2 = 1.0f, emit = 1.0f, spread2_low = 0.0f, spread2_high = 0.0f;
@@ -141,15 +142,15 @@ __attribute__((always_inline)) inline void bound_lanes(const GatherLanes& __rest
                                    b.x * x + b.y * y + b.z * z, across.z);
             emit = lobe::cone_bound(theta, cone);
             if constexpr (family == LightFamily::punctual)
-                emit = near2 <= largest_disc2 && theta * outward >= cone ? 1.0f : 0.0f;
+                emit = near2 <= range2 && theta * outward >= cone ? 1.0f : 0.0f;
             if constexpr (glossy && family == LightFamily::oriented) {
                 const float fx = std::abs(x) + hx, fy = std::abs(y) + hy, fz = std::abs(z) + hz;
-                spread2_low = least_disc2 / std::max(fx * fx + fy * fy + fz * fz, lobe::tiny);
-                spread2_high = largest_disc2 * inverse2;
+                spread2_low = least_blur2 / std::max(fx * fx + fy * fy + fz * fz, lobe::tiny);
+                spread2_high = largest_blur2 * inverse2;
             }
         } else {
-            spread2_low = least_disc2;
-            spread2_high = largest_disc2;
+            spread2_low = least_blur2;
+            spread2_high = largest_blur2;
         }
         const float cosine = std::max(box_cosine(lanes.normal, i, x, y, z, hx, hy, hz), 0.0f);
         const float reach = emit * inverse2;

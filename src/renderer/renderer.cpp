@@ -34,9 +34,12 @@ class Stopwatch {
     double start_;
 };
 
-/// Share of 1 up to which one VPL may give of what its surroundings would give if they filled the receiver's view.
-/// chosen: 2 %, what [Render2MPEG, 6.5] finds best without compensation.
-constexpr float vpl_clamp = 0.02f;
+/// Up to which share of what its surroundings would give, if they filled the receiver's view, one light point may give.
+/// chosen: 2 % for VPLs, what [Render2MPEG, 6.5] finds best without compensation; 25 % for points of emissive surfaces,
+/// which lie in even strata (at 100 % single points show on what is nearer than their spacing, at 5 % lamps fade from
+/// walls they touch).
+constexpr GeometryClamp vpl_clamp{0.02f};
+constexpr GeometryClamp emitter_clamp{0.25f};
 
 /// VPLs may miss what was asked for by this factor before the number of paths is found anew for a frame: lamps went on
 /// or off.
@@ -108,7 +111,9 @@ struct Renderer::Impl {
             const Stopwatch watch(row(Pass::direct_tree));
             forest = plant(direct, vpls, settings.seed);
         }
-        forest.clamp = settings.clamp == Clamp::none ? GeometryClamp::none() : GeometryClamp{vpl_clamp};
+        const bool clamped = settings.clamp == Clamp::bounded;
+        forest.direct_clamp = clamped ? emitter_clamp : GeometryClamp::none();
+        forest.indirect_clamp = clamped ? vpl_clamp : GeometryClamp::none();
         forest.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass);
         statistics.direct_points = direct.size();
         statistics.indirect_points = vpls.size();
