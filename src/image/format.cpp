@@ -60,6 +60,22 @@ const char* name_of(Format format) {
     return names[static_cast<std::size_t>(format)];
 }
 
+std::uint64_t max_pixels_per_byte(Format format) {
+    switch (format) {
+        case Format::png:
+            return 8 * 1032;  // deflate packs 1032 bytes into one [RFC1951], a byte holds 8 pixels of one bit
+        case Format::tga:
+            return 128;  // runs of 128 pixels in two bytes and more
+        case Format::pnm:
+            return 8;  // one bit per pixel
+        case Format::dds:
+            return 2;  // blocks of 16 pixels in 8 bytes
+        default:
+            return 16384;  // chosen: what no picture needs; runs, arithmetic codes and fax codes have no limit of their
+                           // own
+    }
+}
+
 std::optional<Format> format_of(std::span<const std::byte> bytes, const std::string& name) {
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     for (const Mark& mark : marks)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,6 +13,9 @@ enum class Format { png, jpeg, exr, hdr, tga, bmp, tiff, gif, webp, psd, dds, pn
 
 /// "png", "jpeg", ...: the words that OpenImageIO uses.
 const char* name_of(Format format);
+
+/// The most pixels that a byte of such a file can hold; files that claim more are cut off, or a trap.
+std::uint64_t max_pixels_per_byte(Format format);
 
 /// What a file is by its first bytes. TGA has no such mark: it is what ends in .tga or carries TGA's footer. Nothing
 /// for all others.

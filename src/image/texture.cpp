@@ -163,6 +163,8 @@ Texture::Texture(const Image& image, Encoding encoding, core::Wrap wrap_u, core:
     const auto whole = glm::vec4(sum / static_cast<double>(level.size()));
     mean_ = unassociated(whole);
 
+    in_codes ? codes_.reserve(level.size() * 6) : floats_.reserve(level.size() + level.size() / 2);
+
     // Build the pyramid down to one texel, which is the mean whatever the filter did at the edges. Only what is stored
     // is rounded, not what the next level is made of.
     while (true) {
@@ -188,12 +190,8 @@ void Texture::append_level(const core::Plane<glm::vec4>& linear, const core::Pla
                                static_cast<float>(height()) / static_cast<float>(level.height));
     const bool is_original = original && levels_.empty();
     levels_.push_back(level);
-    if (original)
-        codes_.reserve(codes_.size() + linear.size() * 4);
-    else
-        floats_.reserve(floats_.size() + linear.size());
     for (std::size_t i = 0; i < linear.size(); ++i) {
-        glm::vec4 texel = is_original ? original->values()[i] : unassociated(linear.values()[i]);
+        const glm::vec4 texel = is_original ? original->values()[i] : unassociated(linear.values()[i]);
         if (!original) {
             floats_.push_back(texel);
             continue;

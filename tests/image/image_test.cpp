@@ -187,18 +187,23 @@ TEST(ReadImage, TakesColoursOfAnExrUnderAnyName) {
 }
 
 TEST(ReadImage, TruncatedFilesAreRefusedByName) {
+    const Folder folder;
+    std::vector<Channel> channels{{"R", std::vector<float>(4000), false}};
+    for (std::size_t i = 0; i < 4000; ++i) channels[0].values[i] = core::uniform(6, i);
+    write_exr(folder / "a.exr", 40, 100, channels);
     const Bytes rows(300, 77);
-    const Bytes files[] = {encoded::png(100, 3, 8, 2, {rows, rows, rows}), encoded::grey_jpeg(),
-                           encoded::bmp(100, 2, {rows, rows}), encoded::hdr(25, 3, rows),
-                           encoded::tga(100, 1, 24, 0x20, rows)};
-    const char* const names[] = {"a.png", "a.jpg", "a.bmp", "a.hdr", "a.tga"};
-    for (int i = 0; i < 5; ++i) {
-        ASSERT_EQ(refusal(files[i], names[i]), "") << names[i];
-        for (std::size_t size = 0; size + 20 < files[i].size(); size += 1 + size / 5) {
-            if (size == 0) continue;
+    const std::pair<Bytes, const char*> files[] = {{encoded::png(100, 3, 8, 2, {rows, rows, rows}), "a.png"},
+                                                   {encoded::grey_jpeg(), "a.jpg"},
+                                                   {encoded::bmp(100, 2, {rows, rows}), "a.bmp"},
+                                                   {encoded::hdr(25, 3, rows), "a.hdr"},
+                                                   {encoded::tga(100, 1, 24, 0x20, rows), "a.tga"},
+                                                   {bytes_of(folder / "a.exr"), "a.exr"}};
+    for (const auto& [bytes, name] : files) {
+        ASSERT_EQ(refusal(bytes, name), "") << name;
+        for (std::size_t size = 1; size + 20 < bytes.size(); size += 1 + size / 5) {
             const std::string what =
-                refusal(Bytes(files[i].begin(), files[i].begin() + static_cast<std::ptrdiff_t>(size)), names[i]);
-            EXPECT_NE(what.find(names[i]), std::string::npos) << names[i] << " cut to " << size << ": " << what;
+                refusal(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)), name);
+            EXPECT_NE(what.find(name), std::string::npos) << name << " cut to " << size << ": " << what;
             EXPECT_EQ(what.find('\n'), std::string::npos);
         }
     }
@@ -230,6 +235,7 @@ TEST(ReadImage, BombsAreRefusedByTheirHeader) {
     EXPECT_NE(refusal(encoded::hdr(2000000, 2000000, {1, 2, 3, 4}), "a.hdr"), "");
     EXPECT_NE(refusal(encoded::tga(65535, 65535, 24, 0, {1, 2, 3}), "a.tga").find("limit"), std::string::npos);
     EXPECT_NE(refusal(encoded::bmp(0x7fffffff, 0x7fffffff, {{1, 2, 3}}), "a.bmp"), "");
+    EXPECT_NE(refusal(encoded::hdr(16000, 16000, Bytes(1000, 7)), "a.hdr").find("too short"), std::string::npos);
     EXPECT_NE(refusal(encoded::png(0, 5, 8, 2, {})), "");
 }
 

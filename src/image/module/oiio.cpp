@@ -13,9 +13,6 @@
 namespace render2mpeg::image {
 namespace {
 
-/// Deflate packs at most 1032 bytes into one [RFC1951]; a PNG that claims more pixels than that is cut off or a lie.
-constexpr std::uint64_t max_png_expansion = 1032;
-
 /// The first line of a message, without the white space about it.
 std::string one_line(const std::string& message) {
     std::string line = message.substr(0, message.find_first_of("\r\n"));
@@ -33,9 +30,8 @@ void check_header(const OIIO::ImageSpec& spec, std::size_t file_bytes, Format fo
         throw core::Error("reading", name,
                           std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels: the limit is " +
                               std::to_string(max_pixels) + " in all");
-    // At one bit per pixel, the least a PNG stores.
-    if (format == Format::png && pixels / 8 > max_png_expansion * file_bytes)
-        throw core::Error("reading", name, "the PNG file is too short for its size in pixels");
+    if (pixels > max_pixels_per_byte(format) * file_bytes)
+        throw core::Error("reading", name, "the file is too short for its size in pixels");
 }
 
 /// Reads the chosen channels straight to where they belong.
