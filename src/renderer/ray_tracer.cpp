@@ -48,28 +48,31 @@ struct RayTracer::Impl {
     TracedScene scene;
     Transmittance transmittance;
 
-    struct LayerId {
-        std::uint32_t object, primitive;
-        bool operator==(const LayerId&) const = default;
+    struct Layer {
+        std::uint32_t object;
+        float distance;
     };
     /// What Embree hands through to our filters; its own part comes first, so that its pointer is ours.
     struct ShadowContext {
         RTCIntersectContext embree;
         const Impl* self;
-        std::uint32_t met;              ///< bit i: ray i met a layer
-        int layers[16];                 ///< so far
-        LayerId layer[16][max_layers];  ///< the first of them
-        std::int64_t depth[16][3];      ///< optical depth so far, per channel
+        std::uint32_t met;            ///< bit i: ray i met a layer
+        int layers[16];               ///< so far
+        Layer layer[16][max_layers];  ///< the first of them
+        std::int64_t depth[16][3];    ///< optical depth so far, per channel
 
-        /// Counts a layer, unless it takes nothing (foliage has many holes) or is known: Embree asks several times for
-        /// the same layer where the rays of a coherent packet lie in several octants.
-        bool is_new_layer(unsigned ray, const core::SurfaceAddress& address, glm::vec3 passing) {
+        /// Counts a layer, unless it takes nothing (foliage has many holes) or is known: a ray through an edge meets
+        /// both its triangles, and Embree asks several times for one hit where the rays of a coherent packet lie in
+        /// several octants.
+        bool is_new_layer(unsigned ray, std::uint32_t object, float distance, glm::vec3 passing) {
             if (passing == glm::vec3{1.0f}) return false;
-            const LayerId id{address.object, address.primitive};
-            const LayerId* known = layer[ray];
-            const int count = std::min(layers[ray], max_layers);
-            if (std::find(known, known + count, id) != known + count) return false;
-            if (layers[ray] < max_layers) layer[ray][layers[ray]] = id;
+            const Layer* known = layer[ray];
+            const Layer* end = known + std::min(layers[ray], max_layers);
+            const auto same = [&](const Layer& other) {
+                return other.object == object && std::abs(other.distance - distance) <= coplanar * distance;
+            };
+            if (std::any_of(known, end, same)) return false;
+            if (layers[ray] < max_layers) layer[ray][layers[ray]] = {object, distance};
             ++layers[ray];
             return true;
         }
@@ -121,7 +124,7 @@ void RayTracer::Impl::filter_shadow(const RTCFilterFunctionNArguments* arguments
                                   RTCHitN_u(hit, n, i), RTCHitN_v(hit, n, i));
         const glm::vec3 passing = context.self->transmittance(address);
         if (!(passing.x > 0 || passing.y > 0 || passing.z > 0)) continue;
-        if (!context.is_new_layer(ray, address, passing)) {
+        if (!context.is_new_layer(ray, address.object, RTCRayN_tfar(arguments->ray, n, i), passing)) {
             arguments->valid[i] = 0;
             continue;
         }

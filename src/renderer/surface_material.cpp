@@ -37,10 +37,9 @@ float mean_fresnel(float f0) {
     return f0 > 0.0f ? f0 + (1.0f - f0) / 21.0f : 0.0f;
 }
 
-/// What a surface of two parts, a coat with reflectance f0 and what lies below it, leaves for the part below.
-float below_coat(glm::vec3 f0) {
-    return 1.0f - mean_fresnel(largest(f0));
-}
+/// What a coat with reflectance f0 leaves for the part below, seen from this angle: together they never exceed 1. Light that
+/// enters at another angle loses a little more or less, which is neglected, so that what lies below stays a Lambert surface.
+float below_coat(glm::vec3 f0, float cosine) { return 1.0f - fresnel(glm::vec3{largest(f0)}, cosine).x; }
 
 /// A shading normal that `outgoing` and the geometric normal both see: below the horizon it would be black.
 glm::vec3 turned_to_viewer(glm::vec3 normal, glm::vec3 geometric, glm::vec3 outgoing) {
@@ -172,7 +171,7 @@ Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape
         const glm::vec4 texel = look_up(material, TextureRole::specular_glossiness, shape);
         bsdf.f0 = unit_range(m.specular * glm::vec3(texel));
         roughness = 1.0f - std::clamp(m.glossiness * texel.a, 0.0f, 1.0f);
-        bsdf.diffuse = base_color * below_coat(bsdf.f0);
+        bsdf.diffuse = base_color * below_coat(bsdf.f0, cos_outgoing);
     } else {
         // Mix metal and dielectric; transmission takes the place of the dielectric's diffuse part
         // [KHR_materials_transmission].
@@ -182,7 +181,7 @@ Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape
         const glm::vec3 coat{f0_of(m.ior)};
         roughness = std::clamp(m.roughness * texel.g, 0.0f, 1.0f);
         bsdf.f0 = glm::mix(coat, base_color, metallic);
-        bsdf.diffuse = base_color * ((1.0f - metallic) * (1.0f - transmission) * below_coat(coat));
+        bsdf.diffuse = base_color * ((1.0f - metallic) * (1.0f - transmission) * below_coat(coat, cos_outgoing));
         bsdf.transmission = base_color * ((1.0f - metallic) * transmission) * (1.0f - fresnel(coat, cos_outgoing));
     }
 

@@ -114,8 +114,9 @@ TEST(Needles, DoNotShadowThemselves) {
     }
     const Stage stage(builder);
     int blocked = 0;
-    for (std::uint32_t i = 0; i < stage.film().objects.size(); ++i) {
-        if (stage.film().meshes[i].triangles.empty()) continue;
+    ASSERT_EQ(stage.film().objects.size(), static_cast<std::size_t>(needles));
+    for (std::uint32_t i = 0; i < needles; ++i) {
+        ASSERT_EQ(stage.film().meshes[i].triangles.size(), 1u);
         for (std::uint64_t k = 1; k <= 40; ++k) {
             const glm::vec2 b = core::sample_triangle({core::halton(4, k), core::halton(5, k)});
             const glm::vec3 out = core::sample_sphere({core::halton(0, k), core::halton(1, k)});

@@ -1,0 +1,202 @@
+#include "renderer/light_kernels.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "core/sampling.h"
+#include "renderer/bsdf.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+constexpr LightFamily families[] = {LightFamily::oriented, LightFamily::punctual, LightFamily::directional};
+
+float dice(std::uint64_t seed, std::uint64_t a, std::uint64_t b) {
+    return core::uniform(seed, a, b);
+}
+
+/// Sixteen points on differently turned surfaces, half of them with a lobe where `glossy`.
+std::vector<GatherPoint> points_at_random(std::uint64_t seed, bool glossy) {
+    std::vector<GatherPoint> points(lane_count);
+    for (std::uint64_t i = 0; i < points.size(); ++i) {
+        SurfacePoint& p = points[i].point;
+        p.position = {dice(seed, i, 0), dice(seed, i, 1), dice(seed, i, 2)};
+        p.shading_normal = p.geometric_normal = core::sample_sphere({dice(seed, i, 3), dice(seed, i, 4)});
+        p.outgoing = core::sample_cosine_hemisphere(p.shading_normal, {dice(seed, i, 5), dice(seed, i, 6)});
+        p.bsdf.diffuse = {dice(seed, i, 7), dice(seed, i, 8), dice(seed, i, 9)};
+        if (glossy && i % 2 == 0) {
+            p.bsdf.f0 = {0.04f + 0.9f * dice(seed, i, 10), 0.04f, 0.04f + 0.5f * dice(seed, i, 11)};
+            p.bsdf.alpha = std::pow(10.0f, -2.0f * dice(seed, i, 12));
+        }
+        points[i].weight = {1, dice(seed, i, 13), 0.5f};
+    }
+    return points;
+}
+
+void fill_from(const std::vector<GatherPoint>& points, GatherLanes& lanes) {
+    const GatherPoint* pointers[lane_count];
+    for (std::size_t i = 0; i < points.size(); ++i) pointers[i] = &points[i];
+    fill(lanes, std::span<const GatherPoint* const>(pointers, points.size()));
+}
+
+std::vector<LightPoint> lights_at_random(LightFamily family, int count, std::uint64_t seed) {
+    const glm::vec3 middle = 1.5f * core::sample_sphere({dice(seed, 1000, 0), dice(seed, 1000, 1)}) + 0.5f;
+    const float size = std::pow(10.0f, -2.0f * dice(seed, 1000, 2));
+    const glm::vec3 axis = core::sample_sphere({dice(seed, 1000, 3), dice(seed, 1000, 4)});
+    const float turn = dice(seed, 1000, 5);
+    std::vector<LightPoint> lights;
+    for (int i = 0; i < count; ++i) {
+        const auto u = [&](std::uint64_t k) { return dice(seed, static_cast<std::uint64_t>(i), k); };
+        LightPoint p;
+        p.position = middle + size * glm::vec3(u(0) - 0.5f, u(1) - 0.5f, u(2) - 0.5f);
+        p.normal = core::normalize_or(axis + turn * core::sample_sphere({u(3), u(4)}), axis);
+        p.intensity = {u(5), u(6), u(7)};
+        p.disc2 = 1e-3f * u(8) * u(8);
+        p.id = static_cast<std::uint32_t>(i);
+        if (family == LightFamily::directional) p.kind = LightPointKind::directional;
+        if (family == LightFamily::punctual) {
+            p.kind = i % 2 == 0 ? LightPointKind::omni : LightPointKind::spot;
+            p.range = i % 3 == 0 ? 1.0f + u(9) : 0.0f;
+            const float outer = 0.9f * u(10), inner = outer + (1 - outer) * (0.1f + 0.9f * u(11));
+            p.spot_scale = 1.0f / (inner - outer);
+            p.spot_offset = -outer * p.spot_scale;
+            p.disc2 = 0;
+        }
+        lights.push_back(p);
+    }
+    return lights;
+}
+
+/// Luminance that all lights below a node add to each lane, all visible.
+void sum_below(const GatherLanes& lanes, const LightTree& tree, LightRef ref, GeometryClamp clamp, Lanes& sum) {
+    if (!ref.is_leaf()) {
+        sum_below(lanes, tree, tree.nodes[ref.index()].child[0], clamp, sum);
+        sum_below(lanes, tree, tree.nodes[ref.index()].child[1], clamp, sum);
+        return;
+    }
+    LightLanes unit;
+    evaluate_light(lanes, tree.family, tree.lights[ref.index()], clamp, unit);
+    add_luminance(lanes, unit, tree.lights[ref.index()].intensity, sum);
+}
+
+TEST(NodeBound, IsNeverBelowTheSumOfItsLights) {
+    int violations = 0, compared = 0;
+    double log_slack[3] = {};
+    int counted[3] = {};
+    for (std::uint64_t seed = 0; seed < 700; ++seed) {
+        for (const LightFamily family : families) {
+            for (const GeometryClamp clamp : {GeometryClamp{0.02f}, GeometryClamp::none()}) {
+                const LightTree tree = build_light_tree(family, lights_at_random(family, 12, seed), seed);
+                GatherLanes lanes;
+                fill_from(points_at_random(seed + 5000, seed % 2 == 0), lanes);
+                for (std::uint32_t n = 0; n < tree.nodes.size(); ++n) {
+                    Lanes bound, sum = {};
+                    bound_node(lanes, family, tree.nodes[n], clamp, bound);
+                    sum_below(lanes, tree, LightRef::inner(n), clamp, sum);
+                    for (int i = 0; i < lane_count; ++i) {
+                        ++compared;
+                        violations += sum[i] > bound[i] * 1.0005f + 1e-6f ? 1 : 0;
+                        ASSERT_TRUE(std::isfinite(bound[i]) || clamp.scale > 1.0f);
+                        if (sum[i] < 1e-3f || !std::isfinite(bound[i])) continue;
+                        log_slack[static_cast<int>(family)] += std::log(bound[i] / sum[i]);
+                        ++counted[static_cast<int>(family)];
+                    }
+                }
+            }
+        }
+    }
+    EXPECT_GT(compared, 500000);
+    EXPECT_EQ(violations, 0);
+    // Geometric mean of bound over sum, half of the points glossy; spots stop light that their bound cannot know of.
+    const double allowed[] = {2.7, 3.5, 2.1};
+    for (int f = 0; f < 3; ++f) {
+        ASSERT_GT(counted[f], 1000);
+        EXPECT_LT(std::exp(log_slack[f] / counted[f]), allowed[f]) << f;
+    }
+}
+
+TEST(LightKernel, AgreesWithTheBsdfAndTheInverseSquareLaw) {
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+        const auto points = points_at_random(seed, true);
+        GatherLanes lanes;
+        fill_from(points, lanes);
+        LightPoint lamp = lights_at_random(LightFamily::oriented, 1, seed + 9000).front();
+        const LightPoint one[] = {lamp};
+        const LightTree tree = build_light_tree(LightFamily::oriented, one, 1);
+        LightLanes unit;
+        evaluate_light(lanes, LightFamily::oriented, tree.lights.front(), GeometryClamp::none(), unit);
+        Lanes luminance = {};
+        add_luminance(lanes, unit, lamp.intensity, luminance);
+        for (int i = 0; i < lane_count; ++i) {
+            const SurfacePoint& p = points[static_cast<std::size_t>(i)].point;
+            const glm::dvec3 d = glm::dvec3(lamp.position) - glm::dvec3(p.position);
+            const double d2 = glm::dot(d, d);
+            const glm::vec3 l = glm::vec3(d / std::sqrt(d2));
+            const double g =
+                std::max(0.0f, glm::dot(l, p.shading_normal)) * std::max(0.0f, -glm::dot(l, lamp.normal)) / d2;
+            EXPECT_NEAR(unit.diffuse[i], g, 1e-4 * g + 1e-7);
+            const glm::vec3 f = evaluate(p.bsdf, p.shading_normal, p.outgoing, l);
+            const double expected =
+                core::luminance(points[static_cast<std::size_t>(i)].weight * f * lamp.intensity) * g;
+            // Sharp lobes lose digits at their peak: alpha 0.01 divides rounding errors by 1e-4.
+            EXPECT_NEAR(luminance[i], expected, (p.bsdf.alpha < 0.05f ? 2e-2 : 1e-3) * expected + 1e-6);
+        }
+    }
+}
+
+TEST(LightKernel, ClampsGeometryAtTheDiscOfTheLight) {
+    std::vector<GatherPoint> points = points_at_random(1, false);
+    points.resize(1);
+    points[0].point.position = {0, 0, 0};
+    points[0].point.geometric_normal = points[0].point.shading_normal = {0, 0, 1};
+    GatherLanes lanes;
+    fill_from(points, lanes);
+    TreeLight light;
+    light.normal = {0, 0, -1};
+    light.disc2 = 0.04f;
+    light.intensity = glm::vec3(1);
+    const GeometryClamp clamp{0.25f};  // a clamping distance of 0.2 / 0.5
+    LightLanes unit;
+    for (const float z : {1e-20f, 1e-3f, 0.1f, 0.39f}) {
+        light.position = {0, 0, z};
+        evaluate_light(lanes, LightFamily::oriented, light, clamp, unit);
+        EXPECT_TRUE(unit.any_clamped);
+        EXPECT_NEAR(unit.diffuse[0], 1 / 0.16f, 1e-4f);
+    }
+    light.position = {0, 0, 0.41f};
+    evaluate_light(lanes, LightFamily::oriented, light, clamp, unit);
+    EXPECT_FALSE(unit.any_clamped);
+    EXPECT_NEAR(unit.diffuse[0], 1 / (0.41f * 0.41f), 1e-4f);
+    // At the point itself, and behind it, there is nothing.
+    for (const float z : {0.0f, -0.1f}) {
+        light.position = {0, 0, z};
+        evaluate_light(lanes, LightFamily::oriented, light, clamp, unit);
+        EXPECT_EQ(unit.diffuse[0], 0.0f);
+    }
+}
+
+TEST(LightKernel, LeavesUnusedLanesDark) {
+    std::vector<GatherPoint> points = points_at_random(2, true);
+    points.resize(3);
+    GatherLanes lanes;
+    fill_from(points, lanes);
+    for (const LightFamily family : families) {
+        const LightTree tree = build_light_tree(family, lights_at_random(family, 6, 3), 1);
+        LightLanes unit;
+        Lanes bound;
+        for (const TreeLight& light : tree.lights) {
+            evaluate_light(lanes, family, light, GeometryClamp{}, unit);
+            for (int i = 3; i < lane_count; ++i) EXPECT_EQ(unit.diffuse[i], 0.0f);
+        }
+        for (const LightNode& node : tree.nodes) {
+            bound_node(lanes, family, node, GeometryClamp{}, bound);
+            for (int i = 3; i < lane_count; ++i) EXPECT_EQ(bound[i], 0.0f);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace render2mpeg::renderer
