@@ -163,7 +163,10 @@ Texture::Texture(const Image& image, Encoding encoding, core::Wrap wrap_u, core:
     const auto whole = glm::vec4(sum / static_cast<double>(level.size()));
     mean_ = unassociated(whole);
 
-    in_codes ? codes_.reserve(level.size() * 6) : floats_.reserve(level.size() + level.size() / 2);
+    if (in_codes)
+        codes_.reserve(level.size() * 6);
+    else
+        floats_.reserve(level.size() + level.size() / 2);
 
     // Build the pyramid down to one texel, which is the mean whatever the filter did at the edges. Only what is stored
     // is rounded, not what the next level is made of.
