@@ -39,13 +39,14 @@ glm::vec2 to_barycentric(glm::dvec3 e1, glm::dvec3 e2, glm::dvec3 edge) {
 /// How far the point may lie off the surface that rays meet, along its normal.
 float error_at(const SurfaceShape& shape, const scene::Triangle& triangle, const scene::ObjectState& state,
                bool instanced) {
-    // Interpolating corners, and intersecting them with rays from about here, each err by some ulp of the coordinates, axis
-    // by axis: in a plane x = const the error along the normal is that of x alone.
-    // chosen: 8 ulp; with 2^-22 no ray of 24 closed spheres (1e-4..1e6 in size, up to 1e4 radii away, still and instanced) meets
-    // the surface it leaves, with 2^-24 1 % do.
+    // Interpolating corners, and intersecting them with rays from about here, each err by some ulp of the coordinates,
+    // axis by axis: in a plane x = const the error along the normal is that of x alone. chosen: 8 ulp; with 2^-22 no
+    // ray of 24 closed spheres (1e-4..1e6 in size, up to 1e4 radii away, still and instanced) meets the surface it
+    // leaves, with 2^-24 1 % do.
     constexpr float relative = 0x1p-20f;
     const glm::vec3 extent = glm::max(glm::max(absolute(triangle.a), absolute(triangle.b)), absolute(triangle.c));
-    const float own = relative * glm::dot(absolute(shape.front_normal), extent);
+    // Where that is 0, on the floor y = 0, a ray still must not start in the plane: Embree takes distance 0 for a hit.
+    const float own = relative * (glm::dot(absolute(shape.front_normal), extent) + relative * largest(extent));
     if (!instanced) return own;
 
     // A ray that goes through a transform errs by ulps of what is added up on the way, times how much the transform

@@ -95,6 +95,8 @@ TEST(Offset, IsSmallWhereTheSurfaceIsExact) {
     ASSERT_TRUE(hit.found());
     const SurfacePoint point = stage.scenery().surface_at(hit.address, {0, 1, 0});
     EXPECT_LT(offset_origin(point, {0, 1, 0}).y - point.position.y, 1e-5f);
+    EXPECT_EQ(stage.tracer().passes(offset_origin(point, {0, 1, 0}), {0.6f, 0.8f, 0}, infinity), glm::vec3{1.0f});
+    EXPECT_EQ(stage.tracer().passes(offset_origin(point, {0, -1, 0}), {0.6f, -0.8f, 0}, infinity), glm::vec3{1.0f});
     EXPECT_FLOAT_EQ(hit.distance, 5.0f);
 }
 
