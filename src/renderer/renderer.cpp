@@ -111,9 +111,9 @@ struct Renderer::Impl {
             const Stopwatch watch(row(Pass::direct_tree));
             forest = plant(direct, vpls, settings.seed);
         }
-        const bool clamped = settings.clamp == Clamp::bounded;
-        forest.direct_clamp = clamped ? emitter_clamp : GeometryClamp::none();
-        forest.indirect_clamp = clamped ? vpl_clamp : GeometryClamp::none();
+        const bool bounded = settings.clamp == Clamp::bounded;
+        forest.direct_clamp = bounded ? emitter_clamp : GeometryClamp::none();
+        forest.indirect_clamp = bounded ? vpl_clamp : GeometryClamp::none();
         forest.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass);
         statistics.direct_points = direct.size();
         statistics.indirect_points = vpls.size();

@@ -10,41 +10,69 @@
 #include "renderer/light_forest.h"
 #include "renderer/light_points.h"
 #include "renderer/photons.h"
-#include "tests/renderer/stage.h"
+#include "renderer/scenery.h"
+#include "scene/traits.h"
+#include "tests/support/scene_builder.h"
 
 namespace render2mpeg::test {
 
 /// What the lights of a stage are made with.
 struct LightingSettings {
     int direct_points = 256;
-    std::uint64_t paths = 0;   ///< photons; 0: no indirect light
+    std::uint64_t paths = 0;  ///< photons; 0: no indirect light
     int bounces = 1;
-    std::uint64_t set = 0;     ///< another set of light points and VPLs
+    std::uint64_t set = 0;  ///< another set of light points and VPLs
     renderer::GeometryClamp clamp = renderer::GeometryClamp::none();
 };
 
-/// All light of a stage's posed second.
-inline renderer::LightForest light(Stage& stage, const LightingSettings& settings) {
-    renderer::LightPoints points(stage.scenery(), stage.plan(), settings.direct_points, 1000 + settings.set);
-    stage.place(points);
-    const std::vector<renderer::LightPoint> direct = points.at(stage.scenery());
-    renderer::PhotonResult photons;
-    if (settings.paths > 0)
-        photons = renderer::trace_photons(stage.scenery(), direct,
-                                          {1 + settings.set * settings.paths, settings.paths, settings.bounces});
-    renderer::estimate_discs(photons.vpls);
-    renderer::LightForest forest = renderer::plant(direct, photons.vpls, settings.set);
-    forest.direct_clamp = forest.indirect_clamp = settings.clamp;
-    return forest;
-}
+/// A built film, posed at one second, that can be lit.
+class LitStage {
+  public:
+    explicit LitStage(const SceneBuilder& builder, int second = 0)
+        : film_(std::make_unique<scene::Animation>(builder.build())),
+          plan_(renderer::make_plan(scene::traits_of(*film_), {})),
+          scenery_(*film_, core::detect_isa(), plan_),
+          world_(std::make_unique<scene::Snapshot>(snapshot(*film_, second, 32, 32))) {
+        scenery_.pose(*world_);
+    }
 
-/// A gather point on a surface, looked at from `outgoing`.
-inline renderer::GatherPoint point_at(const Stage& stage, std::uint32_t object, std::uint32_t primitive, glm::vec2 uv,
-                                      glm::vec3 outgoing) {
-    renderer::GatherPoint point;
-    point.point = stage.scenery().surface_at({object, primitive, uv.x, uv.y}, glm::normalize(outgoing));
-    return point;
-}
+    const renderer::Scenery& scenery() const { return scenery_; }
+    const scene::Snapshot& world() const { return *world_; }
+
+    std::vector<renderer::LightPoint> direct_points(int count, std::uint64_t seed) {
+        renderer::LightPoints points(scenery_, plan_, count, seed);
+        points.place(scenery_, *world_);
+        return points.at(scenery_);
+    }
+
+    /// All light of the posed second.
+    renderer::LightForest light(const LightingSettings& settings) {
+        const std::vector<renderer::LightPoint> direct = direct_points(settings.direct_points, 1000 + settings.set);
+        renderer::PhotonResult photons;
+        if (settings.paths > 0)
+            photons = renderer::trace_photons(scenery_, direct,
+                                              {1 + settings.set * settings.paths, settings.paths, settings.bounces});
+        renderer::estimate_discs(photons.vpls);
+        renderer::LightForest forest = renderer::plant(direct, photons.vpls, settings.set);
+        forest.direct_clamp = forest.indirect_clamp = settings.clamp;
+        forest.translucent = plan_.runs(renderer::Pass::alpha) || plan_.runs(renderer::Pass::glass);
+        return forest;
+    }
+
+    /// A gather point on a surface, looked at from `outgoing`.
+    renderer::GatherPoint point_at(std::uint32_t object, std::uint32_t primitive, glm::vec2 uv,
+                                   glm::vec3 outgoing) const {
+        renderer::GatherPoint point;
+        point.point = scenery_.surface_at({object, primitive, uv.x, uv.y}, glm::normalize(outgoing));
+        return point;
+    }
+
+  private:
+    std::unique_ptr<scene::Animation> film_;
+    renderer::Plan plan_;
+    renderer::Scenery scenery_;
+    std::unique_ptr<scene::Snapshot> world_;
+};
 
 /// Radiance that all light points together make a point scatter, and each tree's share of it.
 struct Scattered {
@@ -52,11 +80,12 @@ struct Scattered {
     glm::dvec3 all() const { return direct + indirect + glossy; }
 };
 
-inline Scattered gather_all(const Stage& stage, const renderer::LightForest& forest, const renderer::GatherPoint& point) {
+inline Scattered gather_all(const LitStage& stage, const renderer::LightForest& forest,
+                            const renderer::GatherPoint& point) {
     renderer::GatherLanes lanes;
     const renderer::GatherPoint* const points[] = {&point};
     renderer::fill(lanes, points);
-    renderer::Gatherer gatherer(forest, stage.tracer());
+    renderer::Gatherer gatherer(forest, stage.scenery().tracer());
     renderer::GatheredLight light;
     gatherer.gather_all(lanes, light);
     const renderer::Bsdf& b = point.point.bsdf;

@@ -1,0 +1,171 @@
+#include "renderer/light_points.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <set>
+
+#include "tests/renderer/lighting.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+using test::LitStage;
+using test::SceneBuilder;
+
+constexpr float pi = std::numbers::pi_v<float>;
+
+glm::dvec3 sum_of(const std::vector<LightPoint>& points) {
+    glm::dvec3 sum(0);
+    for (const LightPoint& p : points) sum += p.intensity;
+    return sum;
+}
+
+TEST(LightPoints, AreExactlyOneForEachPunctualLight) {
+    SceneBuilder b;
+    b.add_quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, b.add_material());
+    b.add_point_light({1, 2, 3}, 5.0f, {1, 0.5f, 0.25f});
+    b.add_sun({0, -1, 0}, 2.0f);
+    scene::Light spot;
+    spot.kind = scene::LightKind::spot;
+    spot.intensity = 7;
+    spot.inner_cone = 0.2f;
+    spot.outer_cone = 0.5f;
+    spot.range = 9;
+    spot.node = 0;
+    b.add_light(spot);
+    LitStage stage(b);
+    const auto points = stage.direct_points(256, 1);
+    ASSERT_EQ(points.size(), 3u);
+    EXPECT_EQ(points[0].kind, LightPointKind::omni);
+    EXPECT_EQ(points[0].position, glm::vec3(1, 2, 3));
+    EXPECT_EQ(points[0].intensity, glm::vec3(5, 2.5f, 1.25f));
+    EXPECT_EQ(points[1].kind, LightPointKind::directional);
+    EXPECT_NEAR(points[1].normal.y, -1, 1e-6f);
+    EXPECT_EQ(points[2].kind, LightPointKind::spot);
+    EXPECT_EQ(points[2].range, 9);
+    // Full inside the inner cone, nothing outside the outer one.
+    EXPECT_NEAR(std::cos(0.2f) * points[2].spot_scale + points[2].spot_offset, 1, 1e-3f);
+    EXPECT_NEAR(std::cos(0.5f) * points[2].spot_scale + points[2].spot_offset, 0, 1e-3f);
+}
+
+TEST(LightPoints, OfEmissiveSurfacesCarryTheirExactPower) {
+    SceneBuilder b;
+    b.add_quad({0, 0, 0}, {2, 0, 0}, {0, 3, 0}, b.add_emitter({1, 2, 4}));
+    b.add_sphere({5, 5, 5}, 0.5f, b.add_emitter({10, 10, 10}), 12);
+    LitStage stage(b);
+    for (const int count : {1, 16, 333}) {
+        const auto points = stage.direct_points(count, 1);
+        EXPECT_NEAR(static_cast<double>(points.size()), std::max(count, 2), 2.0);
+        glm::dvec3 panel(0);
+        double ball = 0, ball_area = 0;
+        for (const LightPoint& p : points) {
+            if (p.object == 0) {
+                panel += p.intensity;
+                EXPECT_NEAR(p.position.z, 0, 1e-5f);
+                EXPECT_GT(p.position.z, 0);
+            } else {
+                ball += p.intensity.x;
+                ball_area += p.disc2 * pi;
+            }
+        }
+        for (int k = 0; k < 3; ++k) EXPECT_NEAR(panel[k], 6.0 * (1 << k), 1e-3);
+        EXPECT_NEAR(ball, 10 * ball_area, 1e-3 * ball);
+        EXPECT_NEAR(ball_area, pi, 0.03 * pi);  // of the polyhedron
+    }
+}
+
+TEST(LightPoints, LieInProportionToPower) {
+    SceneBuilder b;
+    b.add_quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, b.add_emitter({1, 1, 1}));
+    b.add_quad({5, 0, 0}, {1, 0, 0}, {0, 1, 0}, b.add_emitter({3, 3, 3}));
+    b.add_quad({9, 0, 0}, {1, 0, 0}, {0, 1, 0}, b.add_emitter({1e-6f, 1e-6f, 1e-6f}));
+    LitStage stage(b);
+    int count[3] = {};
+    for (const LightPoint& p : stage.direct_points(400, 1)) ++count[p.object];
+    EXPECT_NEAR(count[0], 100, 1);
+    EXPECT_NEAR(count[1], 300, 1);
+    EXPECT_EQ(count[2], 1);  // faint, but not black
+}
+
+TEST(LightPoints, ShineFromBothSidesOnlyWhereTheMaterialDoes) {
+    for (const bool both : {false, true}) {
+        SceneBuilder b;
+        const int m = b.add_emitter({1, 1, 1});
+        b.material(m).double_sided = both;
+        b.add_quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, m);
+        LitStage stage(b);
+        double front = 0, back = 0;
+        for (const LightPoint& p : stage.direct_points(64, 1)) (p.normal.z > 0 ? front : back) += p.intensity.x;
+        EXPECT_NEAR(front, 1.0, 0.02);
+        EXPECT_NEAR(back, both ? 1.0 : 0.0, 0.02);
+    }
+}
+
+TEST(LightPoints, KeepIdsAndPlacesWhileTheirSurfaceStays) {
+    SceneBuilder b;
+    b.add_quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, b.add_emitter({1, 1, 1}));
+    const int mover = b.add_quad({3, 0, 0}, {1, 0, 0}, {0, 1, 0}, b.add_emitter({2, 2, 2}));
+    b.move_object(mover, {{0, 0, 0}, {0, 4, 0}});
+    const scene::Animation film = b.build();
+    const Plan plan = make_plan(scene::traits_of(film), {});
+    Scenery scenery(film, core::detect_isa(), plan);
+    LightPoints points(scenery, plan, 100, 1);
+    const scene::Snapshot first = test::snapshot(film, 0, 8, 8), second = test::snapshot(film, 1, 8, 8);
+    points.place(scenery, first);
+    const auto before = points.at(scenery);
+    scenery.pose(second);
+    const auto after = points.at(scenery);
+    ASSERT_EQ(before.size(), after.size());
+    std::set<std::uint32_t> ids;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        ids.insert(before[i].id);
+        EXPECT_EQ(before[i].id, after[i].id);
+        EXPECT_EQ(before[i].moving, before[i].object == static_cast<std::uint32_t>(mover));
+        const glm::vec3 moved = after[i].position - before[i].position;
+        EXPECT_NEAR(moved.y, before[i].moving ? 4.0f : 0.0f, 1e-5f);
+        if (!before[i].moving) {
+            EXPECT_EQ(before[i].position, after[i].position);
+        }
+    }
+    EXPECT_EQ(ids.size(), before.size());
+}
+
+TEST(LightPoints, OfAnEmitterThatIsOffWaitForItToShine) {
+    SceneBuilder b;
+    const int lamp = b.add_emitter({4, 4, 4});
+    b.add_quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, lamp);
+    scene::Track track;
+    track.target = scene::TrackTarget::emission;
+    track.index = lamp;
+    track.width = 1;
+    track.times = {0, 1};
+    track.values = {0, 1};
+    b.film().tracks.push_back(track);
+    const scene::Animation film = b.build();
+    const Plan plan = make_plan(scene::traits_of(film), {});
+    Scenery scenery(film, core::detect_isa(), plan);
+    LightPoints points(scenery, plan, 100, 1);
+    const scene::Snapshot off = test::snapshot(film, 0, 8, 8), on = test::snapshot(film, 1, 8, 8);
+    points.place(scenery, off);
+    EXPECT_TRUE(points.at(scenery).empty());
+    scenery.pose(on);
+    EXPECT_NEAR(sum_of(points.at(scenery)).x, 4.0, 1e-3);
+}
+
+TEST(LightPoints, OfTheSkyCarryItsWholePower) {
+    SceneBuilder b;
+    b.add_quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, b.add_material());
+    b.film().sky.color = {1, 2, 3};
+    LitStage stage(b);
+    const auto points = stage.direct_points(300, 1);
+    EXPECT_EQ(points.size(), 300u);
+    const glm::dvec3 sum = sum_of(points);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(sum[k], 4 * pi * (k + 1), 1e-2 * (k + 1));
+    double solid_angle = 0;
+    for (const LightPoint& p : points) solid_angle += p.disc2 * pi;
+    EXPECT_NEAR(solid_angle, 4 * pi, 0.05);
+}
+
+}  // namespace
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,197 @@
+#include "renderer/photons.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/sampling.h"
+#include "parallel/loops.h"
+#include "tests/renderer/lighting.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+using test::LitStage;
+using test::SceneBuilder;
+
+constexpr double pi = std::numbers::pi;
+
+/// A closed white-ish room with a lamp.
+SceneBuilder room(float albedo) {
+    SceneBuilder b;
+    b.add_box({0, 0, 0}, {4, 3, 5}, b.add_material(glm::vec3(albedo)), true);
+    b.add_point_light({1.7f, 1.6f, 2.1f}, 10.0f, {1.0f, 0.5f, 0.25f});
+    return b;
+}
+
+glm::dvec3 power(const std::vector<LightPoint>& vpls) {
+    glm::dvec3 sum(0);
+    for (const LightPoint& v : vpls) sum += glm::dvec3(v.intensity) * pi;
+    return sum;
+}
+
+TEST(Photons, CarryAllReflectedPowerOfAClosedRoom) {
+    // Light of flux F in a closed room of reflectance r leaves surfaces, over bounces 1..n, with F (r + r^2 + ... +
+    // r^n).
+    for (const float albedo : {0.3f, 0.7f}) {
+        LitStage stage(room(albedo));
+        const auto lights = stage.direct_points(16, 1);
+        for (const int bounces : {1, 3}) {
+            const PhotonResult r = trace_photons(stage.scenery(), lights, {1, 4000, bounces});
+            double expected = 0;
+            for (int k = 1; k <= bounces; ++k) expected += std::pow(albedo, k);
+            expected *= 4 * pi * 10;
+            const glm::dvec3 sum = power(r.vpls);
+            const double tint[] = {1, 0.5, 0.25};
+            for (int k = 0; k < 3; ++k)
+                EXPECT_NEAR(sum[k] / (expected * tint[k]), 1.0, bounces == 1 ? 1e-4 : 0.03) << albedo << " " << bounces;
+        }
+    }
+}
+
+TEST(Photons, EndEvenWhereSurfacesReflectEverything) {
+    LitStage stage(room(1.0f));
+    const PhotonResult r = trace_photons(stage.scenery(), stage.direct_points(16, 1), {1, 500, 8});
+    EXPECT_GT(r.vpls.size(), 2000u);
+    EXPECT_LE(r.vpls.size(), 4000u);
+    for (const LightPoint& v : r.vpls) EXPECT_TRUE(std::isfinite(v.intensity.x));
+    EXPECT_NEAR(power(r.vpls).x / (8 * 4 * pi * 10), 1.0, 0.1);
+}
+
+TEST(Photons, LeaveNothingInABlackOrEmptyRoom) {
+    LitStage black(room(0.0f));
+    EXPECT_TRUE(trace_photons(black.scenery(), black.direct_points(16, 1), {1, 500, 8}).vpls.empty());
+    LitStage lit(room(0.5f));
+    EXPECT_TRUE(trace_photons(lit.scenery(), {}, {1, 500, 8}).vpls.empty());
+    EXPECT_EQ(paths_for(lit.scenery(), {}, 1000, 8), 0u);
+    EXPECT_EQ(paths_for(black.scenery(), black.direct_points(16, 1), 1000, 8), 0u);
+}
+
+TEST(Photons, AreCountedToLeaveAsManyVplsAsWanted) {
+    for (const float albedo : {0.1f, 0.5f, 0.9f}) {
+        LitStage stage(room(albedo));
+        const auto lights = stage.direct_points(16, 1);
+        const std::uint64_t paths = paths_for(stage.scenery(), lights, 2000, 8);
+        const auto left = static_cast<double>(trace_photons(stage.scenery(), lights, {1, paths, 8}).vpls.size());
+        EXPECT_NEAR(left / 2000, 1.0, 0.1);
+    }
+}
+
+TEST(Photons, AreTheSameForAnyNumberOfThreads) {
+    LitStage stage(room(0.7f));
+    const auto lights = stage.direct_points(16, 1);
+    std::vector<LightPoint> one, two;
+    {
+        const parallel::ThreadLimit limit(1);
+        one = trace_photons(stage.scenery(), lights, {1, 1000, 8}).vpls;
+        estimate_discs(one);
+    }
+    {
+        const parallel::ThreadLimit limit(2);
+        two = trace_photons(stage.scenery(), lights, {1, 1000, 8}).vpls;
+        estimate_discs(two);
+    }
+    ASSERT_EQ(one.size(), two.size());
+    for (std::size_t i = 0; i < one.size(); ++i) {
+        EXPECT_EQ(one[i].position, two[i].position);
+        EXPECT_EQ(one[i].intensity, two[i].intensity);
+        EXPECT_EQ(one[i].disc2, two[i].disc2);
+        EXPECT_EQ(one[i].id, two[i].id);
+    }
+}
+
+TEST(Photons, KeepTheirPathsWhereAnotherPartOfTheSceneMoves) {
+    SceneBuilder b = room(0.6f);
+    const int ball = b.add_sphere({3.4f, 0.5f, 4.4f}, 0.3f, b.add_material(), 8);
+    b.move_object(ball, {{3.4f, 0.5f, 4.4f}, {3.4f, 0.5f, 4.2f}});
+    LitStage before(b, 0), after(b, 1);
+    const auto one = trace_photons(before.scenery(), before.direct_points(16, 1), {1, 1000, 1}).vpls;
+    const auto two = trace_photons(after.scenery(), after.direct_points(16, 1), {1, 1000, 1}).vpls;
+    std::size_t same = 0;
+    for (const LightPoint& v : one)
+        for (const LightPoint& w : two) same += v.id == w.id && v.position == w.position ? 1 : 0;
+    EXPECT_GT(same, one.size() * 95 / 100);
+    EXPECT_LT(same, one.size());
+}
+
+TEST(Photons, PassThroughWhatIsNotThere) {
+    // A half transparent sheet before the lamp lets half of the photons through to the wall.
+    SceneBuilder b;
+    b.add_quad({-50, -50, -2}, {100, 0, 0}, {0, 100, 0}, b.add_material(glm::vec3(0.5f)));
+    const int sheet = b.add_material(glm::vec3(0.0f));
+    b.material(sheet).alpha_mode = scene::AlphaMode::blend;
+    b.material(sheet).base_color.a = 0.25f;
+    b.add_quad({-40, -40, -1}, {80, 0, 0}, {0, 80, 0}, sheet);
+    scene::Light spot;
+    spot.kind = scene::LightKind::spot;
+    spot.intensity = 1;
+    spot.inner_cone = 0.1f;
+    spot.outer_cone = 0.3f;
+    spot.node = 0;
+    b.add_light(spot);  // at the origin, along -z
+    LitStage stage(b);
+    const auto lights = stage.direct_points(16, 1);
+    const auto vpls = trace_photons(stage.scenery(), lights, {1, 20000, 1}).vpls;
+    // Flux of the cone: integral of clamp((c - co) / (ci - co))^2 over its solid angle.
+    const double ci = std::cos(0.1), co = std::cos(0.3);
+    const double flux = 2 * pi * ((1 - ci) + (ci - co) / 3);
+    EXPECT_NEAR(power(vpls).x / (flux * 0.75 * 0.5), 1.0, 0.02);
+}
+
+TEST(LightDensity, GivesEveryVplItsShareOfTheSurface) {
+    // VPLs evenly over a square: together their discs cover it.
+    std::vector<LightPoint> vpls;
+    for (std::uint64_t i = 0; i < 4000; ++i) {
+        LightPoint v;
+        v.position = {core::halton(0, i) * 10, core::halton(1, i) * 10, 0};
+        v.intensity = glm::vec3(0.5f);
+        vpls.push_back(v);
+    }
+    estimate_discs(vpls);
+    double area = 0;
+    for (const LightPoint& v : vpls) area += pi * v.disc2;
+    EXPECT_NEAR(area / 100, 1.0, 0.1);
+    // The other side of a thin wall is another surface.
+    std::vector<LightPoint> both = vpls;
+    for (LightPoint v : vpls) {
+        v.position.z = -1e-4f;
+        v.normal = {0, 0, -1};
+        both.push_back(v);
+    }
+    estimate_discs(both);
+    for (std::size_t i = 0; i < vpls.size(); ++i) EXPECT_EQ(both[i].disc2, vpls[i].disc2);
+}
+
+TEST(LightDensity, ScalesWithTheSceneAndNotWithTheLight) {
+    std::vector<LightPoint> vpls;
+    for (std::uint64_t i = 0; i < 500; ++i) {
+        LightPoint v;
+        v.position = {core::uniform(1, i, 0), core::uniform(1, i, 1), 0};
+        v.intensity = glm::vec3(0.25f + core::uniform(1, i, 2));
+        vpls.push_back(v);
+    }
+    std::vector<LightPoint> scaled = vpls;
+    for (LightPoint& v : scaled) {
+        v.position *= 64.0f;
+        v.intensity *= 8.0f;
+    }
+    estimate_discs(vpls);
+    estimate_discs(scaled);
+    for (std::size_t i = 0; i < vpls.size(); ++i) EXPECT_EQ(vpls[i].disc2 * 4096.0f, scaled[i].disc2);
+}
+
+TEST(LightDensity, OfCoincidentOrSingleVplsIsFinite) {
+    std::vector<LightPoint> vpls(50);
+    for (LightPoint& v : vpls) v.intensity = glm::vec3(1);
+    estimate_discs(vpls);
+    for (const LightPoint& v : vpls) EXPECT_TRUE(std::isfinite(v.disc2));
+    vpls.resize(1);
+    estimate_discs(vpls);
+    EXPECT_TRUE(std::isfinite(vpls[0].disc2));
+    vpls.clear();
+    estimate_discs(vpls);
+}
+
+}  // namespace
+}  // namespace render2mpeg::renderer
