@@ -29,6 +29,9 @@ constexpr double share_of_halls = 0.12, share_of_one_sided = 0.5;
 // chosen: within the three halls a view shows 1.9 .. 4.6 times what an orbit does, within a figure 1.4 times; 1.45
 // .. 1.8 choose alike.
 constexpr double gain_within = 1.6;
+// chosen: the middle 98 % of the triangles span 0.27 and 0.33 of the radius in two scenes with a backdrop, 0.71 .. 0.96
+// in seven without; below 0.1 they are too few to span anything.
+constexpr double least_trimmed = 0.1, most_trimmed = 0.5;
 // chosen: a Cornell box has 0 seen through its open side, a closed room 0.8; 0.05 .. 0.5 choose alike.
 constexpr double share_of_open_side = 0.2;
 constexpr double orbit_period = 8, turn_period = 16, sway_period = 8;  // seconds
@@ -102,10 +105,11 @@ Framing judge_front(SurfaceGrid& grid, const Extent& extent) {
 /// The best place within the extent to turn about at: the one that shows most detail, since the makers of a scene spend
 /// their triangles where they mean to look.
 Framing judge_turn(const Animation& animation, const Extent& whole) {
-    // A room with few triangles may have its walls outside the middle of them: keep the box where that is not much
-    // smaller.
+    // Of a room with few triangles the walls may lie outside the middle of them: take the middle only where it is much
+    // smaller than the whole, and not a mere point.
     Extent extent = detailed_extent_at(animation, 0);
-    if (extent.radius() > 0.6 * whole.radius()) extent = whole;
+    if (extent.radius() > most_trimmed * whole.radius() || extent.radius() < least_trimmed * whole.radius())
+        extent = whole;
     SurfaceGrid grid(animation, 0, extent);
 
     Framing best{Framing::Kind::turn, extent.centre(), 0, 0, 0, 0, 0};
@@ -151,7 +155,8 @@ std::optional<Extent> extent_of_film(const Animation& animation) {
 
 Framing choose_framing(const Animation& animation) {
     const std::optional<Extent> extent = extent_of_film(animation);
-    if (!extent) return {Framing::Kind::orbit, glm::dvec3(0), 3, orbit_elevation, 0, 0, 0};
+    if (!extent || !(extent->radius() > 0))
+        return {Framing::Kind::orbit, extent ? extent->centre() : glm::dvec3(0), 3, orbit_elevation, 0, 0, 0};
     SurfaceGrid grid(animation, 0, *extent);
     const Framing orbit = judge_orbit(grid, *extent);
     if (orbit.share_turned_away() < share_of_halls) return orbit;

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <stdexcept>
 #include <string_view>
 #include <system_error>
 
@@ -34,19 +35,29 @@ std::uint32_t little_endian(const std::byte* p) {
     return value;
 }
 
-/// The whole of a file; at most `limit` bytes of it.
+/// The whole of a file; at most `limit` bytes of it. Throws std::invalid_argument with the cause.
 std::vector<std::byte> read_file(const fs::path& path,
                                  std::uintmax_t limit = std::numeric_limits<std::uintmax_t>::max()) {
+    const std::string name = in_quotes(path.filename().string());
     std::error_code failure;
-    if (!fs::is_regular_file(path, failure)) throw core::Error("reading", path.string(), "there is no such file");
+    if (!fs::is_regular_file(path, failure)) throw std::invalid_argument("there is no file " + name);
     const std::uintmax_t size = std::min(fs::file_size(path, failure), limit);
     std::ifstream stream(path, std::ios::binary);
-    if (failure || !stream) throw core::Error("reading", path.string(), "cannot be opened");
+    if (failure || !stream) throw std::invalid_argument("the file " + name + " cannot be opened");
     std::vector<std::byte> bytes(static_cast<std::size_t>(size));
     stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
     if (static_cast<std::uintmax_t>(stream.gcount()) != size)
-        throw core::Error("reading", path.string(), "cannot be read to its end");
+        throw std::invalid_argument("the file " + name + " cannot be read to its end");
     return bytes;
+}
+
+/// The same for the scene's own file.
+std::vector<std::byte> read_scene_file(const fs::path& path) {
+    try {
+        return read_file(path);
+    } catch (const std::invalid_argument& error) {
+        throw core::Error("reading", path.string(), error.what());
+    }
 }
 
 /// The parser's own words without their prefix in brackets, on one line.
@@ -61,7 +72,7 @@ std::string message_of(const nlohmann::json::exception& error) {
 }  // namespace
 
 Document::Document(const fs::path& file) : file_(file) {
-    const std::vector<std::byte> bytes = read_file(file);
+    const std::vector<std::byte> bytes = read_scene_file(file);
     if (bytes.empty()) throw core::Error("reading", file.string(), "the file is empty");
     if (bytes.size() >= 4 && little_endian(bytes.data()) == glb_magic)
         read_binary(bytes);
@@ -188,10 +199,7 @@ std::size_t Document::count(const char* kind) const {
 
 Element Document::at(const char* kind, int index) const {
     const nlohmann::json& entry = json_[kind][static_cast<std::size_t>(index)];
-    const std::string plural = kind;
-    const std::string name = plural == "meshes"        ? "mesh"
-                             : plural == "bufferViews" ? "buffer view"
-                                                       : plural.substr(0, plural.size() - 1);
+    const std::string name = singular(kind);
     if (!entry.is_object()) refuse(name + " " + std::to_string(index), "is not an object");
     const auto found = entry.find("name");
     const std::string own = found != entry.end() && found->is_string() ? found->get<std::string>() : "";

@@ -16,6 +16,9 @@ namespace render2mpeg::scene::gltf {
 
 class Document;
 
+/// The word for one of a top-level array, for messages: "bufferViews" to "buffer view".
+std::string singular(const std::string& kind);
+
 /// A JSON object of the document that knows its name for messages. Every function throws core::Error if a property has
 /// the wrong type, is not finite or refers to what is not there.
 class Element {

@@ -4,16 +4,12 @@
 #include "scene/wording.h"
 
 namespace render2mpeg::scene::gltf {
-namespace {
 
-/// "meshes" to "mesh", for messages.
-std::string singular(const char* kind) {
-    const std::string text = kind;
-    if (text == "meshes") return "mesh";
-    return text.substr(0, text.size() - 1);
+std::string singular(const std::string& kind) {
+    if (kind == "meshes") return "mesh";
+    if (kind == "bufferViews") return "buffer view";
+    return kind.substr(0, kind.size() - 1);
 }
-
-}  // namespace
 
 void Element::refuse(const std::string& cause) const {
     document_->refuse(where_, cause);

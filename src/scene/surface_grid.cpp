@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.h"
 #include "scene/pose.h"
 
 namespace render2mpeg::scene {
@@ -15,15 +16,15 @@ std::size_t steps_for(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, double cell) {
 }
 
 /// Of a mirrored object the corners run the other way round.
-double side_of(const Animation& animation, const Object& object, const Pose& pose) {
+double side_of(const Object& object, const Pose& pose) {
     if (object.skin >= 0) return 1;
-    static_cast<void>(animation);
     return glm::determinant(glm::dmat3(pose.world_of(object.node))) < 0 ? -1 : 1;
 }
 
 }  // namespace
 
 SurfaceGrid::SurfaceGrid(const Animation& animation, double seconds, const Extent& extent) : extent_(extent) {
+    EXPECTS(extent.radius() > 0);
     const Pose pose = pose_at(animation, seconds);
     std::vector<std::vector<glm::dvec3>> positions;
     for (const Object& object : animation.objects) positions.push_back(world_positions(animation, object, pose));
@@ -39,7 +40,7 @@ SurfaceGrid::SurfaceGrid(const Animation& animation, double seconds, const Exten
 
     for (std::size_t o = 0; o < positions.size(); ++o) {
         if (positions[o].empty()) continue;
-        const double side = side_of(animation, animation.objects[o], pose);
+        const double side = side_of(animation.objects[o], pose);
         for (const glm::uvec3& t : animation.meshes[static_cast<std::size_t>(animation.objects[o].mesh)].triangles)
             add_triangle(positions[o][t.x], positions[o][t.y], positions[o][t.z], side);
     }

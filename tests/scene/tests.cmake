@@ -1,0 +1,1 @@
+render2mpeg_test(scene LIBS render2mpeg_scene)
