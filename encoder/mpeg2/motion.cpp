@@ -7,6 +7,7 @@
 #include "encoder/mpeg2/candidates.h"
 #include "encoder/mpeg2/kernels.h"
 #include "encoder/mpeg2/levels.h"
+#include "encoder/mpeg2/tuning.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::encoder::mpeg2 {
@@ -123,7 +124,7 @@ class Chooser {
                 if (better == best) break;
                 best = better;
             }
-            chosen_.at(column, row) = best;
+            chosen_.at(column, row) = shortlist(trials(column, row), left);
             left = best;
         }
     }
@@ -138,13 +139,39 @@ class Chooser {
         const Trials::Trial* best = nullptr;
         float best_cost = 0.0f;
         for (const Trials::Trial& trial : t) {
-            const float cost = static_cast<float>(trial.difference) +
-                               s_.cost_per_bit * static_cast<float>(vector_bits(trial.vector, prediction));
+            const float cost = cost_of(trial, prediction);
             if (best && cost >= best_cost) continue;
             best = &trial;
             best_cost = cost;
         }
         return best->vector;
+    }
+
+    /// The cheapest ones that come within reach of the best.
+    VectorChoice shortlist(const Trials& t, Vector prediction) const {
+        VectorChoice choice;
+        float costs[VectorChoice::most];
+        choice.count = 0;
+        for (const Trials::Trial& trial : t) {
+            const float cost = cost_of(trial, prediction);
+            int place = choice.count;
+            while (place > 0 && cost < costs[place - 1]) --place;
+            if (place == VectorChoice::most) continue;
+            choice.count = std::min(choice.count + 1, VectorChoice::most);
+            for (int i = choice.count - 1; i > place; --i) {
+                costs[i] = costs[i - 1];
+                choice.vector[i] = choice.vector[i - 1];
+            }
+            costs[place] = cost;
+            choice.vector[place] = trial.vector;
+        }
+        while (choice.count > 1 && costs[choice.count - 1] > shortlist_reach * costs[0]) --choice.count;
+        return choice;
+    }
+
+    float cost_of(const Trials::Trial& trial, Vector prediction) const {
+        return static_cast<float>(trial.difference) +
+               s_.cost_per_bit * static_cast<float>(vector_bits(trial.vector, prediction));
     }
 
     /// Bits of macroblock_type and vector. A zero vector needs none, but a macroblock type one bit longer.
@@ -178,7 +205,8 @@ class Chooser {
 
     const MotionSources& s_;
     int columns_, rows_;
-    core::Plane<Vector> first_, chosen_;
+    core::Plane<Vector> first_;
+    core::Plane<VectorChoice> chosen_;
     std::vector<Trials> trials_;
     std::array<int, 2> f_code_ = {1, 1};
 };

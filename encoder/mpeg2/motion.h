@@ -19,8 +19,15 @@ struct MotionSources {
     float cost_per_bit;  ///< Hadamard sum
 };
 
+/// The best vectors of a macroblock, best first.
+struct VectorChoice {
+    static constexpr int most = 3;
+    Vector vector[most];
+    int count = 1;
+};
+
 struct MotionChoice {
-    core::Plane<Vector> vectors;    ///< one per macroblock
+    core::Plane<VectorChoice> vectors;
     std::uint64_t evaluations = 0;  ///< 16x16 differences computed
 };
 

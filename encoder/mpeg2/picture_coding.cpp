@@ -25,10 +25,13 @@ struct Extent {
 };
 
 /// Decides all rows; the rows' own state starts anew in each, so that they can be taken in any order.
-std::vector<RowCode> decide(const PictureTask& task, const core::Plane<Vector>& vectors, Frame& reconstruction) {
-    PictureCoding picture{task.source, task.reference, reconstruction, task.reference == nullptr, {1, 1}, lambda_mode};
+std::vector<RowCode> decide(const PictureTask& task, const core::Plane<VectorChoice>& vectors, Frame& reconstruction) {
+    PictureCoding picture{task.source,    task.reference,
+                          reconstruction, task.reference == nullptr,
+                          {1, 1},         task.reference ? lambda_predicted : lambda_intra};
     Extent extent;
-    for (const Vector& v : vectors.values()) extent.include(v);
+    for (const VectorChoice& choice : vectors.values())
+        for (int i = 0; i < choice.count; ++i) extent.include(choice.vector[i]);
     extent.f_codes(picture.f_code);
     std::vector<RowCode> rows(static_cast<std::size_t>(task.source.rows()));
     parallel::for_each(rows.size(), [&](std::size_t row) {
@@ -100,14 +103,16 @@ PictureResult code_picture(const PictureTask& task, const Level& level) {
     PictureResult result;
     result.reconstruction = Frame(columns, rows);
     result.records = core::Plane<MacroblockRecord>(columns, rows);
+    core::Plane<VectorChoice> vectors;
     if (task.reference) {
         MotionChoice choice =
             choose_vectors({task.source, *task.reference, task.motion, task.previous, level.horizontal_f_code,
                             lambda_motion * static_cast<float>(task.quantiser)});
-        result.vectors = std::move(choice.vectors);
+        vectors = std::move(choice.vectors);
+        result.vectors = core::Plane<Vector>(columns, rows);
         result.evaluations = choice.evaluations;
     }
-    std::vector<RowCode> decided = decide(task, result.vectors, result.reconstruction);
+    std::vector<RowCode> decided = decide(task, vectors, result.reconstruction);
     result.bytes = write(task, header_for(task, decided), decided);
     record(decided, result);
     return result;

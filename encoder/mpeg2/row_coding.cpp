@@ -5,6 +5,7 @@
 
 #include "encoder/mpeg2/levels.h"
 #include "encoder/mpeg2/syntax.h"
+#include "encoder/mpeg2/tuning.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
@@ -17,12 +18,13 @@ class RowDecider {
           row_(row),
           quantiser_(quantiser),
           inter_(std::make_unique<Attempt>()),
+          other_(std::make_unique<Attempt>()),
           intra_(std::make_unique<Attempt>()) {
         state_.quantiser = quantiser;
         lambda_ = picture.lambda_factor * static_cast<float>(quantiser * quantiser);
     }
 
-    RowCode run(const Vector* vectors) {
+    RowCode run(const VectorChoice* vectors) {
         const int columns = picture_.source.columns();
         code_.macroblocks.reserve(static_cast<std::size_t>(columns));
         for (int column = 0; column < columns; ++column) {
@@ -38,8 +40,8 @@ class RowDecider {
     }
 
   private:
-    void decide_predicted(int column, Vector v, bool may_skip) {
-        attempt_inter(picture_, column, row_, v, quantiser_, state_, *inter_);
+    void decide_predicted(int column, const VectorChoice& vectors, bool may_skip) {
+        try_vectors(column, vectors);
         const float inter =
             inter_->totals.cost(lambda_) + lambda_ * static_cast<float>(address_increment_bits(state_.skipped));
         const bool intra = intra_may_win(column, inter) && try_intra(column, inter);
@@ -48,6 +50,15 @@ class RowDecider {
             skip(column);
         } else {
             keep(column, intra ? *intra_ : *inter_);
+        }
+    }
+
+    /// Leaves the best of the vectors in inter_.
+    void try_vectors(int column, const VectorChoice& vectors) {
+        attempt_inter(picture_, column, row_, vectors.vector[0], quantiser_, state_, *inter_);
+        for (int i = 1; i < vectors.count; ++i) {
+            attempt_inter(picture_, column, row_, vectors.vector[i], quantiser_, state_, *other_);
+            if (other_->totals.cost(lambda_) < inter_->totals.cost(lambda_)) std::swap(inter_, other_);
         }
     }
 
@@ -124,15 +135,12 @@ class RowDecider {
         code_.macroblocks.push_back(code);
     }
 
-    /// chosen: intra is tried where the block's activity is below this multiple of the residual's; tried 0.8..2.
-    static constexpr float intra_activity_limit = 1.5f;
-
     const PictureCoding& picture_;
     int row_;
     int quantiser_;
     float lambda_;
     SliceState state_;
-    std::unique_ptr<Attempt> inter_, intra_;
+    std::unique_ptr<Attempt> inter_, other_, intra_;
     RowCode code_;
 };
 
@@ -170,7 +178,7 @@ const RunLevel* write_macroblock(BitWriter& out, const RowSyntax& syntax, const 
 
 }  // namespace
 
-RowCode decide_row(const PictureCoding& picture, int row, int quantiser, const Vector* vectors) {
+RowCode decide_row(const PictureCoding& picture, int row, int quantiser, const VectorChoice* vectors) {
     return RowDecider(picture, row, quantiser).run(vectors);
 }
 

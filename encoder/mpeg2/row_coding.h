@@ -17,7 +17,7 @@ struct RowCode {
 
 /// Decides every macroblock of a row by distortion + lambda * bits, and reconstructs it. `vectors` has one per
 /// macroblock of the row; not read in an intra picture.
-RowCode decide_row(const PictureCoding& picture, int row, int quantiser, const Vector* vectors);
+RowCode decide_row(const PictureCoding& picture, int row, int quantiser, const VectorChoice* vectors);
 
 /// What the writer needs beyond a row's code.
 struct RowSyntax {
