@@ -24,7 +24,7 @@ constexpr float least_passing_share = 0.004f;
 constexpr int most_steps = 96;
 
 glm::vec3 moved_in_plane(glm::vec3 change, glm::vec3 direction, glm::vec3 normal) {
-    // [Igehy1999, eqs. 10-12]: slide along the ray until back in the plane. Rays in the plane have no footprint of use.
+    // [Igehy1999, "Transfer"]: slide along the ray until back in the plane. Rays in the plane have no footprint of use.
     const float cosine = glm::dot(direction, normal);
     const glm::vec3 moved = change - core::divide_or(glm::dot(change, normal), cosine, 0.0f) * direction;
     return core::is_finite(moved) ? moved : glm::vec3{0.0f};
@@ -171,7 +171,7 @@ void EyePaths::mirror(const Walk& walk, const Fragment& fragment, const SurfaceF
     next.ray.origin = offset_origin(point, next.ray.direction);
     next.ray.origin_change = footprint;
 
-    // [Igehy1999, eqs. 14-16]: neighbours are mirrored by the normal they meet.
+    // [Igehy1999, "Reflection"]: neighbours are mirrored by the normal they meet.
     const glm::vec3 n = point.shading_normal, d = walk.ray.direction;
     const SurfaceFootprint bend = scenery_.normal_change(point.address, footprint);
     const float side = point.back_side ? -1.0f : 1.0f;
