@@ -113,6 +113,27 @@ TEST(Posing, BackAndForthGivesWhatAFreshSceneGives) {
     }
 }
 
+TEST(MovedVeils, DimLightWhereTheyAre) {
+    // Two travelling sheets of one mesh with materials of their own: the filter must be told which of them it asks.
+    SceneBuilder builder;
+    const int mesh = builder.add_mesh(SceneBuilder::quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}));
+    for (const float alpha : {0.25f, 0.5f}) {
+        const int veil = builder.add_material();
+        builder.material(veil).alpha_mode = scene::AlphaMode::blend;
+        builder.material(veil).base_color.a = alpha;
+        const int sheet = builder.add_object(mesh, veil);
+        builder.move_object(sheet, {{alpha * 20 - 5, 0, 0}, {0.3f, alpha, 0}});
+    }
+    Stage stage(builder);
+    const auto light_at = [&](float x) { return stage.tracer().passes({x, 5, 0.3f}, {0, -1, 0}, infinity).x; };
+    EXPECT_NEAR(light_at(0.1f), 0.75f, 1e-6f);
+    EXPECT_NEAR(light_at(5.1f), 0.5f, 1e-6f);
+    EXPECT_EQ(light_at(2.5f), 1.0f);
+    stage.pose(1);
+    EXPECT_NEAR(light_at(0.2f), 0.375f, 1e-6f);
+    EXPECT_EQ(light_at(5.1f), 1.0f);
+}
+
 TEST(AbsentObjects, AreNotHit) {
     // A still sheet, a travelling one and a growing one vanish after a second and come back.
     SceneBuilder builder;

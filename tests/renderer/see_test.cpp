@@ -219,6 +219,17 @@ TEST(Seeing, WorksForPicturesOfAnySize) {
     }
 }
 
+TEST(Seeing, NothingAtAllIsSky) {
+    SceneBuilder builder;
+    builder.film().sky.color = {1, 2, 3};
+    builder.add_camera({0, 0, 0}, {0, 0, -1});
+    Stage stage(builder, 20, 20);
+    const Seen seen = stage.see(4);
+    EXPECT_TRUE(points_of(seen).empty());
+    for (const PixelClass kind : seen.visible.kind.values()) EXPECT_EQ(kind, PixelClass::sky);
+    for (const glm::vec3 light : seen.unscattered.values()) EXPECT_EQ(light, (glm::vec3{1, 2, 3}));
+}
+
 TEST(Seeing, FromInsideAnObjectShowsItsInsideFaces) {
     SceneBuilder builder;
     builder.add_box({-1, -1, -1}, {1, 1, 1}, builder.add_material());  // faces point outwards
