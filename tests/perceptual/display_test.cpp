@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -181,7 +182,7 @@ TEST(WithLuma, GivesBackTheColourItStartedFrom) {
 
 TEST(WithLuma, HitsEveryLumaThatTheColourCanReach) {
     const Display display(0.7f, ColorMatrix::bt709);
-    for (std::uint64_t i = 0; i < 20000; ++i) {
+    for (std::uint64_t i = 0; i < 200000; ++i) {
         const glm::vec3 c = any_color(i);
         const float size = std::max({c.x, c.y, c.z});
         const float most = display.luma_of(c * (SignalCurve::brightest / size / std::exp2(0.7f)));
