@@ -22,7 +22,7 @@ class Texture {
             for (int y = 0; y < size; ++y)
                 for (int x = 0; x < size; ++x)
                     base.at(x, y) +=
-                        lattice(seed + static_cast<std::uint64_t>(octave), x, y, cell) * std::pow(cell / 256.0f, 0.75f);
+                        lattice(seed + static_cast<std::uint64_t>(octave), x, y, cell) * std::pow(cell / 256.0f, 0.5f);
         levels_.push_back(std::move(base));
         while (levels_.back().width() > 4) levels_.push_back(halved(levels_.back()));
     }

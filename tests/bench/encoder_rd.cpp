@@ -71,6 +71,8 @@ RatePoint ours(const Clip& clip, int quantiser, int gop, bool use_motion) {
                 use_motion ? "" : " no motion", quantiser, point.bits / static_cast<double>(clip.pictures.size()),
                 point.psnr, static_cast<double>(clip.pictures.size()) / seconds,
                 macroblocks ? static_cast<double>(evaluations) / static_cast<double>(macroblocks) : 0.0);
+    const std::vector<std::uint8_t> end = encoder::sequence_end();
+    stream.insert(stream.end(), end.begin(), end.end());
     if (const char* directory = std::getenv("ENCODER_RD_STREAMS"))
         std::ofstream(std::string(directory) + "/ours_q" + std::to_string(quantiser) + ".m2v", std::ios::binary)
             .write(reinterpret_cast<const char*>(stream.data()), static_cast<std::streamsize>(stream.size()));
