@@ -87,8 +87,7 @@ void collect(AVCodecContext* decoder, const Clip& clip, std::size_t& shown, doub
     av_frame_free(&frame);
 }
 
-RatePoint libavcodec(const Clip& clip, int quantiser, int gop, bool strong) {
-    const int width = clip.pictures[0].width(), height = clip.pictures[0].height();
+AVCodecContext* open_encoder(int width, int height, int gop, bool strong) {
     AVCodecContext* encoder = avcodec_alloc_context3(avcodec_find_encoder(AV_CODEC_ID_MPEG2VIDEO));
     encoder->width = width;
     encoder->height = height;
@@ -110,53 +109,57 @@ RatePoint libavcodec(const Clip& clip, int quantiser, int gop, bool strong) {
         encoder->pre_dia_size = 4;
         encoder->last_predictor_count = 3;
     }
-    AVCodecContext* decoder = avcodec_alloc_context3(avcodec_find_decoder(AV_CODEC_ID_MPEG2VIDEO));
     avcodec_open2(encoder, nullptr, nullptr);
+    return encoder;
+}
+
+AVFrame* to_frame(const core::Picture& p, int quantiser) {
+    AVFrame* frame = av_frame_alloc();
+    frame->format = AV_PIX_FMT_YUV420P;
+    frame->width = p.width();
+    frame->height = p.height();
+    av_frame_get_buffer(frame, 0);
+    for (int plane = 0; plane < 3; ++plane) {
+        const core::Plane<std::uint8_t>& from = plane == 0 ? p.y : plane == 1 ? p.cb : p.cr;
+        for (int y = 0; y < from.height(); ++y)
+            std::copy_n(from.row(y), from.width(),
+                        frame->data[plane] + static_cast<std::ptrdiff_t>(y) * frame->linesize[plane]);
+    }
+    frame->pts = p.number;
+    frame->quality = FF_QP2LAMBDA * quantiser;
+    return frame;
+}
+
+/// `strong`: mode decision by rate and distortion, trellis quantisation and a wide motion search.
+RatePoint libavcodec(const Clip& clip, int quantiser, int gop, bool strong) {
+    AVCodecContext* encoder = open_encoder(clip.pictures[0].width(), clip.pictures[0].height(), gop, strong);
+    AVCodecContext* decoder = avcodec_alloc_context3(avcodec_find_decoder(AV_CODEC_ID_MPEG2VIDEO));
     avcodec_open2(decoder, nullptr, nullptr);
 
     RatePoint point;
     double error = 0;
     std::size_t shown = 0;
     std::clock_t spent = 0;
-    const auto drain = [&] {
-        AVPacket* packet = av_packet_alloc();
-        for (;;) {
-            const std::clock_t begin = std::clock();
-            const int status = avcodec_receive_packet(encoder, packet);
+    AVPacket* packet = av_packet_alloc();
+    for (std::size_t n = 0; n <= clip.pictures.size(); ++n) {
+        // After the last picture, null drains the encoder.
+        AVFrame* frame = n < clip.pictures.size() ? to_frame(clip.pictures[n], quantiser) : nullptr;
+        std::clock_t begin = std::clock();
+        avcodec_send_frame(encoder, frame);
+        while (avcodec_receive_packet(encoder, packet) >= 0) {
             spent += std::clock() - begin;
-            if (status < 0) break;
             point.bits += 8.0 * packet->size;
             avcodec_send_packet(decoder, packet);
             collect(decoder, clip, shown, error);
             av_packet_unref(packet);
+            begin = std::clock();
         }
-        av_packet_free(&packet);
-    };
-    for (std::size_t n = 0; n < clip.pictures.size(); ++n) {
-        const core::Picture& p = clip.pictures[n];
-        AVFrame* frame = av_frame_alloc();
-        frame->format = AV_PIX_FMT_YUV420P;
-        frame->width = width;
-        frame->height = height;
-        av_frame_get_buffer(frame, 0);
-        for (int plane = 0; plane < 3; ++plane) {
-            const core::Plane<std::uint8_t>& from = plane == 0 ? p.y : plane == 1 ? p.cb : p.cr;
-            for (int y = 0; y < from.height(); ++y)
-                std::copy_n(from.row(y), from.width(),
-                            frame->data[plane] + static_cast<std::ptrdiff_t>(y) * frame->linesize[plane]);
-        }
-        frame->pts = static_cast<std::int64_t>(n);
-        frame->quality = FF_QP2LAMBDA * quantiser;
-        const std::clock_t begin = std::clock();
-        avcodec_send_frame(encoder, frame);
         spent += std::clock() - begin;
         av_frame_free(&frame);
-        drain();
     }
-    avcodec_send_frame(encoder, nullptr);
-    drain();
     avcodec_send_packet(decoder, nullptr);
     collect(decoder, clip, shown, error);
+    av_packet_free(&packet);
     avcodec_free_context(&encoder);
     avcodec_free_context(&decoder);
     point.psnr = psnr(error / static_cast<double>(clip.pictures.size()));
