@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.h"
 #include "core/numeric.h"
 #include "core/rational.h"
 #include "scene/pose.h"
@@ -89,7 +90,13 @@ void validate_cameras(Animation& animation) {
                    range_text("camera", animation.shots[i].camera, animation.cameras.size()));
     std::stable_sort(animation.shots.begin(), animation.shots.end(),
                      [](const Shot& a, const Shot& b) { return a.frame < b.frame; });
-    if (animation.frame_rate) core::frame_rate_from(*animation.frame_rate);
+    if (animation.frame_rate) {
+        try {
+            core::frame_rate_from(*animation.frame_rate);
+        } catch (const core::Error& error) {
+            throw core::Error("reading", animation.source, error.what());
+        }
+    }
     if (animation.first_frame && *animation.first_frame < 0) refuse(animation, "first frame", "must be 0 or more");
     if (animation.first_frame && animation.last_frame && *animation.last_frame < *animation.first_frame)
         refuse(animation, "last frame", "must not be before the first");
