@@ -224,11 +224,27 @@ std::uint32_t RayTracer::occluded(const ShadowPacket& packet, glm::vec3* light) 
 
     Impl::ShadowContext context;
     impl_->begin(context, RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
-    rtcOccluded16(valid, impl_->scene.root(), &context.embree, &rays);
-
+    rtcOccluded16(valid, impl_->scene.still(), &context.embree, &rays);
     std::uint32_t blocked = 0;
-    for (int i = 0; i < 16; ++i)
-        if (valid[i] != 0 && rays.tfar[i] < 0.0f) blocked |= 1u << i;
+    const auto count_blocked = [&] {
+        bool all = true;
+        for (int i = 0; i < 16; ++i) {
+            if (valid[i] == 0) continue;
+            if (rays.tfar[i] < 0.0f) {
+                blocked |= 1u << i;
+                valid[i] = 0;
+            }
+            all = all && valid[i] == 0;
+        }
+        return all;
+    };
+    if (!count_blocked() && impl_->scene.has_instances()) {
+        // Rays that nothing still blocks may meet what moves.
+        for (unsigned& mask : rays.mask) mask = TracedScene::moving_mask;
+        context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+        rtcOccluded16(valid, impl_->scene.root(), &context.embree, &rays);
+        count_blocked();
+    }
     if (light != nullptr && context.met != 0) {
         for (int i = 0; i < 16; ++i)
             if ((context.met >> i) & 1u) light[i] *= Impl::light_through(context.depth[i]);

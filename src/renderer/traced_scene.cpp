@@ -83,7 +83,7 @@ TracedScene::TracedScene(const scene::Animation& animation, core::Isa isa, std::
     rtcCommitScene(still_.get());
     if (!all_baked) {
         top_ = new_scene(true);
-        still_instance_ = new_instance(still_.get(), static_cast<unsigned>(placed_.size()));
+        still_instance_ = new_instance(still_.get(), static_cast<unsigned>(placed_.size()), still_mask);
         rtcCommitScene(top_.get());
     }
     check("starting Embree");
@@ -126,9 +126,10 @@ RTCGeometry TracedScene::new_triangles(const std::vector<glm::vec3>& positions, 
     return geometry;
 }
 
-RTCGeometry TracedScene::new_instance(RTCScene of, unsigned id) const {
+RTCGeometry TracedScene::new_instance(RTCScene of, unsigned id, unsigned mask) const {
     RTCGeometry instance = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(instance, of);
+    rtcSetGeometryMask(instance, mask);
     rtcCommitGeometry(instance);
     rtcAttachGeometryByID(top_.get(), instance, id);
     rtcReleaseGeometry(instance);
@@ -205,7 +206,7 @@ bool TracedScene::bake(std::uint32_t object, const glm::mat4& to_world) {
 bool TracedScene::move_instance(std::uint32_t object, const glm::mat4& to_world) {
     Placed& placed = placed_[object];
     if (placed.geometry == nullptr)
-        placed.geometry = new_instance(shared_mesh(object), object);
+        placed.geometry = new_instance(shared_mesh(object), object, moving_mask);
     else if (placed.to_world == to_world)
         return false;
     rtcSetGeometryTransform(placed.geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &to_world[0][0]);
@@ -223,7 +224,7 @@ bool TracedScene::deform(std::uint32_t object, const scene::DeformedMesh& mesh) 
         rtcAttachGeometryByID(placed.own.get(), placed.triangles, 0);
         rtcReleaseGeometry(placed.triangles);
         rtcCommitScene(placed.own.get());
-        placed.geometry = new_instance(placed.own.get(), object);
+        placed.geometry = new_instance(placed.own.get(), object, moving_mask);
         return true;
     }
     void* const vertices = rtcGetGeometryBufferData(placed.triangles, RTC_BUFFER_TYPE_VERTEX, 0);

@@ -34,6 +34,14 @@ class TracedScene {
     void pose(const scene::Snapshot& snapshot);
 
     RTCSceneTy* root() const { return top_ ? top_.get() : still_.get(); }
+
+    /// What never moves, without any instance: the same as `root` where nothing moves. Embree never returns from some
+    /// coherent packets that meet instances, so packets are traced here first and then, incoherently and with
+    /// `moving_mask` in their rays, in `root`.
+    RTCSceneTy* still() const { return still_.get(); }
+    bool has_instances() const { return top_ != nullptr; }
+    static constexpr unsigned still_mask = 1, moving_mask = 2;
+
     bool any_translucent() const { return any_translucent_; }
     bool is_instanced(std::uint32_t object) const { return placed_[object].kind == Kind::instanced; }
 
@@ -74,7 +82,7 @@ class TracedScene {
     Scene new_scene(bool instances) const;
     bool is_filtered(std::uint32_t object) const;
     RTCGeometryTy* new_triangles(const std::vector<glm::vec3>& positions, std::uint32_t object) const;
-    RTCGeometryTy* new_instance(RTCSceneTy* of, unsigned id) const;
+    RTCGeometryTy* new_instance(RTCSceneTy* of, unsigned id, unsigned mask) const;
     RTCSceneTy* shared_mesh(std::uint32_t object);
     bool place(std::uint32_t object, const scene::Snapshot& snapshot);
     bool bake(std::uint32_t object, const glm::mat4& to_world);
