@@ -26,6 +26,8 @@ double tangent(const Curve& c, std::size_t key, int component) {
     if (key == 0) return secant(c, 0, component);
     if (key + 1 == n) return secant(c, n - 2, component);
     const double before = secant(c, key - 1, component), after = secant(c, key, component);
+    // What is the same at two keys stays so between them: a thing that rests before it leaps must not swing back first.
+    if (before == 0 || after == 0) return 0;
     const double h0 = c.times[key] - c.times[key - 1], h1 = c.times[key + 1] - c.times[key];
     const double slope = (before * h1 + after * h0) / (h0 + h1);
     if (!c.monotone) return slope;
@@ -87,6 +89,11 @@ void Curve::sample(double seconds, std::span<double> out) const {
     }
 }
 
+float track_time(double seconds) {
+    const auto nearest = static_cast<float>(seconds);
+    return nearest > seconds ? std::nextafter(nearest, 0.0f) : nearest;
+}
+
 Track track_of(const Curve& curve, TrackTarget target, int index, double factor) {
     Track track;
     track.target = target;
@@ -96,7 +103,7 @@ Track track_of(const Curve& curve, TrackTarget target, int index, double factor)
     track.interpolation = cubic ? Interpolation::cubic_spline
                                 : (curve.passage == Passage::step ? Interpolation::step : Interpolation::linear);
     for (std::size_t k = 0; k < curve.times.size(); ++k) {
-        track.times.push_back(static_cast<float>(curve.times[k]));
+        track.times.push_back(track_time(curve.times[k]));
         const auto put = [&](auto&& number) {
             for (int i = 0; i < curve.width; ++i) track.values.push_back(static_cast<float>(factor * number(i)));
         };
@@ -127,8 +134,8 @@ Track rotation_track(const std::function<glm::dquat(double)>& rotation_at, std::
     track.index = node;
     track.width = 4;
     for (const auto& [time, q] : keys) {
-        if (!track.times.empty() && !(static_cast<float>(time) > track.times.back())) continue;
-        track.times.push_back(static_cast<float>(time));
+        if (!track.times.empty() && !(track_time(time) > track.times.back())) continue;
+        track.times.push_back(track_time(time));
         for (const double v : {q.x, q.y, q.z, q.w}) track.values.push_back(static_cast<float>(v));
     }
     return track;

@@ -10,8 +10,8 @@
 
 namespace render2mpeg::scene {
 
-/// How an animation file goes from key to key. `smooth`: through the keys without a kink (cubic). `ease`: stands still
-/// at every key. `linear`: straight. `step`: jumps.
+/// How an animation file goes from key to key. `smooth`: through the keys without a kink (cubic); what is the same at
+/// two neighbouring keys stays so between them. `ease`: stands still at every key. `linear`: straight. `step`: jumps.
 enum class Passage { smooth, ease, linear, step };
 
 /// One animated quantity: numbers at rising times (seconds). Constant before the first key and after the last.
@@ -28,6 +28,10 @@ struct Curve {
     /// Writes `width` numbers. Needs a key.
     void sample(double seconds, std::span<double> out) const;
 };
+
+/// Seconds in a track's precision, rounded down: a switch that is thrown at a frame's time is thrown at that frame, not
+/// at the next.
+float track_time(double seconds);
 
 /// The same curve as a track, exactly, `factor` times its values.
 Track track_of(const Curve& curve, TrackTarget target, int index, double factor = 1);

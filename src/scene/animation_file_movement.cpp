@@ -102,7 +102,7 @@ void turn(Animation& film, int node, const JsonValue& thing, const FilmClock& cl
         track.interpolation = Interpolation::step;
         for (const double t : times) {
             const glm::dquat q = rotation_at(t);
-            track.times.push_back(static_cast<float>(t));
+            track.times.push_back(track_time(t));
             for (const double v : {q.x, q.y, q.z, q.w}) track.values.push_back(static_cast<float>(v));
         }
     }

@@ -215,6 +215,23 @@ TEST_F(AnimationFile, SmoothPathsHaveNoKinkAndEasedOnesRestAtTheirKeys) {
     EXPECT_EQ(speed("step", 0.5), 0);
 }
 
+TEST_F(AnimationFile, SwitchesAreThrownAtTheirFrame) {
+    Animation a = film(R"({"times": "frames", "frames": 300, "objects": [{"shape": "box", "loop": true, "keys":
+        [{"at": 0, "visible": true}, {"at": 1, "visible": false}, {"at": 2, "visible": true}]}]})");
+    complete(a);
+    for (std::int64_t n = 0; n < 300; ++n)
+        EXPECT_EQ(snapshot_at(a, n, {n, 25}, {64, 64, 1}).objects[0].present, n % 2 == 0) << n;
+}
+
+TEST_F(AnimationFile, WhatRestsBetweenTwoKeysDoesNotSwing) {
+    Animation a = film(
+        R"({"objects": [{"shape": "box", "keys": [{"at": 0, "position": [0, 0, 0]}, {"at": 1, "position": [1, 0, 0]},
+        {"at": 1.5, "position": [2, 3, 0]}, {"at": 2, "position": [3, 0, 0]}, {"at": 3, "position": [4, 0, 0]}]}]})");
+    complete(a);
+    for (int k = 0; k <= 300; ++k) EXPECT_GE(at(a, k / 100.0).objects[0].to_world[3].y, -1e-6);
+    EXPECT_NEAR(at(a, 1.25).objects[0].to_world[3].y, 1.5, 0.01);
+}
+
 TEST_F(AnimationFile, TurnsAreCountedNotTakenByTheShortWay) {
     Animation a = film(
         R"({"objects": [{"shape": "box", "interpolation": "linear", "keys": [{"at": 0, "rotate": 0}, {"at": 1, "rotate": 720}]}]})");
