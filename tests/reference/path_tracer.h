@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#include "renderer/scenery.h"
+
+namespace render2mpeg::reference {
+
+/// A mean with what is known of its error, per channel.
+struct Estimate {
+    glm::dvec3 mean{0};
+    glm::dvec3 error{0};  ///< standard error of the mean
+};
+
+/// Light that a surface point scatters to its `outgoing`, by plain path tracing: slow, and as near to the rendering
+/// equation as code can be. Directions follow the cosine, light is found by meeting what emits (surfaces, sky); only
+/// punctual lights, which cannot be met, are connected to. No roulette, no clamps, sums in double. Uses the renderer's
+/// rays and surfaces, none of its lights, trees or kernels. `bounces` is how often light may scatter before it reaches
+/// the point: 0 is direct light alone.
+Estimate scattered_light(const renderer::Scenery& scenery, const renderer::SurfacePoint& point, int bounces,
+                         std::uint64_t samples, std::uint64_t seed);
+
+}  // namespace render2mpeg::reference
