@@ -10,10 +10,10 @@
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
-std::uint64_t to_scan_order(std::uint64_t places) {
+std::uint64_t to_scan_order(std::uint64_t raster) {
     std::uint64_t scan = 0;
-    for (; places != 0; places &= places - 1)
-        scan |= std::uint64_t{1} << scan_of_place[static_cast<std::size_t>(std::countr_zero(places))];
+    for (; raster != 0; raster &= raster - 1)
+        scan |= std::uint64_t{1} << scan_of_raster[static_cast<std::size_t>(std::countr_zero(raster))];
     return scan;
 }
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/numeric.h"
-
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
@@ -19,23 +17,29 @@ struct Samples {
     glm::vec2 low{0.0f}, high{0.0f};
 };
 
-bool is_valid(const core::MotionField& motion, int x, int y) {
-    return motion.kind.at(x, y) != core::PixelClass::none && core::is_finite(motion.vector.at(x, y));
+/// Longer vectors than this lead out of every picture (1920 columns at most), and so does what is no number.
+constexpr float longest = 4096.0f;
+
+bool is_valid(core::PixelClass kind, glm::vec2 v) {
+    return kind != core::PixelClass::none && std::abs(v.x) <= longest && std::abs(v.y) <= longest;
 }
 
 Samples gather(const core::MotionField& motion, int column, int row) {
     Samples samples;
     const int end_x = std::min(column * 16 + 16, motion.vector.width());
     const int end_y = std::min(row * 16 + 16, motion.vector.height());
-    for (int y = row * 16; y < end_y; y += sample_step)
-        for (int x = column * 16; x < end_x; x += sample_step) {
-            if (!is_valid(motion, x, y)) continue;
-            // Pictures are at most 1920 wide, so that a vector beyond 4096 is as good as 4096, and sums stay finite.
-            const glm::vec2 v = glm::clamp(motion.vector.at(x, y), glm::vec2{-4096.0f}, glm::vec2{4096.0f});
-            samples.low = samples.count == 0 ? v : glm::min(samples.low, v);
-            samples.high = samples.count == 0 ? v : glm::max(samples.high, v);
-            samples.vector[static_cast<std::size_t>(samples.count++)] = v;
-        }
+    for (int y = row * 16; y < end_y; y += sample_step) {
+        const glm::vec2* vectors = motion.vector.row(y);
+        const core::PixelClass* kinds = motion.kind.row(y);
+        for (int x = column * 16; x < end_x; x += sample_step)
+            if (is_valid(kinds[x], vectors[x])) samples.vector[static_cast<std::size_t>(samples.count++)] = vectors[x];
+    }
+    if (samples.count == 0) return samples;
+    samples.low = samples.high = samples.vector[0];
+    for (int i = 1; i < samples.count; ++i) {
+        samples.low = glm::min(samples.low, samples.vector[static_cast<std::size_t>(i)]);
+        samples.high = glm::max(samples.high, samples.vector[static_cast<std::size_t>(i)]);
+    }
     return samples;
 }
 
@@ -96,9 +100,8 @@ Candidates exact_candidates(const core::MotionField& motion, int column, int row
     candidates.add(to_half_pixels(median(samples), range));
     const int x = std::min(column * 16 + 8, motion.vector.width() - 1);
     const int y = std::min(row * 16 + 8, motion.vector.height() - 1);
-    if (is_valid(motion, x, y))
-        candidates.add(
-            to_half_pixels(glm::clamp(motion.vector.at(x, y), glm::vec2{-4096.0f}, glm::vec2{4096.0f}), range));
+    if (is_valid(motion.kind.at(x, y), motion.vector.at(x, y)))
+        candidates.add(to_half_pixels(motion.vector.at(x, y), range));
     return candidates;
 }
 

@@ -19,7 +19,7 @@ struct QuantTable {
 };
 
 struct Quantised {
-    std::uint64_t nonzero;  ///< bit [u * 8 + v] set where the level is not 0
+    std::uint64_t nonzero;  ///< bit [v * 8 + u] (raster order) set where the level is not 0
     float distortion;       ///< sum over (coefficient - dequantised)^2
     float energy;           ///< sum over coefficient^2: the distortion of the block not coded
 };

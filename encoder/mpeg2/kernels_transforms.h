@@ -161,7 +161,7 @@ Quantised quantise(const float* coefficients, const QuantTable& table, std::int1
     const I32x8 zero{};
     const F32x8 zero_f{};
     F32x8 distortion{}, energy{};
-    std::uint64_t nonzero = 0;
+    I32x8 nonzero{};  // lane v, bit u
     for (int u = 0; u < 8; ++u) {
         F32x8 c, reciprocal;
         I32x8 weight, highest;
@@ -178,15 +178,18 @@ Quantised quantise(const float* coefficients, const QuantTable& table, std::int1
         const F32x8 error = magnitude - __builtin_convertvector(value, F32x8);
         distortion += error * error;
         energy += c * c;
+        nonzero |= (level != zero) & (1 << u);
 
         const I32x8 negative = c < zero_f;
-        store(levels + u * 8, __builtin_convertvector(negative != zero ? -level : level, I16x8));
-        store(dequantised + u * 8, __builtin_convertvector(negative != zero ? -value : value, I16x8));
-        const I32x8 bits = (level != zero) & I32x8{1, 2, 4, 8, 16, 32, 64, 128};
-        nonzero |= static_cast<std::uint64_t>(static_cast<std::uint32_t>(sum_lanes(bits))) << (u * 8);
+        store(levels + u * 8, __builtin_convertvector((level ^ negative) - negative, I16x8));
+        store(dequantised + u * 8, __builtin_convertvector((value ^ negative) - negative, I16x8));
     }
+    std::uint8_t rows[16];
+    store_two_rows_of_8(rows, 8, narrow(nonzero, nonzero));
+    std::uint64_t mask;
+    __builtin_memcpy(&mask, rows, sizeof mask);
     const auto sum = [](const F32x8& v) { return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7])); };
-    return {nonzero, sum(distortion), sum(energy)};
+    return {mask, sum(distortion), sum(energy)};
 }
 
 }  // namespace

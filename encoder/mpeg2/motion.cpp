@@ -55,7 +55,7 @@ class Chooser {
     MotionChoice run() {
         parallel::for_each(static_cast<std::size_t>(rows_),
                            [this](std::size_t row) { try_sources(static_cast<int>(row)); });
-        estimate_f_codes();
+        price_vectors();
         parallel::for_each(static_cast<std::size_t>(rows_), [this](std::size_t row) { settle(static_cast<int>(row)); });
         MotionChoice choice{std::move(chosen_), 0};
         for (const Trials& t : trials_) choice.evaluations += static_cast<std::uint64_t>(t.count());
@@ -91,15 +91,16 @@ class Chooser {
         }
     }
 
-    /// Prices the second pass's bits: the f_codes that what has been found so far needs.
-    void estimate_f_codes() {
+    /// Prices the second pass's bits by the f_codes that what has been found so far needs. A vector found later may
+    /// leave their range.
+    void price_vectors() {
         Vector low, high;
         for (const Vector& v : first_.values()) {
             low = {std::min(low.x, v.x), std::min(low.y, v.y)};
             high = {std::max(high.x, v.x), std::max(high.y, v.y)};
         }
-        f_code_[0] = f_code_for(low.x, high.x);
-        f_code_[1] = f_code_for(low.y, high.y);
+        price_x_ = ComponentPrices(f_code_for(low.x, high.x));
+        price_y_ = ComponentPrices(f_code_for(low.y, high.y));
     }
 
     /// Second pass: the neighbours' vectors, then half pixels about the best.
@@ -177,13 +178,7 @@ class Chooser {
     /// Bits of macroblock_type and vector. A zero vector needs none, but a macroblock type one bit longer.
     int vector_bits(Vector v, Vector prediction) const {
         if (v.is_zero()) return 2;
-        return 1 + bounded_bits(v.x - prediction.x, f_code_[0]) + bounded_bits(v.y - prediction.y, f_code_[1]);
-    }
-    /// A vector found later may leave the estimated range; it then costs what the f_code's largest difference costs,
-    /// and a bit more.
-    static int bounded_bits(int difference, int f_code) {
-        const int reach = 32 << (f_code - 1);
-        return difference >= -reach && difference < reach ? component_bits(difference, f_code) : 12 + f_code;
+        return 1 + price_x_(v.x - prediction.x) + price_y_(v.y - prediction.y);
     }
 
     void evaluate(int column, int row, Vector v) {
@@ -208,7 +203,7 @@ class Chooser {
     core::Plane<Vector> first_;
     core::Plane<VectorChoice> chosen_;
     std::vector<Trials> trials_;
-    std::array<int, 2> f_code_ = {1, 1};
+    ComponentPrices price_x_{1}, price_y_{1};
 };
 
 }  // namespace

@@ -28,10 +28,9 @@ std::array<std::uint8_t, 64> make_place_of_scan() {
     for (std::size_t i = 0; i < 64; ++i) places[i] = static_cast<std::uint8_t>(transposed(zigzag[i]));
     return places;
 }
-std::array<std::uint8_t, 64> make_scan_of_place() {
-    const std::array<std::uint8_t, 64> places = make_place_of_scan();
+std::array<std::uint8_t, 64> make_scan_of_raster() {
     std::array<std::uint8_t, 64> scans{};
-    for (std::size_t i = 0; i < 64; ++i) scans[places[i]] = static_cast<std::uint8_t>(i);
+    for (std::size_t i = 0; i < 64; ++i) scans[zigzag[i]] = static_cast<std::uint8_t>(i);
     return scans;
 }
 
@@ -61,7 +60,7 @@ Quantiser make(int code) {
 }  // namespace
 
 const std::array<std::uint8_t, 64> place_of_scan = make_place_of_scan();
-const std::array<std::uint8_t, 64> scan_of_place = make_scan_of_place();
+const std::array<std::uint8_t, 64> scan_of_raster = make_scan_of_raster();
 
 const Quantiser& Quantiser::of(int code) {
     EXPECTS(code >= 1 && code <= 31);

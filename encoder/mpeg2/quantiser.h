@@ -19,9 +19,10 @@ struct Quantiser {
 /// The default intra matrix, raster order.
 extern const std::array<std::uint8_t, 64> default_intra_matrix;
 
-/// Coefficient in the encoder's order (u * 8 + v) at each place of the scan, and back.
+/// Coefficient in the encoder's order (u * 8 + v) at each place of the scan.
 extern const std::array<std::uint8_t, 64> place_of_scan;
-extern const std::array<std::uint8_t, 64> scan_of_place;
+/// Place in the scan of each coefficient in raster order.
+extern const std::array<std::uint8_t, 64> scan_of_raster;
 
 /// Mismatch control: makes the sum of all 64 coefficients odd by the last one's lowest bit. [H262, 7.4.4]
 void control_mismatch(std::int16_t* coefficients);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <vector>
 
 #include "encoder/mpeg2/bit_writer.h"
 
@@ -37,6 +38,21 @@ int f_code_for(int low, int high);
 
 /// Bits of one component's difference from its prediction. Both lie in the range of the f_code.
 int component_bits(int difference, int f_code);
+
+/// The same from a table, for differences up to twice that range; beyond costs more than all within.
+class ComponentPrices {
+  public:
+    explicit ComponentPrices(int f_code);
+    int operator()(int difference) const {
+        const int i = difference + reach_;
+        return i >= 0 && i < 2 * reach_ ? bits_[static_cast<std::size_t>(i)] : beyond_;
+    }
+
+  private:
+    int reach_;
+    int beyond_;
+    std::vector<std::uint8_t> bits_;
+};
 
 /// Writes one component as motion_code and motion_residual. [H262, 7.6.3.1]
 void write_component(BitWriter& out, int difference, int f_code);

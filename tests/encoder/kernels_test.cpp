@@ -202,7 +202,7 @@ TEST(Kernels, QuantisationIsTheStandardsAndItsDistortionIsWhatItLeaves) {
                     EXPECT_LE(std::abs(back[i]), 2047);
                     EXPECT_LE(std::abs(l), 2047);
                     EXPECT_TRUE(l == 0 || (l < 0) == (c[i] < 0));
-                    EXPECT_EQ(result.nonzero >> i & 1, l != 0 ? 1u : 0u);
+                    EXPECT_EQ(result.nonzero >> raster & 1, l != 0 ? 1u : 0u);
                     const double step = w * q / 8.0, error = std::abs(c[i] - back[i]);
                     if (std::abs(c[i]) < 1900) {
                         EXPECT_LE(error, l == 0 && !intra ? step : step / 2 + 1.001);
