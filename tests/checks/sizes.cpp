@@ -22,6 +22,16 @@ bool opens_function(std::string_view head) {
     return head.find('(') != std::string_view::npos && head.find("= {") == std::string_view::npos;
 }
 
+/// Whether a line above a head belongs to something else: it is empty, ends a statement, a scope or a label, or is a
+/// template's first line or the preprocessor's.
+bool ends_what_came_before(std::string_view line) {
+    const std::size_t begin = line.find_first_not_of(' ');
+    if (begin == std::string_view::npos) return true;
+    const std::string_view last = line.substr(line.find_last_not_of(' '));
+    return std::string_view(";{}:").find(last[0]) != std::string_view::npos || line[begin] == '#' ||
+           line.substr(begin).starts_with("template");
+}
+
 }  // namespace
 
 std::vector<Finding> oversized_files(const std::vector<File>& files) {
@@ -40,15 +50,12 @@ std::vector<Function> functions_in(const File& file) {
     const std::vector<std::string_view> lines = lines_of(file.code);
     std::vector<Function> functions;
     for (std::size_t i = 0; i < lines.size(); ++i) {
-        // Find where a body opens, and go back to where its head begins: the last line above that is indented no
-        // further.
+        // Find where a body opens, and go back over wrapped parameters and a constructor's initialisers to where its
+        // head begins.
         if (!lines[i].ends_with("{")) continue;
         std::size_t first = i;
-        const auto closes = [&](std::string_view l) {
-            return l.ends_with(";") || l.ends_with("}") || l.ends_with("{") || l.empty();
-        };
-        while (first > 0 && !closes(lines[first - 1]) && indent_of(lines[first]) > indent_of(lines[first - 1]) &&
-               lines[first - 1].find_first_not_of(' ') != std::string_view::npos)
+        while (first > 0 && indent_of(lines[first]) >= indent_of(lines[first - 1]) &&
+               !ends_what_came_before(lines[first - 1]))
             --first;
         const std::size_t indent = indent_of(lines[first]);
         const std::string_view head = lines[first].substr(indent);
