@@ -100,7 +100,8 @@ TEST(Shade, OfAnEmptySceneIsTheSky) {
     b.film().sky.color = {0.25f, 0.5f, 1};
     b.add_camera({0, 0, 4}, {0, 0, 0});
     FilmStage stage(b);
-    for (const glm::vec3& p : stage.cut(0.02f).combined.values()) {
+    const core::Radiance picture = stage.cut(0.02f);
+    for (const glm::vec3& p : picture.combined.values()) {
         EXPECT_NEAR(p.x, 0.25f, 1e-5f);
         EXPECT_NEAR(p.y, 0.5f, 1e-5f);
         EXPECT_NEAR(p.z, 1.0f, 1e-5f);
@@ -244,7 +245,8 @@ TEST(Shade, ReplacesAndCountsWhatIsNotFinite) {
     SceneBuilder b = floor_and_lamp(3e38f);
     b.film().nodes[static_cast<std::size_t>(b.film().lights[0].node)].translation = {0.3, 0.01, -0.4};
     FilmStage stage(b);
-    for (const glm::vec3& p : stage.reference().combined.values()) ASSERT_TRUE(std::isfinite(p.x) && p.x >= 0);
+    const core::Radiance picture = stage.reference();
+    for (const glm::vec3& p : picture.combined.values()) ASSERT_TRUE(std::isfinite(p.x) && p.x >= 0);
     EXPECT_GT(stage.statistics().non_finite, 0u);
     EXPECT_EQ(stage.statistics().first_non_finite.rfind("frame 0, pixel (", 0), 0u)
         << stage.statistics().first_non_finite;
