@@ -111,18 +111,25 @@ void SceneReader::read_materials() {
 }
 
 void SceneReader::read_nodes() {
-    // FBX counts in units of so many centimetres; a root of our own brings them to metres.
-    double centimetres = 0;
+    // FBX says its unit (in centimetres) and its axes, which Assimp leaves to us; a root of our own brings them to
+    // metres and +y up.
+    int top = -1;
     if (format_ == "fbx" && scene_.mMetaData) {
-        float single = 0;
+        const auto said = [&](const char* key, int otherwise) {
+            std::int32_t value = otherwise;
+            scene_.mMetaData->Get(key, value);
+            return static_cast<int>(value);
+        };
+        double centimetres = 1;
+        float single = 1;
         if (!scene_.mMetaData->Get("UnitScaleFactor", centimetres) && scene_.mMetaData->Get("UnitScaleFactor", single))
             centimetres = single;
-    }
-    int top = -1;
-    if (centimetres > 0 && std::isfinite(centimetres)) {
         Node root;
-        root.name = "metres";
-        root.scale = glm::dvec3(0.01 * centimetres);
+        root.name = "metres, +y up";
+        root.scale = glm::dvec3(centimetres > 0 && std::isfinite(centimetres) ? 0.01 * centimetres : 0.01);
+        root.rotation =
+            upright({said("CoordAxis", 0), said("CoordAxisSign", 1)}, {said("UpAxis", 1), said("UpAxisSign", 1)},
+                    {said("FrontAxis", 2), said("FrontAxisSign", 1)});
         into_.nodes.push_back(root);
         source_of_node_.push_back(nullptr);
         top = 0;

@@ -1,5 +1,6 @@
 #include "scene/assimp_rest_pose.h"
 
+#include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 
@@ -68,6 +69,21 @@ void separate(Node& node) {
     const glm::dquat q = glm::quat_cast(axes);
     node.rotation = glm::length(q) > 1e-9 ? glm::normalize(q) : glm::dquat(1, 0, 0, 0);
     node.matrix.reset();
+}
+
+glm::dquat upright(SignedAxis right, SignedAxis up, SignedAxis front) {
+    const auto vector = [](SignedAxis a) {
+        glm::dvec3 v{0};
+        if (a.axis >= 0 && a.axis < 3) v[a.axis] = a.sign < 0 ? -1 : 1;
+        return v;
+    };
+    // Columns are where our axes lie in the file; its inverse takes the file's to ours.
+    const glm::dmat3 ours(vector(right), vector(up), vector(front));
+    if (glm::determinant(ours) > 0.5) return glm::normalize(glm::quat_cast(glm::transpose(ours)));
+    const glm::dvec3 u = vector(up);
+    if (glm::length(u) < 0.5 || u.y > 0.5) return {1, 0, 0, 0};
+    if (u.y < -0.5) return {0, 1, 0, 0};  // half a turn about x
+    return glm::angleAxis(glm::half_pi<double>(), glm::cross(u, glm::dvec3(0, 1, 0)));
 }
 
 std::vector<glm::dmat4> rest_transforms(const Animation& animation) {

@@ -17,6 +17,16 @@ void mend_normals(Mesh& mesh);
 /// lost.
 void separate(Node& node);
 
+/// An axis of a file: 0, 1, 2 for x, y, z, and -1 or 1 for its direction.
+struct SignedAxis {
+    int axis = 0;
+    int sign = 1;
+};
+
+/// The turn that takes a file's axes to ours: `right` to +x, `up` to +y, `front` (towards the viewer) to +z. Where the
+/// three make no right-handed frame, the shortest turn that takes `up` to +y.
+glm::dquat upright(SignedAxis right, SignedAxis up, SignedAxis front);
+
 /// World transform of every node at rest. Parents must come before their children.
 std::vector<glm::dmat4> rest_transforms(const Animation& animation);
 

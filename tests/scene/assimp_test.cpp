@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/sampling.h"
+#include "scene/assimp_rest_pose.h"
 #include "scene/loaders.h"
 #include "scene/snapshot.h"
 
@@ -263,6 +264,23 @@ TEST_F(Assimp, ColladaIsMetresAndYUpWithPhysicalLightsAndMotion) {
     EXPECT_NEAR(s.lights[bulb].intensity.y, glm::pi<double>(), 1e-4);
     EXPECT_NEAR(s.lights[1 - bulb].intensity.x, glm::pi<double>(), 1e-4);
     EXPECT_LT(glm::length(s.lights[1 - bulb].direction - glm::vec3(0, -1, 0)), 1e-5);  // -z of a z-up file
+}
+
+TEST(AssimpAxes, AreTurnedUprightWhateverTheFileCallsUp) {
+    const auto near = [](glm::dvec3 a, glm::dvec3 b) { return glm::length(a - b) < 1e-12; };
+    // As 3ds Max writes: z up, -y to the front.
+    const glm::dquat max = upright({0, 1}, {2, 1}, {1, -1});
+    EXPECT_TRUE(near(max * glm::dvec3(0, 0, 1), {0, 1, 0}));
+    EXPECT_TRUE(near(max * glm::dvec3(0, -1, 0), {0, 0, 1}));
+    EXPECT_TRUE(near(max * glm::dvec3(1, 0, 0), {1, 0, 0}));
+    EXPECT_TRUE(near(upright({0, 1}, {1, 1}, {2, 1}) * glm::dvec3(1, 2, 3), {1, 2, 3}));
+    // Frames that contradict themselves keep their up.
+    for (int axis = 0; axis < 3; ++axis)
+        for (const int sign : {-1, 1}) {
+            glm::dvec3 up{0};
+            up[axis] = sign;
+            EXPECT_TRUE(near(upright({axis, 1}, {axis, sign}, {axis, 1}) * up, {0, 1, 0})) << axis << " " << sign;
+        }
 }
 
 TEST_F(Assimp, AnimationsAreChosenByNameOrRefusedWithTheList) {
