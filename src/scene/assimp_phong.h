@@ -21,7 +21,7 @@ struct PhongLook {
 };
 
 /// Perceptual roughness of the GGX lobe that matches a Blinn-Phong lobe: alpha = sqrt(2 / (n + 2)), roughness =
-/// sqrt(alpha). 1 for n <= 0. [Walter2007, eq. 30 ff.]
+/// sqrt(alpha). 1 for n <= 0. [Walter2007, 5.2]
 float roughness_of_exponent(float exponent);
 
 /// Sets base colour, reflection, transmission, alpha and emission of `material`; textures and sides are the caller's.
