@@ -98,7 +98,7 @@ class RowDecider {
     void keep(int column, Attempt& attempt) {
         const int limit = static_cast<int>(macroblock_bits_limit) - address_increment_bits(state_.skipped);
         while (largest(attempt) > limit && attempt.quantiser < 31)
-            requantise(column, attempt, std::min(31, attempt.quantiser + 2));
+            requantise(column, attempt, attempt.quantiser + 1);
         if (largest(attempt) > limit) truncate_to(attempt, picture_, state_, limit);
 
         MacroblockCode code;

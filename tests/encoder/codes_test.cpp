@@ -11,74 +11,12 @@
 #include "encoder/mpeg2/row_coding.h"
 #include "encoder/mpeg2/syntax.h"
 #include "film.h"
+#include "streams.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
-using testing::Libavcodec;
-using testing::settings;
-
-constexpr int columns = 45, rows = 36;  // Main level's largest picture
-constexpr int quantiser = 1;
-
-/// Access units with rows written as given.
-std::vector<std::uint8_t> access_unit(const PictureHeader& header, std::vector<RowCode>& code, bool first) {
-    const Settings s = settings(columns * 16, rows * 16);
-    BitWriter out;
-    if (first) {
-        write_sequence(out, s, level_for(s));
-        write_gop(out, s.rate, 0);
-    }
-    write_picture_header(out, header);
-    for (int row = 0; row < rows; ++row) {
-        const RowSyntax syntax{header.type == PictureType::intra,
-                               s.height,
-                               row,
-                               quantiser,
-                               {header.f_code[0], header.f_code[1]},
-                               header.intra_vlc_format};
-        write_row(out, syntax, code[static_cast<std::size_t>(row)]);
-    }
-    return out.take();
-}
-
-MacroblockCode plain_intra(int dc = 128) {
-    MacroblockCode m;
-    m.type.intra = true;
-    m.pattern = 63;
-    m.quantiser = quantiser;
-    std::fill_n(m.dc, 6, static_cast<std::uint8_t>(dc));
-    return m;
-}
-
-std::vector<RowCode> plain_rows(const MacroblockCode& each) {
-    std::vector<RowCode> code(rows);
-    for (RowCode& row : code) row.macroblocks.assign(columns, each);
-    return code;
-}
-
-/// What one block shows: intra from its DC, non-intra on top of grey.
-std::array<std::uint8_t, 64> shown(bool intra, int dc, const std::vector<RunLevel>& runs) {
-    const QuantTable& table = intra ? Quantiser::of(quantiser).intra : Quantiser::of(quantiser).non_intra;
-    std::int16_t c[64] = {};
-    int scan = intra ? 0 : -1;
-    for (const auto& [run, level] : runs) {
-        scan += run + 1;
-        const std::size_t place = place_of_scan[static_cast<std::size_t>(scan)];
-        const int value = ((2 * std::abs(level) + table.reconstruction) * table.weight[place]) >> 4;
-        c[place] = static_cast<std::int16_t>(level < 0 ? -value : value);
-    }
-    if (intra) c[0] = static_cast<std::int16_t>(dc * 8);
-    std::array<std::uint8_t, 64> out;
-    out.fill(128);
-    if (intra || !runs.empty()) control_mismatch(c);
-    if (intra) {
-        kernels().inverse_dct_put(c, out.data(), 8);
-    } else if (!runs.empty()) {
-        kernels().inverse_dct_add(c, out.data(), 8);
-    }
-    return out;
-}
+using namespace testing;
 
 /// Every run and level that a block can hold, of either sign, small levels first; levels beyond the tables are escapes.
 std::vector<std::vector<RunLevel>> every_coefficient(bool intra) {

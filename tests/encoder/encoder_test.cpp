@@ -258,6 +258,24 @@ TEST(Headers, DecodersReadRateAspectAndColours) {
     }
 }
 
+TEST(Headers, TheTableOfIntraCoefficientsIsTheCheaperOne) {
+    const auto vlc_format = [](int quantiser, const Paint& picture) {
+        const CodedPicture coded = encode(settings(128, 96, quantiser, 1), 1, picture).coded[0];
+        const std::size_t extension = find_start_code(coded.bytes, 0xb5, 2);  // after the sequence's two
+        EXPECT_EQ(bits_at(coded.bytes, extension, 0, 4), 8u);
+        return bits_at(coded.bytes, extension, 4 + 16 + 2 + 2 + 1 + 1 + 1 + 1, 1);
+    };
+    // Table B-15 is for many and large levels, B-14 for few and small ones.
+    EXPECT_EQ(vlc_format(2, [](std::int64_t n) { return noise(128, 96, n, 1); }), 1u);
+    EXPECT_EQ(vlc_format(31,
+                         [](std::int64_t n) {
+                             return paint(128, 96, n, [](int, double x, double y) {
+                                 return 100 + 0.5 * x + 9 * std::sin(0.3 * y);
+                             });
+                         }),
+              0u);
+}
+
 TEST(Headers, TimeCodeCountsPicturesAtTheRoundedRate) {
     const Settings s = settings(16, 16, 8, 10, 4);
     Encoder encoder(s);
