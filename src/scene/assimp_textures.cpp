@@ -66,7 +66,8 @@ TextureFinder::TextureFinder(const fs::path& folder) {
 }
 
 const TextureFinder::Entry* TextureFinder::by_short_name(const std::string& name) const {
-    const auto [stem, ending] = split_ending(name);
+    const std::pair<std::string, std::string> parts = split_ending(name);
+    const std::string &stem = parts.first, &ending = parts.second;
     const auto tilde = stem.rfind('~');
     if (tilde == std::string::npos || tilde + 1 >= stem.size() || tilde == 0) return nullptr;
     const std::string head = stem.substr(0, tilde);
