@@ -48,7 +48,6 @@ const std::vector<Library>& libraries() {
         {"OpenEXR", {"OpenEXR/", "Imath/", "Imf", "half.h"}, "src/image/", 2},
         {"FFmpeg", {"libav", "libsw"}, "encoder/av/", 2},
         {"TBB", {"tbb/", "oneapi/"}, "src/parallel/", 2},
-        {"tinygltf", {"tiny_gltf"}, "src/scene/", 2},
         {"Assimp", {"assimp/"}, "src/scene/", 3},
         {"CLI11", {"CLI/"}, "src/app/", 2},
         {"GLM", {"glm/"}, "", any_number},
