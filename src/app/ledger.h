@@ -21,6 +21,7 @@ struct FrameEntry {
     char type = '-';  ///< I, P, B; '-': not coded
     int quantiser = 0;
     std::uint64_t bytes = 0;
+    bool exceeds_level = false;    ///< more bits than the level's buffer can bring in time
     double mse_y = 0, ssim_y = 1;  ///< of the decoded picture against the rendered one
     std::uint64_t shadow_rays = 0;
     double direct_cut = 0, indirect_cut = 0;  ///< clusters per gather point

@@ -12,9 +12,11 @@ namespace render2mpeg::app {
 namespace {
 
 /// Motion from a picture to each of its references: exact at any distance, since a snapshot of any frame can be had.
+/// None where nothing moves: then the encoder's zero vector is exact.
 std::vector<core::MotionField> motion_of(const Production& film, const encoder::PicturePlan& coding,
                                          const core::Visible& visible, const scene::Snapshot& world) {
     std::vector<core::MotionField> fields;
+    if (!film.plan.runs(renderer::Pass::motion)) return fields;
     for (const std::int64_t reference : coding.references)
         fields.push_back(scene::motion_between(visible, world, film.snapshot(reference)));
     return fields;
@@ -58,6 +60,7 @@ class Bookkeeper {
         entry.type = "-IPB"[static_cast<int>(coded.plan.type)];
         entry.quantiser = coded.plan.quantiser;
         entry.bytes = coded.bytes.size();
+        entry.exceeds_level = coded.exceeds_level;
         entry.mse_y = perceptual::mean_squared_error(original->second.y, coded.reconstruction.y);
         entry.ssim_y = perceptual::ssim(original->second.y, coded.reconstruction.y);
         waiting_.erase(original);

@@ -79,6 +79,7 @@ Production prepare(const RenderOptions& options) {
     // Decide what runs.
     renderer::Wanted wanted;
     wanted.film = film.kind == OutputKind::film;
+    wanted.developed = film.kind == OutputKind::y4m || film.kind == OutputKind::png;
     wanted.layers = options.layers.has_value();
     wanted.indirect = options.vpls > 0;
     film.plan = renderer::make_plan(scene::traits_of(*animation), wanted);
@@ -99,17 +100,19 @@ float measure_exposure(const Production& film) {
     small.tolerance = {false, 0.1f};
 
     renderer::Renderer renderer(*small.animation, small.rendering, small.plan);
-    std::vector<float> luminances;
+    std::vector<float> surfaces, sky;
     for (int i = 0; i < frames; ++i) {
         const std::int64_t frame = film.frames.first + (film.frame_count() - 1) * (2 * i + 1) / (2 * frames);
         const scene::Snapshot world = small.snapshot(frame);
         if (i == 0) renderer.start_chunk(world);
         const renderer::Seen seen = renderer.see(world);
         const core::Radiance radiance = renderer.shade(world, seen, small.tolerance_map());
-        for (const glm::vec3& pixel : radiance.combined.values()) luminances.push_back(core::luminance(pixel));
+        for (std::size_t p = 0; p < radiance.combined.size(); ++p)
+            (seen.visible.kind.values()[p] == core::PixelClass::sky ? sky : surfaces)
+                .push_back(core::luminance(radiance.combined.values()[p]));
         if (film.frame_count() == 1) break;
     }
-    return perceptual::auto_exposure(luminances);
+    return perceptual::auto_exposure(surfaces, sky);
 }
 
 }  // namespace render2mpeg::app

@@ -43,6 +43,7 @@ json entry_of(const FrameEntry& frame, bool coded) {
         entry["type"] = std::string(1, frame.type);
         entry["quantiser"] = frame.quantiser;
         entry["bytes"] = frame.bytes;
+        entry["exceeds_level"] = frame.exceeds_level;
         entry["mse_y"] = frame.mse_y;
         entry["ssim_y"] = frame.ssim_y;
     }

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -78,6 +78,11 @@ std::string summary(const Production& film, const Ledger& ledger, const RunFacts
     if (r.non_finite > 0)
         text += fmt::format("             {} values were not finite and became 0, the first in {}\n", r.non_finite,
                             r.first_non_finite);
+    const auto heavy = std::count_if(ledger.frames.begin(), ledger.frames.end(),
+                                     [](const FrameEntry& frame) { return frame.exceeds_level; });
+    if (heavy > 0)
+        text +=
+            fmt::format("  level      {} pictures exceed the level's buffer: a coarser quantiser would fit\n", heavy);
     if (film.kind == OutputKind::film)
         text += fmt::format("  quality    decoded against rendered: PSNR-Y {:.2f} dB, SSIM-Y {:.4f}\n", ledger.psnr_y(),
                             ledger.ssim_y());

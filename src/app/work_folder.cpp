@@ -32,8 +32,10 @@ nlohmann::json record_of(const PictureRecord& picture) {
             {"checksum", fmt::format("{:016x}", picture.checksum)}};
 }
 
-/// Hands the access units of one chunk to the muxer, in coding order.
-void copy_chunk(const ChunkFile& chunk, av::Muxer& muxer, std::int64_t first_frame, std::int64_t coded_before) {
+/// Hands the access units of one chunk to the muxer, in coding order. The film's last picture carries the end code with
+/// it.
+void copy_chunk(const ChunkFile& chunk, av::Muxer& muxer, std::int64_t first_frame, std::int64_t coded_before,
+                bool last_chunk) {
     std::ifstream stream(chunk.file(), std::ios::binary);
     std::vector<std::uint8_t> bytes;
     for (const PictureRecord& picture : chunk.pictures()) {
@@ -41,6 +43,8 @@ void copy_chunk(const ChunkFile& chunk, av::Muxer& muxer, std::int64_t first_fra
         stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
         if (!stream)
             throw core::Error("reading", chunk.file().string(), "the file is shorter than it was when it was written");
+        if (last_chunk && &picture == &chunk.pictures().back())
+            for (const std::uint8_t byte : encoder::sequence_end()) bytes.push_back(byte);
         muxer.write(bytes, picture.number - first_frame, coded_before + picture.coding_order, picture.starts_gop);
     }
 }
@@ -113,10 +117,14 @@ void WorkFolder::remove() {
 
 void assemble(const std::vector<ChunkFile>& chunks, const Production& film, const std::filesystem::path& file,
               const std::filesystem::path& name) {
-    av::Muxer muxer(file, name, film.coding);
+    std::size_t largest = 0;
+    for (const ChunkFile& chunk : chunks)
+        for (const PictureRecord& picture : chunk.pictures()) largest = std::max<std::size_t>(largest, picture.bytes);
+
+    av::Muxer muxer(file, name, film.coding, largest);
     std::int64_t coded_before = 0;
     for (const ChunkFile& chunk : chunks) {
-        copy_chunk(chunk, muxer, film.frames.first, coded_before);
+        copy_chunk(chunk, muxer, film.frames.first, coded_before, &chunk == &chunks.back());
         coded_before += static_cast<std::int64_t>(chunk.pictures().size());
     }
     muxer.finish();
