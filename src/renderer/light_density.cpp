@@ -14,8 +14,8 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// VPLs that one estimate takes, and how alike they must face. chosen: 12 (8..32 change the clamped share by less than
-/// a fifth; fewer are noisier, more reach round corners) and 60 degrees.
+/// VPLs that one estimate takes, and how alike they must face. chosen: 12 and 60 degrees; in Sponza 6 clamp 1.22 % of
+/// all light, 12 1.32 %, 24 and 48 1.45 %.
 constexpr int neighbours = 12;
 constexpr float least_facing = 0.5f;
 

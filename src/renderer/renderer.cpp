@@ -35,9 +35,9 @@ class Stopwatch {
 };
 
 /// Up to which share of what its surroundings would give, if they filled the receiver's view, one light point may give.
-/// chosen: 2 % for VPLs, what [Render2MPEG, 6.5] finds best without compensation; 25 % for points of emissive surfaces,
-/// which lie in even strata (at 100 % single points show on what is nearer than their spacing, at 5 % lamps fade from
-/// walls they touch).
+/// chosen: 2 % for VPLs, what [Render2MPEG, 6.5] finds best without compensation (a clamping distance of 7 radii of a
+/// VPL's disc); 25 % for points of emissive surfaces (2 radii), which lie in even strata: at 2 % a lamp of few points
+/// lit nothing about it.
 constexpr GeometryClamp vpl_clamp{0.02f};
 constexpr GeometryClamp emitter_clamp{0.25f};
 
