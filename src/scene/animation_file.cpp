@@ -94,6 +94,8 @@ Animation load_animation_file(const fs::path& given, const LoadOptions& options)
     const fs::path file = fs::is_directory(given, failure) ? given / "film.json" : given;
     const JsonValue value = JsonValue::read(file);
     value.allow_only(animation_file_keys::film);
+    for (const std::string_view words : {"$schema", "title"})
+        if (const auto v = value.find(words)) v->text();  // for people and editors, but text
     const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
 
     // What changes the scene goes by the names that the scene has, so it comes before the film's own things.

@@ -68,6 +68,20 @@ Mesh lathe_of(const JsonValue& value, int segments, TextureLayout layout) {
     return lathe_mesh(outline, segments, crease ? crease->number(0, 180) : 30, layout);
 }
 
+Mesh torus_of(const JsonValue& value, int segments, TextureLayout layout) {
+    const double radius = size_or(value, "radius", 0.5), tube = size_or(value, "tube_radius", radius / 4);
+    if (tube >= radius) value.fail("`tube_radius` must be smaller than `radius`");
+    return torus_mesh(radius, tube, segments, layout);
+}
+
+Mesh arch_of(const JsonValue& value, int segments, TextureLayout layout) {
+    const auto size = sizes_or<3>(value, "size", 1);
+    const auto opening = sizes_or<2>(value, "opening", 0.5);
+    if (opening[0] >= size[0] || opening[1] >= size[1] || 2 * opening[1] < opening[0])
+        value.fail("`opening` must be smaller than the wall, and at least half as high as wide");
+    return arch_mesh({size[0], size[1], size[2]}, {opening[0], opening[1]}, segments, layout);
+}
+
 }  // namespace
 
 int Things::mesh_of(const JsonValue& value) {
@@ -107,23 +121,15 @@ int Things::mesh_of(const JsonValue& value) {
         case cone:
             mesh = cylinder_mesh(size_or(value, "radius", 0.5), 0, size_or(value, "height", 1), segments, layout);
             break;
-        case torus: {
-            const double radius = size_or(value, "radius", 0.5), tube = size_or(value, "tube_radius", radius / 4);
-            if (tube >= radius) value.fail("`tube_radius` must be smaller than `radius`");
-            mesh = torus_mesh(radius, tube, segments, layout);
+        case torus:
+            mesh = torus_of(value, segments, layout);
             break;
-        }
         case lathe:
             mesh = lathe_of(value, segments, layout);
             break;
-        case arch: {
-            const auto s = sizes_or<3>(value, "size", 1);
-            const auto o = sizes_or<2>(value, "opening", 0.5);
-            if (o[0] >= s[0] || o[1] >= s[1] || 2 * o[1] < o[0])
-                value.need("opening").fail("must be smaller than the wall, and at least half as high as wide");
-            mesh = arch_mesh({s[0], s[1], s[2]}, {o[0], o[1]}, segments, layout);
+        case arch:
+            mesh = arch_of(value, segments, layout);
             break;
-        }
         case group:
             break;
     }

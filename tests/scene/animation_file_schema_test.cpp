@@ -149,6 +149,7 @@ TEST(AnimationFileSchema, RefusesWhatTheReaderRefusesAndAcceptsWhatItAccepts) {
          R"({"objects": [{"shape": "box", "material": {"alpha": "mask", "texture": {"checker": [0, 1]}, "texture_scale": [1, 2]}}]})"})
         EXPECT_TRUE(judge(good)) << good;
     for (const char* bad : {R"([])",
+                            R"({"title": 5})",
                             R"({"frames": 0})",
                             R"({"frames": 1.5})",
                             R"({"frame": 1})",

@@ -112,6 +112,7 @@ TEST_F(AnimationFile, RefusesWhatContradictsItself) {
         {"loop", "frames"});
     expect_complaint(R"({"objects": [{"shape": "torus", "radius": 1, "tube_radius": 1}]})",
                      {"objects[0]", "tube_radius"});
+    expect_complaint(R"({"objects": [{"shape": "arch", "size": 0.5}]})", {"objects[0]", "opening"});
 }
 
 TEST_F(AnimationFile, RefusesFilesThatAreNoJsonOrTooLargeOrTooDeep) {
