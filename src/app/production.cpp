@@ -23,6 +23,19 @@ FrameRange frames_of(const scene::Animation& animation, const core::FrameRate& r
     return {first, animation.last_frame.value_or(std::max(first, last))};
 }
 
+/// An animation file counts its shots and its range in frames of its own rate; another rate keeps their times.
+void change_rate(scene::Animation& animation, const core::FrameRate& from, const core::FrameRate& to) {
+    if (from.hertz == to.hertz) return;
+    const auto rescaled = [&](std::int64_t frame) {
+        return static_cast<std::int64_t>(
+            std::llround(static_cast<double>(frame) * to.hertz.value() / from.hertz.value()));
+    };
+    for (scene::Shot& shot : animation.shots) shot.frame = rescaled(shot.frame);
+    if (animation.first_frame) animation.first_frame = rescaled(*animation.first_frame);
+    if (animation.last_frame)
+        animation.last_frame = std::max(animation.first_frame.value_or(0), rescaled(*animation.last_frame + 1) - 1);
+}
+
 renderer::Settings rendering_settings(const RenderOptions& options, const scene::PictureFormat& format) {
     renderer::Settings settings;
     settings.format = format;
@@ -51,15 +64,17 @@ Production prepare(const RenderOptions& options) {
     film.tolerance = tolerance_from(options.tolerance);
 
     // Read the scene.
-    const auto animation = std::make_shared<const scene::Animation>(
+    auto loaded = std::make_shared<scene::Animation>(
         scene::load(options.input, {options.camera, options.animation, options.sky}));
+    film.rate = core::frame_rate_from(options.rate.value_or(loaded->frame_rate.value_or("25")));
+    if (loaded->frame_rate) change_rate(*loaded, core::frame_rate_from(*loaded->frame_rate), film.rate);
+    const std::shared_ptr<const scene::Animation> animation = loaded;
     film.animation = animation;
     if (!std::filesystem::is_directory(options.input) && !options.output.empty() &&
         std::filesystem::weakly_canonical(options.input) == std::filesystem::weakly_canonical(options.output))
         throw core::Error("writing", options.output.string(), "it is the input");
 
     // Fill the gaps: the command line wins over the animation file, which wins over our defaults.
-    film.rate = core::frame_rate_from(options.rate.value_or(animation->frame_rate.value_or("25")));
     film.frames = options.frames ? frames_from(*options.frames) : frames_of(*animation, film.rate);
     const Size size = options.size      ? size_from(*options.size)
                       : animation->size ? Size{animation->size->x, animation->size->y}

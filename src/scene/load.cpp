@@ -32,8 +32,7 @@ Animation load_as_is(const std::filesystem::path& file, const LoadOptions& optio
     std::error_code failure;
     const std::filesystem::file_status status = std::filesystem::status(file, failure);
     if (!std::filesystem::exists(status)) throw core::Error("reading", file.string(), "there is no such file");
-    if (std::filesystem::is_directory(status))
-        throw core::Error("reading", file.string(), "is a folder, not a scene file");
+    if (std::filesystem::is_directory(status)) return load_animation_file(file, options);
     const std::string ending = lower_case_ending(file);
     if (ending == ".gltf" || ending == ".glb") return load_gltf(file, options);
     if (ending == ".json") return load_animation_file(file, options);
