@@ -1,22 +1,36 @@
 #include "scene/extent.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "scene/pose.h"
 
 namespace render2mpeg::scene {
 
+namespace {
+
+bool all_within_reach(const std::vector<glm::dvec3>& positions) {
+    return std::all_of(positions.begin(), positions.end(), [](const glm::dvec3& p) {
+        return std::abs(p.x) <= farthest && std::abs(p.y) <= farthest && std::abs(p.z) <= farthest;
+    });
+}
+
+}  // namespace
+
 std::vector<glm::dvec3> world_positions(const Animation& animation, const Object& object, const Pose& pose) {
     if (!pose.is_visible(object.node)) return {};
-    if (object.mobility == Mobility::deforming) return deformed_positions(animation, object, pose);
+    if (object.mobility == Mobility::deforming) {
+        std::vector<glm::dvec3> deformed = deformed_positions(animation, object, pose);
+        return all_within_reach(deformed) ? deformed : std::vector<glm::dvec3>{};
+    }
     const glm::dmat4 to_world = pose.world_of(object.node);
     if (!normal_matrix(glm::dmat3(to_world)).finite) return {};
     std::vector<glm::dvec3> positions;
     const Mesh& mesh = animation.meshes[static_cast<std::size_t>(object.mesh)];
     positions.reserve(mesh.positions.size());
     for (const glm::vec3& p : mesh.positions) positions.emplace_back(to_world * glm::dvec4(p, 1));
-    return positions;
+    return all_within_reach(positions) ? positions : std::vector<glm::dvec3>{};
 }
 
 std::optional<Extent> extent_at(const Animation& animation, double seconds) {

@@ -22,7 +22,11 @@ std::optional<Extent> extent_at(const Animation& animation, double seconds);
 /// ground and the backdrop around it. Needs a film that has triangles at this time.
 Extent detailed_extent_at(const Animation& animation, double seconds);
 
-/// World positions of an object's vertices at a pose, in the file's own space; empty where it is not present.
+/// Coordinates beyond this are nowhere: the ray tracer takes none beyond 1.8e19.
+inline constexpr double farthest = 1e18;
+
+/// World positions of an object's vertices at a pose, in the file's own space; empty where it is not present or a
+/// vertex lies beyond `farthest`.
 std::vector<glm::dvec3> world_positions(const Animation& animation, const Object& object, const struct Pose& pose);
 
 }  // namespace render2mpeg::scene

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/numeric.h"
+#include "scene/extent.h"
 #include "scene/pose.h"
 
 namespace render2mpeg::scene {
@@ -14,6 +15,13 @@ namespace {
 glm::dvec3 unit_or(glm::dvec3 v, glm::dvec3 otherwise) {
     const double length = glm::length(v);
     return length > 0 && std::isfinite(length) ? v / length : otherwise;
+}
+
+/// Transforms can multiply up to places that single precision does not have; lights and cameras stay on this side of
+/// them.
+glm::dvec3 within_reach(glm::dvec3 p) {
+    for (int k = 0; k < 3; ++k) p[k] = std::isnan(p[k]) ? 0.0 : std::clamp(p[k], -farthest, farthest);
+    return p;
 }
 
 glm::mat4 recentred(glm::dmat4 m, glm::dvec3 origin) {
@@ -60,10 +68,11 @@ LightState pose_light(const Animation& animation, std::size_t index, const Pose&
     LightState state;
     state.id = static_cast<std::uint32_t>(index);
     state.kind = light.kind;
-    state.position = glm::vec3(glm::dvec3(to_world[3]) - animation.origin);
+    state.position = glm::vec3(within_reach(glm::dvec3(to_world[3]) - animation.origin));
     state.direction = glm::vec3(unit_or(-glm::dvec3(to_world[2]), {0, 0, -1}));
     const float factor = pose.is_visible(light.node) ? std::max(0.0f, pose.light_factor[index]) : 0.0f;
-    state.intensity = light.color * (light.intensity * factor);
+    // chosen: 1e30, far above any real light, so that sums of light points stay in single precision.
+    state.intensity = glm::min(light.color * (light.intensity * factor), glm::vec3(1e30f));
     state.range = light.range;
     if (light.kind == LightKind::spot) {
         state.cos_inner = std::cos(light.inner_cone);
@@ -83,7 +92,7 @@ glm::mat4 rigid(const glm::dmat4& to_world, glm::dvec3 origin) {
     right = glm::normalize(right);
     const glm::dvec3 up = glm::cross(back, right);
     return glm::mat4(glm::dmat4(glm::dvec4(right, 0), glm::dvec4(up, 0), glm::dvec4(back, 0),
-                                glm::dvec4(glm::dvec3(to_world[3]) - origin, 1)));
+                                glm::dvec4(within_reach(glm::dvec3(to_world[3]) - origin), 1)));
 }
 
 /// The camera of a frame: the last shot that began; before the first, the first.
@@ -121,7 +130,8 @@ Snapshot snapshot_at(const Animation& animation, std::int64_t frame, core::Ratio
 
     const int camera = camera_at(animation, frame);
     CameraLens lens = animation.cameras[static_cast<std::size_t>(camera)];
-    lens.vertical_fov = pose.vertical_fov[static_cast<std::size_t>(camera)];
+    // A spline may leave the range of its keys.
+    lens.vertical_fov = std::clamp(pose.vertical_fov[static_cast<std::size_t>(camera)], 1e-6f, 3.1415f);
     const float aspect = static_cast<float>(format.width) * format.pixel_aspect / static_cast<float>(format.height);
     snapshot.camera =
         Camera(lens, rigid(pose.world_of(lens.node), animation.origin), format.width, format.height, aspect);

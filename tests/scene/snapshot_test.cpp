@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/numeric.h"
 #include "scene/loaders.h"
 #include "scene/pose.h"
 #include "scene/traits.h"
@@ -190,6 +191,36 @@ TEST(Pose, ComposesDeepHierarchiesWithoutRecursion) {
     film.objects[0].node = 1 + depth;
     complete(film);
     EXPECT_EQ(pose_at(film, 0).world_of(1 + depth)[3].x, depth);
+}
+
+TEST(Snapshot, WhatTransformsMultiplyBeyondAllBoundsIsNotPresentAndBreaksNothing) {
+    Animation film = triangle_film();
+    film.nodes.resize(6);
+    film.lights.emplace_back();
+    for (int i = 2; i < 6; ++i) {
+        film.nodes[static_cast<std::size_t>(i)].parent = i == 2 ? -1 : i - 1;
+        film.nodes[static_cast<std::size_t>(i)].scale = glm::dvec3(1e300);
+        film.nodes[static_cast<std::size_t>(i)].translation = glm::dvec3(1e300, 0, -1e300);
+    }
+    film.nodes[0].parent = film.nodes[1].parent = film.lights[0].node = 5;
+    for (const bool has_camera : {true, false}) {
+        if (!has_camera) film.cameras.clear();
+        Animation whole = film;
+        complete(whole);
+        const Snapshot now = at(whole, 0);
+        EXPECT_FALSE(now.objects[0].present);
+        EXPECT_TRUE(core::is_finite(now.camera.to_world()));
+        EXPECT_TRUE(core::is_finite(now.lights[0].position));
+        EXPECT_TRUE(core::is_finite(whole.bounds_min) && core::is_finite(whole.bounds_max));
+    }
+}
+
+TEST(Snapshot, SplinesOfTheFieldOfViewThatOvershootStayInRange) {
+    Animation film = triangle_film();
+    film.tracks.push_back(
+        {TrackTarget::field_of_view, 0, Interpolation::cubic_spline, 1, {0, 10}, {0, 1, 50, -50, 1, 0}});
+    complete(film);
+    for (std::int64_t frame = 0; frame < 10; ++frame) EXPECT_GT(at(film, frame).camera.pixel_size(), 0) << frame;
 }
 
 TEST(NormalMatrix, IsTheInverseTransposeOfAnyScale) {
