@@ -242,14 +242,20 @@ TEST(Shade, StopsAtAnAbsoluteToleranceInTheDark) {
 }
 
 TEST(Shade, ReplacesAndCountsWhatIsNotFinite) {
-    SceneBuilder b = floor_and_lamp(3e38f);
-    b.film().nodes[static_cast<std::size_t>(b.film().lights[0].node)].translation = {0.3, 0.01, -0.4};
+    // A lamp as strong as single precision has, a hair above what one pixel shows.
+    FilmStage dim(floor_and_lamp(1));
+    const scene::Snapshot world = dim.at(0);
+    const auto place = scene::carry(dim.renderer().see(world).visible.address.at(7, 9), world);
+    ASSERT_TRUE(place.has_value());
+    SceneBuilder b = floor_and_lamp(1e30f);
+    b.film().nodes[static_cast<std::size_t>(b.film().lights[0].node)].translation =
+        glm::dvec3(*place) + glm::dvec3(0, 1e-5, 0);
     FilmStage stage(b);
     const core::Radiance picture = stage.reference();
     for (const glm::vec3& p : picture.combined.values()) ASSERT_TRUE(std::isfinite(p.x) && p.x >= 0);
-    EXPECT_GT(stage.statistics().non_finite, 0u);
-    EXPECT_EQ(stage.statistics().first_non_finite.rfind("frame 0, pixel (", 0), 0u)
-        << stage.statistics().first_non_finite;
+    EXPECT_EQ(picture.combined.at(7, 9), glm::vec3(0));
+    EXPECT_EQ(stage.statistics().non_finite, 1u);
+    EXPECT_EQ(stage.statistics().first_non_finite, "frame 0, pixel (7, 9)");
 }
 
 TEST(Shade, LayersAddUpToThePicture) {
