@@ -33,6 +33,7 @@ struct Ledger {
     std::array<double, static_cast<std::size_t>(Stage::count)> seconds{};  ///< CPU, summed over threads
     double wall = 0;
     std::vector<FrameEntry> frames;
+    int brightest_luma = 0;  ///< code value
     renderer::Statistics rendering;
     std::array<double, static_cast<std::size_t>(renderer::Pass::count)> pass_seconds{};
 

@@ -103,6 +103,8 @@ bool render_chunk(const Production& film, renderer::Renderer& renderer, const Ch
         // Develop it.
         core::Picture picture = timed(ledger, Stage::develop, [&] { return display.develop(radiance); });
         picture.number = n;
+        for (const std::uint8_t luma : picture.y.values())
+            ledger.brightest_luma = std::max<int>(ledger.brightest_luma, luma);
 
         // Encode it with the renderer's own motion, or write it as it is.
         if (destination.film != nullptr) {

@@ -75,6 +75,8 @@ std::string summary(const Production& film, const Ledger& ledger, const RunFacts
     if (r.clamped_energy > 0.0005)
         text +=
             fmt::format("             {} of the light was clamped near light points\n", percent_text(r.clamped_energy));
+    if (ledger.brightest_luma <= 16)
+        text += "             every pixel is black: no light reaches what the camera sees\n";
     if (r.non_finite > 0)
         text += fmt::format("             {} values were not finite and became 0, the first in {}\n", r.non_finite,
                             r.first_non_finite);
@@ -94,7 +96,7 @@ std::string plan_table(const renderer::Plan& plan, const std::filesystem::path& 
     const PassCosts costs = costs_known ? read_costs(statistics) : PassCosts{};
     std::string text;
     for (const renderer::PlanRow& row : plan.rows()) {
-        text += fmt::format("{:<3} {:<18}", row.runs ? "yes" : "no", row.name);
+        text += fmt::format("{:<3} {:<21}", row.runs ? "yes" : "no", row.name);
         if (costs_known) {
             const auto cost = costs.passes.find(row.name);
             text += cost != costs.passes.end() && cost->is_number()

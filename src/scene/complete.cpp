@@ -3,6 +3,7 @@
 #include <glm/glm.hpp>
 
 #include "core/rational.h"
+#include "scene/default_light.h"
 #include "scene/extent.h"
 #include "scene/framing.h"
 #include "scene/load.h"
@@ -74,7 +75,7 @@ void set_duration(Animation& animation) {
 
 }  // namespace
 
-void complete(Animation& animation) {
+void complete(Animation& animation, bool default_light) {
     // Check, in the order in which the checks rely on each other.
     validate_nodes(animation);
     validate_meshes(animation);
@@ -95,11 +96,8 @@ void complete(Animation& animation) {
         note_once(animation, counted(animation.cameras.size(), "camera") + " and no choice: the first is used" +
                                  (name.empty() ? "" : ", " + in_quotes(name)));
     }
-    if (!has_light(animation)) {
-        animation.sky.color = glm::vec3(1);
-        animation.sky.image = -1;
-        note_once(animation, neutral_sky_note);
-    }
+    if (default_light && !has_light(animation))
+        note_once(animation, add_default_light(animation, first_second(animation)));
     set_origin_and_bounds(animation);
 }
 

@@ -54,14 +54,7 @@ Animation load(const std::filesystem::path& file, const LoadOptions& options) {
         animation.sky.image = static_cast<int>(animation.images.size());
         animation.images.push_back({*options.sky, *options.sky, {}});
     }
-    complete(animation);
-
-    // `complete` lights a film that has no light; here the user asked for none.
-    if (no_sky) {
-        animation.sky = {};
-        std::vector<std::string>& notes = animation.notes;
-        notes.erase(std::remove(notes.begin(), notes.end(), neutral_sky_note), notes.end());
-    }
+    complete(animation, !no_sky);
     return animation;
 }
 

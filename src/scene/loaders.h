@@ -22,7 +22,7 @@ Animation load_animation_file(const std::filesystem::path& file, const LoadOptio
 
 /// Checks everything that the rest of the program relies on (indices, finite numbers, no cycles, rising keys, sizes that agree) and
 /// throws core::Error with file, object and cause; drops triangles that cannot be drawn; sets origin, bounds, mobility and duration;
-/// gives a film without camera an orbit and one without light a neutral sky. Idempotent.
-void complete(Animation& animation);
+/// gives a film without camera one, and one without light a light (default_light.h; not if `default_light` is false). Idempotent.
+void complete(Animation& animation, bool default_light = true);
 
 }  // namespace render2mpeg::scene

@@ -111,6 +111,37 @@ bool SurfaceGrid::is_free(glm::dvec3 point) const {
     return true;
 }
 
+bool SurfaceGrid::closes_in(glm::dvec3 point) const {
+    // Begin in the point's cell, or beside it where a surface passes through it.
+    std::vector<glm::ivec3> open;
+    std::vector<char> reached(cells_.size(), 0);
+    const auto visit = [&](glm::ivec3 cell) {
+        if (!inside(cell)) return false;
+        if (cells_[index(cell)].samples > 0 || reached[index(cell)] != 0) return true;
+        reached[index(cell)] = 1;
+        open.push_back(cell);
+        return true;
+    };
+    const glm::ivec3 centre = cell_of(point);
+    if (!visit(centre)) return false;
+    for (int k = 0; k < 27 && open.empty(); ++k)
+        if (!visit(centre + glm::ivec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1))) return false;
+    if (open.empty()) return false;
+
+    // Flood the free cells.
+    while (!open.empty()) {
+        const glm::ivec3 cell = open.back();
+        open.pop_back();
+        for (int axis = 0; axis < 3; ++axis)
+            for (const int step : {-1, 1}) {
+                glm::ivec3 next = cell;
+                next[axis] += step;
+                if (!visit(next)) return false;
+            }
+    }
+    return true;
+}
+
 void SurfaceGrid::look_along(glm::dvec3 eye, glm::dvec3 direction, Seen& seen) {
     // Clip to the box.
     double from = 0, to = 1e300;

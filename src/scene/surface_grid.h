@@ -29,6 +29,10 @@ class SurfaceGrid {
     /// Whether neither the cell of this point nor one beside it holds a surface.
     bool is_free(glm::dvec3 point) const;
 
+    /// Whether cells with surfaces lie all around a point, so that no way leads from it to the outside of the grid.
+    /// False for points that touch a surface with all cells about them, since nothing can be said of those.
+    bool closes_in(glm::dvec3 point) const;
+
   private:
     struct Cell {
         glm::vec3 normal{0};        ///< sum over the samples

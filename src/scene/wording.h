@@ -20,9 +20,6 @@ std::string counted(std::size_t count, std::string_view noun);
 /// Adds a line to Animation::notes unless it is there already.
 void note_once(Animation& animation, const std::string& line);
 
-/// Said by `complete` of a film without any light.
-inline constexpr const char* neutral_sky_note = "no light: lit by a neutral sky";
-
 /// For what is wrong with a loaded film: always throws core::Error.
 [[noreturn]] void refuse(const Animation& animation, const std::string& object, const std::string& cause);
 
