@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "core/error.h"
+#include "scene/child_trial.h"
 #include "scene/choice.h"
 #include "scene/loaders.h"
 #include "scene/wording.h"
@@ -36,6 +37,8 @@ Animation load_as_is(const std::filesystem::path& file, const LoadOptions& optio
     const std::string ending = lower_case_ending(file);
     if (ending == ".gltf" || ending == ".glb") return load_gltf(file, options);
     if (ending == ".json") return load_animation_file(file, options);
+    // Assimp is not ours, and some of its parsers trust what a file says.
+    try_in_child(file, [&] { load_with_assimp(file, options); });
     return load_with_assimp(file, options);
 }
 
