@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/dct.h"
+#include "core/plane.h"
+
+namespace render2mpeg::core {
+
+/// How far each DCT coefficient of a picture's luma may be off before the eye sees it: what the eye tells the encoder.
+struct ThresholdMap {
+    std::int64_t picture = 0;  ///< display number
+    /// One per 8x8 block of luma, (width + 7) / 8 by (height + 7) / 8 of them: thresholds of the orthonormal DCT's
+    /// coefficients in code values, > 0 and finite, [v * 8 + u] with u the horizontal frequency. Empty: nobody asked.
+    Plane<Block8x8> blocks;
+};
+
+}  // namespace render2mpeg::core
