@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "renderer/renderer.h"
@@ -35,6 +36,7 @@ struct Ledger {
     std::vector<FrameEntry> frames;
     int brightest_luma = 0;  ///< code value
     renderer::Statistics rendering;
+    /// CPU, by row of the plan; 0 for rows that did not run, or not by themselves: their time is in the row they serve.
     std::array<double, static_cast<std::size_t>(renderer::Pass::count)> pass_seconds{};
 
     double stage_seconds(Stage stage) const { return seconds[static_cast<std::size_t>(stage)]; }
@@ -46,16 +48,24 @@ struct Ledger {
     double mean_indirect_cut() const;
 };
 
-/// Calls `work`, adds the CPU time it took to one stage, and returns what it returned.
+/// Calls `work`, adds the CPU time it took to `sum`, and returns what it returned.
 template <class Work>
-auto timed(Ledger& ledger, Stage stage, Work&& work) {
+auto timed(double& sum, Work&& work) {
     struct Clock {
         double& sum;
         double start = cpu_seconds();
         ~Clock() { sum += cpu_seconds() - start; }
     };
-    const Clock clock{ledger.seconds[static_cast<std::size_t>(stage)]};
+    const Clock clock{sum};
     return work();
+}
+template <class Work>
+auto timed(Ledger& ledger, Stage stage, Work&& work) {
+    return timed(ledger.seconds[static_cast<std::size_t>(stage)], std::forward<Work>(work));
+}
+template <class Work>
+auto timed(Ledger& ledger, renderer::Pass pass, Work&& work) {
+    return timed(ledger.pass_seconds[static_cast<std::size_t>(pass)], std::forward<Work>(work));
 }
 
 }  // namespace render2mpeg::app

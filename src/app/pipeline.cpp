@@ -110,11 +110,14 @@ bool render_chunk(const Production& film, renderer::Renderer& renderer, const Ch
         if (destination.film != nullptr) {
             const encoder::PicturePlan coding = encoder.plan(n, {world.cut_before}, n == chunk.first);
             books.keep(picture);
-            write(timed(ledger, Stage::encode,
-                        [&] { return encoder.push(picture, coding, motion_of(film, coding, seen.visible, world)); }));
+            const auto motion =
+                timed(ledger, renderer::Pass::motion, [&] { return motion_of(film, coding, seen.visible, world); });
+            write(timed(ledger, Stage::encode, [&] { return encoder.push(picture, coding, motion); }));
         }
         if (destination.sink != nullptr) destination.sink->write(radiance, picture);
-        if (destination.layers != nullptr) write_frame_layers(film, *destination.layers, seen.visible, radiance, world);
+        if (destination.layers != nullptr)
+            timed(ledger, renderer::Pass::layers,
+                  [&] { write_frame_layers(film, *destination.layers, seen.visible, radiance, world); });
         books.took(cpu_seconds() - start);
         whole = frame_done() || n == chunk.last;
     }

@@ -67,7 +67,9 @@ std::vector<ChunkFile> render_chunks(const Production& film, const RenderOptions
     }
     ledger.rendering = renderer.statistics();
     for (std::size_t i = 0; i < ledger.pass_seconds.size(); ++i)
-        ledger.pass_seconds[i] = renderer.seconds(static_cast<renderer::Pass>(i));
+        ledger.pass_seconds[i] += renderer.seconds(static_cast<renderer::Pass>(i));
+    ledger.pass_seconds[static_cast<std::size_t>(renderer::Pass::develop)] = ledger.stage_seconds(Stage::develop);
+    ledger.pass_seconds[static_cast<std::size_t>(renderer::Pass::encode)] = ledger.stage_seconds(Stage::encode);
     return files;
 }
 

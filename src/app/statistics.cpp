@@ -28,9 +28,11 @@ json seconds_of(const Ledger& ledger) {
 }
 
 json passes_of(const Production& film, const Ledger& ledger) {
-    json passes;
-    for (const renderer::PlanRow& row : film.plan.rows())
-        if (row.runs) passes[row.name] = ledger.pass_seconds[static_cast<std::size_t>(row.pass)];
+    json passes = json::object();
+    for (const renderer::PlanRow& row : film.plan.rows()) {
+        const double seconds = ledger.pass_seconds[static_cast<std::size_t>(row.pass)];
+        if (row.runs && seconds > 0) passes[row.name] = seconds;
+    }
     return passes;
 }
 

@@ -128,6 +128,9 @@ TEST(PlanCommand, GivesAReasonForEveryPassAndItsCostAfterARender) {
     const auto priced = run(program() + " plan " + film("still_room") + " --stats " + stats);
     EXPECT_EQ(priced.status, 0);
     EXPECT_NE(priced.output.find(" %"), std::string::npos) << priced.output;
+    const auto passes = nlohmann::json::parse(contents(stats)).at("passes");
+    for (const char* pass : {"pose", "see", "direct light tree", "photons", "indirect light tree", "develop", "encode"})
+        EXPECT_GT(passes.value(pass, 0.0), 0.0) << pass;
 }
 
 TEST(Statistics, HaveEveryDocumentedKey) {
