@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cmath>
+#include <new>
+#include <string_view>
 #include <unordered_map>
 
 #include "core/error.h"
@@ -326,6 +328,8 @@ Animation load_with_assimp(const fs::path& file, const LoadOptions& options) {
 
     const auto refuse = [&](const std::string& cause) { throw core::Error("reading", file.string(), cause); };
     const aiScene* scene = importer.ReadFile(file.string(), 0);
+    // What it cannot allocate it tells by the exception's own name, which helps nobody.
+    if (!scene && std::string_view(importer.GetErrorString()) == "std::bad_alloc") throw std::bad_alloc();
     if (!scene) refuse(importer.GetErrorString());
     if (!scene->mRootNode || scene->mNumMeshes == 0) refuse("has no mesh");
     refuse_unsound_meshes(*scene, file.string());

@@ -16,7 +16,7 @@
 namespace render2mpeg::scene {
 namespace {
 
-constexpr int refused = 1, out_of_memory = 2;
+constexpr int refused = 1, out_of_memory = 2, crashed = 3;
 
 /// What a parser may take for a file of this size.
 struct Limits {
@@ -71,7 +71,7 @@ void limit(const Limits& limits) {
     } catch (const std::bad_alloc&) {
         status = out_of_memory;
     } catch (...) {
-        std::abort();
+        status = crashed;
     }
     _exit(status);
 }
@@ -110,10 +110,10 @@ void try_in_child(const std::filesystem::path& file, const std::function<void()>
     }
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
     if (WIFEXITED(status) && WEXITSTATUS(status) == refused) throw core::Error(text);
-    if (WIFEXITED(status))
+    if (WIFEXITED(status) && WEXITSTATUS(status) == out_of_memory)
         throw core::Error("reading", file.string(),
                           "takes more memory than a file of its size can need: it is damaged");
-    const int signal = WTERMSIG(status);
+    const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
     if (signal == SIGXCPU || signal == SIGALRM || signal == SIGKILL)
         throw core::Error("reading", file.string(), "takes more time than a file of its size can need: it is damaged");
     throw core::Error("reading", file.string(), "its parser crashed: the file is damaged");

@@ -57,7 +57,13 @@ TEST(ChildTrial, APlyFileThatCountsToABillionIsRefused) {
         << "ply\nformat ascii 1.0\nelement vertex 1000000000\nproperty float x\nproperty float y\nproperty float z\n"
            "element face 1000000000\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 "
            "2\n";
-    EXPECT_THROW(load(folder / "count.ply"), core::Error);
+    try {
+        load(folder / "count.ply");
+        ADD_FAILURE() << "accepted";
+    } catch (const core::Error& error) {
+        EXPECT_NE(std::string(error.what()).find("more memory than a file of its size can need"), std::string::npos)
+            << error.what();
+    }
 }
 #endif
 
