@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "encoder/mpeg2/levels.h"
+#include "parallel/loops.h"
+
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
@@ -103,6 +106,19 @@ Candidates exact_candidates(const core::MotionField& motion, int column, int row
     if (is_valid(motion.kind.at(x, y), motion.vector.at(x, y)))
         candidates.add(to_half_pixels(motion.vector.at(x, y), range));
     return candidates;
+}
+
+core::Plane<Candidates> exact_candidates(const core::MotionField& motion, int columns, int rows,
+                                         int horizontal_f_code_limit) {
+    core::Plane<Candidates> all(columns, rows);
+    parallel::for_each(static_cast<std::size_t>(rows), [&](std::size_t r) {
+        const int row = static_cast<int>(r);
+        for (int column = 0; column < columns; ++column)
+            all.at(column, row) = exact_candidates(
+                motion, column, row,
+                vector_range(column, row, columns, rows, horizontal_f_code_limit, vertical_f_code_limit));
+    });
+    return all;
 }
 
 }  // namespace render2mpeg::encoder::mpeg2

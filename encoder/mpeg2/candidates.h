@@ -24,4 +24,9 @@ struct Candidates {
 /// none left: no candidates. The macroblock may hang over the field's right and lower side.
 Candidates exact_candidates(const core::MotionField& motion, int column, int row, const VectorRange& range);
 
+/// The same for every macroblock of a picture of `columns` x `rows`: all that has to be kept of a field while its
+/// picture waits for its later reference.
+core::Plane<Candidates> exact_candidates(const core::MotionField& motion, int columns, int rows,
+                                         int horizontal_f_code_limit);
+
 }  // namespace render2mpeg::encoder::mpeg2

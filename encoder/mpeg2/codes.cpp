@@ -139,11 +139,28 @@ const CoefficientCodes& coefficient_codes_one() {
     return codes;
 }
 
-Code macroblock_type_code(bool intra_picture, const MacroblockType& type) {
-    if (intra_picture) {
+namespace {
+
+/// Table B-4; quant and no motion are settled.
+Code bidirectional_type_code(const MacroblockType& type) {
+    const std::uint32_t coded = type.pattern ? 1 : 0;
+    if (type.motion_forward && type.motion_backward) return type.quant ? Code{0b00010, 5} : Code{0b10 | coded, 2};
+    if (type.motion_backward) return type.quant ? Code{0b000010, 6} : Code{0b010 | coded, 3};
+    return type.quant ? Code{0b000011, 6} : Code{0b0010 | coded, 4};
+}
+
+}  // namespace
+
+Code macroblock_type_code(PictureType picture, const MacroblockType& type) {
+    if (picture == PictureType::intra) {
         if (!type.intra) return {};
         return type.quant ? Code{0b01, 2} : Code{0b1, 1};
     }
+    if (picture == PictureType::bidirectional && !type.intra) {
+        const bool none = (!type.motion_forward && !type.motion_backward) || (type.quant && !type.pattern);
+        return none ? Code{} : bidirectional_type_code(type);
+    }
+    if (type.motion_backward) return {};
     if (type.intra) return type.quant ? Code{0b000001, 6} : Code{0b00011, 5};
     if (!type.pattern) return type.motion_forward && !type.quant ? Code{0b001, 3} : Code{};
     if (type.motion_forward) return type.quant ? Code{0b00010, 5} : Code{0b1, 1};

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "encoder/encoder.h"
 #include "encoder/mpeg2/bit_writer.h"
 
 /// Code words and scan of ISO/IEC 13818-2. All of it is fact of the standard; a test has foreign decoders read every
@@ -43,14 +44,17 @@ const CoefficientCodes& coefficient_codes_one();
 inline constexpr Code coefficient_escape{0b000001, 6};  ///< then 6 bits of run, 12 of level [H262, table B-16]
 inline constexpr int escape_bits = 24;
 
-/// macroblock_type as flags [H262, tables B-2 and B-3].
+/// macroblock_type as flags [H262, tables B-2 to B-4].
 struct MacroblockType {
     bool intra = false;
     bool motion_forward = false;
     bool pattern = false;
     bool quant = false;
+    bool motion_backward = false;
+
+    bool motion(int direction) const { return direction == 0 ? motion_forward : motion_backward; }
 };
 /// Length 0 where the picture type has no such macroblock.
-Code macroblock_type_code(bool intra_picture, const MacroblockType& type);
+Code macroblock_type_code(PictureType picture, const MacroblockType& type);
 
 }  // namespace render2mpeg::encoder::mpeg2

@@ -1,26 +1,58 @@
 #include "encoder/encoder.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "encoder/mpeg2/bit_writer.h"
+#include "encoder/mpeg2/candidates.h"
 #include "encoder/mpeg2/frame.h"
 #include "encoder/mpeg2/levels.h"
 #include "encoder/mpeg2/picture_coding.h"
 #include "encoder/mpeg2/syntax.h"
+#include "encoder/mpeg2/tuning.h"
 
 namespace render2mpeg::encoder {
 
 namespace {
 
-/// The last picture pushed, as the next one refers to it.
+/// A coded I or P picture, as others refer to it.
 struct Reference {
     std::int64_t number = 0;
+    std::int64_t refers_to = 0;  ///< where `vectors` lead
     mpeg2::Frame frame;
-    core::Plane<mpeg2::Vector> vectors;
+    core::Plane<mpeg2::Vector> vectors;  ///< empty: none
+};
+
+/// A B picture that waits for the later one that it refers to.
+struct Waiting {
+    PicturePlan plan;
+    mpeg2::Frame source;
+    std::vector<core::Plane<mpeg2::Candidates>> exact;  ///< per reference of the plan, or empty
 };
 
 int macroblocks(int size) {
     return (size + 15) / 16;
+}
+
+int quantiser_of(PictureType type, int quantiser) {
+    if (type != PictureType::bidirectional) return quantiser;
+    return std::min(31, static_cast<int>(std::lround(mpeg2::quantiser_ratio_bidirectional * quantiser)));
+}
+
+/// The reference's vectors as a guess for motion over other distances in time: half pixels times `distance`, per
+/// picture of theirs.
+core::Plane<mpeg2::Vector> stretched(const Reference& from, std::int64_t distance) {
+    const std::int64_t theirs = from.refers_to - from.number;
+    core::Plane<mpeg2::Vector> vectors = from.vectors;
+    if (distance == theirs) return vectors;
+    for (mpeg2::Vector& v : vectors.values()) {
+        const auto stretch = [&](int component) {
+            return static_cast<std::int16_t>(std::clamp<std::int64_t>(component * distance / theirs, -4096, 4095));
+        };
+        v = {stretch(v.x), stretch(v.y)};
+    }
+    return vectors;
 }
 
 }  // namespace
@@ -40,14 +72,19 @@ struct Encoder::Impl {
     // What plan() has decided so far; it may run ahead of push().
     std::optional<std::int64_t> last_planned;
     std::int64_t planned_gop_start = 0;
+    std::int64_t planned_earlier = 0, planned_later = 0;  ///< I or P pictures around the one planned last, or itself
 
     // Where push() stands.
-    std::optional<Reference> reference;
+    std::optional<Reference> earlier, later;  ///< the newest two I and P pictures
+    std::vector<Waiting> waiting;             ///< for the one after `later`
     std::int64_t gop_start = 0;
     std::int64_t coding_order = 0;
 
     void check(const core::Picture& picture, const PicturePlan& plan, std::span<const core::MotionField> motion) const;
     void write_headers(mpeg2::BitWriter& out, const PicturePlan& plan) const;
+    CodedPicture code(const mpeg2::Frame& picture, const PicturePlan& plan,
+                      std::span<const core::Plane<mpeg2::Candidates>> exact);
+    void code_waiting(std::vector<CodedPicture>& complete);
 };
 
 void Encoder::Impl::check(const core::Picture& picture, const PicturePlan& plan,
@@ -58,13 +95,22 @@ void Encoder::Impl::check(const core::Picture& picture, const PicturePlan& plan,
     EXPECTS(picture.cr.width() == chroma_width && picture.cr.height() == chroma_height);
     EXPECTS(picture.number == plan.number && plan.number >= 0);
     EXPECTS(plan.quantiser >= 1 && plan.quantiser <= 31);
-    EXPECTS(plan.type == PictureType::intra || plan.type == PictureType::predicted);
-    EXPECTS(plan.starts_gop ? plan.type == PictureType::intra : plan.number > gop_start);
-    EXPECTS(plan.references.size() == (plan.type == PictureType::predicted ? 1u : 0u));
+
+    // References are the last I or P picture, and for B pictures the one that will come next.
+    EXPECTS(plan.starts_gop == (plan.type == PictureType::intra));
+    EXPECTS(plan.references.size() == static_cast<std::size_t>(plan.type) - 1);
+    EXPECTS(plan.starts_gop ? waiting.empty() : plan.number > gop_start);
+    if (!plan.starts_gop) EXPECTS(later && later->number == plan.references[0] && plan.number > later->number);
+    const bool bidirectional = plan.type == PictureType::bidirectional;
+    if (bidirectional) EXPECTS(plan.number < plan.references[1]);
+    for (const Waiting& w : waiting)
+        EXPECTS(w.plan.number < plan.number &&
+                w.plan.references[1] == (bidirectional ? plan.references[1] : plan.number));
+
     EXPECTS(motion.empty() || motion.size() == plan.references.size());
-    if (plan.type == PictureType::predicted) EXPECTS(reference && reference->number == plan.references[0]);
-    for (const core::MotionField& field : motion) {
-        EXPECTS(field.picture == plan.number && field.reference == plan.references[0]);
+    for (std::size_t i = 0; i < motion.size(); ++i) {
+        const core::MotionField& field = motion[i];
+        EXPECTS(field.picture == plan.number && field.reference == plan.references[i]);
         EXPECTS(field.vector.width() == settings.width && field.vector.height() == settings.height);
         EXPECTS(field.kind.width() == settings.width && field.kind.height() == settings.height);
     }
@@ -76,6 +122,46 @@ void Encoder::Impl::write_headers(mpeg2::BitWriter& out, const PicturePlan& plan
     mpeg2::write_gop(out, settings.rate, plan.number);
 }
 
+/// Codes a picture whose references are there; an I or P picture becomes the newest one.
+CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan& plan,
+                                 std::span<const core::Plane<mpeg2::Candidates>> exact) {
+    mpeg2::PictureTask task{
+        picture, plan.type, {}, {}, {}, settings.height, static_cast<int>(plan.number - gop_start), plan.quantiser};
+    core::Plane<mpeg2::Vector> predictors[2];
+    const bool bidirectional = plan.type == PictureType::bidirectional;
+    for (std::size_t i = 0; i < plan.references.size(); ++i) {
+        task.reference[i] = bidirectional && i == 0 ? &earlier->frame : &later->frame;
+        if (i < exact.size()) task.exact[i] = &exact[i];
+        if (later->vectors.empty()) continue;
+        predictors[i] = stretched(*later, plan.references[i] - plan.number);
+        task.predictors[i] = &predictors[i];
+    }
+    mpeg2::PictureResult result = mpeg2::code_picture(task, level);
+
+    CodedPicture coded;
+    coded.plan = plan;
+    coded.coding_order = coding_order++;
+    mpeg2::BitWriter headers;
+    write_headers(headers, plan);
+    coded.bytes = headers.take();
+    coded.bytes.insert(coded.bytes.end(), result.bytes.begin(), result.bytes.end());
+    coded.exceeds_level = !watch.remove(coded.bytes.size() * 8);
+    coded.reconstruction = mpeg2::crop(result.reconstruction, settings.width, settings.height, plan.number);
+    coded.macroblocks = std::move(result.records);
+    coded.block_evaluations = result.evaluations;
+    if (bidirectional) return coded;
+    earlier = std::move(later);
+    later = Reference{plan.number, plan.references.empty() ? plan.number : plan.references[0],
+                      std::move(result.reconstruction), std::move(result.vectors)};
+    return coded;
+}
+
+/// Codes the B pictures between the newest two others.
+void Encoder::Impl::code_waiting(std::vector<CodedPicture>& complete) {
+    for (const Waiting& w : waiting) complete.push_back(code(w.source, w.plan, w.exact));
+    waiting.clear();
+}
+
 Encoder::Encoder(const Settings& settings) : impl_(std::make_unique<Impl>(settings)) {}
 Encoder::~Encoder() = default;
 
@@ -84,15 +170,24 @@ PicturePlan Encoder::plan(std::int64_t number, const PictureFacts& facts, bool f
     EXPECTS(number >= 0 && (!m.last_planned || first_of_chunk || number == *m.last_planned + 1));
     PicturePlan plan;
     plan.number = number;
-    plan.quantiser = m.settings.quantiser;
     plan.starts_gop =
         !m.last_planned || first_of_chunk || facts.cut_before || number - m.planned_gop_start >= m.settings.gop;
-    plan.type = plan.starts_gop ? PictureType::intra : PictureType::predicted;
     if (plan.starts_gop) {
-        m.planned_gop_start = number;
+        // B pictures may have been promised this picture as their later reference, in their own GOP.
+        EXPECTS(!m.last_planned || m.planned_later <= *m.last_planned);
+        plan.type = PictureType::intra;
+        m.planned_gop_start = m.planned_earlier = m.planned_later = number;
     } else {
-        plan.references = {number - 1};
+        if (number > m.planned_later) {
+            const std::int64_t left = std::min(facts.frames_left, m.planned_gop_start + m.settings.gop - 1 - number);
+            m.planned_earlier = m.planned_later;
+            m.planned_later = number + std::clamp<std::int64_t>(left, 0, m.settings.b_pictures);
+        }
+        plan.type = number < m.planned_later ? PictureType::bidirectional : PictureType::predicted;
+        plan.references = {m.planned_earlier};
+        if (plan.type == PictureType::bidirectional) plan.references.push_back(m.planned_later);
     }
+    plan.quantiser = quantiser_of(plan.type, m.settings.quantiser);
     m.last_planned = number;
     return plan;
 }
@@ -102,37 +197,41 @@ std::vector<CodedPicture> Encoder::push(const core::Picture& picture, const Pict
     Impl& m = *impl_;
     m.check(picture, plan, motion);
     if (plan.starts_gop) m.gop_start = plan.number;
-    mpeg2::pad(picture, m.source);
-
-    // Code against the last picture and its vectors.
-    const bool predicted = plan.type == PictureType::predicted;
-    const bool vectors_known = predicted && !m.reference->vectors.empty();
-    mpeg2::PictureResult result =
-        mpeg2::code_picture({m.source, predicted ? &m.reference->frame : nullptr, motion.empty() ? nullptr : &motion[0],
-                             vectors_known ? &m.reference->vectors : nullptr, m.settings.height,
-                             static_cast<int>(plan.number - m.gop_start), plan.quantiser},
-                            m.level);
-
-    CodedPicture coded;
-    coded.plan = plan;
-    coded.coding_order = m.coding_order++;
-    mpeg2::BitWriter headers;
-    m.write_headers(headers, plan);
-    coded.bytes = headers.take();
-    coded.bytes.insert(coded.bytes.end(), result.bytes.begin(), result.bytes.end());
-    coded.exceeds_level = !m.watch.remove(coded.bytes.size() * 8);
-    coded.reconstruction = mpeg2::crop(result.reconstruction, m.settings.width, m.settings.height, plan.number);
-    coded.macroblocks = std::move(result.records);
-    coded.block_evaluations = result.evaluations;
-    m.reference = Reference{plan.number, std::move(result.reconstruction), std::move(result.vectors)};
+    std::vector<core::Plane<mpeg2::Candidates>> exact;
+    for (const core::MotionField& field : motion)
+        exact.push_back(mpeg2::exact_candidates(field, m.source.columns(), m.source.rows(), m.level.horizontal_f_code));
 
     std::vector<CodedPicture> complete;
-    complete.push_back(std::move(coded));
+    if (plan.type == PictureType::bidirectional) {
+        Waiting& waiting =
+            m.waiting.emplace_back(Waiting{plan, mpeg2::Frame(m.source.columns(), m.source.rows()), std::move(exact)});
+        mpeg2::pad(picture, waiting.source);
+        return complete;
+    }
+    mpeg2::pad(picture, m.source);
+    complete.push_back(m.code(m.source, plan, exact));
+    m.code_waiting(complete);
     return complete;
 }
 
 std::vector<CodedPicture> Encoder::flush() {
-    return {};
+    Impl& m = *impl_;
+    std::vector<CodedPicture> complete;
+    if (m.last_planned) m.planned_later = *m.last_planned;
+    if (m.waiting.empty()) return complete;
+
+    // What they wait for will not come: the last one takes its place, and of the others' motion the forward part holds.
+    Waiting last = std::move(m.waiting.back());
+    m.waiting.pop_back();
+    last.plan.type = PictureType::predicted;
+    last.plan.references.pop_back();
+    last.plan.quantiser = quantiser_of(PictureType::predicted, m.settings.quantiser);
+    for (Waiting& w : m.waiting) w.plan.references[1] = last.plan.number;
+    for (Waiting& w : m.waiting) w.exact.resize(std::min<std::size_t>(w.exact.size(), 1));
+    last.exact.resize(std::min<std::size_t>(last.exact.size(), 1));
+    complete.push_back(m.code(last.source, last.plan, last.exact));
+    m.code_waiting(complete);
+    return complete;
 }
 
 }  // namespace render2mpeg::encoder

@@ -45,6 +45,9 @@ struct Kernels {
     void (*predict_8x8)(std::uint8_t* out, std::ptrdiff_t out_stride, const std::uint8_t* reference,
                         std::ptrdiff_t stride, int half);
 
+    /// a = (a + b + 1) / 2 for `count` samples, a multiple of 32.
+    void (*average)(std::uint8_t* a, const std::uint8_t* b, int count);
+
     /// DCT of samples, or of samples minus prediction.
     void (*forward_dct)(float* coefficients, const std::uint8_t* samples, std::ptrdiff_t stride);
     void (*forward_dct_of_difference)(float* coefficients, const std::uint8_t* samples, std::ptrdiff_t stride,

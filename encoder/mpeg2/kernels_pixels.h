@@ -176,5 +176,10 @@ void predict_8x8(u8* __restrict out, Stride out_stride, const u8* __restrict r, 
     }
 }
 
+void average(u8* __restrict a, const u8* __restrict b, int count) {
+    for (int at = 0; at < count; at += 32)
+        for (int i = 0; i < 32; ++i) a[at + i] = static_cast<u8>((a[at + i] + b[at + i] + 1) >> 1);
+}
+
 }  // namespace
 }  // namespace render2mpeg::encoder::mpeg2

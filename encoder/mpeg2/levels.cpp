@@ -38,6 +38,7 @@ void check_ranges(const Settings& s) {
     if (s.width < 1 || s.height < 1) throw core::Error("size " + size_of(s) + ": both sides must be at least 1");
     check_range("quantiser", s.quantiser, 1, 31);
     if (s.gop < 1) throw core::Error("gop " + std::to_string(s.gop) + ": must be at least 1");
+    check_range("B pictures in a row", s.b_pictures, 0, 3);
     check_range("aspect ratio code", s.aspect_ratio_code, 1, 4);
     if (s.matrix_coefficients != 1 && s.matrix_coefficients != 6)
         throw core::Error("matrix coefficients " + std::to_string(s.matrix_coefficients) +

@@ -74,15 +74,15 @@ Totals total_inter(const PictureCoding& picture, const SliceState& state, const 
         t.pattern |= 32 >> i;
         coefficients += coefficient_bits(block, CoefficientLengths::zero(), false);
     }
-    // A zero vector goes without saying where there are coefficients.
+    // A zero vector goes without saying where there are coefficients in a P picture.
     const bool coded = t.pattern != 0;
-    t.type = {false, !coded || !attempt.vector.is_zero(), coded, coded && attempt.quantiser != state.quantiser};
-    t.bits = macroblock_type_code(picture.intra_picture, t.type).length + coefficients;
+    const bool unsaid = picture.type == PictureType::predicted && coded && attempt.movement.vector[0].is_zero();
+    t.type = {false, attempt.movement.uses[0] && !unsaid, coded, coded && attempt.quantiser != state.quantiser,
+              attempt.movement.uses[1]};
+    t.bits = macroblock_type_code(picture.type, t.type).length + coefficients;
     if (t.type.quant) t.bits += quantiser_bits;
     if (coded) t.bits += pattern_codes[static_cast<std::size_t>(t.pattern)].length;
-    if (t.type.motion_forward)
-        t.bits += component_bits(attempt.vector.x - state.vector.x, picture.f_code[0]) +
-                  component_bits(attempt.vector.y - state.vector.y, picture.f_code[1]);
+    if (!unsaid) t.bits += vector_bits(picture, state, attempt.movement);
     t.bits_with_one = t.bits;
     return t;
 }
@@ -91,7 +91,7 @@ Totals total_intra(const PictureCoding& picture, const SliceState& state, const 
     Totals t;
     t.type = {true, false, false, attempt.quantiser != state.quantiser};
     t.pattern = 63;
-    int common = macroblock_type_code(picture.intra_picture, t.type).length + (t.type.quant ? quantiser_bits : 0);
+    int common = macroblock_type_code(picture.type, t.type).length + (t.type.quant ? quantiser_bits : 0);
     int dc[3] = {state.dc[0], state.dc[1], state.dc[2]};
     for (int i = 0; i < 6; ++i) {
         const Block& block = attempt.block[i];
@@ -109,13 +109,13 @@ Totals total_intra(const PictureCoding& picture, const SliceState& state, const 
 
 }  // namespace
 
-void attempt_inter(const PictureCoding& picture, int column, int row, Vector v, int quantiser, const SliceState& state,
-                   Attempt& out) {
+void attempt_inter(const PictureCoding& picture, int column, int row, const Movement& movement, int quantiser,
+                   const SliceState& state, Attempt& out) {
     const QuantTable& table = Quantiser::of(quantiser).non_intra;
     const float lambda = lambda_of(picture, quantiser);
-    out.vector = v;
+    out.movement = movement;
     out.quantiser = quantiser;
-    predict(*picture.reference, column, row, v, out.prediction);
+    predict(picture, column, row, movement, out.prediction);
     for (int i = 0; i < 6; ++i) code_difference(picture, column, row, i, table, lambda, out);
     out.totals = total_inter(picture, state, out);
     if (out.totals.pattern == 0) return;
@@ -136,7 +136,7 @@ void attempt_intra(const PictureCoding& picture, int column, int row, int quanti
     const Kernels& k = kernels();
     const QuantTable& table = Quantiser::of(quantiser).intra;
     const float lambda = lambda_of(picture, quantiser);
-    out.vector = {};
+    out.movement = {{}, {false, false}};
     out.quantiser = quantiser;
     for (int i = 0; i < 6; ++i) {
         Block& block = out.block[i];
@@ -148,14 +148,47 @@ void attempt_intra(const PictureCoding& picture, int column, int row, int quanti
     out.totals = total_intra(picture, state, out);
 }
 
-float skip_distortion(const PictureCoding& picture, int column, int row) {
+void predict(const PictureCoding& picture, int column, int row, const Movement& movement, Prediction& out) {
+    const int first = movement.uses[0] ? 0 : 1;
+    predict(*picture.reference[first], column, row, movement.vector[first], out);
+    if (first == 1 || !movement.uses[1]) return;
+    Prediction later;
+    predict(*picture.reference[1], column, row, movement.vector[1], later);
+    kernels().average(out.y, later.y, 256);
+    kernels().average(out.cb, later.cb, 64);
+    kernels().average(out.cr, later.cr, 64);
+}
+
+std::optional<Movement> skipped_movement(const PictureCoding& picture, int column, int row, const SliceState& state) {
+    if (picture.type == PictureType::predicted) return Movement{};
+    const Movement& before = state.movement;
+    if (picture.type == PictureType::intra || (!before.uses[0] && !before.uses[1])) return std::nullopt;
+    for (int d = 0; d < 2; ++d) {
+        const VectorRange range = vector_range(column, row, picture.source.columns(), picture.source.rows(),
+                                               picture.f_code[d][0], picture.f_code[d][1]);
+        if (before.uses[d] && !range.contains(before.vector[d])) return std::nullopt;
+    }
+    return before;
+}
+
+int vector_bits(const PictureCoding& picture, const SliceState& state, const Movement& movement) {
+    int bits = 0;
+    for (int d = 0; d < 2; ++d) {
+        if (!movement.uses[d]) continue;
+        const Vector v = movement.vector[d], before = state.movement.vector[d];
+        bits +=
+            component_bits(v.x - before.x, picture.f_code[d][0]) + component_bits(v.y - before.y, picture.f_code[d][1]);
+    }
+    return bits;
+}
+
+float skip_distortion(const PictureCoding& picture, int column, int row, const Prediction& prediction) {
     const Kernels& k = kernels();
     float sum = 0.0f;
     for (const Place& p : {places[0], places[4], places[5]}) {
-        const std::ptrdiff_t stride = stride_of(picture.source, p.plane);
         const auto ssd = p.plane == 0 ? k.ssd_16x16 : k.ssd_8x8;
-        sum += static_cast<float>(ssd(samples_at(picture.source, column, row, p), stride,
-                                      samples_at(*picture.reference, column, row, p), stride));
+        sum += static_cast<float>(ssd(samples_at(picture.source, column, row, p), stride_of(picture.source, p.plane),
+                                      predicted_at(prediction, p), prediction_stride(p)));
     }
     return sum;
 }
@@ -195,33 +228,32 @@ void reconstruct(const PictureCoding& picture, int column, int row, Attempt& att
     }
 }
 
-void reconstruct_skipped(const PictureCoding& picture, int column, int row) {
-    for (int plane = 0; plane < 3; ++plane) {
-        const int size = plane == 0 ? 16 : 8;
-        for (int y = row * size; y < (row + 1) * size; ++y)
-            std::memcpy(picture.reconstruction.plane(plane).row(y) + column * size,
-                        picture.reference->plane(plane).row(y) + column * size, static_cast<std::size_t>(size));
+void reconstruct_skipped(const PictureCoding& picture, int column, int row, const Prediction& prediction) {
+    for (const Place& p : {places[0], places[4], places[5]}) {
+        const int size = p.plane == 0 ? 16 : 8;
+        std::uint8_t* out = samples_at(picture.reconstruction, column, row, p);
+        for (int y = 0; y < size; ++y)
+            std::memcpy(out + y * stride_of(picture.reconstruction, p.plane),
+                        predicted_at(prediction, p) + y * prediction_stride(p), static_cast<std::size_t>(size));
     }
 }
 
 void advance(SliceState& state, const MacroblockCode& code) {
-    if (code.skipped) {
-        ++state.skipped;
-        state.reset_dc();
-        state.vector = {};
-        return;
-    }
-    state.skipped = 0;
-    if (code.type.quant) state.quantiser = code.quantiser;
+    state.skipped = code.skipped ? state.skipped + 1 : 0;
+    if (!code.skipped && code.type.quant) state.quantiser = code.quantiser;
     if (code.type.intra) {
         state.dc[0] = code.dc[3];
         state.dc[1] = code.dc[4];
         state.dc[2] = code.dc[5];
-        state.vector = {};
+        state.movement = {{}, {false, false}};
         return;
     }
+    // A vector that is not sent stays as prediction; one that is zero without saying (P pictures) resets it.
     state.reset_dc();
-    state.vector = code.type.motion_forward ? code.vector : Vector{};
+    for (int d = 0; d < 2; ++d) {
+        state.movement.uses[d] = code.movement.uses[d];
+        if (code.movement.uses[d]) state.movement.vector[d] = code.movement.vector[d];
+    }
 }
 
 int address_increment_bits(int skipped) {

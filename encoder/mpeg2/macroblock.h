@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "encoder/mpeg2/block_coding.h"
 #include "encoder/mpeg2/codes.h"
@@ -15,7 +16,8 @@ namespace render2mpeg::encoder::mpeg2 {
 struct SliceState {
     static constexpr int dc_reset = 128;  ///< for intra_dc_precision 8
     int dc[3] = {dc_reset, dc_reset, dc_reset};
-    Vector vector;
+    /// Of the macroblock before; its vectors are what the next ones are predicted from. [H262, 7.6.3]
+    Movement movement{{}, {false, false}};
     int quantiser = 1;  ///< in force
     int skipped = 0;    ///< macroblocks since the last coded one
 
@@ -25,10 +27,10 @@ struct SliceState {
 /// What does not change within a picture.
 struct PictureCoding {
     const Frame& source;
-    const Frame* reference;  ///< null in an intra picture
+    const Frame* reference[2];  ///< earlier, later; null: none
     Frame& reconstruction;
-    bool intra_picture;
-    int f_code[2];
+    PictureType type;
+    int f_code[2][2];     ///< [direction][axis]
     float lambda_factor;  ///< lambda = lambda_factor * q^2
 };
 
@@ -38,10 +40,10 @@ struct MacroblockCode {
     bool skipped = false;
     std::uint8_t pattern = 0;    ///< coded_block_pattern; 63 for intra
     std::uint8_t quantiser = 1;  ///< in force
-    Vector vector;
-    std::uint8_t dc[6] = {};    ///< intra: quantised DCs
-    std::uint8_t runs[6] = {};  ///< coefficients per block in the row's list
-    std::uint32_t bits = 0;     ///< once written; what macroblocks skipped before it cost is on its bill
+    Movement movement;           ///< of a macroblock that is not intra
+    std::uint8_t dc[6] = {};     ///< intra: quantised DCs
+    std::uint8_t runs[6] = {};   ///< coefficients per block in the row's list
+    std::uint32_t bits = 0;      ///< once written; what macroblocks skipped before it cost is on its bill
 };
 
 /// What an attempt comes to.
@@ -59,28 +61,40 @@ struct Totals {
 struct Attempt {
     Block block[6];  ///< Y upper left, upper right, lower left, lower right, Cb, Cr
     Prediction prediction;
-    Vector vector;
+    Movement movement;
     int quantiser = 1;
     Totals totals;
 };
 
-/// Tries the macroblock with forward motion; blocks not worth their bits are dropped.
-void attempt_inter(const PictureCoding& picture, int column, int row, Vector v, int quantiser, const SliceState& state,
-                   Attempt& out);
+/// Tries the macroblock predicted by `movement`; blocks not worth their bits are dropped.
+void attempt_inter(const PictureCoding& picture, int column, int row, const Movement& movement, int quantiser,
+                   const SliceState& state, Attempt& out);
 
 /// Tries it intra.
 void attempt_intra(const PictureCoding& picture, int column, int row, int quantiser, const SliceState& state,
                    Attempt& out);
 
-/// Squared error of the macroblock as a copy of the reference.
-float skip_distortion(const PictureCoding& picture, int column, int row);
+/// Prediction of a macroblock by a movement that uses at least one direction. The mean of two rounds up.
+/// [H262, 7.6.7.1]
+void predict(const PictureCoding& picture, int column, int row, const Movement& movement, Prediction& out);
+
+/// How a macroblock is predicted that is skipped here: by zero in a P picture, like the one before in a B picture.
+/// [H262, 7.6.6] None where it must not be skipped: after an intra macroblock, or where the vectors would lead out of
+/// the picture.
+std::optional<Movement> skipped_movement(const PictureCoding& picture, int column, int row, const SliceState& state);
+
+/// Bits of the vectors that a movement uses.
+int vector_bits(const PictureCoding& picture, const SliceState& state, const Movement& movement);
+
+/// Squared error of the macroblock as its prediction.
+float skip_distortion(const PictureCoding& picture, int column, int row, const Prediction& prediction);
 
 /// Makes blocks empty from the high frequencies down until the macroblock has at most `limit` bits.
 void truncate_to(Attempt& attempt, const PictureCoding& picture, const SliceState& state, int limit);
 
 /// Writes the decoded macroblock into the picture's reconstruction.
 void reconstruct(const PictureCoding& picture, int column, int row, Attempt& attempt);
-void reconstruct_skipped(const PictureCoding& picture, int column, int row);
+void reconstruct_skipped(const PictureCoding& picture, int column, int row, const Prediction& prediction);
 
 /// The state after a macroblock that was coded so.
 void advance(SliceState& state, const MacroblockCode& code);

@@ -4,7 +4,6 @@
 #include <array>
 #include <vector>
 
-#include "encoder/mpeg2/candidates.h"
 #include "encoder/mpeg2/kernels.h"
 #include "encoder/mpeg2/levels.h"
 #include "encoder/mpeg2/tuning.h"
@@ -21,7 +20,6 @@ class Trials {
         std::uint32_t difference = 0;
     };
 
-    bool full() const { return count_ == evaluation_limit; }
     int count() const { return count_; }
     const Trial* begin() const { return trials_.data(); }
     const Trial* end() const { return trials_.data() + count_; }
@@ -78,7 +76,7 @@ class Chooser {
             const VectorRange allowed = range(column, row);
             evaluate(column, row, Vector{});
             if (s_.exact) {
-                const Candidates exact = exact_candidates(*s_.exact, column, row, allowed);
+                const Candidates& exact = s_.exact->at(column, row);
                 for (int i = 0; i < exact.count; ++i) evaluate(column, row, exact.vector[static_cast<std::size_t>(i)]);
             }
             if (s_.previous) evaluate(column, row, allowed.clamp(s_.previous->at(column, row)));
@@ -162,9 +160,11 @@ class Chooser {
             for (int i = choice.count - 1; i > place; --i) {
                 costs[i] = costs[i - 1];
                 choice.vector[i] = choice.vector[i - 1];
+                choice.difference[i] = choice.difference[i - 1];
             }
             costs[place] = cost;
             choice.vector[place] = trial.vector;
+            choice.difference[place] = trial.difference;
         }
         while (choice.count > 1 && costs[choice.count - 1] > shortlist_reach * costs[0]) --choice.count;
         return choice;
@@ -175,15 +175,16 @@ class Chooser {
                s_.cost_per_bit * static_cast<float>(vector_bits(trial.vector, prediction));
     }
 
-    /// Bits of macroblock_type and vector. A zero vector needs none, but a macroblock type one bit longer.
+    /// Bits of macroblock_type and vector. A zero vector needs none in P pictures, but a macroblock type one bit
+    /// longer.
     int vector_bits(Vector v, Vector prediction) const {
-        if (v.is_zero()) return 2;
+        if (s_.zero_is_unsaid && v.is_zero()) return 2;
         return 1 + price_x_(v.x - prediction.x) + price_y_(v.y - prediction.y);
     }
 
     void evaluate(int column, int row, Vector v) {
         Trials& t = trials(column, row);
-        if (t.full() || t.find(v)) return;
+        if (t.count() == s_.evaluation_limit || t.find(v)) return;
         const Kernels& k = kernels();
         const auto stride = static_cast<std::ptrdiff_t>(s_.picture.y.width());
         const std::uint8_t* here = s_.picture.y.row(row * 16) + column * 16;
@@ -212,11 +213,14 @@ MotionChoice choose_vectors(const MotionSources& sources) {
     return Chooser(sources).run();
 }
 
+void predict_luma(const Frame& reference, int column, int row, Vector v, std::uint8_t* out) {
+    const std::uint8_t* luma = reference.y.row(row * 16 + (v.y >> 1)) + column * 16 + (v.x >> 1);
+    kernels().predict_16x16(out, 16, luma, reference.y.width(), (v.x & 1) | (v.y & 1) << 1);
+}
+
 void predict(const Frame& reference, int column, int row, Vector v, Prediction& out) {
     const Kernels& k = kernels();
-    const auto stride = static_cast<std::ptrdiff_t>(reference.y.width());
-    const std::uint8_t* luma = reference.y.row(row * 16 + (v.y >> 1)) + column * 16 + (v.x >> 1);
-    k.predict_16x16(out.y, 16, luma, stride, (v.x & 1) | (v.y & 1) << 1);
+    predict_luma(reference, column, row, v, out.y);
 
     // Halve the vector towards zero for chroma. [H262, 7.6.3.7]
     const int x = v.x / 2, y = v.y / 2, half = (x & 1) | (y & 1) << 1;

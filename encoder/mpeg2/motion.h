@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "core/motion_field.h"
 #include "core/plane.h"
+#include "encoder/mpeg2/candidates.h"
 #include "encoder/mpeg2/frame.h"
 #include "encoder/mpeg2/vector.h"
 
@@ -12,17 +12,20 @@ namespace render2mpeg::encoder::mpeg2 {
 /// Where the vectors of a picture come from.
 struct MotionSources {
     const Frame& picture;
-    const Frame& reference;               ///< reconstruction
-    const core::MotionField* exact;       ///< null: predictors and zero only
-    const core::Plane<Vector>* previous;  ///< vectors of the picture before, a predictor; null: none
+    const Frame& reference;                ///< reconstruction
+    const core::Plane<Candidates>* exact;  ///< null: predictors and zero only
+    const core::Plane<Vector>* previous;   ///< vectors of another picture, a predictor; null: none
     int horizontal_f_code_limit;
-    float cost_per_bit;  ///< Hadamard sum
+    float cost_per_bit;         ///< Hadamard sum
+    bool zero_is_unsaid;        ///< a zero vector costs next to nothing: P pictures
+    int evaluation_limit = 40;  ///< most 16x16 differences computed for one macroblock, 9..40
 };
 
 /// The best vectors of a macroblock, best first.
 struct VectorChoice {
     static constexpr int most = 3;
     Vector vector[most];
+    std::uint32_t difference[most] = {};  ///< Hadamard sum
     int count = 1;
 };
 
@@ -31,8 +34,10 @@ struct MotionChoice {
     std::uint64_t evaluations = 0;  ///< 16x16 differences computed
 };
 
-/// Most 16x16 differences computed for one macroblock.
-inline constexpr int evaluation_limit = 40;
+/// Most 16x16 differences computed for one macroblock to choose its movement: in a P picture, in each direction of a B
+/// picture, and of means of both there.
+inline constexpr int evaluation_limit = 40, evaluation_limit_per_direction = 18, evaluation_limit_of_means = 4;
+static_assert(2 * evaluation_limit_per_direction + evaluation_limit_of_means <= evaluation_limit);
 
 /// Chooses a vector for every macroblock by Hadamard difference plus the price of the vector's bits, among the
 /// renderer's exact vectors, predictors (left, above, above right, their median, the picture before) and zero, then
@@ -48,5 +53,7 @@ struct Prediction {
 };
 /// [H262, 7.6.3.7 and 7.6.4]. The vector keeps inside the reference (vector_range).
 void predict(const Frame& reference, int column, int row, Vector v, Prediction& out);
+/// Luma alone; `out` is 16x16 samples.
+void predict_luma(const Frame& reference, int column, int row, Vector v, std::uint8_t* out);
 
 }  // namespace render2mpeg::encoder::mpeg2

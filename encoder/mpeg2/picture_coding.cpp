@@ -1,6 +1,7 @@
 #include "encoder/mpeg2/picture_coding.h"
 
 #include <algorithm>
+#include <array>
 
 #include "encoder/mpeg2/motion.h"
 #include "encoder/mpeg2/row_coding.h"
@@ -24,19 +25,47 @@ struct Extent {
     }
 };
 
+float lambda_factor(PictureType type) {
+    return type == PictureType::intra       ? lambda_intra
+           : type == PictureType::predicted ? lambda_predicted
+                                            : lambda_bidirectional;
+}
+
+/// Vectors of each direction to decide among; empty where the picture has no reference.
+using Vectors = std::array<core::Plane<VectorChoice>, 2>;
+
+Vectors choose(const PictureTask& task, const Level& level, std::uint64_t& evaluations) {
+    Vectors vectors;
+    const bool bidirectional = task.type == PictureType::bidirectional;
+    for (std::size_t d = 0; d < 2; ++d) {
+        if (!task.reference[d]) continue;
+        MotionChoice choice =
+            choose_vectors({task.source, *task.reference[d], task.exact[d], task.predictors[d], level.horizontal_f_code,
+                            lambda_motion * static_cast<float>(task.quantiser), !bidirectional,
+                            bidirectional ? evaluation_limit_per_direction : evaluation_limit});
+        vectors[d] = std::move(choice.vectors);
+        evaluations += choice.evaluations;
+    }
+    return vectors;
+}
+
 /// Decides all rows; the rows' own state starts anew in each, so that they can be taken in any order.
-std::vector<RowCode> decide(const PictureTask& task, const core::Plane<VectorChoice>& vectors, Frame& reconstruction) {
-    PictureCoding picture{task.source,    task.reference,
-                          reconstruction, task.reference == nullptr,
-                          {1, 1},         task.reference ? lambda_predicted : lambda_intra};
-    Extent extent;
-    for (const VectorChoice& choice : vectors.values())
-        for (int i = 0; i < choice.count; ++i) extent.include(choice.vector[i]);
-    extent.f_codes(picture.f_code);
+std::vector<RowCode> decide(const PictureTask& task, const Vectors& vectors, Frame& reconstruction) {
+    PictureCoding picture{task.source,      {task.reference[0], task.reference[1]},
+                          reconstruction,   task.type,
+                          {{1, 1}, {1, 1}}, lambda_factor(task.type)};
+    for (std::size_t d = 0; d < 2; ++d) {
+        Extent extent;
+        for (const VectorChoice& choice : vectors[d].values())
+            for (int i = 0; i < choice.count; ++i) extent.include(choice.vector[i]);
+        extent.f_codes(picture.f_code[d]);
+    }
     std::vector<RowCode> rows(static_cast<std::size_t>(task.source.rows()));
     parallel::for_each(rows.size(), [&](std::size_t row) {
         const int r = static_cast<int>(row);
-        rows[row] = decide_row(picture, r, task.quantiser, vectors.empty() ? nullptr : vectors.row(r));
+        const VectorChoice* const choices[2] = {vectors[0].empty() ? nullptr : vectors[0].row(r),
+                                                vectors[1].empty() ? nullptr : vectors[1].row(r)};
+        rows[row] = decide_row(picture, r, task.quantiser, choices);
     });
     return rows;
 }
@@ -45,16 +74,18 @@ std::vector<RowCode> decide(const PictureTask& task, const core::Plane<VectorCho
 PictureHeader header_for(const PictureTask& task, const std::vector<RowCode>& rows) {
     PictureHeader header;
     header.temporal_reference = task.temporal_reference;
-    header.type = task.reference ? PictureType::predicted : PictureType::intra;
+    header.type = task.type;
     std::int64_t gain = 0;
-    Extent extent;
+    Extent extent[2];
     for (const RowCode& row : rows) {
         gain += row.table_one_gain;
         for (const MacroblockCode& code : row.macroblocks)
-            if (code.type.motion_forward) extent.include(code.vector);
+            for (int d = 0; d < 2; ++d)
+                if (code.type.motion(d)) extent[d].include(code.movement.vector[d]);
     }
     header.intra_vlc_format = gain > 0;
-    if (task.reference) extent.f_codes(header.f_code);
+    for (int d = 0; d < 2; ++d)
+        if (task.reference[d]) extent[d].f_codes(header.f_code[d]);
     return header;
 }
 
@@ -63,12 +94,8 @@ std::vector<std::uint8_t> write(const PictureTask& task, const PictureHeader& he
     std::vector<std::vector<std::uint8_t>> slices(rows.size());
     parallel::for_each(rows.size(), [&](std::size_t row) {
         BitWriter out;
-        const RowSyntax syntax{task.reference == nullptr,
-                               task.lines,
-                               static_cast<int>(row),
-                               task.quantiser,
-                               {header.f_code[0], header.f_code[1]},
-                               header.intra_vlc_format};
+        RowSyntax syntax{task.type, task.lines, static_cast<int>(row), task.quantiser, {}, header.intra_vlc_format};
+        std::copy_n(&header.f_code[0][0], 4, &syntax.f_code[0][0]);
         write_row(out, syntax, rows[row]);
         slices[row] = out.take();
     });
@@ -89,10 +116,16 @@ void record(const std::vector<RowCode>& rows, PictureResult& result) {
             r.intra = code.type.intra;
             r.skipped = code.skipped;
             r.quantiser = code.quantiser;
-            r.motion_x = code.vector.x;
-            r.motion_y = code.vector.y;
+            r.forward = !r.intra && code.movement.uses[0];
+            r.backward = !r.intra && code.movement.uses[1];
+            const Vector forward = r.forward ? code.movement.vector[0] : Vector{},
+                         backward = r.backward ? code.movement.vector[1] : Vector{};
+            r.motion_x = forward.x;
+            r.motion_y = forward.y;
+            r.backward_x = backward.x;
+            r.backward_y = backward.y;
             r.bits = code.bits;
-            if (!result.vectors.empty()) result.vectors.at(column, row) = code.vector;
+            if (!result.vectors.empty()) result.vectors.at(column, row) = forward;
         }
 }
 
@@ -103,16 +136,10 @@ PictureResult code_picture(const PictureTask& task, const Level& level) {
     PictureResult result;
     result.reconstruction = Frame(columns, rows);
     result.records = core::Plane<MacroblockRecord>(columns, rows);
-    core::Plane<VectorChoice> vectors;
-    if (task.reference) {
-        MotionChoice choice =
-            choose_vectors({task.source, *task.reference, task.motion, task.previous, level.horizontal_f_code,
-                            lambda_motion * static_cast<float>(task.quantiser)});
-        vectors = std::move(choice.vectors);
-        result.vectors = core::Plane<Vector>(columns, rows);
-        result.evaluations = choice.evaluations;
-    }
+    if (task.type == PictureType::predicted) result.vectors = core::Plane<Vector>(columns, rows);
+    const Vectors vectors = choose(task, level, result.evaluations);
     std::vector<RowCode> decided = decide(task, vectors, result.reconstruction);
+    for (const RowCode& row : decided) result.evaluations += row.evaluations;
     result.bytes = write(task, header_for(task, decided), decided);
     record(decided, result);
     return result;

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/motion_field.h"
 #include "encoder/encoder.h"
+#include "encoder/mpeg2/candidates.h"
 #include "encoder/mpeg2/frame.h"
 #include "encoder/mpeg2/levels.h"
 #include "encoder/mpeg2/vector.h"
@@ -14,10 +14,11 @@ namespace render2mpeg::encoder::mpeg2 {
 /// What a picture is coded from.
 struct PictureTask {
     const Frame& source;
-    const Frame* reference;               ///< null for an intra picture
-    const core::MotionField* motion;      ///< to `reference`; null: none known
-    const core::Plane<Vector>* previous;  ///< vectors of the picture before; null: none
-    int lines;                            ///< of the picture as displayed
+    PictureType type;
+    const Frame* reference[2];                 ///< earlier and later; null where the type has none
+    const core::Plane<Candidates>* exact[2];   ///< the renderer's vectors to each; null: none known
+    const core::Plane<Vector>* predictors[2];  ///< vectors to each that another picture suggests; null: none
+    int lines;                                 ///< of the picture as displayed
     int temporal_reference;
     int quantiser;
 };
@@ -26,7 +27,7 @@ struct PictureResult {
     std::vector<std::uint8_t> bytes;  ///< picture header and slices
     Frame reconstruction;
     core::Plane<MacroblockRecord> records;
-    core::Plane<Vector> vectors;  ///< those of inter macroblocks, zero elsewhere; empty for an intra picture
+    core::Plane<Vector> vectors;  ///< of a P picture: those of inter macroblocks, zero elsewhere; empty for others
     std::uint64_t evaluations = 0;
 };
 

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "encoder/mpeg2/levels.h"
+#include "encoder/mpeg2/movements.h"
 #include "encoder/mpeg2/syntax.h"
 #include "encoder/mpeg2/tuning.h"
 
@@ -24,30 +26,38 @@ class RowDecider {
         lambda_ = picture.lambda_factor * static_cast<float>(quantiser * quantiser);
     }
 
-    RowCode run(const VectorChoice* vectors) {
+    RowCode run(const VectorChoice* const (&vectors)[2]) {
         const int columns = picture_.source.columns();
         code_.macroblocks.reserve(static_cast<std::size_t>(columns));
         for (int column = 0; column < columns; ++column) {
-            if (picture_.intra_picture) {
+            // A slice begins and ends with a coded macroblock. [H262, 6.3.17]
+            const bool may_skip = column > 0 && column < columns - 1;
+            if (picture_.type == PictureType::intra) {
                 attempt_intra(picture_, column, row_, quantiser_, state_, *intra_);
                 keep(column, *intra_);
+            } else if (picture_.type == PictureType::predicted) {
+                try_vectors(column, vectors[0][column]);
+                settle(column, may_skip);
             } else {
-                // A slice begins and ends with a coded macroblock. [H262, 6.3.17]
-                decide_predicted(column, vectors[column], column > 0 && column < columns - 1);
+                try_movements(column, vectors[0][column], vectors[1][column]);
+                settle(column, may_skip);
             }
         }
         return std::move(code_);
     }
 
   private:
-    void decide_predicted(int column, const VectorChoice& vectors, bool may_skip) {
-        try_vectors(column, vectors);
+    /// Chooses between inter_, intra and skipping.
+    void settle(int column, bool may_skip) {
         const float inter =
             inter_->totals.cost(lambda_) + lambda_ * static_cast<float>(address_increment_bits(state_.skipped));
         const bool intra = intra_may_win(column, inter) && try_intra(column, inter);
         const float best = intra ? intra_->totals.cost(lambda_) : inter;
-        if (may_skip && skip_cost(column) <= best) {
-            skip(column);
+        const std::optional<Movement> skipped =
+            may_skip ? skipped_movement(picture_, column, row_, state_) : std::nullopt;
+        if (skipped) predict(picture_, column, row_, *skipped, prediction_);
+        if (skipped && skip_cost(column) <= best) {
+            skip(column, *skipped);
         } else {
             keep(column, intra ? *intra_ : *inter_);
         }
@@ -55,16 +65,27 @@ class RowDecider {
 
     /// Leaves the best of the vectors in inter_.
     void try_vectors(int column, const VectorChoice& vectors) {
-        attempt_inter(picture_, column, row_, vectors.vector[0], quantiser_, state_, *inter_);
-        for (int i = 1; i < vectors.count; ++i) {
-            attempt_inter(picture_, column, row_, vectors.vector[i], quantiser_, state_, *other_);
-            if (other_->totals.cost(lambda_) < inter_->totals.cost(lambda_)) std::swap(inter_, other_);
-        }
+        attempt_inter(picture_, column, row_, {{vectors.vector[0], {}}, {true, false}}, quantiser_, state_, *inter_);
+        for (int i = 1; i < vectors.count; ++i) try_also(column, {{vectors.vector[i], {}}, {true, false}});
+    }
+
+    void try_also(int column, const Movement& movement) {
+        attempt_inter(picture_, column, row_, movement, quantiser_, state_, *other_);
+        if (other_->totals.cost(lambda_) < inter_->totals.cost(lambda_)) std::swap(inter_, other_);
+    }
+
+    /// Likewise in a B picture.
+    void try_movements(int column, const VectorChoice& forward, const VectorChoice& backward) {
+        const MovementChoice choice = choose_movements(picture_, column, row_, state_, forward, backward,
+                                                       lambda_motion * static_cast<float>(quantiser_));
+        code_.evaluations += static_cast<std::uint64_t>(choice.evaluations);
+        attempt_inter(picture_, column, row_, choice.movement[0], quantiser_, state_, *inter_);
+        for (int i = 1; i < choice.count; ++i) try_also(column, choice.movement[i]);
     }
 
     /// Distortion, and the bits by which the next address increment grows.
     float skip_cost(int column) const {
-        return skip_distortion(picture_, column, row_) +
+        return skip_distortion(picture_, column, row_, prediction_) +
                lambda_ * static_cast<float>(address_increment_bits(state_.skipped + 1));
     }
 
@@ -86,10 +107,11 @@ class RowDecider {
                inter_cost;
     }
 
-    void skip(int column) {
-        reconstruct_skipped(picture_, column, row_);
+    void skip(int column, const Movement& movement) {
+        reconstruct_skipped(picture_, column, row_, prediction_);
         MacroblockCode code;
         code.skipped = true;
+        code.movement = movement;
         code.quantiser = static_cast<std::uint8_t>(state_.quantiser);
         append(code);
     }
@@ -97,8 +119,7 @@ class RowDecider {
     /// Adopts an attempt, made coarser where it would exceed the limit of bits.
     void keep(int column, Attempt& attempt) {
         const int limit = static_cast<int>(macroblock_bits_limit) - address_increment_bits(state_.skipped);
-        while (largest(attempt) > limit && attempt.quantiser < 31)
-            requantise(column, attempt, attempt.quantiser + 1);
+        while (largest(attempt) > limit && attempt.quantiser < 31) requantise(column, attempt, attempt.quantiser + 1);
         if (largest(attempt) > limit) truncate_to(attempt, picture_, state_, limit);
 
         MacroblockCode code;
@@ -106,7 +127,7 @@ class RowDecider {
         code.pattern = static_cast<std::uint8_t>(attempt.totals.pattern);
         const bool quantised = code.type.intra || code.type.pattern;
         code.quantiser = static_cast<std::uint8_t>(quantised ? attempt.quantiser : state_.quantiser);
-        code.vector = attempt.vector;
+        code.movement = attempt.movement;
         for (std::size_t i = 0; i < 6; ++i) {
             const Block& block = attempt.block[i];
             code.dc[i] = static_cast<std::uint8_t>(code.type.intra ? block.dc : 0);
@@ -124,7 +145,8 @@ class RowDecider {
         if (attempt.totals.type.intra) {
             attempt_intra(picture_, column, row_, quantiser, state_, attempt);
         } else {
-            attempt_inter(picture_, column, row_, attempt.vector, quantiser, state_, attempt);
+            const Movement movement = attempt.movement;
+            attempt_inter(picture_, column, row_, movement, quantiser, state_, attempt);
         }
     }
 
@@ -141,6 +163,7 @@ class RowDecider {
     float lambda_;
     SliceState state_;
     std::unique_ptr<Attempt> inter_, other_, intra_;
+    Prediction prediction_;  ///< of the macroblock if it is skipped
     RowCode code_;
 };
 
@@ -153,11 +176,13 @@ void write_address_increment(BitWriter& out, int increment) {
 const RunLevel* write_macroblock(BitWriter& out, const RowSyntax& syntax, const SliceState& state,
                                  const MacroblockCode& code, const RunLevel* runs) {
     write_address_increment(out, state.skipped + 1);
-    out.put(macroblock_type_code(syntax.intra_picture, code.type));
+    out.put(macroblock_type_code(syntax.type, code.type));
     if (code.type.quant) out.put(code.quantiser, 5);
-    if (code.type.motion_forward) {
-        write_component(out, code.vector.x - state.vector.x, syntax.f_code[0]);
-        write_component(out, code.vector.y - state.vector.y, syntax.f_code[1]);
+    for (int d = 0; d < 2; ++d) {
+        if (!code.type.motion(d)) continue;
+        const Vector v = code.movement.vector[d], before = state.movement.vector[d];
+        write_component(out, v.x - before.x, syntax.f_code[d][0]);
+        write_component(out, v.y - before.y, syntax.f_code[d][1]);
     }
     if (code.type.pattern) out.put(pattern_codes[code.pattern]);
     const bool one = code.type.intra && syntax.intra_vlc_format;
@@ -178,7 +203,7 @@ const RunLevel* write_macroblock(BitWriter& out, const RowSyntax& syntax, const 
 
 }  // namespace
 
-RowCode decide_row(const PictureCoding& picture, int row, int quantiser, const VectorChoice* vectors) {
+RowCode decide_row(const PictureCoding& picture, int row, int quantiser, const VectorChoice* const (&vectors)[2]) {
     return RowDecider(picture, row, quantiser).run(vectors);
 }
 

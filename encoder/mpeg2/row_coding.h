@@ -13,19 +13,20 @@ struct RowCode {
     std::vector<MacroblockCode> macroblocks;
     std::vector<RunLevel> runs;       ///< of all blocks, in their order
     std::int64_t table_one_gain = 0;  ///< bits saved by coding intra blocks with table B-15
+    std::uint64_t evaluations = 0;    ///< 16x16 differences computed to choose between movements
 };
 
 /// Decides every macroblock of a row by distortion + lambda * bits, and reconstructs it. `vectors` has one per
-/// macroblock of the row; not read in an intra picture.
-RowCode decide_row(const PictureCoding& picture, int row, int quantiser, const VectorChoice* vectors);
+/// macroblock of the row for each direction; not read for a direction that the picture has no reference in.
+RowCode decide_row(const PictureCoding& picture, int row, int quantiser, const VectorChoice* const (&vectors)[2]);
 
 /// What the writer needs beyond a row's code.
 struct RowSyntax {
-    bool intra_picture;
+    PictureType type;
     int lines;
     int row;
     int quantiser;  ///< of the slice's header
-    int f_code[2];
+    int f_code[2][2];
     bool intra_vlc_format;
 };
 

@@ -94,16 +94,19 @@ void write_picture_header(BitWriter& out, const PictureHeader& h) {
     out.put(low_bits(h.temporal_reference, 10), 10);
     out.put(static_cast<std::uint32_t>(h.type), 3);
     out.put(variable_rate_delay, 16);
-    if (h.type == PictureType::predicted) {
+    if (h.type != PictureType::intra) {
         out.put(0, 1);  // full_pel_forward_vector, MPEG-1 only
         out.put(7, 3);  // forward_f_code, MPEG-1 only
+    }
+    if (h.type == PictureType::bidirectional) {
+        out.put(0, 1);  // full_pel_backward_vector, MPEG-1 only
+        out.put(7, 3);  // backward_f_code, MPEG-1 only
     }
     out.put(0, 1);  // extra_bit_picture
     out.start_code(extension_start);
     out.put(picture_coding_extension, 4);
-    out.put(static_cast<std::uint32_t>(h.f_code[0]), 4);
-    out.put(static_cast<std::uint32_t>(h.f_code[1]), 4);
-    out.put(0xff, 8);  // no backward vectors
+    for (const auto& direction : h.f_code)
+        for (const int f_code : direction) out.put(static_cast<std::uint32_t>(f_code), 4);
     out.put(static_cast<std::uint32_t>(h.intra_dc_bits - 8), 2);
     out.put(frame_structure, 2);
     out.put(0, 1);  // top_field_first

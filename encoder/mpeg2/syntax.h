@@ -21,8 +21,9 @@ void write_gop(BitWriter& out, const core::FrameRate& rate, std::int64_t first_n
 struct PictureHeader {
     int temporal_reference = 0;  ///< display number within the GOP
     PictureType type = PictureType::intra;
-    int f_code[2] = {15, 15};  ///< forward, horizontal and vertical, 1..9; 15: no vectors
-    int intra_dc_bits = 8;     ///< precision of intra DC, 8..10
+    /// [direction][axis], 1..9: forward and backward, horizontal and vertical; 15: no vectors.
+    int f_code[2][2] = {{15, 15}, {15, 15}};
+    int intra_dc_bits = 8;  ///< precision of intra DC, 8..10
     bool intra_vlc_format = false;
 };
 void write_picture_header(BitWriter& out, const PictureHeader& header);

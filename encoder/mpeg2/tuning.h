@@ -4,6 +4,10 @@
 /// were chosen by the mean BD-rate over the two clips of tests/bench/encoder_rd (1280x720, quantisers 2, 4, 8, 16).
 namespace render2mpeg::encoder::mpeg2 {
 
+/// Quantiser of B pictures over that of others. Nothing refers to them.
+/// chosen: 1.5
+inline constexpr double quantiser_ratio_bidirectional = 1.5;
+
 /// Lagrangian of modes and levels in predicted pictures: squared code values per bit = lambda_predicted * q^2.
 /// chosen: 0.6; 0.4..0.85 lose up to 1 %, 1.1 loses 2 %. (High-rate theory gives 0.46.)
 inline constexpr float lambda_predicted = 0.6f;
@@ -11,6 +15,10 @@ inline constexpr float lambda_predicted = 0.6f;
 /// The same in intra pictures: smaller, since every picture of the GOP inherits what they spend.
 /// chosen: 0.35; tried 0.2..0.85, which loses 0.3 %.
 inline constexpr float lambda_intra = 0.35f;
+
+/// The same in B pictures, with their own, coarser q.
+/// chosen: 0.6
+inline constexpr float lambda_bidirectional = 0.6f;
 
 /// Lagrangian of the choice of vectors: Hadamard sum (Kernels::satd_16x16) per bit = lambda_motion * q.
 /// chosen: 2.6; 1 loses 3 %, 2 and 4 lose 0.5 %.

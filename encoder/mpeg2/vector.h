@@ -16,6 +16,16 @@ struct Vector {
     bool is_zero() const { return x == 0 && y == 0; }
 };
 
+/// How a macroblock is predicted: direction 0 is forward (from an earlier picture), 1 backward (from a later one);
+/// both: the mean of the two. Neither: not predicted. A direction that is not used still has a vector where it stands
+/// for what the stream predicts the next one from.
+struct Movement {
+    Vector vector[2];
+    bool uses[2] = {true, false};
+
+    bool operator==(const Movement&) const = default;
+};
+
 /// Vectors that a macroblock may use; both ends belong to it. It always holds the zero vector.
 struct VectorRange {
     int low_x, high_x, low_y, high_y;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 
 #include "image/layers.h"
@@ -20,6 +21,14 @@ std::vector<core::MotionField> motion_of(const Production& film, const encoder::
     for (const std::int64_t reference : coding.references)
         fields.push_back(scene::motion_between(visible, world, film.snapshot(reference)));
     return fields;
+}
+
+/// Pictures after frame n before another shot begins or the chunk ends.
+std::int64_t frames_left(const Production& film, std::int64_t n, std::int64_t last) {
+    std::int64_t left = last - n;
+    for (const scene::Shot& shot : film.animation->shots)
+        if (shot.frame > n) left = std::min(left, shot.frame - 1 - n);
+    return left;
 }
 
 void write_frame_layers(const Production& film, const std::filesystem::path& folder, const core::Visible& visible,
@@ -108,7 +117,8 @@ bool render_chunk(const Production& film, renderer::Renderer& renderer, const Ch
 
         // Encode it with the renderer's own motion, or write it as it is.
         if (destination.film != nullptr) {
-            const encoder::PicturePlan coding = encoder.plan(n, {world.cut_before}, n == chunk.first);
+            const encoder::PictureFacts facts{world.cut_before, frames_left(film, n, chunk.last)};
+            const encoder::PicturePlan coding = encoder.plan(n, facts, n == chunk.first);
             books.keep(picture);
             const auto motion =
                 timed(ledger, renderer::Pass::motion, [&] { return motion_of(film, coding, seen.visible, world); });

@@ -197,8 +197,7 @@ class Painter {
     Texture texture_{1};
 };
 
-void paint_row(const Painter& painter, const World& now, const World& before, int y, core::Plane<glm::vec3>& colours,
-               core::MotionField& motion) {
+void paint_row(const Painter& painter, const World& now, int y, core::Plane<glm::vec3>& colours) {
     for (int x = 0; x < painter.width(); ++x) {
         glm::vec3 sum{0.0f};
         for (int s = 0; s < 4; ++s) {
@@ -209,17 +208,21 @@ void paint_row(const Painter& painter, const World& now, const World& before, in
             sum += glm::vec3{look.luma, look.cb, look.cr};
         }
         colours.at(x, y) = sum * 0.25f;
+    }
+}
 
+void move_row(const Painter& painter, const World& now, const World& then, int y, core::MotionField& motion) {
+    for (int x = 0; x < motion.vector.width(); ++x) {
         const glm::vec2 centre{static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f};
         const Hit hit = trace(now, now.eye, painter.ray(now, centre.x, centre.y));
-        glm::vec3 then = hit.point;
+        glm::vec3 point = hit.point;
         if (hit.sphere >= 0) {
             const auto i = static_cast<std::size_t>(hit.sphere);
-            then = before.spheres[i].centre +
-                   before.spheres[i].turn * (glm::transpose(now.spheres[i].turn) * (hit.point - now.spheres[i].centre));
+            point = then.spheres[i].centre +
+                    then.spheres[i].turn * (glm::transpose(now.spheres[i].turn) * (hit.point - now.spheres[i].centre));
         }
         glm::vec2 at{0.0f};
-        const bool seen = painter.project(before, then, at);
+        const bool seen = painter.project(then, point, at);
         motion.vector.at(x, y) = at - centre;
         motion.kind.at(x, y) = seen ? core::PixelClass::surface : core::PixelClass::none;
     }
@@ -250,24 +253,31 @@ core::Picture to_picture(const core::Plane<glm::vec3>& colours, int number) {
 
 }  // namespace
 
-Clip make_clip(int width, int height, int count, float speed) {
+Clip::Clip(int width, int height, int count, float speed) : width_(width), height_(height), speed_(speed) {
     const Painter painter(width, height);
-    Clip clip;
     for (int n = 0; n < count; ++n) {
-        const World now = world_at(speed * static_cast<float>(n)), before = world_at(speed * static_cast<float>(n - 1));
+        const World now = world_at(speed * static_cast<float>(n));
         core::Plane<glm::vec3> colours(width, height);
-        core::MotionField motion;
-        motion.picture = n;
-        motion.reference = n - 1;
-        motion.vector = core::Plane<glm::vec2>(width, height);
-        motion.kind = core::Plane<core::PixelClass>(width, height);
-        parallel::for_each(static_cast<std::size_t>(height), [&](std::size_t y) {
-            paint_row(painter, now, before, static_cast<int>(y), colours, motion);
-        });
-        clip.pictures.push_back(to_picture(colours, n));
-        clip.motion.push_back(n == 0 ? core::MotionField{} : std::move(motion));
+        parallel::for_each(static_cast<std::size_t>(height),
+                           [&](std::size_t y) { paint_row(painter, now, static_cast<int>(y), colours); });
+        pictures.push_back(to_picture(colours, n));
     }
-    return clip;
+}
+
+const core::MotionField& Clip::motion(std::int64_t picture, std::int64_t reference) const {
+    const auto [at, is_new] = fields_.try_emplace({picture, reference});
+    core::MotionField& field = at->second;
+    if (!is_new) return field;
+    field.picture = picture;
+    field.reference = reference;
+    field.vector = core::Plane<glm::vec2>(width_, height_);
+    field.kind = core::Plane<core::PixelClass>(width_, height_);
+    const World now = world_at(speed_ * static_cast<float>(picture)),
+                then = world_at(speed_ * static_cast<float>(reference));
+    const Painter eye(width_, height_);
+    parallel::for_each(static_cast<std::size_t>(height_),
+                       [&](std::size_t y) { move_row(eye, now, then, static_cast<int>(y), field); });
+    return field;
 }
 
 }  // namespace render2mpeg::bench

@@ -40,32 +40,44 @@ double psnr(double mean_squared_error) {
     return 10 * std::log10(255.0 * 255.0 / mean_squared_error);
 }
 
-RatePoint ours(const Clip& clip, int quantiser, int gop, bool use_motion) {
+RatePoint ours(const Clip& clip, int quantiser, int gop, int b_pictures, bool use_motion) {
     encoder::Settings s;
     s.width = clip.pictures[0].width();
     s.height = clip.pictures[0].height();
     s.rate = core::frame_rate_from("30");
     s.quantiser = quantiser;
     s.gop = gop;
+    s.b_pictures = b_pictures;
     encoder::Encoder encoder(s);
     RatePoint point;
     double error = 0;
     std::uint64_t evaluations = 0, macroblocks = 0;
     std::vector<std::uint8_t> stream;
-    const std::clock_t begin = std::clock();
-    for (std::size_t n = 0; n < clip.pictures.size(); ++n) {
-        const encoder::PicturePlan plan = encoder.plan(static_cast<std::int64_t>(n), {}, n == 0);
-        const std::span<const core::MotionField> motion(&clip.motion[n],
-                                                        use_motion && !plan.references.empty() ? 1 : 0);
-        for (const encoder::CodedPicture& coded : encoder.push(clip.pictures[n], plan, motion)) {
+    const auto take = [&](const std::vector<encoder::CodedPicture>& pictures) {
+        for (const encoder::CodedPicture& coded : pictures) {
             point.bits += 8.0 * static_cast<double>(coded.bytes.size());
-            error += squared_error(clip.pictures[n].y, coded.reconstruction.y.row(0), s.width);
+            error += squared_error(clip.pictures[static_cast<std::size_t>(coded.plan.number)].y,
+                                   coded.reconstruction.y.row(0), s.width);
             evaluations += coded.block_evaluations;
-            if (!plan.references.empty()) macroblocks += coded.macroblocks.size();
+            if (!coded.plan.references.empty()) macroblocks += coded.macroblocks.size();
             stream.insert(stream.end(), coded.bytes.begin(), coded.bytes.end());
         }
+    };
+    std::clock_t spent = 0;
+    const auto count = static_cast<std::int64_t>(clip.pictures.size());
+    for (std::int64_t n = 0; n < count; ++n) {
+        const encoder::PicturePlan plan = encoder.plan(n, {.frames_left = count - 1 - n}, n == 0);
+        std::vector<core::MotionField> motion;
+        for (const std::int64_t reference : plan.references)
+            if (use_motion) motion.push_back(clip.motion(n, reference));
+        const std::clock_t begin = std::clock();
+        const std::vector<encoder::CodedPicture> coded =
+            encoder.push(clip.pictures[static_cast<std::size_t>(n)], plan, motion);
+        spent += std::clock() - begin;
+        take(coded);
     }
-    const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+    take(encoder.flush());
+    const double seconds = static_cast<double>(spent) / CLOCKS_PER_SEC;
     point.psnr = psnr(error / static_cast<double>(clip.pictures.size()));
     std::printf("ours%-10s q %2d  %9.0f bits/picture  %.3f dB  %5.1f pictures/CPU s  %.1f evaluations/macroblock\n",
                 use_motion ? "" : " no motion", quantiser, point.bits / static_cast<double>(clip.pictures.size()),
@@ -87,7 +99,7 @@ void collect(AVCodecContext* decoder, const Clip& clip, std::size_t& shown, doub
     av_frame_free(&frame);
 }
 
-AVCodecContext* open_encoder(int width, int height, int gop, bool strong) {
+AVCodecContext* open_encoder(int width, int height, int gop, int b_pictures, int quantiser, bool strong) {
     AVCodecContext* encoder = avcodec_alloc_context3(avcodec_find_encoder(AV_CODEC_ID_MPEG2VIDEO));
     encoder->width = width;
     encoder->height = height;
@@ -95,11 +107,21 @@ AVCodecContext* open_encoder(int width, int height, int gop, bool strong) {
     encoder->time_base = {1, 30};
     encoder->framerate = {30, 1};
     encoder->gop_size = gop;
-    encoder->max_b_frames = 0;
+    encoder->max_b_frames = b_pictures;
     encoder->thread_count = 1;
-    encoder->flags |= AV_CODEC_FLAG_QSCALE;
     encoder->bit_rate = 400'000'000;
+    if (!strong) encoder->flags |= AV_CODEC_FLAG_QSCALE;
     if (strong) {
+        // The quantiser follows from a Lagrangian that is the same for all pictures but for these factors.
+        encoder->qmin = 1;
+        encoder->qmax = 31;
+        encoder->qcompress = 0.6f;
+        encoder->i_quant_factor = 0.8f;
+        encoder->i_quant_offset = 0.0f;
+        encoder->b_quant_factor = 1.5f;
+        encoder->b_quant_offset = 0.0f;
+        av_opt_set_int(encoder, "lmin", FF_QP2LAMBDA * quantiser, AV_OPT_SEARCH_CHILDREN);
+        av_opt_set_int(encoder, "lmax", FF_QP2LAMBDA * quantiser, AV_OPT_SEARCH_CHILDREN);
         encoder->mb_decision = FF_MB_DECISION_RD;
         encoder->trellis = 2;
         av_opt_set(encoder, "mpv_flags", "+skip_rd+mv0", AV_OPT_SEARCH_CHILDREN);
@@ -107,6 +129,7 @@ AVCodecContext* open_encoder(int width, int height, int gop, bool strong) {
         encoder->me_sub_cmp = FF_CMP_SATD;
         encoder->dia_size = 770;
         encoder->pre_dia_size = 4;
+        av_opt_set_int(encoder, "mepre", 2, AV_OPT_SEARCH_CHILDREN);
         encoder->last_predictor_count = 3;
     }
     avcodec_open2(encoder, nullptr, nullptr);
@@ -131,8 +154,9 @@ AVFrame* to_frame(const core::Picture& p, int quantiser) {
 }
 
 /// `strong`: mode decision by rate and distortion, trellis quantisation and a wide motion search.
-RatePoint libavcodec(const Clip& clip, int quantiser, int gop, bool strong) {
-    AVCodecContext* encoder = open_encoder(clip.pictures[0].width(), clip.pictures[0].height(), gop, strong);
+RatePoint libavcodec(const Clip& clip, int quantiser, int gop, int b_pictures, bool strong) {
+    AVCodecContext* encoder =
+        open_encoder(clip.pictures[0].width(), clip.pictures[0].height(), gop, b_pictures, quantiser, strong);
     AVCodecContext* decoder = avcodec_alloc_context3(avcodec_find_decoder(AV_CODEC_ID_MPEG2VIDEO));
     avcodec_open2(decoder, nullptr, nullptr);
 
@@ -180,21 +204,25 @@ int main(int argc, char** argv) {
     const parallel::ThreadLimit limit(std::getenv("ENCODER_RD_THREADS") ? std::atoi(std::getenv("ENCODER_RD_THREADS"))
                                                                         : 1);
     const bool only_ours = std::getenv("ENCODER_RD_ONLY_OURS") != nullptr;
+    const int b_pictures = std::getenv("ENCODER_RD_B") ? std::atoi(std::getenv("ENCODER_RD_B")) : 2;
     for (const float speed : {1.0f, 3.0f}) {
-        std::printf("clip: speed %g, %dx%d, %d pictures\n", static_cast<double>(speed), width, height, count);
-        const bench::Clip clip = bench::make_clip(width, height, count, speed);
-        std::vector<bench::RatePoint> with, without, plain, strong;
+        std::printf("clip: speed %g, %dx%d, %d pictures, GOP 15, %d B pictures\n", static_cast<double>(speed), width,
+                    height, count, b_pictures);
+        const bench::Clip clip(width, height, count, speed);
+        std::vector<bench::RatePoint> with, without, simple, plain, strong;
         for (const int q : {2, 4, 8, 16}) {
-            with.push_back(bench::ours(clip, q, 15, true));
+            with.push_back(bench::ours(clip, q, 15, b_pictures, true));
+            simple.push_back(bench::ours(clip, q, 15, 0, true));
             if (only_ours) continue;
-            without.push_back(bench::ours(clip, q, 15, false));
-            plain.push_back(bench::libavcodec(clip, q, 15, false));
-            strong.push_back(bench::libavcodec(clip, q, 15, true));
+            without.push_back(bench::ours(clip, q, 15, b_pictures, false));
+            plain.push_back(bench::libavcodec(clip, q, 15, 2, false));
+            strong.push_back(bench::libavcodec(clip, q, 15, 2, true));
         }
+        std::printf("BD-rate against our own without B pictures:          %+.2f %%\n", bench::bd_rate(simple, with));
         if (only_ours) continue;
-        std::printf("BD-rate against libavcodec -bf 0:                    %+.2f %%, without motion %+.2f %%\n",
+        std::printf("BD-rate against libavcodec -bf 2:                    %+.2f %%, without motion %+.2f %%\n",
                     bench::bd_rate(plain, with), bench::bd_rate(plain, without));
-        std::printf("BD-rate against libavcodec -bf 0, rd, trellis, umh:  %+.2f %%, without motion %+.2f %%\n",
+        std::printf("BD-rate against libavcodec -bf 2, rd, trellis, umh:  %+.2f %%, without motion %+.2f %%\n",
                     bench::bd_rate(strong, with), bench::bd_rate(strong, without));
     }
     return 0;

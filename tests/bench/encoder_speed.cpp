@@ -75,7 +75,7 @@ BENCHMARK(HadamardDifference);
 /// Range: quantiser, pictures per GOP.
 void EncodePictures(benchmark::State& state) {
     const parallel::ThreadLimit one_thread(1);
-    static const Clip clip = make_clip(1280, 720, 6, 2.0f);
+    static const Clip clip(1280, 720, 6, 2.0f);
     encoder::Settings settings;
     settings.width = 1280;
     settings.height = 720;
@@ -87,7 +87,8 @@ void EncodePictures(benchmark::State& state) {
         encoder::Encoder encoder(settings);
         for (std::size_t n = 0; n < clip.pictures.size(); ++n) {
             const encoder::PicturePlan plan = encoder.plan(static_cast<std::int64_t>(n), {}, n == 0);
-            const std::span motion(&clip.motion[n], plan.references.size());
+            std::vector<core::MotionField> motion;
+            for (const std::int64_t reference : plan.references) motion.push_back(clip.motion(plan.number, reference));
             for (const encoder::CodedPicture& coded : encoder.push(clip.pictures[n], plan, motion)) {
                 bits += static_cast<std::int64_t>(coded.bytes.size()) * 8;
                 ++pictures;

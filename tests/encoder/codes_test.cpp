@@ -66,7 +66,7 @@ void check_coefficients(bool intra, bool table_one) {
         decoder.push(access_unit(PictureHeader{}, grey, true));
         header.type = PictureType::predicted;
         header.temporal_reference = 1;
-        header.f_code[0] = header.f_code[1] = 1;
+        header.f_code[0][0] = header.f_code[0][1] = 1;
     }
     decoder.push(access_unit(header, code, intra));
     const std::vector<core::Picture> pictures = decoder.finish();
@@ -151,7 +151,7 @@ TEST(Codes, EveryPatternAndEveryAddressIncrementIsReadBack) {
     PictureHeader header;
     header.type = PictureType::predicted;
     header.temporal_reference = 1;
-    header.f_code[0] = header.f_code[1] = 1;
+    header.f_code[0][0] = header.f_code[0][1] = 1;
     decoder.push(access_unit(header, code, false));
     const std::vector<core::Picture> pictures = decoder.finish();
     ASSERT_EQ(pictures.size(), 2u);
@@ -186,7 +186,7 @@ TEST(Codes, EveryVectorDifferenceIsReadBackAtEveryFCode) {
                                              (n * 13) % (2 * reach) - reach);
                 MacroblockCode m;
                 m.type = {false, true, false, false};
-                m.vector = v;
+                m.movement.vector[0] = v;
                 vectors.push_back(v);
                 code[static_cast<std::size_t>(r)].macroblocks.push_back(m);
             }
@@ -195,8 +195,8 @@ TEST(Codes, EveryVectorDifferenceIsReadBackAtEveryFCode) {
         PictureHeader header;
         header.type = PictureType::predicted;
         header.temporal_reference = 1;
-        header.f_code[0] = f_code;
-        header.f_code[1] = std::min(f_code, vertical_f_code_limit);
+        header.f_code[0][0] = f_code;
+        header.f_code[0][1] = std::min(f_code, vertical_f_code_limit);
         decoder.push(access_unit(header, code, false));
         const std::vector<core::Picture> pictures = decoder.finish();
         ASSERT_EQ(pictures.size(), 2u);

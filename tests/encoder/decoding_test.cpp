@@ -20,9 +20,7 @@ Film sliding(const Settings& s, int count, glm::dvec2 step, const Motion& motion
         motion);
 }
 Film sliding_with_exact_motion(const Settings& s, int count, glm::dvec2 step) {
-    return sliding(s, count, step, [&](const PicturePlan& plan) {
-        return std::vector{uniform_motion(s.width, s.height, plan.number, -glm::vec2(step))};
-    });
+    return sliding(s, count, step, [&](const PicturePlan& plan) { return steady_motion(s, plan, glm::vec2(step)); });
 }
 
 /// libmpeg2's own transform rounds otherwise, and predicted pictures add that up: bounds on the mean difference in code
@@ -78,24 +76,47 @@ TEST(Decoding, MovingTexturesAreDecodedAsReconstructed) {
     EXPECT_LE(d.largest, 6);
 }
 
+TEST(Decoding, BPicturesOfMovingTexturesAreDecodedAsReconstructed) {
+    const Difference d =
+        expect_decoders_agree(sliding_with_exact_motion(settings(720, 576, 3, 15, 3, 2), 16, {3.5, -2.25}), long_film);
+    EXPECT_LE(d.largest, 6);
+}
+
+TEST(Decoding, BPicturesOfNoiseAreDecodedAsReconstructedAtBothEndsOfTheQuantiser) {
+    for (const int quantiser : {1, 2, 31}) {
+        const Settings s = settings(96, 80, quantiser, 4, 3, 2);
+        const Film film =
+            encode(s, 8, [&](std::int64_t n) { return noise(s.width, s.height, n, static_cast<std::uint64_t>(n)); });
+        const Difference d = expect_decoders_agree(film, short_film);
+        EXPECT_LE(d.largest, 3);
+        for (const CodedPicture& coded : film.coded)
+            for (const MacroblockRecord& m : coded.macroblocks.values()) ASSERT_LE(m.bits, 4608u);
+    }
+}
+
 TEST(Decoding, EverySizeDownToOnePixelIsDecodedAsReconstructed) {
     for (const auto& [width, height] :
          {std::pair{1, 1}, {2, 1}, {1, 2}, {16, 16}, {17, 33}, {15, 31}, {33, 16}, {100, 3}}) {
         SCOPED_TRACE(std::to_string(width) + "x" + std::to_string(height));
-        expect_decoders_agree(sliding_with_exact_motion(settings(width, height, 2, 3), 5, {1.5, 0.5}), long_film);
+        for (const int b_pictures : {0, 2})
+            expect_decoders_agree(
+                sliding_with_exact_motion(settings(width, height, 2, 4, 3, b_pictures), 6, {1.5, 0.5}), long_film);
     }
 }
 
 TEST(Decoding, EveryGopLengthIsDecodedAsReconstructed) {
-    for (const int gop : {1, 2, 15}) {
-        const Film film = sliding_with_exact_motion(settings(64, 48, 5, gop), 17, {-1.0, 2.5});
-        expect_decoders_agree(film, long_film);
-        for (const CodedPicture& coded : film.coded) EXPECT_EQ(coded.plan.starts_gop, coded.plan.number % gop == 0);
-    }
+    for (const int gop : {1, 2, 3, 4, 15})
+        for (const int b_pictures : {0, 1, 2, 3}) {
+            SCOPED_TRACE("gop " + std::to_string(gop) + ", " + std::to_string(b_pictures) + " B pictures");
+            const Film film = sliding_with_exact_motion(settings(64, 48, 5, gop, 3, b_pictures), 17, {-1.0, 2.5});
+            expect_decoders_agree(film, long_film);
+            for (const CodedPicture& coded : film.coded) EXPECT_EQ(coded.plan.starts_gop, coded.plan.number % gop == 0);
+        }
 }
 
 TEST(DecodingSlow, FullHdIsDecodedAsReconstructed) {
     expect_decoders_agree(sliding_with_exact_motion(settings(1920, 1080, 4, 3, 5), 4, {7.25, -3.0}), long_film);
+    expect_decoders_agree(sliding_with_exact_motion(settings(1920, 1080, 4, 6, 5, 2), 4, {7.25, -3.0}), long_film);
 }
 
 /// Chooses at random in [low, high].
@@ -111,10 +132,11 @@ class Dice {
 };
 
 /// A motion field of the kinds a renderer should never hand over, and some that it does.
-core::MotionField wild_motion(Dice& dice, int width, int height, std::int64_t number) {
+core::MotionField wild_motion(Dice& dice, int width, int height, std::int64_t number, std::int64_t reference) {
     const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
     const float extremes[] = {0.0f, 0.5f, -0.5f, 300.0f, -4000.0f, 1e30f, -3e38f, inf, -inf, nan};
     core::MotionField field = uniform_motion(width, height, number, {0, 0});
+    field.reference = reference;
     const int kind = dice.roll(0, 3);
     const glm::vec2 common{static_cast<float>(dice.roll(-40, 40)) * 0.25f,
                            static_cast<float>(dice.roll(-40, 40)) * 0.25f};
@@ -130,11 +152,11 @@ core::MotionField wild_motion(Dice& dice, int width, int height, std::int64_t nu
 }
 
 TEST(Decoding, AnyMotionFieldGivesALegalStream) {
-    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
         SCOPED_TRACE("seed " + std::to_string(seed));
         Dice dice(seed);
-        const Settings s =
-            settings(dice.roll(1, 130), dice.roll(1, 130), dice.roll(1, 31), dice.roll(1, 6), dice.roll(1, 8));
+        const Settings s = settings(dice.roll(1, 130), dice.roll(1, 130), dice.roll(1, 31), dice.roll(1, 6),
+                                    dice.roll(1, 8), dice.roll(0, 3));
         const double noisiness = dice.uniform();
         const glm::dvec2 step{dice.uniform() * 20 - 10, dice.uniform() * 20 - 10};
         const auto picture = [&](std::int64_t n) {
@@ -149,8 +171,11 @@ TEST(Decoding, AnyMotionFieldGivesALegalStream) {
             });
         };
         const Film film = encode(s, 5, picture, [&](const PicturePlan& plan) {
-            return dice.roll(0, 4) == 0 ? std::vector<core::MotionField>{}
-                                        : std::vector{wild_motion(dice, s.width, s.height, plan.number)};
+            std::vector<core::MotionField> fields;
+            if (dice.roll(0, 4) == 0) return fields;
+            for (const std::int64_t reference : plan.references)
+                fields.push_back(wild_motion(dice, s.width, s.height, plan.number, reference));
+            return fields;
         });
         expect_decoders_agree(film, 0.5);
         for (const CodedPicture& coded : film.coded) {

@@ -21,36 +21,15 @@ std::uint64_t bits_at(const std::vector<std::uint8_t>& bytes, std::size_t byte, 
     return value;
 }
 
-core::Picture textured(const Settings& s, std::int64_t n, glm::dvec2 step) {
-    return paint(s.width, s.height, n, [&](int plane, double x, double y) {
-        return texture(plane, x - step.x * static_cast<double>(n), y - step.y * static_cast<double>(n));
-    });
-}
-
-TEST(Plan, AGopBeginsWithItsLengthACutOrAChunk) {
-    Encoder encoder(settings(32, 32, 4, 4));
-    std::vector<bool> starts;
-    for (int n = 0; n < 14; ++n) {
-        const PicturePlan plan = encoder.plan(n, {.cut_before = n == 6}, n == 0 || n == 11);
-        EXPECT_EQ(plan.number, n);
-        EXPECT_EQ(plan.type == PictureType::intra, plan.starts_gop);
-        EXPECT_EQ(plan.references, plan.starts_gop ? std::vector<std::int64_t>{} : std::vector<std::int64_t>{n - 1});
-        EXPECT_EQ(plan.quantiser, 4);
-        starts.push_back(plan.starts_gop);
-    }
-    EXPECT_EQ(starts, (std::vector<bool>{1, 0, 0, 0, 1, 0, 1, 0, 0, 0, 1, 1, 0, 0}));
-}
-
 TEST(Encoder, AChunksBytesDoNotDependOnWhatCameBefore) {
-    const Settings s = settings(80, 48, 4, 3);
+    const Settings s = settings(80, 48, 4, 6, 3, 2);
     const auto run = [&](int first) {
         Encoder encoder(s);
         std::vector<std::vector<std::uint8_t>> bytes;
         for (int n = first; n < 12; ++n) {
-            const PicturePlan plan = encoder.plan(n, {}, n == first || n == 6);
-            const std::vector motion = {uniform_motion(s.width, s.height, n, {-1.5f, 0.5f})};
+            const PicturePlan plan = encoder.plan(n, {.frames_left = n < 6 ? 5 - n : 11 - n}, n == first || n == 6);
             for (CodedPicture& c :
-                 encoder.push(textured(s, n, {1.5, -0.5}), plan, std::span(motion).first(plan.references.size())))
+                 encoder.push(textured(s, n, {1.5, -0.5}), plan, steady_motion(s, plan, {1.5f, -0.5f})))
                 if (n >= 6) bytes.push_back(std::move(c.bytes));
         }
         return bytes;
@@ -59,7 +38,7 @@ TEST(Encoder, AChunksBytesDoNotDependOnWhatCameBefore) {
 }
 
 TEST(Encoder, TheNumberOfThreadsDoesNotShow) {
-    const Settings s = settings(200, 150, 3, 5);
+    const Settings s = settings(200, 150, 3, 5, 3, 2);
     const auto run = [&](int threads) {
         const parallel::ThreadLimit limit(threads);
         return encode(
@@ -68,7 +47,7 @@ TEST(Encoder, TheNumberOfThreadsDoesNotShow) {
                        return textured(s, n, {2.25, 1.0});
                    },
                    [&](const PicturePlan& plan) {
-                       return std::vector{uniform_motion(s.width, s.height, plan.number, {-2.25f, -1.0f})};
+                       return steady_motion(s, plan, {2.25f, 1.0f});
                    })
             .bytes();
     };

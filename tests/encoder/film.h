@@ -22,13 +22,15 @@ inline core::FrameRate rate(int code) {
     return core::mpeg2_frame_rates()[static_cast<std::size_t>(code - 1)];
 }
 
-inline Settings settings(int width, int height, int quantiser = 4, int gop = 15, int rate_code = 3) {
+inline Settings settings(int width, int height, int quantiser = 4, int gop = 15, int rate_code = 3,
+                         int b_pictures = 0) {
     Settings s;
     s.width = width;
     s.height = height;
     s.rate = rate(rate_code);
     s.quantiser = quantiser;
     s.gop = gop;
+    s.b_pictures = b_pictures;
     return s;
 }
 
@@ -65,6 +67,13 @@ inline double texture(int plane, double x, double y) {
     return plane == 0 ? 120 + 45 * detail + 12 * std::sin(0.05 * x) : 128 + 25 * std::sin(0.11 * x + 0.07 * y + plane);
 }
 
+/// The texture, moved by `step` pixels per picture.
+inline core::Picture textured(const Settings& s, std::int64_t n, glm::dvec2 step) {
+    return paint(s.width, s.height, n, [&](int plane, double x, double y) {
+        return texture(plane, x - step.x * static_cast<double>(n), y - step.y * static_cast<double>(n));
+    });
+}
+
 /// Motion that is the same everywhere.
 inline core::MotionField uniform_motion(int width, int height, std::int64_t picture, glm::vec2 v) {
     core::MotionField field;
@@ -73,6 +82,17 @@ inline core::MotionField uniform_motion(int width, int height, std::int64_t pict
     field.vector = core::Plane<glm::vec2>(width, height, v);
     field.kind = core::Plane<core::PixelClass>(width, height, core::PixelClass::surface);
     return field;
+}
+
+/// Motion to each reference of a plan where everything moves by `step` pixels per picture.
+inline std::vector<core::MotionField> steady_motion(const Settings& s, const PicturePlan& plan, glm::vec2 step) {
+    std::vector<core::MotionField> fields;
+    for (const std::int64_t reference : plan.references) {
+        fields.push_back(
+            uniform_motion(s.width, s.height, plan.number, step * static_cast<float>(reference - plan.number)));
+        fields.back().reference = reference;
+    }
+    return fields;
 }
 
 struct Film {
@@ -98,7 +118,7 @@ inline Film encode(const Settings& s, int count, const Paint& picture, const Mot
     Film film{s, {}};
     Encoder encoder(s);
     for (int n = 0; n < count; ++n) {
-        const PicturePlan plan = encoder.plan(n, {}, n == 0);
+        const PicturePlan plan = encoder.plan(n, {.frames_left = count - 1 - n}, n == 0);
         const std::vector<core::MotionField> fields =
             plan.references.empty() ? std::vector<core::MotionField>{} : motion(plan);
         for (CodedPicture& coded : encoder.push(picture(n), plan, fields)) film.coded.push_back(std::move(coded));
@@ -136,8 +156,9 @@ inline Difference expect_decoders_agree(const Film& film, double libmpeg2_mean) 
     EXPECT_EQ(theirs.size(), film.coded.size());
     EXPECT_EQ(others.size(), film.coded.size());
     Difference worst;
-    for (std::size_t i = 0; i < film.coded.size(); ++i) {
-        const core::Picture& ours = film.coded[i].reconstruction;
+    for (const CodedPicture& coded : film.coded) {
+        const core::Picture& ours = coded.reconstruction;
+        const auto i = static_cast<std::size_t>(coded.plan.number - film.coded[0].plan.number);
         if (i < theirs.size()) {
             const bool same_size = theirs[i].width() == ours.width() && theirs[i].height() == ours.height();
             EXPECT_TRUE(same_size);

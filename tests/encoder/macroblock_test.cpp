@@ -52,7 +52,8 @@ struct Medley {
         m.quantiser = static_cast<std::uint8_t>(in_force);
         const int row_number = static_cast<int>(expected.size()) / columns;
         if (m.type.motion_forward)
-            m.vector = vector_range(column, row_number, columns, rows, 3, 3).clamp(roll(120) - 60, roll(120) - 60);
+            m.movement.vector[0] =
+                vector_range(column, row_number, columns, rows, 3, 3).clamp(roll(120) - 60, roll(120) - 60);
         std::array<std::array<std::uint8_t, 64>, 6> blocks;
         for (int i = 0; i < 6; ++i) {
             std::vector<RunLevel> runs;
@@ -77,7 +78,7 @@ TEST(Macroblocks, AnySequenceOfKindsIsReadBack) {
         PictureHeader header;
         header.type = PictureType::predicted;
         header.temporal_reference = 1;
-        header.f_code[0] = header.f_code[1] = 3;
+        header.f_code[0][0] = header.f_code[0][1] = 3;
         Libavcodec decoder;
         std::vector<std::uint8_t> stream = access_unit(PictureHeader{}, grey, true);
         decoder.push(stream);
@@ -114,7 +115,9 @@ struct One {
     SliceState state;
 
     PictureCoding coding(bool intra) {
-        return {source, intra ? nullptr : &reference, reconstruction, intra, {1, 1}, lambda_predicted};
+        return {source,           {intra ? nullptr : &reference, nullptr},
+                reconstruction,   intra ? PictureType::intra : PictureType::predicted,
+                {{1, 1}, {1, 1}}, lambda_predicted};
     }
 };
 

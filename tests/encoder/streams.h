@@ -29,12 +29,8 @@ inline std::vector<std::uint8_t> access_unit(const PictureHeader& header, std::v
     }
     write_picture_header(out, header);
     for (int row = 0; row < rows; ++row) {
-        const RowSyntax syntax{header.type == PictureType::intra,
-                               s.height,
-                               row,
-                               quantiser,
-                               {header.f_code[0], header.f_code[1]},
-                               header.intra_vlc_format};
+        RowSyntax syntax{header.type, s.height, row, quantiser, {}, header.intra_vlc_format};
+        std::copy_n(&header.f_code[0][0], 4, &syntax.f_code[0][0]);
         write_row(out, syntax, code[static_cast<std::size_t>(row)]);
     }
     return out.take();

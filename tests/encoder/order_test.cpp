@@ -1,0 +1,169 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "film.h"
+
+/// Types, references and coding order of pictures; B pictures.
+namespace render2mpeg::encoder::testing {
+namespace {
+
+TEST(Plan, AGopBeginsWithItsLengthACutOrAChunk) {
+    Encoder encoder(settings(32, 32, 4, 4));
+    std::vector<bool> starts;
+    for (int n = 0; n < 14; ++n) {
+        const PicturePlan plan = encoder.plan(n, {.cut_before = n == 6}, n == 0 || n == 11);
+        EXPECT_EQ(plan.number, n);
+        EXPECT_EQ(plan.type == PictureType::intra, plan.starts_gop);
+        EXPECT_EQ(plan.references, plan.starts_gop ? std::vector<std::int64_t>{} : std::vector<std::int64_t>{n - 1});
+        EXPECT_EQ(plan.quantiser, 4);
+        starts.push_back(plan.starts_gop);
+    }
+    EXPECT_EQ(starts, (std::vector<bool>{1, 0, 0, 0, 1, 0, 1, 0, 0, 0, 1, 1, 0, 0}));
+}
+
+std::string types_of(Encoder& encoder, int count, const std::function<PictureFacts(int)>& facts,
+                     const std::function<bool(int)>& first_of_chunk) {
+    std::string types;
+    for (int n = 0; n < count; ++n) {
+        const PicturePlan plan = encoder.plan(n, facts(n), first_of_chunk(n));
+        EXPECT_EQ(plan.references.size(), static_cast<std::size_t>(plan.type) - 1);
+        types += "-IPB"[static_cast<int>(plan.type)];
+    }
+    return types;
+}
+
+TEST(Plan, BPicturesLieBetweenReferencesOfTheirGop) {
+    const auto types = [](int gop, int b_pictures, int count) {
+        Encoder encoder(settings(32, 32, 4, gop, 3, b_pictures));
+        return types_of(
+            encoder, count, [&](int n) { return PictureFacts{.frames_left = count - 1 - n}; },
+            [](int n) { return n == 0; });
+    };
+    EXPECT_EQ(types(15, 2, 20), "IBBPBBPBBPBBPBPIBBPP");
+    EXPECT_EQ(types(4, 2, 9), "IBBPIBBPI");
+    EXPECT_EQ(types(5, 3, 9), "IBBBPIBBP");
+    EXPECT_EQ(types(6, 1, 7), "IBPBPPI");
+    EXPECT_EQ(types(2, 3, 5), "IPIPI");
+    EXPECT_EQ(types(1, 3, 3), "III");
+}
+
+TEST(Plan, NoBPictureIsPlannedBeyondWhatWasPromised) {
+    Encoder encoder(settings(32, 32, 4, 12, 3, 2));
+    // A cut at 6, a chunk's end after 11; nothing is promised from 12 on.
+    const std::string types = types_of(
+        encoder, 16,
+        [](int n) {
+            return PictureFacts{.cut_before = n == 6, .frames_left = n < 6 ? 5 - n : n < 12 ? 11 - n : 0};
+        },
+        [](int n) { return n == 0 || n == 12; });
+    EXPECT_EQ(types, "IBBPBPIBBPBPIPPP");
+    Encoder betrayed(settings(32, 32, 4, 12, 3, 2));
+    betrayed.plan(0, {.frames_left = 9}, true);
+    betrayed.plan(1, {.frames_left = 9}, false);
+    EXPECT_THROW(betrayed.plan(2, {.cut_before = true}, false), core::ContractViolation);
+}
+
+TEST(Plan, APictureRefersToTheNearestReferences) {
+    Encoder encoder(settings(32, 32, 4, 15, 3, 2));
+    using Numbers = std::vector<std::int64_t>;
+    const Numbers expected[] = {{}, {0, 3}, {0, 3}, {0}, {3, 5}, {3}};
+    for (int n = 0; n < 6; ++n) EXPECT_EQ(encoder.plan(n, {.frames_left = 5 - n}, n == 0).references, expected[n]) << n;
+}
+
+TEST(Encoder, AFilmThatEndsEarlyIsWhole) {
+    const Settings s = settings(96, 64, 4, 15, 3, 3);
+    for (const int pushed : {1, 2, 3, 4, 5, 6, 7}) {
+        // Nine pictures are promised; fewer come.
+        Encoder encoder(s);
+        Film film{s, {}};
+        for (int n = 0; n < pushed; ++n) {
+            const PicturePlan plan = encoder.plan(n, {.frames_left = 8 - n}, n == 0);
+            for (CodedPicture& c : encoder.push(textured(s, n, {1.5, 0.5}), plan, steady_motion(s, plan, {1.5f, 0.5f})))
+                film.coded.push_back(std::move(c));
+        }
+        for (CodedPicture& c : encoder.flush()) film.coded.push_back(std::move(c));
+        ASSERT_EQ(film.coded.size(), static_cast<std::size_t>(pushed));
+        EXPECT_TRUE(encoder.flush().empty());
+        expect_decoders_agree(film, 0.1);
+        for (const CodedPicture& c : film.coded)
+            EXPECT_LE(difference(c.reconstruction, textured(s, c.plan.number, {1.5, 0.5})).mean, 2.5);
+        // It may go on with a new chunk.
+        EXPECT_TRUE(encoder.plan(20, {}, true).starts_gop);
+    }
+}
+
+TEST(Encoder, BPicturesComeAfterBothTheirReferences) {
+    const Settings s = settings(64, 48, 4, 15, 3, 2);
+    const Film film = encode(s, 8, [&](std::int64_t n) { return textured(s, n, {1.0, 0.5}); });
+    std::vector<std::int64_t> numbers;
+    for (std::size_t i = 0; i < film.coded.size(); ++i) {
+        EXPECT_EQ(film.coded[i].coding_order, static_cast<std::int64_t>(i));
+        for (const std::int64_t r : film.coded[i].plan.references)
+            EXPECT_NE(std::find(numbers.begin(), numbers.end(), r), numbers.end());
+        numbers.push_back(film.coded[i].plan.number);
+        // One picture of delay is enough: nothing is decoded later than it is shown.
+        EXPECT_LE(static_cast<std::int64_t>(i) - 1, numbers.back());
+    }
+    EXPECT_EQ(numbers, (std::vector<std::int64_t>{0, 3, 1, 2, 6, 4, 5, 7}));
+}
+
+TEST(Encoder, BPicturesAreCoarserAndCostLess) {
+    const Settings with = settings(320, 240, 4, 13, 3, 2);
+    const Settings without = settings(320, 240, 4, 13);
+    const auto film = [](const Settings& s) {
+        return encode(
+            s, 13,
+            [&](std::int64_t n) {
+                return textured(s, n, {1.25, -0.75});
+            },
+            [&](const PicturePlan& plan) {
+                return steady_motion(s, plan, {1.25f, -0.75f});
+            });
+    };
+    const Film a = film(with), b = film(without);
+    EXPECT_LT(a.bytes().size() * 10, b.bytes().size() * 9);
+    for (const CodedPicture& c : a.coded)
+        EXPECT_EQ(c.plan.quantiser, c.plan.type == PictureType::bidirectional ? 6 : 4);
+}
+
+TEST(Encoder, WhatOnlyOneReferenceShowsIsPredictedFromIt) {
+    // The left half changes between pictures 0 and 1, the right half between 1 and 2; picture 1 lies between.
+    const Settings s = settings(160, 96, 4, 3, 3, 1);
+    const auto picture = [&](std::int64_t n) {
+        return paint(s.width, s.height, n, [&](int plane, double x, double y) {
+            const bool old = n == 0 || (n == 1 && x >= 80);
+            return texture(plane, x + (old ? 0 : 700), y);
+        });
+    };
+    const Film film = encode(s, 3, picture);
+    ASSERT_EQ(film.coded[2].plan.type, PictureType::bidirectional);
+    for (int y = 0; y < 6; ++y)
+        for (int x = 0; x < 10; ++x) {
+            const MacroblockRecord& m = film.coded[2].macroblocks.at(x, y);
+            EXPECT_EQ(m.forward, x >= 5) << x << " " << y;
+            EXPECT_EQ(m.backward, x < 5) << x << " " << y;
+        }
+}
+
+TEST(Encoder, ACrossFadeIsPredictedFromBothReferences) {
+    const Settings s = settings(160, 96, 8, 3, 3, 1);
+    const auto picture = [&](std::int64_t n) {
+        return paint(s.width, s.height, n, [&](int plane, double x, double y) {
+            const double mix = 0.5 * static_cast<double>(n);
+            return (1 - mix) * texture(plane, x, y) + mix * texture(plane, y + 300, x);
+        });
+    };
+    const CodedPicture coded = encode(s, 3, picture).coded[2];
+    int both = 0, skipped = 0;
+    for (const MacroblockRecord& m : coded.macroblocks.values()) {
+        both += m.forward && m.backward;
+        skipped += m.skipped;
+    }
+    EXPECT_GE(both, 59);
+    EXPECT_GE(skipped, 15);  // like the macroblock before: both references, zero vectors
+    EXPECT_LT(coded.bytes.size(), 300u);
+}
+
+}  // namespace
+}  // namespace render2mpeg::encoder::testing
