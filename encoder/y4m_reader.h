@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <vector>
+
+#include "core/picture.h"
+#include "core/rational.h"
+
+namespace render2mpeg::av {
+
+/// What the header of a Y4M file says of its pictures.
+struct Y4mFormat {
+    /// Where chroma samples lie. `jpeg`: between four luma samples; `mpeg2`: as in core::Picture; `paldv`: on luma
+    /// samples of the even columns, Cr in even rows and Cb in odd ones.
+    enum class Siting { jpeg, mpeg2, paldv };
+
+    int width = 0, height = 0;
+    std::optional<core::Rational> hertz;         ///< pictures per second; none: the file does not say
+    std::optional<core::Rational> pixel_aspect;  ///< width by height of a pixel; none: the file does not say
+    Siting siting = Siting::jpeg;
+    bool full_range = false;  ///< code values 0..255 for black to white
+};
+
+/// Reads uncompressed pictures from a YUV4MPEG2 file [Y4M]: 8-bit 4:2:0, progressive. Chroma of other sitings than
+/// MPEG-2's is moved by a quarter sample with a cubic filter, full range becomes limited range; what has neither need
+/// is handed over bit by bit. Needs no outside library.
+class Y4mReader {
+  public:
+    /// Throws core::Error for files that are cut off or damaged, and, by name, for kinds that are not read.
+    explicit Y4mReader(const std::filesystem::path& file);
+
+    const Y4mFormat& format() const { return format_; }
+    std::int64_t frames() const { return static_cast<std::int64_t>(offsets_.size()); }
+
+    /// A picture by its place in the file, from 0; any order. `luma` is set only where full range was converted.
+    core::Picture read(std::int64_t frame);
+
+  private:
+    void read_header();
+    void find_frames();
+
+    std::filesystem::path file_;
+    std::ifstream stream_;
+    Y4mFormat format_;
+    std::vector<std::uint64_t> offsets_;  ///< of each frame's first sample
+};
+
+}  // namespace render2mpeg::av
