@@ -208,7 +208,7 @@ TEST(Seeing, WorksForPicturesOfAnySize) {
     SceneBuilder builder;
     builder.add_quad({-50, -50, -5}, {100, 0, 0}, {0, 100, 0}, builder.add_material());
     builder.add_camera({0, 0, 0}, {0, 0, -1});
-    for (const auto [width, height] : {std::pair{1, 1}, {16, 16}, {17, 1}, {3, 33}}) {
+    for (const auto& [width, height] : {std::pair{1, 1}, {16, 16}, {17, 1}, {3, 33}}) {
         Stage stage(builder, width, height);
         const Seen seen = stage.see(2);
         EXPECT_EQ(seen.tiles.size(), static_cast<std::size_t>((width + 15) / 16 * ((height + 15) / 16)));
