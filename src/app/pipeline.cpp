@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 
+#include "app/bookkeeper.h"
 #include "image/layers.h"
-#include "perceptual/metrics.h"
 #include "scene/motion.h"
 
 namespace render2mpeg::app {
@@ -38,48 +37,6 @@ void write_frame_layers(const Production& film, const std::filesystem::path& fol
     const core::MotionField after = scene::motion_between(visible, world, film.snapshot(world.frame + 1));
     image::write_layers(folder / fmt::format("frame_{:04}.exr", world.frame), visible, radiance, &before, &after);
 }
-
-/// The pictures of a chunk between their rendering and their coding, with what is known of them.
-class Bookkeeper {
-  public:
-    explicit Bookkeeper(Ledger& ledger) : ledger_(ledger), first_(ledger.frames.size()) {}
-
-    /// Opens the entry of a frame with what gathering its light took: the growth of the renderer's counts.
-    void rendered(std::int64_t frame, const renderer::Statistics& before, const renderer::Statistics& after) {
-        FrameEntry entry;
-        entry.frame = frame;
-        entry.shadow_rays = after.shadow_rays - before.shadow_rays;
-        const auto points = static_cast<double>(std::max<std::uint64_t>(1, after.gather_points - before.gather_points));
-        entry.direct_cut = static_cast<double>(after.direct_clusters - before.direct_clusters) / points;
-        entry.indirect_cut = static_cast<double>(after.indirect_clusters - before.indirect_clusters) / points;
-        ledger_.frames.push_back(entry);
-    }
-    void took(double seconds) { ledger_.frames.back().seconds = seconds; }
-    void keep(core::Picture picture) {
-        const std::int64_t number = picture.number;
-        waiting_.emplace(number, std::move(picture));
-    }
-
-    /// Completes the entry of a picture that was coded.
-    void coded(const encoder::CodedPicture& coded) {
-        const auto original = waiting_.find(coded.plan.number);
-        EXPECTS(original != waiting_.end());
-        FrameEntry& entry =
-            ledger_.frames[first_ + static_cast<std::size_t>(coded.plan.number - ledger_.frames[first_].frame)];
-        entry.type = "-IPB"[static_cast<int>(coded.plan.type)];
-        entry.quantiser = coded.plan.quantiser;
-        entry.bytes = coded.bytes.size();
-        entry.exceeds_level = coded.exceeds_level;
-        entry.mse_y = perceptual::mean_squared_error(original->second.y, coded.reconstruction.y);
-        entry.ssim_y = perceptual::ssim(original->second.y, coded.reconstruction.y);
-        waiting_.erase(original);
-    }
-
-  private:
-    Ledger& ledger_;
-    std::size_t first_;
-    std::map<std::int64_t, core::Picture> waiting_;
-};
 
 }  // namespace
 

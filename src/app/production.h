@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "app/film.h"
 #include "app/options.h"
 #include "app/output_kind.h"
 #include "core/rational.h"
@@ -36,6 +37,7 @@ struct Production {
         return scene::snapshot_at(*animation, frame, core::time_of(frame, rate), format);
     }
     core::ToleranceMap tolerance_map() const;
+    Film film() const { return {animation->source, frames, coding, core::name_of(rendering.isa)}; }
 };
 
 /// Loads the scene and settles every setting. Throws core::Error for all that cannot be rendered or coded.

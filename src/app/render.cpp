@@ -9,6 +9,7 @@
 #include "app/interrupt.h"
 #include "app/pipeline.h"
 #include "app/progress.h"
+#include "app/publish.h"
 #include "app/statistics.h"
 #include "core/error.h"
 #include "parallel/loops.h"
@@ -29,18 +30,6 @@ std::string dry_run_text(const Production& film, const RenderOptions& options) {
                        film.animation->source, film.format.width, film.format.height, chunks.size(),
                        chunks.size() == 1 ? "" : "s") +
            plan_table(film.plan, {});
-}
-
-/// Refuses what would only fail after hours of rendering.
-void check_writable(const std::filesystem::path& file) {
-    const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error) throw core::Error("writing", file.string(), error.message());
-    if (std::filesystem::is_directory(file)) throw core::Error("writing", file.string(), "it is a folder");
-    const std::filesystem::path probe = folder / (file.filename().string() + ".probe");
-    if (!std::ofstream(probe)) throw core::Error("writing", file.string(), "the folder cannot be written");
-    std::filesystem::remove(probe, error);
 }
 
 /// Renders all chunks to their destinations. Returns the chunks' files, the last of them incomplete after an
@@ -73,19 +62,6 @@ std::vector<ChunkFile> render_chunks(const Production& film, const RenderOptions
     return files;
 }
 
-/// Puts the film together, proves that it decodes to what was encoded, and only then gives it its name.
-std::uint64_t publish(const std::vector<ChunkFile>& chunks, const Production& film, const WorkFolder& work,
-                      const std::filesystem::path& target) {
-    const std::filesystem::path file = work.path("film" + target.extension().string());
-    assemble(chunks, film, file, target);
-    verify(file, chunks);
-    const std::uint64_t bytes = std::filesystem::file_size(file);
-    std::error_code error;
-    std::filesystem::rename(file, target, error);
-    if (error) throw core::Error("writing", target.string(), error.message());
-    return bytes;
-}
-
 }  // namespace
 
 int render(const RenderOptions& options, const std::string& command) {
@@ -105,7 +81,7 @@ int render(const RenderOptions& options, const std::string& command) {
 
     // Render.
     std::optional<WorkFolder> work;
-    if (film.kind == OutputKind::film) work.emplace(options.output, film, command);
+    if (film.kind == OutputKind::film) work.emplace(options.output, film.film(), command);
     const std::unique_ptr<Sink> sink = make_sink(film, options.output);
     const std::vector<ChunkFile> chunks = render_chunks(film, options, work ? &*work : nullptr, sink.get(), ledger);
 
@@ -114,7 +90,7 @@ int render(const RenderOptions& options, const std::string& command) {
     RunFacts facts{command, options.input.string(), options.output.string(), 0, complete};
     if (work && !ledger.frames.empty()) {
         const std::filesystem::path target = complete ? options.output : partial_film_of(options.output);
-        facts.bytes = publish(chunks, film, *work, target);
+        facts.bytes = publish(chunks, film.film(), *work, target);
         facts.output = target.string();
         if (complete) work->remove();
     }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <unordered_map>
 
+#include "app/output_kind.h"
 #include "core/error.h"
 #include "encoder/av/av.h"
 
@@ -85,7 +86,7 @@ void ChunkFile::abandon() {
     if (!stream_) throw core::Error("writing", file_.string(), "the disk is full");
 }
 
-WorkFolder::WorkFolder(const std::filesystem::path& output, const Production& film, const std::string& command)
+WorkFolder::WorkFolder(const std::filesystem::path& output, const Film& film, const std::string& command)
     : folder_(work_folder_of(output)) {
     // Take only a folder that is ours to empty: none yet, or one with a manifest.
     std::error_code error;
@@ -99,9 +100,9 @@ WorkFolder::WorkFolder(const std::filesystem::path& output, const Production& fi
 
     write_whole(path("manifest.json"), nlohmann::json{{"version", RENDER2MPEG_VERSION},
                                                       {"command", command},
-                                                      {"input", film.animation->source},
+                                                      {"input", film.source},
                                                       {"frames", {film.frames.first, film.frames.last}},
-                                                      {"isa", core::name_of(film.rendering.isa)}}
+                                                      {"isa", film.isa}}
                                                .dump(1) +
                                            "\n");
 }
@@ -115,7 +116,7 @@ void WorkFolder::remove() {
     std::filesystem::remove_all(folder_, ignored);
 }
 
-void assemble(const std::vector<ChunkFile>& chunks, const Production& film, const std::filesystem::path& file,
+void assemble(const std::vector<ChunkFile>& chunks, const Film& film, const std::filesystem::path& file,
               const std::filesystem::path& name) {
     std::size_t largest = 0;
     for (const ChunkFile& chunk : chunks)

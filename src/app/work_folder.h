@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "app/chunk.h"
+#include "app/film.h"
 #include "app/ledger.h"
-#include "app/production.h"
+#include "core/picture.h"
 #include "encoder/encoder.h"
 
 namespace render2mpeg::app {
@@ -51,7 +52,7 @@ class ChunkFile {
 class WorkFolder {
   public:
     /// Creates the folder, empty but for the manifest; what an earlier run left there is removed.
-    WorkFolder(const std::filesystem::path& output, const Production& film, const std::string& command);
+    WorkFolder(const std::filesystem::path& output, const Film& film, const std::string& command);
 
     ChunkFile open(const Chunk& chunk);
     std::filesystem::path path(const std::string& name) const { return folder_ / name; }
@@ -63,7 +64,7 @@ class WorkFolder {
 };
 
 /// Joins chunks to one film `file`, whose format the ending of `name` tells.
-void assemble(const std::vector<ChunkFile>& chunks, const Production& film, const std::filesystem::path& file,
+void assemble(const std::vector<ChunkFile>& chunks, const Film& film, const std::filesystem::path& file,
               const std::filesystem::path& name);
 
 /// Decodes the film and throws core::Error unless every picture equals its recorded reconstruction bit for bit.

@@ -1,0 +1,40 @@
+#include "app/bookkeeper.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/error.h"
+#include "perceptual/metrics.h"
+
+namespace render2mpeg::app {
+
+void Bookkeeper::rendered(std::int64_t frame, const renderer::Statistics& before, const renderer::Statistics& after) {
+    FrameEntry entry;
+    entry.frame = frame;
+    entry.shadow_rays = after.shadow_rays - before.shadow_rays;
+    const auto points = static_cast<double>(std::max<std::uint64_t>(1, after.gather_points - before.gather_points));
+    entry.direct_cut = static_cast<double>(after.direct_clusters - before.direct_clusters) / points;
+    entry.indirect_cut = static_cast<double>(after.indirect_clusters - before.indirect_clusters) / points;
+    ledger_.frames.push_back(entry);
+}
+
+void Bookkeeper::keep(core::Picture picture) {
+    const std::int64_t number = picture.number;
+    waiting_.emplace(number, std::move(picture));
+}
+
+void Bookkeeper::coded(const encoder::CodedPicture& coded) {
+    const auto original = waiting_.find(coded.plan.number);
+    EXPECTS(original != waiting_.end());
+    FrameEntry& entry =
+        ledger_.frames[first_ + static_cast<std::size_t>(coded.plan.number - ledger_.frames[first_].frame)];
+    entry.type = "-IPB"[static_cast<int>(coded.plan.type)];
+    entry.quantiser = coded.plan.quantiser;
+    entry.bytes = coded.bytes.size();
+    entry.exceeds_level = coded.exceeds_level;
+    entry.mse_y = perceptual::mean_squared_error(original->second.y, coded.reconstruction.y);
+    entry.ssim_y = perceptual::ssim(original->second.y, coded.reconstruction.y);
+    waiting_.erase(original);
+}
+
+}  // namespace render2mpeg::app

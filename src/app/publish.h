@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "app/work_folder.h"
+
+namespace render2mpeg::app {
+
+/// Refuses what would only fail after hours of work: a file that cannot be created. Makes its folder.
+void check_writable(const std::filesystem::path& file);
+
+/// Puts the film together, proves that it decodes to what was encoded, and only then gives it its name. Returns its
+/// size in bytes.
+std::uint64_t publish(const std::vector<ChunkFile>& chunks, const Film& film, const WorkFolder& work,
+                      const std::filesystem::path& target);
+
+}  // namespace render2mpeg::app
