@@ -82,6 +82,13 @@ Image read_image(const fs::path& path, std::span<const std::byte> bytes, const s
     return codec().decode(essential_png(bytes, name), *format, name);
 }
 
+ExrChannels read_exr(const fs::path& path, const std::function<bool(const std::string&)>& wanted) {
+    const std::string name = path.string();
+    const std::vector<std::byte> bytes = bytes_of_file(path, name);
+    if (format_of(bytes, name) != Format::exr) throw core::Error("reading", name, "not an OpenEXR file");
+    return codec().decode_exr(bytes, wanted, name);
+}
+
 void write_exr(const fs::path& path, int width, int height, std::span<const Channel> channels) {
     EXPECTS(width > 0 && height > 0 && !channels.empty());
     std::set<std::string> names;

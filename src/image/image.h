@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <glm/glm.hpp>
 #include <span>
 #include <string>
@@ -38,5 +39,16 @@ void write_exr(const std::filesystem::path& path, int width, int height, std::sp
 
 /// Writes an 8-bit RGB PNG likewise; `rgb` holds 3 code values per pixel.
 void write_png(const std::filesystem::path& path, int width, int height, std::span<const unsigned char> rgb);
+
+/// Channels of an OpenEXR file.
+struct ExrChannels {
+    int width = 0, height = 0;      ///< of the display window
+    std::vector<Channel> channels;  ///< in the file's order, sorted by name
+};
+
+/// Reads those channels of a flat OpenEXR file whose name is `wanted`, over its display window; 0 where the file has no
+/// data. Of a file of several parts, the first. Throws core::Error; sizes beyond
+/// `max_pixels` are refused before anything of that size is allocated.
+ExrChannels read_exr(const std::filesystem::path& path, const std::function<bool(const std::string&)>& wanted);
 
 }  // namespace render2mpeg::image

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,14 +20,21 @@ class Codec {
     /// `format` is what the bytes claim to be; `name` is for messages.
     virtual Image decode(std::span<const std::byte> bytes, Format format, const std::string& name) const = 0;
 
+    /// image::read_exr of what certainly begins as an OpenEXR file.
+    virtual ExrChannels decode_exr(std::span<const std::byte> bytes,
+                                   const std::function<bool(const std::string&)>& wanted,
+                                   const std::string& name) const = 0;
+
     virtual std::vector<unsigned char> encode_exr(int width, int height, std::span<const Channel> channels,
                                                   const std::string& name) const = 0;
     virtual std::vector<unsigned char> encode_png(int width, int height, std::span<const unsigned char> rgb,
                                                   const std::string& name) const = 0;
 };
 
-/// In exr.cpp, the only file that includes OpenEXR.
+/// In exr.cpp and exr_input.cpp, the only files that include OpenEXR.
 std::vector<unsigned char> encode_multilayer_exr(int width, int height, std::span<const Channel> channels,
                                                  const std::string& name);
+ExrChannels decode_multilayer_exr(std::span<const std::byte> bytes,
+                                  const std::function<bool(const std::string&)>& wanted, const std::string& name);
 
 }  // namespace render2mpeg::image

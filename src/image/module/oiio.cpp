@@ -99,6 +99,11 @@ class OiioCodec final : public Codec {
         throw core::Error("reading", name, one_line(failure.what()));
     }
 
+    ExrChannels decode_exr(std::span<const std::byte> bytes, const std::function<bool(const std::string&)>& wanted,
+                           const std::string& name) const override {
+        return decode_multilayer_exr(bytes, wanted, name);
+    }
+
     std::vector<unsigned char> encode_exr(int width, int height, std::span<const Channel> channels,
                                           const std::string& name) const override {
         return encode_multilayer_exr(width, height, channels, name);

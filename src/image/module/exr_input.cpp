@@ -1,0 +1,112 @@
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfInputFile.h>
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <stdexcept>
+
+#include "core/error.h"
+#include "image/module/codec.h"
+
+namespace render2mpeg::image {
+namespace {
+
+/// A file in memory; whoever reads beyond its end is told.
+class MemoryInput final : public Imf::IStream {
+  public:
+    MemoryInput(std::span<const std::byte> bytes, const std::string& name)
+        : Imf::IStream(name.c_str()), bytes_(bytes) {}
+    bool read(char data[], int size) override {
+        const auto count = static_cast<std::size_t>(std::max(size, 0));
+        if (at_ > bytes_.size() || count > bytes_.size() - at_) throw std::runtime_error("the file is cut off");
+        std::memcpy(data, bytes_.data() + at_, count);
+        at_ += count;
+        return at_ < bytes_.size();
+    }
+    std::uint64_t tellg() override { return at_; }
+    void seekg(std::uint64_t position) override { at_ = static_cast<std::size_t>(position); }
+
+  private:
+    std::span<const std::byte> bytes_;
+    std::size_t at_ = 0;
+};
+
+/// Extent of a window; 0 for one that ends before it begins.
+struct Extent {
+    std::int64_t width, height;
+    explicit Extent(const Imath::Box2i& box)
+        : width(std::max<std::int64_t>(0, std::int64_t{box.max.x} - box.min.x + 1)),
+          height(std::max<std::int64_t>(0, std::int64_t{box.max.y} - box.min.y + 1)) {}
+    std::uint64_t pixels() const { return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height); }
+};
+
+/// Refuses files by their header, before any pixel has a place.
+void check_header(const Imf::Header& header, std::size_t file_bytes, const std::string& name) {
+    const Extent display(header.displayWindow()), data(header.dataWindow());
+    if (display.pixels() == 0 || data.pixels() == 0) throw core::Error("reading", name, "it has no pixels");
+    constexpr std::int64_t longest = 1 << 20;
+    if (std::max({display.width, display.height, data.width, data.height}) > longest ||
+        std::max(display.pixels(), data.pixels()) > max_pixels)
+        throw core::Error("reading", name, "it has too many pixels: the limit is " + std::to_string(max_pixels));
+    if (std::max(display.pixels(), data.pixels()) > max_pixels_per_byte(Format::exr) * file_bytes)
+        throw core::Error("reading", name, "the file is too short for its size in pixels");
+}
+
+/// Moves values from the data window to where it lies in the display window.
+std::vector<float> placed(const std::vector<float>& values, const Imath::Box2i& data, const Imath::Box2i& display) {
+    if (data == display) return values;
+    const Extent from(data), to(display);
+    std::vector<float> result(static_cast<std::size_t>(to.pixels()), 0.0f);
+    const std::int64_t left = std::max(data.min.x, display.min.x), right = std::min(data.max.x, display.max.x);
+    for (std::int64_t y = std::max(data.min.y, display.min.y); y <= std::min(data.max.y, display.max.y); ++y)
+        for (std::int64_t x = left; x <= right; ++x)
+            result[static_cast<std::size_t>((y - display.min.y) * to.width + x - display.min.x)] =
+                values[static_cast<std::size_t>((y - data.min.y) * from.width + x - data.min.x)];
+    return result;
+}
+
+}  // namespace
+
+ExrChannels decode_multilayer_exr(std::span<const std::byte> bytes,
+                                  const std::function<bool(const std::string&)>& wanted, const std::string& name) try {
+    MemoryInput stream(bytes, name);
+    Imf::InputFile file(stream, 0);
+    const Imf::Header& header = file.header();
+    check_header(header, bytes.size(), name);
+    const Imath::Box2i data = header.dataWindow(), display = header.displayWindow();
+    const Extent extent(data);
+
+    // Name the channels first: their values must not move once the library knows where they are.
+    ExrChannels result{static_cast<int>(Extent(display).width), static_cast<int>(Extent(display).height), {}};
+    for (auto i = header.channels().begin(); i != header.channels().end(); ++i)
+        if (wanted(i.name())) {
+            if (i.channel().xSampling != 1 || i.channel().ySampling != 1)
+                throw core::Error("reading", name, "channel " + std::string(i.name()), "it has not a value per pixel");
+            result.channels.push_back({i.name(), std::vector<float>(static_cast<std::size_t>(extent.pixels())),
+                                       i.channel().type == Imf::HALF});
+        }
+    if (result.channels.empty()) return result;
+
+    // The library addresses pixel (x, y) as base + x and y strides, also where the window does not begin at 0.
+    Imf::FrameBuffer frame;
+    for (Channel& channel : result.channels)
+        frame.insert(channel.name, Imf::Slice::Make(Imf::FLOAT, channel.values.data(), data, sizeof(float),
+                                                    sizeof(float) * static_cast<std::size_t>(extent.width)));
+    file.setFrameBuffer(frame);
+    file.readPixels(data.min.y, data.max.y);
+    for (Channel& channel : result.channels) channel.values = placed(channel.values, data, display);
+    return result;
+} catch (const core::Error&) {
+    throw;
+} catch (const std::bad_alloc&) {
+    throw core::Error("reading", name, "not enough memory for its pixels");
+} catch (const std::exception& failure) {
+    const std::string message = failure.what();
+    throw core::Error("reading", name, message.substr(0, message.find_first_of("\r\n")));
+}
+
+}  // namespace render2mpeg::image
