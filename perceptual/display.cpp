@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <span>
 
 #include "core/error.h"
@@ -23,20 +24,16 @@ struct Signals {
     static std::size_t extent(int width) { return static_cast<std::size_t>(width); }
 };
 
-/// Returns 0, or NaN if any component is not finite.
-float signals_of_row(std::span<const glm::vec3> row, float gain, glm::vec3 weight, const SignalCurve& curve,
-                     Signals& out) {
-    float finite = 0.0f;
+/// Writes one row of signals R', G', B'. Returns 0, or NaN if any component is not finite.
+using SignalsOfRow = std::function<float(int y, std::span<glm::vec3> signals)>;
+
+void divide(std::span<const glm::vec3> row, glm::vec3 weight, Signals& out) {
     for (std::size_t x = 0; x < row.size(); ++x) {
-        const glm::vec3 c = row[x];
-        finite += c.x * 0.0f + c.y * 0.0f + c.z * 0.0f;
-        const float r = curve.signal(c.x * gain), g = curve.signal(c.y * gain), b = curve.signal(c.z * gain);
-        const float luma = weight.x * r + weight.y * g + weight.z * b;
+        const float luma = weight.x * row[x].x + weight.y * row[x].y + weight.z * row[x].z;
         out.luma[x] = luma;
-        out.blue[x] = b - luma;
-        out.red[x] = r - luma;
+        out.blue[x] = row[x].z - luma;
+        out.red[x] = row[x].x - luma;
     }
-    return finite;
 }
 
 /// Colour differences at half the width, sited on the even columns: [1 2 1] / 4, the edges repeated.
@@ -58,31 +55,18 @@ void write_chroma(const std::vector<float>& upper, const std::vector<float>& low
         out[i] = code(std::clamp(128.0f + scale * 0.5f * (upper[i] + lower[i]), 16.0f, 240.0f));
 }
 
-float largest(glm::vec3 v) {
-    return std::max({v.x, v.y, v.z});
-}
-
-}  // namespace
-
-Display::Display(float exposure, ColorMatrix matrix)
-    : exposure_(exposure), gain_(std::exp2(exposure)), matrix_(matrix) {
-    EXPECTS(std::abs(exposure) <= max_exposure);
-}
-
-core::Picture Display::develop(const core::Radiance& radiance) const {
-    const int width = radiance.combined.width(), height = radiance.combined.height();
+core::Picture picture_of(int width, int height, ColorMatrix matrix, const SignalsOfRow& signals_of_row) {
     core::Picture picture;
-    picture.number = radiance.frame;
     picture.y = core::Plane<std::uint8_t>(width, height);
     picture.luma = core::Plane<float>(width, height);
     picture.cb = core::Plane<std::uint8_t>((width + 1) / 2, (height + 1) / 2);
     picture.cr = core::Plane<std::uint8_t>((width + 1) / 2, (height + 1) / 2);
     if (picture.y.empty()) return picture;
 
-    const SignalCurve& curve = SignalCurve::instance();
-    const glm::vec3 weight = luma_weights(matrix_);
+    const glm::vec3 weight = luma_weights(matrix);
     // [BT709, 3.4] and [BT601, 2.5.3]: C = 224 (difference) / (2 (1 - weight)).
     const float blue_scale = 112.0f / (1.0f - weight.z), red_scale = 112.0f / (1.0f - weight.x);
+    std::vector<glm::vec3> row(static_cast<std::size_t>(width));
     Signals signals(width);
     std::vector<float> blue[2], red[2];
     for (int k = 0; k < 2; ++k) blue[k] = red[k] = std::vector<float>(static_cast<std::size_t>(picture.cb.width()));
@@ -91,7 +75,8 @@ core::Picture Display::develop(const core::Radiance& radiance) const {
     for (int pair = 0; pair < picture.cb.height(); ++pair) {
         for (int k = 0; k < 2; ++k) {
             const int y = std::min(2 * pair + k, height - 1);
-            finite += signals_of_row({radiance.combined.row(y), signals.luma.size()}, gain_, weight, curve, signals);
+            finite += signals_of_row(y, row);
+            divide(row, weight, signals);
             for (int x = 0; x < width; ++x) {
                 const float luma = 16.0f + 219.0f * signals.luma[static_cast<std::size_t>(x)];
                 picture.luma.row(y)[x] = luma;
@@ -105,6 +90,46 @@ core::Picture Display::develop(const core::Radiance& radiance) const {
     }
     EXPECTS(finite == 0.0f);
     return picture;
+}
+
+float largest(glm::vec3 v) {
+    return std::max({v.x, v.y, v.z});
+}
+
+}  // namespace
+
+Display::Display(float exposure, ColorMatrix matrix)
+    : exposure_(exposure), gain_(std::exp2(exposure)), matrix_(matrix) {
+    EXPECTS(std::abs(exposure) <= max_exposure);
+}
+
+core::Picture Display::develop(const core::Radiance& radiance) const {
+    const SignalCurve& curve = SignalCurve::instance();
+    const core::Plane<glm::vec3>& light = radiance.combined;
+    core::Picture picture = picture_of(light.width(), light.height(), matrix_, [&](int y, std::span<glm::vec3> row) {
+        const glm::vec3* from = light.row(y);
+        float finite = 0.0f;
+        for (std::size_t x = 0; x < row.size(); ++x) {
+            const glm::vec3 c = from[x];
+            finite += c.x * 0.0f + c.y * 0.0f + c.z * 0.0f;
+            row[x] = {curve.signal(c.x * gain_), curve.signal(c.y * gain_), curve.signal(c.z * gain_)};
+        }
+        return finite;
+    });
+    picture.number = radiance.frame;
+    return picture;
+}
+
+core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMatrix matrix) {
+    return picture_of(signals.width(), signals.height(), matrix, [&](int y, std::span<glm::vec3> row) {
+        const glm::vec3* from = signals.row(y);
+        float finite = 0.0f;
+        for (std::size_t x = 0; x < row.size(); ++x) {
+            finite += from[x].x * 0.0f + from[x].y * 0.0f + from[x].z * 0.0f;
+            row[x] = glm::clamp(from[x], 0.0f, 1.0f);
+        }
+        return finite;
+    });
 }
 
 std::vector<std::uint8_t> Display::develop_rgb(const core::Radiance& radiance) const {

@@ -51,6 +51,11 @@ class Display {
     ColorMatrix matrix_;
 };
 
+/// A picture of what a display shows already: full-range signals R', G', B', clamped to [0, 1] (as PNG files hold them,
+/// over 255), with BT.709's primaries. The matrix and chroma are those of Display::develop, so that a picture that went
+/// through develop_rgb comes back but for its rounding. Finite values.
+core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMatrix matrix);
+
 /// The matrix for a picture of so many lines.
 inline ColorMatrix matrix_for(int height) {
     return height < 720 ? ColorMatrix::bt601 : ColorMatrix::bt709;

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/color.h"
+#include "core/error.h"
 #include "core/sampling.h"
 #include "perceptual/signal_curve.h"
 
@@ -162,6 +163,41 @@ TEST(Display, RgbIsTheFilmsOwnSignal) {
     for (int i = 0; i < 3; ++i)
         EXPECT_NEAR(rgb[static_cast<std::size_t>(3 + i)],
                     255 * opto_electronic(tone_curve(static_cast<double>(c[i]) * std::exp2(0.5))), 0.501);
+}
+
+TEST(Display, SignalsBecomeThePictureThatTheLightBehindThemBecame) {
+    core::Radiance radiance = frame(37, 21);
+    for (std::size_t i = 0; i < radiance.combined.size(); ++i) radiance.combined.values()[i] = any_color(i);
+    for (const ColorMatrix matrix : {ColorMatrix::bt601, ColorMatrix::bt709}) {
+        const Display display(0.5f, matrix);
+        const core::Picture developed = display.develop(radiance);
+        const std::vector<std::uint8_t> codes = display.develop_rgb(radiance);
+        core::Plane<glm::vec3> signals(37, 21);
+        for (std::size_t i = 0; i < signals.size(); ++i)
+            for (int c = 0; c < 3; ++c)
+                signals.values()[i][c] = static_cast<float>(codes[3 * i + static_cast<std::size_t>(c)]) / 255.0f;
+        const core::Picture back = picture_of_signals(signals, matrix);
+        // Half a step of 255 is 0.43 of 219: luma is off by no more, and its code by one at most.
+        for (std::size_t i = 0; i < signals.size(); ++i) {
+            EXPECT_NEAR(back.luma.values()[i], developed.luma.values()[i], 0.432f);
+            EXPECT_NEAR(back.y.values()[i], developed.y.values()[i], 1);
+        }
+        for (std::size_t i = 0; i < back.cb.size(); ++i) {
+            EXPECT_NEAR(back.cb.values()[i], developed.cb.values()[i], 1);
+            EXPECT_NEAR(back.cr.values()[i], developed.cr.values()[i], 1);
+        }
+    }
+}
+
+TEST(Display, SignalsBeyondTheRangeAreItsEnds) {
+    const core::Picture low = picture_of_signals(core::Plane<glm::vec3>(2, 2, glm::vec3(-1)), ColorMatrix::bt709);
+    const core::Picture high = picture_of_signals(core::Plane<glm::vec3>(2, 2, glm::vec3(9)), ColorMatrix::bt709);
+    EXPECT_EQ(low.y.at(0, 0), 16);
+    EXPECT_EQ(high.y.at(1, 1), 235);
+    EXPECT_EQ(high.cb.at(0, 0), 128);
+    core::Plane<glm::vec3> none(2, 2);
+    none.at(1, 0).y = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_THROW(picture_of_signals(none, ColorMatrix::bt709), core::ContractViolation);
 }
 
 TEST(WithLuma, GivesBackTheColourItStartedFrom) {
