@@ -22,7 +22,7 @@ struct Settings {
     core::FrameRate rate;
     int quantiser = 4;            ///< quantiser_scale_code 1..31, q_scale_type 0
     int gop = 15;                 ///< pictures per closed GOP, >= 1
-    int b_pictures = 0;           ///< most B pictures in a row, 0..3
+    int b_pictures = 2;           ///< most B pictures in a row, 0..3
     int aspect_ratio_code = 1;    ///< aspect_ratio_information [H262, table 6-3]; 1: square pixels
     int matrix_coefficients = 1;  ///< [H262, table 6-9]; 1: BT.709, 6: BT.601
 };
