@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "app/encode.h"
 #include "app/options.h"
 #include "app/render.h"
 
@@ -13,6 +14,8 @@ int main(int argc, char** argv) {
         switch (line.command) {
             case Command::render:
                 return render(line.render, line.text);
+            case Command::encode:
+                return encode(line.encode, line.text);
             case Command::plan:
                 return plan(line.plan);
             case Command::none:

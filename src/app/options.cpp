@@ -116,13 +116,13 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
         ->group(picture);
 }
 
-void add_coding_options(CLI::App& command, RenderOptions& options) {
+void add_coding_options(CLI::App& command, int& quantiser, int& gop) {
     const std::string coding = "MPEG-2";
-    command.add_option("--quantiser", options.quantiser, "quantiser_scale_code: 1 is the finest, 31 the coarsest")
+    command.add_option("--quantiser", quantiser, "quantiser_scale_code: 1 is the finest, 31 the coarsest")
         ->check(CLI::Range(1, 31))
         ->capture_default_str()
         ->group(coding);
-    command.add_option("--gop", options.gop, "Pictures per closed group of pictures")
+    command.add_option("--gop", gop, "Pictures per closed group of pictures")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str()
         ->group(coding);
@@ -151,6 +151,56 @@ void add_run_options(CLI::App& command, RenderOptions& options) {
     command.add_flag("--dry-run", options.dry_run, "Read and check everything, say what would be done, write nothing")
         ->group(run);
     command.add_flag("--quiet", options.quiet, "Print nothing but errors")->group(run);
+}
+
+CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
+    CLI::App* command = app.add_subcommand("encode", "Encode frames and motion of any renderer");
+    command->footer(
+        "Motion: OpenEXR files with the number of their frame, as `render --aov` writes them (docs/encode.md).\n"
+        "Example: render2mpeg encode shot.%04d.exr -o shot.mpg --motion shot.%04d.exr --exposure 0.5");
+    command
+        ->add_option("FRAMES", options.input,
+                     "A .y4m file (8-bit 4:2:0), or numbered images: frames.%04d.exr (scene-linear) or .png")
+        ->required();
+    command->add_option("-o,--output", options.output, "Film to write: .mpg, .vob, .ts, .m2v, .mkv or .mp4")
+        ->type_name("OUT")
+        ->required();
+    const std::string picture = "Picture and time", motion = "Motion", run = "Run";
+    command
+        ->add_option("--fps", options.rate,
+                     "Pictures per second: 23.976, 24, 25, 29.97, 30, 50, 59.94 or 60 (default: the Y4M file's, or 25)")
+        ->type_name("R")
+        ->check(checked(core::frame_rate_from, ""))
+        ->group(picture);
+    command
+        ->add_option("--frames", options.frames,
+                     "First and last frame, both included: numbers of the images, or places in the Y4M file from 0\n"
+                     "(default: all)")
+        ->type_name("A:B")
+        ->check(checked(frames_from, ""))
+        ->group(picture);
+    command->add_option("--exposure", options.exposure, "EV for scene-linear frames (default: 0)")
+        ->type_name("EV")
+        ->check(CLI::Range(-64.0f, 64.0f))
+        ->group(picture);
+    command->add_option("--motion", options.motion, "Numbered OpenEXR files with the frames' exact motion")
+        ->type_name("PATTERN")
+        ->group(motion);
+    command->add_option("--motion-convention", options.motion_convention, "What their channels mean: blender or nuke")
+        ->check(CLI::IsMember({"blender", "nuke"}))
+        ->type_name("NAME")
+        ->capture_default_str()
+        ->group(motion);
+    add_coding_options(*command, options.quantiser, options.gop);
+    command->add_option("--threads", options.threads, "Threads; 0: one per core. The film's bytes do not depend on it")
+        ->check(CLI::Range(0, 1024))
+        ->capture_default_str()
+        ->group(run);
+    command->add_option("--stats", options.stats, "Write statistics as JSON (docs/stats.md)")
+        ->type_name("FILE.json")
+        ->group(run);
+    command->add_flag("--quiet", options.quiet, "Print nothing but errors")->group(run);
+    return command;
 }
 
 }  // namespace
@@ -209,9 +259,10 @@ CommandLine parse(int argc, char** argv) {
         ->required();
     add_picture_options(*render, line.render);
     add_light_options(*render, line.render);
-    add_coding_options(*render, line.render);
+    add_coding_options(*render, line.render.quantiser, line.render.gop);
     add_run_options(*render, line.render);
 
+    const CLI::App* encode = add_encode_command(app, line.encode);
     CLI::App* plan = app.add_subcommand("plan", "Show which passes a scene calls for, and why");
     plan->footer("Example: render2mpeg plan scene.glb --stats stats.json");
     add_scene_options(*plan, line.plan.render);
@@ -228,7 +279,7 @@ CommandLine parse(int argc, char** argv) {
         line.exit_code = app.exit(error) == 0 ? 0 : 1;
         return line;
     }
-    line.command = render->parsed() ? Command::render : Command::plan;
+    line.command = render->parsed() ? Command::render : encode->parsed() ? Command::encode : Command::plan;
     return line;
 }
 

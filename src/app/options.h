@@ -44,13 +44,30 @@ struct PlanOptions {
     std::optional<std::filesystem::path> statistics;
 };
 
-enum class Command { render, plan, none };
+/// Options of `encode`.
+struct EncodeOptions {
+    std::filesystem::path input;  ///< a Y4M file, or numbered images
+    std::filesystem::path output;
+    std::optional<std::filesystem::path> motion;  ///< numbered OpenEXR files
+    std::string motion_convention = "blender";    ///< "blender" or "nuke"
+    std::optional<std::string> rate;
+    std::optional<std::string> frames;  ///< "A:B", inclusive
+    std::optional<float> exposure;      ///< EV, for scene-linear frames
+    int quantiser = 4;
+    int gop = 15;
+    int threads = 0;  ///< 0: all
+    std::optional<std::filesystem::path> stats;
+    bool quiet = false;
+};
+
+enum class Command { render, encode, plan, none };
 
 /// One command line, read and checked for form. `exit_code` is set where there is nothing left to do (--help,
 /// --version, a mistake): the text was printed already.
 struct CommandLine {
     Command command = Command::none;
     RenderOptions render;
+    EncodeOptions encode;
     PlanOptions plan;
     std::optional<int> exit_code;
     std::string text;  ///< as given, for the statistics

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <charconv>
 #include <optional>
 #include <string>
 
@@ -35,7 +37,7 @@ OutputKind kind_of(const std::filesystem::path& output) {
     const std::string ending = output.extension().string();
     if (ending == ".y4m") return OutputKind::y4m;
     if (ending == ".exr" || ending == ".png") {
-        if (!number_field(output.filename().string()))
+        if (!is_numbered(output))
             throw core::Error("writing", output.string(),
                               "an image sequence needs one frame number in its name, e.g. frames.%04d" + ending);
         return ending == ".exr" ? OutputKind::exr : OutputKind::png;
@@ -43,6 +45,33 @@ OutputKind kind_of(const std::filesystem::path& output) {
     throw core::Error("writing", output.string(),
                       "the ending chooses what is written: .mpg, .vob, .ts, .m2v, .mkv, .mp4, .y4m, or images such as "
                       "frames.%04d.exr or .png");
+}
+
+bool is_numbered(const std::filesystem::path& pattern) {
+    return number_field(pattern.filename().string()).has_value();
+}
+
+std::vector<std::int64_t> numbers_on_disk(const std::filesystem::path& pattern) {
+    const std::string name = pattern.filename().string();
+    const auto field = number_field(name);
+    EXPECTS(field.has_value());
+    const std::string before = name.substr(0, field->begin), after = name.substr(field->begin + field->length);
+    const std::filesystem::path folder = pattern.has_parent_path() ? pattern.parent_path() : ".";
+    std::vector<std::int64_t> numbers;
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+        const std::string found = entry.path().filename().string();
+        if (found.size() <= before.size() + after.size() || !found.starts_with(before) || !found.ends_with(after))
+            continue;
+        // Take only what `numbered` would write: "7" is no name of %04d.
+        const char* end = found.data() + found.size() - after.size();
+        std::int64_t number = -1;
+        const auto [stop, failure] = std::from_chars(found.data() + before.size(), end, number);
+        if (failure == std::errc{} && stop == end && number >= 0 && numbered(pattern, number).filename() == found)
+            numbers.push_back(number);
+    }
+    std::sort(numbers.begin(), numbers.end());
+    return numbers;
 }
 
 std::filesystem::path numbered(const std::filesystem::path& pattern, std::int64_t frame) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <vector>
 
 namespace render2mpeg::app {
 
@@ -10,6 +11,12 @@ enum class OutputKind { film, y4m, exr, png };
 /// What the ending of an output name asks for. Throws core::Error with the list of endings; image sequences need one
 /// `%0Nd`.
 OutputKind kind_of(const std::filesystem::path& output);
+
+/// Whether a file name has the one frame number of an image sequence: `%d`, `%4d` or `%04d`.
+bool is_numbered(const std::filesystem::path& pattern);
+
+/// The frame numbers for which an image sequence has a file, ascending.
+std::vector<std::int64_t> numbers_on_disk(const std::filesystem::path& pattern);
 
 /// The name of frame n of an image sequence: its `%0Nd` (or `%d`) replaced.
 std::filesystem::path numbered(const std::filesystem::path& pattern, std::int64_t frame);

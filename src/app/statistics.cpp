@@ -36,20 +36,53 @@ json passes_of(const Production& film, const Ledger& ledger) {
     return passes;
 }
 
+void add_coding(json& entry, const FrameEntry& frame) {
+    entry["type"] = std::string(1, frame.type);
+    entry["quantiser"] = frame.quantiser;
+    entry["bytes"] = frame.bytes;
+    entry["exceeds_level"] = frame.exceeds_level;
+    entry["mse_y"] = frame.mse_y;
+    entry["ssim_y"] = frame.ssim_y;
+}
+
 json entry_of(const FrameEntry& frame, bool coded) {
     json entry{{"frame", frame.frame},
                {"seconds", frame.seconds},
                {"shadow_rays", frame.shadow_rays},
                {"cut", {{"direct", frame.direct_cut}, {"indirect", frame.indirect_cut}}}};
-    if (coded) {
-        entry["type"] = std::string(1, frame.type);
-        entry["quantiser"] = frame.quantiser;
-        entry["bytes"] = frame.bytes;
-        entry["exceeds_level"] = frame.exceeds_level;
-        entry["mse_y"] = frame.mse_y;
-        entry["ssim_y"] = frame.ssim_y;
-    }
+    if (coded) add_coding(entry, frame);
     return entry;
+}
+
+/// What is said of every run. Quality counts where the film was coded.
+json common_of(const Film& film, const Ledger& ledger, const RunFacts& facts) {
+    const encoder::Settings& coding = film.coding;
+    return {{"version", RENDER2MPEG_VERSION},
+            {"command", facts.command},
+            {"input", facts.input},
+            {"output", facts.output},
+            {"complete", facts.complete},
+            {"width", coding.width},
+            {"height", coding.height},
+            {"fps", coding.rate.hertz.value()},
+            {"fps_exact", {coding.rate.hertz.num, coding.rate.hertz.den}},
+            {"frames", ledger.frames.size()},
+            {"bytes", facts.bytes},
+            {"quantiser", coding.quantiser},
+            {"gop", coding.gop},
+            {"seconds", seconds_of(ledger)},
+            {"peak_rss_mib", peak_memory_mib()},
+            {"non_finite", ledger.rendering.non_finite},
+            {"psnr_y", finite_or_null(ledger.psnr_y())},
+            {"ssim_y", ledger.ssim_y()},
+            {"per_frame", json::array()}};
+}
+
+void write_json(const std::filesystem::path& file, const json& statistics) {
+    std::ofstream stream(file, std::ios::binary | std::ios::trunc);
+    stream << statistics.dump(1) << "\n";
+    stream.close();
+    if (!stream) throw core::Error("writing", file.string(), "the file cannot be written");
 }
 
 }  // namespace
@@ -64,23 +97,10 @@ void write_statistics(const std::filesystem::path& file, const Production& film,
                       const RunFacts& facts) {
     const renderer::Statistics& r = ledger.rendering;
     const bool coded = film.kind == OutputKind::film;
-    json statistics{
-        {"version", RENDER2MPEG_VERSION},
-        {"command", facts.command},
-        {"input", facts.input},
-        {"output", facts.output},
-        {"complete", facts.complete},
-        {"width", film.format.width},
-        {"height", film.format.height},
-        {"fps", film.rate.hertz.value()},
-        {"fps_exact", {film.rate.hertz.num, film.rate.hertz.den}},
-        {"frames", ledger.frames.size()},
-        {"bytes", facts.bytes},
+    json statistics = common_of(film.film(), ledger, facts);
+    statistics.update({
         {"exposure", film.exposure.value_or(0)},
-        {"quantiser", film.coding.quantiser},
-        {"gop", film.coding.gop},
         {"isa", core::name_of(film.rendering.isa)},
-        {"seconds", seconds_of(ledger)},
         {"passes", passes_of(film, ledger)},
         {"rays",
          {{"primary", r.primary_rays},
@@ -91,20 +111,24 @@ void write_statistics(const std::filesystem::path& file, const Production& film,
         {"mean_cut", {{"direct", ledger.mean_direct_cut()}, {"indirect", ledger.mean_indirect_cut()}}},
         {"gather_points", r.gather_points},
         {"capped_points", r.capped_points},
-        {"peak_rss_mib", peak_memory_mib()},
-        {"non_finite", r.non_finite},
         {"first_non_finite", r.first_non_finite},
         {"clamped_energy", r.clamped_energy},
-        {"psnr_y", coded ? finite_or_null(ledger.psnr_y()) : json(nullptr)},
-        {"ssim_y", coded ? json(ledger.ssim_y()) : json(nullptr)},
-        {"per_frame", json::array()},
-    };
+    });
+    if (!coded) statistics["psnr_y"] = statistics["ssim_y"] = nullptr;
     for (const FrameEntry& frame : ledger.frames) statistics["per_frame"].push_back(entry_of(frame, coded));
+    write_json(file, statistics);
+}
 
-    std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-    stream << statistics.dump(1) << "\n";
-    stream.close();
-    if (!stream) throw core::Error("writing", file.string(), "the file cannot be written");
+void write_encode_statistics(const std::filesystem::path& file, const Film& film, bool with_motion,
+                             const Ledger& ledger, const RunFacts& facts) {
+    json statistics = common_of(film, ledger, facts);
+    statistics["motion"] = with_motion;
+    for (const FrameEntry& frame : ledger.frames) {
+        json entry{{"frame", frame.frame}, {"seconds", frame.seconds}};
+        add_coding(entry, frame);
+        statistics["per_frame"].push_back(entry);
+    }
+    write_json(file, statistics);
 }
 
 }  // namespace render2mpeg::app

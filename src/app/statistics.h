@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "app/film.h"
 #include "app/ledger.h"
 #include "app/production.h"
 
@@ -23,7 +24,12 @@ double peak_memory_mib();
 void write_statistics(const std::filesystem::path& file, const Production& film, const Ledger& ledger,
                       const RunFacts& facts);
 
-/// The lines a user reads at the end of a render.
+/// The same for a film of frames from outside; `with_motion`: vectors were given.
+void write_encode_statistics(const std::filesystem::path& file, const Film& film, bool with_motion,
+                             const Ledger& ledger, const RunFacts& facts);
+
+/// The lines a user reads at the end of a render, and of encoding frames from outside.
+std::string encode_summary(const Film& film, const Ledger& ledger, const RunFacts& facts);
 std::string summary(const Production& film, const Ledger& ledger, const RunFacts& facts);
 
 /// The plan as a table: each pass, whether it runs, why, and, if `statistics` names the file of a render, what it cost.

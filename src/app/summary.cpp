@@ -45,23 +45,39 @@ PassCosts read_costs(const std::filesystem::path& file) {
     }
 }
 
-}  // namespace
-
-std::string summary(const Production& film, const Ledger& ledger, const RunFacts& facts) {
-    const renderer::Statistics& r = ledger.rendering;
+/// The film and what making it took.
+std::string opening_lines(const Film& film, const Ledger& ledger, const RunFacts& facts) {
     const auto frames = static_cast<double>(ledger.frames.size());
-    const double duration = frames / film.rate.hertz.value();
+    const double duration = frames / film.coding.rate.hertz.value();
     std::string text = fmt::format("{}: {} frames, {}x{} at {} Hz, {:.2f} s", facts.output, ledger.frames.size(),
-                                   film.format.width, film.format.height, film.rate.name, duration);
+                                   film.coding.width, film.coding.height, film.coding.rate.name, duration);
     if (facts.bytes > 0)
         text += fmt::format(", {}, {:.0f} kb/s", size_text(static_cast<double>(facts.bytes)),
                             core::divide_or(8e-3 * static_cast<double>(facts.bytes), duration, 0.0));
     text += "\n  CPU time   ";
     for (std::size_t i = 0; i < ledger.seconds.size(); ++i)
-        text += fmt::format("{} {:.2f}  ", stage_names[i], ledger.seconds[i]);
-    text += fmt::format("of {:.2f} s; {} on the clock; peak memory {:.0f} MiB\n", cpu_seconds(),
-                        clock_text(ledger.wall), peak_memory_mib());
+        if (ledger.seconds[i] > 0) text += fmt::format("{} {:.2f}  ", stage_names[i], ledger.seconds[i]);
+    return text + fmt::format("of {:.2f} s; {} on the clock; peak memory {:.0f} MiB\n", cpu_seconds(),
+                              clock_text(ledger.wall), peak_memory_mib());
+}
 
+/// How a coded film came out. `made`: what was done to its pictures before they were coded.
+std::string closing_lines(const Ledger& ledger, const char* made) {
+    std::string text;
+    const auto heavy = std::count_if(ledger.frames.begin(), ledger.frames.end(),
+                                     [](const FrameEntry& frame) { return frame.exceeds_level; });
+    if (heavy > 0)
+        text +=
+            fmt::format("  level      {} pictures exceed the level's buffer: a coarser quantiser would fit\n", heavy);
+    return text + fmt::format("  quality    decoded against {}: PSNR-Y {:.2f} dB, SSIM-Y {:.4f}\n", made,
+                              ledger.psnr_y(), ledger.ssim_y());
+}
+
+}  // namespace
+
+std::string summary(const Production& film, const Ledger& ledger, const RunFacts& facts) {
+    const renderer::Statistics& r = ledger.rendering;
+    std::string text = opening_lines(film.film(), ledger, facts);
     text += fmt::format(
         "  light      {} direct and {} indirect light points; mean cut {:.1f} and {:.1f}; {} points to light, {} "
         "shadow rays\n",
@@ -80,15 +96,15 @@ std::string summary(const Production& film, const Ledger& ledger, const RunFacts
     if (r.non_finite > 0)
         text += fmt::format("             {} values were not finite and became 0, the first in {}\n", r.non_finite,
                             r.first_non_finite);
-    const auto heavy = std::count_if(ledger.frames.begin(), ledger.frames.end(),
-                                     [](const FrameEntry& frame) { return frame.exceeds_level; });
-    if (heavy > 0)
-        text +=
-            fmt::format("  level      {} pictures exceed the level's buffer: a coarser quantiser would fit\n", heavy);
-    if (film.kind == OutputKind::film)
-        text += fmt::format("  quality    decoded against rendered: PSNR-Y {:.2f} dB, SSIM-Y {:.4f}\n", ledger.psnr_y(),
-                            ledger.ssim_y());
+    if (film.kind == OutputKind::film) text += closing_lines(ledger, "rendered");
     return text;
+}
+
+std::string encode_summary(const Film& film, const Ledger& ledger, const RunFacts& facts) {
+    std::string text = opening_lines(film, ledger, facts);
+    if (ledger.rendering.non_finite > 0)
+        text += fmt::format("  frames     {} values were not finite and became 0\n", ledger.rendering.non_finite);
+    return text + closing_lines(ledger, "the frames given");
 }
 
 std::string plan_table(const renderer::Plan& plan, const std::filesystem::path& statistics) {

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+
+#include "core/motion_field.h"
+
+namespace render2mpeg::app {
+
+/// How compositing files write motion (docs/encode.md).
+enum class MotionConvention { blender, nuke };
+
+/// What one file says of where a frame's pixels come from and go to.
+struct FrameMotion {
+    core::MotionField to_previous, to_next;  ///< to the frames `frame - 1` and `frame + 1`
+};
+
+/// Reads a frame's motion from its OpenEXR file. Throws core::Error where the file has no such channels, or another
+/// size.
+FrameMotion read_motion(const std::filesystem::path& file, std::int64_t frame, int width, int height,
+                        MotionConvention convention);
+
+/// Motion of numbered files between any two frames. Files lead from a frame to its neighbours; over several frames the
+/// way is put together from steps, and ends (class `none`) where it leaves the picture or meets another class of thing.
+class VectorLayers {
+  public:
+    VectorLayers(std::filesystem::path pattern, MotionConvention convention, int width, int height);
+
+    /// Reads what it needs of the frames from `picture` to `reference`, which differ. Throws core::Error.
+    core::MotionField between(std::int64_t picture, std::int64_t reference);
+
+  private:
+    const FrameMotion& frame(std::int64_t number);
+
+    std::filesystem::path pattern_;
+    MotionConvention convention_;
+    int width_, height_;
+    std::map<std::int64_t, FrameMotion> read_;  ///< the frames asked for last
+};
+
+}  // namespace render2mpeg::app

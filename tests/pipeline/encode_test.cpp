@@ -1,0 +1,204 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "image/image.h"
+#include "support/program.h"
+
+/// The encoder stage by itself, as a user starts it.
+namespace render2mpeg {
+namespace {
+
+using support::contents;
+using support::film;
+using support::Folder;
+using support::program;
+using support::run;
+
+std::string path(const Folder& folder, const std::string& name) {
+    return (folder / name).string();
+}
+
+int frames_by_ffmpeg(const std::filesystem::path& file) {
+    const auto strict = run("ffmpeg -v error -xerror -err_detect explode -i " + file.string() + " -f null -");
+    if (strict.status != 0 || !strict.output.empty()) return -1;
+    return std::atoi(run("ffprobe -v error -count_frames -select_streams v -show_entries stream=nb_read_frames -of "
+                         "default=nw=1:nk=1 " +
+                         file.string())
+                         .output.c_str());
+}
+
+nlohmann::json statistics(const Folder& folder, const std::string& arguments) {
+    const auto outcome = run(program() + " encode " + arguments + " --quiet --stats " + path(folder, "s.json"));
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_EQ(outcome.output, "");
+    return outcome.status == 0 ? nlohmann::json::parse(contents(folder / "s.json")) : nlohmann::json::object();
+}
+
+TEST(Encode, FramesAndLayersOfARenderGiveNearlyTheFilmOfTheRenderItself) {
+    const Folder folder;
+    const std::string render = program() + " render " + film("cornell") +
+                               " --size 96x80 --samples 1 --vpls 16 --exposure 0.5 --quiet --frames 4:11 -o ";
+    ASSERT_EQ(run(render + path(folder, "direct.m2v") + " --aov " + path(folder, "aov") + " --stats " +
+                  path(folder, "direct.json"))
+                  .status,
+              0);
+    ASSERT_EQ(run(render + path(folder, "film.y4m")).status, 0);
+    ASSERT_EQ(run(render + path(folder, "p.%04d.png")).status, 0);
+    const auto direct = nlohmann::json::parse(contents(folder / "direct.json"));
+    const double bytes = direct.at("bytes"), psnr = direct.at("psnr_y");
+
+    const std::string layers = path(folder, "aov/frame_%04d.exr"), motion = " --motion " + layers;
+    const std::string output = " -o " + path(folder, "film.m2v");
+    // Scene-linear frames in halves develop into nearly the same pictures, display-referred ones in 8 bits less nearly.
+    const auto exr = statistics(folder, layers + output + motion + " --exposure 0.5");
+    EXPECT_EQ(exr.at("frames"), 8);
+    EXPECT_EQ(exr.at("per_frame")[0].at("frame"), 4) << "images keep their numbers";
+    EXPECT_NEAR(exr.at("bytes").get<double>() / bytes, 1.0, 0.02);
+    EXPECT_NEAR(exr.at("psnr_y").get<double>(), psnr, 0.15);
+    const auto png = statistics(folder, path(folder, "p.%04d.png") + output + motion);
+    EXPECT_NEAR(png.at("bytes").get<double>() / bytes, 1.0, 0.03);
+    EXPECT_NEAR(png.at("psnr_y").get<double>(), psnr, 0.15);
+    EXPECT_EQ(png.at("motion"), true);
+    EXPECT_EQ(frames_by_ffmpeg(folder / "film.m2v"), 8);
+}
+
+/// Noise that moves 7 pixels to the right and 3 up with each frame, as a Y4M file and Blender's layers beside it;
+/// `sign` -1: layers that point the wrong way.
+void write_pan(const Folder& folder, int frames, float sign) {
+    constexpr int width = 112, height = 80;
+    std::ofstream stream(folder / "pan.y4m", std::ios::binary);
+    stream << "YUV4MPEG2 W112 H80 F24:1 Ip A1:1 C420mpeg2\n";
+    for (int n = 0; n < frames; ++n) {
+        stream << "FRAME\n";
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) {
+                const auto column = static_cast<unsigned>(x - 7 * n + 4096), row = static_cast<unsigned>(y + 3 * n);
+                const unsigned mixed = ((column * 0x9e3779b1u) ^ (row * 0x85ebca6bu)) * 0xc2b2ae35u;
+                stream.put(static_cast<char>(60 + (mixed >> 25)));
+            }
+        for (int i = 0; i < width * height / 2; ++i) stream.put(static_cast<char>(128));
+        std::vector<image::Channel> channels;
+        for (const auto& [name, value] :
+             {std::pair{"V.Vector.X", -7.0f}, {"V.Vector.Y", -3.0f}, {"V.Vector.Z", -7.0f}, {"V.Vector.W", -3.0f}})
+            channels.push_back({name, std::vector<float>(width * height, sign * value), false});
+        image::write_exr(folder / ("v." + std::to_string(n) + ".exr"), width, height, channels);
+    }
+}
+
+TEST(Encode, MotionIsWorthMostOfTheBitsOfAPanAndOnlyTheRightWayRound) {
+    std::vector<double> bytes;
+    for (const float sign : {1.0f, -1.0f}) {
+        const Folder folder;
+        write_pan(folder, 6, sign);
+        const std::string start = path(folder, "pan.y4m") + " -o " + path(folder, "pan.m2v");
+        const auto with = statistics(folder, start + " --motion " + path(folder, "v.%d.exr"));
+        EXPECT_DOUBLE_EQ(with.at("fps").get<double>(), 24.0) << "the file's own";
+        bytes.push_back(with.at("bytes"));
+        if (sign > 0) {
+            const auto without = statistics(folder, start);
+            EXPECT_EQ(without.at("motion"), false);
+            bytes.push_back(without.at("bytes"));
+        }
+    }
+    EXPECT_LT(bytes[0], 0.6 * bytes[1]) << "with motion, against none";
+    EXPECT_GT(bytes[2], 0.9 * bytes[1]) << "motion turned round, against none";
+}
+
+TEST(Encode, SaysThatVectorsArePoorWithoutMotion) {
+    const Folder folder;
+    write_pan(folder, 2, 1);
+    const auto outcome = run(program() + " encode " + path(folder, "pan.y4m") + " -o " + path(folder, "pan.mpg"));
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("vectors will be poor"), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("PSNR-Y"), std::string::npos) << outcome.output;
+    EXPECT_EQ(frames_by_ffmpeg(folder / "pan.mpg"), 2);
+    EXPECT_FALSE(std::filesystem::exists(folder / "pan.partial"));
+    const auto with = run(program() + " encode " + path(folder, "pan.y4m") + " -o " + path(folder, "pan.mpg") +
+                          " --motion " + path(folder, "v.%d.exr"));
+    EXPECT_EQ(with.output.find("poor"), std::string::npos) << with.output;
+}
+
+TEST(Encode, BytesDependNeitherOnThreadsNorOnWhichFramesAreLeftOut) {
+    const Folder folder;
+    write_pan(folder, 7, 1);
+    const std::string start = program() + " encode " + path(folder, "pan.y4m") + " --gop 3 --quiet --motion " +
+                              path(folder, "v.%d.exr") + " -o ";
+    ASSERT_EQ(run(start + path(folder, "one.m2v") + " --threads 1").status, 0);
+    ASSERT_EQ(run(start + path(folder, "three.m2v") + " --threads 3").status, 0);
+    EXPECT_EQ(contents(folder / "one.m2v"), contents(folder / "three.m2v"));
+    ASSERT_EQ(run(start + path(folder, "part.m2v") + " --frames 2:5").status, 0);
+    EXPECT_EQ(frames_by_ffmpeg(folder / "part.m2v"), 4);
+}
+
+TEST(Encode, PixelShapesReachTheFilm) {
+    const Folder folder;
+    for (const auto& [shape, ratio] : {std::pair{"1/1", "1:1"}, {"16/15", "16:15"}, {"64/45", "64:45"}}) {
+        ASSERT_EQ(run("ffmpeg -v error -y -f lavfi -i testsrc2=size=720x576:rate=25:duration=0.08 -pix_fmt yuv420p "
+                      "-vf setsar=" +
+                      std::string(shape) + " " + path(folder, "in.y4m"))
+                      .status,
+                  0);
+        ASSERT_EQ(
+            run(program() + " encode " + path(folder, "in.y4m") + " --quiet -o " + path(folder, "out.m2v")).status, 0);
+        EXPECT_EQ(run("ffprobe -v error -show_entries stream=sample_aspect_ratio -of default=nw=1:nk=1 " +
+                      path(folder, "out.m2v"))
+                      .output,
+                  std::string(ratio) + "\n");
+    }
+}
+
+TEST(Encode, RefusesInOneLineAndLeavesNothing) {
+    const Folder folder;
+    write_pan(folder, 2, 1);
+    std::filesystem::copy_file(folder / "v.0.exr", folder / "v.5.exr");
+    std::ofstream(folder / "x.avi").close();
+    std::ofstream(folder / "broken.0.exr") << "not an image";
+    std::ofstream(folder / "c422.y4m") << "YUV4MPEG2 W8 H8 F25:1 C422\nFRAME\n" << std::string(128, 'x');
+    std::ofstream(folder / "rate.y4m") << "YUV4MPEG2 W8 H8 F31:1 C420mpeg2\nFRAME\n" << std::string(96, 'x');
+    std::ofstream(folder / "shape.y4m") << "YUV4MPEG2 W8 H8 A3:1 F25:1 C420mpeg2\nFRAME\n" << std::string(96, 'x');
+    const std::size_t entries = folder.entries();
+    const auto refused = [&](const std::string& input, const std::string& options, const std::string& words) {
+        const auto outcome = run(program() + " encode " + path(folder, input) + " -o " + path(folder, "film.mpg") +
+                                 " " + options + " --quiet");
+        EXPECT_EQ(outcome.status, 1) << outcome.output;
+        EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
+        EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
+    };
+    refused("absent.y4m", "", "absent.y4m");
+    refused("x.avi", "", ".y4m");
+    refused("v.0.exr", "", "%04d");
+    refused("absent.%d.exr", "", "no file has such a name");
+    refused("broken.%d.exr", "", "broken.0.exr");
+    refused("v.%d.exr", "", "frame 2 is missing");
+    refused("v.%d.exr", "--frames 3:5", "v.3.exr");
+    refused("c422.y4m", "", "C422");
+    refused("rate.y4m", "", "23.976, 24, 25, 29.97, 30, 50, 59.94, 60");
+    refused("shape.y4m", "", "3:1");
+    refused("pan.y4m", "--frames 0:2", "frames 0 to 1");
+    refused("pan.y4m", "--exposure 1", "exposure");
+    refused("pan.y4m", "--motion " + path(folder, "v.0.exr"), "%04d");
+    EXPECT_EQ(folder.entries(), entries);
+    const auto kind = run(program() + " encode " + path(folder, "pan.y4m") + " -o " + path(folder, "x.y4m"));
+    EXPECT_EQ(kind.status, 1);
+    EXPECT_NE(kind.output.find(".mpg"), std::string::npos) << kind.output;
+    EXPECT_EQ(run(program() + " encode " + path(folder, "pan.y4m") + " -o " + path(folder, "x.mpg") +
+                  " --motion-convention maya")
+                  .status,
+              1);
+}
+
+TEST(Encode, HelpShowsEveryOptionWithItsDefault) {
+    const auto help = run(program() + " encode --help");
+    EXPECT_EQ(help.status, 0);
+    for (const char* words :
+         {"FRAMES", "--output", "--motion", "--motion-convention", "=blender", "--fps", "--frames", "--exposure",
+          "--quantiser", "=4", "--gop", "=15", "--threads", "--stats", "--quiet", ".mpg", "%04d", ".y4m"})
+        EXPECT_NE(help.output.find(words), std::string::npos) << words;
+}
+
+}  // namespace
+}  // namespace render2mpeg
