@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # tests/bench/real_scenes.sh SCENES_FOLDER [render options...]
 # Seconds per frame for real scenes, as the table in the README: each film of tests/bench/real_scenes and each scene with a camera
-# of its own, four frames spread over the film, one row each. Further options go to every render, e.g. --tolerance fixed=8%.
+# of its own, its first four frames, one row each. Further options go to every render, e.g. --tolerance fixed=8%.
 # SCENES_FOLDER holds sponza_dabrovic/, sibenik/, bathroom/ and cornell/ (see README, "Speed").
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
