@@ -15,14 +15,19 @@ namespace render2mpeg::encoder {
 
 enum class PictureType : std::uint8_t { intra = 1, predicted = 2, bidirectional = 3 };  ///< picture_coding_type
 
+/// How much is tried. `fast`: one movement per macroblock in full, levels one by one. `quality`: several movements,
+/// levels of a whole block at once.
+enum class Effort : std::uint8_t { fast, quality };
+
 /// What a film is coded with; constant over the film.
 struct Settings {
     int width = 0;  ///< any size that a level allows; padded to whole macroblocks inside
     int height = 0;
     core::FrameRate rate;
-    int quantiser = 4;            ///< quantiser_scale_code 1..31, q_scale_type 0
-    int gop = 15;                 ///< pictures per closed GOP, >= 1
-    int b_pictures = 2;           ///< most B pictures in a row, 0..3
+    int quantiser = 4;   ///< quantiser_scale_code 1..31, q_scale_type 0
+    int gop = 15;        ///< pictures per closed GOP, >= 1
+    int b_pictures = 2;  ///< most B pictures in a row, 0..3
+    Effort effort = Effort::quality;
     int aspect_ratio_code = 1;    ///< aspect_ratio_information [H262, table 6-3]; 1: square pixels
     int matrix_coefficients = 1;  ///< [H262, table 6-9]; 1: BT.709, 6: BT.601
 };

@@ -126,7 +126,8 @@ void Encoder::Impl::write_headers(mpeg2::BitWriter& out, const PicturePlan& plan
 CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan& plan,
                                  std::span<const core::Plane<mpeg2::Candidates>> exact) {
     mpeg2::PictureTask task{
-        picture, plan.type, {}, {}, {}, settings.height, static_cast<int>(plan.number - gop_start), plan.quantiser};
+        picture,        plan.type,      {}, {}, {}, settings.height, static_cast<int>(plan.number - gop_start),
+        plan.quantiser, settings.effort};
     core::Plane<mpeg2::Vector> predictors[2];
     const bool bidirectional = plan.type == PictureType::bidirectional;
     for (std::size_t i = 0; i < plan.references.size(); ++i) {

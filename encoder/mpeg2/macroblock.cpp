@@ -4,6 +4,8 @@
 #include <cstring>
 #include <utility>
 
+#include "encoder/mpeg2/trellis.h"
+
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
@@ -35,6 +37,12 @@ float lambda_of(const PictureCoding& picture, int quantiser) {
     return picture.lambda_factor * static_cast<float>(quantiser * quantiser);
 }
 
+/// Lowers the levels of a quantised block where that is worth it.
+void lower_levels(const PictureCoding& picture, Block& block, const QuantTable& table, bool intra, float lambda) {
+    const auto lower = picture.effort == Effort::quality ? optimise : economise;
+    lower(block, table, CoefficientLengths::zero(), intra, lambda);
+}
+
 /// Codes block i of the difference from the prediction. Leaves scan_mask 0 where nothing is worth coding.
 void code_difference(const PictureCoding& picture, int column, int row, int i, const QuantTable& table, float lambda,
                      Attempt& out) {
@@ -57,7 +65,7 @@ void code_difference(const PictureCoding& picture, int column, int row, int i, c
     k.forward_dct_of_difference(block.coefficients, source, stride, predicted, prediction_stride(p));
     quantise_non_intra(block, table);
     if (block.scan_mask == 0) return;
-    economise(block, table, CoefficientLengths::zero(), false, lambda);
+    lower_levels(picture, block, table, false, lambda);
     const int bits = coefficient_bits(block, CoefficientLengths::zero(), false);
     if (block.energy <= block.distortion + lambda * static_cast<float>(bits)) block.scan_mask = 0;
 }
@@ -143,7 +151,7 @@ void attempt_intra(const PictureCoding& picture, int column, int row, int quanti
         k.forward_dct(block.coefficients, samples_at(picture.source, column, row, places[i]),
                       stride_of(picture.source, places[i].plane));
         quantise_intra(block, table);
-        economise(block, table, CoefficientLengths::zero(), true, lambda);
+        lower_levels(picture, block, table, true, lambda);
     }
     out.totals = total_intra(picture, state, out);
 }

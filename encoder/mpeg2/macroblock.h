@@ -32,6 +32,7 @@ struct PictureCoding {
     PictureType type;
     int f_code[2][2];     ///< [direction][axis]
     float lambda_factor;  ///< lambda = lambda_factor * q^2
+    Effort effort = Effort::quality;
 };
 
 /// How one macroblock is coded, ready to be written.

@@ -53,7 +53,8 @@ Vectors choose(const PictureTask& task, const Level& level, std::uint64_t& evalu
 std::vector<RowCode> decide(const PictureTask& task, const Vectors& vectors, Frame& reconstruction) {
     PictureCoding picture{task.source,      {task.reference[0], task.reference[1]},
                           reconstruction,   task.type,
-                          {{1, 1}, {1, 1}}, lambda_factor(task.type)};
+                          {{1, 1}, {1, 1}}, lambda_factor(task.type),
+                          task.effort};
     for (std::size_t d = 0; d < 2; ++d) {
         Extent extent;
         for (const VectorChoice& choice : vectors[d].values())

@@ -21,6 +21,7 @@ struct PictureTask {
     int lines;                                 ///< of the picture as displayed
     int temporal_reference;
     int quantiser;
+    Effort effort;
 };
 
 struct PictureResult {

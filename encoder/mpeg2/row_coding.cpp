@@ -66,8 +66,11 @@ class RowDecider {
     /// Leaves the best of the vectors in inter_.
     void try_vectors(int column, const VectorChoice& vectors) {
         attempt_inter(picture_, column, row_, {{vectors.vector[0], {}}, {true, false}}, quantiser_, state_, *inter_);
-        for (int i = 1; i < vectors.count; ++i) try_also(column, {{vectors.vector[i], {}}, {true, false}});
+        for (int i = 1; i < tried(vectors.count); ++i) try_also(column, {{vectors.vector[i], {}}, {true, false}});
     }
+
+    /// Of `count` movements within reach of the best.
+    int tried(int count) const { return picture_.effort == Effort::quality ? count : 1; }
 
     void try_also(int column, const Movement& movement) {
         attempt_inter(picture_, column, row_, movement, quantiser_, state_, *other_);
@@ -80,7 +83,7 @@ class RowDecider {
                                                        lambda_motion * static_cast<float>(quantiser_));
         code_.evaluations += static_cast<std::uint64_t>(choice.evaluations);
         attempt_inter(picture_, column, row_, choice.movement[0], quantiser_, state_, *inter_);
-        for (int i = 1; i < choice.count; ++i) try_also(column, choice.movement[i]);
+        for (int i = 1; i < tried(choice.count); ++i) try_also(column, choice.movement[i]);
     }
 
     /// Distortion, and the bits by which the next address increment grows.

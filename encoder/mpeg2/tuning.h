@@ -5,7 +5,7 @@
 namespace render2mpeg::encoder::mpeg2 {
 
 /// Quantiser of B pictures over that of others. Nothing refers to them.
-/// chosen: 1.5
+/// chosen: 1.5; 1.25 loses 0.6 to 0.9 %.
 inline constexpr double quantiser_ratio_bidirectional = 1.5;
 
 /// Lagrangian of modes and levels in predicted pictures: squared code values per bit = lambda_predicted * q^2.
@@ -17,7 +17,7 @@ inline constexpr float lambda_predicted = 0.6f;
 inline constexpr float lambda_intra = 0.35f;
 
 /// The same in B pictures, with their own, coarser q.
-/// chosen: 0.6
+/// chosen: 0.6; 0.85 loses 0.3 to 0.5 %.
 inline constexpr float lambda_bidirectional = 0.6f;
 
 /// Lagrangian of the choice of vectors: Hadamard sum (Kernels::satd_16x16) per bit = lambda_motion * q.

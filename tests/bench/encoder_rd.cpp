@@ -40,7 +40,7 @@ double psnr(double mean_squared_error) {
     return 10 * std::log10(255.0 * 255.0 / mean_squared_error);
 }
 
-RatePoint ours(const Clip& clip, int quantiser, int gop, int b_pictures, bool use_motion) {
+RatePoint ours(const Clip& clip, int quantiser, int gop, int b_pictures, encoder::Effort effort, bool use_motion) {
     encoder::Settings s;
     s.width = clip.pictures[0].width();
     s.height = clip.pictures[0].height();
@@ -48,6 +48,7 @@ RatePoint ours(const Clip& clip, int quantiser, int gop, int b_pictures, bool us
     s.quantiser = quantiser;
     s.gop = gop;
     s.b_pictures = b_pictures;
+    s.effort = effort;
     encoder::Encoder encoder(s);
     RatePoint point;
     double error = 0;
@@ -79,9 +80,10 @@ RatePoint ours(const Clip& clip, int quantiser, int gop, int b_pictures, bool us
     take(encoder.flush());
     const double seconds = static_cast<double>(spent) / CLOCKS_PER_SEC;
     point.psnr = psnr(error / static_cast<double>(clip.pictures.size()));
-    std::printf("ours%-10s q %2d  %9.0f bits/picture  %.3f dB  %5.1f pictures/CPU s  %.1f evaluations/macroblock\n",
-                use_motion ? "" : " no motion", quantiser, point.bits / static_cast<double>(clip.pictures.size()),
-                point.psnr, static_cast<double>(clip.pictures.size()) / seconds,
+    std::printf("ours%-10s%s q %2d  %9.0f bits/picture  %.3f dB  %5.1f pictures/CPU s  %.1f evaluations/macroblock\n",
+                use_motion ? "" : " no motion", effort == encoder::Effort::fast ? " fast" : "", quantiser,
+                point.bits / static_cast<double>(clip.pictures.size()), point.psnr,
+                static_cast<double>(clip.pictures.size()) / seconds,
                 macroblocks ? static_cast<double>(evaluations) / static_cast<double>(macroblocks) : 0.0);
     const std::vector<std::uint8_t> end = encoder::sequence_end();
     stream.insert(stream.end(), end.begin(), end.end());
@@ -209,15 +211,17 @@ int main(int argc, char** argv) {
         std::printf("clip: speed %g, %dx%d, %d pictures, GOP 15, %d B pictures\n", static_cast<double>(speed), width,
                     height, count, b_pictures);
         const bench::Clip clip(width, height, count, speed);
-        std::vector<bench::RatePoint> with, without, simple, plain, strong;
+        std::vector<bench::RatePoint> with, without, simple, fast, plain, strong;
         for (const int q : {2, 4, 8, 16}) {
-            with.push_back(bench::ours(clip, q, 15, b_pictures, true));
-            simple.push_back(bench::ours(clip, q, 15, 0, true));
+            with.push_back(bench::ours(clip, q, 15, b_pictures, encoder::Effort::quality, true));
+            simple.push_back(bench::ours(clip, q, 15, 0, encoder::Effort::quality, true));
+            fast.push_back(bench::ours(clip, q, 15, b_pictures, encoder::Effort::fast, true));
             if (only_ours) continue;
-            without.push_back(bench::ours(clip, q, 15, b_pictures, false));
+            without.push_back(bench::ours(clip, q, 15, b_pictures, encoder::Effort::quality, false));
             plain.push_back(bench::libavcodec(clip, q, 15, 2, false));
             strong.push_back(bench::libavcodec(clip, q, 15, 2, true));
         }
+        std::printf("BD-rate against our own, fast:                       %+.2f %%\n", bench::bd_rate(fast, with));
         std::printf("BD-rate against our own without B pictures:          %+.2f %%\n", bench::bd_rate(simple, with));
         if (only_ours) continue;
         std::printf("BD-rate against libavcodec -bf 2:                    %+.2f %%, without motion %+.2f %%\n",

@@ -155,8 +155,9 @@ TEST(Decoding, AnyMotionFieldGivesALegalStream) {
     for (std::uint64_t seed = 0; seed < 60; ++seed) {
         SCOPED_TRACE("seed " + std::to_string(seed));
         Dice dice(seed);
-        const Settings s = settings(dice.roll(1, 130), dice.roll(1, 130), dice.roll(1, 31), dice.roll(1, 6),
-                                    dice.roll(1, 8), dice.roll(0, 3));
+        Settings s = settings(dice.roll(1, 130), dice.roll(1, 130), dice.roll(1, 31), dice.roll(1, 6), dice.roll(1, 8),
+                              dice.roll(0, 3));
+        s.effort = dice.roll(0, 1) == 0 ? Effort::fast : Effort::quality;
         const double noisiness = dice.uniform();
         const glm::dvec2 step{dice.uniform() * 20 - 10, dice.uniform() * 20 - 10};
         const auto picture = [&](std::int64_t n) {

@@ -165,5 +165,34 @@ TEST(Encoder, ACrossFadeIsPredictedFromBothReferences) {
     EXPECT_LT(coded.bytes.size(), 300u);
 }
 
+TEST(Encoder, TheDearerEffortCostsFewerBitsForTheSameError) {
+    Settings s = settings(320, 240, 5, 13, 3, 2);
+    const auto picture = [&](std::int64_t n) {
+        return paint(s.width, s.height, n, [n](int plane, double x, double y) {
+            const double t = static_cast<double>(n), grain = core::uniform(7, static_cast<std::uint64_t>(n),
+                                                                           static_cast<std::uint64_t>(x * 1000 + y));
+            return texture(plane, x - 1.3 * t, y + 0.6 * t) + 12 * grain;
+        });
+    };
+    const auto lagrangian = [&](Effort effort) {
+        s.effort = effort;
+        double cost = 0;
+        for (const CodedPicture& c : encode(s, 13, picture, [&](const PicturePlan& plan) {
+                                         return steady_motion(s, plan, {1.3f, -0.6f});
+                                     }).coded) {
+            const core::Picture original = picture(c.plan.number);
+            for (std::size_t i = 0; i < original.y.size(); ++i) {
+                const double d = original.y.values()[i] - c.reconstruction.y.values()[i];
+                cost += d * d;
+            }
+            cost += 0.6 * 25 * 8.0 * static_cast<double>(c.bytes.size());
+        }
+        return cost;
+    };
+    const double fast = lagrangian(Effort::fast), quality = lagrangian(Effort::quality);
+    EXPECT_LT(quality, 0.999 * fast);
+    EXPECT_GT(quality, 0.9 * fast);
+}
+
 }  // namespace
 }  // namespace render2mpeg::encoder::testing
