@@ -81,6 +81,8 @@ Job prepare(const EncodeOptions& options) {
         const auto convention =
             options.motion_convention == "nuke" ? MotionConvention::nuke : MotionConvention::blender;
         job.motion.emplace(*options.motion, convention, size.width, size.height);
+        // The first frame refers to none.
+        job.motion->check(job.film.frames.first + 1, job.film.frames.last);
     }
     return job;
 }

@@ -152,6 +152,13 @@ VectorLayers::VectorLayers(std::filesystem::path pattern, MotionConvention conve
     EXPECTS(is_numbered(pattern_));
 }
 
+void VectorLayers::check(std::int64_t first, std::int64_t last) {
+    for (std::int64_t n = first; n <= last; ++n)
+        if (!std::filesystem::exists(numbered(pattern_, n)))
+            throw core::Error("reading", numbered(pattern_, n).string(), "no such file");
+    if (first <= last) frame(first);
+}
+
 core::MotionField VectorLayers::between(std::int64_t picture, std::int64_t reference) {
     EXPECTS(picture != reference);
     const std::int64_t direction = reference > picture ? 1 : -1;

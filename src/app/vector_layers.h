@@ -27,6 +27,10 @@ class VectorLayers {
   public:
     VectorLayers(std::filesystem::path pattern, MotionConvention convention, int width, int height);
 
+    /// Refuses what would only fail after minutes: throws core::Error where a file of these frames is missing, or where
+    /// the first of them has no motion.
+    void check(std::int64_t first, std::int64_t last);
+
     /// Reads what it needs of the frames from `picture` to `reference`, which differ. Throws core::Error.
     core::MotionField between(std::int64_t picture, std::int64_t reference);
 

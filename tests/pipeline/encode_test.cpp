@@ -181,6 +181,8 @@ TEST(Encode, RefusesInOneLineAndLeavesNothing) {
     refused("pan.y4m", "--frames 0:2", "frames 0 to 1");
     refused("pan.y4m", "--exposure 1", "exposure");
     refused("pan.y4m", "--motion " + path(folder, "v.0.exr"), "%04d");
+    refused("pan.y4m", "--motion " + path(folder, "w.%d.exr"), "w.1.exr");
+    refused("pan.y4m", "--motion-convention nuke --motion " + path(folder, "v.%d.exr"), "v.1.exr: it has no motion");
     EXPECT_EQ(folder.entries(), entries);
     const auto kind = run(program() + " encode " + path(folder, "pan.y4m") + " -o " + path(folder, "x.y4m"));
     EXPECT_EQ(kind.status, 1);
