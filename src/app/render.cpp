@@ -73,7 +73,10 @@ int render(const RenderOptions& options, const std::string& command) {
     Ledger ledger;
     Production film = timed(ledger, Stage::load, [&] { return prepare(options); });
     say_notes(film, options.quiet);
-    if (options.dry_run) return std::fputs(dry_run_text(film, options).c_str(), stdout), 0;
+    if (options.dry_run) {
+        if (!options.quiet) std::fputs(dry_run_text(film, options).c_str(), stdout);
+        return 0;
+    }
     if (film.kind == OutputKind::film || film.kind == OutputKind::y4m) check_writable(options.output);
     if (options.layers) check_writable(*options.layers / "frame.exr");
     if (options.stats) check_writable(*options.stats);
@@ -92,7 +95,11 @@ int render(const RenderOptions& options, const std::string& command) {
         const std::filesystem::path target = complete ? options.output : partial_film_of(options.output);
         facts.bytes = publish(chunks, film.film(), *work, target);
         facts.output = target.string();
-        if (complete) work->remove();
+        if (complete) {
+            std::error_code ignored;  // what an interruption left earlier is of no use now
+            std::filesystem::remove(partial_film_of(options.output), ignored);
+            work->remove();
+        }
     }
     if (sink && complete) sink->finish();
     if (film.kind == OutputKind::y4m && complete) facts.bytes = std::filesystem::file_size(options.output);

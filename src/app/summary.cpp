@@ -49,8 +49,9 @@ PassCosts read_costs(const std::filesystem::path& file) {
 std::string opening_lines(const Film& film, const Ledger& ledger, const RunFacts& facts) {
     const auto frames = static_cast<double>(ledger.frames.size());
     const double duration = frames / film.coding.rate.hertz.value();
-    std::string text = fmt::format("{}: {} frames, {}x{} at {} Hz, {:.2f} s", facts.output, ledger.frames.size(),
-                                   film.coding.width, film.coding.height, film.coding.rate.name, duration);
+    std::string text = fmt::format("{}: {} frame{}, {}x{} at {} Hz, {:.2f} s", facts.output, ledger.frames.size(),
+                                   ledger.frames.size() == 1 ? "" : "s", film.coding.width, film.coding.height,
+                                   film.coding.rate.name, duration);
     if (facts.bytes > 0)
         text += fmt::format(", {}, {:.0f} kb/s", size_text(static_cast<double>(facts.bytes)),
                             core::divide_or(8e-3 * static_cast<double>(facts.bytes), duration, 0.0));

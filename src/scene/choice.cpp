@@ -19,7 +19,7 @@ std::optional<std::size_t> choose(const std::string& wanted, const std::vector<s
 std::string no_such(const std::string& kind, const std::string& wanted, const std::vector<std::string>& names) {
     std::string line = "no " + kind + " " + in_quotes(wanted);
     if (names.empty()) return line + "; there are none";
-    line += "; there " + std::string(names.size() == 1 ? "is" : "are");
+    line += "; there " + std::string(names.size() == 1 ? "is" : "are") + ":";
     for (std::size_t i = 0; i < names.size(); ++i)
         line += (i > 0 ? ", " : " ") + std::to_string(i) + " " + in_quotes(names[i]);
     return line;

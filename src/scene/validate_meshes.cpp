@@ -73,19 +73,26 @@ class Tally {
 };
 
 struct Tallies {
-    Tally broken{"dropped", "triangle", "with a corner that is not finite"};
     Tally flat{"dropped", "triangle", "without area"};
     Tally normals{"derived", "normal", "in place of what is not finite"};
     Tally attributes{"replaced", "texture coordinate or colour", "as not finite"};
 };
 
-void drop_triangles(Mesh& mesh, const std::string& name, Tallies& tallies) {
+/// Corners that are nowhere are damage, not a matter of taste: nobody knows what was meant (docs/decisions/0007).
+void refuse_broken_corners(const Animation& animation, const Mesh& mesh, const std::vector<char>& sound,
+                           const std::string& name) {
+    for (const glm::uvec3& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k)
+            if (!sound[t[k]]) refuse(animation, name, "vertex " + std::to_string(t[k]) + " is not finite");
+}
+
+void drop_triangles(const Animation& animation, Mesh& mesh, const std::string& name, Tallies& tallies) {
     // A shape that moves vertex by vertex may open a triangle that is flat in the base shape.
     const bool bends = !mesh.joints.empty() || !mesh.morph_targets.empty();
     const std::vector<char> sound = sound_vertices(mesh);
-    std::size_t broken = 0, flat = 0;
+    refuse_broken_corners(animation, mesh, sound, name);
+    std::size_t flat = 0;
     const auto is_bad = [&](const glm::uvec3& t) {
-        if (!sound[t.x] || !sound[t.y] || !sound[t.z]) return ++broken, true;
         const bool repeats = t.x == t.y || t.y == t.z || t.x == t.z;
         // chosen: 1e-10; a needle of 1e6 : 1 has 1e-6, three points in a line of single precision coordinates up to
         // 1e-14.
@@ -94,10 +101,9 @@ void drop_triangles(Mesh& mesh, const std::string& name, Tallies& tallies) {
         return false;
     };
     mesh.triangles.erase(std::remove_if(mesh.triangles.begin(), mesh.triangles.end(), is_bad), mesh.triangles.end());
-    tallies.broken.add(broken, name);
     tallies.flat.add(flat, name);
 
-    // Nothing refers to the broken vertices any more.
+    // Nothing refers to the broken vertices that are left.
     for (std::size_t v = 0; v < sound.size(); ++v) {
         if (sound[v]) continue;
         mesh.positions[v] = glm::vec3(0);
@@ -187,12 +193,11 @@ void validate_meshes(Animation& animation) {
         Mesh& mesh = animation.meshes[i];
         const std::string name = described("mesh", i, mesh.name);
         check_sizes(animation, mesh, name);
-        drop_triangles(mesh, name, tallies);
+        drop_triangles(animation, mesh, name, tallies);
         mend_normals(mesh, name, tallies);
         mend_attributes(mesh, name, tallies);
     }
-    for (const Tally* tally : {&tallies.broken, &tallies.flat, &tallies.normals, &tallies.attributes})
-        tally->write(animation);
+    for (const Tally* tally : {&tallies.flat, &tallies.normals, &tallies.attributes}) tally->write(animation);
 }
 
 }  // namespace render2mpeg::scene

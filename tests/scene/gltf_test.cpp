@@ -237,7 +237,7 @@ TEST_F(Gltf, AnimationsMoveNodesAndOneCanBeChosen) {
         load_file(file, {{}, "fly", {}});
         FAIL();
     } catch (const core::Error& error) {
-        EXPECT_NE(std::string(error.what()).find("no animation \"fly\"; there are 0 \"walk\", 1 \"run\""),
+        EXPECT_NE(std::string(error.what()).find("no animation \"fly\"; there are: 0 \"walk\", 1 \"run\""),
                   std::string::npos)
             << error.what();
     }
