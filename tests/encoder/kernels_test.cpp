@@ -135,6 +135,21 @@ TEST(Kernels, HalfPelPredictionRoundsHalvesUp) {
     });
 }
 
+TEST(Kernels, TheMeanOfTwoPredictionsRoundsUp) {
+    for_every_variant([&](const Kernels& k) {
+        std::uint8_t a[256], b[256], before[256];
+        for (int shift = 0; shift < 256; ++shift) {
+            for (int i = 0; i < 256; ++i) {
+                a[i] = before[i] = static_cast<std::uint8_t>(i);
+                b[i] = static_cast<std::uint8_t>(i + shift);
+            }
+            k.average(a, b, 224);
+            for (int i = 0; i < 256; ++i)
+                ASSERT_EQ(a[i], i < 224 ? (before[i] + b[i] + 1) / 2 : before[i]) << i << " " << shift;
+        }
+    });
+}
+
 TEST(Kernels, ForwardDctEqualsTheModelsTransposed) {
     const auto a = patch(7), b = patch(8);
     core::Block8x8 samples, residual;
