@@ -18,7 +18,6 @@
 #include "app/vector_layers.h"
 #include "core/error.h"
 #include "parallel/loops.h"
-#include "perceptual/display.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -63,13 +62,10 @@ Job prepare(const EncodeOptions& options) {
     job.frames = open_frames(options.input, options.exposure, wanted);
     const Size size = job.frames->size();
     encoder::Settings& coding = job.film.coding;
-    coding.width = size.width;
-    coding.height = size.height;
-    coding.rate = rate_of(options, *job.frames);
-    coding.quantiser = options.quantiser;
-    coding.gop = options.gop;
+    coding = coding_settings(options.coding, size, rate_of(options, *job.frames));
+    // Without motion, predictors cannot bridge the way over B pictures: at 720p that cost 50 to 80 % more bits.
+    if (!options.motion) coding.b_pictures = 0;
     coding.aspect_ratio_code = aspect_ratio_code(*job.frames, options.input.string());
-    coding.matrix_coefficients = static_cast<int>(perceptual::matrix_for(size.height));
     encoder::check(coding);
     job.film.source = options.input.string();
     job.film.frames = job.frames->frames();

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "app/options.h"
+#include "core/rational.h"
 #include "encoder/encoder.h"
 
 namespace render2mpeg::app {
@@ -17,5 +18,8 @@ struct Film {
 
     std::int64_t frame_count() const { return frames.last - frames.first + 1; }
 };
+
+/// The encoder's settings for pictures of this size and rate, square pixels, and the matrix that their height asks for.
+encoder::Settings coding_settings(const CodingOptions& options, Size size, const core::FrameRate& rate);
 
 }  // namespace render2mpeg::app

@@ -116,14 +116,22 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
         ->group(picture);
 }
 
-void add_coding_options(CLI::App& command, int& quantiser, int& gop) {
+void add_coding_options(CLI::App& command, CodingOptions& options) {
     const std::string coding = "MPEG-2";
-    command.add_option("--quantiser", quantiser, "quantiser_scale_code: 1 is the finest, 31 the coarsest")
+    command.add_option("--quantiser", options.quantiser, "quantiser_scale_code: 1 is the finest, 31 the coarsest")
         ->check(CLI::Range(1, 31))
         ->capture_default_str()
         ->group(coding);
-    command.add_option("--gop", gop, "Pictures per closed group of pictures")
+    command.add_option("--gop", options.gop, "Pictures per closed group of pictures")
         ->check(CLI::Range(1, 1000))
+        ->capture_default_str()
+        ->group(coding);
+    command.add_option("--b-pictures", options.b_pictures, "Most B pictures in a row")
+        ->check(CLI::Range(0, 3))
+        ->capture_default_str()
+        ->group(coding);
+    command.add_option("--encoder", options.encoder, "How much is tried: `fast`, or `quality` for fewer bits")
+        ->check(CLI::IsMember({"fast", "quality"}))
         ->capture_default_str()
         ->group(coding);
 }
@@ -191,7 +199,7 @@ CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
         ->type_name("NAME")
         ->capture_default_str()
         ->group(motion);
-    add_coding_options(*command, options.quantiser, options.gop);
+    add_coding_options(*command, options.coding);
     command->add_option("--threads", options.threads, "Threads; 0: one per core. The film's bytes do not depend on it")
         ->check(CLI::Range(0, 1024))
         ->capture_default_str()
@@ -259,7 +267,7 @@ CommandLine parse(int argc, char** argv) {
         ->required();
     add_picture_options(*render, line.render);
     add_light_options(*render, line.render);
-    add_coding_options(*render, line.render.quantiser, line.render.gop);
+    add_coding_options(*render, line.render.coding);
     add_run_options(*render, line.render);
 
     const CLI::App* encode = add_encode_command(app, line.encode);

@@ -13,6 +13,14 @@ struct ToleranceRequest {
     float relative = 0.02f;  ///< else: share of each pixel's luminance
 };
 
+/// How pictures are coded: `render` and `encode` share these.
+struct CodingOptions {
+    int quantiser = 4;
+    int gop = 15;
+    int b_pictures = 2;
+    std::string encoder = "quality";  ///< "fast" or "quality"
+};
+
 /// Options of `render`, and of `plan` as far as they decide the plan. Absent values are filled from the scene or by
 /// default.
 struct RenderOptions {
@@ -21,8 +29,7 @@ struct RenderOptions {
     std::optional<std::string> size;  ///< "WxH"
     std::optional<std::string> rate;
     std::optional<std::string> frames;  ///< "A:B", inclusive
-    int quantiser = 4;
-    int gop = 15;
+    CodingOptions coding;
     int samples = 4;
     int vpls = 4096;
     std::string tolerance = "fixed=2%";
@@ -53,8 +60,7 @@ struct EncodeOptions {
     std::optional<std::string> rate;
     std::optional<std::string> frames;  ///< "A:B", inclusive
     std::optional<float> exposure;      ///< EV, for scene-linear frames
-    int quantiser = 4;
-    int gop = 15;
+    CodingOptions coding;
     int threads = 0;  ///< 0: all
     std::optional<std::filesystem::path> stats;
     bool quiet = false;

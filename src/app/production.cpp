@@ -83,12 +83,7 @@ Production prepare(const RenderOptions& options) {
     film.rendering = rendering_settings(options, film.format);
     film.exposure = exposure_of(options, *animation);
 
-    film.coding.width = size.width;
-    film.coding.height = size.height;
-    film.coding.rate = film.rate;
-    film.coding.quantiser = options.quantiser;
-    film.coding.gop = options.gop;
-    film.coding.matrix_coefficients = static_cast<int>(perceptual::matrix_for(size.height));
+    film.coding = coding_settings(options.coding, size, film.rate);
     if (film.kind == OutputKind::film) encoder::check(film.coding);
 
     // Decide what runs.
