@@ -211,6 +211,7 @@ TEST(WithLuma, GivesBackTheColourItStartedFrom) {
             // Luma is right to 1e-4 code values, which is little light where luma rises with it, and more where it
             // hardly does.
             const float rise = (display.luma_of(1.01f * c) - luma) / 0.01f;
+            if (rise <= 0.0f) continue;  // luma tells nothing of light here
             ASSERT_NEAR(core::luminance(back) / core::luminance(c), 1.0f, 1e-5f + 1e-4f / rise) << luma;
         }
     }

@@ -266,7 +266,7 @@ TEST(AnimationFileThings, NoCutFileEndsInAnythingButAnError) {
         if (i % 2)
             broken.resize(where);
         else
-            broken[where] = static_cast<char>(core::uniform(2, i) * 256);
+            broken[where] = static_cast<char>(static_cast<int>(core::uniform(2, i) * 256));
         try {
             film(broken);
             EXPECT_EQ(i % 2, 0u) << "a cut file was accepted";
