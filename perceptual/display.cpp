@@ -126,7 +126,8 @@ core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMat
         float finite = 0.0f;
         for (std::size_t x = 0; x < row.size(); ++x) {
             finite += from[x].x * 0.0f + from[x].y * 0.0f + from[x].z * 0.0f;
-            row[x] = glm::clamp(from[x], 0.0f, 1.0f);
+            // NaN becomes 0 here, so that no conversion meets it before the contract is checked.
+            for (int k = 0; k < 3; ++k) row[x][k] = from[x][k] > 0.0f ? std::min(from[x][k], 1.0f) : 0.0f;
         }
         return finite;
     });

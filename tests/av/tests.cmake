@@ -1,1 +1,1 @@
-render2mpeg_test(av LIBS render2mpeg_av render2mpeg_encoder)
+render2mpeg_test(av OPENS_MODULES LIBS render2mpeg_av render2mpeg_encoder)
