@@ -19,14 +19,23 @@ enum class PictureType : std::uint8_t { intra = 1, predicted = 2, bidirectional 
 /// levels of a whole block at once.
 enum class Effort : std::uint8_t { fast, quality };
 
+/// How pictures, all of them progressive, are shown in time.
+enum class Cadence : std::uint8_t {
+    frames,    ///< each as a whole: progressive_sequence
+    fields,    ///< each as two fields, upper lines first: what a DVD's players expect
+    pulldown,  ///< as three and two fields in turn: four pictures last as long as five frames (encoder/cadence.h)
+};
+
 /// What a film is coded with; constant over the film.
 struct Settings {
     int width = 0;  ///< any size that a level allows; padded to whole macroblocks inside
     int height = 0;
-    core::FrameRate rate;
-    int quantiser = 4;   ///< quantiser_scale_code 1..31, q_scale_type 0
-    int gop = 15;        ///< pictures per closed GOP, >= 1
-    int b_pictures = 2;  ///< most B pictures in a row, 0..3
+    core::FrameRate rate;  ///< pictures per second; the header says cadence.h's declared_rate()
+    Cadence cadence = Cadence::frames;
+    std::int64_t first_number = 0;  ///< display number of the film's first picture, where the cadence begins
+    int quantiser = 4;              ///< quantiser_scale_code 1..31, q_scale_type 0
+    int gop = 15;                   ///< pictures per closed GOP, >= 1
+    int b_pictures = 2;             ///< most B pictures in a row, 0..3
     Effort effort = Effort::quality;
     int aspect_ratio_code = 1;    ///< aspect_ratio_information [H262, table 6-3]; 1: square pixels
     int matrix_coefficients = 1;  ///< [H262, table 6-9]; 1: BT.709, 6: BT.601
@@ -38,10 +47,11 @@ void check(const Settings& settings);
 /// What the renderer knows of a picture before anything is lit.
 struct PictureFacts {
     bool cut_before = false;  ///< nothing of the picture before is seen in this one
-    /// How many pictures certainly follow this one before a cut or the chunk's end; a few are enough
+    /// How many pictures certainly follow this one before a cut, a keyframe or the chunk's end; a few are enough
     /// (Settings::b_pictures says how many matter). Only among those are B pictures planned, since they refer to a
     /// later one.
     std::int64_t frames_left = 0;
+    bool keyframe = false;  ///< a GOP is to begin here, whatever is seen
 };
 
 /// How a picture will be coded: fixed before it is lit.
@@ -84,7 +94,7 @@ class Encoder {
     ~Encoder();
 
     /// Decides type, references and quantiser of the next picture in display order. `first_of_chunk` starts a GOP.
-    /// Neither it nor a cut may come among the pictures promised by an earlier `frames_left`.
+    /// Neither it nor a cut or keyframe may come among the pictures promised by an earlier `frames_left`.
     PicturePlan plan(std::int64_t number, const PictureFacts& facts, bool first_of_chunk);
 
     /// Codes a picture that was planned. `motion` has one field per reference of the plan, or is empty: then only

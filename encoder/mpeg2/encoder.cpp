@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "encoder/cadence.h"
 #include "encoder/mpeg2/bit_writer.h"
 #include "encoder/mpeg2/candidates.h"
 #include "encoder/mpeg2/frame.h"
@@ -35,6 +36,11 @@ int macroblocks(int size) {
     return (size + 15) / 16;
 }
 
+/// Fields are whole macroblocks too [H262, 6.3.3: mb_height].
+int macroblock_rows(const Settings& s) {
+    return s.cadence == Cadence::frames ? macroblocks(s.height) : 2 * ((s.height + 31) / 32);
+}
+
 int quantiser_of(PictureType type, int quantiser) {
     if (type != PictureType::bidirectional) return quantiser;
     return std::min(31, static_cast<int>(std::lround(mpeg2::quantiser_ratio_bidirectional * quantiser)));
@@ -62,7 +68,7 @@ struct Encoder::Impl {
         : settings(s),
           level(mpeg2::level_for(s)),
           watch(level, s.rate),
-          source(macroblocks(s.width), macroblocks(s.height)) {}
+          source(macroblocks(s.width), macroblock_rows(s)) {}
 
     const Settings settings;
     const mpeg2::Level& level;
@@ -119,15 +125,22 @@ void Encoder::Impl::check(const core::Picture& picture, const PicturePlan& plan,
 void Encoder::Impl::write_headers(mpeg2::BitWriter& out, const PicturePlan& plan) const {
     if (!plan.starts_gop) return;
     mpeg2::write_sequence(out, settings, level);
-    mpeg2::write_gop(out, settings.rate, plan.number);
+    mpeg2::write_gop(out, settings, plan.number);
 }
 
 /// Codes a picture whose references are there; an I or P picture becomes the newest one.
 CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan& plan,
                                  std::span<const core::Plane<mpeg2::Candidates>> exact) {
-    mpeg2::PictureTask task{
-        picture,        plan.type,      {}, {}, {}, settings.height, static_cast<int>(plan.number - gop_start),
-        plan.quantiser, settings.effort};
+    mpeg2::PictureTask task{picture,
+                            plan.type,
+                            {},
+                            {},
+                            {},
+                            settings.height,
+                            static_cast<int>(plan.number - gop_start),
+                            plan.quantiser,
+                            settings.effort,
+                            fields_of(settings, plan.number)};
     core::Plane<mpeg2::Vector> predictors[2];
     const bool bidirectional = plan.type == PictureType::bidirectional;
     for (std::size_t i = 0; i < plan.references.size(); ++i) {
@@ -171,8 +184,8 @@ PicturePlan Encoder::plan(std::int64_t number, const PictureFacts& facts, bool f
     EXPECTS(number >= 0 && (!m.last_planned || first_of_chunk || number == *m.last_planned + 1));
     PicturePlan plan;
     plan.number = number;
-    plan.starts_gop =
-        !m.last_planned || first_of_chunk || facts.cut_before || number - m.planned_gop_start >= m.settings.gop;
+    plan.starts_gop = !m.last_planned || first_of_chunk || facts.cut_before || facts.keyframe ||
+                      number - m.planned_gop_start >= m.settings.gop;
     if (plan.starts_gop) {
         // B pictures may have been promised this picture as their later reference, in their own GOP.
         EXPECTS(!m.last_planned || m.planned_later <= *m.last_planned);

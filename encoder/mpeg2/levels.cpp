@@ -4,6 +4,8 @@
 #include <array>
 #include <string>
 
+#include "encoder/cadence.h"
+
 namespace render2mpeg::encoder {
 namespace mpeg2 {
 namespace {
@@ -20,7 +22,7 @@ std::int64_t whole_macroblocks(int size) {
 
 /// Luma samples per second, rounded up.
 std::int64_t samples_per_second(const Settings& s) {
-    const core::Rational hertz = s.rate.hertz;
+    const core::Rational hertz = declared_rate(s).hertz;
     return (whole_macroblocks(s.width) * whole_macroblocks(s.height) * hertz.num + hertz.den - 1) / hertz.den;
 }
 
@@ -43,6 +45,9 @@ void check_ranges(const Settings& s) {
     if (s.matrix_coefficients != 1 && s.matrix_coefficients != 6)
         throw core::Error("matrix coefficients " + std::to_string(s.matrix_coefficients) +
                           ": must be 1 (BT.709) or 6 (BT.601)");
+    if (s.cadence == Cadence::pulldown && s.rate.code != 1 && s.rate.code != 2)
+        throw core::Error("frame rate " + std::string(s.rate.name) +
+                          " with repeated fields: must be 23.976 or 24, which are shown at 29.97 and 30 Hz");
     for (const core::FrameRate& rate : core::mpeg2_frame_rates())
         if (rate.code == s.rate.code && rate.hertz == s.rate.hertz) return;
     throw core::Error("frame rate code " + std::to_string(s.rate.code) + ": MPEG-2 has no such rate");
@@ -53,8 +58,9 @@ void check_ranges(const Settings& s) {
 const Level& level_for(const Settings& s) {
     check_ranges(s);
     const std::int64_t samples = samples_per_second(s);
+    const core::Rational hertz = declared_rate(s).hertz;
     for (const Level& level : levels)
-        if (s.width <= level.width && s.height <= level.height && s.rate.hertz.num <= level.hertz * s.rate.hertz.den &&
+        if (s.width <= level.width && s.height <= level.height && hertz.num <= level.hertz * hertz.den &&
             samples <= level.samples)
             return level;
 

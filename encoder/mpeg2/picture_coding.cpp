@@ -76,6 +76,7 @@ PictureHeader header_for(const PictureTask& task, const std::vector<RowCode>& ro
     PictureHeader header;
     header.temporal_reference = task.temporal_reference;
     header.type = task.type;
+    header.shown = task.shown;
     std::int64_t gain = 0;
     Extent extent[2];
     for (const RowCode& row : rows) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "encoder/cadence.h"
 #include "encoder/encoder.h"
 #include "encoder/mpeg2/candidates.h"
 #include "encoder/mpeg2/frame.h"
@@ -22,6 +23,7 @@ struct PictureTask {
     int temporal_reference;
     int quantiser;
     Effort effort;
+    ShownFields shown;
 };
 
 struct PictureResult {

@@ -25,7 +25,7 @@ void write_sequence_header(BitWriter& out, const Settings& s, const Level& level
     out.put(low_bits(s.width, 12), 12);
     out.put(low_bits(s.height, 12), 12);
     out.put(static_cast<std::uint32_t>(s.aspect_ratio_code), 4);
-    out.put(static_cast<std::uint32_t>(s.rate.code), 4);
+    out.put(static_cast<std::uint32_t>(declared_rate(s).code), 4);
     out.put(low_bits(level.bit_rate / 400, 18), 18);
     out.put(1, 1);  // marker
     out.put(low_bits(level.buffer_bits / 16384, 10), 10);
@@ -38,7 +38,7 @@ void write_sequence_extension(BitWriter& out, const Settings& s, const Level& le
     out.start_code(extension_start);
     out.put(sequence_extension, 4);
     out.put(main_profile << 4 | static_cast<std::uint32_t>(level.indication), 8);
-    out.put(1, 1);  // progressive_sequence
+    out.put(s.cadence == Cadence::frames ? 1 : 0, 1);  // progressive_sequence
     out.put(chroma_420, 2);
     out.put(low_bits(s.width >> 12, 2), 2);
     out.put(low_bits(s.height >> 12, 2), 2);
@@ -74,16 +74,16 @@ void write_sequence(BitWriter& out, const Settings& settings, const Level& level
     write_sequence_display_extension(out, settings);
 }
 
-void write_gop(BitWriter& out, const core::FrameRate& rate, std::int64_t first_number) {
-    const std::int64_t per_second = std::llround(rate.hertz.value());
-    const std::int64_t seconds = first_number / per_second;
+void write_gop(BitWriter& out, const Settings& settings, std::int64_t first_number) {
+    const std::int64_t per_second = std::llround(declared_rate(settings).hertz.value());
+    const std::int64_t frame = fields_before(settings.cadence, first_number) / 2, seconds = frame / per_second;
     out.start_code(gop_start);
     out.put(0, 1);  // drop_frame_flag
     out.put(static_cast<std::uint32_t>(seconds / 3600 % 24), 5);
     out.put(static_cast<std::uint32_t>(seconds / 60 % 60), 6);
     out.put(1, 1);  // marker
     out.put(static_cast<std::uint32_t>(seconds % 60), 6);
-    out.put(static_cast<std::uint32_t>(first_number % per_second), 6);
+    out.put(static_cast<std::uint32_t>(frame % per_second), 6);
     out.put(1, 1);  // closed_gop
     out.put(0, 1);  // broken_link
     out.align();
@@ -109,16 +109,16 @@ void write_picture_header(BitWriter& out, const PictureHeader& h) {
         for (const int f_code : direction) out.put(static_cast<std::uint32_t>(f_code), 4);
     out.put(static_cast<std::uint32_t>(h.intra_dc_bits - 8), 2);
     out.put(frame_structure, 2);
-    out.put(0, 1);  // top_field_first
-    out.put(1, 1);  // frame_pred_frame_dct
-    out.put(0, 1);  // concealment_motion_vectors
-    out.put(0, 1);  // q_scale_type: linear
+    out.put(h.shown.top_first ? 1 : 0, 1);  // top_field_first
+    out.put(1, 1);                          // frame_pred_frame_dct
+    out.put(0, 1);                          // concealment_motion_vectors
+    out.put(0, 1);                          // q_scale_type: linear
     out.put(h.intra_vlc_format ? 1 : 0, 1);
-    out.put(0, 1);  // alternate_scan
-    out.put(0, 1);  // repeat_first_field
-    out.put(1, 1);  // chroma_420_type
-    out.put(1, 1);  // progressive_frame
-    out.put(0, 1);  // composite_display_flag
+    out.put(0, 1);                             // alternate_scan
+    out.put(h.shown.repeat_first ? 1 : 0, 1);  // repeat_first_field
+    out.put(1, 1);                             // chroma_420_type
+    out.put(1, 1);                             // progressive_frame
+    out.put(0, 1);                             // composite_display_flag
     out.align();
 }
 

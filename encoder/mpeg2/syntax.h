@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "encoder/cadence.h"
 #include "encoder/encoder.h"
 #include "encoder/mpeg2/bit_writer.h"
 #include "encoder/mpeg2/levels.h"
@@ -12,9 +13,9 @@ namespace render2mpeg::encoder::mpeg2 {
 /// Sequence header, sequence extension and sequence display extension. Bit rate and buffer size are the level's maxima.
 void write_sequence(BitWriter& out, const Settings& settings, const Level& level);
 
-/// Header of a closed GOP whose first picture in display order is `first_number`. The time code counts pictures at the
-/// rounded rate (no drop frames).
-void write_gop(BitWriter& out, const core::FrameRate& rate, std::int64_t first_number);
+/// Header of a closed GOP whose first picture in display order is `first_number`. The time code counts frames at the
+/// rounded declared rate (no drop frames).
+void write_gop(BitWriter& out, const Settings& settings, std::int64_t first_number);
 
 /// What a picture's header and coding extension say; progressive frame pictures with frame prediction and frame DCT
 /// only.
@@ -25,6 +26,7 @@ struct PictureHeader {
     int f_code[2][2] = {{15, 15}, {15, 15}};
     int intra_dc_bits = 8;  ///< precision of intra DC, 8..10
     bool intra_vlc_format = false;
+    ShownFields shown;
 };
 void write_picture_header(BitWriter& out, const PictureHeader& header);
 

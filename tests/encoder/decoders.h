@@ -8,6 +8,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 extern "C" {
@@ -69,6 +70,8 @@ class Libavcodec {
         return std::move(pictures_);
     }
     const AVCodecContext& context() const { return *context_; }
+    /// Of each picture so far: fields it is shown for, and whether it begins with the upper lines.
+    const std::vector<std::pair<int, bool>>& fields() const { return fields_; }
 
   private:
     static std::string& messages() {
@@ -86,12 +89,14 @@ class Libavcodec {
             picture.cr = copy_plane(frame->data[2], frame->linesize[2], (w + 1) / 2, (h + 1) / 2);
             if (frame->decode_error_flags != 0) throw std::runtime_error("libavcodec marks a picture as damaged");
             pictures_.push_back(std::move(picture));
+            fields_.emplace_back(2 + frame->repeat_pict, frame->top_field_first != 0);
         }
         av_frame_free(&frame);
     }
 
     AVCodecContext* context_;
     std::vector<core::Picture> pictures_;
+    std::vector<std::pair<int, bool>> fields_;
 };
 
 /// What libmpeg2 makes of a whole stream: pictures of whole macroblocks cropped to the display size, in display order.
