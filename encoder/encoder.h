@@ -26,6 +26,23 @@ enum class Cadence : std::uint8_t {
     pulldown,  ///< as three and two fields in turn: four pictures last as long as five frames (encoder/cadence.h)
 };
 
+/// What decides the quantisers of a film.
+enum class RateMode : std::uint8_t {
+    constant_quantiser,  ///< Settings::quantiser, coarser for B pictures
+    constant_quality,    ///< RateControl::quality: coarser where motion hides it
+    variable,            ///< RateControl::bit_rate on average, never above max_rate
+    constant,            ///< bit_rate throughout, with stuffing where pictures need less
+};
+
+/// Rates and buffer. Whatever the mode, a stream never breaks the buffer that its headers declare [H262, annex C].
+struct RateControl {
+    RateMode mode = RateMode::constant_quantiser;
+    double quality = 60;           ///< 0..100: 100 is quantiser 1 where nothing moves, 20 less doubles it
+    std::int64_t bit_rate = 0;     ///< bits per second; `variable` and `constant` only
+    std::int64_t max_rate = 0;     ///< bits per second; 0: what the level allows, or bit_rate where it is constant
+    std::int64_t buffer_bits = 0;  ///< VBV size; 0: the largest that the level and vbv_delay can express
+};
+
 /// What a film is coded with; constant over the film.
 struct Settings {
     int width = 0;  ///< any size that a level allows; padded to whole macroblocks inside
@@ -37,12 +54,20 @@ struct Settings {
     int gop = 15;                   ///< pictures per closed GOP, >= 1
     int b_pictures = 2;             ///< most B pictures in a row, 0..3
     Effort effort = Effort::quality;
+    RateControl rate_control;
     int aspect_ratio_code = 1;    ///< aspect_ratio_information [H262, table 6-3]; 1: square pixels
     int matrix_coefficients = 1;  ///< [H262, table 6-9]; 1: BT.709, 6: BT.601
 };
 
-/// Throws core::Error, naming the limit, where no level of Main Profile allows size and rate.
+/// Throws core::Error, naming the limit, where no level of Main Profile allows size and rates, or where even pictures
+/// without any detail would not fit the rate.
 void check(const Settings& settings);
+
+/// What an earlier, cheaper pass over the film found right for a picture (encoder/allotment.h).
+struct Allotment {
+    double quantiser = 4;  ///< 1..31, not yet rounded
+    double bits = 0;       ///< that the picture should come to
+};
 
 /// What the renderer knows of a picture before anything is lit.
 struct PictureFacts {
@@ -52,6 +77,13 @@ struct PictureFacts {
     /// later one.
     std::int64_t frames_left = 0;
     bool keyframe = false;  ///< a GOP is to begin here, whatever is seen
+    /// Pictures that follow this one in its chunk: every chunk then begins with the same declared buffer fullness and
+    /// leaves it to the next one. None: the buffer's state goes on over the chunk's end.
+    std::optional<std::int64_t> left_in_chunk;
+    /// The eye's sensitivity to detail that moves as this picture does, relative to what stands still: 0..1, mean over
+    /// the picture. `constant_quality` reads it; none: 1.
+    std::optional<double> sensitivity;
+    std::optional<Allotment> allotment;  ///< none: one pass
 };
 
 /// How a picture will be coded: fixed before it is lit.
@@ -62,7 +94,7 @@ struct PicturePlan {
     /// Display numbers, in the order of the motion that `push` wants: none, the earlier one, or the earlier and the
     /// later.
     std::vector<std::int64_t> references;
-    int quantiser = 4;
+    int quantiser = 4;  ///< to render for; the one really used is CodedPicture::quantiser
 };
 
 /// What became of one macroblock.
@@ -78,12 +110,18 @@ struct MacroblockRecord {
 
 struct CodedPicture {
     PicturePlan plan;
+    int quantiser = 4;  ///< of the slices' headers; seldom more than one step from the plan's
     std::int64_t coding_order = 0;
     std::vector<std::uint8_t> bytes;  ///< whole access unit: sequence and GOP headers where they stand before it
     core::Picture reconstruction;     ///< what a decoder shows: cropped to the display size
     core::Plane<MacroblockRecord> macroblocks;
     std::uint64_t block_evaluations = 0;  ///< 16x16 differences computed to choose motion
-    bool exceeds_level = false;  ///< a decoder whose buffer has the level's size and fills at its rate starves here
+    bool exceeds_level = false;           ///< a decoder whose buffer has the level's size and fills at its rate starves
+    int tries = 1;                        ///< codings until it fitted the buffer
+    bool minimal = false;                 ///< not even the coarsest quantiser fitted: nothing but flat blocks, or skips
+    std::uint64_t stuffing_bytes = 0;     ///< zeros at the end of `bytes`: the buffer would have run over
+    std::int64_t fullness_before = 0;  ///< bits in the decoder's buffer when the picture is taken out, itself included
+    std::int64_t fullness_after = 0;   ///< bits left then
 };
 
 /// Pictures in display order to coded pictures in coding order. Neither searches for motion nor looks at other films'

@@ -154,6 +154,7 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
 
     CodedPicture coded;
     coded.plan = plan;
+    coded.quantiser = plan.quantiser;
     coded.coding_order = coding_order++;
     mpeg2::BitWriter headers;
     write_headers(headers, plan);
