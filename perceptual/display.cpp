@@ -12,11 +12,6 @@
 namespace render2mpeg::perceptual {
 namespace {
 
-/// Weights of R', G', B' in luma: [BT709, 3.2] and [BT601, 2.5.1].
-glm::vec3 luma_weights(ColorMatrix matrix) {
-    return matrix == ColorMatrix::bt709 ? glm::vec3{0.2126f, 0.7152f, 0.0722f} : glm::vec3{0.299f, 0.587f, 0.114f};
-}
-
 /// Luma as a share of the way from black to white, and colour differences B' - Y', R' - Y'.
 struct Signals {
     std::vector<float> luma, blue, red;
@@ -97,6 +92,10 @@ float largest(glm::vec3 v) {
 }
 
 }  // namespace
+
+glm::vec3 luma_weights(ColorMatrix matrix) {
+    return matrix == ColorMatrix::bt709 ? glm::vec3{0.2126f, 0.7152f, 0.0722f} : glm::vec3{0.299f, 0.587f, 0.114f};
+}
 
 Display::Display(float exposure, ColorMatrix matrix)
     : exposure_(exposure), gain_(std::exp2(exposure)), matrix_(matrix) {

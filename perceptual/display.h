@@ -12,6 +12,9 @@ namespace render2mpeg::perceptual {
 /// Which luma weights a film uses; MPEG-2's matrix_coefficients.
 enum class ColorMatrix { bt601 = 6, bt709 = 1 };
 
+/// Weights of R', G', B' in luma: [BT709, 3.2] and [BT601, 2.5.1].
+glm::vec3 luma_weights(ColorMatrix matrix);
+
 /// The display: exposure, tone curve, transfer function and matrix, each with an exact inverse (docs/model.md,
 /// "Display"). Immutable; all functions may run in several threads at once.
 class Display {

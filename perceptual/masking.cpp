@@ -117,23 +117,31 @@ void apply_masking(core::Block8x8& block, float brightness, const core::Block8x8
 
 }  // namespace
 
-core::ThresholdMap mask(const core::Picture& picture) {
-    EXPECTS(picture.luma.empty() || picture.luma.size() == picture.y.size());
-    core::ThresholdMap map;
-    map.picture = picture.number;
-    const int columns = (picture.width() + 7) / 8, rows = (picture.height() + 7) / 8;
-    map.blocks = core::Plane<core::Block8x8>(columns, rows);
+const core::Block8x8& masking_sensitivity() {
+    return sensitivity;
+}
 
-    // Transform, and take the mean of what the blocks have above black.
-    double sum = 0.0;
-    for (int row = 0; row < rows; ++row)
-        for (int column = 0; column < columns; ++column) {
-            core::Block8x8& block = map.blocks.at(column, row);
-            block = core::forward_dct(samples_of(picture, column, row));
-            EXPECTS(std::isfinite(block[0]));
-            sum += static_cast<double>(above_black(block));
-        }
+core::Plane<core::Block8x8> transform(const core::Picture& picture) {
+    EXPECTS(picture.luma.empty() || picture.luma.size() == picture.y.size());
+    core::Plane<core::Block8x8> blocks((picture.width() + 7) / 8, (picture.height() + 7) / 8);
+    for (int row = 0; row < blocks.height(); ++row)
+        for (int column = 0; column < blocks.width(); ++column)
+            blocks.at(column, row) = core::forward_dct(samples_of(picture, column, row));
+    return blocks;
+}
+
+core::ThresholdMap mask(const core::Plane<core::Block8x8>& coefficients, std::int64_t number) {
+    core::ThresholdMap map;
+    map.picture = number;
+    map.blocks = coefficients;
     if (map.blocks.empty()) return map;
+
+    // Take the mean of what the blocks have above black.
+    double sum = 0.0;
+    for (const core::Block8x8& block : map.blocks.values()) {
+        EXPECTS(std::isfinite(block[0]));
+        sum += static_cast<double>(above_black(block));
+    }
     const float mean = static_cast<float>(sum / static_cast<double>(map.blocks.size()));
 
     // Replace coefficients by thresholds. A picture that is black all over has the mean `darkest`: there t = q.
@@ -142,6 +150,10 @@ core::ThresholdMap mask(const core::Picture& picture) {
     for (core::Block8x8& block : map.blocks.values())
         apply_masking(block, std::pow(above_black(block) / mean, luminance_exponent), sensitivity_rest);
     return map;
+}
+
+core::ThresholdMap mask(const core::Picture& picture) {
+    return mask(transform(picture), picture.number);
 }
 
 }  // namespace render2mpeg::perceptual

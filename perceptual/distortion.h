@@ -1,0 +1,37 @@
+#pragma once
+
+#include "core/dct.h"
+
+namespace render2mpeg::perceptual {
+
+/// How an encoder quantises luma: all that the eye knows of it. A step is the distance between two levels of a
+/// coefficient of the orthonormal 8x8 DCT, in code values, [v * 8 + u] with u the horizontal frequency.
+struct Quantisation {
+    core::Block8x8
+        intra;  ///< matrix of intra macroblocks, > 0: the steps at scale 1. [0] is not looked at: see dc_step
+    core::Block8x8
+        inter;  ///< matrix of all others, > 0, for the residual; levels keep clear of a dead zone of one step
+    float dc_step = 8.0f;  ///< of the mean coefficient of intra blocks, whatever the scale: 8, 4, 2 or 1
+};
+
+/// MPEG-2's matrices where a film has none of its own [H262, 6.3.11], with 8 bits for intra DC.
+const Quantisation& default_quantisation();
+
+/// How one block was or will be quantised.
+struct BlockCoding {
+    float scale = 1.0f;  ///< qs, the steps' factor: MPEG-2's quantiser_scale / 16, > 0
+    bool intra = true;
+    /// What is left of the coefficients after prediction, for inter blocks; null: not known, taken for 0.
+    const core::Block8x8* residual = nullptr;
+};
+
+/// The error that coding can do to each coefficient of a block, or hide in it, with the coefficient's sign (0 counts as
+/// positive): what [Render2MPEG, eq. 7.3] adds to the block `c` whose thresholds are `m` (docs/model.md, "Worst case").
+/// Never 0.
+core::Block8x8 worst_errors(const core::Block8x8& c, const core::Block8x8& m, const Quantisation& quantisation,
+                            const BlockCoding& coding);
+
+/// Root mean square over the block's 64 samples of errors of its coefficients: the transform keeps energy.
+float root_mean_square(const core::Block8x8& errors);
+
+}  // namespace render2mpeg::perceptual

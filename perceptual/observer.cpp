@@ -1,0 +1,153 @@
+#include "perceptual/observer.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/error.h"
+#include "core/numeric.h"
+#include "perceptual/carry.h"
+#include "perceptual/masking.h"
+
+namespace render2mpeg::perceptual {
+namespace {
+
+constexpr int macroblock = 16;
+
+int macroblocks(int size) {
+    return (size + macroblock - 1) / macroblock;
+}
+
+/// How far a map may be brought from one quantiser to another by the ratio of their errors. chosen: no two quantisers
+/// are further apart in code values (31 : 1, 63 equal signs against none: 1000); it only keeps nonsense out.
+constexpr float largest_ratio = 1024.0f;
+
+core::Picture difference(const core::Plane<float>& luma, const core::Plane<std::uint8_t>& prediction) {
+    core::Picture picture;
+    picture.y = core::Plane<std::uint8_t>(luma.width(), luma.height());
+    picture.luma = luma;
+    for (std::size_t i = 0; i < luma.size(); ++i)
+        picture.luma.values()[i] -= static_cast<float>(prediction.values()[i]);
+    return picture;
+}
+
+}  // namespace
+
+bool CodingPlan::operator==(const CodingPlan& other) const {
+    return intra == other.intra && scale == other.scale && quantisation.intra == other.quantisation.intra &&
+           quantisation.inter == other.quantisation.inter && quantisation.dc_step == other.quantisation.dc_step;
+}
+
+Observer::Observer(const Display& display, const ObserverSettings& settings) : light_(display), settings_(settings) {}
+
+Observation Observer::observe(const core::Picture& picture, const core::Radiance& radiance,
+                              std::shared_ptr<const core::Visible> visible, core::Plane<float> carried) const {
+    EXPECTS(visible != nullptr && visible->width() == picture.width() && visible->height() == picture.height());
+    EXPECTS(carried.empty() || (carried.width() == picture.width() && carried.height() == picture.height()));
+    Observation observation;
+    observation.number = picture.number;
+    observation.visible = std::move(visible);
+    observation.coefficients = transform(picture);
+    observation.thresholds = mask(observation.coefficients, picture.number);
+    observation.light = light_.light_of(picture, radiance);
+    observation.carried = std::move(carried);
+    return observation;
+}
+
+Memory Observer::judge(Observation observation, const CodedFacts& coded) const {
+    EXPECTS(coded.number == observation.number);
+    const int width = observation.light.width(), height = observation.light.height();
+    EXPECTS(coded.scale.width() == macroblocks(width) && coded.scale.height() == macroblocks(height));
+    EXPECTS(coded.intra.size() == coded.scale.size());
+
+    Memory memory;
+    memory.number = observation.number;
+    memory.plan = coded.plan;
+    memory.intra = coded.intra;
+    // What inter macroblocks quantise.
+    if (!coded.plan.intra && !coded.prediction.empty()) {
+        EXPECTS(coded.prediction.width() == width && coded.prediction.height() == height);
+        memory.residual = transform(difference(observation.light.luma, coded.prediction));
+    }
+    // What masks.
+    if (settings_.strategy == Strategy::quantised) {
+        EXPECTS(coded.reconstruction.width() == width && coded.reconstruction.height() == height);
+        core::Picture decoded;
+        decoded.y = coded.reconstruction;
+        observation.coefficients = transform(decoded);
+        observation.thresholds = mask(observation.coefficients, observation.number);
+    }
+    memory.visible = std::move(observation.visible);
+    memory.coefficients = std::move(observation.coefficients);
+    memory.thresholds = std::move(observation.thresholds);
+    memory.light = std::move(observation.light);
+    memory.errors = errors_by(memory, coded.plan, &coded.scale);
+    memory.tolerances = memory.errors;
+    blend(memory.tolerances, observation.carried);
+    return memory;
+}
+
+Memory Observer::presume(Observation observation, const CodingPlan& plan) const {
+    Memory memory;
+    memory.number = observation.number;
+    memory.plan = plan;
+    memory.intra = core::Plane<std::uint8_t>(macroblocks(observation.light.width()),
+                                             macroblocks(observation.light.height()), plan.intra ? 1 : 0);
+    memory.visible = std::move(observation.visible);
+    memory.coefficients = std::move(observation.coefficients);
+    memory.thresholds = std::move(observation.thresholds);
+    memory.light = std::move(observation.light);
+    memory.tolerances = memory.errors = errors(memory, plan);
+    return memory;
+}
+
+core::Plane<float> Observer::errors_by(const Memory& memory, const CodingPlan& plan,
+                                       const core::Plane<float>* scales) const {
+    const BlockErrors of_block = [&](int column, int row) {
+        BlockCoding coding;
+        coding.scale = scales != nullptr ? scales->at(column / 2, row / 2) : plan.scale;
+        // In predicted pictures what was intra is expected to be intra again: nothing there was seen before.
+        const bool stays_intra = !memory.plan.intra && memory.intra.at(column / 2, row / 2) != 0;
+        coding.intra = plan.intra || stays_intra;
+        if (!coding.intra && !memory.residual.empty()) coding.residual = &memory.residual.at(column, row);
+        return worst_errors(memory.coefficients.at(column, row), memory.thresholds.blocks.at(column, row),
+                            plan.quantisation, coding);
+    };
+    core::Plane<float> plane = distances(memory.light.width(), memory.light.height(), settings_.spread, of_block);
+    to_tolerances(plane, memory.light, light_);
+    return plane;
+}
+
+core::Plane<float> Observer::errors(const Memory& memory, const CodingPlan& plan) const {
+    return errors_by(memory, plan, nullptr);
+}
+
+Tolerated Observer::tolerate(const core::Visible& visible, const CodingPlan& plan, const Memory& memory,
+                             const core::MotionField* motion, float share) const {
+    EXPECTS(share > 0.0f);
+    EXPECTS(motion == nullptr || motion->reference == memory.number);
+
+    // Bring what is remembered to the quantiser and type of the picture to come.
+    core::Plane<float> values = memory.tolerances;
+    if (!(plan == memory.plan)) {
+        const core::Plane<float> expected = errors(memory, plan);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            values.values()[i] *= std::clamp(core::divide_or(expected.values()[i], memory.errors.values()[i], 1.0f),
+                                             1.0f / largest_ratio, largest_ratio);
+    }
+
+    Tolerated tolerated;
+    const bool carries = settings_.strategy == Strategy::carried;
+    if (carries)
+        tolerated.carried = carry(values, *memory.visible, visible, motion);
+    else
+        tolerated.carried = std::move(values);
+    tolerated.map.pixels = core::Plane<core::Tolerance>(visible.width(), visible.height());
+    const float darkest = light_.darkest_step();
+    for (std::size_t i = 0; i < tolerated.carried.size(); ++i) {
+        const float value = tolerated.carried.values()[i];
+        tolerated.map.pixels.values()[i] = {std::max(value > 0.0f ? share * value : 0.0f, darkest), least_relative};
+    }
+    return tolerated;
+}
+
+}  // namespace render2mpeg::perceptual

@@ -1,0 +1,117 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "core/motion_field.h"
+#include "core/picture.h"
+#include "core/radiance.h"
+#include "core/threshold_map.h"
+#include "core/tolerance_map.h"
+#include "core/visible.h"
+#include "perceptual/display.h"
+#include "perceptual/distortion.h"
+#include "perceptual/luma_light.h"
+#include "perceptual/tolerance.h"
+
+namespace render2mpeg::perceptual {
+
+/// The two ways of [Render2MPEG, 4.3] to use what one picture hides for the next.
+enum class Strategy : std::uint8_t {
+    carried,    ///< masking by the picture as rendered, carried along motion
+    quantised,  ///< masking by the picture as decoded, its coding errors included, place by place: for slow films
+};
+
+struct ObserverSettings {
+    Strategy strategy = Strategy::carried;
+    Spread spread = Spread::block;
+};
+
+/// How a picture is going to be coded.
+struct CodingPlan {
+    bool intra = true;    ///< picture type I; others are predicted
+    float scale = 0.25f;  ///< nominal qs (BlockCoding::scale), > 0
+    Quantisation quantisation = default_quantisation();
+
+    bool operator==(const CodingPlan& other) const;
+};
+
+/// How it was coded, macroblock by macroblock: (width + 15) / 16 by (height + 15) / 16 of them.
+struct CodedFacts {
+    std::int64_t number = 0;  ///< display number
+    CodingPlan plan;
+    core::Plane<std::uint8_t> intra;           ///< 1: intra macroblock
+    core::Plane<float> scale;                  ///< qs in force, > 0
+    core::Plane<std::uint8_t> reconstruction;  ///< luma, decoded; may be empty unless Strategy::quantised
+    core::Plane<std::uint8_t> prediction;      ///< luma that inter macroblocks add to; may be empty: not known
+};
+
+/// A picture as it was before coding, with what later pictures need of it.
+struct Observation {
+    std::int64_t number = 0;
+    std::shared_ptr<const core::Visible> visible;
+    core::Plane<core::Block8x8> coefficients;  ///< DCT of its luma
+    core::ThresholdMap thresholds;             ///< eq. 7.1 and 7.2: what the encoder wants to know of the eye
+    PixelLight light;
+    core::Plane<float> carried;  ///< dY(t - 1) at its pixels, as tolerate() said; empty: none
+};
+
+/// What was judged of one coded picture. Immutable; keeps the inputs of eq. 7.1-7.2, so that another quantiser or
+/// picture type changes the very next tolerances.
+struct Memory {
+    std::int64_t number = 0;
+    std::shared_ptr<const core::Visible> visible;
+    core::Plane<core::Block8x8> coefficients;  ///< of what masks: the picture, or its decoded version
+    core::Plane<core::Block8x8> residual;      ///< of the picture minus its prediction; empty: not known
+    core::ThresholdMap thresholds;
+    PixelLight light;
+    core::Plane<std::uint8_t> intra;  ///< by macroblock
+    CodingPlan plan;                  ///< it was coded by
+    core::Plane<float> errors;        ///< e_xy (7.4), by the quantisers really used; luminance, > 0
+    core::Plane<float> tolerances;    ///< dY_xy(t) (7.5), likewise
+};
+
+/// A frame's tolerances before it is lit.
+struct Tolerated {
+    core::ToleranceMap map;
+    core::Plane<float> carried;  ///< for its Observation: dY(t - 1) for its plan, `no_partner` (carry.h) where none
+};
+
+/// The eye of the loop (docs/model.md, "Tolerance"): what the picture before hides becomes what this frame may err by.
+/// Immutable; what is remembered is handed in and out.
+class Observer {
+  public:
+    Observer(const Display& display, const ObserverSettings& settings);
+
+    /// Masking [Render2MPEG, eq. 7.1, 7.2] and what else is to be kept of a frame. `picture` was developed from
+    /// `radiance` and has its unrounded luma. With `tolerated` empty nothing was carried to it.
+    Observation observe(const core::Picture& picture, const core::Radiance& radiance,
+                        std::shared_ptr<const core::Visible> visible, core::Plane<float> carried = {}) const;
+
+    /// Errors [7.3, 7.4] of a picture that was coded, with the quantisers really used, blended with those carried to it
+    /// [7.5]. `coded` is of the same picture.
+    Memory judge(Observation observation, const CodedFacts& coded) const;
+
+    /// The same for a picture that was only seen coarsely and will not be coded as it is, as if coded by `plan`.
+    Memory presume(Observation observation, const CodingPlan& plan) const;
+
+    /// Tolerances of a frame that is going to be coded by `plan`: what `memory` hides, times `share`, carried along
+    /// `motion` (from the frame to the memory's picture; null: nothing moves), never below 2 % of the pixel's luminance
+    /// nor below half a code value. 2 % where nothing fits. share > 0.
+    Tolerated tolerate(const core::Visible& visible, const CodingPlan& plan, const Memory& memory,
+                       const core::MotionField* motion, float share) const;
+
+    /// e_xy of the remembered picture if it were coded by `plan`.
+    core::Plane<float> errors(const Memory& memory, const CodingPlan& plan) const;
+
+    const LumaLight& light() const { return light_; }
+
+  private:
+    core::Plane<float> errors_by(const Memory& memory, const CodingPlan& plan, const core::Plane<float>* scales) const;
+
+    LumaLight light_;
+    ObserverSettings settings_;
+};
+
+}  // namespace render2mpeg::perceptual

@@ -1,0 +1,95 @@
+#include "perceptual/tolerance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/error.h"
+
+namespace render2mpeg::perceptual {
+namespace {
+
+constexpr int side = 8;
+
+constexpr float half_a_code_value = 0.5f;
+
+/// Weight of the newest picture's own errors. [Render2MPEG, 4.3]
+constexpr float carried_weight = 0.5f;
+
+/// Between which two of `count` centres of blocks a sample lies, and how far from the first to the second.
+struct Between {
+    int first, second;
+    float t;
+};
+
+Between between_centres(int sample, int count) {
+    const float place = (static_cast<float>(sample) + 0.5f) / side - 0.5f;
+    const float clamped = std::clamp(place, 0.0f, static_cast<float>(count - 1));
+    const int first = std::min(static_cast<int>(clamped), count - 1);
+    return {first, std::min(first + 1, count - 1), clamped - static_cast<float>(first)};
+}
+
+/// Root mean squares of blocks, bilinear between their centres: an edge between two blocks is to show in no light.
+core::Plane<float> interpolated(int width, int height, const core::Plane<float>& blocks) {
+    core::Plane<float> plane(width, height);
+    std::vector<float> row(static_cast<std::size_t>(blocks.width()));
+    std::vector<Between> columns;
+    for (int x = 0; x < width; ++x) columns.push_back(between_centres(x, blocks.width()));
+    for (int y = 0; y < height; ++y) {
+        const Between rows = between_centres(y, blocks.height());
+        const float *upper = blocks.row(rows.first), *lower = blocks.row(rows.second);
+        for (std::size_t i = 0; i < row.size(); ++i) row[i] = upper[i] + rows.t * (lower[i] - upper[i]);
+        float* out = plane.row(y);
+        for (int x = 0; x < width; ++x) {
+            const Between& b = columns[static_cast<std::size_t>(x)];
+            const float left = row[static_cast<std::size_t>(b.first)], right = row[static_cast<std::size_t>(b.second)];
+            out[x] = left + b.t * (right - left);
+        }
+    }
+    return plane;
+}
+
+}  // namespace
+
+core::Plane<float> distances(int width, int height, Spread spread, const BlockErrors& errors) {
+    const int columns = (width + side - 1) / side, rows = (height + side - 1) / side;
+    if (spread == Spread::block) {
+        core::Plane<float> blocks(columns, rows);
+        for (int row = 0; row < rows; ++row)
+            for (int column = 0; column < columns; ++column)
+                blocks.at(column, row) = root_mean_square(errors(column, row));
+        return interpolated(width, height, blocks);
+    }
+    core::Plane<float> plane(width, height);
+    for (int row = 0; row < rows; ++row)
+        for (int column = 0; column < columns; ++column) {
+            const core::Block8x8 samples = core::inverse_dct(errors(column, row));
+            const int wide = std::min(side, width - side * column), high = std::min(side, height - side * row);
+            for (int y = 0; y < high; ++y)
+                std::copy_n(&samples[static_cast<std::size_t>(side * y)], wide,
+                            plane.row(side * row + y) + side * column);
+        }
+    return plane;
+}
+
+void to_tolerances(core::Plane<float>& distances, const PixelLight& light, const LumaLight& display) {
+    EXPECTS(distances.width() == light.width() && distances.height() == light.height());
+    for (std::size_t i = 0; i < distances.size(); ++i) {
+        const float luminance = light.luminance.values()[i],
+                    distance = std::max(std::abs(distances.values()[i]), half_a_code_value);
+        distances.values()[i] =
+            std::max(least_relative * luminance,
+                     display.difference(light.luma.values()[i], luminance, light.exponent.values()[i], distance));
+    }
+}
+
+void blend(core::Plane<float>& errors, const core::Plane<float>& before) {
+    if (before.empty()) return;
+    EXPECTS(before.width() == errors.width() && before.height() == errors.height());
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+        const float old = before.values()[i], own = errors.values()[i];
+        errors.values()[i] = old > 0.0f ? own + carried_weight * (old - own) : own;
+    }
+}
+
+}  // namespace render2mpeg::perceptual

@@ -1,0 +1,113 @@
+#include "perceptual/luma_light.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/color.h"
+#include "core/sampling.h"
+
+namespace render2mpeg::perceptual {
+namespace {
+
+PixelLight light_of(const Display& display, const std::vector<glm::vec3>& colors) {
+    core::Radiance radiance;
+    radiance.combined = core::Plane<glm::vec3>(static_cast<int>(colors.size()), 1);
+    std::copy(colors.begin(), colors.end(), radiance.combined.row(0));
+    return LumaLight(display).light_of(display.develop(radiance), radiance);
+}
+
+/// The luma that is so far away on the side where it changes light least: down, unless that ends in black.
+float nearer(float luma, float distance) {
+    return luma - distance < 16.25f ? luma + distance : luma - distance;
+}
+
+/// What SPEC asks for: the pixel's light scaled at its own chromaticity until its luma is another.
+double exact_difference(const Display& display, glm::vec3 color, float luma) {
+    return std::abs(static_cast<double>(core::luminance(display.with_luma(color, luma))) -
+                    static_cast<double>(core::luminance(color)));
+}
+
+TEST(LumaLight, IsTheInverseOfTheDisplayForGrey) {
+    for (const float exposure : {-3.0f, 0.0f, 5.0f}) {
+        const Display display(exposure, ColorMatrix::bt709);
+        const LumaLight light(display);
+        for (float luma = 17.0f; luma < 220.0f; luma += 3.7f)
+            for (const float distance : {0.5f, 1.0f, 12.0f}) {
+                const glm::vec3 grey = display.with_luma(glm::vec3(1.0f), luma);
+                const double exact = exact_difference(display, grey, nearer(luma, distance));
+                const double ours = light.difference(luma, core::luminance(grey), 1.0f, distance);
+                EXPECT_NEAR(ours, exact, 0.02 * exact) << luma << " " << distance;
+            }
+    }
+}
+
+TEST(LumaLight, IsNearlyTheInverseForColours) {
+    const Display display(0.5f, ColorMatrix::bt601);
+    const LumaLight light(display);
+    std::vector<glm::vec3> colors;
+    for (std::uint64_t i = 0; i < 4000; ++i)
+        colors.push_back(glm::vec3(core::uniform(1, i), core::uniform(2, i), core::uniform(3, i)) *
+                         std::exp2(6.0f * core::uniform(4, i) - 5.0f));
+    const PixelLight pixels = light_of(display, colors);
+    std::vector<double> errors;
+    for (std::size_t i = 0; i < colors.size(); ++i)
+        for (const float distance : {20.0f, 5.0f, 1.0f}) {
+            const float luma = pixels.luma.values()[i];
+            if (luma < 17.0f) continue;
+            const double exact = exact_difference(display, colors[i], nearer(luma, distance));
+            const double ours =
+                light.difference(luma, pixels.luminance.values()[i], pixels.exponent.values()[i], distance);
+            errors.push_back(std::abs(ours / exact - 1.0));
+        }
+    std::sort(errors.begin(), errors.end());
+    ASSERT_GT(errors.size(), 10000u);
+    EXPECT_LT(errors[errors.size() / 2], 0.01);
+    EXPECT_LT(errors[errors.size() * 99 / 100], 0.25);
+}
+
+TEST(LumaLight, GrowsWithTheDistanceOnEitherSideOfWhereBlackCutsItOff) {
+    const LumaLight light(Display(0.0f, ColorMatrix::bt709));
+    for (const float luma : {16.0f, 20.0f, 40.0f, 130.0f, 234.9f, 235.0f}) {
+        float before = 0;
+        for (float distance = 0.5f; distance < 200.0f; distance *= 1.3f) {
+            const float now = light.difference(luma, 0.3f, 1.0f, distance);
+            EXPECT_GE(now, 0.99f * before) << luma << " " << distance;
+            before = now;
+        }
+    }
+}
+
+TEST(LumaLight, NextToWhiteNoMoreThanAllLightIsTolerated) {
+    const LumaLight light(Display(0.0f, ColorMatrix::bt709));
+    for (const float distance : {0.5f, 4.0f, 20.0f, 200.0f})
+        EXPECT_LE(light.difference(234.9f, 3.0f, 1.0f, distance), 3.0f);
+}
+
+TEST(LumaLight, IsPositiveAndFiniteEverywhere) {
+    for (const float exposure : {-64.0f, 0.0f, 64.0f}) {
+        const Display display(exposure, ColorMatrix::bt709);
+        const std::vector<glm::vec3> colors{glm::vec3(0),          glm::vec3(1e-30f), {0, 0, 1e-3f}, {1e-8f, 0, 0},
+                                            {1e30f, 1e30f, 1e30f}, {0, 0, 1e30f},     {1, 1e9f, 0},  glm::vec3(0.18f)};
+        const LumaLight light(display);
+        const PixelLight pixels = light_of(display, colors);
+        for (std::size_t i = 0; i < colors.size(); ++i)
+            for (const float distance : {1e-3f, 0.5f, 20.0f, 400.0f}) {
+                const float d = light.difference(pixels.luma.values()[i], pixels.luminance.values()[i],
+                                                 pixels.exponent.values()[i], distance);
+                EXPECT_TRUE(std::isfinite(d)) << exposure << " " << i << " " << distance;
+                EXPECT_GT(d, 0.0f) << exposure << " " << i << " " << distance;
+            }
+    }
+}
+
+TEST(LumaLight, ADarkStepIsHalfACodeValueAboveBlack) {
+    const Display display(1.5f, ColorMatrix::bt709);
+    const double exact = static_cast<double>(core::luminance(display.with_luma(glm::vec3(1.0f), 16.5f)));
+    EXPECT_NEAR(static_cast<double>(LumaLight(display).darkest_step()), exact, 1e-4 * exact);
+}
+
+}  // namespace
+}  // namespace render2mpeg::perceptual

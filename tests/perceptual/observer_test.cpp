@@ -1,0 +1,246 @@
+#include "perceptual/observer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/color.h"
+#include "core/sampling.h"
+#include "perceptual/carry.h"
+
+namespace render2mpeg::perceptual {
+namespace {
+
+constexpr int width = 72, height = 40;
+
+/// A lit wall: dark to bright from left to right, rough below.
+core::Radiance wall(std::int64_t frame, float noise = 0.0f) {
+    core::Radiance radiance;
+    radiance.frame = frame;
+    radiance.combined = core::Plane<glm::vec3>(width, height);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const auto pixel = static_cast<std::uint64_t>(y * width + x);
+            const float rough = y < height / 2 ? 1.0f : 0.4f + 1.2f * core::uniform(1, pixel);
+            const float error =
+                1.0f + noise * (2.0f * core::uniform(2, pixel, static_cast<std::uint64_t>(frame)) - 1.0f);
+            radiance.combined.at(x, y) =
+                glm::vec3(1.0f, 0.8f, 0.5f) * (rough * error * std::exp2(8.0f * static_cast<float>(x) / width - 7.0f));
+        }
+    return radiance;
+}
+
+std::shared_ptr<const core::Visible> seen() {
+    core::Visible visible(0, width, height);
+    for (std::size_t i = 0; i < visible.kind.size(); ++i) {
+        visible.kind.values()[i] = core::PixelClass::surface;
+        visible.address.values()[i] = {0, 0, 0.2f, 0.2f};
+        visible.material.values()[i] = 0;
+        visible.depth.values()[i] = 2.0f;
+    }
+    return std::make_shared<const core::Visible>(std::move(visible));
+}
+
+CodedFacts coded_as(std::int64_t number, const CodingPlan& plan) {
+    CodedFacts facts;
+    facts.number = number;
+    facts.plan = plan;
+    facts.intra = core::Plane<std::uint8_t>((width + 15) / 16, (height + 15) / 16, plan.intra ? 1 : 0);
+    facts.scale = core::Plane<float>((width + 15) / 16, (height + 15) / 16, plan.scale);
+    return facts;
+}
+
+CodingPlan plan_of(bool intra, int quantiser) {
+    CodingPlan plan;
+    plan.intra = intra;
+    plan.scale = static_cast<float>(quantiser) / 8.0f;
+    return plan;
+}
+
+const Display display(0.0f, ColorMatrix::bt709);
+
+Memory memory_of(const Observer& observer, const CodingPlan& plan) {
+    const core::Radiance radiance = wall(0);
+    return observer.judge(observer.observe(display.develop(radiance), radiance, seen()), coded_as(0, plan));
+}
+
+double mean(const core::Plane<float>& plane) {
+    return std::accumulate(plane.values().begin(), plane.values().end(), 0.0) / static_cast<double>(plane.size());
+}
+
+double mean_absolute(const core::ToleranceMap& map) {
+    double sum = 0;
+    for (const core::Tolerance& t : map.pixels.values()) sum += static_cast<double>(t.absolute);
+    return sum / static_cast<double>(map.pixels.size());
+}
+
+class EverySpread : public testing::TestWithParam<Spread> {
+  protected:
+    Observer observer{display, {Strategy::carried, GetParam()}};
+};
+INSTANTIATE_TEST_SUITE_P(Spreads, EverySpread, testing::Values(Spread::block, Spread::pixel));
+
+TEST_P(EverySpread, TolerancesGrowWithTheQuantiser) {
+    double before = 0;
+    for (const int quantiser : {1, 2, 4, 8, 16, 31}) {
+        const CodingPlan plan = plan_of(true, quantiser);
+        const double now =
+            mean_absolute(observer.tolerate(*seen(), plan, memory_of(observer, plan), nullptr, 1.0f).map);
+        EXPECT_GT(now, before);
+        before = now;
+    }
+}
+
+TEST_P(EverySpread, AChangeOfQuantiserOrTypeIsNotAFrameLate) {
+    for (const CodingPlan& was : {plan_of(true, 4), plan_of(false, 6)})
+        for (const CodingPlan& next : {plan_of(true, 16), plan_of(false, 24), plan_of(true, 2)}) {
+            const Memory memory = memory_of(observer, was);
+            const core::Plane<float> wanted = observer.errors(memory, next);
+            const core::Plane<float> carried = observer.tolerate(*seen(), next, memory, nullptr, 1.0f).carried;
+            for (std::size_t i = 0; i < wanted.size(); ++i)
+                ASSERT_NEAR(carried.values()[i], wanted.values()[i], 1e-4f * wanted.values()[i]) << i;
+        }
+}
+
+TEST_P(EverySpread, TheShareScalesWhatIsHiddenDownToTheFloors) {
+    const CodingPlan plan = plan_of(true, 16);
+    const Memory memory = memory_of(observer, plan);
+    const core::ToleranceMap full = observer.tolerate(*seen(), plan, memory, nullptr, 1.0f).map,
+                             half = observer.tolerate(*seen(), plan, memory, nullptr, 0.5f).map;
+    const float floor = observer.light().darkest_step();
+    for (std::size_t i = 0; i < full.pixels.size(); ++i) {
+        EXPECT_FLOAT_EQ(half.pixels.values()[i].absolute, std::max(0.5f * full.pixels.values()[i].absolute, floor));
+        EXPECT_FLOAT_EQ(half.pixels.values()[i].relative, 0.02f);
+    }
+}
+
+TEST_P(EverySpread, WhatHasNoPartnerGetsTwoPercent) {
+    const CodingPlan plan = plan_of(true, 16);
+    const Memory memory = memory_of(observer, plan);
+    core::Visible other = *seen();
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width / 2; ++x) other.address.at(x, y).object = 1;
+    const Tolerated tolerated = observer.tolerate(other, plan, memory, nullptr, 1.0f);
+    EXPECT_EQ(tolerated.carried.at(3, 3), no_partner);
+    EXPECT_EQ(tolerated.map.pixels.at(3, 3).absolute, observer.light().darkest_step());
+    EXPECT_EQ(tolerated.map.pixels.at(3, 3).relative, 0.02f);
+    EXPECT_GT(tolerated.map.pixels.at(width - 3, 3).absolute, observer.light().darkest_step());
+}
+
+TEST_P(EverySpread, BlackAndWhitePicturesHaveFiniteTolerances) {
+    for (const float light : {0.0f, 1e-20f, 1e6f}) {
+        core::Radiance radiance;
+        radiance.combined = core::Plane<glm::vec3>(width, height, glm::vec3(light));
+        const CodingPlan plan = plan_of(true, 31);
+        const Memory memory =
+            observer.judge(observer.observe(display.develop(radiance), radiance, seen()), coded_as(0, plan));
+        for (const core::Tolerance& t : observer.tolerate(*seen(), plan, memory, nullptr, 1.0f).map.pixels.values()) {
+            EXPECT_TRUE(std::isfinite(t.absolute));
+            EXPECT_GT(t.absolute, 0.0f);
+        }
+    }
+}
+
+TEST_P(EverySpread, MacroblocksThatWereIntraInAPredictedPictureStayIntra) {
+    const CodingPlan plan = plan_of(false, 31);
+    const core::Radiance radiance = wall(0);
+    CodedFacts facts = coded_as(0, plan);
+    facts.intra.at(3, 1) = 1;
+    const Observation observation = observer.observe(display.develop(radiance), radiance, seen());
+    const Memory mixed = observer.judge(observation, facts), inter = observer.judge(observation, coded_as(0, plan));
+    int different = 0;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            if (mixed.errors.at(x, y) == inter.errors.at(x, y)) continue;
+            ++different;
+            // Interpolation between blocks reaches half a block further.
+            EXPECT_TRUE(x >= 48 - 4 && x < 64 + 4 && y >= 16 - 4 && y < 32 + 4) << x << " " << y;
+        }
+    EXPECT_GE(different, 16 * 16 / 2);
+}
+
+TEST_P(EverySpread, WhatMacroblocksReallyGotIsWhatCounts) {
+    const CodingPlan nominal = plan_of(true, 8);
+    CodedFacts facts = coded_as(0, nominal);
+    for (int x = 0; x < facts.scale.width(); ++x)
+        for (int y = 0; y < facts.scale.height(); ++y) facts.scale.at(x, y) = 16 / 8.0f;
+    const core::Radiance radiance = wall(0);
+    const Observation observation = observer.observe(display.develop(radiance), radiance, seen());
+    const Memory really = observer.judge(observation, facts),
+                 coarser = observer.judge(observation, coded_as(0, plan_of(true, 16)));
+    EXPECT_EQ(really.errors, coarser.errors);
+}
+
+TEST(Observer, MaskingByTheDecodedPictureSeesItsErrors) {
+    const Observer observer(display, {Strategy::quantised, Spread::block});
+    const CodingPlan plan = plan_of(true, 16);
+    const core::Radiance radiance = wall(0);
+    CodedFacts facts = coded_as(0, plan);
+    facts.reconstruction = core::Plane<std::uint8_t>(width, height, 100);
+    const Observation observation = observer.observe(display.develop(radiance), radiance, seen());
+    const Memory flat = observer.judge(observation, facts);
+    facts.reconstruction = display.develop(radiance).y;
+    const Memory true_to_life = observer.judge(observation, facts);
+    EXPECT_NE(flat.thresholds.blocks, true_to_life.thresholds.blocks);
+    EXPECT_GT(mean(true_to_life.errors), 0.0);
+}
+
+/// The loop over a film of still pictures that render with errors as large as they are allowed to be: tolerances of
+/// frame n steer the noise of frame n.
+struct StillFilm {
+    const Observer& observer;
+    CodingPlan plan = plan_of(true, 8);
+    Memory memory = memory_of(observer, plan);
+
+    /// Renders, codes and judges the next frame; gives the mean tolerance that it was lit by.
+    double step(std::int64_t frame) {
+        Tolerated tolerated = observer.tolerate(*seen(), plan, memory, nullptr, 1.0f);
+        core::Radiance radiance = wall(frame);
+        for (std::size_t i = 0; i < radiance.combined.size(); ++i) {
+            glm::vec3& c = radiance.combined.values()[i];
+            const core::Tolerance t = tolerated.map.pixels.values()[i];
+            const float y = core::luminance(c), error = std::max(t.absolute, t.relative * y);
+            const float sign = 2.0f * core::uniform(7, i, static_cast<std::uint64_t>(frame)) - 1.0f;
+            // A third of the tolerance, as a calibrated stop leaves it.
+            c *= std::max(0.0f, 1.0f + sign * error / (3.0f * y));
+        }
+        const double now = mean_absolute(tolerated.map);
+        memory =
+            observer.judge(observer.observe(display.develop(radiance), radiance, seen(), std::move(tolerated.carried)),
+                           coded_as(frame, plan));
+        return now;
+    }
+};
+
+TEST(Feedback, StillFilmsSettleWithinTenFrames) {
+    const Observer observer(display, {});
+    StillFilm film{observer};
+    double before = 0, now = 0;
+    for (int frame = 1; frame <= 12; ++frame) before = now, now = film.step(frame);
+    EXPECT_NEAR(now / before, 1.0, 0.01);
+}
+
+TEST(Feedback, TolerancesReturnFromAPerturbation) {
+    const Observer observer(display, {});
+    for (const float factor : {0.5f, 2.0f}) {
+        StillFilm film{observer}, undisturbed{observer};
+        for (float& t : film.memory.tolerances.values()) t *= factor;
+        double disturbed = 0, quiet = 0;
+        for (int frame = 1; frame <= 6; ++frame) disturbed = film.step(frame), quiet = undisturbed.step(frame);
+        EXPECT_NEAR(disturbed / quiet, 1.0, 0.1) << factor;
+    }
+}
+
+TEST(Feedback, TwoHundredFramesDoNotDrift) {
+    const Observer observer(display, {});
+    StillFilm film{observer};
+    const double reference = mean(observer.errors(memory_of(observer, film.plan), film.plan));
+    double last = 0;
+    for (int frame = 1; frame <= 200; ++frame) last = film.step(frame);
+    EXPECT_NEAR(last / reference, 1.0, 0.05);
+}
+
+}  // namespace
+}  // namespace render2mpeg::perceptual
