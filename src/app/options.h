@@ -9,8 +9,10 @@ namespace render2mpeg::app {
 
 /// What --tolerance asks for.
 struct ToleranceRequest {
-    bool reference = false;  ///< every light point, no clustering
-    float relative = 0.02f;  ///< else: share of each pixel's luminance
+    bool reference = false;      ///< every light point, no clustering
+    float relative = 0.02f;      ///< else: share of each pixel's luminance
+    bool coupled = false;        ///< instead: what coding and the eye hide
+    std::optional<float> share;  ///< of it, > 0; none: what the quantiser allows
 };
 
 /// How pictures are coded: `render` and `encode` share these.
@@ -32,10 +34,13 @@ struct RenderOptions {
     CodingOptions coding;
     int samples = 4;
     int vpls = 4096;
-    std::string tolerance = "fixed=2%";
-    std::string exposure = "auto";   ///< "auto" or a number of EV; the animation file's wins over "auto"
-    std::string clamp = "bounded";   ///< "bounded" or "none"
-    std::optional<std::string> sky;  ///< image file or "none"
+    std::optional<std::string> tolerance;
+    std::string masking = "carried";        ///< "carried" or "quantised"
+    std::string error_maps = "references";  ///< "references" or "intra"
+    std::string error_spread = "block";     ///< "block" or "pixel"
+    std::string exposure = "auto";          ///< "auto" or a number of EV; the animation file's wins over "auto"
+    std::string clamp = "bounded";          ///< "bounded" or "none"
+    std::optional<std::string> sky;         ///< image file or "none"
     std::optional<std::string> camera;
     std::optional<std::string> animation;
     int threads = 0;  ///< 0: all

@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <span>
 
 #include "app/bookkeeper.h"
+#include "app/coupling.h"
+#include "app/preview.h"
 #include "image/layers.h"
 #include "scene/motion.h"
 
@@ -30,6 +34,13 @@ std::int64_t frames_left(const Production& film, std::int64_t n, std::int64_t la
     return left;
 }
 
+encoder::PictureFacts facts_of(const Production& film, const scene::Snapshot& world, const Chunk& chunk) {
+    encoder::PictureFacts facts;
+    facts.cut_before = world.cut_before;
+    facts.frames_left = frames_left(film, world.frame, chunk.last);
+    return facts;
+}
+
 void write_frame_layers(const Production& film, const std::filesystem::path& folder, const core::Visible& visible,
                         const core::Radiance& radiance, const scene::Snapshot& world) {
     const core::MotionField before =
@@ -38,57 +49,141 @@ void write_frame_layers(const Production& film, const std::filesystem::path& fol
     image::write_layers(folder / fmt::format("frame_{:04}.exr", world.frame), visible, radiance, &before, &after);
 }
 
+/// One chunk in the making: frames come one after the other.
+class ChunkLoop {
+  public:
+    ChunkLoop(const Production& film, renderer::Renderer& renderer, const Chunk& chunk, const Destination& destination,
+              Ledger& ledger);
+
+    void frame(std::int64_t n);
+    void finish();
+
+  private:
+    /// What the frame's light may be off by, before it is lit.
+    core::ToleranceMap tolerances(const scene::Snapshot& world, const renderer::Seen& seen,
+                                  const encoder::PicturePlan& plan, std::span<const core::MotionField> motion);
+    /// Rough light for the eye, where there is no picture before.
+    void imagine(const scene::Snapshot& world, const renderer::Seen& seen, const encoder::PicturePlan& plan);
+    void write(const std::vector<encoder::CodedPicture>& pictures);
+
+    const Production& film_;
+    renderer::Renderer& renderer_;
+    const Chunk& chunk_;
+    const Destination& destination_;
+    Ledger& ledger_;
+    perceptual::Display display_;
+    encoder::Encoder encoder_;
+    Bookkeeper books_;
+    std::optional<Coupling> coupling_;
+    core::ToleranceMap fixed_;
+};
+
+ChunkLoop::ChunkLoop(const Production& film, renderer::Renderer& renderer, const Chunk& chunk,
+                     const Destination& destination, Ledger& ledger)
+    : film_(film),
+      renderer_(renderer),
+      chunk_(chunk),
+      destination_(destination),
+      ledger_(ledger),
+      display_(film.exposure.value_or(0), perceptual::matrix_for(film.format.height)),
+      encoder_(film.coding),
+      books_(ledger) {
+    renderer.start_chunk(film.snapshot(chunk.first));
+    if (film.tolerance.coupled && destination.film != nullptr)
+        coupling_.emplace(display_, film.coupling);
+    else
+        fixed_ = film.tolerance_map();
+}
+
+void ChunkLoop::finish() {
+    if (destination_.film != nullptr) write(timed(ledger_, Stage::encode, [&] { return encoder_.flush(); }));
+}
+
+void ChunkLoop::write(const std::vector<encoder::CodedPicture>& pictures) {
+    for (const encoder::CodedPicture& coded : pictures) {
+        books_.coded(coded);
+        if (coupling_) timed(ledger_, Stage::tolerate, [&] { coupling_->judge(coded); });
+        destination_.film->append(coded);
+    }
+}
+
+void ChunkLoop::imagine(const scene::Snapshot& world, const renderer::Seen& seen, const encoder::PicturePlan& plan) {
+    const core::Radiance rough = timed(ledger_, Stage::preview, [&] { return preview(renderer_, world, seen); });
+    timed(ledger_, Stage::tolerate, [&] {
+        core::Picture picture = display_.develop(rough);
+        picture.number = plan.number;
+        coupling_->imagine(picture, rough, seen.visible, plan);
+    });
+}
+
+core::ToleranceMap ChunkLoop::tolerances(const scene::Snapshot& world, const renderer::Seen& seen,
+                                         const encoder::PicturePlan& plan, std::span<const core::MotionField> motion) {
+    if (world.cut_before || plan.number == chunk_.first) coupling_->forget();
+    if (!coupling_->remembers()) imagine(world, seen, plan);
+
+    // The encoder's own motion may lead there already.
+    const std::int64_t reference = coupling_->remembered();
+    core::MotionField field;
+    const core::MotionField* way = nullptr;
+    for (const core::MotionField& known : motion)
+        if (known.reference == reference) way = &known;
+    if (way == nullptr && reference != plan.number && film_.plan.runs(renderer::Pass::motion)) {
+        field = timed(ledger_, renderer::Pass::motion,
+                      [&] { return scene::motion_between(seen.visible, world, film_.snapshot(reference)); });
+        way = &field;
+    }
+    return timed(ledger_, Stage::tolerate, [&] { return coupling_->tolerate(seen.visible, plan, way); });
+}
+
+void ChunkLoop::frame(std::int64_t n) {
+    const double start = cpu_seconds();
+    const renderer::Statistics before = renderer_.statistics();
+    const scene::Snapshot world = film_.snapshot(n);
+    const renderer::Seen seen = timed(ledger_, Stage::see, [&] { return renderer_.see(world); });
+
+    // Plan how it will be coded, and what that and the eye allow its light to be off by.
+    encoder::PicturePlan coding;
+    std::vector<core::MotionField> motion;
+    if (destination_.film != nullptr) {
+        const encoder::PictureFacts facts = facts_of(film_, world, chunk_);
+        coding = encoder_.plan(n, facts, n == chunk_.first);
+        motion = timed(ledger_, renderer::Pass::motion, [&] { return motion_of(film_, coding, seen.visible, world); });
+    }
+    const core::ToleranceMap coupled = coupling_ ? tolerances(world, seen, coding, motion) : core::ToleranceMap();
+    const core::Radiance radiance =
+        timed(ledger_, Stage::shade, [&] { return renderer_.shade(world, seen, coupling_ ? coupled : fixed_); });
+    books_.rendered(n, before, renderer_.statistics());
+
+    // Develop it.
+    core::Picture picture = timed(ledger_, Stage::develop, [&] { return display_.develop(radiance); });
+    picture.number = n;
+    for (const std::uint8_t luma : picture.y.values())
+        ledger_.brightest_luma = std::max<int>(ledger_.brightest_luma, luma);
+
+    // Encode it with the renderer's own motion, or write it as it is.
+    if (coupling_) timed(ledger_, Stage::tolerate, [&] { coupling_->keep(picture, radiance, seen.visible, coding); });
+    if (destination_.film != nullptr) {
+        books_.keep(picture);
+        write(timed(ledger_, Stage::encode, [&] { return encoder_.push(picture, coding, motion); }));
+    }
+    if (destination_.sink != nullptr) destination_.sink->write(radiance, picture);
+    if (destination_.layers != nullptr)
+        timed(ledger_, renderer::Pass::layers,
+              [&] { write_frame_layers(film_, *destination_.layers, seen.visible, radiance, world); });
+    books_.took(cpu_seconds() - start);
+}
+
 }  // namespace
 
 bool render_chunk(const Production& film, renderer::Renderer& renderer, const Chunk& chunk,
                   const Destination& destination, Ledger& ledger, const std::function<bool()>& frame_done) {
-    const perceptual::Display display(film.exposure.value_or(0), perceptual::matrix_for(film.format.height));
-    const core::ToleranceMap tolerance = film.tolerance_map();
-    encoder::Encoder encoder(film.coding);
-    Bookkeeper books(ledger);
-    renderer.start_chunk(film.snapshot(chunk.first));
-    const auto write = [&](const std::vector<encoder::CodedPicture>& pictures) {
-        for (const encoder::CodedPicture& coded : pictures) {
-            books.coded(coded);
-            destination.film->append(coded);
-        }
-    };
-
+    ChunkLoop loop(film, renderer, chunk, destination, ledger);
     bool whole = true;
     for (std::int64_t n = chunk.first; n <= chunk.last && whole; ++n) {
-        const double start = cpu_seconds();
-        const renderer::Statistics before = renderer.statistics();
-        const scene::Snapshot world = film.snapshot(n);
-
-        // See, then light what is seen.
-        const renderer::Seen seen = timed(ledger, Stage::see, [&] { return renderer.see(world); });
-        const core::Radiance radiance =
-            timed(ledger, Stage::shade, [&] { return renderer.shade(world, seen, tolerance); });
-        books.rendered(n, before, renderer.statistics());
-
-        // Develop it.
-        core::Picture picture = timed(ledger, Stage::develop, [&] { return display.develop(radiance); });
-        picture.number = n;
-        for (const std::uint8_t luma : picture.y.values())
-            ledger.brightest_luma = std::max<int>(ledger.brightest_luma, luma);
-
-        // Encode it with the renderer's own motion, or write it as it is.
-        if (destination.film != nullptr) {
-            const encoder::PictureFacts facts{world.cut_before, frames_left(film, n, chunk.last)};
-            const encoder::PicturePlan coding = encoder.plan(n, facts, n == chunk.first);
-            books.keep(picture);
-            const auto motion =
-                timed(ledger, renderer::Pass::motion, [&] { return motion_of(film, coding, seen.visible, world); });
-            write(timed(ledger, Stage::encode, [&] { return encoder.push(picture, coding, motion); }));
-        }
-        if (destination.sink != nullptr) destination.sink->write(radiance, picture);
-        if (destination.layers != nullptr)
-            timed(ledger, renderer::Pass::layers,
-                  [&] { write_frame_layers(film, *destination.layers, seen.visible, radiance, world); });
-        books.took(cpu_seconds() - start);
+        loop.frame(n);
         whole = frame_done() || n == chunk.last;
     }
-    if (destination.film != nullptr) write(timed(ledger, Stage::encode, [&] { return encoder.flush(); }));
+    loop.finish();
     return whole;
 }
 

@@ -46,6 +46,16 @@ renderer::Settings rendering_settings(const RenderOptions& options, const scene:
     return settings;
 }
 
+CouplingSettings coupling_settings(const RenderOptions& options, const ToleranceRequest& tolerance) {
+    CouplingSettings settings;
+    settings.observer.strategy =
+        options.masking == "quantised" ? perceptual::Strategy::quantised : perceptual::Strategy::carried;
+    settings.observer.spread = options.error_spread == "pixel" ? perceptual::Spread::pixel : perceptual::Spread::block;
+    settings.maps = options.error_maps == "intra" ? ErrorMaps::intra : ErrorMaps::references;
+    settings.share = tolerance.share;
+    return settings;
+}
+
 std::optional<float> exposure_of(const RenderOptions& options, const scene::Animation& animation) {
     if (options.exposure != "auto") return static_cast<float>(std::atof(options.exposure.c_str()));
     return animation.exposure;
@@ -61,7 +71,12 @@ core::ToleranceMap Production::tolerance_map() const {
 Production prepare(const RenderOptions& options) {
     Production film;
     film.kind = options.output.empty() ? OutputKind::film : kind_of(options.output);
-    film.tolerance = tolerance_from(options.tolerance);
+    film.tolerance = tolerance_from(options.tolerance.value_or("fixed=2%"));
+    film.coupling = coupling_settings(options, film.tolerance);
+    if (film.tolerance.coupled && film.kind != OutputKind::film)
+        throw core::Error(
+            "tolerance coupled: only films are coded, and so have something to couple to; choose fixed=P% for " +
+            options.output.string());
 
     // Read the scene.
     auto loaded = std::make_shared<scene::Animation>(
@@ -107,7 +122,7 @@ float measure_exposure(const Production& film) {
     small.format.height = std::max(1, static_cast<int>(std::lround(static_cast<float>(film.format.height) * scale)));
     small.rendering.format = small.format;
     small.rendering.samples = 1;
-    small.tolerance = {false, 0.1f};
+    small.tolerance = {false, 0.1f, false, {}};
 
     renderer::Renderer renderer(*small.animation, small.rendering, small.plan);
     std::vector<float> surfaces, sky;

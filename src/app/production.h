@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "app/coupling.h"
 #include "app/film.h"
 #include "app/options.h"
 #include "app/output_kind.h"
@@ -29,6 +30,7 @@ struct Production {
     renderer::Plan plan{{}};
     encoder::Settings coding;
     ToleranceRequest tolerance;
+    CouplingSettings coupling;  ///< where the tolerance is coupled
     OutputKind kind = OutputKind::film;
     std::optional<float> exposure;  ///< EV; none: to be measured
 

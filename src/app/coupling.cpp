@@ -1,0 +1,87 @@
+#include "app/coupling.h"
+
+#include <utility>
+
+#include "core/error.h"
+#include "perceptual/share.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// quantiser_scale_code q with q_scale_type 0 is quantiser_scale 2 q; steps are sixteenths of matrix x quantiser_scale.
+/// [H262, 7.4.2]
+float scale_of(int quantiser) {
+    return static_cast<float>(quantiser) / 8.0f;
+}
+
+perceptual::CodingPlan eye_plan(const encoder::PicturePlan& plan) {
+    perceptual::CodingPlan eye;
+    eye.intra = plan.type == encoder::PictureType::intra;
+    eye.scale = scale_of(plan.quantiser);
+    return eye;
+}
+
+perceptual::CodedFacts facts_of(const encoder::CodedPicture& coded) {
+    perceptual::CodedFacts facts;
+    facts.number = coded.plan.number;
+    facts.plan = eye_plan(coded.plan);
+    facts.plan.scale = scale_of(coded.quantiser);
+    facts.intra = core::Plane<std::uint8_t>(coded.macroblocks.width(), coded.macroblocks.height());
+    facts.scale = core::Plane<float>(coded.macroblocks.width(), coded.macroblocks.height());
+    for (std::size_t i = 0; i < coded.macroblocks.size(); ++i) {
+        const encoder::MacroblockRecord& record = coded.macroblocks.values()[i];
+        facts.intra.values()[i] = record.intra ? 1 : 0;
+        facts.scale.values()[i] = scale_of(record.quantiser);
+    }
+    facts.reconstruction = coded.reconstruction.y;
+    return facts;
+}
+
+}  // namespace
+
+Coupling::Coupling(const perceptual::Display& display, const CouplingSettings& settings)
+    : observer_(display, settings.observer), settings_(settings) {}
+
+bool Coupling::counts(encoder::PictureType type) const {
+    return type == encoder::PictureType::intra ||
+           (type == encoder::PictureType::predicted && settings_.maps == ErrorMaps::references);
+}
+
+void Coupling::forget() {
+    memory_.reset();
+    carried_ = {};
+    kept_.clear();
+}
+
+void Coupling::imagine(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
+                       const encoder::PicturePlan& plan) {
+    memory_ = observer_.presume(observer_.observe(picture, radiance, std::make_shared<const core::Visible>(visible)),
+                                eye_plan(plan));
+}
+
+core::ToleranceMap Coupling::tolerate(const core::Visible& visible, const encoder::PicturePlan& plan,
+                                      const core::MotionField* motion) {
+    EXPECTS(memory_.has_value());
+    const float share = settings_.share.value_or(perceptual::default_share(scale_of(plan.quantiser)));
+    perceptual::Tolerated tolerated = observer_.tolerate(visible, eye_plan(plan), *memory_, motion, share);
+    // What stands in for a picture before is no picture: there is nothing to blend with.
+    carried_ = memory_->number == plan.number ? core::Plane<float>() : std::move(tolerated.carried);
+    return std::move(tolerated.map);
+}
+
+void Coupling::keep(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
+                    const encoder::PicturePlan& plan) {
+    if (!counts(plan.type)) return;
+    kept_.insert_or_assign(picture.number,
+                           observer_.observe(picture, radiance, std::make_shared<const core::Visible>(visible),
+                                             std::exchange(carried_, {})));
+}
+
+void Coupling::judge(const encoder::CodedPicture& coded) {
+    const auto kept = kept_.find(coded.plan.number);
+    if (kept == kept_.end() || !counts(coded.plan.type)) return;
+    memory_ = observer_.judge(std::move(kept->second), facts_of(coded));
+    kept_.erase(kept);
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "core/motion_field.h"
+#include "core/picture.h"
+#include "core/radiance.h"
+#include "core/tolerance_map.h"
+#include "encoder/encoder.h"
+#include "perceptual/observer.h"
+
+namespace render2mpeg::app {
+
+/// From which pictures the eye's memory is made anew; others only inherit it along motion.
+enum class ErrorMaps { references, intra };
+
+/// What the coupled loop is set to.
+struct CouplingSettings {
+    perceptual::ObserverSettings observer;
+    ErrorMaps maps = ErrorMaps::references;
+    std::optional<float> share;  ///< of what coding hides; none: by the quantiser (perceptual::default_share)
+};
+
+/// The way back of the loop, from what was coded to what the next frames may err by: the eye's memory over one chunk.
+/// A frame's tolerances come from the newest I or P picture (or I picture, ErrorMaps::intra) that is coded, which is a
+/// rule of numbers, not of timing: what has been coded when a frame is lit follows from the plans alone.
+class Coupling {
+  public:
+    Coupling(const perceptual::Display& display, const CouplingSettings& settings);
+
+    /// Forgets everything: a chunk begins, or another shot.
+    void forget();
+    /// Stands in for a picture before the frame that is planned, where there is none: what the frame looks like
+    /// roughly.
+    void imagine(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
+                 const encoder::PicturePlan& plan);
+    bool remembers() const { return memory_.has_value(); }
+
+    /// The picture that the next frame's tolerances come from.
+    std::int64_t remembered() const { return memory_->number; }
+    /// Tolerances of a frame to be coded by `plan`. `motion` leads to remembered(); null: nothing moves.
+    core::ToleranceMap tolerate(const core::Visible& visible, const encoder::PicturePlan& plan,
+                                const core::MotionField* motion);
+
+    /// Keeps what may be judged once the picture is coded. Only after tolerate() of the same frame.
+    void keep(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
+              const encoder::PicturePlan& plan);
+    /// Learns how a picture was coded.
+    void judge(const encoder::CodedPicture& coded);
+
+  private:
+    bool counts(encoder::PictureType type) const;
+
+    perceptual::Observer observer_;
+    CouplingSettings settings_;
+    std::optional<perceptual::Memory> memory_;
+    core::Plane<float> carried_;  ///< to the frame being lit
+    std::map<std::int64_t, perceptual::Observation> kept_;
+};
+
+}  // namespace render2mpeg::app

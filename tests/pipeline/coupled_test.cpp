@@ -1,0 +1,124 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "support/program.h"
+
+/// The loop closed: what was coded steers what is lit next.
+namespace render2mpeg {
+namespace {
+
+using support::contents;
+using support::film;
+using support::Folder;
+using support::run;
+
+const std::string small = " --size 48x32 --samples 1 --exposure 0 --quiet";
+
+struct Made {
+    nlohmann::json statistics;
+    std::string bytes;
+};
+
+Made make(const Folder& folder, const std::string& name, const std::string& options) {
+    const auto output = folder / "film.m2v", stats = folder / "s.json";
+    const auto outcome =
+        run(support::program() + " render " + film(name) + " -o " + output.string() + small + " --stats " +
+            stats.string() + (options.find("--vpls") == std::string::npos ? " --vpls 128" : "") + options);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    return {nlohmann::json::parse(contents(stats)), contents(output)};
+}
+
+double cut_of(const nlohmann::json& entry) {
+    return entry.at("cut").at("direct").get<double>() + entry.at("cut").at("indirect").get<double>();
+}
+double mean_cut(const Made& made) {
+    const auto& cut = made.statistics.at("mean_cut");
+    return cut.at("direct").get<double>() + cut.at("indirect").get<double>();
+}
+
+TEST(Coupled, CoarserQuantisersMakeSmallerCuts) {
+    const Folder folder;
+    double before = 1e9;
+    for (const char* quantiser : {"1", "6", "31"}) {
+        const double now = mean_cut(
+            make(folder, "cornell", " --frames 0:5 --tolerance coupled=0.5 --quantiser " + std::string(quantiser)));
+        EXPECT_LT(now, before) << quantiser;
+        before = now;
+    }
+}
+
+TEST(Coupled, CutsShrinkByAHalfWhileTheDecodedFilmStaysAsItWas) {
+    const Folder folder;
+    const std::string rest = " --frames 0:6 --quantiser 16 --tolerance ";
+    const Made fixed = make(folder, "cornell", rest + "fixed=2%"), coupled = make(folder, "cornell", rest + "coupled");
+    EXPECT_LT(mean_cut(coupled), 0.5 * mean_cut(fixed));
+    // Coding errors against what was rendered: light that errs more is no harder to code.
+    EXPECT_NEAR(coupled.statistics.at("psnr_y").get<double>(), fixed.statistics.at("psnr_y").get<double>(), 0.5);
+    EXPECT_LT(static_cast<double>(coupled.bytes.size()), 1.1 * static_cast<double>(fixed.bytes.size()));
+}
+
+TEST(Coupled, TheShareOfWhatIsHiddenSteersTheCut) {
+    const Folder folder;
+    const std::string rest = " --frames 0:3 --quantiser 8 --tolerance coupled=";
+    EXPECT_LT(mean_cut(make(folder, "colonnade", rest + "1")), mean_cut(make(folder, "colonnade", rest + "0.1")));
+}
+
+TEST(Coupled, TheFilmDoesNotDependOnThreads) {
+    const Folder folder;
+    const std::string rest = " --frames 0:7 --gop 4 --tolerance coupled=0.5 --threads ";
+    EXPECT_EQ(make(folder, "character", rest + "1").bytes, make(folder, "character", rest + "4").bytes);
+}
+
+TEST(Coupled, NoChunkDependsOnTheOneBefore) {
+    // Chunks begin on a grid from the first frame; the second one of 60 + 60 is the first one of what begins there.
+    const Folder folder;
+    const std::string tiny = " --vpls 16 --b-pictures 0 --tolerance coupled --frames ";
+    const Made both = make(folder, "still_room", tiny + "0:62"), second = make(folder, "still_room", tiny + "60:62");
+    for (int i = 0; i < 3; ++i)
+        EXPECT_EQ(both.statistics.at("per_frame").at(static_cast<std::size_t>(60 + i)).at("cut"),
+                  second.statistics.at("per_frame").at(static_cast<std::size_t>(i)).at("cut"));
+}
+
+TEST(Coupled, CutsOfAStillFilmStayTheSame) {
+    const Folder folder;
+    const Made made = make(folder, "still_room", " --frames 0:14 --gop 30 --b-pictures 0 --tolerance coupled=0.5");
+    const auto& frames = made.statistics.at("per_frame");
+    for (std::size_t i = 11; i <= 14; ++i) EXPECT_NEAR(cut_of(frames.at(i)) / cut_of(frames.at(i - 1)), 1.0, 0.01) << i;
+}
+
+TEST(Coupled, AnotherShotBeginsWithARoughLookAtItself) {
+    const Folder folder;
+    const Made made = make(folder, "flash_cut", " --vpls 64 --tolerance coupled=0.5");
+    EXPECT_GT(made.statistics.at("seconds").at("preview").get<double>(), 0.0);
+    EXPECT_LT(made.statistics.at("seconds").at("preview").get<double>(),
+              made.statistics.at("seconds").at("shade").get<double>());
+    EXPECT_EQ(made.statistics.at("non_finite"), 0);
+}
+
+TEST(Coupled, EveryWayOfMaskingMakesAFilm) {
+    const Folder folder;
+    for (const char* way : {"--masking carried", "--masking quantised", "--error-maps intra", "--error-spread pixel"}) {
+        const Made made = make(folder, "cornell", " --frames 0:8 --gop 4 --tolerance coupled=0.5 " + std::string(way));
+        EXPECT_EQ(made.statistics.at("frames"), 9) << way;
+        EXPECT_GT(mean_cut(made), 1.0) << way;
+    }
+}
+
+TEST(Coupled, OnlyFilmsHaveACodingToCoupleTo) {
+    const Folder folder;
+    const auto outcome = run(support::program() + " render " + film("cornell") + " -o " +
+                             (folder / "f.%04d.png").string() + small + " --frames 0:0 --tolerance coupled");
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_NE(outcome.output.find("fixed=P%"), std::string::npos) << outcome.output;
+    for (const char* wrong : {"coupled=0", "coupled=-1", "coupled=x", "coupled=1e9", "coupled="})
+        EXPECT_NE(run(support::program() + " render " + film("cornell") + " -o " + (folder / "a.mpg").string() +
+                      " --tolerance " + wrong)
+                      .status,
+                  0)
+            << wrong;
+}
+
+}  // namespace
+}  // namespace render2mpeg
