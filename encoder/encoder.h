@@ -94,7 +94,15 @@ struct PicturePlan {
     /// Display numbers, in the order of the motion that `push` wants: none, the earlier one, or the earlier and the
     /// later.
     std::vector<std::int64_t> references;
+    /// The last picture that depends on this one, directly or not, where motion to it helps `push` (Hints::onward).
+    std::optional<std::int64_t> horizon;
     int quantiser = 4;  ///< to render for; the one really used is CodedPicture::quantiser
+};
+
+/// What may help to code a picture well, beside its motion.
+struct Hints {
+    /// Motion to the plan's horizon: what stands still until then is worth finer quantisers. Null: not known.
+    const core::MotionField* onward = nullptr;
 };
 
 /// What became of one macroblock.
@@ -138,7 +146,7 @@ class Encoder {
     /// Codes a picture that was planned. `motion` has one field per reference of the plan, or is empty: then only
     /// predictors and zero are tried. Returns the pictures that became complete.
     std::vector<CodedPicture> push(const core::Picture& picture, const PicturePlan& plan,
-                                   std::span<const core::MotionField> motion);
+                                   std::span<const core::MotionField> motion, const Hints& hints = {});
 
     /// The pictures still held back: none at the end of what was promised to plan(). Where a film ends early, the last
     /// of them becomes a P picture, and its plan says so.

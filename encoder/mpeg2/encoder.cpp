@@ -7,6 +7,7 @@
 #include "encoder/cadence.h"
 #include "encoder/mpeg2/bit_writer.h"
 #include "encoder/mpeg2/candidates.h"
+#include "encoder/mpeg2/dependency.h"
 #include "encoder/mpeg2/frame.h"
 #include "encoder/mpeg2/levels.h"
 #include "encoder/mpeg2/picture_coding.h"
@@ -86,15 +87,17 @@ struct Encoder::Impl {
     std::int64_t gop_start = 0;
     std::int64_t coding_order = 0;
 
-    void check(const core::Picture& picture, const PicturePlan& plan, std::span<const core::MotionField> motion) const;
+    void check(const core::Picture& picture, const PicturePlan& plan, std::span<const core::MotionField> motion,
+               const Hints& hints) const;
     void write_headers(mpeg2::BitWriter& out, const PicturePlan& plan) const;
     CodedPicture code(const mpeg2::Frame& picture, const PicturePlan& plan,
-                      std::span<const core::Plane<mpeg2::Candidates>> exact);
+                      std::span<const core::Plane<mpeg2::Candidates>> exact,
+                      const core::Plane<float>& quantiser_factors = {});
     void code_waiting(std::vector<CodedPicture>& complete);
 };
 
 void Encoder::Impl::check(const core::Picture& picture, const PicturePlan& plan,
-                          std::span<const core::MotionField> motion) const {
+                          std::span<const core::MotionField> motion, const Hints& hints) const {
     const int chroma_width = (settings.width + 1) / 2, chroma_height = (settings.height + 1) / 2;
     EXPECTS(picture.width() == settings.width && picture.height() == settings.height);
     EXPECTS(picture.cb.width() == chroma_width && picture.cb.height() == chroma_height);
@@ -120,6 +123,10 @@ void Encoder::Impl::check(const core::Picture& picture, const PicturePlan& plan,
         EXPECTS(field.vector.width() == settings.width && field.vector.height() == settings.height);
         EXPECTS(field.kind.width() == settings.width && field.kind.height() == settings.height);
     }
+    if (!hints.onward) return;
+    EXPECTS(plan.horizon && hints.onward->picture == plan.number && hints.onward->reference == *plan.horizon);
+    EXPECTS(hints.onward->vector.width() == settings.width && hints.onward->vector.height() == settings.height);
+    EXPECTS(hints.onward->kind.width() == settings.width && hints.onward->kind.height() == settings.height);
 }
 
 void Encoder::Impl::write_headers(mpeg2::BitWriter& out, const PicturePlan& plan) const {
@@ -130,7 +137,8 @@ void Encoder::Impl::write_headers(mpeg2::BitWriter& out, const PicturePlan& plan
 
 /// Codes a picture whose references are there; an I or P picture becomes the newest one.
 CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan& plan,
-                                 std::span<const core::Plane<mpeg2::Candidates>> exact) {
+                                 std::span<const core::Plane<mpeg2::Candidates>> exact,
+                                 const core::Plane<float>& quantiser_factors) {
     mpeg2::PictureTask task{picture,
                             plan.type,
                             {},
@@ -141,6 +149,7 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
                             plan.quantiser,
                             settings.effort,
                             fields_of(settings, plan.number)};
+    if (!quantiser_factors.empty()) task.quantiser_factors = &quantiser_factors;
     core::Plane<mpeg2::Vector> predictors[2];
     const bool bidirectional = plan.type == PictureType::bidirectional;
     for (std::size_t i = 0; i < plan.references.size(); ++i) {
@@ -202,15 +211,17 @@ PicturePlan Encoder::plan(std::int64_t number, const PictureFacts& facts, bool f
         plan.references = {m.planned_earlier};
         if (plan.type == PictureType::bidirectional) plan.references.push_back(m.planned_later);
     }
+    const std::int64_t horizon = std::min(number + facts.frames_left, m.planned_gop_start + m.settings.gop - 1);
+    if (plan.type != PictureType::bidirectional && horizon > number) plan.horizon = horizon;
     plan.quantiser = quantiser_of(plan.type, m.settings.quantiser);
     m.last_planned = number;
     return plan;
 }
 
 std::vector<CodedPicture> Encoder::push(const core::Picture& picture, const PicturePlan& plan,
-                                        std::span<const core::MotionField> motion) {
+                                        std::span<const core::MotionField> motion, const Hints& hints) {
     Impl& m = *impl_;
-    m.check(picture, plan, motion);
+    m.check(picture, plan, motion, hints);
     if (plan.starts_gop) m.gop_start = plan.number;
     std::vector<core::Plane<mpeg2::Candidates>> exact;
     for (const core::MotionField& field : motion)
@@ -224,7 +235,10 @@ std::vector<CodedPicture> Encoder::push(const core::Picture& picture, const Pict
         return complete;
     }
     mpeg2::pad(picture, m.source);
-    complete.push_back(m.code(m.source, plan, exact));
+    const core::Plane<float> factors =
+        hints.onward ? mpeg2::quantiser_factors(*hints.onward, m.source.columns(), m.source.rows())
+                     : core::Plane<float>();
+    complete.push_back(m.code(m.source, plan, exact, factors));
     m.code_waiting(complete);
     return complete;
 }

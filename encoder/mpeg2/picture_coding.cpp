@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "encoder/mpeg2/motion.h"
 #include "encoder/mpeg2/row_coding.h"
@@ -49,6 +50,20 @@ Vectors choose(const PictureTask& task, const Level& level, std::uint64_t& evalu
     return vectors;
 }
 
+/// quantiser_scale_code of every macroblock.
+core::Plane<std::uint8_t> quantisers_of(const PictureTask& task) {
+    core::Plane<std::uint8_t> codes(task.source.columns(), task.source.rows(),
+                                    static_cast<std::uint8_t>(task.quantiser));
+    if (!task.quantiser_factors) return codes;
+    EXPECTS(task.quantiser_factors->size() == codes.size());
+    std::transform(task.quantiser_factors->values().begin(), task.quantiser_factors->values().end(),
+                   codes.values().begin(), [&](float factor) {
+                       const long code = std::lround(static_cast<float>(task.quantiser) * factor);
+                       return static_cast<std::uint8_t>(std::clamp(code, 1l, 31l));
+                   });
+    return codes;
+}
+
 /// Decides all rows; the rows' own state starts anew in each, so that they can be taken in any order.
 std::vector<RowCode> decide(const PictureTask& task, const Vectors& vectors, Frame& reconstruction) {
     PictureCoding picture{task.source,      {task.reference[0], task.reference[1]},
@@ -61,12 +76,13 @@ std::vector<RowCode> decide(const PictureTask& task, const Vectors& vectors, Fra
             for (int i = 0; i < choice.count; ++i) extent.include(choice.vector[i]);
         extent.f_codes(picture.f_code[d]);
     }
+    const core::Plane<std::uint8_t> quantisers = quantisers_of(task);
     std::vector<RowCode> rows(static_cast<std::size_t>(task.source.rows()));
     parallel::for_each(rows.size(), [&](std::size_t row) {
         const int r = static_cast<int>(row);
         const VectorChoice* const choices[2] = {vectors[0].empty() ? nullptr : vectors[0].row(r),
                                                 vectors[1].empty() ? nullptr : vectors[1].row(r)};
-        rows[row] = decide_row(picture, r, task.quantiser, choices);
+        rows[row] = decide_row(picture, r, quantisers.row(r), choices);
     });
     return rows;
 }
@@ -96,7 +112,8 @@ std::vector<std::uint8_t> write(const PictureTask& task, const PictureHeader& he
     std::vector<std::vector<std::uint8_t>> slices(rows.size());
     parallel::for_each(rows.size(), [&](std::size_t row) {
         BitWriter out;
-        RowSyntax syntax{task.type, task.lines, static_cast<int>(row), task.quantiser, {}, header.intra_vlc_format};
+        RowSyntax syntax{task.type,           task.lines, static_cast<int>(row),
+                         rows[row].quantiser, {},         header.intra_vlc_format};
         std::copy_n(&header.f_code[0][0], 4, &syntax.f_code[0][0]);
         write_row(out, syntax, rows[row]);
         slices[row] = out.take();

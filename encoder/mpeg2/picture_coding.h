@@ -24,6 +24,8 @@ struct PictureTask {
     int quantiser;
     Effort effort;
     ShownFields shown;
+    /// What `quantiser` is multiplied by in each macroblock; null: 1.
+    const core::Plane<float>* quantiser_factors = nullptr;
 };
 
 struct PictureResult {

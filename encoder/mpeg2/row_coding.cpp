@@ -15,21 +15,22 @@ namespace {
 /// Decides the macroblocks of one row from left to right.
 class RowDecider {
   public:
-    RowDecider(const PictureCoding& picture, int row, int quantiser)
+    RowDecider(const PictureCoding& picture, int row, const std::uint8_t* quantisers)
         : picture_(picture),
           row_(row),
-          quantiser_(quantiser),
+          quantisers_(quantisers),
           inter_(std::make_unique<Attempt>()),
           other_(std::make_unique<Attempt>()),
           intra_(std::make_unique<Attempt>()) {
-        state_.quantiser = quantiser;
-        lambda_ = picture.lambda_factor * static_cast<float>(quantiser * quantiser);
+        state_.quantiser = code_.quantiser = quantisers[0];
     }
 
     RowCode run(const VectorChoice* const (&vectors)[2]) {
         const int columns = picture_.source.columns();
         code_.macroblocks.reserve(static_cast<std::size_t>(columns));
         for (int column = 0; column < columns; ++column) {
+            quantiser_ = quantisers_[column];
+            lambda_ = picture_.lambda_factor * static_cast<float>(quantiser_ * quantiser_);
             // A slice begins and ends with a coded macroblock. [H262, 6.3.17]
             const bool may_skip = column > 0 && column < columns - 1;
             if (picture_.type == PictureType::intra) {
@@ -162,8 +163,9 @@ class RowDecider {
 
     const PictureCoding& picture_;
     int row_;
-    int quantiser_;
-    float lambda_;
+    const std::uint8_t* quantisers_;
+    int quantiser_ = 1;  ///< of the macroblock
+    float lambda_ = 0;
     SliceState state_;
     std::unique_ptr<Attempt> inter_, other_, intra_;
     Prediction prediction_;  ///< of the macroblock if it is skipped
@@ -206,8 +208,9 @@ const RunLevel* write_macroblock(BitWriter& out, const RowSyntax& syntax, const 
 
 }  // namespace
 
-RowCode decide_row(const PictureCoding& picture, int row, int quantiser, const VectorChoice* const (&vectors)[2]) {
-    return RowDecider(picture, row, quantiser).run(vectors);
+RowCode decide_row(const PictureCoding& picture, int row, const std::uint8_t* quantisers,
+                   const VectorChoice* const (&vectors)[2]) {
+    return RowDecider(picture, row, quantisers).run(vectors);
 }
 
 void write_row(BitWriter& out, const RowSyntax& syntax, RowCode& code) {

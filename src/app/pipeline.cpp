@@ -26,6 +26,18 @@ std::vector<core::MotionField> motion_of(const Production& film, const encoder::
     return fields;
 }
 
+/// Motion to the last picture that depends on this one; none where the encoder asks for none.
+std::optional<core::MotionField> onward_motion(const Production& film, const encoder::PicturePlan& coding,
+                                               const core::Visible& visible, const scene::Snapshot& world) {
+    if (!coding.horizon) return std::nullopt;
+    if (film.plan.runs(renderer::Pass::motion))
+        return scene::motion_between(visible, world, film.snapshot(*coding.horizon));
+    core::MotionField still{coding.number, *coding.horizon, {}, {}, {}};
+    still.vector = core::Plane<glm::vec2>(visible.width(), visible.height(), glm::vec2{0.0f});
+    still.kind = core::Plane<core::PixelClass>(visible.width(), visible.height(), core::PixelClass::surface);
+    return still;
+}
+
 /// Pictures after frame n before another shot begins or the chunk ends.
 std::int64_t frames_left(const Production& film, std::int64_t n, std::int64_t last) {
     std::int64_t left = last - n;
@@ -164,7 +176,10 @@ void ChunkLoop::frame(std::int64_t n) {
     if (coupling_) timed(ledger_, Stage::tolerate, [&] { coupling_->keep(picture, radiance, seen.visible, coding); });
     if (destination_.film != nullptr) {
         books_.keep(picture);
-        write(timed(ledger_, Stage::encode, [&] { return encoder_.push(picture, coding, motion); }));
+        const auto onward =
+            timed(ledger_, renderer::Pass::motion, [&] { return onward_motion(film_, coding, seen.visible, world); });
+        const encoder::Hints hints{onward ? &*onward : nullptr};
+        write(timed(ledger_, Stage::encode, [&] { return encoder_.push(picture, coding, motion, hints); }));
     }
     if (destination_.sink != nullptr) destination_.sink->write(radiance, picture);
     if (destination_.layers != nullptr)

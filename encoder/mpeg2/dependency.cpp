@@ -1,0 +1,44 @@
+#include "encoder/mpeg2/dependency.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "encoder/mpeg2/tuning.h"
+#include "parallel/loops.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+namespace {
+
+/// chosen: an eighth of a pixel: less than what half-pel prediction tells apart, more than what a renderer's single
+/// precision adds to zero.
+constexpr float standstill = 0.125f;
+
+/// Whether every second pixel of every second row stands still; macroblocks beyond the field repeat its edge.
+bool stands_still(const core::MotionField& onward, int column, int row) {
+    constexpr int step = 2;
+    const int end_x = std::min(column * 16 + 16, onward.vector.width());
+    const int end_y = std::min(row * 16 + 16, onward.vector.height());
+    for (int y = row * 16; y < end_y; y += step)
+        for (int x = column * 16; x < end_x; x += step) {
+            const glm::vec2 v = onward.vector.at(x, y);
+            const bool still = std::abs(v.x) <= standstill && std::abs(v.y) <= standstill;
+            if (onward.kind.at(x, y) == core::PixelClass::none || !still) return false;
+        }
+    return true;
+}
+
+}  // namespace
+
+core::Plane<float> quantiser_factors(const core::MotionField& onward, int columns, int rows) {
+    EXPECTS(onward.reference > onward.picture);
+    core::Plane<float> factors(columns, rows, 1.0f);
+    const auto following = static_cast<float>(onward.reference - onward.picture);
+    const float finer = std::pow(1.0f + following, -dependency_strength);
+    parallel::for_each(static_cast<std::size_t>(rows), [&](std::size_t row) {
+        for (int column = 0; column < columns; ++column)
+            if (stands_still(onward, column, static_cast<int>(row))) factors.at(column, static_cast<int>(row)) = finer;
+    });
+    return factors;
+}
+
+}  // namespace render2mpeg::encoder::mpeg2
