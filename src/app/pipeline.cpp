@@ -15,42 +15,12 @@
 namespace render2mpeg::app {
 namespace {
 
-/// Motion from a picture to each of its references: exact at any distance, since a snapshot of any frame can be had.
-/// None where nothing moves: then the encoder's zero vector is exact.
-std::vector<core::MotionField> motion_of(const Production& film, const encoder::PicturePlan& coding,
-                                         const core::Visible& visible, const scene::Snapshot& world) {
-    std::vector<core::MotionField> fields;
-    if (!film.plan.runs(renderer::Pass::motion)) return fields;
-    for (const std::int64_t reference : coding.references)
-        fields.push_back(scene::motion_between(visible, world, film.snapshot(reference)));
-    return fields;
-}
-
-/// Motion to the last picture that depends on this one; none where the encoder asks for none.
-std::optional<core::MotionField> onward_motion(const Production& film, const encoder::PicturePlan& coding,
-                                               const core::Visible& visible, const scene::Snapshot& world) {
-    if (!coding.horizon) return std::nullopt;
-    if (film.plan.runs(renderer::Pass::motion))
-        return scene::motion_between(visible, world, film.snapshot(*coding.horizon));
-    core::MotionField still{coding.number, *coding.horizon, {}, {}, {}};
-    still.vector = core::Plane<glm::vec2>(visible.width(), visible.height(), glm::vec2{0.0f});
-    still.kind = core::Plane<core::PixelClass>(visible.width(), visible.height(), core::PixelClass::surface);
-    return still;
-}
-
 /// Pictures after frame n before another shot begins or the chunk ends.
 std::int64_t frames_left(const Production& film, std::int64_t n, std::int64_t last) {
     std::int64_t left = last - n;
     for (const scene::Shot& shot : film.animation->shots)
         if (shot.frame > n) left = std::min(left, shot.frame - 1 - n);
     return left;
-}
-
-encoder::PictureFacts facts_of(const Production& film, const scene::Snapshot& world, const Chunk& chunk) {
-    encoder::PictureFacts facts;
-    facts.cut_before = world.cut_before;
-    facts.frames_left = frames_left(film, world.frame, chunk.last);
-    return facts;
 }
 
 void write_frame_layers(const Production& film, const std::filesystem::path& folder, const core::Visible& visible,
@@ -83,6 +53,7 @@ class ChunkLoop {
     const Chunk& chunk_;
     const Destination& destination_;
     Ledger& ledger_;
+    bool codes_;
     perceptual::Display display_;
     encoder::Encoder encoder_;
     Bookkeeper books_;
@@ -97,25 +68,27 @@ ChunkLoop::ChunkLoop(const Production& film, renderer::Renderer& renderer, const
       chunk_(chunk),
       destination_(destination),
       ledger_(ledger),
+      codes_(film.kind == OutputKind::film),
       display_(film.exposure.value_or(0), perceptual::matrix_for(film.format.height)),
       encoder_(film.coding),
       books_(ledger) {
     renderer.start_chunk(film.snapshot(chunk.first));
-    if (film.tolerance.coupled && destination.film != nullptr)
+    if (film.tolerance.coupled && codes_)
         coupling_.emplace(display_, film.coupling);
     else
         fixed_ = film.tolerance_map();
 }
 
 void ChunkLoop::finish() {
-    if (destination_.film != nullptr) write(timed(ledger_, Stage::encode, [&] { return encoder_.flush(); }));
+    if (codes_) write(timed(ledger_, Stage::encode, [&] { return encoder_.flush(); }));
 }
 
 void ChunkLoop::write(const std::vector<encoder::CodedPicture>& pictures) {
     for (const encoder::CodedPicture& coded : pictures) {
         books_.coded(coded);
         if (coupling_) timed(ledger_, Stage::tolerate, [&] { coupling_->judge(coded); });
-        destination_.film->append(coded);
+        if (destination_.film != nullptr) destination_.film->append(coded);
+        if (destination_.watcher != nullptr) destination_.watcher->coded(coded);
     }
 }
 
@@ -156,14 +129,15 @@ void ChunkLoop::frame(std::int64_t n) {
     // Plan how it will be coded, and what that and the eye allow its light to be off by.
     encoder::PicturePlan coding;
     std::vector<core::MotionField> motion;
-    if (destination_.film != nullptr) {
+    if (codes_) {
         const encoder::PictureFacts facts = facts_of(film_, world, chunk_);
         coding = encoder_.plan(n, facts, n == chunk_.first);
         motion = timed(ledger_, renderer::Pass::motion, [&] { return motion_of(film_, coding, seen.visible, world); });
     }
     const core::ToleranceMap coupled = coupling_ ? tolerances(world, seen, coding, motion) : core::ToleranceMap();
+    const core::ToleranceMap& tolerance = coupling_ ? coupled : fixed_;
     const core::Radiance radiance =
-        timed(ledger_, Stage::shade, [&] { return renderer_.shade(world, seen, coupling_ ? coupled : fixed_); });
+        timed(ledger_, Stage::shade, [&] { return renderer_.shade(world, seen, tolerance); });
     books_.rendered(n, before, renderer_.statistics());
 
     // Develop it.
@@ -174,7 +148,8 @@ void ChunkLoop::frame(std::int64_t n) {
 
     // Encode it with the renderer's own motion, or write it as it is.
     if (coupling_) timed(ledger_, Stage::tolerate, [&] { coupling_->keep(picture, radiance, seen.visible, coding); });
-    if (destination_.film != nullptr) {
+    if (destination_.watcher != nullptr) destination_.watcher->lit({world, seen.visible, tolerance, radiance, picture});
+    if (codes_) {
         books_.keep(picture);
         const auto onward =
             timed(ledger_, renderer::Pass::motion, [&] { return onward_motion(film_, coding, seen.visible, world); });
@@ -189,6 +164,33 @@ void ChunkLoop::frame(std::int64_t n) {
 }
 
 }  // namespace
+
+encoder::PictureFacts facts_of(const Production& film, const scene::Snapshot& world, const Chunk& chunk) {
+    encoder::PictureFacts facts;
+    facts.cut_before = world.cut_before;
+    facts.frames_left = frames_left(film, world.frame, chunk.last);
+    return facts;
+}
+
+std::vector<core::MotionField> motion_of(const Production& film, const encoder::PicturePlan& coding,
+                                         const core::Visible& visible, const scene::Snapshot& world) {
+    std::vector<core::MotionField> fields;
+    if (!film.plan.runs(renderer::Pass::motion)) return fields;
+    for (const std::int64_t reference : coding.references)
+        fields.push_back(scene::motion_between(visible, world, film.snapshot(reference)));
+    return fields;
+}
+
+std::optional<core::MotionField> onward_motion(const Production& film, const encoder::PicturePlan& coding,
+                                               const core::Visible& visible, const scene::Snapshot& world) {
+    if (!coding.horizon) return std::nullopt;
+    if (film.plan.runs(renderer::Pass::motion))
+        return scene::motion_between(visible, world, film.snapshot(*coding.horizon));
+    core::MotionField still{coding.number, *coding.horizon, {}, {}, {}};
+    still.vector = core::Plane<glm::vec2>(visible.width(), visible.height(), glm::vec2{0.0f});
+    still.kind = core::Plane<core::PixelClass>(visible.width(), visible.height(), core::PixelClass::surface);
+    return still;
+}
 
 bool render_chunk(const Production& film, renderer::Renderer& renderer, const Chunk& chunk,
                   const Destination& destination, Ledger& ledger, const std::function<bool()>& frame_done) {
