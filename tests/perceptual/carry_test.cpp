@@ -62,11 +62,11 @@ TEST(Carry, FindsNoPartnerInAnotherThing) {
     };
     EXPECT_GT(partner([](core::Visible&) {}), 0.0f);
     EXPECT_EQ(partner([](core::Visible& v) { v.address.at(4, 4).object = 2; }), no_partner);
-    EXPECT_EQ(partner([](core::Visible& v) { v.material.at(4, 4) = 2; }), no_partner);
-    EXPECT_EQ(partner([](core::Visible& v) { v.kind.at(4, 4) = core::PixelClass::reflected; }), no_partner);
     // Another triangle of the same object: only depth and normal can tell.
     const auto other = [](core::Visible& v) { v.address.at(4, 4).primitive = 9999; };
     EXPECT_GT(partner(other), 0.0f);
+    EXPECT_EQ(partner([&](core::Visible& v) { other(v), v.material.at(4, 4) = 2; }), no_partner);
+    EXPECT_EQ(partner([&](core::Visible& v) { other(v), v.kind.at(4, 4) = core::PixelClass::reflected; }), no_partner);
     EXPECT_EQ(partner([&](core::Visible& v) { other(v), v.depth.at(4, 4) = 5.4f; }), no_partner);
     EXPECT_EQ(partner([&](core::Visible& v) { other(v), v.depth.at(4, 4) = std::numeric_limits<float>::infinity(); }),
               no_partner);

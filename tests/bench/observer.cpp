@@ -1,0 +1,111 @@
+// What the eye costs per frame: masking, judging and tolerating a picture of 512x512 pixels in which everything moves.
+#include <benchmark/benchmark.h>
+
+#include <memory>
+
+#include "core/sampling.h"
+#include "perceptual/carry.h"
+#include "perceptual/masking.h"
+#include "perceptual/observer.h"
+
+namespace render2mpeg::perceptual {
+namespace {
+
+constexpr int size = 512;
+
+core::Radiance light() {
+    core::Radiance radiance;
+    radiance.combined = core::Plane<glm::vec3>(size, size);
+    for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x) {
+            const float noise = core::uniform(1, static_cast<std::uint64_t>(y * size + x));
+            radiance.combined.at(x, y) =
+                glm::vec3(0.9f, 0.7f, 0.5f) * (0.02f + 0.8f * static_cast<float>(x) / size * (0.5f + noise));
+        }
+    return radiance;
+}
+
+/// A slanted floor of 10000 triangles.
+std::shared_ptr<const core::Visible> floor_seen() {
+    core::Visible visible(0, size, size);
+    for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x) {
+            visible.kind.at(x, y) = core::PixelClass::surface;
+            visible.address.at(x, y) = {0, static_cast<std::uint32_t>(y / 5 * 100 + x / 5), 0.3f, 0.3f};
+            visible.material.at(x, y) = 0;
+            visible.depth.at(x, y) = 2.0f + 0.01f * static_cast<float>(size - y);
+            visible.geometric_normal.at(x, y) = core::PackedNormal(glm::vec3(0, 1, 0));
+        }
+    return std::make_shared<const core::Visible>(std::move(visible));
+}
+
+core::MotionField drift() {
+    core::MotionField motion;
+    motion.vector = core::Plane<glm::vec2>(size, size, glm::vec2(1.3f, -0.6f));
+    motion.depth_in_reference = core::Plane<float>(size, size, 0.0f);
+    for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x)
+            motion.depth_in_reference.at(x, y) = 2.0f + 0.01f * (static_cast<float>(size - y) + 0.6f);
+    motion.kind = core::Plane<core::PixelClass>(size, size, core::PixelClass::surface);
+    return motion;
+}
+
+struct Setting {
+    Display display{0, ColorMatrix::bt709};
+    Observer observer{display, {}};
+    core::Radiance radiance = light();
+    core::Picture picture = display.develop(radiance);
+    std::shared_ptr<const core::Visible> visible = floor_seen();
+    core::MotionField motion = drift();
+    CodedFacts facts;
+    CodingPlan next;
+
+    Setting() {
+        facts.plan.intra = false;
+        facts.intra = core::Plane<std::uint8_t>(size / 16, size / 16, 0);
+        facts.scale = core::Plane<float>(size / 16, size / 16, 1.0f);
+        facts.reconstruction = facts.prediction = picture.y;
+        next.intra = false;
+        next.scale = 1.5f;
+    }
+};
+
+void Mask(benchmark::State& state) {
+    const Setting s;
+    for (auto _ : state) benchmark::DoNotOptimize(mask(s.picture));
+}
+void Observe(benchmark::State& state) {
+    const Setting s;
+    for (auto _ : state) benchmark::DoNotOptimize(s.observer.observe(s.picture, s.radiance, s.visible));
+}
+void Judge(benchmark::State& state) {
+    const Setting s;
+    const Observation observation = s.observer.observe(s.picture, s.radiance, s.visible);
+    for (auto _ : state) {
+        state.PauseTiming();
+        Observation copy = observation;
+        state.ResumeTiming();
+        benchmark::DoNotOptimize(s.observer.judge(std::move(copy), s.facts));
+    }
+}
+void Tolerate(benchmark::State& state) {
+    const Setting s;
+    const Memory memory = s.observer.judge(s.observer.observe(s.picture, s.radiance, s.visible), s.facts);
+    for (auto _ : state) benchmark::DoNotOptimize(s.observer.tolerate(*s.visible, s.next, memory, &s.motion, 0.5f));
+}
+void Carry(benchmark::State& state) {
+    const Setting s;
+    const core::Plane<float> values(size, size, 1.0f);
+    for (auto _ : state) benchmark::DoNotOptimize(carry(values, *s.visible, *s.visible, &s.motion));
+}
+
+BENCHMARK(Mask)->Unit(benchmark::kMillisecond);
+BENCHMARK(Observe)->Unit(benchmark::kMillisecond);
+BENCHMARK(Judge)->Unit(benchmark::kMillisecond);
+BENCHMARK(Tolerate)->Unit(benchmark::kMillisecond);
+BENCHMARK(Carry)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace render2mpeg::perceptual
+
+BENCHMARK_MAIN();
