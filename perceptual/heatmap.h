@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/picture.h"
+#include "core/plane.h"
+#include "perceptual/display.h"
+
+namespace render2mpeg::perceptual {
+
+/// What a false-colour picture shows, and how its legend reads.
+struct HeatScale {
+    std::string title;         ///< letters A-Z, digits, spaces and . % / - : ( ); others are left blank
+    float low = 0, high = 1;   ///< of the colours' ends; what lies beyond gets the end's colour
+    bool logarithmic = false;  ///< then 0 < low < high
+    struct Mark {
+        float value;
+        std::string text;
+    };
+    std::vector<Mark> marks;  ///< on the legend's bar, ascending
+};
+
+/// Lines that the legend adds below a picture.
+inline constexpr int legend_height = 32;
+
+/// The colour of a value: from black over blue, red and yellow to white, its luma rising all the way, so that the
+/// order of values shows without colour, too. Not finite: grey. R', G', B' in 0..1.
+glm::vec3 heat_color(float value, const HeatScale& scale);
+
+/// The values in false colours with the legend below: width by height + legend_height. Text that does not fit is cut
+/// off at the right.
+core::Picture heatmap(const core::Plane<float>& values, const HeatScale& scale, ColorMatrix matrix);
+
+}  // namespace render2mpeg::perceptual
