@@ -57,7 +57,7 @@ Memory Observer::judge(Observation observation, const CodedFacts& coded) const {
     EXPECTS(coded.number == observation.number);
     const int width = observation.light.width(), height = observation.light.height();
     EXPECTS(coded.scale.width() == macroblocks(width) && coded.scale.height() == macroblocks(height));
-    EXPECTS(coded.intra.size() == coded.scale.size());
+    EXPECTS(coded.intra.size() == coded.scale.size() && coded.plan.scale > 0.0f);
 
     Memory memory;
     memory.number = observation.number;
@@ -80,7 +80,9 @@ Memory Observer::judge(Observation observation, const CodedFacts& coded) const {
     memory.coefficients = std::move(observation.coefficients);
     memory.thresholds = std::move(observation.thresholds);
     memory.light = std::move(observation.light);
-    memory.errors = errors_by(memory, coded.plan, &coded.scale);
+    memory.emphasis = coded.scale;
+    for (float& scale : memory.emphasis.values()) scale /= coded.plan.scale;
+    memory.errors = errors(memory, coded.plan);
     memory.tolerances = memory.errors;
     blend(memory.tolerances, observation.carried);
     return memory;
@@ -92,6 +94,7 @@ Memory Observer::presume(Observation observation, const CodingPlan& plan) const 
     memory.plan = plan;
     memory.intra = core::Plane<std::uint8_t>(macroblocks(observation.light.width()),
                                              macroblocks(observation.light.height()), plan.intra ? 1 : 0);
+    memory.emphasis = core::Plane<float>(memory.intra.width(), memory.intra.height(), 1.0f);
     memory.visible = std::move(observation.visible);
     memory.coefficients = std::move(observation.coefficients);
     memory.thresholds = std::move(observation.thresholds);
@@ -100,11 +103,10 @@ Memory Observer::presume(Observation observation, const CodingPlan& plan) const 
     return memory;
 }
 
-core::Plane<float> Observer::errors_by(const Memory& memory, const CodingPlan& plan,
-                                       const core::Plane<float>* scales) const {
+core::Plane<float> Observer::errors(const Memory& memory, const CodingPlan& plan) const {
     const BlockErrors of_block = [&](int column, int row) {
         BlockCoding coding;
-        coding.scale = scales != nullptr ? scales->at(column / 2, row / 2) : plan.scale;
+        coding.scale = plan.scale * memory.emphasis.at(column / 2, row / 2);
         // In predicted pictures what was intra is expected to be intra again: nothing there was seen before.
         const bool stays_intra = !memory.plan.intra && memory.intra.at(column / 2, row / 2) != 0;
         coding.intra = plan.intra || stays_intra;
@@ -115,10 +117,6 @@ core::Plane<float> Observer::errors_by(const Memory& memory, const CodingPlan& p
     core::Plane<float> plane = distances(memory.light.width(), memory.light.height(), settings_.spread, of_block);
     to_tolerances(plane, memory.light, light_);
     return plane;
-}
-
-core::Plane<float> Observer::errors(const Memory& memory, const CodingPlan& plan) const {
-    return errors_by(memory, plan, nullptr);
 }
 
 Tolerated Observer::tolerate(const core::Visible& visible, const CodingPlan& plan, const Memory& memory,

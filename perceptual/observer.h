@@ -67,9 +67,12 @@ struct Memory {
     core::ThresholdMap thresholds;
     PixelLight light;
     core::Plane<std::uint8_t> intra;  ///< by macroblock
-    CodingPlan plan;                  ///< it was coded by
-    core::Plane<float> errors;        ///< e_xy (7.4), by the quantisers really used; luminance, > 0
-    core::Plane<float> tolerances;    ///< dY_xy(t) (7.5), likewise
+    /// By macroblock: the scale in force over the plan's. What an encoder found worth coding finer or coarser there is
+    /// expected of the next pictures, too.
+    core::Plane<float> emphasis;
+    CodingPlan plan;                ///< it was coded by
+    core::Plane<float> errors;      ///< e_xy (7.4), by the quantisers really used; luminance, > 0
+    core::Plane<float> tolerances;  ///< dY_xy(t) (7.5), likewise
 };
 
 /// A frame's tolerances before it is lit.
@@ -108,8 +111,6 @@ class Observer {
     const LumaLight& light() const { return light_; }
 
   private:
-    core::Plane<float> errors_by(const Memory& memory, const CodingPlan& plan, const core::Plane<float>* scales) const;
-
     LumaLight light_;
     ObserverSettings settings_;
 };

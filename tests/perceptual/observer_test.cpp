@@ -173,6 +173,23 @@ TEST_P(EverySpread, WhatMacroblocksReallyGotIsWhatCounts) {
     EXPECT_EQ(really.errors, coarser.errors);
 }
 
+TEST(Feedback, QuantisersOtherThanPlannedDoNotAddUp) {
+    // The encoder takes half the planned quantiser everywhere, picture after picture.
+    const Observer observer(display, {});
+    const CodingPlan plan = plan_of(false, 8);
+    CodedFacts facts = coded_as(0, plan);
+    for (float& scale : facts.scale.values()) scale *= 0.5f;
+    const core::Radiance radiance = wall(0);
+    Memory memory = observer.judge(observer.observe(display.develop(radiance), radiance, seen()), facts);
+    const double first = mean(memory.tolerances);
+    for (int frame = 1; frame <= 30; ++frame) {
+        Tolerated tolerated = observer.tolerate(*seen(), plan, memory, nullptr, 1.0f);
+        memory = observer.judge(
+            observer.observe(display.develop(radiance), radiance, seen(), std::move(tolerated.carried)), facts);
+        ASSERT_NEAR(mean(memory.tolerances) / first, 1.0, 1e-3) << frame;
+    }
+}
+
 TEST(Observer, MaskingByTheDecodedPictureSeesItsErrors) {
     const Observer observer(display, {Strategy::quantised, Spread::block});
     const CodingPlan plan = plan_of(true, 16);

@@ -83,7 +83,8 @@ TEST(Coupled, NoChunkDependsOnTheOneBefore) {
 
 TEST(Coupled, CutsOfAStillFilmStayTheSame) {
     const Folder folder;
-    const Made made = make(folder, "still_room", " --frames 0:14 --gop 30 --b-pictures 0 --tolerance coupled=0.5");
+    // Intra pictures, since quantisers of predicted ones depend on how much of their group is left.
+    const Made made = make(folder, "still_room", " --frames 0:14 --gop 1 --tolerance coupled=0.5");
     const auto& frames = made.statistics.at("per_frame");
     for (std::size_t i = 11; i <= 14; ++i) EXPECT_NEAR(cut_of(frames.at(i)) / cut_of(frames.at(i - 1)), 1.0, 0.01) << i;
 }
