@@ -172,6 +172,13 @@ void add_run_options(CLI::App& command, RenderOptions& options) {
         .add_option("--aov", options.layers, "Write one multilayer OpenEXR per frame into this folder (docs/layers.md)")
         ->type_name("DIR")
         ->group(run);
+    command
+        .add_option(
+            "--heatmap", options.heatmaps,
+            "Write a film in false colours beside: what each pixel's light may be off by (`tolerance`), clusters\n"
+            "(`cut`), or each macroblock's `quantiser`; may be given several times")
+        ->type_name("SUBJECT OUT.mpg")
+        ->group(run);
     command.add_flag("--dry-run", options.dry_run, "Read and check everything, say what would be done, write nothing")
         ->group(run);
     command.add_flag("--quiet", options.quiet, "Print nothing but errors")->group(run);

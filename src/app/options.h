@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace render2mpeg::app {
 
@@ -46,7 +48,8 @@ struct RenderOptions {
     int threads = 0;  ///< 0: all
     std::optional<std::string> isa;
     std::optional<std::filesystem::path> stats;
-    std::optional<std::filesystem::path> layers;  ///< --aov
+    std::optional<std::filesystem::path> layers;                ///< --aov
+    std::vector<std::pair<std::string, std::string>> heatmaps;  ///< subject, file
     bool dry_run = false;
     bool quiet = false;
 };

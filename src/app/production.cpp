@@ -106,6 +106,8 @@ Production prepare(const RenderOptions& options) {
     wanted.film = film.kind == OutputKind::film;
     wanted.developed = film.kind == OutputKind::y4m || film.kind == OutputKind::png;
     wanted.layers = options.layers.has_value();
+    // Cuts are counted per pixel where layers are.
+    for (const auto& heatmap : options.heatmaps) wanted.layers = wanted.layers || heatmap.first == "cut";
     wanted.indirect = options.vpls > 0;
     film.plan = renderer::make_plan(scene::traits_of(*animation), wanted);
     return film;

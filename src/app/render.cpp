@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "app/heatmap_film.h"
 #include "app/interrupt.h"
 #include "app/pipeline.h"
 #include "app/progress.h"
@@ -35,14 +36,14 @@ std::string dry_run_text(const Production& film, const RenderOptions& options) {
 /// Renders all chunks to their destinations. Returns the chunks' files, the last of them incomplete after an
 /// interruption.
 std::vector<ChunkFile> render_chunks(const Production& film, const RenderOptions& options, WorkFolder* work, Sink* sink,
-                                     Ledger& ledger) {
+                                     Watcher* watcher, Ledger& ledger) {
     renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
     Progress progress(film.frame_count(), 0, options.quiet);
     std::vector<ChunkFile> files;
     for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {
         if (work != nullptr) files.push_back(work->open(chunk));
         const Destination destination{work != nullptr ? &files.back() : nullptr, sink,
-                                      options.layers ? &*options.layers : nullptr};
+                                      options.layers ? &*options.layers : nullptr, watcher};
         const std::size_t first = ledger.frames.size();
         const bool whole = render_chunk(film, renderer, chunk, destination, ledger, [&] {
             progress.advance();
@@ -86,7 +87,10 @@ int render(const RenderOptions& options, const std::string& command) {
     std::optional<WorkFolder> work;
     if (film.kind == OutputKind::film) work.emplace(options.output, film.film(), command);
     const std::unique_ptr<Sink> sink = make_sink(film, options.output);
-    const std::vector<ChunkFile> chunks = render_chunks(film, options, work ? &*work : nullptr, sink.get(), ledger);
+    HeatmapFilms heatmaps(options, film);
+    const std::vector<ChunkFile> chunks = render_chunks(film, options, work ? &*work : nullptr, sink.get(),
+                                                        heatmaps.empty() ? nullptr : &heatmaps, ledger);
+    heatmaps.finish();
 
     // Publish what is whole; leave what is not beside the target.
     const bool complete = static_cast<std::int64_t>(ledger.frames.size()) == film.frame_count();

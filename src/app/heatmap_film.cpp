@@ -1,0 +1,163 @@
+#include "app/heatmap_film.h"
+
+#include <algorithm>
+#include <cmath>
+#include <system_error>
+#include <utility>
+
+#include "app/output_kind.h"
+#include "app/publish.h"
+#include "core/color.h"
+#include "core/error.h"
+#include "core/numeric.h"
+
+namespace render2mpeg::app {
+namespace {
+
+perceptual::HeatScale scale_of(HeatSubject subject) {
+    switch (subject) {
+        case HeatSubject::tolerance:
+            return {"TOLERANCE / LUMINANCE",
+                    0.01f,
+                    1.0f,
+                    true,
+                    {{0.01f, "1%"},
+                     {0.02f, "2%"},
+                     {0.05f, "5%"},
+                     {0.1f, "10%"},
+                     {0.2f, "20%"},
+                     {0.5f, "50%"},
+                     {1.0f, "100%"}}};
+        case HeatSubject::cut:
+            return {"CUT: CLUSTERS PER PIXEL",
+                    5.0f,
+                    1000.0f,
+                    true,
+                    {{5, "5"}, {10, "10"}, {30, "30"}, {100, "100"}, {300, "300"}, {1000, "1000"}}};
+        case HeatSubject::quantiser:
+            break;
+    }
+    return {
+        "QUANTISER SCALE CODE",
+        1.0f,
+        31.0f,
+        true,
+        {{1, "1"}, {2, "2"}, {3, "3"}, {4, "4"}, {6, "6"}, {8, "8"}, {12, "12"}, {16, "16"}, {24, "24"}, {31, "31"}}};
+}
+
+core::Plane<float> values_of(HeatSubject subject, const LitFrame& frame) {
+    const core::Plane<glm::vec3>& light = frame.radiance.combined;
+    core::Plane<float> values(light.width(), light.height(), 0.0f);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const float luminance = core::luminance(light.values()[i]);
+        // Black counts as far off: any light is infinitely more.
+        if (subject == HeatSubject::tolerance && !frame.tolerance.is_reference()) {
+            const core::Tolerance& t = frame.tolerance.pixels.values()[i];
+            values.values()[i] = std::max(core::divide_or(t.absolute, luminance, 1.0f), t.relative);
+        } else if (subject == HeatSubject::cut) {
+            values.values()[i] = frame.radiance.direct_cut.values()[i] + frame.radiance.indirect_cut.values()[i];
+        }
+    }
+    return values;
+}
+
+/// Macroblocks as pixels.
+core::Plane<float> quantisers_of(const encoder::CodedPicture& coded) {
+    core::Plane<float> values(coded.reconstruction.width(), coded.reconstruction.height());
+    for (int y = 0; y < values.height(); ++y)
+        for (int x = 0; x < values.width(); ++x) values.at(x, y) = coded.macroblocks.at(x / 16, y / 16).quantiser;
+    return values;
+}
+
+}  // namespace
+
+HeatSubject heat_subject_from(const std::string& name) {
+    if (name == "tolerance") return HeatSubject::tolerance;
+    if (name == "cut") return HeatSubject::cut;
+    if (name == "quantiser") return HeatSubject::quantiser;
+    throw core::Error("heatmap " + name + ": expected tolerance, cut or quantiser");
+}
+
+HeatmapFilm::HeatmapFilm(HeatSubject subject, std::filesystem::path output, const Production& film)
+    : subject_(subject),
+      output_(std::move(output)),
+      unfinished_(output_.string() + ".unfinished"),
+      matrix_(perceptual::matrix_for(film.format.height)),
+      scale_(scale_of(subject)),
+      first_(film.frames.first),
+      next_(film.frames.first) {
+    // Every picture by itself and finely: edges of false colours are not to smear.
+    settings_.width = film.format.width;
+    settings_.height = film.format.height + perceptual::legend_height;
+    settings_.rate = film.rate;
+    settings_.quantiser = 2;
+    settings_.gop = 1;
+    settings_.b_pictures = 0;
+    settings_.effort = encoder::Effort::fast;
+    settings_.matrix_coefficients = static_cast<int>(matrix_);
+    encoder::check(settings_);
+    encoder_ = std::make_unique<encoder::Encoder>(settings_);
+    muxer_ = std::make_unique<av::Muxer>(unfinished_, output_, settings_);
+}
+
+HeatmapFilm::~HeatmapFilm() {
+    muxer_.reset();
+    std::error_code ignored;
+    std::filesystem::remove(unfinished_, ignored);
+}
+
+void HeatmapFilm::lit(const LitFrame& frame) {
+    if (subject_ != HeatSubject::quantiser) show(frame.world.frame, values_of(subject_, frame));
+}
+
+void HeatmapFilm::coded(const encoder::CodedPicture& coded) {
+    if (subject_ == HeatSubject::quantiser) show(coded.plan.number, quantisers_of(coded));
+}
+
+void HeatmapFilm::show(std::int64_t number, core::Plane<float> values) {
+    early_.emplace(number, std::move(values));
+    for (auto next = early_.find(next_); next != early_.end(); next = early_.find(next_)) {
+        core::Picture picture = perceptual::heatmap(next->second, scale_, matrix_);
+        picture.number = next_;
+        const encoder::PicturePlan plan = encoder_->plan(next_, {}, next_ == first_);
+        for (encoder::CodedPicture& coded : encoder_->push(picture, plan, {})) {
+            write();
+            waiting_ = std::move(coded);
+        }
+        early_.erase(next);
+        ++next_;
+    }
+}
+
+void HeatmapFilm::write() {
+    if (!waiting_) return;
+    muxer_->write(waiting_->bytes, waiting_->plan.number - first_, waiting_->coding_order, waiting_->plan.starts_gop);
+    waiting_.reset();
+}
+
+void HeatmapFilm::finish() {
+    if (!waiting_) return;
+    for (const std::uint8_t byte : encoder::sequence_end()) waiting_->bytes.push_back(byte);
+    write();
+    muxer_->finish();
+    muxer_.reset();
+    std::error_code error;
+    std::filesystem::rename(unfinished_, output_, error);
+    if (error) throw core::Error("writing", output_.string(), error.message());
+}
+
+HeatmapFilms::HeatmapFilms(const RenderOptions& options, const Production& film) {
+    for (const auto& [name, output] : options.heatmaps) {
+        const HeatSubject subject = heat_subject_from(name);
+        if (kind_of(output) != OutputKind::film)
+            throw core::Error("heatmap " + name + ": " + output + " is no film; choose an ending such as .mpg");
+        if (subject == HeatSubject::quantiser && film.kind != OutputKind::film)
+            throw core::Error("heatmap quantiser: only films have one");
+        if (subject == HeatSubject::tolerance && film.tolerance.reference)
+            throw core::Error("heatmap tolerance: `--tolerance reference` has none");
+        check_writable(output);
+        films_.emplace_back(subject, output, film);
+    }
+}
+
+}  // namespace render2mpeg::app

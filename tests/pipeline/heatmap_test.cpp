@@ -1,0 +1,56 @@
+#include <gtest/gtest.h>
+
+#include "support/program.h"
+
+/// --heatmap: films in false colours beside the film.
+namespace render2mpeg {
+namespace {
+
+using support::contents;
+using support::film;
+using support::Folder;
+using support::run;
+
+const std::string small = " --size 64x48 --samples 1 --vpls 64 --exposure 0 --quiet --frames 0:6 --gop 4";
+
+TEST(Heatmap, OfEverySubjectIsAFilmAsLongAsTheRender) {
+    const Folder folder;
+    const auto of = [&](const char* subject) { return (folder / (std::string(subject) + ".mpg")).string(); };
+    const std::string render = support::program() + " render " + film("cornell") + " -o ";
+    std::string heatmaps;
+    for (const char* subject : {"tolerance", "cut", "quantiser"})
+        heatmaps += " --heatmap " + std::string(subject) + " " + of(subject);
+    const auto outcome = run(render + (folder / "film.m2v").string() + small + " --tolerance coupled=0.5" + heatmaps);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    for (const char* subject : {"tolerance", "cut", "quantiser"}) {
+        const auto shown =
+            run("ffprobe -v error -count_frames -select_streams v -show_entries "
+                "stream=width,height,nb_read_frames -of csv=p=0 " +
+                of(subject));
+        EXPECT_TRUE(shown.output.starts_with("64,80,7")) << subject << " " << shown.output;
+    }
+    EXPECT_EQ(folder.entries(), 4u) << "nothing unfinished is left";
+
+    // To look on changes nothing.
+    ASSERT_EQ(run(render + (folder / "plain.m2v").string() + small + " --tolerance coupled=0.5").status, 0);
+    EXPECT_EQ(contents(folder / "plain.m2v"), contents(folder / "film.m2v"));
+}
+
+TEST(Heatmap, RefusesWhatThereIsNoneOf) {
+    const Folder folder;
+    const auto refused = [&](const std::string& output, const std::string& options, const char* words) {
+        const auto outcome = run(support::program() + " render " + film("cornell") + " -o " +
+                                 (folder / output).string() + small + options);
+        EXPECT_EQ(outcome.status, 1) << options;
+        EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
+    };
+    const std::string heat = (folder / "h.mpg").string();
+    refused("film.mpg", " --heatmap warmth " + heat, "tolerance, cut or quantiser");
+    refused("film.mpg", " --heatmap cut " + (folder / "h.png").string(), "h.png");
+    refused("f.%04d.png", " --heatmap quantiser " + heat, "only films");
+    refused("film.mpg", " --tolerance reference --heatmap tolerance " + heat, "reference");
+    EXPECT_EQ(std::filesystem::exists(heat), false);
+}
+
+}  // namespace
+}  // namespace render2mpeg
