@@ -1,0 +1,210 @@
+#include "encoder_rd/clips.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "app/production.h"
+#include "core/error.h"
+#include "encoder/y4m.h"
+#include "encoder/y4m_reader.h"
+#include "encoder_rd/crowd.h"
+#include "encoder_rd/textures.h"
+#include "renderer/renderer.h"
+#include "scene/motion.h"
+#include "scene/traits.h"
+
+namespace render2mpeg::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// chosen: so few light points, each of them asked for by every pixel: what is left of real light is coarse but still,
+/// without any noise between pictures, for 2 CPU seconds a picture (32 + 24; tried to 64 + 64, which take twice as
+/// long; cuts through more points flicker as pixels change their cut). 3 samples are the fewest whose mean is a pixel's
+/// centre.
+constexpr int direct_points = 32, vpls = 24, samples = 3;
+constexpr int film_frames = 60;
+
+const fs::path& here() {
+    static const fs::path folder = fs::path(RENDER2MPEG_SOURCE_DIR) / "tests/bench/encoder_rd";
+    return folder;
+}
+
+std::string text_of(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    if (!in) throw core::Error("reading", file.string(), "no such file");
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::vector<std::string> films_in(const fs::path& folder) {
+    std::vector<std::string> names;
+    if (fs::is_directory(folder))
+        for (const auto& entry : fs::directory_iterator(folder))
+            if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+/// Textures are painted once for every version of the code that paints them.
+fs::path texture(const fs::path& cache, const std::string& name) {
+    ContentHash code;
+    code.add_file(here() / "textures.cpp");
+    const fs::path folder = cache / ("textures-" + code.text()), file = folder / (name + ".png");
+    fs::create_directories(folder);
+    if (!fs::exists(file)) write_texture(folder, name);
+    return file;
+}
+
+/// Puts a film into a folder of its own with all that it mentions: paths out of it are refused by the loader.
+void assemble(const ClipRequest& request, const fs::path& folder) {
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+    const bool own = fs::exists(here() / (request.name + ".json"));
+    const std::string film =
+        text_of(own ? here() / (request.name + ".json") : here() / "scenes" / (request.name + ".json"));
+    std::ofstream(folder / "film.json") << film;
+    for (const std::string& name : texture_names())
+        if (film.find('"' + name + ".png\"") != std::string::npos)
+            fs::copy_file(texture(request.cache, name), folder / (name + ".png"));
+    if (film.find("\"crowd.gltf\"") != std::string::npos)
+        write_crowd(fs::path(RENDER2MPEG_SOURCE_DIR) / "animations/character", folder);
+    if (own) return;
+    // A film of a real scene says in its first line which file of the scenes it builds on.
+    const std::size_t mark = film.find("// SCENES/"), end = film.find('\n', mark);
+    if (request.scenes.empty() || mark == std::string::npos)
+        throw core::Error("clip " + request.name + " is made of a real scene: say with --scenes where those are");
+    const fs::path scene = request.scenes / film.substr(mark + 10, end - mark - 10);
+    fs::copy_file(scene, folder / scene.filename());
+}
+
+app::Production production_of(const fs::path& folder) {
+    app::RenderOptions options;
+    options.input = folder;
+    options.output = folder / "film.y4m";
+    options.vpls = vpls;
+    options.samples = samples;
+    options.tolerance = "reference";
+    app::Production film = app::prepare(options);
+    film.rendering.direct_points = direct_points;
+    film.frames = {0, film_frames - 1};
+    return film;
+}
+
+void render(const app::Production& film, const std::string& name, const fs::path& file) {
+    const perceptual::Display display(film.exposure.value_or(0), perceptual::matrix_for(film.format.height));
+    renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
+    av::Y4mWriter out(file, film.format.width, film.format.height, film.rate);
+    renderer.start_chunk(film.snapshot(0));
+    for (std::int64_t n = film.frames.first; n <= film.frames.last; ++n) {
+        fmt::print(stderr, "\rrendering {}: {} of {}", name, n + 1, film.frame_count());
+        const scene::Snapshot world = film.snapshot(n);
+        out.write(display.develop(renderer.shade(world, renderer.see(world), film.tolerance_map())));
+    }
+    fmt::print(stderr, "\n");
+    out.finish();
+}
+
+/// Motion from what the animation says, looked at once more without light or textures.
+class ExactMotion {
+  public:
+    explicit ExactMotion(app::Production film) : film_(std::move(film)) {
+        film_.rendering.samples = 1;
+        const renderer::Plan plan = renderer::make_plan(
+            scene::traits_of(*film_.animation), {.picture = false, .film = true, .layers = false, .indirect = false});
+        renderer_ = std::make_unique<renderer::Renderer>(*film_.animation, film_.rendering, plan);
+        renderer_->start_chunk(film_.snapshot(0));
+    }
+
+    const core::MotionField& between(std::int64_t picture, std::int64_t reference) {
+        // chosen: the fields of one picture for as many encoders as run side by side; any lower number means more work.
+        if (picture != seen_) {
+            const scene::Snapshot world = film_.snapshot(picture);
+            visible_ = renderer_->see(world).visible;
+            fields_.clear();
+            seen_ = picture;
+        }
+        const auto [at, is_new] = fields_.try_emplace(reference);
+        if (is_new) at->second = scene::motion_between(visible_, film_.snapshot(picture), film_.snapshot(reference));
+        return at->second;
+    }
+
+  private:
+    app::Production film_;
+    std::unique_ptr<renderer::Renderer> renderer_;
+    std::int64_t seen_ = -1;
+    core::Visible visible_;
+    std::map<std::int64_t, core::MotionField> fields_;
+};
+
+}  // namespace
+
+void ContentHash::add(const std::string& bytes) {
+    for (const char c : bytes) value_ = (value_ ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+    value_ = (value_ ^ 0x1ffu) * 0x100000001b3u;  // where one piece ends and the next begins counts too
+}
+
+void ContentHash::add_file(const fs::path& file) {
+    add(text_of(file));
+}
+
+std::string ContentHash::text() const {
+    return fmt::format("{:016x}", value_);
+}
+
+std::vector<std::string> own_clips() {
+    return films_in(here());
+}
+
+std::vector<std::string> scene_clips() {
+    return films_in(here() / "scenes");
+}
+
+Clip make_clip(const ClipRequest& request) {
+    // Name the film by what it is made from.
+    const fs::path staging = request.cache / (request.name + ".staging");
+    assemble(request, staging);
+    ContentHash made_from;
+    made_from.add(
+        fmt::format("{} + {} light points, {} samples, {} frames", direct_points, vpls, samples, film_frames));
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(staging)) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    for (const fs::path& file : files) {
+        made_from.add(file.filename().string());
+        made_from.add_file(file);
+    }
+
+    // Render it unless it was.
+    const fs::path folder = request.cache / (request.name + "-" + made_from.text());
+    fs::remove_all(folder / "scene");
+    fs::create_directories(folder);
+    fs::rename(staging, folder / "scene");
+    app::Production film = production_of(folder / "scene");
+    Clip clip;
+    clip.name = request.name;
+    clip.y4m = folder / "frames.y4m";
+    if (!fs::exists(clip.y4m)) render(film, clip.name, clip.y4m);
+
+    av::Y4mReader reader(clip.y4m);
+    ContentHash content;
+    for (std::int64_t n = 0; n < std::min<std::int64_t>(request.frames, reader.frames()); ++n) {
+        core::Picture& picture = clip.pictures.emplace_back(reader.read(n));
+        picture.number = n;
+        for (const auto* plane : {&picture.y, &picture.cb, &picture.cr})
+            content.add({reinterpret_cast<const char*>(plane->row(0)), plane->size()});
+    }
+    clip.content = content.text();
+    const auto motion = std::make_shared<ExactMotion>(std::move(film));
+    clip.motion = [motion](std::int64_t picture, std::int64_t reference) -> const core::MotionField& {
+        return motion->between(picture, reference);
+    };
+    return clip;
+}
+
+}  // namespace render2mpeg::bench

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/motion_field.h"
+#include "core/picture.h"
+
+namespace render2mpeg::bench {
+
+/// Pictures to be coded, and exact motion between any two of them.
+struct Clip {
+    std::string name;
+    std::string content;  ///< hash of the pictures, in hexadecimal
+    std::filesystem::path y4m;
+    std::vector<core::Picture> pictures;
+    /// From a picture to a reference. Fields are kept for a few pictures; not for several threads.
+    std::function<const core::MotionField&(std::int64_t picture, std::int64_t reference)> motion;
+};
+
+/// What is asked for of a clip.
+struct ClipRequest {
+    std::string name;
+    std::filesystem::path cache;   ///< folder of rendered films
+    std::filesystem::path scenes;  ///< folder of real scenes; empty: none
+    int frames = 60;               ///< the first of the film's 60, 2..60
+};
+
+/// Names of the clips that need nothing but this repository: tests/bench/encoder_rd/*.json.
+std::vector<std::string> own_clips();
+/// Names of those that need SCENES: tests/bench/encoder_rd/scenes/*.json.
+std::vector<std::string> scene_clips();
+
+/// The clip's pictures: from the cache where it has them, else rendered (some CPU minutes) and kept. Rendered pictures
+/// are named by a hash of all that they are made from but for this program's code. Throws core::Error.
+Clip make_clip(const ClipRequest& request);
+
+/// FNV-1a over bytes, in hexadecimal. [FNV]
+class ContentHash {
+  public:
+    void add(const std::string& bytes);
+    void add_file(const std::filesystem::path& file);
+    std::string text() const;
+
+  private:
+    std::uint64_t value_ = 0xcbf29ce484222325u;
+};
+
+}  // namespace render2mpeg::bench
