@@ -6,6 +6,7 @@
 
 #include "encoder/mpeg2/kernels.h"
 #include "encoder/mpeg2/levels.h"
+#include "encoder/mpeg2/search.h"
 #include "encoder/mpeg2/tuning.h"
 #include "parallel/loops.h"
 
@@ -48,7 +49,9 @@ class Chooser {
           rows_(sources.picture.rows()),
           first_(columns_, rows_),
           chosen_(columns_, rows_),
-          trials_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {}
+          trials_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
+          limit_(measured_search_range > 0 ? evaluation_limit : s_.evaluation_limit),
+          searched_(static_cast<std::size_t>(rows_)) {}
 
     MotionChoice run() {
         parallel::for_each(static_cast<std::size_t>(rows_),
@@ -57,6 +60,7 @@ class Chooser {
         parallel::for_each(static_cast<std::size_t>(rows_), [this](std::size_t row) { settle(static_cast<int>(row)); });
         MotionChoice choice{std::move(chosen_), 0};
         for (const Trials& t : trials_) choice.evaluations += static_cast<std::uint64_t>(t.count());
+        for (const std::uint64_t searched : searched_) choice.evaluations += searched;
         return choice;
     }
 
@@ -81,12 +85,26 @@ class Chooser {
             }
             if (s_.previous) evaluate(column, row, allowed.clamp(s_.previous->at(column, row)));
             evaluate(column, row, allowed.clamp(left));
+            if (measured_search_range > 0) search_about_best(column, row);
             const Trials& t = trials(column, row);
             left = std::min_element(t.begin(), t.end(), [](const auto& a, const auto& b) {
                        return a.difference < b.difference;
                    })->vector;
             first_.at(column, row) = left;
         }
+    }
+
+    /// For measurements only (encoder/mpeg2/search.h).
+    void search_about_best(int column, int row) {
+        // chosen: an eighth, what absolute differences are of the Hadamard sums that the price is in, for noise.
+        const float price = s_.cost_per_bit / 8;
+        const Trials& t = trials(column, row);
+        const Vector centre = std::min_element(t.begin(), t.end(), [](const auto& a, const auto& b) {
+                                  return a.difference < b.difference;
+                              })->vector;
+        const SearchResult found = search(s_.picture, s_.reference, column, row, range(column, row), centre, price);
+        searched_[static_cast<std::size_t>(row)] += static_cast<std::uint64_t>(found.evaluations);
+        for (int i = 0; i < found.count; ++i) evaluate(column, row, found.vector[i]);
     }
 
     /// Prices the second pass's bits by the f_codes that what has been found so far needs. A vector found later may
@@ -184,7 +202,7 @@ class Chooser {
 
     void evaluate(int column, int row, Vector v) {
         Trials& t = trials(column, row);
-        if (t.count() == s_.evaluation_limit || t.find(v)) return;
+        if (t.count() == limit_ || t.find(v)) return;
         const Kernels& k = kernels();
         const auto stride = static_cast<std::ptrdiff_t>(s_.picture.y.width());
         const std::uint8_t* here = s_.picture.y.row(row * 16) + column * 16;
@@ -204,6 +222,8 @@ class Chooser {
     core::Plane<Vector> first_;
     core::Plane<VectorChoice> chosen_;
     std::vector<Trials> trials_;
+    int limit_;                            ///< of trials for one macroblock
+    std::vector<std::uint64_t> searched_;  ///< differences that a search computed, per row
     ComponentPrices price_x_{1}, price_y_{1};
 };
 

@@ -3,7 +3,7 @@
 //   bench_encoder_rd --help
 //
 // A is ffmpeg's plain command, B the strongest that is known for GOPs of 15, C the strongest with free GOPs. Ours:
-// `quality` and `fast`, `free` (GOPs of 60), `unaided` (without exact motion).
+// `quality` and `fast`, `free` (GOPs of 60), `unaided` (without exact motion), `search` (a full search instead).
 
 #include <fmt/format.h>
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
-#include <map>
 #include <memory>
 #include <utility>
 
@@ -14,10 +13,9 @@
 #include "encoder/y4m.h"
 #include "encoder/y4m_reader.h"
 #include "encoder_rd/crowd.h"
+#include "encoder_rd/exact_motion.h"
 #include "encoder_rd/textures.h"
 #include "renderer/renderer.h"
-#include "scene/motion.h"
-#include "scene/traits.h"
 
 namespace render2mpeg::bench {
 namespace {
@@ -110,38 +108,6 @@ void render(const app::Production& film, const std::string& name, const fs::path
     out.finish();
 }
 
-/// Motion from what the animation says, looked at once more without light or textures.
-class ExactMotion {
-  public:
-    explicit ExactMotion(app::Production film) : film_(std::move(film)) {
-        film_.rendering.samples = 1;
-        const renderer::Plan plan = renderer::make_plan(
-            scene::traits_of(*film_.animation), {.picture = false, .film = true, .layers = false, .indirect = false});
-        renderer_ = std::make_unique<renderer::Renderer>(*film_.animation, film_.rendering, plan);
-        renderer_->start_chunk(film_.snapshot(0));
-    }
-
-    const core::MotionField& between(std::int64_t picture, std::int64_t reference) {
-        // chosen: the fields of one picture for as many encoders as run side by side; any lower number means more work.
-        if (picture != seen_) {
-            const scene::Snapshot world = film_.snapshot(picture);
-            visible_ = renderer_->see(world).visible;
-            fields_.clear();
-            seen_ = picture;
-        }
-        const auto [at, is_new] = fields_.try_emplace(reference);
-        if (is_new) at->second = scene::motion_between(visible_, film_.snapshot(picture), film_.snapshot(reference));
-        return at->second;
-    }
-
-  private:
-    app::Production film_;
-    std::unique_ptr<renderer::Renderer> renderer_;
-    std::int64_t seen_ = -1;
-    core::Visible visible_;
-    std::map<std::int64_t, core::MotionField> fields_;
-};
-
 }  // namespace
 
 void ContentHash::add(const std::string& bytes) {
@@ -200,7 +166,7 @@ Clip make_clip(const ClipRequest& request) {
             content.add({reinterpret_cast<const char*>(plane->row(0)), plane->size()});
     }
     clip.content = content.text();
-    const auto motion = std::make_shared<ExactMotion>(std::move(film));
+    const auto motion = std::make_shared<ExactMotion>(std::move(film), folder / "motion");
     clip.motion = [motion](std::int64_t picture, std::int64_t reference) -> const core::MotionField& {
         return motion->between(picture, reference);
     };

@@ -17,7 +17,7 @@ struct Clip {
     std::string content;  ///< hash of the pictures, in hexadecimal
     std::filesystem::path y4m;
     std::vector<core::Picture> pictures;
-    /// From a picture to a reference. Fields are kept for a few pictures; not for several threads.
+    /// From a picture to a reference; it lives until another picture is asked for. Not for several threads.
     std::function<const core::MotionField&(std::int64_t picture, std::int64_t reference)> motion;
 };
 

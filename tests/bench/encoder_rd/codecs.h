@@ -50,6 +50,7 @@ struct OwnCodec {
     int gop = 15, b_pictures = 2;
     encoder::Effort effort = encoder::Effort::quality;
     bool hints = true;  ///< is told the exact motion
+    int search = 0;     ///< pixels to each side of a full search; 0: none, the product
 };
 
 /// The ways that --codecs knows.

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "core/numeric.h"
+#include "encoder/mpeg2/search.h"
 #include "encoder_rd/codecs.h"
 #include "perceptual/hvs.h"
 #include "perceptual/metrics.h"
@@ -101,7 +102,8 @@ std::vector<OwnCodec> own_codecs() {
     return {{"quality", 15, 2, Effort::quality, true},
             {"fast", 15, 2, Effort::fast, true},
             {"free", 60, 2, Effort::quality, true},
-            {"unaided", 15, 2, Effort::quality, false}};
+            {"unaided", 15, 2, Effort::quality, false},
+            {"search", 15, 2, Effort::quality, false, 16}};
 }
 
 std::vector<std::vector<Measured>> code_with_ours(const Clip& clip, const std::vector<OwnCodec>& codecs,
@@ -114,11 +116,18 @@ std::vector<std::vector<Measured>> code_with_ours(const Clip& clip, const std::v
     for (std::int64_t n = 0; n < count; ++n)
         for (Run& run : runs) {
             const core::Picture& picture = clip.pictures[static_cast<std::size_t>(n)];
-            const encoder::PicturePlan plan = run.encoder->plan(n, {.frames_left = count - 1 - n}, n == 0);
+            encoder::PictureFacts facts;
+            facts.frames_left = count - 1 - n;
+            const encoder::PicturePlan plan = run.encoder->plan(n, facts, n == 0);
             std::vector<core::MotionField> motion;
             for (const std::int64_t reference : plan.references)
                 if (run.codec.hints) motion.push_back(clip.motion(n, reference));
-            run.take(clip, timed(run.measured.seconds, [&] { return run.encoder->push(picture, plan, motion); }));
+            encoder::Hints hints;
+            if (plan.horizon && run.codec.hints) hints.onward = &clip.motion(n, *plan.horizon);
+            encoder::mpeg2::measured_search_range = run.codec.search;
+            run.take(clip,
+                     timed(run.measured.seconds, [&] { return run.encoder->push(picture, plan, motion, hints); }));
+            encoder::mpeg2::measured_search_range = 0;
         }
 
     std::vector<std::vector<Measured>> results(codecs.size());
