@@ -1,0 +1,67 @@
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+
+#include "app/options.h"
+#include "core/error.h"
+
+/// The parts of options that have a grammar of their own.
+namespace render2mpeg::app {
+namespace {
+
+/// A whole non-negative number that fills `text`; nothing otherwise.
+std::optional<std::int64_t> whole_number(std::string_view text) {
+    std::int64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (text.empty() || error != std::errc{} || end != text.data() + text.size() || value < 0) return {};
+    return value;
+}
+
+}  // namespace
+
+Size size_from(const std::string& text) {
+    const std::size_t x = text.find('x');
+    const auto width = x == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(0, x));
+    const auto height = x == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(x + 1));
+    if (!width || !height || *width < 1 || *height < 1 || *width > 16383 || *height > 16383)
+        throw core::Error("size " + text + ": expected WIDTHxHEIGHT in pixels, e.g. 720x576");
+    return {static_cast<int>(*width), static_cast<int>(*height)};
+}
+
+FrameRange frames_from(const std::string& text) {
+    const std::size_t colon = text.find(':');
+    const auto first = whole_number(std::string_view(text).substr(0, colon));
+    const auto last = colon == std::string::npos ? first : whole_number(std::string_view(text).substr(colon + 1));
+    // chosen: 2^31 frames are 2.7 years at 25 Hz; the limit keeps frame numbers exact in every later product.
+    constexpr std::int64_t limit = std::int64_t{1} << 31;
+    if (!first || !last || *last < *first || *last >= limit)
+        throw core::Error("frames " + text + ": expected FIRST:LAST with FIRST <= LAST, counted from 0, e.g. 0:47");
+    return {*first, *last};
+}
+
+ToleranceRequest tolerance_from(const std::string& text) {
+    if (text == "reference") return {true, 0, false, {}};
+    if (text == "coupled") return {false, 0, true, {}};
+    if (text.starts_with("coupled=")) {
+        const char* number = text.c_str() + 8;
+        char* end = nullptr;
+        const double share = std::strtod(number, &end);
+        // chosen: more than 100 times what is hidden is a slip of the pen.
+        if (end != number && *end == '\0' && share > 0 && share <= 100)
+            return {false, 0, true, static_cast<float>(share)};
+    }
+    if (text.starts_with("fixed=")) {
+        const char* number = text.c_str() + 6;
+        char* end = nullptr;
+        double value = std::strtod(number, &end);
+        if (end != number && *end == '%') value /= 100, ++end;
+        if (end != number && *end == '\0' && std::isfinite(value) && value >= 0 && value <= 1)
+            return {false, static_cast<float>(value), false, {}};
+    }
+    throw core::Error(
+        "tolerance " + text +
+        ": expected `coupled`, coupled=K with K above 0 and up to 100, fixed=P% with P from 0 to 100, e.g. "
+        "fixed=2%, or `reference`");
+}
+
+}  // namespace render2mpeg::app
