@@ -1,12 +1,57 @@
 #include "core/rational.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
+#include <string_view>
 
 #include "core/error.h"
 
 namespace render2mpeg::core {
+namespace {
+
+/// A positive number with at most three decimals, in thousandths; 0 for anything else.
+std::int64_t thousandths(std::string_view text) {
+    std::int64_t value = 0;
+    int decimals = -1;  // digits behind the point, or -1 before it
+    std::size_t digits = 0;
+    for (const char c : text) {
+        if (c == '.' && decimals < 0) {
+            decimals = 0;
+            continue;
+        }
+        if (c < '0' || c > '9' || ++digits > 8 || decimals == 3) return 0;
+        value = 10 * value + (c - '0');
+        if (decimals >= 0) ++decimals;
+    }
+    for (int i = std::max(decimals, 0); i < 3; ++i) value *= 10;
+    return value <= 10'000'000 ? value : 0;
+}
+
+Rational lowest_terms(std::int64_t num, std::int64_t den) {
+    EXPECTS(den != 0);
+    const std::int64_t g = std::gcd(num, den) * (den < 0 ? -1 : 1);
+    return {num / g, den / g};
+}
+
+}  // namespace
+
+Rational ratio_from(const std::string& text) {
+    const std::size_t colon = text.find(':');
+    const std::int64_t a = colon == std::string::npos ? 0 : thousandths(std::string_view(text).substr(0, colon));
+    const std::int64_t b = colon == std::string::npos ? 0 : thousandths(std::string_view(text).substr(colon + 1));
+    if (a == 0 || b == 0) throw Error("ratio " + text + ": expected WIDTH:HEIGHT, e.g. 16:9 or 2.21:1");
+    return lowest_terms(a, b);
+}
+
+Rational product(Rational a, Rational b) {
+    return lowest_terms(a.num * b.num, a.den * b.den);
+}
+
+Rational quotient(Rational a, Rational b) {
+    return product(a, {b.den, b.num});
+}
 
 const std::vector<FrameRate>& mpeg2_frame_rates() {
     static const std::vector<FrameRate> rates = {

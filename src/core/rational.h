@@ -15,6 +15,14 @@ struct Rational {
     bool operator==(const Rational&) const = default;
 };
 
+/// The ratio a user means by "16:9" or "2.21:1": two positive numbers with at most three decimals, up to 10000. In
+/// lowest terms. Throws Error otherwise.
+Rational ratio_from(const std::string& text);
+
+/// Products and quotients in lowest terms; `b` of a quotient must not be 0.
+Rational product(Rational a, Rational b);
+Rational quotient(Rational a, Rational b);
+
 /// One of MPEG-2's eight frame rates. [H262, table 6-4]
 struct FrameRate {
     Rational hertz;    ///< pictures per second

@@ -1,6 +1,7 @@
 #include "image/image.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <set>
 #include <system_error>
@@ -89,20 +90,20 @@ ExrChannels read_exr(const fs::path& path, const std::function<bool(const std::s
     return codec().decode_exr(bytes, wanted, name);
 }
 
-void write_exr(const fs::path& path, int width, int height, std::span<const Channel> channels) {
-    EXPECTS(width > 0 && height > 0 && !channels.empty());
+void write_exr(const fs::path& path, int width, int height, std::span<const Channel> channels, float pixel_aspect) {
+    EXPECTS(width > 0 && height > 0 && !channels.empty() && pixel_aspect > 0 && std::isfinite(pixel_aspect));
     std::set<std::string> names;
     for (const Channel& channel : channels) {
         EXPECTS(!channel.name.empty() && names.insert(channel.name).second);
         EXPECTS(channel.values.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     }
-    replace_file(path, codec().encode_exr(width, height, channels, path.string()));
+    replace_file(path, codec().encode_exr(width, height, channels, pixel_aspect, path.string()));
 }
 
-void write_png(const fs::path& path, int width, int height, std::span<const unsigned char> rgb) {
-    EXPECTS(width > 0 && height > 0);
+void write_png(const fs::path& path, int width, int height, std::span<const unsigned char> rgb, float pixel_aspect) {
+    EXPECTS(width > 0 && height > 0 && pixel_aspect > 0 && std::isfinite(pixel_aspect));
     EXPECTS(rgb.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
-    replace_file(path, codec().encode_png(width, height, rgb, path.string()));
+    replace_file(path, codec().encode_png(width, height, rgb, pixel_aspect, path.string()));
 }
 
 }  // namespace render2mpeg::image

@@ -34,16 +34,20 @@ struct Channel {
     bool half = false;          ///< stored as 16-bit float
 };
 
-/// Writes an OpenEXR with these channels under a temporary name and renames it when whole. Throws core::Error.
-void write_exr(const std::filesystem::path& path, int width, int height, std::span<const Channel> channels);
+/// Writes an OpenEXR with these channels under a temporary name and renames it when whole. `pixel_aspect` is width over
+/// height of a pixel. Throws core::Error.
+void write_exr(const std::filesystem::path& path, int width, int height, std::span<const Channel> channels,
+               float pixel_aspect = 1);
 
 /// Writes an 8-bit RGB PNG likewise; `rgb` holds 3 code values per pixel.
-void write_png(const std::filesystem::path& path, int width, int height, std::span<const unsigned char> rgb);
+void write_png(const std::filesystem::path& path, int width, int height, std::span<const unsigned char> rgb,
+               float pixel_aspect = 1);
 
 /// Channels of an OpenEXR file.
 struct ExrChannels {
     int width = 0, height = 0;      ///< of the display window
     std::vector<Channel> channels;  ///< in the file's order, sorted by name
+    float pixel_aspect = 1;         ///< width over height of a pixel
 };
 
 /// Reads those channels of a flat OpenEXR file whose name is `wanted`, over its display window; 0 where the file has no

@@ -45,7 +45,9 @@ class Frame {
             });
     }
 
-    void write(const std::filesystem::path& path) const { write_exr(path, width_, height_, channels_); }
+    void write(const std::filesystem::path& path, float pixel_aspect = 1) const {
+        write_exr(path, width_, height_, channels_, pixel_aspect);
+    }
 
   private:
     std::size_t pixels() const { return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_); }
@@ -104,7 +106,7 @@ bool fits(const core::MotionField* field, const core::Visible& visible) {
 }  // namespace
 
 void write_layers(const std::filesystem::path& path, const core::Visible& visible, const core::Radiance& radiance,
-                  const core::MotionField* to_previous, const core::MotionField* to_next) {
+                  const core::MotionField* to_previous, const core::MotionField* to_next, float pixel_aspect) {
     EXPECTS(visible.width() == radiance.combined.width() && visible.height() == radiance.combined.height());
     EXPECTS(fits(to_previous, visible) && fits(to_next, visible));
 
@@ -127,7 +129,7 @@ void write_layers(const std::filesystem::path& path, const core::Visible& visibl
         frame.add("render2mpeg.CutDirect.X", false, [&](std::size_t i) { return radiance.direct_cut.values()[i]; });
     if (!radiance.indirect_cut.empty())
         frame.add("render2mpeg.CutIndirect.X", false, [&](std::size_t i) { return radiance.indirect_cut.values()[i]; });
-    frame.write(path);
+    frame.write(path, pixel_aspect);
 }
 
 void write_frame(const std::filesystem::path& path, const core::Plane<glm::vec3>& radiance) {

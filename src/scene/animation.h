@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/rational.h"
 #include "scene/camera.h"
 #include "scene/light.h"
 #include "scene/material.h"
@@ -76,6 +77,7 @@ struct Animation {
     std::optional<std::int64_t> first_frame, last_frame;  ///< likewise
     std::optional<float> exposure;          ///< EV, likewise; none: automatic
     std::optional<glm::ivec2> size;         ///< picture width and height, likewise
+    std::optional<core::Rational> display_aspect;  ///< width by height of the picture as shown, likewise; none: square pixels
 
     std::vector<std::string> notes;         ///< one line each: what was assumed, dropped or not understood
 };

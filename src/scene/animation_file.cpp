@@ -30,7 +30,7 @@ Animation base_scene(const JsonValue& value, const fs::path& folder, const LoadO
     return load_as_is(file, options);
 }
 
-/// Frame rate, range, size and exposure.
+/// Frame rate, range, exposure, size and shape.
 FilmClock read_format(const JsonValue& value, Animation& film) {
     FilmClock clock;
     film.frame_rate = "25";  // what FilmClock begins with
@@ -83,6 +83,13 @@ FilmClock read_format(const JsonValue& value, Animation& film) {
     if (const auto size = value.find("size")) {
         const std::vector<JsonValue> v = size->list(2, 2);
         film.size = glm::ivec2(v[0].integer(1, 16384), v[1].integer(1, 16384));
+    }
+    if (const auto aspect = value.find("display_aspect")) {
+        try {
+            film.display_aspect = core::ratio_from(aspect->text());
+        } catch (const core::Error& e) {
+            aspect->fail(e.what());
+        }
     }
     return clock;
 }

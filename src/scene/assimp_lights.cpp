@@ -49,6 +49,7 @@ CameraLens lens_of(const ClassicCamera& classic) {
     // chosen: 4:3 where the file does not say the picture's shape, as the formats of that time meant; 60 degrees where
     // it does not say the angle.
     const double aspect = std::isfinite(classic.aspect) && classic.aspect > 0.01 ? classic.aspect : 4.0 / 3.0;
+    if (std::isfinite(classic.aspect) && classic.aspect > 0.01) lens.aspect = static_cast<float>(classic.aspect);
     double horizontal = classic.horizontal_angle;
     if (!(horizontal > 0.02) || !(horizontal < 3.1)) horizontal = glm::pi<double>() / 3;
     lens.vertical_fov = static_cast<float>(2 * std::atan(std::tan(horizontal / 2) / aspect));

@@ -15,6 +15,7 @@ struct CameraLens {
     float y_magnification = 1;  ///< orthographic: half the visible height, scene units, > 0
     float near = 0;             ///< scene units; nothing nearer is seen
     float far = 0;              ///< 0: infinite
+    float aspect = 0;           ///< width over height of the picture that its maker framed; 0: not said
 };
 
 struct Ray {

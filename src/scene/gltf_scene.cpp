@@ -2,6 +2,7 @@
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 
+#include "core/numeric.h"
 #include "scene/gltf_parts.h"
 #include "scene/wording.h"
 
@@ -29,10 +30,13 @@ CameraLens lens_of(const Element& element) {
     if (!lens.perspective && type != "orthographic") element.refuse("type " + in_quotes(type) + " is none of glTF's");
     const std::optional<Element> own = element.object(type.c_str());
     if (!own) element.refuse("lacks " + in_quotes(type));
-    if (lens.perspective)
+    if (lens.perspective) {
         lens.vertical_fov = static_cast<float>(own->number("yfov", 0));
-    else
+        lens.aspect = static_cast<float>(own->number("aspectRatio", 0));
+    } else {
         lens.y_magnification = static_cast<float>(own->number("ymag", 0));
+        lens.aspect = core::divide_or(static_cast<float>(own->number("xmag", 0)), lens.y_magnification, 0.0f);
+    }
     lens.near = static_cast<float>(own->number("znear", 0));
     lens.far = static_cast<float>(own->number("zfar", 0));
     return lens;

@@ -9,6 +9,26 @@
 namespace render2mpeg::core {
 namespace {
 
+TEST(Ratio, IsReadInLowestTerms) {
+    EXPECT_EQ(ratio_from("16:9"), (Rational{16, 9}));
+    EXPECT_EQ(ratio_from("32:18"), (Rational{16, 9}));
+    EXPECT_EQ(ratio_from("2.21:1"), (Rational{221, 100}));
+    EXPECT_EQ(ratio_from("1:2.5"), (Rational{2, 5}));
+    EXPECT_EQ(ratio_from("10000:0.001"), (Rational{10'000'000, 1}));
+    for (const char* wrong : {"", ":", "16", "16:", ":9", "16:0", "0:9", "16/9", "-16:9", "16:9:4", "1.2345:1",
+                              "1..2:1", "16 :9", "inf:1", "10001:1", "999999999999999999999:1"})
+        EXPECT_THROW(ratio_from(wrong), Error) << wrong;
+}
+
+TEST(Ratio, DividingUndoesMultiplying) {
+    for (const Rational a : {Rational{16, 9}, Rational{64, 45}, Rational{221, 100}})
+        for (const Rational b : {Rational{576, 720}, Rational{11, 10}}) {
+            EXPECT_EQ(quotient(product(a, b), b), a);
+            EXPECT_DOUBLE_EQ(product(a, b).value(), a.value() * b.value());
+        }
+    EXPECT_EQ(product(ratio_from("16:9"), {576, 720}), (Rational{64, 45}));
+}
+
 TEST(FrameRate, HasMpeg2sEightInTheOrderOfTheirCodes) {
     const auto& rates = mpeg2_frame_rates();
     ASSERT_EQ(rates.size(), 8u);

@@ -170,6 +170,31 @@ TEST(ReadImage, ReadsWhatItWrote) {
         EXPECT_EQ(std::lround(png.pixels.values()[i / 3][static_cast<int>(i % 3)] * 255), rgb[i]);
 }
 
+TEST(PixelAspect, StandsInTheFilesThatAreWritten) {
+    const Folder folder;
+    const std::vector<Channel> channels{{"R", std::vector<float>(6, 1.0f), false}};
+    const std::vector<unsigned char> rgb(18, 100);
+    for (const float aspect : {1.0f, 64.0f / 45.0f, 8.0f / 9.0f}) {
+        write_exr(folder / "a.exr", 3, 2, channels, aspect);
+        EXPECT_EQ(read_exr(folder / "a.exr", [](const std::string&) { return true; }).pixel_aspect, aspect);
+
+        // pHYs: pixels per unit along x and y, 4 bytes each; the unit 0 is none.
+        write_png(folder / "a.png", 3, 2, rgb, aspect);
+        std::ifstream file(folder / "a.png", std::ios::binary);
+        const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+        const std::size_t at = bytes.find("pHYs");
+        ASSERT_EQ(at == std::string::npos, aspect == 1.0f);
+        if (aspect == 1.0f) continue;
+        const auto number = [&](std::size_t from) {
+            double value = 0;
+            for (std::size_t i = from; i < from + 4; ++i) value = 256 * value + static_cast<unsigned char>(bytes[i]);
+            return value;
+        };
+        EXPECT_NEAR(number(at + 8) / number(at + 4), aspect, 1e-4);
+        EXPECT_EQ(bytes[at + 12], 0);
+    }
+}
+
 TEST(ReadImage, TakesColoursOfAnExrUnderAnyName) {
     const Folder folder;
     const auto written = [&](std::initializer_list<const char*> names) {

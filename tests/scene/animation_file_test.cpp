@@ -152,7 +152,9 @@ TEST_F(AnimationFile, AcceptsItsFolderForTheFile) {
 
 TEST_F(AnimationFile, AllowsCommentsAndSaysFormatRangeAndExposure) {
     const Animation a = film(R"({ // a comment
-        "size": [320, 200], "frame_rate": "30000/1001", "frames": [10, 19], "exposure": 1.5 /* EV */ })");
+        "size": [320, 200], "frame_rate": "30000/1001", "frames": [10, 19], "exposure": 1.5 /* EV */,
+        "display_aspect": "32:18" })");
+    EXPECT_EQ(a.display_aspect, (core::Rational{16, 9}));
     EXPECT_EQ(a.size, glm::ivec2(320, 200));
     EXPECT_EQ(a.frame_rate, "29.97");
     EXPECT_EQ(a.first_frame, 10);
@@ -162,6 +164,8 @@ TEST_F(AnimationFile, AllowsCommentsAndSaysFormatRangeAndExposure) {
     EXPECT_EQ(b.frame_rate, "25");
     EXPECT_EQ(b.last_frame, 59);
     EXPECT_FALSE(b.exposure);
+    EXPECT_FALSE(b.display_aspect);
+    expect_complaint(R"({"display_aspect": "16:0"})", {"display_aspect", "16:0", "16:9"});
 }
 
 TEST_F(AnimationFile, CameraPathsHitTheirKeys) {

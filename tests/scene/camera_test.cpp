@@ -54,6 +54,26 @@ TEST(Camera, LooksAlongMinusZWithYUpAndXRight) {
     EXPECT_NEAR(camera.pixel_size(), 0.02f, 1e-7);
 }
 
+TEST(Camera, ASphereIsRoundAsShownWhateverThePixels) {
+    // Of a sphere on the axis, the outermost points to the right and above are as far from the centre when the picture
+    // is shown, and a pixel of the picture's own is that much narrower or wider.
+    struct Format {
+        int width, height;
+        double pixel_aspect;
+    };
+    for (const Format f :
+         {Format{720, 576, 64.0 / 45}, {720, 576, 16.0 / 15}, {720, 480, 8.0 / 9}, {704, 480, 40.0 / 33}})
+        for (const bool perspective : {true, false}) {
+            const float shape = static_cast<float>(f.width * f.pixel_aspect / f.height);
+            const Camera camera(perspective ? lens(0.9) : orthographic(3), glm::mat4(1.0f), f.width, f.height, shape);
+            const auto right = camera.project({1, 0, -5}), above = camera.project({0, 1, -5});
+            ASSERT_TRUE(right && above);
+            const double across = right->position.x - 0.5 * f.width, up = 0.5 * f.height - above->position.y;
+            EXPECT_NEAR(across * f.pixel_aspect / up, 1, 1e-6);
+            EXPECT_NEAR(camera.pixel_size() * up, perspective ? 0.2 : 1, 1e-5);
+        }
+}
+
 TEST(Camera, HasNoPlaceForWhatIsBehindIt) {
     const Camera camera(lens(1), placed({1, 2, 3}, 0.5, 0.2), width, height, aspect);
     EXPECT_FALSE(camera.project(camera.position()));

@@ -245,11 +245,12 @@ TEST_F(Gltf, AnimationsMoveNodesAndOneCanBeChosen) {
 
 TEST_F(Gltf, CamerasAreChosenByNameOrIndex) {
     GltfFile file = GltfFile::triangle();
-    file.json["cameras"] = {
-        {{"type", "perspective"}, {"name", "near"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.1}}}},
-        {{"type", "orthographic"},
-         {"name", "above"},
-         {"orthographic", {{"xmag", 2}, {"ymag", 3}, {"znear", 0}, {"zfar", 100}}}}};
+    file.json["cameras"] = {{{"type", "perspective"},
+                             {"name", "near"},
+                             {"perspective", {{"yfov", 0.5}, {"znear", 0.1}, {"aspectRatio", 1.5}}}},
+                            {{"type", "orthographic"},
+                             {"name", "above"},
+                             {"orthographic", {{"xmag", 2}, {"ymag", 3}, {"znear", 0}, {"zfar", 100}}}}};
     file.json["nodes"] = {{{"mesh", 0}}, {{"camera", 0}, {"translation", {0, 0, 5}}}, {{"camera", 1}}};
     file.json["scenes"][0]["nodes"] = {0, 1, 2};
     const Camera first = at(load_file(file), 0).camera;
@@ -260,6 +261,8 @@ TEST_F(Gltf, CamerasAreChosenByNameOrIndex) {
                  by_index = at(load_file(file, {"1", {}, {}}), 0).camera;
     EXPECT_FALSE(by_name.perspective());
     EXPECT_EQ(by_name.lens().y_magnification, 3);
+    EXPECT_EQ(first.lens().aspect, 1.5f);
+    EXPECT_FLOAT_EQ(by_name.lens().aspect, 2.0f / 3);
     EXPECT_FALSE(by_index.perspective());
     EXPECT_THROW(load_file(file, {"below", {}, {}}), core::Error);
     EXPECT_THROW(load_file(file, {"2", {}, {}}), core::Error);

@@ -46,9 +46,9 @@ std::vector<half> halves_of(const std::vector<float>& values) {
 }  // namespace
 
 std::vector<unsigned char> encode_multilayer_exr(int width, int height, std::span<const Channel> channels,
-                                                 const std::string& name) try {
+                                                 float pixel_aspect, const std::string& name) try {
     // Describe the channels. The library keeps them sorted by name, whatever our order.
-    Imf::Header header(width, height);
+    Imf::Header header(width, height, pixel_aspect);
     header.compression() = Imf::ZIP_COMPRESSION;
     for (const Channel& channel : channels)
         header.channels().insert(channel.name, Imf::Channel(channel.half ? Imf::HALF : Imf::FLOAT));

@@ -81,7 +81,10 @@ ExrChannels decode_multilayer_exr(std::span<const std::byte> bytes,
     const Extent extent(data);
 
     // Name the channels first: their values must not move once the library knows where they are.
-    ExrChannels result{static_cast<int>(Extent(display).width), static_cast<int>(Extent(display).height), {}};
+    ExrChannels result{static_cast<int>(Extent(display).width),
+                       static_cast<int>(Extent(display).height),
+                       {},
+                       header.pixelAspectRatio()};
     for (auto i = header.channels().begin(); i != header.channels().end(); ++i)
         if (wanted(i.name())) {
             if (i.channel().xSampling != 1 || i.channel().ySampling != 1)

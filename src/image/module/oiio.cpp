@@ -104,18 +104,24 @@ class OiioCodec final : public Codec {
         return decode_multilayer_exr(bytes, wanted, name);
     }
 
-    std::vector<unsigned char> encode_exr(int width, int height, std::span<const Channel> channels,
+    std::vector<unsigned char> encode_exr(int width, int height, std::span<const Channel> channels, float pixel_aspect,
                                           const std::string& name) const override {
-        return encode_multilayer_exr(width, height, channels, name);
+        return encode_multilayer_exr(width, height, channels, pixel_aspect, name);
     }
 
-    std::vector<unsigned char> encode_png(int width, int height, std::span<const unsigned char> rgb,
+    std::vector<unsigned char> encode_png(int width, int height, std::span<const unsigned char> rgb, float pixel_aspect,
                                           const std::string& name) const override {
         std::vector<unsigned char> bytes;
         OIIO::Filesystem::IOVecOutput writer(bytes);
         const auto output = OIIO::ImageOutput::create("png", &writer);
         if (!output) throw core::Error("writing", name, one_line(OIIO::geterror()));
-        const OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
+        OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
+        // PNG says pixels per unit along each axis; without a unit only their ratio counts. [PNG, 11.3.5.3: pHYs]
+        if (pixel_aspect != 1) {
+            spec.attribute("ResolutionUnit", "none");
+            spec.attribute("XResolution", 10000.0f);
+            spec.attribute("YResolution", 10000.0f * pixel_aspect);
+        }
         if (!output->open(name, spec) || !output->write_image(OIIO::TypeDesc::UINT8, rgb.data()) || !output->close())
             throw core::Error("writing", name, one_line(output->geterror()));
         return bytes;
