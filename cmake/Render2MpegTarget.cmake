@@ -33,11 +33,11 @@ function(render2mpeg_library name)
   endforeach()
   if(NOT sources)
     add_library(render2mpeg_${name} INTERFACE)
-    target_link_libraries(render2mpeg_${name} INTERFACE render2mpeg_options ${ARG_PUBLIC} ${ARG_PRIVATE})
+    target_link_libraries(render2mpeg_${name} INTERFACE $<BUILD_INTERFACE:render2mpeg_options> ${ARG_PUBLIC} ${ARG_PRIVATE})
     return()
   endif()
   add_library(render2mpeg_${name} STATIC ${sources})
-  target_link_libraries(render2mpeg_${name} PUBLIC render2mpeg_options ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+  target_link_libraries(render2mpeg_${name} PUBLIC $<BUILD_INTERFACE:render2mpeg_options> ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
 endfunction()
 
 # render2mpeg_module(NAME SOURCES... [PRIVATE libs...]): a shared object render2mpeg_NAME.so that is opened on demand, for

@@ -55,6 +55,10 @@ void check_ranges(const Settings& s) {
 
 }  // namespace
 
+std::span<const Level> all_levels() {
+    return levels;
+}
+
 const Level& level_for(const Settings& s) {
     check_ranges(s);
     const std::int64_t samples = samples_per_second(s);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "encoder/encoder.h"
 
@@ -19,6 +20,9 @@ struct Level {
 };
 
 inline constexpr int vertical_f_code_limit = 5;
+
+/// All of them, the lowest first.
+std::span<const Level> all_levels();
 
 /// The lowest of Main, High-1440 and High level that allows size and rate. Throws core::Error, naming the limit, where
 /// none does or a setting is out of its range.
