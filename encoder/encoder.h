@@ -79,11 +79,11 @@ struct PictureFacts {
     bool keyframe = false;  ///< a GOP is to begin here, whatever is seen
     /// Pictures that follow this one in its chunk: every chunk then begins with the same declared buffer fullness and
     /// leaves it to the next one. None: the buffer's state goes on over the chunk's end.
-    std::optional<std::int64_t> left_in_chunk;
+    std::optional<std::int64_t> left_in_chunk = {};
     /// The eye's sensitivity to detail that moves as this picture does, relative to what stands still: 0..1, mean over
     /// the picture. `constant_quality` reads it; none: 1.
-    std::optional<double> sensitivity;
-    std::optional<Allotment> allotment;  ///< none: one pass
+    std::optional<double> sensitivity = {};
+    std::optional<Allotment> allotment = {};  ///< none: one pass
 };
 
 /// How a picture will be coded: fixed before it is lit.

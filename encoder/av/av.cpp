@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/module.h"
 #include "encoder/av/backend.h"
+#include "encoder/cadence.h"
 
 namespace render2mpeg::av {
 namespace {
@@ -55,9 +56,10 @@ struct Muxer::Impl {
 };
 
 Muxer::Muxer(const std::filesystem::path& file, const std::filesystem::path& name, const encoder::Settings& settings,
-             std::size_t largest_picture)
+             std::size_t largest_picture, ProgramStream program_stream)
     : impl_(std::make_unique<Impl>()) {
     const char* format = format_of(name);
+    if (format != nullptr && std::string_view(format) == "vob" && program_stream == ProgramStream::dvd) format = "dvd";
     if (format == nullptr)
         throw core::Error("writing", name.string(), "its ending is none of mpg, mpeg, vob, ts, m2v, mkv, mp4");
     // Open the module and the file now, so that a film that cannot be written fails before it is rendered.
@@ -80,9 +82,13 @@ void Muxer::write(std::span<const std::uint8_t> bytes, std::int64_t display_numb
         impl_->decoding_delay = facts.low_delay ? 0 : 1;
         impl_->container = backend().create(impl_->file, impl_->format, impl_->settings, facts);
     }
+    // A picture is decoded when the one before it in display order begins to be shown (encoder/cadence.h).
     const std::int64_t decoding = coding_order - impl_->decoding_delay;
     EXPECTS(decoding <= display_number);
-    impl_->container->write(bytes, display_number, decoding, starts_gop);
+    const auto fields = [&](std::int64_t number) { return encoder::fields_before(impl_->settings.cadence, number); };
+    const std::int64_t presentation = fields(display_number);
+    impl_->container->write(bytes, {presentation, fields(decoding), fields(display_number + 1) - presentation},
+                            starts_gop);
 }
 
 void Muxer::finish() {

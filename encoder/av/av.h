@@ -17,6 +17,10 @@ namespace render2mpeg::av {
 /// mp4. Case does not matter.
 bool is_film(const std::filesystem::path& file);
 
+/// Which program streams .mpg, .mpeg and .vob are. `dvd`: sectors of 2048 bytes at 10.08 Mb/s, with a navigation pack
+/// before each video object unit, as tools that make DVDs take them; for streams of at most 9.8 Mb/s.
+enum class ProgramStream { plain, dvd };
+
 /// Writes coded pictures to a file of the kind that `name`'s ending tells: mpg, mpeg and vob are MPEG-2 program
 /// streams. The same pictures give the same bytes: no dates, no random identifiers.
 class Muxer {
@@ -24,9 +28,10 @@ class Muxer {
     /// `file` is where bytes go; `name` (often the final name) chooses the format. `largest_picture` is the size in
     /// bytes of the film's largest coded picture if it is known, else 0: a program stream declares at its very start
     /// how fast and into how large a buffer its pictures come, and without it guesses from the first picture and the
-    /// sequence header. Throws core::Error if the ending is none of ours or the file cannot be created.
+    /// sequence header. `program_stream` matters to program streams only. Throws core::Error if the ending is none of
+    /// ours or the file cannot be created.
     Muxer(const std::filesystem::path& file, const std::filesystem::path& name, const encoder::Settings& settings,
-          std::size_t largest_picture = 0);
+          std::size_t largest_picture = 0, ProgramStream program_stream = ProgramStream::plain);
     /// Closes the file; it is not whole unless finish() was called.
     ~Muxer();
     Muxer(const Muxer&) = delete;

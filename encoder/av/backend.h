@@ -14,13 +14,16 @@
 /// this.
 namespace render2mpeg::av {
 
+/// When a coded picture is shown and decoded, in fields from the film's beginning (encoder/cadence.h).
+struct Times {
+    std::int64_t presentation = 0, decoding = 0, duration = 2;
+};
+
 /// A film file being written.
 class Container {
   public:
     virtual ~Container() = default;
-    /// One coded picture. Times count frames from the film's first picture.
-    virtual void write(std::span<const std::uint8_t> bytes, std::int64_t presentation, std::int64_t decoding,
-                       bool random_access) = 0;
+    virtual void write(std::span<const std::uint8_t> bytes, const Times& times, bool random_access) = 0;
     virtual void finish() = 0;
 };
 

@@ -44,7 +44,9 @@ bool read_header(Bits bits, SequenceFacts& facts) {
     facts.width = static_cast<int>(bits.read(12));
     facts.height = static_cast<int>(bits.read(12));
     facts.aspect_ratio_code = static_cast<int>(bits.read(4));
-    bits.skip(4);  // frame_rate_code
+    const auto rate_code = bits.read(4);
+    if (rate_code < 1 || rate_code > core::mpeg2_frame_rates().size()) return false;
+    facts.rate = core::mpeg2_frame_rates()[rate_code - 1];
     facts.bit_rate = bits.read(18);
     bits.skip(1);
     facts.buffer_bits = bits.read(10);

@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "core/rational.h"
+
 namespace render2mpeg::av {
 
 /// What a container has to know of an MPEG-2 video stream, as the stream itself says it before its first picture.
@@ -12,6 +14,7 @@ struct SequenceFacts {
     std::vector<std::uint8_t> headers;  ///< sequence header and all that follows up to the first GOP or picture
     int width = 0, height = 0;
     int aspect_ratio_code = 1;     ///< [H262, table 6-3]
+    core::FrameRate rate;          ///< as declared; shown pictures per second where no field is repeated
     std::int64_t bit_rate = 0;     ///< bits per second
     std::int64_t buffer_bits = 0;  ///< vbv_buffer_size
     bool progressive = false;

@@ -23,7 +23,9 @@ CLI::Validator checked(Parser parser, const std::string& type) {
         type);
 }
 
-/// How pictures are coded: `render` and `encode` share these.
+/// How pictures are coded, and for whom: `render` and `encode` share these.
 void add_coding_options(CLI::App& command, CodingOptions& options);
+/// What shape pictures are shown in: likewise.
+void add_shape_options(CLI::App& command, CodingOptions& options);
 
 }  // namespace render2mpeg::app

@@ -29,25 +29,18 @@ struct Job {
     Film film;
 };
 
-core::FrameRate rate_of(const EncodeOptions& options, const FrameSource& frames) {
-    if (options.rate) return core::frame_rate_from(*options.rate);
-    if (!frames.rate()) return core::frame_rate_from("25");
-    return core::frame_rate_from(fmt::format("{}/{}", frames.rate()->num, frames.rate()->den));
-}
-
-/// aspect_ratio_information [H262, table 6-3]: square pixels, or the shape of the whole picture.
-int aspect_ratio_code(const FrameSource& frames, const std::string& name) {
-    const core::Rational pixel = frames.pixel_aspect().value_or(core::Rational{1, 1});
-    if (pixel.num == pixel.den) return 1;
-    const Size size = frames.size();
-    const double shape = pixel.value() * size.width / size.height;
-    // chosen: pixel shapes in use give 4:3 or 16:9 for the 702, 704 or 720 columns of a line: up to 2.6 % away; the
-    // three shapes lie 25 % apart.
-    for (const auto& [code, value] : {std::pair{2, 4.0 / 3.0}, {3, 16.0 / 9.0}, {4, 2.21}})
-        if (std::abs(shape / value - 1) < 0.03) return code;
-    throw core::Error("reading", name,
-                      fmt::format("its pixels are {}:{}: MPEG-2 has square ones, and pictures of 4:3, 16:9 and 2.21:1",
-                                  pixel.num, pixel.den));
+/// What the command line and the frames say of the pictures' shape.
+ShapeWishes wishes_of(const EncodeOptions& options, const FrameSource& frames) {
+    ShapeWishes wishes = shape_wishes(options.coding);
+    wishes.source = options.input.string();
+    wishes.finished = true;
+    wishes.source_size = frames.size();
+    if (options.rate) wishes.rate = core::frame_rate_from(*options.rate);
+    if (const auto rate = frames.rate(); rate && !wishes.rate)
+        wishes.source_rate = core::frame_rate_from(fmt::format("{}/{}", rate->num, rate->den));
+    if (const auto pixel = frames.pixel_aspect())
+        wishes.source_display_aspect = core::product(*pixel, {frames.size().width, frames.size().height});
+    return wishes;
 }
 
 Job prepare(const EncodeOptions& options) {
@@ -62,13 +55,17 @@ Job prepare(const EncodeOptions& options) {
     job.frames = open_frames(options.input, options.exposure, wanted);
     const Size size = job.frames->size();
     encoder::Settings& coding = job.film.coding;
-    coding = coding_settings(options.coding, size, rate_of(options, *job.frames));
+    const Preset* preset = preset_of(options.coding);
+    if (preset != nullptr) preset->check_output(options.output);
+    job.film.frames = job.frames->frames();
+    coding = coding_settings(options.coding, settle_shape(wishes_of(options, *job.frames), preset, true),
+                             job.film.frames.first);
+    job.film.keyframes = keyframes_of(options.coding);
+    job.film.disc = preset != nullptr && preset->disc;
     // Without motion, predictors cannot bridge the way over B pictures: at 720p that cost 50 to 80 % more bits.
     if (!options.motion) coding.b_pictures = 0;
-    coding.aspect_ratio_code = aspect_ratio_code(*job.frames, options.input.string());
     encoder::check(coding);
     job.film.source = options.input.string();
-    job.film.frames = job.frames->frames();
 
     if (options.motion) {
         if (!is_numbered(*options.motion))
@@ -83,10 +80,18 @@ Job prepare(const EncodeOptions& options) {
     return job;
 }
 
+/// Motion to the last picture that depends on this one, where that is not too far for files that lead from frame to
+/// frame.
+std::optional<core::MotionField> onward_motion(Job& job, const encoder::PicturePlan& coding) {
+    if (!job.motion || !coding.horizon || *coding.horizon - coding.number > VectorLayers::reach) return std::nullopt;
+    return job.motion->between(coding.number, *coding.horizon);
+}
+
 /// Codes one chunk. The last pictures of a chunk that ends early are coded too. Returns whether it is whole.
 bool encode_chunk(Job& job, const Chunk& chunk, ChunkFile& file, Ledger& ledger, Progress& progress) {
     encoder::Encoder encoder(job.film.coding);
     Bookkeeper books(ledger);
+    const Keyframes& keyframes = job.film.keyframes;
     const auto write = [&](const std::vector<encoder::CodedPicture>& pictures) {
         for (const encoder::CodedPicture& coded : pictures) {
             books.coded(coded);
@@ -98,14 +103,18 @@ bool encode_chunk(Job& job, const Chunk& chunk, ChunkFile& file, Ledger& ledger,
     for (std::int64_t n = chunk.first; n <= chunk.last && whole; ++n) {
         const double start = cpu_seconds();
         const core::Picture picture = timed(ledger, Stage::develop, [&] { return job.frames->read(n); });
-        const encoder::PicturePlan coding = encoder.plan(n, {false, chunk.last - n}, n == chunk.first);
+        const encoder::PicturePlan coding = encoder.plan(
+            n, {.frames_left = keyframes.frames_left(n, chunk.last - n), .keyframe = keyframes.begins_at(n)},
+            n == chunk.first);
         std::vector<core::MotionField> motion;
         if (job.motion)
             for (const std::int64_t reference : coding.references)
                 motion.push_back(timed(ledger, Stage::develop, [&] { return job.motion->between(n, reference); }));
+        const auto onward = timed(ledger, Stage::develop, [&] { return onward_motion(job, coding); });
         books.opened(n);
         books.keep(picture);
-        write(timed(ledger, Stage::encode, [&] { return encoder.push(picture, coding, motion); }));
+        const encoder::Hints hints{onward ? &*onward : nullptr};
+        write(timed(ledger, Stage::encode, [&] { return encoder.push(picture, coding, motion, hints); }));
         books.took(cpu_seconds() - start);
         progress.advance();
         whole = !InterruptGuard::requested() || n == chunk.last;

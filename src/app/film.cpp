@@ -1,19 +1,57 @@
 #include "app/film.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "encoder/capabilities.h"
 #include "perceptual/display.h"
 
 namespace render2mpeg::app {
+namespace {
 
-encoder::Settings coding_settings(const CodingOptions& options, Size size, const core::FrameRate& rate) {
+/// Refuses what the preset's world does not take, and fills in what nobody said.
+void apply(const Preset& preset, const CodingOptions& options, encoder::Settings& coding) {
+    if (preset.fields) coding.cadence = coding.rate.code == 1 ? encoder::Cadence::pulldown : encoder::Cadence::fields;
+    if (!options.gop) coding.gop = preset.usual_gop(coding.rate);
+    const int longest = preset.longest_gop(coding.rate);
+    if (longest > 0 && coding.gop > longest)
+        throw core::Error(fmt::format("--gop {}: {} has at most {} pictures in a GOP at {} Hz", coding.gop,
+                                      preset.option(), longest, coding.rate.name));
+    if (coding.b_pictures > preset.b_pictures)
+        throw core::Error(fmt::format("--b-pictures {}: {} has at most {} in a row", coding.b_pictures, preset.option(),
+                                      preset.b_pictures));
+
+    // A level may allow less than the world does: 704x480 at 24 Hz is of Main level.
+    const encoder::LevelLimits level = encoder::level_of(coding);
+    coding.rate_control.max_rate = std::min(preset.usual_rate, level.bit_rate);
+    coding.rate_control.buffer_bits = std::min(preset.buffer_bits, level.buffer_bits);
+}
+
+}  // namespace
+
+const Preset* preset_of(const CodingOptions& options) {
+    return options.preset ? &preset_from(*options.preset) : nullptr;
+}
+
+Keyframes keyframes_of(const CodingOptions& options) {
+    return options.keyframes ? keyframes_from(*options.keyframes) : Keyframes{};
+}
+
+encoder::Settings coding_settings(const CodingOptions& options, const Shape& shape, std::int64_t first) {
     encoder::Settings coding;
-    coding.width = size.width;
-    coding.height = size.height;
-    coding.rate = rate;
+    coding.width = shape.size.width;
+    coding.height = shape.size.height;
+    coding.rate = shape.rate;
+    coding.first_number = first;
     coding.quantiser = options.quantiser;
-    coding.gop = options.gop;
+    coding.gop = options.gop.value_or(15);
     coding.b_pictures = options.b_pictures;
     coding.effort = options.encoder == "fast" ? encoder::Effort::fast : encoder::Effort::quality;
-    coding.matrix_coefficients = static_cast<int>(perceptual::matrix_for(size.height));
+    coding.aspect_ratio_code = shape.aspect_ratio_code;
+    coding.matrix_coefficients = static_cast<int>(perceptual::matrix_for(shape.size.height));
+    if (const Preset* preset = preset_of(options)) apply(*preset, options, coding);
     return coding;
 }
 

@@ -101,6 +101,7 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
         ->type_name("A:B")
         ->check(checked(frames_from, ""))
         ->group(picture);
+    add_shape_options(command, options.coding);
     command.add_option("--exposure", options.exposure, "EV, or `auto`: one value for the film")
         ->type_name("auto|EV")
         ->check(checked(check_exposure, ""))
@@ -166,6 +167,7 @@ CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
         ->type_name("A:B")
         ->check(checked(frames_from, ""))
         ->group(picture);
+    add_shape_options(*command, options.coding);
     command->add_option("--exposure", options.exposure, "EV for scene-linear frames (default: 0)")
         ->type_name("EV")
         ->check(CLI::Range(-64.0f, 64.0f))

@@ -20,9 +20,12 @@ struct ToleranceRequest {
 /// How pictures are coded: `render` and `encode` share these.
 struct CodingOptions {
     int quantiser = 4;
-    int gop = 15;
+    std::optional<int> gop;  ///< none: 15, or what the preset says
     int b_pictures = 2;
-    std::string encoder = "quality";  ///< "fast" or "quality"
+    std::string encoder = "quality";                          ///< "fast" or "quality"
+    std::optional<std::string> preset;                        ///< --for
+    std::optional<std::string> display_aspect, pixel_aspect;  ///< "W:H", not both
+    std::optional<std::string> keyframes;                     ///< frame numbers, or a file with them
 };
 
 /// Options of `render`, and of `plan` as far as they decide the plan. Absent values are filled from the scene or by

@@ -15,12 +15,12 @@
 namespace render2mpeg::app {
 namespace {
 
-/// Pictures after frame n before another shot begins or the chunk ends.
+/// Pictures after frame n before another shot begins, a keyframe comes or the chunk ends.
 std::int64_t frames_left(const Production& film, std::int64_t n, std::int64_t last) {
     std::int64_t left = last - n;
     for (const scene::Shot& shot : film.animation->shots)
         if (shot.frame > n) left = std::min(left, shot.frame - 1 - n);
-    return left;
+    return film.keyframes.frames_left(n, left);
 }
 
 void write_frame_layers(const Production& film, const std::filesystem::path& folder, const core::Visible& visible,
@@ -28,7 +28,8 @@ void write_frame_layers(const Production& film, const std::filesystem::path& fol
     const core::MotionField before =
         scene::motion_between(visible, world, film.snapshot(std::max<std::int64_t>(0, world.frame - 1)));
     const core::MotionField after = scene::motion_between(visible, world, film.snapshot(world.frame + 1));
-    image::write_layers(folder / fmt::format("frame_{:04}.exr", world.frame), visible, radiance, &before, &after);
+    image::write_layers(folder / fmt::format("frame_{:04}.exr", world.frame), visible, radiance, &before, &after,
+                        film.format.pixel_aspect);
 }
 
 /// One chunk in the making: frames come one after the other.
@@ -169,6 +170,7 @@ encoder::PictureFacts facts_of(const Production& film, const scene::Snapshot& wo
     encoder::PictureFacts facts;
     facts.cut_before = world.cut_before;
     facts.frames_left = frames_left(film, world.frame, chunk.last);
+    facts.keyframe = film.keyframes.begins_at(world.frame);
     return facts;
 }
 

@@ -56,6 +56,27 @@ CouplingSettings coupling_settings(const RenderOptions& options, const Tolerance
     return settings;
 }
 
+/// What the command line and the scene say of the pictures' shape.
+ShapeWishes wishes_of(const RenderOptions& options, const scene::Animation& animation) {
+    ShapeWishes wishes = shape_wishes(options.coding);
+    if (options.size) wishes.size = size_from(*options.size);
+    if (options.rate) wishes.rate = core::frame_rate_from(*options.rate);
+    wishes.source = animation.source;
+    if (animation.size) wishes.source_size = Size{animation.size->x, animation.size->y};
+    if (animation.frame_rate) wishes.source_rate = core::frame_rate_from(*animation.frame_rate);
+    wishes.source_display_aspect = animation.display_aspect;
+
+    // A preset chooses the shape that is nearest to what the scene was framed in, as its size or its camera tell.
+    if (options.coding.preset && !wishes.source_display_aspect) {
+        const float framed = animation.cameras.front().aspect;
+        if (animation.size)
+            wishes.source_display_aspect = core::Rational{animation.size->x, animation.size->y};
+        else if (std::isfinite(framed) && framed > 0.01f && framed < 100)
+            wishes.source_display_aspect = core::Rational{std::lround(framed * 1000), 1000};
+    }
+    return wishes;
+}
+
 std::optional<float> exposure_of(const RenderOptions& options, const scene::Animation& animation) {
     if (options.exposure != "auto") return static_cast<float>(std::atof(options.exposure.c_str()));
     return animation.exposure;
@@ -81,7 +102,10 @@ Production prepare(const RenderOptions& options) {
     // Read the scene.
     auto loaded = std::make_shared<scene::Animation>(
         scene::load(options.input, {options.camera, options.animation, options.sky}));
-    film.rate = core::frame_rate_from(options.rate.value_or(loaded->frame_rate.value_or("25")));
+    const Preset* preset = preset_of(options.coding);
+    if (preset != nullptr) preset->check_output(options.output);
+    const Shape shape = settle_shape(wishes_of(options, *loaded), preset, film.kind == OutputKind::film);
+    film.rate = shape.rate;
     if (loaded->frame_rate) change_rate(*loaded, core::frame_rate_from(*loaded->frame_rate), film.rate);
     const std::shared_ptr<const scene::Animation> animation = loaded;
     film.animation = animation;
@@ -91,14 +115,14 @@ Production prepare(const RenderOptions& options) {
 
     // Fill the gaps: the command line wins over the animation file, which wins over our defaults.
     film.frames = options.frames ? frames_from(*options.frames) : frames_of(*animation, film.rate);
-    const Size size = options.size      ? size_from(*options.size)
-                      : animation->size ? Size{animation->size->x, animation->size->y}
-                                        : Size{512, 512};
-    film.format = {size.width, size.height, 1.0f};
+    film.pixel_aspect = shape.pixel_aspect;
+    film.format = {shape.size.width, shape.size.height, static_cast<float>(shape.pixel_aspect.value())};
     film.rendering = rendering_settings(options, film.format);
     film.exposure = exposure_of(options, *animation);
 
-    film.coding = coding_settings(options.coding, size, film.rate);
+    film.coding = coding_settings(options.coding, shape, film.frames.first);
+    film.keyframes = keyframes_of(options.coding);
+    film.disc = preset != nullptr && preset->disc;
     if (film.kind == OutputKind::film) encoder::check(film.coding);
 
     // Decide what runs.

@@ -29,6 +29,9 @@ struct Production {
     renderer::Settings rendering;
     renderer::Plan plan{{}};
     encoder::Settings coding;
+    Keyframes keyframes;
+    bool disc = false;                  ///< program streams are a DVD's
+    core::Rational pixel_aspect{1, 1};  ///< width by height of a pixel, as in `format`
     ToleranceRequest tolerance;
     CouplingSettings coupling;  ///< where the tolerance is coupled
     OutputKind kind = OutputKind::film;
@@ -39,7 +42,7 @@ struct Production {
         return scene::snapshot_at(*animation, frame, core::time_of(frame, rate), format);
     }
     core::ToleranceMap tolerance_map() const;
-    Film film() const { return {animation->source, frames, coding, core::name_of(rendering.isa)}; }
+    Film film() const { return {animation->source, frames, coding, keyframes, disc, core::name_of(rendering.isa)}; }
 };
 
 /// Loads the scene and settles every setting. Throws core::Error for all that cannot be rendered or coded.

@@ -10,7 +10,7 @@ namespace {
 class Y4mSink : public Sink {
   public:
     Y4mSink(const Production& film, const std::filesystem::path& output)
-        : writer_(output, film.format.width, film.format.height, film.rate) {}
+        : writer_(output, film.format.width, film.format.height, film.rate, film.pixel_aspect) {}
     void write(const core::Radiance&, const core::Picture& picture) override { writer_.write(picture); }
     void finish() override { writer_.finish(); }
 
@@ -21,33 +21,38 @@ class Y4mSink : public Sink {
 /// Scene-linear half floats, alpha 1: what compositors expect under the plain names R, G, B, A.
 class ExrSink : public Sink {
   public:
-    explicit ExrSink(const std::filesystem::path& pattern) : pattern_(pattern) {}
+    ExrSink(const Production& film, const std::filesystem::path& pattern)
+        : pattern_(pattern), pixel_aspect_(film.format.pixel_aspect) {}
     void write(const core::Radiance& radiance, const core::Picture& picture) override {
         const auto& pixels = radiance.combined;
         std::vector<image::Channel> channels{{"R", {}, true}, {"G", {}, true}, {"B", {}, true}};
         for (int c = 0; c < 3; ++c)
             for (const glm::vec3& pixel : pixels.values()) channels[c].values.push_back(pixel[c]);
         channels.push_back({"A", std::vector<float>(pixels.size(), 1.0f), true});
-        image::write_exr(numbered(pattern_, picture.number), pixels.width(), pixels.height(), channels);
+        image::write_exr(numbered(pattern_, picture.number), pixels.width(), pixels.height(), channels, pixel_aspect_);
     }
 
   private:
     std::filesystem::path pattern_;
+    float pixel_aspect_;
 };
 
 /// Display-referred 8-bit RGB, as the film would be shown.
 class PngSink : public Sink {
   public:
     PngSink(const Production& film, const std::filesystem::path& pattern)
-        : display_(film.exposure.value_or(0), perceptual::matrix_for(film.format.height)), pattern_(pattern) {}
+        : display_(film.exposure.value_or(0), perceptual::matrix_for(film.format.height)),
+          pattern_(pattern),
+          pixel_aspect_(film.format.pixel_aspect) {}
     void write(const core::Radiance& radiance, const core::Picture& picture) override {
         image::write_png(numbered(pattern_, picture.number), picture.width(), picture.height(),
-                         display_.develop_rgb(radiance));
+                         display_.develop_rgb(radiance), pixel_aspect_);
     }
 
   private:
     perceptual::Display display_;
     std::filesystem::path pattern_;
+    float pixel_aspect_;
 };
 
 }  // namespace
@@ -57,7 +62,7 @@ std::unique_ptr<Sink> make_sink(const Production& film, const std::filesystem::p
         case OutputKind::y4m:
             return std::make_unique<Y4mSink>(film, output);
         case OutputKind::exr:
-            return std::make_unique<ExrSink>(output);
+            return std::make_unique<ExrSink>(film, output);
         case OutputKind::png:
             return std::make_unique<PngSink>(film, output);
         case OutputKind::film:

@@ -172,9 +172,6 @@ core::MotionField VectorLayers::between(std::int64_t picture, std::int64_t refer
 }
 
 const FrameMotion& VectorLayers::frame(std::int64_t number) {
-    // chosen: as many as lie between two references and their B pictures (Settings::b_pictures is at most 3), on both
-    // sides; a file is then read once.
-    constexpr std::int64_t reach = 5;
     const auto known = read_.find(number);
     if (known != read_.end()) return known->second;
     std::erase_if(read_, [&](const auto& entry) { return std::abs(entry.first - number) > reach; });

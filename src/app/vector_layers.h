@@ -31,6 +31,10 @@ class VectorLayers {
     /// the first of them has no motion.
     void check(std::int64_t first, std::int64_t last);
 
+    /// Frames over which a way is put together without reading a file twice. chosen: the usual GOP of 15 and its
+    /// neighbour; more would take more than 18 MB of memory per frame at 1280x720.
+    static constexpr std::int64_t reach = 16;
+
     /// Reads what it needs of the frames from `picture` to `reference`, which differ. Throws core::Error.
     core::MotionField between(std::int64_t picture, std::int64_t reference);
 

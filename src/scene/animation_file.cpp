@@ -30,7 +30,7 @@ Animation base_scene(const JsonValue& value, const fs::path& folder, const LoadO
     return load_as_is(file, options);
 }
 
-/// Frame rate, range, exposure, size and shape.
+/// Frame rate, range and exposure.
 FilmClock read_format(const JsonValue& value, Animation& film) {
     FilmClock clock;
     film.frame_rate = "25";  // what FilmClock begins with
@@ -80,6 +80,10 @@ FilmClock read_format(const JsonValue& value, Animation& film) {
         else if (exposure->text() != "auto")
             exposure->fail("is a number (EV) or \"auto\"");
     }
+    return clock;
+}
+
+void read_shape(const JsonValue& value, Animation& film) {
     if (const auto size = value.find("size")) {
         const std::vector<JsonValue> v = size->list(2, 2);
         film.size = glm::ivec2(v[0].integer(1, 16384), v[1].integer(1, 16384));
@@ -91,7 +95,6 @@ FilmClock read_format(const JsonValue& value, Animation& film) {
             aspect->fail(e.what());
         }
     }
-    return clock;
 }
 
 }  // namespace
@@ -109,6 +112,7 @@ Animation load_animation_file(const fs::path& given, const LoadOptions& options)
     Animation film = base_scene(value, folder, options);
     film.source = file.string();
     const FilmClock clock = read_format(value, film);
+    read_shape(value, film);
     Looks looks(film, folder, clock);
     Things things(film, looks, clock);
     read_cameras(value, film, clock);

@@ -37,8 +37,8 @@ constexpr std::int64_t pack_bytes = 2048;
 /// enough that the largest picture comes within one picture's time, so that no buffer ever runs dry. libavformat
 /// advances the clock by whole ticks of 90 kHz per pack, cutting off fractions: take the next rate above for which
 /// there are none.
-int program_rate(const SequenceFacts& facts, const core::FrameRate& rate) {
-    const double largest = static_cast<double>(facts.largest_picture) * 8 * rate.hertz.value();
+int program_rate(const SequenceFacts& facts) {
+    const double largest = static_cast<double>(facts.largest_picture) * 8 * facts.rate.hertz.value();
     const double needed = 1.05 * std::max(static_cast<double>(facts.bit_rate), largest) + 10000;
     constexpr std::int64_t unit = 50;  // program_mux_rate counts 50 bytes per second, in 22 bits [H222, 2.5.3.4]
     constexpr std::int64_t product = pack_bytes * 90000 / unit;  // of a rate in these units and a pack's ticks
@@ -47,8 +47,11 @@ int program_rate(const SequenceFacts& facts, const core::FrameRate& rate) {
     return static_cast<int>(product / ticks * 8 * unit);
 }
 
-/// Seconds from picture to picture.
-AVRational tick_of(const core::FrameRate& rate) {
+/// A DVD's sectors come at 10.08 Mb/s, whatever is in them; its video may take 9.8 of them. [DVDVideo]
+constexpr int dvd_program_rate = 10'080'000;
+
+/// Seconds from frame to frame at the declared rate.
+AVRational frame_of(const core::FrameRate& rate) {
     return {static_cast<int>(rate.hertz.den), static_cast<int>(rate.hertz.num)};
 }
 
@@ -56,7 +59,11 @@ class File final : public Container {
   public:
     File(const std::filesystem::path& file, const char* format, const encoder::Settings& settings,
          const SequenceFacts& facts)
-        : file_(file.string()), is_program_(std::strcmp(format, "vob") == 0), tick_(tick_of(settings.rate)) {
+        : file_(file.string()),
+          is_plain_program_(std::strcmp(format, "vob") == 0),
+          is_dvd_(std::strcmp(format, "dvd") == 0),
+          frame_(frame_of(facts.rate)),
+          field_(av_mul_q(frame_, {1, 2})) {
         const Messages messages;
         AVFormatContext* context = nullptr;
         check(avformat_alloc_output_context2(&context, nullptr, format, file_.c_str()), messages);
@@ -70,26 +77,25 @@ class File final : public Container {
         describe_stream(settings, facts, messages);
 
         AVDictionary* options = nullptr;
-        if (std::strcmp(format, "vob") == 0)
-            av_dict_set_int(&options, "muxrate", program_rate(facts, settings.rate), 0);
+        if (is_dvd_ || is_plain_program_)
+            av_dict_set_int(&options, "muxrate", is_dvd_ ? dvd_program_rate : program_rate(facts), 0);
         check(avio_open(&context->pb, ("file:" + file_).c_str(), AVIO_FLAG_WRITE), messages);
         const int result = avformat_write_header(context, &options);
         av_dict_free(&options);
         check(result, messages);
     }
 
-    void write(std::span<const std::uint8_t> bytes, std::int64_t presentation, std::int64_t decoding,
-               bool random_access) override {
+    void write(std::span<const std::uint8_t> bytes, const Times& times, bool random_access) override {
         const Messages messages;
         EXPECTS(context_->pb != nullptr && bytes.size() < std::numeric_limits<int>::max());
         check(av_new_packet(packet_.get(), static_cast<int>(bytes.size())), messages);
         std::copy(bytes.begin(), bytes.end(), packet_->data);
-        packet_->pts = presentation;
-        packet_->dts = decoding;
-        packet_->duration = 1;
+        packet_->pts = times.presentation;
+        packet_->dts = times.decoding;
+        packet_->duration = times.duration;
         packet_->flags = random_access ? AV_PKT_FLAG_KEY : 0;
         packet_->stream_index = 0;
-        av_packet_rescale_ts(packet_.get(), tick_, context_->streams[0]->time_base);
+        av_packet_rescale_ts(packet_.get(), field_, context_->streams[0]->time_base);
         check(av_interleaved_write_frame(context_.get(), packet_.get()), messages);
         check(context_->pb->error, messages);
     }
@@ -98,8 +104,9 @@ class File final : public Container {
         const Messages messages;
         EXPECTS(context_->pb != nullptr);
         check(av_write_trailer(context_.get()), messages);
-        // libavformat leaves out what ends a program stream [H222, 2.5.3.2: MPEG_program_end_code].
-        if (is_program_) avio_wb32(context_->pb, 0x000001b9);
+        // libavformat leaves out what ends a program stream [H222, 2.5.3.2: MPEG_program_end_code]. A DVD's ends with
+        // its last sector.
+        if (is_plain_program_) avio_wb32(context_->pb, 0x000001b9);
         avio_flush(context_->pb);
         const int error = context_->pb->error;
         const int closed = avio_closep(&context_->pb);
@@ -122,8 +129,8 @@ class File final : public Container {
     void describe_stream(const encoder::Settings& settings, const SequenceFacts& facts, const Messages& messages) {
         AVStream* stream = avformat_new_stream(context_.get(), nullptr);
         if (stream == nullptr || !packet_) check(AVERROR(ENOMEM), messages);
-        stream->time_base = tick_;
-        stream->avg_frame_rate = stream->r_frame_rate = av_inv_q(tick_);
+        stream->time_base = field_;
+        stream->avg_frame_rate = stream->r_frame_rate = av_inv_q(frame_);
         stream->sample_aspect_ratio = pixel_aspect(facts);
 
         AVCodecParameters& codec = *stream->codecpar;
@@ -150,14 +157,16 @@ class File final : public Container {
     }
 
     /// The decoder's buffer: the stream's own, but never less than two of the largest pictures, one that is being
-    /// decoded and one that comes in.
+    /// decoded and one that comes in. A DVD player's is fixed: its films must fit.
     void describe_buffer(AVStream& stream, const SequenceFacts& facts, const Messages& messages) {
         std::size_t size = 0;
         AVCPBProperties* buffer = av_cpb_properties_alloc(&size);
         if (buffer == nullptr) check(AVERROR(ENOMEM), messages);
         buffer->max_bitrate = facts.bit_rate;
         // A program stream counts it in 1024 bytes, and libavformat cuts off the rest.
-        const std::int64_t bits = std::max(facts.buffer_bits, static_cast<std::int64_t>(facts.largest_picture) * 16);
+        const std::int64_t bits =
+            is_dvd_ ? facts.buffer_bits
+                    : std::max(facts.buffer_bits, static_cast<std::int64_t>(facts.largest_picture) * 16);
         buffer->buffer_size = (bits + 8191) / 8192 * 8192;
         buffer->vbv_delay = std::numeric_limits<std::uint64_t>::max();
         const int result =
@@ -167,8 +176,8 @@ class File final : public Container {
     }
 
     std::string file_;
-    bool is_program_;
-    AVRational tick_;
+    bool is_plain_program_, is_dvd_;
+    AVRational frame_, field_;  ///< seconds
     std::unique_ptr<AVFormatContext, Closed> context_;
     Packet packet_{av_packet_alloc()};
 };

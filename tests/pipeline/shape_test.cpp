@@ -1,0 +1,196 @@
+#include "app/shape.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "app/film.h"
+#include "app/keyframes.h"
+#include "core/error.h"
+#include "encoder/cadence.h"
+#include "support/program.h"
+
+/// Sizes, rates and shapes of films, with and without a preset.
+namespace render2mpeg::app {
+namespace {
+
+ShapeWishes scene(std::optional<Size> size, const char* rate, std::optional<core::Rational> shown = {}) {
+    ShapeWishes wishes;
+    wishes.source = "scene";
+    wishes.source_size = size;
+    if (rate != nullptr) wishes.source_rate = core::frame_rate_from(rate);
+    wishes.source_display_aspect = shown;
+    return wishes;
+}
+
+ShapeWishes frames(Size size, const char* rate, std::optional<core::Rational> shown = {}) {
+    ShapeWishes wishes = scene(size, rate, shown);
+    wishes.source = "frames.y4m";
+    wishes.finished = true;
+    return wishes;
+}
+
+void expect_refused(const ShapeWishes& wishes, const char* preset, std::initializer_list<const char*> words) {
+    try {
+        settle_shape(wishes, preset != nullptr ? &preset_from(preset) : nullptr, true);
+        FAIL() << "not refused: " << *words.begin();
+    } catch (const core::Error& error) {
+        const std::string line = error.what();
+        for (const char* word : words) EXPECT_NE(line.find(word), std::string::npos) << line << " lacks " << word;
+        EXPECT_EQ(line.find('\n'), std::string::npos);
+    }
+}
+
+TEST(Shape, WithoutAPresetPixelsAreSquareUnlessSomebodySaysOtherwise) {
+    const Shape plain = settle_shape(scene({}, nullptr), nullptr, true);
+    EXPECT_EQ(plain.size.width, 512);
+    EXPECT_EQ(plain.rate.code, 3);
+    EXPECT_EQ(plain.pixel_aspect, (core::Rational{1, 1}));
+    EXPECT_EQ(plain.aspect_ratio_code, 1);
+
+    ShapeWishes wishes = scene(Size{720, 576}, "25");
+    wishes.display_aspect = core::Rational{16, 9};
+    EXPECT_EQ(settle_shape(wishes, nullptr, true).pixel_aspect, (core::Rational{64, 45}));
+    EXPECT_EQ(settle_shape(wishes, nullptr, true).aspect_ratio_code, 3);
+    wishes = scene(Size{720, 480}, "30", core::Rational{4, 3});
+    EXPECT_EQ(settle_shape(wishes, nullptr, true).pixel_aspect, (core::Rational{8, 9}));
+    EXPECT_EQ(settle_shape(wishes, nullptr, true).aspect_ratio_code, 2);
+    // The command line wins over the file; broadcasting's 12:11 is 4:3 on 704 of the 720 columns.
+    wishes.pixel_aspect = core::Rational{12, 11};
+    wishes.size = Size{704, 576};
+    EXPECT_EQ(settle_shape(wishes, nullptr, true).pixel_aspect, (core::Rational{12, 11}));
+    EXPECT_EQ(settle_shape(wishes, nullptr, true).aspect_ratio_code, 2);
+}
+
+TEST(Shape, AFilmHasOneOfMpeg2sShapesAndOtherOutputsAnyOne) {
+    ShapeWishes wishes = scene(Size{720, 576}, "25");
+    wishes.display_aspect = core::Rational{239, 100};
+    expect_refused(wishes, nullptr, {"720x576", "2.390", "16:9", "2.21:1"});
+    const Shape frames = settle_shape(wishes, nullptr, false);
+    EXPECT_NEAR(frames.pixel_aspect.value() * 720 / 576, 2.39, 1e-12);
+}
+
+TEST(Shape, APresetTakesTheNearestOfItsRatesAndShapesForAScene) {
+    const auto settled = [](const char* preset, const ShapeWishes& wishes) {
+        return settle_shape(wishes, &preset_from(preset), true);
+    };
+    const Shape pal = settled("dvd-pal", scene(Size{1280, 720}, "60", core::Rational{1280, 720}));
+    EXPECT_EQ(pal.size.width, 720);
+    EXPECT_EQ(pal.size.height, 576);
+    EXPECT_EQ(pal.rate.code, 3);
+    EXPECT_EQ(pal.aspect_ratio_code, 3);
+    EXPECT_EQ(pal.pixel_aspect, (core::Rational{64, 45}));
+    EXPECT_EQ(settled("dvd-pal", scene(Size{512, 512}, "25", core::Rational{1, 1})).aspect_ratio_code, 2);
+    EXPECT_EQ(settled("dvd-ntsc", scene({}, "24")).rate.code, 1);
+    EXPECT_EQ(settled("dvd-ntsc", scene({}, "25")).rate.code, 1);
+    EXPECT_EQ(settled("dvd-ntsc", scene({}, "30")).rate.code, 4);
+    EXPECT_EQ(settled("dvd-ntsc", scene({}, "60")).rate.code, 4);
+    EXPECT_EQ(settled("dvd-ntsc", scene({}, "25")).aspect_ratio_code, 3);
+    const Shape hd = settled("atsc", scene({}, "60"));
+    EXPECT_EQ(hd.size.height, 720);
+    EXPECT_EQ(hd.rate.code, 8);
+    EXPECT_EQ(hd.pixel_aspect, (core::Rational{1, 1}));
+    EXPECT_EQ(hd.aspect_ratio_code, 3);
+    ShapeWishes full = scene({}, "60");
+    full.size = Size{1920, 1080};
+    EXPECT_EQ(settled("atsc", full).rate.code, 5) << "no 60 pictures of this size";
+    full.size = Size{704, 480};
+    full.display_aspect = core::Rational{4, 3};
+    EXPECT_EQ(settled("atsc", full).pixel_aspect, (core::Rational{10, 11}));
+}
+
+TEST(Shape, WhatContradictsAPresetIsRefusedByOneLineThatNamesBoth) {
+    ShapeWishes wishes = scene({}, "25");
+    wishes.size = Size{640, 480};
+    expect_refused(wishes, "dvd-pal", {"--size 640x480", "--for dvd-pal", "720x576"});
+    wishes = scene({}, "25");
+    wishes.rate = core::frame_rate_from("25");
+    expect_refused(wishes, "dvd-ntsc", {"--fps 25", "--for dvd-ntsc", "23.976", "29.97"});
+    wishes = scene({}, "25");
+    wishes.display_aspect = core::Rational{221, 100};
+    expect_refused(wishes, "dvd-pal", {"--display-aspect 2.21:1", "--for dvd-pal", "16:9 and 4:3"});
+    wishes = scene({}, "25");
+    wishes.pixel_aspect = core::Rational{1, 1};
+    expect_refused(wishes, "dvd-pal", {"--pixel-aspect 1:1", "--for dvd-pal", "--display-aspect"});
+    // Finished frames are as they are.
+    expect_refused(frames({512, 512}, "25"), "dvd-pal", {"frames.y4m", "512x512", "--for dvd-pal"});
+    expect_refused(frames({720, 576}, "24", core::Rational{16, 9}), "dvd-pal", {"frames.y4m", "24", "--for dvd-pal"});
+    expect_refused(frames({720, 576}, "25"), "dvd-pal", {"frames.y4m", "--for dvd-pal", "--display-aspect"});
+    expect_refused(frames({720, 576}, "25", core::Rational{5, 4}), "dvd-pal", {"5:4", "--for dvd-pal"});
+    EXPECT_EQ(
+        settle_shape(frames({720, 576}, "25", core::Rational{4, 3}), &preset_from("dvd-pal"), true).aspect_ratio_code,
+        2);
+    EXPECT_EQ(settle_shape(frames({1280, 720}, nullptr), &preset_from("atsc"), true).aspect_ratio_code, 3);
+}
+
+TEST(Preset, GopsStayWithinTheirFields) {
+    CodingOptions options;
+    const auto coding = [&](const char* preset, const char* rate) {
+        options.preset = preset;
+        ShapeWishes wishes = scene({}, rate);
+        const encoder::Settings s = coding_settings(options, settle_shape(wishes, &preset_from(preset), true), 0);
+        EXPECT_NO_THROW(encoder::check(s));
+        return s;
+    };
+    const encoder::Settings film = coding("dvd-ntsc", "23.976"), video = coding("dvd-ntsc", "29.97"),
+                            pal = coding("dvd-pal", "25"), hd = coding("atsc", "59.94");
+    EXPECT_EQ(film.cadence, encoder::Cadence::pulldown);
+    EXPECT_EQ(film.gop, 12);
+    EXPECT_EQ(video.cadence, encoder::Cadence::fields);
+    EXPECT_EQ(video.gop, 18);
+    EXPECT_EQ(pal.gop, 15);
+    EXPECT_EQ(hd.cadence, encoder::Cadence::frames);
+    EXPECT_EQ(hd.gop, 30);
+    for (const encoder::Settings& s : {film, video, pal})
+        EXPECT_LE(encoder::fields_before(s.cadence, s.gop), s.height == 480 ? 36 : 30);
+    EXPECT_EQ(film.rate_control.max_rate, 9'000'000);
+    EXPECT_EQ(pal.rate_control.buffer_bits, 1'835'008);
+    EXPECT_LE(hd.rate_control.buffer_bits, 7'995'392);
+
+    options.gop = 14;
+    EXPECT_EQ(coding("dvd-ntsc", "23.976").gop, 14);
+    options.gop = 15;
+    EXPECT_THROW(coding("dvd-ntsc", "23.976"), core::Error);
+    options.gop = 60;
+    EXPECT_EQ(coding("atsc", "60").gop, 60);
+    options.gop.reset();
+    options.b_pictures = 3;
+    EXPECT_THROW(coding("dvd-pal", "25"), core::Error);
+    EXPECT_EQ(coding("atsc", "60").b_pictures, 3);
+}
+
+TEST(Preset, TakesTheContainersOfItsWorld) {
+    for (const char* good : {"a.mpg", "a.VOB", "a.m2v", "a.y4m", "f.%04d.exr", ""})
+        EXPECT_NO_THROW(preset_from("dvd-pal").check_output(good)) << good;
+    for (const char* bad : {"a.ts", "a.mkv", "a.mp4"})
+        EXPECT_THROW(preset_from("dvd-pal").check_output(bad), core::Error) << bad;
+    EXPECT_NO_THROW(preset_from("atsc").check_output("a.ts"));
+    EXPECT_THROW(preset_from("atsc").check_output("a.mpg"), core::Error);
+    EXPECT_THROW(preset_from("vcd"), core::Error);
+}
+
+TEST(Keyframes, AreReadFromListsAndFiles) {
+    using Frames = std::vector<std::int64_t>;
+    EXPECT_EQ(keyframes_from("48,0,96,48").frames, (Frames{0, 48, 96}));
+    EXPECT_EQ(keyframes_from("7").frames, Frames{7});
+    const support::Folder folder;
+    std::ofstream(folder / "k.txt") << "# chapters\n0 48,\n  96 # the door opens\n\n120";
+    EXPECT_EQ(keyframes_from((folder / "k.txt").string()).frames, (Frames{0, 48, 96, 120}));
+    std::ofstream(folder / "bad.txt") << "0 48 x96";
+    for (const std::string& wrong : {std::string("1,-2"), std::string("99999999999"), std::string("no such file"),
+                                     std::string(""), (folder / "bad.txt").string()})
+        EXPECT_THROW(keyframes_from(wrong), core::Error) << wrong;
+}
+
+TEST(Keyframes, EndWhatIsPromised) {
+    const Keyframes keyframes{{4, 5, 9}};
+    const std::vector<std::int64_t> left{3, 2, 1, 0, 0, 3, 2, 1, 0, 2, 1, 0};
+    for (std::int64_t n = 0; n < 12; ++n) {
+        EXPECT_EQ(keyframes.frames_left(n, 11 - n), left[static_cast<std::size_t>(n)]) << n;
+        EXPECT_EQ(keyframes.begins_at(n), n == 4 || n == 5 || n == 9);
+    }
+    EXPECT_EQ(Keyframes{}.frames_left(3, 8), 8);
+}
+
+}  // namespace
+}  // namespace render2mpeg::app
