@@ -61,6 +61,7 @@ class ImageFrames : public FrameSource {
                 throw core::Error("reading", numbered(pattern_, n).string(), "no such file");
         const image::Image first = read_image(frames_.first);
         size_ = {first.pixels.width(), first.pixels.height()};
+        if (first.pixel_aspect > 0.001f && first.pixel_aspect < 1000) pixel_aspect_ = first.pixel_aspect;
         if (exposure && !first.high_range)
             throw core::Error("exposure: the frames of " + pattern.string() +
                               " are as a display shows them; only scene-linear ones (EXR) are exposed");
@@ -68,6 +69,11 @@ class ImageFrames : public FrameSource {
     Size size() const override { return size_; }
     FrameRange frames() const override { return frames_; }
     std::uint64_t non_finite() const override { return non_finite_; }
+    /// Square pixels are what files say that know of no other.
+    std::optional<core::Rational> pixel_aspect() const override {
+        if (pixel_aspect_ == 1) return {};
+        return core::product({std::lround(10000 * pixel_aspect_), 10000}, {1, 1});
+    }
 
     core::Picture read(std::int64_t frame) override {
         const image::Image image = read_image(frame);
@@ -110,6 +116,7 @@ class ImageFrames : public FrameSource {
     FrameRange frames_;
     float exposure_;
     Size size_;
+    float pixel_aspect_ = 1;
     std::uint64_t non_finite_ = 0;
 };
 

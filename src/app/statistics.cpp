@@ -65,6 +65,10 @@ json common_of(const Film& film, const Ledger& ledger, const RunFacts& facts) {
             {"width", coding.width},
             {"height", coding.height},
             {"fps", coding.rate.hertz.value()},
+            {"aspect_ratio_code", coding.aspect_ratio_code},
+            {"cadence", coding.cadence == encoder::Cadence::frames   ? "frames"
+                        : coding.cadence == encoder::Cadence::fields ? "fields"
+                                                                     : "pulldown"},
             {"fps_exact", {coding.rate.hertz.num, coding.rate.hertz.den}},
             {"frames", ledger.frames.size()},
             {"bytes", facts.bytes},

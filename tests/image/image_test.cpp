@@ -177,6 +177,7 @@ TEST(PixelAspect, StandsInTheFilesThatAreWritten) {
     for (const float aspect : {1.0f, 64.0f / 45.0f, 8.0f / 9.0f}) {
         write_exr(folder / "a.exr", 3, 2, channels, aspect);
         EXPECT_EQ(read_exr(folder / "a.exr", [](const std::string&) { return true; }).pixel_aspect, aspect);
+        EXPECT_EQ(read_image(folder / "a.exr", {}, "a.exr").pixel_aspect, aspect);
 
         // pHYs: pixels per unit along x and y, 4 bytes each; the unit 0 is none.
         write_png(folder / "a.png", 3, 2, rgb, aspect);

@@ -44,7 +44,9 @@ class Film {
         if (input == nullptr) refuse(AVERROR(ENOMEM));
         input->error_recognition = strictness;
         // The prefix keeps names with colons from being taken for network addresses. On failure `input` is freed.
-        if (const int r = avformat_open_input(&input, ("file:" + file_).c_str(), nullptr, nullptr); r < 0) refuse(r);
+        // A transport stream of a few small pictures is too short for libavformat to know it by its contents.
+        const AVInputFormat* format = file_.ends_with(".ts") ? av_find_input_format("mpegts") : nullptr;
+        if (const int r = avformat_open_input(&input, ("file:" + file_).c_str(), format, nullptr); r < 0) refuse(r);
         input_.reset(input);
         if (const int r = avformat_find_stream_info(input, nullptr); r < 0) refuse(r);
         stream_ = av_find_best_stream(input, AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);

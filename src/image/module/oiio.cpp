@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <limits>
 #include <new>
 
@@ -88,6 +89,10 @@ class OiioCodec final : public Codec {
         image.pixels = core::Plane<glm::vec4>(spec.width, spec.height);
         image.has_alpha = choice.channel[3] >= 0;
         image.high_range = spec.format.is_floating_point();
+        if (format == Format::exr) {
+            const float aspect = spec.get_float_attribute("PixelAspectRatio", 1.0f);
+            if (std::isfinite(aspect) && aspect > 0) image.pixel_aspect = aspect;
+        }
         read_channels(*input, choice, image.pixels, name);
         fill_in(choice, image.pixels);
         return image;
