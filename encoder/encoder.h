@@ -66,7 +66,8 @@ void check(const Settings& settings);
 /// What an earlier, cheaper pass over the film found right for a picture (encoder/allotment.h).
 struct Allotment {
     double quantiser = 4;  ///< 1..31, not yet rounded
-    double bits = 0;       ///< that the picture should come to
+    double bits = 0;       ///< that the picture should come to with it
+    double bits_left = 0;  ///< the same summed over this picture and all that follow it in its chunk, as displayed
 };
 
 /// What the renderer knows of a picture before anything is lit.
@@ -80,6 +81,7 @@ struct PictureFacts {
     /// Pictures that follow this one in its chunk: every chunk then begins with the same declared buffer fullness and
     /// leaves it to the next one. None: the buffer's state goes on over the chunk's end.
     std::optional<std::int64_t> left_in_chunk = {};
+    bool last_chunk = false;  ///< the film ends with this chunk: it leaves its buffer to none
     /// The eye's sensitivity to detail that moves as this picture does, relative to what stands still: 0..1, mean over
     /// the picture. `constant_quality` reads it; none: 1.
     std::optional<double> sensitivity = {};
@@ -124,10 +126,9 @@ struct CodedPicture {
     core::Picture reconstruction;     ///< what a decoder shows: cropped to the display size
     core::Plane<MacroblockRecord> macroblocks;
     std::uint64_t block_evaluations = 0;  ///< 16x16 differences computed to choose motion
-    bool exceeds_level = false;           ///< a decoder whose buffer has the level's size and fills at its rate starves
     int tries = 1;                        ///< codings until it fitted the buffer
     bool minimal = false;                 ///< not even the coarsest quantiser fitted: nothing but flat blocks, or skips
-    std::uint64_t stuffing_bytes = 0;     ///< zeros at the end of `bytes`: the buffer would have run over
+    std::uint64_t stuffing_bytes = 0;     ///< zeros in `bytes` that keep the buffer from running over
     std::int64_t fullness_before = 0;  ///< bits in the decoder's buffer when the picture is taken out, itself included
     std::int64_t fullness_after = 0;   ///< bits left then
 };
@@ -140,6 +141,7 @@ class Encoder {
     ~Encoder();
 
     /// Decides type, references and quantiser of the next picture in display order. `first_of_chunk` starts a GOP.
+    /// A cut or keyframe begins a GOP only where the rate affords an intra picture.
     /// Neither it nor a cut or keyframe may come among the pictures promised by an earlier `frames_left`.
     PicturePlan plan(std::int64_t number, const PictureFacts& facts, bool first_of_chunk);
 

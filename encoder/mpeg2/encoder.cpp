@@ -8,11 +8,12 @@
 #include "encoder/mpeg2/bit_writer.h"
 #include "encoder/mpeg2/candidates.h"
 #include "encoder/mpeg2/dependency.h"
+#include "encoder/mpeg2/fitting.h"
 #include "encoder/mpeg2/frame.h"
 #include "encoder/mpeg2/levels.h"
-#include "encoder/mpeg2/picture_coding.h"
+#include "encoder/mpeg2/rate_steering.h"
 #include "encoder/mpeg2/syntax.h"
-#include "encoder/mpeg2/tuning.h"
+#include "encoder/mpeg2/vbv_schedule.h"
 
 namespace render2mpeg::encoder {
 
@@ -32,20 +33,6 @@ struct Waiting {
     mpeg2::Frame source;
     std::vector<core::Plane<mpeg2::Candidates>> exact;  ///< per reference of the plan, or empty
 };
-
-int macroblocks(int size) {
-    return (size + 15) / 16;
-}
-
-/// Fields are whole macroblocks too [H262, 6.3.3: mb_height].
-int macroblock_rows(const Settings& s) {
-    return s.cadence == Cadence::frames ? macroblocks(s.height) : 2 * ((s.height + 31) / 32);
-}
-
-int quantiser_of(PictureType type, int quantiser) {
-    if (type != PictureType::bidirectional) return quantiser;
-    return std::min(31, static_cast<int>(std::lround(mpeg2::quantiser_ratio_bidirectional * quantiser)));
-}
 
 /// The reference's vectors as a guess for motion over other distances in time: half pixels times `distance`, per
 /// picture of theirs.
@@ -68,12 +55,18 @@ struct Encoder::Impl {
     explicit Impl(const Settings& s)
         : settings(s),
           level(mpeg2::level_for(s)),
-          watch(level, s.rate),
-          source(macroblocks(s.width), macroblock_rows(s)) {}
+          channel(mpeg2::channel_for(s, level)),
+          minimal(mpeg2::minimal_bits(s, level)),
+          schedule(s, channel, minimal),
+          steering(s, channel, minimal),
+          source((s.width + 15) / 16, mpeg2::macroblock_rows(s)) {}
 
     const Settings settings;
     const mpeg2::Level& level;
-    mpeg2::BufferWatch watch;
+    const mpeg2::Channel channel;
+    const mpeg2::MinimalBits minimal;
+    mpeg2::VbvSchedule schedule;
+    mpeg2::RateSteering steering;
     mpeg2::Frame source;  ///< the picture being coded; kept for its memory
 
     // What plan() has decided so far; it may run ahead of push().
@@ -159,17 +152,31 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
         predictors[i] = stretched(*later, plan.references[i] - plan.number);
         task.predictors[i] = &predictors[i];
     }
-    mpeg2::PictureResult result = mpeg2::code_picture(task, level);
+    mpeg2::BitWriter headers;
+    write_headers(headers, plan);
+
+    // Code it within what the buffer holds.
+    task.quantiser = steering.settle(plan, schedule);
+    const auto header_bits = static_cast<std::int64_t>(headers.bit_count());
+    mpeg2::Fitted fitted = mpeg2::code_within(task, level, schedule.most_bits() - header_bits);
+    mpeg2::PictureResult& result = fitted.picture;
+    const std::int64_t bits = header_bits + 8 * static_cast<std::int64_t>(result.bytes.size());
+    const mpeg2::Removal removal = schedule.take(bits, header_bits + mpeg2::start_code_bits);
+    steering.record(plan, fitted.quantiser, bits, bits + 8 * removal.stuffing_bytes);
+    mpeg2::set_vbv_delay(result.bytes, removal.delay);
+    mpeg2::stuff(result.bytes, static_cast<std::size_t>(removal.stuffing_bytes));
 
     CodedPicture coded;
     coded.plan = plan;
-    coded.quantiser = plan.quantiser;
+    coded.quantiser = fitted.quantiser;
+    coded.tries = fitted.tries;
+    coded.minimal = fitted.minimal;
+    coded.stuffing_bytes = static_cast<std::uint64_t>(removal.stuffing_bytes);
+    coded.fullness_before = removal.fullness_before;
+    coded.fullness_after = removal.fullness_after;
     coded.coding_order = coding_order++;
-    mpeg2::BitWriter headers;
-    write_headers(headers, plan);
     coded.bytes = headers.take();
     coded.bytes.insert(coded.bytes.end(), result.bytes.begin(), result.bytes.end());
-    coded.exceeds_level = !watch.remove(coded.bytes.size() * 8);
     coded.reconstruction = mpeg2::crop(result.reconstruction, settings.width, settings.height, plan.number);
     coded.macroblocks = std::move(result.records);
     coded.block_evaluations = result.evaluations;
@@ -186,7 +193,14 @@ void Encoder::Impl::code_waiting(std::vector<CodedPicture>& complete) {
     waiting.clear();
 }
 
-Encoder::Encoder(const Settings& settings) : impl_(std::make_unique<Impl>(settings)) {}
+void check(const Settings& settings) {
+    mpeg2::check_channel(settings, mpeg2::level_for(settings));
+}
+
+Encoder::Encoder(const Settings& settings) {
+    check(settings);
+    impl_ = std::make_unique<Impl>(settings);
+}
 Encoder::~Encoder() = default;
 
 PicturePlan Encoder::plan(std::int64_t number, const PictureFacts& facts, bool first_of_chunk) {
@@ -194,8 +208,8 @@ PicturePlan Encoder::plan(std::int64_t number, const PictureFacts& facts, bool f
     EXPECTS(number >= 0 && (!m.last_planned || first_of_chunk || number == *m.last_planned + 1));
     PicturePlan plan;
     plan.number = number;
-    plan.starts_gop = !m.last_planned || first_of_chunk || facts.cut_before || facts.keyframe ||
-                      number - m.planned_gop_start >= m.settings.gop;
+    plan.starts_gop = !m.last_planned || first_of_chunk || number - m.planned_gop_start >= m.settings.gop ||
+                      ((facts.cut_before || facts.keyframe) && m.schedule.affords_gop(number));
     if (plan.starts_gop) {
         // B pictures may have been promised this picture as their later reference, in their own GOP.
         EXPECTS(!m.last_planned || m.planned_later <= *m.last_planned);
@@ -213,7 +227,13 @@ PicturePlan Encoder::plan(std::int64_t number, const PictureFacts& facts, bool f
     }
     const std::int64_t horizon = std::min(number + facts.frames_left, m.planned_gop_start + m.settings.gop - 1);
     if (plan.type != PictureType::bidirectional && horizon > number) plan.horizon = horizon;
-    plan.quantiser = quantiser_of(plan.type, m.settings.quantiser);
+    first_of_chunk = first_of_chunk || !m.last_planned;
+    m.schedule.plan(number, plan.starts_gop, first_of_chunk, facts.left_in_chunk, facts.last_chunk);
+    if (first_of_chunk && !m.schedule.feasible())
+        throw core::Error("bit rate " + std::to_string(m.channel.bit_rate) + ": a chunk of " +
+                          std::to_string(facts.left_in_chunk.value_or(0) + 1) +
+                          " pictures cannot be coded so that the next one finds its buffer filled");
+    plan.quantiser = m.steering.plan(plan, facts, first_of_chunk, m.schedule);
     m.last_planned = number;
     return plan;
 }
@@ -254,7 +274,6 @@ std::vector<CodedPicture> Encoder::flush() {
     m.waiting.pop_back();
     last.plan.type = PictureType::predicted;
     last.plan.references.pop_back();
-    last.plan.quantiser = quantiser_of(PictureType::predicted, m.settings.quantiser);
     for (Waiting& w : m.waiting) w.plan.references[1] = last.plan.number;
     for (Waiting& w : m.waiting) w.exact.resize(std::min<std::size_t>(w.exact.size(), 1));
     last.exact.resize(std::min<std::size_t>(last.exact.size(), 1));

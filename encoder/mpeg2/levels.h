@@ -24,28 +24,29 @@ inline constexpr int vertical_f_code_limit = 5;
 /// All of them, the lowest first.
 std::span<const Level> all_levels();
 
-/// The lowest of Main, High-1440 and High level that allows size and rate. Throws core::Error, naming the limit, where
-/// none does or a setting is out of its range.
+/// The lowest of Main, High-1440 and High level that allows size, rates and buffer. Throws core::Error, naming the
+/// limit, where none does or a setting is out of its range.
 const Level& level_for(const Settings& settings);
+
+/// Macroblocks of a picture from top to bottom: where pictures are fields, each field has whole ones.
+/// [H262, 6.3.3: mb_height]
+int macroblock_rows(const Settings& settings);
+
+/// How a stream's bits come to a decoder: what its headers declare.
+struct Channel {
+    bool constant;              ///< the rate; else it is the highest one
+    std::int64_t bit_rate;      ///< bits per second, a multiple of 400 as the header counts
+    std::int64_t buffer_bits;   ///< a multiple of 16384 likewise
+    std::int64_t usable_bits;   ///< what is ever used of it: with a constant rate what vbv_delay can express
+    std::int64_t border_bits;   ///< fullness before the first picture of a chunk is taken out
+    std::int64_t average_rate;  ///< wanted; the highest where none is
+};
+
+/// The wanted rates and buffer, rounded down to what headers can say, or the level's.
+Channel channel_for(const Settings& settings, const Level& level);
 
 /// Bits that a 4:2:0 macroblock should not exceed. The standard lets two per row of macroblocks exceed it; we let none.
 /// [H262, 8.5]
 inline constexpr std::uint32_t macroblock_bits_limit = 4608;
-
-/// Whether pictures of these sizes can be decoded with a buffer of a level's size that fills at the level's rate
-/// whenever it is not full (vbv_delay 0xFFFF). [H262, annex C]
-class BufferWatch {
-  public:
-    BufferWatch(const Level& level, const core::FrameRate& rate);
-    /// Takes a picture out; false where it had not arrived whole. The buffer then goes on empty.
-    bool remove(std::uint64_t bits);
-    /// Bits held now, before the next picture is taken out.
-    double fullness() const { return fullness_; }
-
-  private:
-    double size_;
-    double per_picture_;
-    double fullness_;
-};
 
 }  // namespace render2mpeg::encoder::mpeg2

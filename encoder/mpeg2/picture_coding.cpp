@@ -68,7 +68,7 @@ core::Plane<std::uint8_t> quantisers_of(const PictureTask& task) {
 std::vector<RowCode> decide(const PictureTask& task, const Vectors& vectors, Frame& reconstruction) {
     PictureCoding picture{task.source,      {task.reference[0], task.reference[1]},
                           reconstruction,   task.type,
-                          {{1, 1}, {1, 1}}, lambda_factor(task.type),
+                          {{1, 1}, {1, 1}}, task.bit_weight * lambda_factor(task.type),
                           task.effort};
     for (std::size_t d = 0; d < 2; ++d) {
         Extent extent;

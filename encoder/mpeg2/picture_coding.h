@@ -26,6 +26,7 @@ struct PictureTask {
     ShownFields shown;
     /// What `quantiser` is multiplied by in each macroblock; null: 1.
     const core::Plane<float>* quantiser_factors = nullptr;
+    float bit_weight = 1;  ///< how much dearer bits are than tuning.h makes them
 };
 
 struct PictureResult {

@@ -7,8 +7,8 @@ namespace mpeg2 {
 namespace {
 
 // Start codes and extension identifiers. [H262, tables 6-1 and 6-2]
-constexpr std::uint8_t picture_start = 0x00, sequence_start = 0xb3, extension_start = 0xb5, sequence_end_code = 0xb7,
-                       gop_start = 0xb8;
+constexpr std::uint8_t picture_start = 0x00, first_slice_start = 0x01, sequence_start = 0xb3, extension_start = 0xb5,
+                       sequence_end_code = 0xb7, gop_start = 0xb8;
 constexpr std::uint32_t sequence_extension = 1, sequence_display_extension = 2, picture_coding_extension = 8;
 
 constexpr std::uint32_t main_profile = 4;
@@ -20,21 +20,21 @@ std::uint32_t low_bits(std::int64_t value, int count) {
     return static_cast<std::uint32_t>(value & ((std::int64_t{1} << count) - 1));
 }
 
-void write_sequence_header(BitWriter& out, const Settings& s, const Level& level) {
+void write_sequence_header(BitWriter& out, const Settings& s, const Channel& channel) {
     out.start_code(sequence_start);
     out.put(low_bits(s.width, 12), 12);
     out.put(low_bits(s.height, 12), 12);
     out.put(static_cast<std::uint32_t>(s.aspect_ratio_code), 4);
     out.put(static_cast<std::uint32_t>(declared_rate(s).code), 4);
-    out.put(low_bits(level.bit_rate / 400, 18), 18);
+    out.put(low_bits(channel.bit_rate / 400, 18), 18);
     out.put(1, 1);  // marker
-    out.put(low_bits(level.buffer_bits / 16384, 10), 10);
+    out.put(low_bits(channel.buffer_bits / 16384, 10), 10);
     out.put(0, 1);  // constrained_parameters_flag
     out.put(0, 1);  // load_intra_quantiser_matrix: the default one
     out.put(0, 1);  // load_non_intra_quantiser_matrix: the default one, flat 16
 }
 
-void write_sequence_extension(BitWriter& out, const Settings& s, const Level& level) {
+void write_sequence_extension(BitWriter& out, const Settings& s, const Level& level, const Channel& channel) {
     out.start_code(extension_start);
     out.put(sequence_extension, 4);
     out.put(main_profile << 4 | static_cast<std::uint32_t>(level.indication), 8);
@@ -42,9 +42,9 @@ void write_sequence_extension(BitWriter& out, const Settings& s, const Level& le
     out.put(chroma_420, 2);
     out.put(low_bits(s.width >> 12, 2), 2);
     out.put(low_bits(s.height >> 12, 2), 2);
-    out.put(low_bits((level.bit_rate / 400) >> 18, 12), 12);
+    out.put(low_bits((channel.bit_rate / 400) >> 18, 12), 12);
     out.put(1, 1);  // marker
-    out.put(low_bits((level.buffer_bits / 16384) >> 10, 8), 8);
+    out.put(low_bits((channel.buffer_bits / 16384) >> 10, 8), 8);
     out.put(0, 1);  // low_delay
     out.put(0, 2);  // frame_rate_extension_n
     out.put(0, 5);  // frame_rate_extension_d
@@ -69,8 +69,9 @@ void write_sequence_display_extension(BitWriter& out, const Settings& s) {
 }  // namespace
 
 void write_sequence(BitWriter& out, const Settings& settings, const Level& level) {
-    write_sequence_header(out, settings, level);
-    write_sequence_extension(out, settings, level);
+    const Channel channel = channel_for(settings, level);
+    write_sequence_header(out, settings, channel);
+    write_sequence_extension(out, settings, level, channel);
     write_sequence_display_extension(out, settings);
 }
 
@@ -120,6 +121,23 @@ void write_picture_header(BitWriter& out, const PictureHeader& h) {
     out.put(1, 1);                             // progressive_frame
     out.put(0, 1);                             // composite_display_flag
     out.align();
+}
+
+void set_vbv_delay(std::span<std::uint8_t> picture, int delay) {
+    // It follows the start code, temporal_reference and picture_coding_type: 32 + 10 + 3 bits.
+    constexpr std::size_t at = 5;
+    const auto value = static_cast<unsigned>(delay);
+    picture[at] = static_cast<std::uint8_t>((picture[at] & 0xf8) | value >> 13);
+    picture[at + 1] = static_cast<std::uint8_t>(value >> 5);
+    picture[at + 2] = static_cast<std::uint8_t>((picture[at + 2] & 0x07) | (value & 31) << 3);
+}
+
+void stuff(std::vector<std::uint8_t>& picture, std::size_t count) {
+    for (std::size_t at = 4; at + 3 < picture.size(); ++at)
+        if (picture[at] == 0 && picture[at + 1] == 0 && picture[at + 2] == 1 && picture[at + 3] == first_slice_start) {
+            picture.insert(picture.begin() + static_cast<std::ptrdiff_t>(at), count, std::uint8_t{0});
+            return;
+        }
 }
 
 void write_slice_header(BitWriter& out, int lines, int row, int quantiser) {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "encoder/cadence.h"
 #include "encoder/encoder.h"
@@ -10,7 +12,9 @@
 /// The layers above the macroblock. [H262, 6.2]
 namespace render2mpeg::encoder::mpeg2 {
 
-/// Sequence header, sequence extension and sequence display extension. Bit rate and buffer size are the level's maxima.
+inline constexpr int start_code_bits = 32;
+
+/// Sequence header, sequence extension and sequence display extension. Bit rate and buffer size are channel_for's.
 void write_sequence(BitWriter& out, const Settings& settings, const Level& level);
 
 /// Header of a closed GOP whose first picture in display order is `first_number`. The time code counts frames at the
@@ -29,6 +33,13 @@ struct PictureHeader {
     ShownFields shown;
 };
 void write_picture_header(BitWriter& out, const PictureHeader& header);
+
+/// Changes vbv_delay, 0..0xffff, of a picture whose bytes begin with its start code; it was written as 0xffff.
+void set_vbv_delay(std::span<std::uint8_t> picture, int delay);
+
+/// Adds `count` zero bytes before the first slice of such a picture. Zeros may stand before every start code
+/// [H262, 5.2.3]; behind a slice strict decoders take them for bits that are left over.
+void stuff(std::vector<std::uint8_t>& picture, std::size_t count);
 
 /// Start of the slice of macroblock row `row` in a picture of `lines` lines.
 void write_slice_header(BitWriter& out, int lines, int row, int quantiser);

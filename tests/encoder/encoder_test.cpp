@@ -177,18 +177,6 @@ TEST(Encoder, ACoarserQuantiserCostsFewerBitsAndMoreError) {
     }
 }
 
-TEST(Encoder, APictureTooLargeForTheLevelsBufferIsReported) {
-    // Main level: 1,835,008 bits of buffer, 600,000 more per picture at 25 Hz. Noise at quantiser 1 is up to 7.5 Mbit a
-    // picture.
-    const Settings fine = settings(720, 576, 1, 1);
-    const auto picture = [&](std::int64_t n) { return noise(720, 576, n, 5); };
-    const Film large = encode(fine, 1, picture);
-    EXPECT_GT(large.coded[0].bytes.size() * 8, 1'835'008u);
-    EXPECT_TRUE(large.coded[0].exceeds_level);
-    const Settings small = settings(64, 64, 1, 1);
-    EXPECT_FALSE(encode(small, 1, [&](std::int64_t n) { return noise(64, 64, n, 5); }).coded[0].exceeds_level);
-}
-
 TEST(Headers, SayWhatTheStreamIs) {
     Settings s = settings(720, 480, 4, 4, 4);
     s.aspect_ratio_code = 3;

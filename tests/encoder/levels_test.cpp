@@ -65,20 +65,6 @@ TEST(Levels, WhatNoneAllowsIsRefusedByNamingTheLimit) {
     EXPECT_EQ(refusal(settings(1920, 1080, 1, 1, 5)), "");
 }
 
-TEST(BufferWatch, StarvesWhenAPictureHasNotArrivedAndRecovers) {
-    const Level& main = level_for(settings(720, 576));
-    BufferWatch watch(main, testing::rate(3));  // 600,000 bits per picture
-    EXPECT_TRUE(watch.remove(1'835'008));       // a full buffer, all of it
-    EXPECT_DOUBLE_EQ(watch.fullness(), 600'000);
-    EXPECT_TRUE(watch.remove(600'000));
-    EXPECT_FALSE(watch.remove(600'001));
-    EXPECT_TRUE(watch.remove(500'000));
-    EXPECT_TRUE(watch.remove(700'000));
-    EXPECT_FALSE(watch.remove(600'001));
-    for (int i = 0; i < 10; ++i) watch.remove(0);
-    EXPECT_DOUBLE_EQ(watch.fullness(), 1'835'008);  // fuller than full it never gets
-}
-
 TEST(Syntax, RowsBeyond2800LinesCarryTheirUpperBits) {
     const auto bytes = [](int lines, int row) {
         BitWriter out;

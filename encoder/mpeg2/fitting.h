@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+
+#include "encoder/mpeg2/picture_coding.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+
+struct Fitted {
+    PictureResult picture;
+    int quantiser = 1;     ///< it was coded with
+    int tries = 1;         ///< codings, the kept one included
+    bool minimal = false;  ///< minimal_picture()
+};
+
+/// Codes a picture within `most_bits`: with the task's quantiser, else with coarser ones, then with ever less detail,
+/// last as the minimal picture, which must fit. A function of the task and the limit alone.
+Fitted code_within(const PictureTask& task, const Level& level, std::int64_t most_bits);
+
+}  // namespace render2mpeg::encoder::mpeg2

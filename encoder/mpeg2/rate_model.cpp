@@ -1,0 +1,84 @@
+#include "encoder/mpeg2/rate_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/numeric.h"
+#include "encoder/mpeg2/tuning.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+namespace {
+
+std::size_t index_of(PictureType type) {
+    return static_cast<std::size_t>(type) - 1;
+}
+
+/// Complexities of P and B pictures over that of an I picture, where only the latter is known.
+/// fit: docs/fits/rate-model
+constexpr double complexity_ratio[3] = {1.0, 0.45, 0.3};
+
+/// Bits per luma sample of an I picture at quantiser 1. fit: docs/fits/rate-model
+constexpr double guessed_density = 2.4;
+
+/// The geometric mean of old and new: one odd picture is half forgotten with the next.
+double blended(const std::optional<double>& old, double now) {
+    return old ? std::sqrt(*old * now) : now;
+}
+
+}  // namespace
+
+double quantiser_ratio(PictureType type) {
+    return type == PictureType::bidirectional ? quantiser_ratio_bidirectional : 1.0;
+}
+
+double rate_slope(PictureType type) {
+    constexpr double slopes[3] = {0.8, 1.1, 1.1};
+    return slopes[index_of(type)];
+}
+
+RateModel::RateModel(const Settings& settings, const MinimalBits& minimal)
+    : overhead_{static_cast<double>(minimal.intra), static_cast<double>(minimal.other),
+                static_cast<double>(minimal.other)},
+      first_guess_(guessed_density * settings.width * settings.height) {}
+
+double RateModel::complexity(PictureType type) const {
+    const std::size_t i = index_of(type);
+    if (learned_[i]) return *learned_[i];
+    // Another type tells something of this one; the nearer type is asked first.
+    for (const std::size_t other : {std::size_t{1}, std::size_t{2}, std::size_t{0}})
+        if (learned_[other]) return *learned_[other] * complexity_ratio[i] / complexity_ratio[other];
+    return first_guess_ * complexity_ratio[i];
+}
+
+double RateModel::bits(PictureType type, double quantiser) const {
+    return overhead_[index_of(type)] + complexity(type) * std::pow(quantiser, -rate_slope(type));
+}
+
+void RateModel::learn(PictureType type, int quantiser, std::int64_t bits) {
+    const std::size_t i = index_of(type);
+    // A picture of nothing at all still has a complexity to be blended and divided by: one bit.
+    const double detail = std::max(1.0, static_cast<double>(bits) - overhead_[i]);
+    learned_[i] = blended(learned_[i], detail * std::pow(quantiser, rate_slope(type)));
+}
+
+double PassModel::bits(PictureType type, const Allotment& allotment, double quantiser) const {
+    const double ratio = learned_[index_of(type)].value_or(excess());
+    return ratio * allotment.bits * std::pow(allotment.quantiser / quantiser, rate_slope(type));
+}
+
+void PassModel::learn(PictureType type, const Allotment& allotment, int quantiser, std::int64_t bits) {
+    const double expected = allotment.bits * std::pow(allotment.quantiser / quantiser, rate_slope(type));
+    const double real = std::max(1.0, static_cast<double>(bits));
+    learned_[index_of(type)] = blended(learned_[index_of(type)], real / std::max(1.0, expected));
+
+    // chosen: half forgotten after ten pictures, most of a GOP (5..40).
+    constexpr double fading = 0.933;
+    real_ = fading * real_ + real;
+    expected_ = fading * expected_ + expected;
+}
+
+double PassModel::excess() const {
+    return core::divide_or(real_, expected_, 1.0);
+}
+
+}  // namespace render2mpeg::encoder::mpeg2

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "encoder/encoder.h"
+#include "encoder/mpeg2/minimal_picture.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+
+/// The quantiser of a picture type over that of I and P pictures.
+double quantiser_ratio(PictureType type);
+
+/// How a picture's bits fall with its quantiser: overhead + complexity * quantiser^-slope.
+/// fit: docs/fits/rate-model
+double rate_slope(PictureType type);
+
+/// What pictures of each type will cost, learned from those already coded.
+class RateModel {
+  public:
+    RateModel(const Settings& settings, const MinimalBits& minimal);
+
+    /// Bits of the next picture of a type at a quantiser, >= 1, not necessarily whole.
+    double bits(PictureType type, double quantiser) const;
+    /// Learns that a picture came to `bits`.
+    void learn(PictureType type, int quantiser, std::int64_t bits);
+
+  private:
+    double complexity(PictureType type) const;
+
+    double overhead_[3];
+    double first_guess_;  ///< complexity of an I picture nobody has seen
+    std::array<std::optional<double>, 3> learned_;
+};
+
+/// How far a film's real bits are from what an earlier pass found.
+class PassModel {
+  public:
+    /// Bits of a picture that was allotted so much, at another quantiser.
+    double bits(PictureType type, const Allotment& allotment, double quantiser) const;
+    void learn(PictureType type, const Allotment& allotment, int quantiser, std::int64_t bits);
+    /// Real over allotted bits where the allotted quantisers are used: mean over what was coded lately.
+    double excess() const;
+
+  private:
+    std::array<std::optional<double>, 3> learned_;  ///< by type
+    double real_ = 0, expected_ = 0;                ///< bits, fading
+};
+
+}  // namespace render2mpeg::encoder::mpeg2

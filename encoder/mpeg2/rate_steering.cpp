@@ -1,0 +1,189 @@
+#include "encoder/mpeg2/rate_steering.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/numeric.h"
+#include "encoder/cadence.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+namespace {
+
+/// quantiser_scale_code of I and P pictures that stand still: 100 is 1, 20 less doubles it.
+double quantiser_of_quality(double quality) {
+    return std::exp2((100.0 - quality) / 20.0);
+}
+
+int whole(double quantiser) {
+    return std::clamp(static_cast<int>(std::lround(quantiser)), 1, 31);
+}
+
+/// A picture may be expected to take this share of what the buffer can give it: models are wrong by about a tenth, and
+/// coding twice costs time.
+/// chosen: 0.85 (0.7..1).
+constexpr double expected_share = 0.85;
+
+/// Steers a quantiser to where falling `bits` meet `wanted`; both ends are beyond what is coded.
+template <class Bits>
+double solve(double wanted, const Bits& bits) {
+    double low = std::log2(0.5), high = std::log2(62.0);
+    for (int i = 0; i < 30; ++i) {
+        const double middle = 0.5 * (low + high);
+        (bits(std::exp2(middle)) > wanted ? low : high) = middle;
+    }
+    return std::exp2(high);
+}
+
+}  // namespace
+
+RateSteering::RateSteering(const Settings& settings, const Channel& channel, const MinimalBits& minimal)
+    : settings_(settings), channel_(channel), model_(settings, minimal) {}
+
+bool RateSteering::rated() const {
+    return settings_.rate_control.mode == RateMode::variable || settings_.rate_control.mode == RateMode::constant;
+}
+
+int RateSteering::plan(const PicturePlan& picture, const PictureFacts& facts, bool first_of_chunk,
+                       const VbvSchedule& schedule) {
+    if (first_of_chunk) {
+        chunk_start_ = picture.number;
+        chunk_end_ = facts.left_in_chunk ? std::optional(picture.number + *facts.left_in_chunk + 1) : std::nullopt;
+        hands_over_ = !facts.last_chunk;
+        spent_ = rounding_ = 0;
+        allotted_ = facts.allotment ? facts.allotment->bits_left : 0;
+    }
+    if (picture.starts_gop) gop_start_ = picture.number;
+    planned_end_ = picture.number + 1;
+    allotted_rest_ = facts.allotment ? std::max(0.0, facts.allotment->bits_left - facts.allotment->bits) : 0;
+    Flying flying{picture.type, 1, facts.allotment, facts.sensitivity.value_or(1.0)};
+    flying.quantiser = whole(nominal(picture.number, flying, schedule));
+    flying_.insert_or_assign(picture.number, flying);
+    return flying.quantiser;
+}
+
+int RateSteering::settle(const PicturePlan& picture, const VbvSchedule& schedule) {
+    const auto planned = flying_.find(picture.number);
+    EXPECTS(planned != flying_.end());
+    Flying& flying = planned->second;
+    const bool changed = flying.type != picture.type;
+    flying.type = picture.type;
+    if (!rated()) return changed ? whole(steady_quantiser(flying)) : picture.quantiser;
+
+    // Between two quantisers take the one that keeps the bits lost to rounding near zero.
+    const double wanted = std::clamp(nominal(picture.number, flying, schedule), 1.0, 31.0);
+    const int fine = static_cast<int>(std::floor(wanted)), coarse = std::min(31, fine + 1);
+    const double exact = bits(flying, wanted);
+    const double by_fine = rounding_ + bits(flying, fine) - exact, by_coarse = rounding_ + bits(flying, coarse) - exact;
+    const int rounded = std::abs(by_fine) <= std::abs(by_coarse) ? fine : coarse;
+    const int quantiser =
+        changed ? rounded
+                : std::clamp(rounded, std::max(1, picture.quantiser - 1), std::min(31, picture.quantiser + 1));
+    // chosen: a tenth is forgotten each time, so that a wrong model cannot build up a debt (0..0.3).
+    if (quantiser == fine || quantiser == coarse) rounding_ = 0.9 * (quantiser == fine ? by_fine : by_coarse);
+    return quantiser;
+}
+
+void RateSteering::record(const PicturePlan& picture, int quantiser, std::int64_t bits, std::int64_t bits_sent) {
+    const auto planned = flying_.find(picture.number);
+    EXPECTS(planned != flying_.end());
+    const Flying& flying = planned->second;
+    model_.learn(picture.type, quantiser, bits);
+    if (flying.allotment) pass_.learn(picture.type, *flying.allotment, quantiser, bits);
+    if (picture.number >= chunk_start_) spent_ += static_cast<double>(bits_sent);
+    flying_.erase(planned);
+}
+
+/// Of the constant modes.
+double RateSteering::steady_quantiser(const Flying& picture) const {
+    const encoder::RateControl& wanted = settings_.rate_control;
+    if (wanted.mode == RateMode::constant_quantiser) return settings_.quantiser * quantiser_ratio(picture.type);
+    // Detail that the eye sees less of is coded coarser in that proportion, at most four times.
+    return quantiser_of_quality(wanted.quality) * quantiser_ratio(picture.type) /
+           std::clamp(picture.sensitivity, 0.25, 1.0);
+}
+
+double RateSteering::nominal(std::int64_t number, const Flying& picture, const VbvSchedule& schedule) const {
+    if (!rated()) return steady_quantiser(picture);
+    const double left = bits_for_rest(number, schedule);
+    double quantiser;
+    if (picture.allotment) {
+        const double share = pass_.excess() * (picture.allotment->bits + allotted_rest_);
+        // chosen: at most four times finer or coarser than the earlier pass found right (2..8).
+        const double correction = std::clamp(core::divide_or(share, std::max(0.0, left), 4.0), 0.25, 4.0);
+        quantiser = picture.allotment->quantiser * std::pow(correction, 1.0 / rate_slope(picture.type));
+    } else {
+        const double base = solve(left, [&](double q) {
+            return bits(picture, std::max(1.0, q * quantiser_ratio(picture.type))) + bits_of_rest(q);
+        });
+        quantiser = base * quantiser_ratio(picture.type);
+    }
+    return limited(number, picture, quantiser, schedule);
+}
+
+double RateSteering::bits(const Flying& picture, double quantiser) const {
+    return picture.allotment ? pass_.bits(picture.type, *picture.allotment, quantiser)
+                             : model_.bits(picture.type, quantiser);
+}
+
+/// First number of which nothing need be foreseen: the chunk's end, or in an endless chunk two GOPs or seconds on.
+std::int64_t RateSteering::horizon() const {
+    if (chunk_end_) return *chunk_end_;
+    const auto second = static_cast<std::int64_t>(settings_.rate.hertz.value()) + 1;
+    return planned_end_ + 2 * std::max<std::int64_t>(settings_.gop, second);
+}
+
+/// The type of a picture nothing is known of but the regular pattern.
+PictureType RateSteering::foreseen(std::int64_t number) const {
+    const std::int64_t place = (number - gop_start_) % settings_.gop;
+    if (place == 0) return PictureType::intra;
+    const bool last = place == settings_.gop - 1 || (chunk_end_ && number + 1 == *chunk_end_);
+    return last || place % (settings_.b_pictures + 1) == 0 ? PictureType::predicted : PictureType::bidirectional;
+}
+
+/// Expected bits of the pictures not planned yet, with `quantiser` in I and P pictures.
+double RateSteering::bits_of_rest(double quantiser) const {
+    double each[3], sum = 0;
+    for (const PictureType type : {PictureType::intra, PictureType::predicted, PictureType::bidirectional})
+        each[static_cast<std::size_t>(type) - 1] =
+            model_.bits(type, std::clamp(quantiser * quantiser_ratio(type), 1.0, 31.0));
+    for (std::int64_t n = planned_end_; n < horizon(); ++n) sum += each[static_cast<std::size_t>(foreseen(n)) - 1];
+    return sum;
+}
+
+double RateSteering::seconds(std::int64_t first, std::int64_t end) const {
+    const std::int64_t fields = fields_before(settings_.cadence, end - settings_.first_number) -
+                                fields_before(settings_.cadence, first - settings_.first_number);
+    return 0.5 * static_cast<double>(fields) / declared_rate(settings_).hertz.value();
+}
+
+/// Bits for picture `number` and those not planned yet: of the chunk's what is neither spent nor in flight, and no more
+/// than the channel brings in time.
+double RateSteering::bits_for_rest(std::int64_t number, const VbvSchedule& schedule) const {
+    double in_flight = 0;
+    for (const auto& [n, picture] : flying_)
+        if (n != number) in_flight += bits(picture, picture.quantiser);
+
+    const double all =
+        allotted_ > 0 ? allotted_ : static_cast<double>(channel_.average_rate) * seconds(chunk_start_, horizon());
+    double left = all - spent_ - in_flight;
+    const double brought = static_cast<double>(schedule.fullness()) +
+                           static_cast<double>(channel_.bit_rate) * seconds(schedule.next(), horizon());
+    const double kept = chunk_end_ && hands_over_ ? static_cast<double>(channel_.border_bits) : 0.0;
+    return std::max(1.0, std::min(left, brought - kept - in_flight));
+}
+
+/// Coarser where the buffer would hardly have room for the picture when its turn comes.
+double RateSteering::limited(std::int64_t number, const Flying& picture, double quantiser,
+                             const VbvSchedule& schedule) const {
+    double fullness = static_cast<double>(schedule.fullness());
+    const std::int64_t next = schedule.next();
+    for (const auto& [n, before] : flying_)
+        if (n < number) fullness -= bits(before, before.quantiser);
+    fullness += static_cast<double>(channel_.bit_rate) * seconds(next, std::max(next, number));
+    const double room = expected_share * std::clamp(fullness, 1.0, static_cast<double>(channel_.usable_bits));
+    if (bits(picture, quantiser) <= room) return quantiser;
+    return std::max(quantiser, solve(room, [&](double q) { return bits(picture, q); }));
+}
+
+}  // namespace render2mpeg::encoder::mpeg2

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+
+#include "encoder/encoder.h"
+#include "encoder/mpeg2/levels.h"
+#include "encoder/mpeg2/rate_model.h"
+#include "encoder/mpeg2/vbv_schedule.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+
+/// Chooses quantisers: one before a picture is lit, from all that is known then, pictures still in flight included, and
+/// the final one when it is coded, at most a step away. What the buffer then refuses is not its business (fitting.h).
+///
+/// All modes but the constant ones solve one equation: with quantiser k for I and P pictures and its ratio for B
+/// pictures, what is left of the chunk is to cost what is left of the chunk's bits. So the quantiser is the same
+/// throughout as far as the model is right, and errors are spread over all that follows.
+class RateSteering {
+  public:
+    RateSteering(const Settings& settings, const Channel& channel, const MinimalBits& minimal);
+
+    /// The quantiser to render a picture for. Pictures come in display order; `schedule` knows this one already.
+    int plan(const PicturePlan& picture, const PictureFacts& facts, bool first_of_chunk, const VbvSchedule& schedule);
+    /// The quantiser for coding a planned picture. Its type may have changed since: then it is chosen anew.
+    int settle(const PicturePlan& picture, const VbvSchedule& schedule);
+    /// What a picture came to, stuffing included in `bits_sent`.
+    void record(const PicturePlan& picture, int quantiser, std::int64_t bits, std::int64_t bits_sent);
+
+  private:
+    /// A picture planned but not coded.
+    struct Flying {
+        PictureType type;
+        int quantiser;
+        std::optional<Allotment> allotment;
+        double sensitivity;
+    };
+
+    bool rated() const;
+    double steady_quantiser(const Flying& picture) const;
+    double nominal(std::int64_t number, const Flying& picture, const VbvSchedule& schedule) const;
+    double bits(const Flying& picture, double quantiser) const;
+    double bits_of_rest(double quantiser) const;
+    double seconds(std::int64_t first, std::int64_t end) const;
+    double bits_for_rest(std::int64_t number, const VbvSchedule& schedule) const;
+    double limited(std::int64_t number, const Flying& picture, double quantiser, const VbvSchedule& schedule) const;
+    std::int64_t horizon() const;
+    PictureType foreseen(std::int64_t number) const;
+
+    Settings settings_;
+    Channel channel_;
+    RateModel model_;
+    PassModel pass_;
+    std::map<std::int64_t, Flying> flying_;
+
+    std::int64_t chunk_start_ = 0;
+    std::optional<std::int64_t> chunk_end_;  ///< first number after the chunk, if known
+    bool hands_over_ = false;
+    std::int64_t gop_start_ = 0;    ///< of the picture planned last
+    std::int64_t planned_end_ = 0;  ///< first number not planned
+    double spent_ = 0;              ///< bits of the chunk so far
+    double allotted_ = 0;           ///< to the whole chunk, where there are allotments
+    double allotted_rest_ = 0;      ///< of it to pictures not planned yet
+    double rounding_ = 0;           ///< bits that rounding of quantisers has cost or saved lately
+};
+
+}  // namespace render2mpeg::encoder::mpeg2
