@@ -63,6 +63,16 @@ struct Settings {
 /// without any detail would not fit the rate.
 void check(const Settings& settings);
 
+/// What headers declare of a stream with these settings.
+struct Declaration {
+    std::string level;             ///< of Main Profile: "Main", "High-1440" or "High"
+    std::int64_t bit_rate = 0;     ///< bits per second: the highest, or the constant one
+    std::int64_t buffer_bits = 0;  ///< VBV size
+    std::int64_t border_bits = 0;  ///< fullness that every chunk finds before its first picture is taken out
+};
+/// Throws as check() does.
+Declaration declaration_of(const Settings& settings);
+
 /// What an earlier, cheaper pass over the film found right for a picture (encoder/allotment.h).
 struct Allotment {
     double quantiser = 4;  ///< 1..31, not yet rounded
@@ -131,6 +141,7 @@ struct CodedPicture {
     std::uint64_t stuffing_bytes = 0;     ///< zeros in `bytes` that keep the buffer from running over
     std::int64_t fullness_before = 0;  ///< bits in the decoder's buffer when the picture is taken out, itself included
     std::int64_t fullness_after = 0;   ///< bits left then
+    std::int64_t fullness_next = 0;    ///< bits there when the next picture is taken out
 };
 
 /// Pictures in display order to coded pictures in coding order. Neither searches for motion nor looks at other films'

@@ -174,6 +174,7 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
     coded.stuffing_bytes = static_cast<std::uint64_t>(removal.stuffing_bytes);
     coded.fullness_before = removal.fullness_before;
     coded.fullness_after = removal.fullness_after;
+    coded.fullness_next = removal.fullness_next;
     coded.coding_order = coding_order++;
     coded.bytes = headers.take();
     coded.bytes.insert(coded.bytes.end(), result.bytes.begin(), result.bytes.end());
@@ -195,6 +196,13 @@ void Encoder::Impl::code_waiting(std::vector<CodedPicture>& complete) {
 
 void check(const Settings& settings) {
     mpeg2::check_channel(settings, mpeg2::level_for(settings));
+}
+
+Declaration declaration_of(const Settings& settings) {
+    check(settings);
+    const mpeg2::Level& level = mpeg2::level_for(settings);
+    const mpeg2::Channel channel = mpeg2::channel_for(settings, level);
+    return {level.name, channel.bit_rate, channel.buffer_bits, channel.border_bits};
 }
 
 Encoder::Encoder(const Settings& settings) {

@@ -15,10 +15,10 @@ std::size_t index_of(PictureType type) {
 
 /// Complexities of P and B pictures over that of an I picture, where only the latter is known.
 /// fit: docs/fits/rate-model
-constexpr double complexity_ratio[3] = {1.0, 0.45, 0.3};
+constexpr double complexity_ratio[3] = {1.0, 0.63, 0.28};
 
 /// Bits per luma sample of an I picture at quantiser 1. fit: docs/fits/rate-model
-constexpr double guessed_density = 2.4;
+constexpr double guessed_density = 2.2;
 
 /// The geometric mean of old and new: one odd picture is half forgotten with the next.
 double blended(const std::optional<double>& old, double now) {
@@ -32,7 +32,7 @@ double quantiser_ratio(PictureType type) {
 }
 
 double rate_slope(PictureType type) {
-    constexpr double slopes[3] = {0.8, 1.1, 1.1};
+    constexpr double slopes[3] = {0.7, 0.95, 0.85};
     return slopes[index_of(type)];
 }
 

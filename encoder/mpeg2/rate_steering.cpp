@@ -57,7 +57,7 @@ int RateSteering::plan(const PicturePlan& picture, const PictureFacts& facts, bo
     planned_end_ = picture.number + 1;
     allotted_rest_ = facts.allotment ? std::max(0.0, facts.allotment->bits_left - facts.allotment->bits) : 0;
     Flying flying{picture.type, 1, facts.allotment, facts.sensitivity.value_or(1.0)};
-    flying.quantiser = whole(nominal(picture.number, flying, schedule));
+    flying.quantiser = rounded(flying, nominal(picture.number, flying, schedule));
     flying_.insert_or_assign(picture.number, flying);
     return flying.quantiser;
 }
@@ -68,20 +68,30 @@ int RateSteering::settle(const PicturePlan& picture, const VbvSchedule& schedule
     Flying& flying = planned->second;
     const bool changed = flying.type != picture.type;
     flying.type = picture.type;
-    if (!rated()) return changed ? whole(steady_quantiser(flying)) : picture.quantiser;
+    if (changed) return rounded(flying, nominal(picture.number, flying, schedule));
+    if (!rated()) return picture.quantiser;
 
-    // Between two quantisers take the one that keeps the bits lost to rounding near zero.
+    // What was planned holds unless what has been learned since asks for another step.
     const double wanted = std::clamp(nominal(picture.number, flying, schedule), 1.0, 31.0);
-    const int fine = static_cast<int>(std::floor(wanted)), coarse = std::min(31, fine + 1);
+    const double off = wanted - picture.quantiser;
+    return picture.quantiser + (off >= 1.0 ? 1 : off <= -1.0 ? -1 : 0);
+}
+
+/// The whole quantiser for a picture. Of the two next to what is wanted, rates take the one that keeps the bits lost to
+/// rounding near zero; but nothing refers to B pictures, so that they are never finer than what they refer to.
+int RateSteering::rounded(const Flying& flying, double wanted) {
+    if (!rated()) return whole(wanted);
+    wanted = std::clamp(wanted, 1.0, 31.0);
+    const bool bidirectional = flying.type == PictureType::bidirectional;
+    const int fine = std::max(static_cast<int>(std::floor(wanted)), bidirectional ? reference_quantiser_ : 1);
+    const int coarse = std::min(31, fine + 1);
     const double exact = bits(flying, wanted);
     const double by_fine = rounding_ + bits(flying, fine) - exact, by_coarse = rounding_ + bits(flying, coarse) - exact;
-    const int rounded = std::abs(by_fine) <= std::abs(by_coarse) ? fine : coarse;
-    const int quantiser =
-        changed ? rounded
-                : std::clamp(rounded, std::max(1, picture.quantiser - 1), std::min(31, picture.quantiser + 1));
+    const bool finer = std::abs(by_fine) <= std::abs(by_coarse);
     // chosen: a tenth is forgotten each time, so that a wrong model cannot build up a debt (0..0.3).
-    if (quantiser == fine || quantiser == coarse) rounding_ = 0.9 * (quantiser == fine ? by_fine : by_coarse);
-    return quantiser;
+    rounding_ = 0.9 * (finer ? by_fine : by_coarse);
+    if (!bidirectional) reference_quantiser_ = finer ? fine : coarse;
+    return finer ? fine : coarse;
 }
 
 void RateSteering::record(const PicturePlan& picture, int quantiser, std::int64_t bits, std::int64_t bits_sent) {

@@ -38,6 +38,7 @@ class RateSteering {
     };
 
     bool rated() const;
+    int rounded(const Flying& flying, double wanted);
     double steady_quantiser(const Flying& picture) const;
     double nominal(std::int64_t number, const Flying& picture, const VbvSchedule& schedule) const;
     double bits(const Flying& picture, double quantiser) const;
@@ -62,6 +63,7 @@ class RateSteering {
     double spent_ = 0;              ///< bits of the chunk so far
     double allotted_ = 0;           ///< to the whole chunk, where there are allotments
     double allotted_rest_ = 0;      ///< of it to pictures not planned yet
+    int reference_quantiser_ = 1;   ///< of the newest I or P picture planned
     double rounding_ = 0;           ///< bits that rounding of quantisers has cost or saved lately
 };
 

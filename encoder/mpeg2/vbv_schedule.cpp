@@ -80,6 +80,8 @@ Removal VbvSchedule::take(std::int64_t bits, std::int64_t bits_to_start_code) {
     removal.stuffing_bytes = buffer_.take(bits, fields(next_), hands_over ? &end.number : nullptr);
     removal.fullness_after = removal.fullness_before - bits - 8 * removal.stuffing_bytes;
 
+    removal.fullness_next = fullness();
+
     // The next chunk finds what it was promised, and no more.
     ++next_;
     if (hands_over) buffer_.start_chunk(next_);

@@ -13,7 +13,8 @@ namespace render2mpeg::encoder::mpeg2 {
 
 /// What became of the buffer when a picture was taken out of it.
 struct Removal {
-    std::int64_t fullness_before = 0, fullness_after = 0;  ///< bits; after: with the stuffing taken out too
+    /// Bits; after: with the stuffing taken out too; next: when the next picture's turn comes.
+    std::int64_t fullness_before = 0, fullness_after = 0, fullness_next = 0;
     std::int64_t stuffing_bytes = 0;
     int delay = 0xffff;  ///< vbv_delay for the picture's header; 0xffff: variable rate
 };

@@ -29,9 +29,14 @@ void Bookkeeper::coded(const encoder::CodedPicture& coded) {
     FrameEntry& entry =
         ledger_.frames[first_ + static_cast<std::size_t>(coded.plan.number - ledger_.frames[first_].frame)];
     entry.type = "-IPB"[static_cast<int>(coded.plan.type)];
-    entry.quantiser = coded.plan.quantiser;
+    entry.quantiser = coded.quantiser;
+    entry.planned_quantiser = coded.plan.quantiser;
     entry.bytes = coded.bytes.size();
-    entry.exceeds_level = coded.exceeds_level;
+    entry.tries = coded.tries;
+    entry.minimal = coded.minimal;
+    entry.stuffing = coded.stuffing_bytes;
+    entry.fullness_before = coded.fullness_before;
+    entry.fullness_after = coded.fullness_after;
     entry.mse_y = perceptual::mean_squared_error(original->second.y, coded.reconstruction.y);
     entry.ssim_y = perceptual::ssim(original->second.y, coded.reconstruction.y);
     waiting_.erase(original);

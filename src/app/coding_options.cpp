@@ -2,6 +2,7 @@
 
 #include "app/keyframes.h"
 #include "app/preset.h"
+#include "app/rate_options.h"
 #include "core/rational.h"
 
 namespace render2mpeg::app {
@@ -15,10 +16,13 @@ void add_coding_options(CLI::App& command, CodingOptions& options) {
         ->type_name("WORLD")
         ->check(CLI::IsMember(preset_names()))
         ->group(coding);
-    command.add_option("--quantiser", options.quantiser, "quantiser_scale_code: 1 is the finest, 31 the coarsest")
+    command
+        .add_option("--quantiser", options.quantiser,
+                    "One quantiser_scale_code for all I and P pictures: 1 is the finest, 31 the coarsest")
         ->check(CLI::Range(1, 31))
-        ->capture_default_str()
+        ->default_str("4")
         ->group(coding);
+    add_rate_options(command, options);
     command
         .add_option("--gop", options.gop,
                     "Pictures per closed group of pictures; with --for, its world's where not given")

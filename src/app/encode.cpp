@@ -103,9 +103,12 @@ bool encode_chunk(Job& job, const Chunk& chunk, ChunkFile& file, Ledger& ledger,
     for (std::int64_t n = chunk.first; n <= chunk.last && whole; ++n) {
         const double start = cpu_seconds();
         const core::Picture picture = timed(ledger, Stage::develop, [&] { return job.frames->read(n); });
-        const encoder::PicturePlan coding = encoder.plan(
-            n, {.frames_left = keyframes.frames_left(n, chunk.last - n), .keyframe = keyframes.begins_at(n)},
-            n == chunk.first);
+        encoder::PictureFacts facts;
+        facts.frames_left = keyframes.frames_left(n, chunk.last - n);
+        facts.keyframe = keyframes.begins_at(n);
+        facts.left_in_chunk = chunk.last - n;
+        facts.last_chunk = chunk.last == job.film.frames.last;
+        const encoder::PicturePlan coding = encoder.plan(n, facts, n == chunk.first);
         std::vector<core::MotionField> motion;
         if (job.motion)
             for (const std::int64_t reference : coding.references)

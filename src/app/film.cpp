@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "app/rate_options.h"
 #include "core/error.h"
 #include "encoder/capabilities.h"
 #include "perceptual/display.h"
@@ -25,8 +26,19 @@ void apply(const Preset& preset, const CodingOptions& options, encoder::Settings
 
     // A level may allow less than the world does: 704x480 at 24 Hz is of Main level.
     const encoder::LevelLimits level = encoder::level_of(coding);
-    coding.rate_control.max_rate = std::min(preset.usual_rate, level.bit_rate);
-    coding.rate_control.buffer_bits = std::min(preset.buffer_bits, level.buffer_bits);
+    encoder::RateControl& rate = coding.rate_control;
+    const std::int64_t most = std::max(rate.bit_rate, rate.max_rate);
+    if (most > std::min(preset.bit_rate, level.bit_rate))
+        throw core::Error(
+            fmt::format("{}: {} takes at most {} bits per second",
+                        options.maxrate ? "--maxrate " + *options.maxrate : "--bitrate " + *options.bitrate,
+                        preset.option(), std::min(preset.bit_rate, level.bit_rate)));
+    if (rate.buffer_bits > std::min(preset.buffer_bits, level.buffer_bits))
+        throw core::Error(fmt::format("--vbv {}: {} takes at most {} bits", *options.vbv, preset.option(),
+                                      std::min(preset.buffer_bits, level.buffer_bits)));
+    if (rate.max_rate == 0 && rate.mode != encoder::RateMode::constant)
+        rate.max_rate = std::max(rate.bit_rate, std::min(preset.usual_rate, level.bit_rate));
+    if (rate.buffer_bits == 0) rate.buffer_bits = std::min(preset.buffer_bits, level.buffer_bits);
 }
 
 }  // namespace
@@ -45,7 +57,8 @@ encoder::Settings coding_settings(const CodingOptions& options, const Shape& sha
     coding.height = shape.size.height;
     coding.rate = shape.rate;
     coding.first_number = first;
-    coding.quantiser = options.quantiser;
+    coding.quantiser = options.quantiser.value_or(4);
+    coding.rate_control = rate_control(options);
     coding.gop = options.gop.value_or(15);
     coding.b_pictures = options.b_pictures;
     coding.effort = options.encoder == "fast" ? encoder::Effort::fast : encoder::Effort::quality;

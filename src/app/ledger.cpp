@@ -30,6 +30,18 @@ double Ledger::ssim_y() const {
     return core::divide_or(sum, static_cast<double>(frames.size()), 1.0);
 }
 
+RateOutcome Ledger::rate_outcome() const {
+    RateOutcome outcome;
+    for (const FrameEntry& entry : frames) {
+        outcome.bytes += entry.bytes;
+        outcome.stuffing += entry.stuffing;
+        outcome.requantised += entry.tries > 1 ? 1 : 0;
+        outcome.minimal += entry.minimal ? 1 : 0;
+        outcome.off_plan += entry.quantiser != entry.planned_quantiser ? 1 : 0;
+    }
+    return outcome;
+}
+
 double Ledger::mean_direct_cut() const {
     return core::divide_or(static_cast<double>(rendering.direct_clusters), static_cast<double>(rendering.gather_points),
                            0.0);

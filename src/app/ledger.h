@@ -22,11 +22,24 @@ struct FrameEntry {
     char type = '-';  ///< I, P, B; '-': not coded
     int quantiser = 0;
     std::uint64_t bytes = 0;
-    bool exceeds_level = false;    ///< more bits than the level's buffer can bring in time
-    double mse_y = 0, ssim_y = 1;  ///< of the decoded picture against the rendered one
+    int planned_quantiser = 0;   ///< that it was rendered for
+    int tries = 1;               ///< codings until the decoder's buffer could bring it in time
+    bool minimal = false;        ///< only a picture without detail fitted
+    std::uint64_t stuffing = 0;  ///< bytes
+    std::int64_t fullness_before = 0, fullness_after = 0;  ///< of the buffer, bits
+    double mse_y = 0, ssim_y = 1;                          ///< of the decoded picture against the rendered one
     std::uint64_t shadow_rays = 0;
     double direct_cut = 0, indirect_cut = 0;  ///< clusters per gather point
     double seconds = 0;                       ///< CPU
+};
+
+/// What rate control had to do; counts of pictures.
+struct RateOutcome {
+    std::uint64_t bytes = 0;     ///< of all coded pictures
+    std::uint64_t stuffing = 0;  ///< of these
+    int requantised = 0;         ///< coded more than once to fit the buffer
+    int minimal = 0;             ///< of these, without any detail
+    int off_plan = 0;            ///< with another quantiser than they were rendered for
 };
 
 /// What a run spent, where, and what came of it.
@@ -44,6 +57,7 @@ struct Ledger {
     /// Means over the film. PSNR from the mean squared error of all frames; +infinity when nothing was lost.
     double psnr_y() const;
     double ssim_y() const;
+    RateOutcome rate_outcome() const;
     double mean_direct_cut() const;
     double mean_indirect_cut() const;
 };

@@ -19,8 +19,14 @@ struct ToleranceRequest {
 
 /// How pictures are coded: `render` and `encode` share these.
 struct CodingOptions {
-    int quantiser = 4;
-    std::optional<int> gop;  ///< none: 15, or what the preset says
+    std::optional<int> quantiser;        ///< none: 4, where neither quality nor bit rate are asked for
+    std::optional<double> quality;       ///< 0..100
+    std::optional<std::string> bitrate;  ///< as bits_from reads it; likewise the next two
+    std::optional<std::string> maxrate;
+    std::optional<std::string> vbv;
+    bool constant_rate = false;  ///< --cbr
+    std::optional<int> passes;   ///< 1 or 2
+    std::optional<int> gop;      ///< none: 15, or what the preset says
     int b_pictures = 2;
     std::string encoder = "quality";                          ///< "fast" or "quality"
     std::optional<std::string> preset;                        ///< --for

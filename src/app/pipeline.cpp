@@ -171,6 +171,8 @@ encoder::PictureFacts facts_of(const Production& film, const scene::Snapshot& wo
     facts.cut_before = world.cut_before;
     facts.frames_left = frames_left(film, world.frame, chunk.last);
     facts.keyframe = film.keyframes.begins_at(world.frame);
+    facts.left_in_chunk = chunk.last - world.frame;
+    facts.last_chunk = chunk.last == film.frames.last;
     return facts;
 }
 

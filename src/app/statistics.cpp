@@ -40,7 +40,12 @@ void add_coding(json& entry, const FrameEntry& frame) {
     entry["type"] = std::string(1, frame.type);
     entry["quantiser"] = frame.quantiser;
     entry["bytes"] = frame.bytes;
-    entry["exceeds_level"] = frame.exceeds_level;
+    entry["exceeds_level"] = false;
+    entry["planned_quantiser"] = frame.planned_quantiser;
+    entry["tries"] = frame.tries;
+    entry["minimal"] = frame.minimal;
+    entry["stuffing"] = frame.stuffing;
+    entry["vbv"] = {frame.fullness_before, frame.fullness_after};
     entry["mse_y"] = frame.mse_y;
     entry["ssim_y"] = frame.ssim_y;
 }
@@ -52,6 +57,28 @@ json entry_of(const FrameEntry& frame, bool coded) {
                {"cut", {{"direct", frame.direct_cut}, {"indirect", frame.indirect_cut}}}};
     if (coded) add_coding(entry, frame);
     return entry;
+}
+
+/// What was asked of the film's rate, what its headers declare, and what became of it.
+json rate_of(const Film& film, const Ledger& ledger) {
+    constexpr const char* modes[] = {"quantiser", "quality", "variable", "constant"};
+    const encoder::RateControl& asked = film.coding.rate_control;
+    const encoder::Declaration declared = encoder::declaration_of(film.coding);
+    const RateOutcome outcome = ledger.rate_outcome();
+    json rate{{"mode", modes[static_cast<int>(asked.mode)]},
+              {"level", declared.level},
+              {"max_rate", declared.bit_rate},
+              {"vbv_bits", declared.buffer_bits},
+              {"chunk_fullness", declared.border_bits},
+              {"requantised", outcome.requantised},
+              {"minimal", outcome.minimal},
+              {"off_plan", outcome.off_plan},
+              {"stuffing", outcome.stuffing}};
+    const double seconds = static_cast<double>(ledger.frames.size()) / film.coding.rate.hertz.value();
+    rate["average"] = core::divide_or(8.0 * static_cast<double>(outcome.bytes), seconds, 0.0);
+    if (asked.bit_rate > 0) rate["bit_rate"] = asked.bit_rate;
+    if (asked.mode == encoder::RateMode::constant_quality) rate["quality"] = asked.quality;
+    return rate;
 }
 
 /// What is said of every run. Quality counts where the film was coded.
@@ -118,6 +145,7 @@ void write_statistics(const std::filesystem::path& file, const Production& film,
         {"first_non_finite", r.first_non_finite},
         {"clamped_energy", r.clamped_energy},
     });
+    if (coded) statistics["rate"] = rate_of(film.film(), ledger);
     if (!coded) statistics["psnr_y"] = statistics["ssim_y"] = nullptr;
     for (const FrameEntry& frame : ledger.frames) statistics["per_frame"].push_back(entry_of(frame, coded));
     write_json(file, statistics);
@@ -127,6 +155,7 @@ void write_encode_statistics(const std::filesystem::path& file, const Film& film
                              const Ledger& ledger, const RunFacts& facts) {
     json statistics = common_of(film, ledger, facts);
     statistics["motion"] = with_motion;
+    statistics["rate"] = rate_of(film, ledger);
     for (const FrameEntry& frame : ledger.frames) {
         json entry{{"frame", frame.frame}, {"seconds", frame.seconds}};
         add_coding(entry, frame);

@@ -63,13 +63,28 @@ std::string opening_lines(const Film& film, const Ledger& ledger, const RunFacts
 }
 
 /// How a coded film came out. `made`: what was done to its pictures before they were coded.
-std::string closing_lines(const Ledger& ledger, const char* made) {
+std::string closing_lines(const Film& film, const Ledger& ledger, const char* made) {
     std::string text;
-    const auto heavy = std::count_if(ledger.frames.begin(), ledger.frames.end(),
-                                     [](const FrameEntry& frame) { return frame.exceeds_level; });
-    if (heavy > 0)
-        text +=
-            fmt::format("  level      {} pictures exceed the level's buffer: a coarser quantiser would fit\n", heavy);
+    const RateOutcome rate = ledger.rate_outcome();
+    const auto share = [](double part, double whole) { return percent_text(core::divide_or(part, whole, 0.0)); };
+    if (const std::int64_t wanted = film.coding.rate_control.bit_rate; wanted > 0) {
+        const double seconds = static_cast<double>(ledger.frames.size()) / film.coding.rate.hertz.value();
+        const double real = core::divide_or(8.0 * static_cast<double>(rate.bytes), seconds, 0.0);
+        text += fmt::format("  rate       {:.0f} of {:.0f} kb/s wanted ({:+.1f} %)", 1e-3 * real,
+                            1e-3 * static_cast<double>(wanted), 100.0 * (real / static_cast<double>(wanted) - 1.0));
+        if (rate.stuffing > 0)
+            text += fmt::format(", {} of it stuffing",
+                                share(static_cast<double>(rate.stuffing), static_cast<double>(rate.bytes)));
+        text += "\n";
+    }
+    if (rate.off_plan > 0)
+        text += fmt::format("  quantiser  {} of {} pictures were coded with another than they were made for\n",
+                            rate.off_plan, ledger.frames.size());
+    if (rate.requantised > 0)
+        text += fmt::format("  buffer     {} pictures were coded again, coarser, to reach the decoder in time\n",
+                            rate.requantised);
+    if (rate.minimal > 0)
+        text += fmt::format("             {} of them show no detail at all: the rate is too low\n", rate.minimal);
     return text + fmt::format("  quality    decoded against {}: PSNR-Y {:.2f} dB, SSIM-Y {:.4f}\n", made,
                               ledger.psnr_y(), ledger.ssim_y());
 }
@@ -97,7 +112,7 @@ std::string summary(const Production& film, const Ledger& ledger, const RunFacts
     if (r.non_finite > 0)
         text += fmt::format("             {} values were not finite and became 0, the first in {}\n", r.non_finite,
                             r.first_non_finite);
-    if (film.kind == OutputKind::film) text += closing_lines(ledger, "rendered");
+    if (film.kind == OutputKind::film) text += closing_lines(film.film(), ledger, "rendered");
     return text;
 }
 
@@ -105,7 +120,7 @@ std::string encode_summary(const Film& film, const Ledger& ledger, const RunFact
     std::string text = opening_lines(film, ledger, facts);
     if (ledger.rendering.non_finite > 0)
         text += fmt::format("  frames     {} values were not finite and became 0\n", ledger.rendering.non_finite);
-    return text + closing_lines(ledger, "the frames given");
+    return text + closing_lines(film, ledger, "the frames given");
 }
 
 std::string plan_table(const renderer::Plan& plan, const std::filesystem::path& statistics) {

@@ -67,6 +67,8 @@ ChunkFile::ChunkFile(const std::filesystem::path& file, const Chunk& chunk)
 void ChunkFile::append(const encoder::CodedPicture& coded) {
     stream_.write(reinterpret_cast<const char*>(coded.bytes.data()), static_cast<std::streamsize>(coded.bytes.size()));
     if (!stream_) throw core::Error("writing", file_.string(), "the disk is full");
+    if (pictures_.empty()) vbv_in_ = coded.fullness_before;
+    vbv_out_ = coded.fullness_next;
     pictures_.push_back({coded.plan.number, static_cast<std::int64_t>(pictures_.size()), coded.plan.starts_gop,
                          coded.bytes.size(), checksum_of(coded.reconstruction)});
 }
@@ -78,6 +80,8 @@ void ChunkFile::finish(const std::vector<FrameEntry>& frames) {
     std::uint64_t bits = 0;
     for (const FrameEntry& frame : frames) bits += 8 * frame.bytes;
     record["bits"] = bits;
+    record["vbv_in"] = vbv_in_;
+    record["vbv_out"] = vbv_out_;
     write_whole(std::filesystem::path(file_).replace_extension(".json"), record.dump(1) + "\n");
 }
 

@@ -46,6 +46,7 @@ class ChunkFile {
     Chunk chunk_;
     std::ofstream stream_;
     std::vector<PictureRecord> pictures_;
+    std::int64_t vbv_in_ = 0, vbv_out_ = 0;  ///< buffer fullness that the chunk finds, and leaves to the next
 };
 
 /// `OUT.partial/`: the chunks of a film that is not whole yet, with a manifest of what they belong to.

@@ -12,3 +12,6 @@ target_compile_definitions(bench_encoder_rd PRIVATE RENDER2MPEG_SOURCE_DIR="${PR
 target_link_libraries(bench_encoder_rd PRIVATE render2mpeg_options render2mpeg_app fmt::fmt nlohmann_json::nlohmann_json CLI11::CLI11)
 # Films are decoded, and images read, by modules that are opened on demand.
 add_dependencies(bench_encoder_rd render2mpeg_av_module render2mpeg_image_module)
+
+add_executable(bench_encoder_rates ${CMAKE_CURRENT_LIST_DIR}/encoder_rates.cpp ${CMAKE_CURRENT_LIST_DIR}/encoder_clip.cpp)
+target_link_libraries(bench_encoder_rates PRIVATE render2mpeg_options render2mpeg_encoder render2mpeg_parallel)

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "encoder/encoder.h"
+
+/// Between two passes: what a first, cheap coding of a film tells of the quantisers that the real one needs.
+namespace render2mpeg::encoder {
+
+/// What one picture came to in the first pass.
+struct PassPicture {
+    std::int64_t number = 0;  ///< display
+    PictureType type = PictureType::intra;
+    int quantiser = 1;
+    double bits = 0;
+    bool starts_chunk = false;
+};
+PassPicture pass_picture(const CodedPicture& coded, bool starts_chunk);
+
+/// Shares a film's bits out: one quantiser for all I and P pictures, and its ratio for B pictures, with which the film
+/// comes to its bit rate; coarser over stretches that the buffer could not bring in time, and by chunks where the rate
+/// is constant. `film` is the whole film in coding order; `scale` is what the real pictures' bits are over the first
+/// pass's at the same quantiser (a first pass may be smaller). Gives one allotment per picture in display order.
+/// Settings: `variable` or `constant` rate.
+std::vector<Allotment> allot(const Settings& settings, std::span<const PassPicture> film, double scale);
+
+}  // namespace render2mpeg::encoder

@@ -1,0 +1,146 @@
+#include "encoder/allotment.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "encoder/cadence.h"
+#include "encoder/mpeg2/levels.h"
+#include "encoder/mpeg2/rate_model.h"
+#include "encoder/mpeg2/vbv_buffer.h"
+
+namespace render2mpeg::encoder {
+namespace {
+
+struct Item {
+    std::int64_t number;
+    PictureType type;
+    double complexity;   ///< bits at quantiser 1
+    double arrivals;     ///< bits that the channel brings between this removal and the next
+    double seconds;      ///< of the same time
+    double coarser = 1;  ///< than the rest, for the buffer's sake
+
+    double quantiser(double base) const { return std::clamp(base * coarser * mpeg2::quantiser_ratio(type), 1.0, 31.0); }
+    double bits(double base) const { return complexity * std::pow(quantiser(base), -mpeg2::rate_slope(type)); }
+};
+using Items = std::span<Item>;
+
+double sum_of_bits(Items items, double base) {
+    double sum = 0;
+    for (const Item& item : items) sum += item.bits(base);
+    return sum;
+}
+
+/// The quantiser with which the items come to `wanted` bits, 0.5..62: beyond both ends nothing changes.
+double base_for(Items items, double wanted) {
+    double low = -1, high = std::log2(62.0);
+    for (int i = 0; i < 40; ++i) {
+        const double middle = 0.5 * (low + high);
+        (sum_of_bits(items, std::exp2(middle)) > wanted ? low : high) = middle;
+    }
+    return std::exp2(high);
+}
+
+/// Follows the buffer through one chunk and makes the first stretch coarser that it cannot bring; false: there is none.
+/// A stretch begins where the buffer was full.
+bool relieve(Items chunk, double base, const mpeg2::Channel& channel, bool hands_over) {
+    // chosen: a tenth of the buffer is left alone, since real sizes differ from those expected (0..0.2).
+    const auto size = static_cast<double>(channel.usable_bits), border = static_cast<double>(channel.border_bits);
+    double fullness = border, stretch_bits = 0;
+    std::size_t begin = 0;
+    for (std::size_t i = 0; i < chunk.size(); ++i) {
+        const double bits = chunk[i].bits(base);
+        stretch_bits += bits;
+        fullness -= bits;
+        const bool last = i + 1 == chunk.size();
+        const double floor = std::max(0.1 * size, last && hands_over ? border - chunk[i].arrivals : 0.0);
+        if (fullness < floor - 1) {
+            const double share = std::clamp((stretch_bits - (floor - fullness)) / stretch_bits, 0.1, 1.0);
+            bool changed = false;
+            for (Item& item : chunk.subspan(begin, i + 1 - begin)) {
+                const double before = item.quantiser(base);
+                item.coarser *= std::pow(share, -1.0 / mpeg2::rate_slope(item.type));
+                changed = changed || item.quantiser(base) > before * 1.0001;
+            }
+            return changed;
+        }
+        fullness += chunk[i].arrivals;
+        if (fullness < size) continue;
+        fullness = size;
+        begin = i + 1;
+        stretch_bits = 0;
+    }
+    return false;
+}
+
+/// Chunks of a film in coding order.
+std::vector<Items> chunks_of(Items items, std::span<const PassPicture> film) {
+    std::vector<Items> chunks;
+    std::size_t begin = 0;
+    for (std::size_t i = 1; i <= items.size(); ++i)
+        if (i == items.size() || film[i].starts_chunk) {
+            chunks.push_back(items.subspan(begin, i - begin));
+            begin = i;
+        }
+    return chunks;
+}
+
+/// Solves for the quantiser of a group of chunks that share their bits, and relieves the buffer until all fits.
+double settle(Items group, std::span<const Items> chunks, const mpeg2::Channel& channel, bool film_ends) {
+    double seconds = 0;
+    for (const Item& item : group) seconds += item.seconds;
+    const double wanted = static_cast<double>(channel.average_rate) * seconds;
+    double base = base_for(group, wanted);
+    // chosen: every relief frees bits for others, which may then need one; films converge within 10 (5..200).
+    for (int round = 0; round < 60; ++round) {
+        bool relieved = false;
+        for (const Items& chunk : chunks)
+            relieved |= relieve(chunk, base, channel, !film_ends || chunk.data() != chunks.back().data());
+        if (!relieved) break;
+        base = base_for(group, wanted);
+    }
+    return base;
+}
+
+}  // namespace
+
+PassPicture pass_picture(const CodedPicture& coded, bool starts_chunk) {
+    return {coded.plan.number, coded.plan.type, coded.quantiser,
+            8.0 * static_cast<double>(coded.bytes.size() - coded.stuffing_bytes), starts_chunk};
+}
+
+std::vector<Allotment> allot(const Settings& settings, std::span<const PassPicture> film, double scale) {
+    EXPECTS(settings.rate_control.bit_rate > 0 && scale > 0);
+    const mpeg2::Channel channel = mpeg2::channel_for(settings, mpeg2::level_for(settings));
+    const double field = 0.5 / declared_rate(settings).hertz.value();
+    std::vector<Item> items;
+    for (std::size_t i = 0; i < film.size(); ++i) {
+        const PassPicture& p = film[i];
+        const double seconds = field * mpeg2::fields_after(settings, static_cast<std::int64_t>(i));
+        items.push_back({p.number, p.type, scale * p.bits * std::pow(p.quantiser, mpeg2::rate_slope(p.type)),
+                         seconds * static_cast<double>(channel.bit_rate), seconds});
+    }
+    const std::vector<Items> chunks = chunks_of(items, film);
+
+    // A constant rate gives every chunk its own share; else all have one.
+    std::vector<Allotment> allotted(items.size());
+    const std::int64_t first = items.empty() ? 0 : std::min_element(items.begin(), items.end(), [](auto& a, auto& b) {
+                                                       return a.number < b.number;
+                                                   })->number;
+    const double common = channel.constant || items.empty() ? 0 : settle(items, chunks, channel, true);
+    for (std::size_t c = 0; c < chunks.size(); ++c) {
+        const Items chunk = chunks[c];
+        const double base = channel.constant ? settle(chunk, {&chunks[c], 1}, channel, c + 1 == chunks.size()) : common;
+        double left = 0;
+        std::vector<const Item*> shown;
+        for (const Item& item : chunk) shown.push_back(&item);
+        std::sort(shown.begin(), shown.end(), [](const Item* a, const Item* b) { return a->number > b->number; });
+        for (const Item* item : shown) {
+            left += item->bits(base);
+            allotted[static_cast<std::size_t>(item->number - first)] = {item->quantiser(base), item->bits(base), left};
+        }
+    }
+    return allotted;
+}
+
+}  // namespace render2mpeg::encoder
