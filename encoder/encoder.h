@@ -19,6 +19,9 @@ enum class PictureType : std::uint8_t { intra = 1, predicted = 2, bidirectional 
 /// levels of a whole block at once.
 enum class Effort : std::uint8_t { fast, quality };
 
+/// What errors are weighed by: all alike, or by what the eye sees of their frequency.
+enum class Tune : std::uint8_t { psnr, perceptual };
+
 /// How pictures, all of them progressive, are shown in time.
 enum class Cadence : std::uint8_t {
     frames,    ///< each as a whole: progressive_sequence
@@ -54,6 +57,7 @@ struct Settings {
     int gop = 15;                   ///< pictures per closed GOP, >= 1
     int b_pictures = 2;             ///< most B pictures in a row, 0..3
     Effort effort = Effort::quality;
+    Tune tune = Tune::psnr;
     RateControl rate_control;
     int aspect_ratio_code = 1;    ///< aspect_ratio_information [H262, table 6-3]; 1: square pixels
     int matrix_coefficients = 1;  ///< [H262, table 6-9]; 1: BT.709, 6: BT.601

@@ -22,6 +22,10 @@ void quantise(Block& block, const QuantTable& table) {
     block.scan_mask = to_scan_order(q.nonzero);
     block.distortion = q.distortion;
     block.energy = q.energy;
+    if (!block.weights) return;
+    const Quantised weighed = kernels().weigh(block.coefficients, block.dequantised, block.weights->of);
+    block.distortion = weighed.distortion;
+    block.energy = weighed.energy;
 }
 
 /// Bits of dct_dc_size for a difference. [H262, 7.2.1]
@@ -41,6 +45,10 @@ int bits_after(const CoefficientLengths& lengths, int before, int scan, int magn
 }
 
 }  // namespace
+
+float loss_of(const Block& block, std::size_t place, float error) {
+    return block.weights ? block.weights->of[place] * error * error : error * error;
+}
 
 CoefficientLengths::CoefficientLengths(const CoefficientCodes& codes) : end_of_block_(codes.end_of_block.length) {
     for (int run = 0; run < 64; ++run)
@@ -64,15 +72,16 @@ void quantise_non_intra(Block& block, const QuantTable& table) {
     quantise(block, table);
 }
 
-void quantise_intra(Block& block, const QuantTable& table) {
+void quantise_intra(Block& block, const QuantTable& table, int dc_bits) {
     const float dc = block.coefficients[0];
     block.coefficients[0] = 0.0f;
     quantise(block, table);
     block.coefficients[0] = dc;
-    block.dc = std::clamp(static_cast<int>(std::floor(dc / 8.0f + 0.5f)), 0, 255);
-    block.dequantised[0] = static_cast<std::int16_t>(block.dc * 8);
+    const int step = 8 >> (dc_bits - 8);
+    block.dc = std::clamp(static_cast<int>(std::floor(dc / static_cast<float>(step) + 0.5f)), 0, (1 << dc_bits) - 1);
+    block.dequantised[0] = static_cast<std::int16_t>(block.dc * step);
     const float error = dc - static_cast<float>(block.dequantised[0]);
-    block.distortion += error * error;
+    block.distortion += loss_of(block, 0, error);
 }
 
 void economise(Block& block, const QuantTable& table, const CoefficientLengths& lengths, bool intra, float lambda) {
@@ -98,7 +107,7 @@ void economise(Block& block, const QuantTable& table, const CoefficientLengths& 
         const float target = std::abs(block.coefficients[place]);
         const float error = target - static_cast<float>(std::abs(block.dequantised[place]));
         const float lower_error = target - (magnitude > 1 ? static_cast<float>(lower) : 0.0f);
-        const float loss = lower_error * lower_error - error * error;
+        const float loss = loss_of(block, place, lower_error) - loss_of(block, place, error);
 
         if (loss >= lambda * static_cast<float>(saved)) {
             after = scan;

@@ -31,21 +31,27 @@ class CoefficientLengths {
     int end_of_block_;
 };
 
+/// Weights of the squares of coefficients' errors, in the encoder's order.
+struct Weights {
+    alignas(32) float of[64];
+};
+
 /// One 8x8 block through DCT and quantisation; arrays in the encoder's order (kernels.h).
 struct Block {
     alignas(32) float coefficients[64];
     alignas(32) std::int16_t levels[64];
     alignas(32) std::int16_t dequantised[64];
-    std::uint64_t scan_mask;  ///< bit i: the i-th coefficient of the scan is not 0 (intra: DC never counts)
-    float distortion;         ///< squared error as coded
-    float energy;             ///< squared error of a non-intra block that is not coded
-    int dc;                   ///< intra: quantised DC, 0..255
+    const Weights* weights = nullptr;  ///< of distortion and energy; null: all 1
+    std::uint64_t scan_mask;           ///< bit i: the i-th coefficient of the scan is not 0 (intra: DC never counts)
+    float distortion;                  ///< squared error as coded, weighted
+    float energy;                      ///< of a non-intra block that is not coded
+    int dc;                            ///< intra: quantised DC, 0..2^precision - 1
 };
 
 /// Quantises `block.coefficients`, all of them. The block then holds everything but `dc`.
 void quantise_non_intra(Block& block, const QuantTable& table);
-/// Likewise; DC by its own step of 8.
-void quantise_intra(Block& block, const QuantTable& table);
+/// Likewise; DC by its own step of 8, 4 or 2 with 8, 9 or 10 bits of precision.
+void quantise_intra(Block& block, const QuantTable& table, int dc_bits);
 
 /// Lowers levels by one where the bits saved are worth the distortion: J = distortion + lambda * bits, by real code
 /// lengths.
@@ -53,6 +59,9 @@ void economise(Block& block, const QuantTable& table, const CoefficientLengths& 
 
 /// Bits of the coefficients and the end of the block; of the AC coefficients only for an intra block.
 int coefficient_bits(const Block& block, const CoefficientLengths& lengths, bool intra);
+
+/// What an error of the coefficient at `place` adds to the distortion.
+float loss_of(const Block& block, std::size_t place, float error);
 
 /// Bits of an intra DC difference.
 int dc_bits(int difference, bool luma);

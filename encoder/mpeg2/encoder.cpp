@@ -11,6 +11,7 @@
 #include "encoder/mpeg2/fitting.h"
 #include "encoder/mpeg2/frame.h"
 #include "encoder/mpeg2/levels.h"
+#include "encoder/mpeg2/perception.h"
 #include "encoder/mpeg2/rate_steering.h"
 #include "encoder/mpeg2/syntax.h"
 #include "encoder/mpeg2/vbv_schedule.h"
@@ -59,7 +60,8 @@ struct Encoder::Impl {
           minimal(mpeg2::minimal_bits(s, level)),
           schedule(s, channel, minimal),
           steering(s, channel, minimal),
-          source((s.width + 15) / 16, mpeg2::macroblock_rows(s)) {}
+          source((s.width + 15) / 16, mpeg2::macroblock_rows(s)),
+          quantisers(mpeg2::matrices_for(s.tune)) {}
 
     const Settings settings;
     const mpeg2::Level& level;
@@ -68,6 +70,8 @@ struct Encoder::Impl {
     mpeg2::VbvSchedule schedule;
     mpeg2::RateSteering steering;
     mpeg2::Frame source;  ///< the picture being coded; kept for its memory
+
+    const mpeg2::QuantiserSet quantisers;
 
     // What plan() has decided so far; it may run ahead of push().
     std::optional<std::int64_t> last_planned;
@@ -142,6 +146,8 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
                             plan.quantiser,
                             settings.effort,
                             fields_of(settings, plan.number)};
+    task.quantisers = &quantisers;
+    task.weights = mpeg2::weights_for(settings.tune);
     if (!quantiser_factors.empty()) task.quantiser_factors = &quantiser_factors;
     core::Plane<mpeg2::Vector> predictors[2];
     const bool bidirectional = plan.type == PictureType::bidirectional;

@@ -14,6 +14,7 @@ struct QuantTable {
     alignas(32) float reciprocal[64];      ///< 1 / step; 0: always level 0
     alignas(32) std::int32_t weight[64];   ///< matrix entry times quantiser_scale_code (half of quantiser_scale)
     alignas(32) std::int32_t highest[64];  ///< largest level: escape codes end at 2047, and no coefficient may saturate
+    float largest_reciprocal;              ///< of all
     float rounding;                        ///< 0.5: nearest
     std::int32_t reconstruction;           ///< 0 intra, 1 non-intra
 };
@@ -55,6 +56,9 @@ struct Kernels {
     /// `levels` and `dequantised` get 64 values each.
     Quantised (*quantise)(const float* coefficients, const QuantTable& table, std::int16_t* levels,
                           std::int16_t* dequantised);
+
+    /// `nonzero` aside, what `quantise` says, with the square of each coefficient's error weighted.
+    Quantised (*weigh)(const float* coefficients, const std::int16_t* dequantised, const float* weights);
 
     /// The inverse DCT of libavcodec's `simple` decoder, clipped into `out`, or added to what is there.
     void (*inverse_dct_put)(const std::int16_t* coefficients, std::uint8_t* out, std::ptrdiff_t stride);

@@ -188,8 +188,22 @@ Quantised quantise(const float* coefficients, const QuantTable& table, std::int1
     store_two_rows_of_8(rows, 8, narrow(nonzero, nonzero));
     std::uint64_t mask;
     __builtin_memcpy(&mask, rows, sizeof mask);
-    const auto sum = [](const F32x8& v) { return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7])); };
-    return {mask, sum(distortion), sum(energy)};
+    return {mask, sum_lanes(distortion), sum_lanes(energy)};
+}
+
+Quantised weigh(const float* coefficients, const std::int16_t* dequantised, const float* weights) {
+    F32x8 distortion{}, energy{};
+    for (int u = 0; u < 8; ++u) {
+        F32x8 c, weight;
+        I16x8 value;
+        load(c, coefficients + u * 8);
+        load(weight, weights + u * 8);
+        load(value, dequantised + u * 8);
+        const F32x8 error = c - __builtin_convertvector(widen(value), F32x8);
+        distortion += error * error * weight;
+        energy += c * c * weight;
+    }
+    return {0, sum_lanes(distortion), sum_lanes(energy)};
 }
 
 }  // namespace

@@ -68,6 +68,10 @@ R2M_INLINE std::int32_t sum_lanes(const I32x8& v) {
     return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
 }
 
+R2M_INLINE float sum_lanes(const F32x8& v) {
+    return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
+}
+
 /// Of lanes whose pairwise sums fit 32 bits, whatever the 16-bit values are.
 R2M_INLINE std::int32_t sum_lanes(const I16x16& v) {
     return sum_lanes(widen(lower_half(v)) + widen(upper_half(v)));

@@ -43,6 +43,19 @@ void lower_levels(const PictureCoding& picture, Block& block, const QuantTable& 
     lower(block, table, CoefficientLengths::zero(), intra, lambda);
 }
 
+/// Null: all 1, as for chroma.
+const Weights* weights_of(const PictureCoding& picture, const Place& p) {
+    return p.plane == 0 ? picture.weights : nullptr;
+}
+
+float weighted_difference(const std::uint8_t* source, std::ptrdiff_t stride, const std::uint8_t* predicted,
+                          std::ptrdiff_t predicted_stride, const Weights& weights) {
+    static constexpr std::int16_t nothing[64] = {};
+    alignas(32) float coefficients[64];
+    kernels().forward_dct_of_difference(coefficients, source, stride, predicted, predicted_stride);
+    return kernels().weigh(coefficients, nothing, weights.of).energy;
+}
+
 /// Codes block i of the difference from the prediction. Leaves scan_mask 0 where nothing is worth coding.
 void code_difference(const PictureCoding& picture, int column, int row, int i, const QuantTable& table, float lambda,
                      Attempt& out) {
@@ -53,13 +66,16 @@ void code_difference(const PictureCoding& picture, int column, int row, int i, c
     const std::uint8_t* predicted = predicted_at(out.prediction, p);
     const std::ptrdiff_t stride = stride_of(picture.source, p.plane);
 
+    block.weights = weights_of(picture, p);
+
     // No basis function exceeds 1/4, hence no coefficient a quarter of the sum of absolute differences: below the step
     // all vanish.
     const float largest = 0.25f * static_cast<float>(k.sad_8x8(source, stride, predicted, prediction_stride(p)));
-    if (largest * table.reciprocal[63] < 1.0f) {
+    if (largest * table.largest_reciprocal < 1.0f) {
         block.scan_mask = 0;
         block.energy = block.distortion =
-            static_cast<float>(k.ssd_8x8(source, stride, predicted, prediction_stride(p)));
+            block.weights ? weighted_difference(source, stride, predicted, prediction_stride(p), *block.weights)
+                          : static_cast<float>(k.ssd_8x8(source, stride, predicted, prediction_stride(p)));
         return;
     }
     k.forward_dct_of_difference(block.coefficients, source, stride, predicted, prediction_stride(p));
@@ -119,7 +135,7 @@ Totals total_intra(const PictureCoding& picture, const SliceState& state, const 
 
 void attempt_inter(const PictureCoding& picture, int column, int row, const Movement& movement, int quantiser,
                    const SliceState& state, Attempt& out) {
-    const QuantTable& table = Quantiser::of(quantiser).non_intra;
+    const QuantTable& table = picture.quantisers->of(quantiser).non_intra;
     const float lambda = lambda_of(picture, quantiser);
     out.movement = movement;
     out.quantiser = quantiser;
@@ -142,7 +158,7 @@ void attempt_inter(const PictureCoding& picture, int column, int row, const Move
 void attempt_intra(const PictureCoding& picture, int column, int row, int quantiser, const SliceState& state,
                    Attempt& out) {
     const Kernels& k = kernels();
-    const QuantTable& table = Quantiser::of(quantiser).intra;
+    const QuantTable& table = picture.quantisers->of(quantiser).intra;
     const float lambda = lambda_of(picture, quantiser);
     out.movement = {{}, {false, false}};
     out.quantiser = quantiser;
@@ -150,7 +166,8 @@ void attempt_intra(const PictureCoding& picture, int column, int row, int quanti
         Block& block = out.block[i];
         k.forward_dct(block.coefficients, samples_at(picture.source, column, row, places[i]),
                       stride_of(picture.source, places[i].plane));
-        quantise_intra(block, table);
+        block.weights = weights_of(picture, places[i]);
+        quantise_intra(block, table, picture.dc_bits);
         lower_levels(picture, block, table, true, lambda);
     }
     out.totals = total_intra(picture, state, out);
@@ -193,7 +210,12 @@ int vector_bits(const PictureCoding& picture, const SliceState& state, const Mov
 float skip_distortion(const PictureCoding& picture, int column, int row, const Prediction& prediction) {
     const Kernels& k = kernels();
     float sum = 0.0f;
+    if (picture.weights)
+        for (int i = 0; i < 4; ++i)
+            sum += weighted_difference(samples_at(picture.source, column, row, places[i]), stride_of(picture.source, 0),
+                                       predicted_at(prediction, places[i]), 16, *picture.weights);
     for (const Place& p : {places[0], places[4], places[5]}) {
+        if (p.plane == 0 && picture.weights) continue;
         const auto ssd = p.plane == 0 ? k.ssd_16x16 : k.ssd_8x8;
         sum += static_cast<float>(ssd(samples_at(picture.source, column, row, p), stride_of(picture.source, p.plane),
                                       predicted_at(prediction, p), prediction_stride(p)));
@@ -207,7 +229,7 @@ void truncate_to(Attempt& attempt, const PictureCoding& picture, const SliceStat
             if ((block.scan_mask >> keep & 1) == 0) continue;
             const std::size_t place = place_of_scan[static_cast<std::size_t>(keep)];
             const float error = block.coefficients[place] - static_cast<float>(block.dequantised[place]);
-            block.distortion += block.coefficients[place] * block.coefficients[place] - error * error;
+            block.distortion += loss_of(block, place, block.coefficients[place]) - loss_of(block, place, error);
             block.levels[place] = block.dequantised[place] = 0;
             block.scan_mask ^= std::uint64_t{1} << keep;
         }

@@ -14,12 +14,16 @@ namespace render2mpeg::encoder::mpeg2 {
 
 /// What prediction within a slice starts from at a macroblock. Reset at the slice's start. [H262, 7.2.1 and 7.6.3.4]
 struct SliceState {
-    static constexpr int dc_reset = 128;  ///< for intra_dc_precision 8
+    int dc_reset = 128;  ///< half of what the picture's intra DC precision can say
     int dc[3] = {dc_reset, dc_reset, dc_reset};
     /// Of the macroblock before; its vectors are what the next ones are predicted from. [H262, 7.6.3]
     Movement movement{{}, {false, false}};
     int quantiser = 1;  ///< in force
     int skipped = 0;    ///< macroblocks since the last coded one
+
+    SliceState() = default;
+    /// At the start of a slice.
+    SliceState(int dc_bits, int slice_quantiser) : dc_reset(1 << (dc_bits - 1)), quantiser(slice_quantiser) {}
 
     void reset_dc() { dc[0] = dc[1] = dc[2] = dc_reset; }
 };
@@ -33,6 +37,9 @@ struct PictureCoding {
     int f_code[2][2];     ///< [direction][axis]
     float lambda_factor;  ///< lambda = lambda_factor * q^2
     Effort effort = Effort::quality;
+    const QuantiserSet* quantisers = &QuantiserSet::standard();
+    int dc_bits = 8;                   ///< precision of intra DC, 8..10
+    const Weights* weights = nullptr;  ///< of errors of luma; null: all 1
 };
 
 /// How one macroblock is coded, ready to be written.
@@ -42,7 +49,7 @@ struct MacroblockCode {
     std::uint8_t pattern = 0;    ///< coded_block_pattern; 63 for intra
     std::uint8_t quantiser = 1;  ///< in force
     Movement movement;           ///< of a macroblock that is not intra
-    std::uint8_t dc[6] = {};     ///< intra: quantised DCs
+    std::uint16_t dc[6] = {};    ///< intra: quantised DCs
     std::uint8_t runs[6] = {};   ///< coefficients per block in the row's list
     std::uint32_t bits = 0;      ///< once written; what macroblocks skipped before it cost is on its bill
 };
@@ -51,7 +58,7 @@ struct MacroblockCode {
 struct Totals {
     MacroblockType type;
     int pattern = 0;        ///< coded_block_pattern; 63 for intra
-    float distortion = 0;   ///< squared error of luma and chroma
+    float distortion = 0;   ///< squared error of luma, weighted, and chroma
     int bits = 0;           ///< whole macroblock but for the address increment; intra blocks with table B-14
     int bits_with_one = 0;  ///< the same with table B-15 for intra blocks
 
@@ -87,7 +94,7 @@ std::optional<Movement> skipped_movement(const PictureCoding& picture, int colum
 /// Bits of the vectors that a movement uses.
 int vector_bits(const PictureCoding& picture, const SliceState& state, const Movement& movement);
 
-/// Squared error of the macroblock as its prediction.
+/// Squared error of the macroblock as its prediction, weighted like any other.
 float skip_distortion(const PictureCoding& picture, int column, int row, const Prediction& prediction);
 
 /// Makes blocks empty from the high frequencies down until the macroblock has at most `limit` bits.

@@ -66,10 +66,16 @@ core::Plane<std::uint8_t> quantisers_of(const PictureTask& task) {
 
 /// Decides all rows; the rows' own state starts anew in each, so that they can be taken in any order.
 std::vector<RowCode> decide(const PictureTask& task, const Vectors& vectors, Frame& reconstruction) {
-    PictureCoding picture{task.source,      {task.reference[0], task.reference[1]},
-                          reconstruction,   task.type,
-                          {{1, 1}, {1, 1}}, task.bit_weight * lambda_factor(task.type),
-                          task.effort};
+    PictureCoding picture{task.source,
+                          {task.reference[0], task.reference[1]},
+                          reconstruction,
+                          task.type,
+                          {{1, 1}, {1, 1}},
+                          task.bit_weight * lambda_factor(task.type),
+                          task.effort,
+                          task.quantisers,
+                          dc_bits_for(task.quantiser),
+                          task.weights};
     for (std::size_t d = 0; d < 2; ++d) {
         Extent extent;
         for (const VectorChoice& choice : vectors[d].values())
@@ -92,6 +98,7 @@ PictureHeader header_for(const PictureTask& task, const std::vector<RowCode>& ro
     PictureHeader header;
     header.temporal_reference = task.temporal_reference;
     header.type = task.type;
+    header.intra_dc_bits = dc_bits_for(task.quantiser);
     header.shown = task.shown;
     std::int64_t gain = 0;
     Extent extent[2];
@@ -113,7 +120,8 @@ std::vector<std::uint8_t> write(const PictureTask& task, const PictureHeader& he
     parallel::for_each(rows.size(), [&](std::size_t row) {
         BitWriter out;
         RowSyntax syntax{task.type,           task.lines, static_cast<int>(row),
-                         rows[row].quantiser, {},         header.intra_vlc_format};
+                         rows[row].quantiser, {},         header.intra_vlc_format,
+                         header.intra_dc_bits};
         std::copy_n(&header.f_code[0][0], 4, &syntax.f_code[0][0]);
         write_row(out, syntax, rows[row]);
         slices[row] = out.take();

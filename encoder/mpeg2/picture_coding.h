@@ -5,9 +5,11 @@
 
 #include "encoder/cadence.h"
 #include "encoder/encoder.h"
+#include "encoder/mpeg2/block_coding.h"
 #include "encoder/mpeg2/candidates.h"
 #include "encoder/mpeg2/frame.h"
 #include "encoder/mpeg2/levels.h"
+#include "encoder/mpeg2/quantiser.h"
 #include "encoder/mpeg2/vector.h"
 
 namespace render2mpeg::encoder::mpeg2 {
@@ -24,6 +26,8 @@ struct PictureTask {
     int quantiser;
     Effort effort;
     ShownFields shown;
+    const QuantiserSet* quantisers = &QuantiserSet::standard();
+    const Weights* weights = nullptr;  ///< of errors of luma; null: all 1
     /// What `quantiser` is multiplied by in each macroblock; null: 1.
     const core::Plane<float>* quantiser_factors = nullptr;
     float bit_weight = 1;  ///< how much dearer bits are than tuning.h makes them

@@ -8,14 +8,19 @@
 
 namespace render2mpeg::encoder::mpeg2 {
 
-const std::array<std::uint8_t, 64> default_intra_matrix = {
-    8,  16, 19, 22, 26, 27, 29, 34, 16, 16, 22, 24, 27, 29, 34, 37, 19, 22, 26, 27, 29, 34,
-    34, 38, 22, 22, 26, 27, 29, 34, 37, 40, 22, 26, 27, 29, 32, 35, 40, 48, 26, 27, 29, 32,
-    35, 40, 48, 58, 26, 27, 29, 34, 38, 46, 56, 69, 27, 29, 35, 38, 46, 56, 69, 83};
+const Matrix default_intra_matrix = {8,  16, 19, 22, 26, 27, 29, 34, 16, 16, 22, 24, 27, 29, 34, 37,
+                                     19, 22, 26, 27, 29, 34, 34, 38, 22, 22, 26, 27, 29, 34, 37, 40,
+                                     22, 26, 27, 29, 32, 35, 40, 48, 26, 27, 29, 32, 35, 40, 48, 58,
+                                     26, 27, 29, 34, 38, 46, 56, 69, 27, 29, 35, 38, 46, 56, 69, 83};
+
+const Matrix default_non_intra_matrix = [] {
+    Matrix flat;
+    flat.fill(16);
+    return flat;
+}();
 
 namespace {
 
-constexpr int flat_weight = 16;
 constexpr std::int32_t highest_coded_level = 2047;  // table B-16
 constexpr std::int32_t highest_coefficient = 2047;  // saturation, 7.4.3
 
@@ -36,13 +41,13 @@ std::array<std::uint8_t, 64> make_scan_of_raster() {
 
 /// Both kinds round to nearest: an intra level l stands for l steps, a non-intra one for l + 1/2, so that truncation is
 /// nearest there. What rate makes dearer than it is worth goes afterwards, by real bits (block_coding.h).
-Quantiser make(int code) {
+Quantiser make(const Matrices& matrices, int code) {
     Quantiser q{};
     // No coefficient may saturate: decoders differ there. Coefficients of 8-bit samples reach these limits by rounding
     // errors alone.
     for (std::size_t i = 0; i < 64; ++i) {
         const std::size_t place = transposed(i);
-        const std::int32_t intra = default_intra_matrix[i] * code, non_intra = flat_weight * code;
+        const std::int32_t intra = matrices.intra[i] * code, non_intra = matrices.non_intra[i] * code;
         q.intra.weight[place] = intra;
         q.intra.reciprocal[place] = i == 0 ? 0.0f : 8.0f / static_cast<float>(intra);
         q.intra.highest[place] = std::min(highest_coded_level, highest_coefficient * 8 / intra);
@@ -50,6 +55,8 @@ Quantiser make(int code) {
         q.non_intra.reciprocal[place] = 8.0f / static_cast<float>(non_intra);
         q.non_intra.highest[place] = std::min(highest_coded_level, (highest_coefficient * 16 / non_intra - 1) / 2);
     }
+    for (QuantTable* table : {&q.intra, &q.non_intra})
+        table->largest_reciprocal = *std::max_element(table->reciprocal, table->reciprocal + 64);
     q.intra.rounding = 0.5f;
     q.intra.reconstruction = 0;
     q.non_intra.rounding = 0.0f;
@@ -63,13 +70,24 @@ const std::array<std::uint8_t, 64> place_of_scan = make_place_of_scan();
 const std::array<std::uint8_t, 64> scan_of_raster = make_scan_of_raster();
 
 const Quantiser& Quantiser::of(int code) {
+    return QuantiserSet::standard().of(code);
+}
+
+QuantiserSet::QuantiserSet(const Matrices& matrices) {
+    EXPECTS(matrices.intra[0] == 8);
+    for (const Matrix* matrix : {&matrices.intra, &matrices.non_intra})
+        EXPECTS(std::find(matrix->begin(), matrix->end(), 0) == matrix->end());
+    for (int code = 1; code <= 31; ++code) tables_[static_cast<std::size_t>(code - 1)] = make(matrices, code);
+}
+
+const Quantiser& QuantiserSet::of(int code) const {
     EXPECTS(code >= 1 && code <= 31);
-    static const std::array<Quantiser, 31> all = [] {
-        std::array<Quantiser, 31> tables;
-        for (int c = 1; c <= 31; ++c) tables[static_cast<std::size_t>(c - 1)] = make(c);
-        return tables;
-    }();
-    return all[static_cast<std::size_t>(code - 1)];
+    return tables_[static_cast<std::size_t>(code - 1)];
+}
+
+const QuantiserSet& QuantiserSet::standard() {
+    static const QuantiserSet set{Matrices{}};
+    return set;
 }
 
 void control_mismatch(std::int16_t* coefficients) {

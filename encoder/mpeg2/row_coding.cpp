@@ -22,7 +22,8 @@ class RowDecider {
           inter_(std::make_unique<Attempt>()),
           other_(std::make_unique<Attempt>()),
           intra_(std::make_unique<Attempt>()) {
-        state_.quantiser = code_.quantiser = quantisers[0];
+        code_.quantiser = quantisers[0];
+        state_ = SliceState(picture.dc_bits, quantisers[0]);
     }
 
     RowCode run(const VectorChoice* const (&vectors)[2]) {
@@ -134,7 +135,7 @@ class RowDecider {
         code.movement = attempt.movement;
         for (std::size_t i = 0; i < 6; ++i) {
             const Block& block = attempt.block[i];
-            code.dc[i] = static_cast<std::uint8_t>(code.type.intra ? block.dc : 0);
+            code.dc[i] = static_cast<std::uint16_t>(code.type.intra ? block.dc : 0);
             if ((code.pattern & (32 >> i)) == 0) continue;
             const std::size_t before = code_.runs.size();
             append_runs(block, code_.runs, code.type.intra);
@@ -215,8 +216,7 @@ RowCode decide_row(const PictureCoding& picture, int row, const std::uint8_t* qu
 
 void write_row(BitWriter& out, const RowSyntax& syntax, RowCode& code) {
     write_slice_header(out, syntax.lines, syntax.row, syntax.quantiser);
-    SliceState state;
-    state.quantiser = syntax.quantiser;
+    SliceState state(syntax.dc_bits, syntax.quantiser);
     const RunLevel* runs = code.runs.data();
     for (MacroblockCode& macroblock : code.macroblocks) {
         const std::size_t before = out.bit_count();

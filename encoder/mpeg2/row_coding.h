@@ -31,6 +31,7 @@ struct RowSyntax {
     int quantiser;  ///< of the slice's header
     int f_code[2][2];
     bool intra_vlc_format;
+    int dc_bits = 8;
 };
 
 /// Writes the row as one slice, whole bytes; notes the bits of every macroblock in its code.

@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include "encoder/mpeg2/codes.h"
+#include "encoder/mpeg2/perception.h"
+
 namespace render2mpeg::encoder {
 namespace mpeg2 {
 namespace {
@@ -20,7 +23,15 @@ std::uint32_t low_bits(std::int64_t value, int count) {
     return static_cast<std::uint32_t>(value & ((std::int64_t{1} << count) - 1));
 }
 
+/// The flag that says whether a matrix follows, and the matrix where it is not the default one.
+void write_matrix(BitWriter& out, const Matrix& matrix, const Matrix& standard) {
+    out.put(matrix == standard ? 0 : 1, 1);
+    if (matrix == standard) return;
+    for (const std::uint8_t raster : zigzag) out.put(matrix[raster], 8);
+}
+
 void write_sequence_header(BitWriter& out, const Settings& s, const Channel& channel) {
+    const Matrices matrices = matrices_for(s.tune);
     out.start_code(sequence_start);
     out.put(low_bits(s.width, 12), 12);
     out.put(low_bits(s.height, 12), 12);
@@ -30,8 +41,8 @@ void write_sequence_header(BitWriter& out, const Settings& s, const Channel& cha
     out.put(1, 1);  // marker
     out.put(low_bits(channel.buffer_bits / 16384, 10), 10);
     out.put(0, 1);  // constrained_parameters_flag
-    out.put(0, 1);  // load_intra_quantiser_matrix: the default one
-    out.put(0, 1);  // load_non_intra_quantiser_matrix: the default one, flat 16
+    write_matrix(out, matrices.intra, default_intra_matrix);
+    write_matrix(out, matrices.non_intra, default_non_intra_matrix);
 }
 
 void write_sequence_extension(BitWriter& out, const Settings& s, const Level& level, const Channel& channel) {

@@ -39,7 +39,8 @@ class Trellis {
         best.before = -1;
         for (int level = highest; level > 0 && level >= highest - 1; --level) {
             const int value = dequantise(table_, place, level);
-            const float error = target - static_cast<float>(value), gain = error * error - target * target;
+            const float error = target - static_cast<float>(value),
+                        gain = loss_of(block_, place, error) - loss_of(block_, place, target);
             for (int i = 0; i < open_count_; ++i) {
                 const Path& from = paths_[open_[i]];
                 const float cost = from.cost + gain + lambda_ * static_cast<float>(bits(from.scan, scan, level));
@@ -96,7 +97,7 @@ void optimise(Block& block, const QuantTable& table, const CoefficientLengths& l
         const float target = std::abs(block.coefficients[place]);
         const float error = target - static_cast<float>(std::abs(block.dequantised[place])),
                     new_error = target - static_cast<float>(value);
-        block.distortion += new_error * new_error - error * error;
+        block.distortion += loss_of(block, place, new_error) - loss_of(block, place, error);
         const int sign = block.levels[place] < 0 ? -1 : 1;
         block.levels[place] = static_cast<std::int16_t>(sign * level);
         block.dequantised[place] = static_cast<std::int16_t>(sign * value);

@@ -33,6 +33,12 @@ void add_coding_options(CLI::App& command, CodingOptions& options) {
         ->check(CLI::Range(0, 3))
         ->capture_default_str()
         ->group(coding);
+    command
+        .add_option("--tune", options.tune,
+                    "What is kept: `psnr`, all detail alike; `perceptual`, more of what the eye sees")
+        ->check(CLI::IsMember({"psnr", "perceptual"}))
+        ->capture_default_str()
+        ->group(coding);
     command.add_option("--encoder", options.encoder, "How much is tried: `fast`, or `quality` for fewer bits")
         ->check(CLI::IsMember({"fast", "quality"}))
         ->capture_default_str()

@@ -61,6 +61,7 @@ encoder::Settings coding_settings(const CodingOptions& options, const Shape& sha
     coding.rate_control = rate_control(options);
     coding.gop = options.gop.value_or(15);
     coding.b_pictures = options.b_pictures;
+    coding.tune = options.tune == "perceptual" ? encoder::Tune::perceptual : encoder::Tune::psnr;
     coding.effort = options.encoder == "fast" ? encoder::Effort::fast : encoder::Effort::quality;
     coding.aspect_ratio_code = shape.aspect_ratio_code;
     coding.matrix_coefficients = static_cast<int>(perceptual::matrix_for(shape.size.height));

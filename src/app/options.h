@@ -28,6 +28,7 @@ struct CodingOptions {
     std::optional<int> passes;   ///< 1 or 2
     std::optional<int> gop;      ///< none: 15, or what the preset says
     int b_pictures = 2;
+    std::string tune = "psnr";                                ///< "psnr" or "perceptual"
     std::string encoder = "quality";                          ///< "fast" or "quality"
     std::optional<std::string> preset;                        ///< --for
     std::optional<std::string> display_aspect, pixel_aspect;  ///< "W:H", not both

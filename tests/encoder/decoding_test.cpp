@@ -158,6 +158,7 @@ TEST(Decoding, AnyMotionFieldGivesALegalStream) {
         Settings s = settings(dice.roll(1, 130), dice.roll(1, 130), dice.roll(1, 31), dice.roll(1, 6), dice.roll(1, 8),
                               dice.roll(0, 3));
         s.effort = dice.roll(0, 1) == 0 ? Effort::fast : Effort::quality;
+        s.tune = dice.roll(0, 2) == 0 ? Tune::perceptual : Tune::psnr;
         const double noisiness = dice.uniform();
         const glm::dvec2 step{dice.uniform() * 20 - 10, dice.uniform() * 20 - 10};
         const auto picture = [&](std::int64_t n) {

@@ -249,6 +249,13 @@ TEST(Kernels, AllVariantsGiveTheSameNumbers) {
                             q1 = other.quantise(c[1], table, levels[1], back[1]);
             ASSERT_TRUE(std::equal(levels[0], levels[0] + 64, levels[1]) && std::equal(back[0], back[0] + 64, back[1]));
             ASSERT_TRUE(q0.nonzero == q1.nonzero && q0.distortion == q1.distortion && q0.energy == q1.energy);
+            float weights[64];
+            for (int w = 0; w < 64; ++w) weights[w] = core::uniform(seed, 7, static_cast<std::uint64_t>(w));
+            const Quantised w0 = first.weigh(c[0], back[0], weights), w1 = other.weigh(c[0], back[0], weights);
+            ASSERT_TRUE(w0.distortion == w1.distortion && w0.energy == w1.energy);
+            std::fill_n(weights, 64, 1.0f);
+            ASSERT_FLOAT_EQ(first.weigh(c[0], back[0], weights).distortion, q0.distortion);
+            ASSERT_FLOAT_EQ(first.weigh(c[0], back[0], weights).energy, q0.energy);
             std::uint8_t out[2][64];
             first.inverse_dct_put(back[0], out[0], 8);
             other.inverse_dct_put(back[1], out[1], 8);

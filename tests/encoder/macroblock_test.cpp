@@ -57,7 +57,7 @@ struct Medley {
         std::array<std::array<std::uint8_t, 64>, 6> blocks;
         for (int i = 0; i < 6; ++i) {
             std::vector<RunLevel> runs;
-            m.dc[i] = static_cast<std::uint8_t>(m.type.intra ? roll(256) : 0);
+            m.dc[i] = static_cast<std::uint16_t>(m.type.intra ? roll(256) : 0);
             if (m.pattern & (32 >> i)) {
                 runs.push_back({static_cast<std::uint8_t>(roll(20)),
                                 static_cast<std::int16_t>(roll(2) ? 1 + roll(6) : -1 - roll(6))});

@@ -41,7 +41,7 @@ inline MacroblockCode plain_intra(int dc = 128) {
     m.type.intra = true;
     m.pattern = 63;
     m.quantiser = quantiser;
-    std::fill_n(m.dc, 6, static_cast<std::uint8_t>(dc));
+    std::fill_n(m.dc, 6, static_cast<std::uint16_t>(dc));
     return m;
 }
 

@@ -19,6 +19,13 @@ Block random_block(std::uint64_t seed, bool intra, int q, int most) {
     const auto uniform = [&] { return core::uniform(seed, n++); };
     const QuantTable& table = intra ? Quantiser::of(q).intra : Quantiser::of(q).non_intra;
     Block block{};
+    // Every other block is weighed.
+    static const Weights weights = [] {
+        Weights w;
+        for (std::size_t i = 0; i < 64; ++i) w.of[i] = 0.1f + 2.0f * core::uniform(3, i);
+        return w;
+    }();
+    if (seed % 2 == 1) block.weights = &weights;
     if (intra) block.coefficients[0] = 1024.0f * uniform();
     for (int i = 0; i < most; ++i) {
         const int scan = (intra ? 1 : 0) + static_cast<int>(uniform() * 62.99f);
@@ -26,7 +33,7 @@ Block random_block(std::uint64_t seed, bool intra, int q, int most) {
         const float steps = (uniform() < 0.8f ? 2.5f : 12.0f) * (2 * uniform() - 1);
         block.coefficients[place] = steps / table.reciprocal[place];
     }
-    intra ? quantise_intra(block, table) : quantise_non_intra(block, table);
+    intra ? quantise_intra(block, table, 8) : quantise_non_intra(block, table);
     return block;
 }
 
@@ -51,7 +58,7 @@ float least_cost(const Block& block, const QuantTable& table, const CoefficientL
             const int value = level == 0 ? 0 : ((2 * level + table.reconstruction) * table.weight[place]) >> 4;
             const float before = block.coefficients[place] - static_cast<float>(block.dequantised[place]),
                         after = block.coefficients[place] - static_cast<float>(sign * value);
-            other.distortion += after * after - before * before;
+            other.distortion += loss_of(block, place, after) - loss_of(block, place, before);
             other.levels[place] = static_cast<std::int16_t>(sign * level);
             if (level == 0) other.scan_mask &= ~(std::uint64_t{1} << scans[i]);
         }
@@ -105,7 +112,7 @@ TEST(Trellis, KeepsItsBooks) {
         for (std::size_t scan = 0; scan < 64; ++scan) {
             const std::size_t place = place_of_scan[scan];
             const float error = block.coefficients[place] - static_cast<float>(block.dequantised[place]);
-            distortion += error * error;
+            distortion += loss_of(block, place, error);
             ASSERT_EQ(block.levels[place] != 0, (block.scan_mask >> scan & 1) != 0);
             ASSERT_EQ(block.levels[place] != 0, block.dequantised[place] != 0);
         }
