@@ -9,15 +9,15 @@
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
-/// Every second pixel of every second row. chosen: all 256 pixels cost four times as much and change a half-pel
-/// candidate only at objects of a pixel's width.
-constexpr int sample_step = 2;
+/// Every fourth pixel of every fourth row. chosen: every second one costs four times as much, a tenth of the time of
+/// Effort::fast, and saves 0.02 % of the bits.
+constexpr int sample_step = 4;
 
-/// Vectors of the macroblock's valid pixels, at most 64.
+/// Vectors of the macroblock's valid pixels.
 struct Samples {
-    std::array<glm::vec2, 64> vector;
+    std::array<glm::vec2, 16> vector;
     int count = 0;
-    glm::vec2 low{0.0f}, high{0.0f};
+    glm::vec2 low{0.0f}, high{0.0f}, sum{0.0f};
 };
 
 /// Longer vectors than this lead out of every picture (1920 columns at most), and so does what is no number.
@@ -39,9 +39,11 @@ Samples gather(const core::MotionField& motion, int column, int row) {
     }
     if (samples.count == 0) return samples;
     samples.low = samples.high = samples.vector[0];
-    for (int i = 1; i < samples.count; ++i) {
-        samples.low = glm::min(samples.low, samples.vector[static_cast<std::size_t>(i)]);
-        samples.high = glm::max(samples.high, samples.vector[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < samples.count; ++i) {
+        const glm::vec2 v = samples.vector[static_cast<std::size_t>(i)];
+        samples.low = glm::min(samples.low, v);
+        samples.high = glm::max(samples.high, v);
+        samples.sum += v;
     }
     return samples;
 }
@@ -49,15 +51,6 @@ Samples gather(const core::MotionField& motion, int column, int row) {
 Vector to_half_pixels(glm::vec2 v, const VectorRange& range) {
     return range.clamp(static_cast<int>(std::floor(2.0f * v.x + 0.5f)),
                        static_cast<int>(std::floor(2.0f * v.y + 0.5f)));
-}
-
-glm::vec2 median(Samples& samples) {
-    const auto middle = samples.vector.begin() + samples.count / 2;
-    const auto end = samples.vector.begin() + samples.count;
-    std::nth_element(samples.vector.begin(), middle, end, [](glm::vec2 a, glm::vec2 b) { return a.x < b.x; });
-    const float x = middle->x;
-    std::nth_element(samples.vector.begin(), middle, end, [](glm::vec2 a, glm::vec2 b) { return a.y < b.y; });
-    return {x, middle->y};
 }
 
 /// Centres of two clusters, begun at the two ends along the axis of the larger spread.
@@ -88,7 +81,7 @@ std::array<glm::vec2, 2> two_means(const Samples& samples) {
 
 Candidates exact_candidates(const core::MotionField& motion, int column, int row, const VectorRange& range) {
     Candidates candidates;
-    Samples samples = gather(motion, column, row);
+    const Samples samples = gather(motion, column, row);
     if (samples.count == 0) return candidates;
 
     // Take the middle where all pixels move alike to a quarter pixel.
@@ -98,9 +91,11 @@ Candidates exact_candidates(const core::MotionField& motion, int column, int row
         return candidates;
     }
     // chosen: modes of less than a pixel's distance are within reach of the refinement by half pixels.
-    if (std::max(spread.x, spread.y) > 1.0f)
+    if (std::max(spread.x, spread.y) > 1.0f) {
         for (const glm::vec2 mode : two_means(samples)) candidates.add(to_half_pixels(mode, range));
-    candidates.add(to_half_pixels(median(samples), range));
+    } else {
+        candidates.add(to_half_pixels(samples.sum / static_cast<float>(samples.count), range));
+    }
     const int x = std::min(column * 16 + 8, motion.vector.width() - 1);
     const int y = std::min(row * 16 + 8, motion.vector.height() - 1);
     if (is_valid(motion.kind.at(x, y), motion.vector.at(x, y)))

@@ -19,7 +19,7 @@ struct Candidates {
     }
 };
 
-/// Median, the two modes where the macroblock holds a silhouette, and the centre pixel, rounded to half pixels and
+/// Mean, or the two modes where the macroblock holds a silhouette, and the centre pixel, rounded to half pixels and
 /// moved into `range`. Pixels of class `none` and vectors that are no numbers or lead out of any picture are left out;
 /// none left: no candidates. The macroblock may hang over the field's right and lower side.
 Candidates exact_candidates(const core::MotionField& motion, int column, int row, const VectorRange& range);

@@ -13,6 +13,7 @@
 #include "encoder/mpeg2/levels.h"
 #include "encoder/mpeg2/perception.h"
 #include "encoder/mpeg2/rate_steering.h"
+#include "encoder/mpeg2/refresh.h"
 #include "encoder/mpeg2/syntax.h"
 #include "encoder/mpeg2/vbv_schedule.h"
 
@@ -61,7 +62,8 @@ struct Encoder::Impl {
           schedule(s, channel, minimal),
           steering(s, channel, minimal),
           source((s.width + 15) / 16, mpeg2::macroblock_rows(s)),
-          quantisers(mpeg2::matrices_for(s.tune)) {}
+          quantisers(mpeg2::matrices_for(s.tune)),
+          refresh(source.columns(), source.rows()) {}
 
     const Settings settings;
     const mpeg2::Level& level;
@@ -72,6 +74,7 @@ struct Encoder::Impl {
     mpeg2::Frame source;  ///< the picture being coded; kept for its memory
 
     const mpeg2::QuantiserSet quantisers;
+    mpeg2::Refresh refresh;
 
     // What plan() has decided so far; it may run ahead of push().
     std::optional<std::int64_t> last_planned;
@@ -148,6 +151,7 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
                             fields_of(settings, plan.number)};
     task.quantisers = &quantisers;
     task.weights = mpeg2::weights_for(settings.tune);
+    if (plan.type == PictureType::predicted) task.intra_due = &refresh.due();
     if (!quantiser_factors.empty()) task.quantiser_factors = &quantiser_factors;
     core::Plane<mpeg2::Vector> predictors[2];
     const bool bidirectional = plan.type == PictureType::bidirectional;
@@ -186,6 +190,7 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
     coded.bytes.insert(coded.bytes.end(), result.bytes.begin(), result.bytes.end());
     coded.reconstruction = mpeg2::crop(result.reconstruction, settings.width, settings.height, plan.number);
     coded.macroblocks = std::move(result.records);
+    refresh.record(plan.type, coded.macroblocks);
     coded.block_evaluations = result.evaluations;
     if (bidirectional) return coded;
     earlier = std::move(later);

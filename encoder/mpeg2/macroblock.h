@@ -38,8 +38,9 @@ struct PictureCoding {
     float lambda_factor;  ///< lambda = lambda_factor * q^2
     Effort effort = Effort::quality;
     const QuantiserSet* quantisers = &QuantiserSet::standard();
-    int dc_bits = 8;                   ///< precision of intra DC, 8..10
-    const Weights* weights = nullptr;  ///< of errors of luma; null: all 1
+    int dc_bits = 8;                                       ///< precision of intra DC, 8..10
+    const Weights* weights = nullptr;                      ///< of errors of luma; null: all 1
+    const core::Plane<std::uint8_t>* intra_due = nullptr;  ///< 1: intra or skipped; null: none
 };
 
 /// How one macroblock is coded, ready to be written.

@@ -78,13 +78,15 @@ class Chooser {
         Vector left;
         for (int column = 0; column < columns_; ++column) {
             const VectorRange allowed = range(column, row);
-            evaluate(column, row, Vector{});
             if (s_.exact) {
                 const Candidates& exact = s_.exact->at(column, row);
                 for (int i = 0; i < exact.count; ++i) evaluate(column, row, exact.vector[static_cast<std::size_t>(i)]);
             }
-            if (s_.previous) evaluate(column, row, allowed.clamp(s_.previous->at(column, row)));
-            evaluate(column, row, allowed.clamp(left));
+            if (!enough(column, row)) {
+                evaluate(column, row, Vector{});
+                if (s_.previous) evaluate(column, row, allowed.clamp(s_.previous->at(column, row)));
+                evaluate(column, row, allowed.clamp(left));
+            }
             if (measured_search_range > 0) search_about_best(column, row);
             const Trials& t = trials(column, row);
             left = std::min_element(t.begin(), t.end(), [](const auto& a, const auto& b) {
@@ -126,14 +128,19 @@ class Chooser {
             const VectorRange allowed = range(column, row);
             const Vector above = neighbour(column, row - 1), above_right = neighbour(column + 1, row - 1);
             const Vector middle{median(left.x, above.x, above_right.x), median(left.y, above.y, above_right.y)};
-            for (const Vector v :
-                 {left, above, above_right, middle, neighbour(column + 1, row), neighbour(column, row + 1)})
-                evaluate(column, row, allowed.clamp(v));
+            const bool thorough = s_.effort == Effort::quality;
+            if (!enough(column, row)) {
+                for (const Vector v : {left, above, middle}) evaluate(column, row, allowed.clamp(v));
+                if (thorough)
+                    for (const Vector v : {above_right, neighbour(column + 1, row), neighbour(column, row + 1)})
+                        evaluate(column, row, allowed.clamp(v));
+            }
 
             Vector best = cheapest(trials(column, row), left);
-            for (int round = 0; round < 2; ++round) {
+            for (int round = 0; round < (thorough ? 2 : 1) && !enough(column, row); ++round) {
                 for (int dy = -1; dy <= 1; ++dy)
                     for (int dx = -1; dx <= 1; ++dx) {
+                        if (!thorough && dx != 0 && dy != 0) continue;
                         const Vector v{static_cast<std::int16_t>(best.x + dx), static_cast<std::int16_t>(best.y + dy)};
                         if (allowed.contains(v)) evaluate(column, row, v);
                     }
@@ -144,6 +151,13 @@ class Chooser {
             chosen_.at(column, row) = shortlist(trials(column, row), left);
             left = best;
         }
+    }
+
+    /// Whether a vector was found that leaves next to nothing to code.
+    bool enough(int column, int row) {
+        const Trials& t = trials(column, row);
+        return std::any_of(t.begin(), t.end(),
+                           [&](const Trials::Trial& trial) { return trial.difference <= s_.enough; });
     }
 
     /// What the first pass chose, zero outside the picture.

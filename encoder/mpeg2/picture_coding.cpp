@@ -38,11 +38,12 @@ using Vectors = std::array<core::Plane<VectorChoice>, 2>;
 Vectors choose(const PictureTask& task, const Level& level, std::uint64_t& evaluations) {
     Vectors vectors;
     const bool bidirectional = task.type == PictureType::bidirectional;
+    const auto enough = static_cast<std::uint32_t>(task.effort == Effort::fast ? enough_fast * task.quantiser : 0);
     for (std::size_t d = 0; d < 2; ++d) {
         if (!task.reference[d]) continue;
         MotionChoice choice =
             choose_vectors({task.source, *task.reference[d], task.exact[d], task.predictors[d], level.horizontal_f_code,
-                            lambda_motion * static_cast<float>(task.quantiser), !bidirectional,
+                            lambda_motion * static_cast<float>(task.quantiser), !bidirectional, task.effort, enough,
                             bidirectional ? evaluation_limit_per_direction : evaluation_limit});
         vectors[d] = std::move(choice.vectors);
         evaluations += choice.evaluations;
@@ -75,7 +76,8 @@ std::vector<RowCode> decide(const PictureTask& task, const Vectors& vectors, Fra
                           task.effort,
                           task.quantisers,
                           dc_bits_for(task.quantiser),
-                          task.weights};
+                          task.weights,
+                          task.intra_due};
     for (std::size_t d = 0; d < 2; ++d) {
         Extent extent;
         for (const VectorChoice& choice : vectors[d].values())

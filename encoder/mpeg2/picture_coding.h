@@ -27,7 +27,8 @@ struct PictureTask {
     Effort effort;
     ShownFields shown;
     const QuantiserSet* quantisers = &QuantiserSet::standard();
-    const Weights* weights = nullptr;  ///< of errors of luma; null: all 1
+    const Weights* weights = nullptr;                      ///< of errors of luma; null: all 1
+    const core::Plane<std::uint8_t>* intra_due = nullptr;  ///< 1: intra or skipped; null: none
     /// What `quantiser` is multiplied by in each macroblock; null: 1.
     const core::Plane<float>* quantiser_factors = nullptr;
     float bit_weight = 1;  ///< how much dearer bits are than tuning.h makes them

@@ -53,7 +53,9 @@ class RowDecider {
     void settle(int column, bool may_skip) {
         const float inter =
             inter_->totals.cost(lambda_) + lambda_ * static_cast<float>(address_increment_bits(state_.skipped));
-        const bool intra = intra_may_win(column, inter) && try_intra(column, inter);
+        const bool due = picture_.intra_due && picture_.intra_due->at(column, row_) != 0;
+        if (due) attempt_intra(picture_, column, row_, quantiser_, state_, *intra_);
+        const bool intra = due || (intra_may_win(column, inter) && try_intra(column, inter));
         const float best = intra ? intra_->totals.cost(lambda_) : inter;
         const std::optional<Movement> skipped =
             may_skip ? skipped_movement(picture_, column, row_, state_) : std::nullopt;
@@ -97,7 +99,7 @@ class RowDecider {
     /// Intra costs at least its type, six DC sizes and six ends of block, and its distortion is hardly below what
     /// quantisation leaves of the block's own activity.
     bool intra_may_win(int column, float inter_cost) const {
-        constexpr int least_bits = 5 + 6 * 2 + 6 * 2;
+        const int least_bits = picture_.effort == Effort::fast ? intra_bits_fast : 5 + 6 * 2 + 6 * 2;
         if (inter_cost <= lambda_ * least_bits) return false;
         const Kernels& k = kernels();
         const auto stride = static_cast<std::ptrdiff_t>(picture_.source.y.width());

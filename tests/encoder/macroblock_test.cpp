@@ -183,7 +183,7 @@ TEST(Macroblocks, NoiseThatDoesNotFitIsCodedMoreCoarsely) {
     EXPECT_GE(coarser, 25);
 }
 
-TEST(Candidates, ASilhouetteOffersBothMotionsAndTheirMedian) {
+TEST(Candidates, ASilhouetteOffersBothMotions) {
     core::MotionField field = uniform_motion(32, 16, 1, {-4.0f, 1.0f});
     for (int y = 0; y < 16; ++y)
         for (int x = 0; x < 6; ++x) field.vector.at(x, y) = {3.0f, -2.5f};
