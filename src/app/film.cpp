@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "app/rate_options.h"
 #include "core/error.h"
@@ -11,6 +12,31 @@
 
 namespace render2mpeg::app {
 namespace {
+
+/// Rates and buffer. A level may allow less than the world does: 704x480 at 24 Hz is of Main level.
+void apply_rates(const Preset& preset, const CodingOptions& options, encoder::Settings& coding) {
+    const encoder::LevelLimits level = encoder::level_of(coding);
+    encoder::RateControl& rate = coding.rate_control;
+    const std::int64_t most = std::max(rate.bit_rate, rate.max_rate);
+    if (most > std::min(preset.bit_rate, level.bit_rate))
+        throw core::Error(
+            fmt::format("{}: {} takes at most {} bits per second",
+                        options.maxrate ? "--maxrate " + *options.maxrate : "--bitrate " + *options.bitrate,
+                        preset.option(), std::min(preset.bit_rate, level.bit_rate)));
+    if (rate.max_rate == 0 && rate.mode != encoder::RateMode::constant)
+        rate.max_rate = std::max(rate.bit_rate, std::min(preset.usual_rate, level.bit_rate));
+
+    std::int64_t buffer = std::min(preset.buffer_bits, level.buffer_bits);
+    const auto fastest = static_cast<double>(rate.max_rate > 0 ? rate.max_rate : rate.bit_rate);
+    if (preset.longest_delay > 0) {
+        const auto held = static_cast<std::int64_t>(std::llround(preset.longest_delay * fastest));
+        buffer = std::min(buffer, held);
+    }
+    if (rate.buffer_bits > buffer)
+        throw core::Error(
+            fmt::format("--vbv {}: {} takes at most {} bits at these rates", *options.vbv, preset.option(), buffer));
+    if (rate.buffer_bits == 0) rate.buffer_bits = buffer;
+}
 
 /// Refuses what the preset's world does not take, and fills in what nobody said.
 void apply(const Preset& preset, const CodingOptions& options, encoder::Settings& coding) {
@@ -23,22 +49,7 @@ void apply(const Preset& preset, const CodingOptions& options, encoder::Settings
     if (coding.b_pictures > preset.b_pictures)
         throw core::Error(fmt::format("--b-pictures {}: {} has at most {} in a row", coding.b_pictures, preset.option(),
                                       preset.b_pictures));
-
-    // A level may allow less than the world does: 704x480 at 24 Hz is of Main level.
-    const encoder::LevelLimits level = encoder::level_of(coding);
-    encoder::RateControl& rate = coding.rate_control;
-    const std::int64_t most = std::max(rate.bit_rate, rate.max_rate);
-    if (most > std::min(preset.bit_rate, level.bit_rate))
-        throw core::Error(
-            fmt::format("{}: {} takes at most {} bits per second",
-                        options.maxrate ? "--maxrate " + *options.maxrate : "--bitrate " + *options.bitrate,
-                        preset.option(), std::min(preset.bit_rate, level.bit_rate)));
-    if (rate.buffer_bits > std::min(preset.buffer_bits, level.buffer_bits))
-        throw core::Error(fmt::format("--vbv {}: {} takes at most {} bits", *options.vbv, preset.option(),
-                                      std::min(preset.buffer_bits, level.buffer_bits)));
-    if (rate.max_rate == 0 && rate.mode != encoder::RateMode::constant)
-        rate.max_rate = std::max(rate.bit_rate, std::min(preset.usual_rate, level.bit_rate));
-    if (rate.buffer_bits == 0) rate.buffer_bits = std::min(preset.buffer_bits, level.buffer_bits);
+    apply_rates(preset, options, coding);
 }
 
 }  // namespace

@@ -51,6 +51,7 @@ Preset atsc() {
     preset.bit_rate = 19'400'000;
     preset.usual_rate = 17'500'000;
     preset.buffer_bits = 7'995'392;
+    preset.longest_delay = 0.5;  // vbv_delay <= 45000 [A53, 6.1.5]
     preset.endings = {".ts", ".m2v"};
     return preset;
 }

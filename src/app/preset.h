@@ -29,6 +29,7 @@ struct Preset {
     std::int64_t bit_rate = 0;     ///< most, bits per second
     std::int64_t usual_rate = 0;   ///< most, where nobody says: leaves room for sound
     std::int64_t buffer_bits = 0;  ///< VBV size
+    double longest_delay = 0;      ///< seconds that bits may wait in the buffer at the highest rate; 0: any
     bool disc = false;             ///< program streams are a DVD's
     std::vector<const char*> endings;
 

@@ -147,6 +147,19 @@ TEST(Preset, GopsStayWithinTheirFields) {
     EXPECT_EQ(pal.rate_control.buffer_bits, 1'835'008);
     EXPECT_LE(hd.rate_control.buffer_bits, 7'995'392);
 
+    // ATSC: bits wait at most half a second.
+    options.bitrate = "4M";
+    options.constant_rate = true;
+    EXPECT_EQ(coding("atsc", "59.94").rate_control.buffer_bits, 2'000'000);
+    EXPECT_EQ(coding("dvd-pal", "25").rate_control.buffer_bits, 1'835'008);
+    options.bitrate = "9.9M";
+    EXPECT_THROW(coding("dvd-pal", "25"), core::Error);
+    options.bitrate.reset();
+    options.constant_rate = false;
+    options.vbv = "1836000";
+    EXPECT_THROW(coding("dvd-pal", "25"), core::Error);
+    options.vbv.reset();
+
     options.gop = 14;
     EXPECT_EQ(coding("dvd-ntsc", "23.976").gop, 14);
     options.gop = 15;
