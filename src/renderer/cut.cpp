@@ -1,7 +1,8 @@
 // Lightcuts [Walter2005, 4; Render2MPEG, algorithm 3] for groups of up to sixteen points. Changed: the points of a
 // group share one cut, and with it one packet of shadow rays per refined cluster, but each keeps its own bounds,
 // luminance and tolerance; the cut is refined until every point accepts every cluster. All trees share one heap, so
-// that direct and indirect light are held against the pixel's total.
+// that direct and indirect light are held against the pixel's total. A finished cut sums the geometry of each cluster
+// over four lights of it, with the visibility of its one representative: geometry needs no rays.
 #include "renderer/cut.h"
 
 #include <algorithm>
@@ -38,10 +39,6 @@ void aim(const GatherLanes& lanes, LightFamily family, const TreeLight& light, c
     }
 }
 
-bool less_urgent(float a, float b) {
-    return a < b;
-}
-
 }  // namespace
 
 void Gatherer::trace(const GatherLanes& lanes, LightFamily family, const TreeLight& light, Slot& slot,
@@ -60,6 +57,12 @@ void Gatherer::trace(const GatherLanes& lanes, LightFamily family, const TreeLig
         blocked = tracer_.occluded(packet, nullptr);
     }
     out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
+    float reached = 0.0f;
+    for (int i = 0; i < lane_count; ++i) {
+        if ((packet.active >> i & 1u) != 0) slot.visible[i] = (blocked >> i & 1u) != 0 ? 0.0f : 1.0f;
+        reached += slot.visible[i];
+    }
+    slot.reaches_any = reached > 0.0f;
     if (blocked == 0) return;
     for (int i = 0; i < lane_count; ++i) {
         const float visible = (blocked >> i & 1u) != 0 ? 0.0f : 1.0f;
@@ -92,25 +95,12 @@ void Gatherer::add_slot(const GatherLanes& lanes, const Slot& slot, glm::vec3 in
 void Gatherer::gather_exact(const GatherLanes& lanes, CutSums& sums, GatheredLight& out) {
     for (const ExactLight& exact : forest_.exact) {
         Slot slot;
+        std::fill(std::begin(slot.visible), std::end(slot.visible), 0.0f);
         trace(lanes, exact.family, exact.light, slot, out);
         add_slot(lanes, slot, exact.light.intensity, luminance_);
         sums.add(slot.unit, slot.passes, exact.light.intensity, true);
         ++out.direct_clusters;
     }
-}
-
-void Gatherer::push(const GatherLanes& lanes, std::uint32_t index) {
-    Slot& slot = slots_[index];
-    slot.is_open = false;
-    if (slot.ref.is_leaf()) return;
-    const LightTree& tree = forest_.trees[slot.tree];
-    bound_node(lanes, tree.family, tree.nodes[slot.ref.index()], forest_.clamp(slot.tree), slot.bound);
-    const float urgency = rule_.urgency(slot.bound);
-    if (!(urgency > 0.0f)) return;
-    slot.is_open = true;
-    heap_.push_back({urgency, index});
-    std::push_heap(heap_.begin(), heap_.end(),
-                   [](const Entry& a, const Entry& b) { return less_urgent(a.urgency, b.urgency); });
 }
 
 void Gatherer::start_cut(const GatherLanes& lanes, GatheredLight& out) {
@@ -124,6 +114,7 @@ void Gatherer::start_cut(const GatherLanes& lanes, GatheredLight& out) {
         slot.tree = t;
         slot.ref = tree.root;
         slot.representative = tree.representative(tree.root);
+        std::fill(std::begin(slot.visible), std::end(slot.visible), 0.5f);
         trace(lanes, tree.family, tree.lights[slot.representative], slot, out);
         add_slot(lanes, slot, tree.intensity(tree.root), luminance_);
     }
@@ -146,6 +137,7 @@ void Gatherer::split(const GatherLanes& lanes, std::uint32_t index, GatheredLigh
     slot.tree = slots_[index].tree;
     slot.ref = adopted;
     slot.representative = tree.representative(adopted);
+    std::copy(std::begin(slots_[index].visible), std::end(slots_[index].visible), std::begin(slot.visible));
     trace(lanes, tree.family, tree.lights[slot.representative], slot, out);
     add_slot(lanes, slot, tree.intensity(adopted), luminance_);
     rule_.observe(luminance_);
@@ -153,43 +145,35 @@ void Gatherer::split(const GatherLanes& lanes, std::uint32_t index, GatheredLigh
     push(lanes, added);
 }
 
-bool Gatherer::reopen(const GatherLanes& lanes) {
-    // Sum the luminance afresh, since running differences lose digits, and hold every cluster against it.
-    for (int i = 0; i < lane_count; ++i) luminance_[i] = exact_luminance_[i];
-    for (const Slot& slot : slots_) add_slot(lanes, slot, forest_.trees[slot.tree].intensity(slot.ref), luminance_);
-    rule_.observe(luminance_);
-    std::vector<Entry> still;
-    heap_.clear();
-    for (const Entry& entry : settled_) {
-        const float urgency = rule_.urgency(slots_[entry.slot].bound);
-        (CutRule::accepts(urgency) ? still : heap_).push_back({urgency, entry.slot});
-    }
-    settled_.swap(still);
-    std::make_heap(heap_.begin(), heap_.end(),
-                   [](const Entry& a, const Entry& b) { return less_urgent(a.urgency, b.urgency); });
-    return !heap_.empty();
-}
-
-void Gatherer::refine(const GatherLanes& lanes, const CutLimits& limits, GatheredLight& out) {
-    const auto least = static_cast<std::size_t>(std::max(limits.least, 0));
-    const auto most = static_cast<std::size_t>(std::max(limits.most, 1));
-    while (!heap_.empty() || reopen(lanes)) {
-        std::pop_heap(heap_.begin(), heap_.end(),
-                      [](const Entry& a, const Entry& b) { return less_urgent(a.urgency, b.urgency); });
-        Entry entry = heap_.back();
-        heap_.pop_back();
-        // The tolerance has moved since the entry was made.
-        entry.urgency = rule_.urgency(slots_[entry.slot].bound);
-        if (CutRule::accepts(entry.urgency) && slots_.size() >= least) {
-            settled_.push_back(entry);
+void Gatherer::sum_finely(const GatherLanes& lanes, const Slot& slot, CutSums& sums) const {
+    const LightTree& tree = forest_.trees[slot.tree];
+    const bool direct = LightForest::is_direct(slot.tree);
+    // The clusters two levels below: of the children those that are lights stay as they are.
+    LightRef parts[4];
+    int count = 0;
+    for (const LightRef child : tree.nodes[slot.ref.index()].child) {
+        if (child.is_leaf()) {
+            parts[count++] = child;
             continue;
         }
-        if (slots_.size() >= most) {
-            for (const Slot& slot : slots_)
-                if (slot.is_open) out.capped |= rule_.broken(slot.bound);
-            return;
+        for (const LightRef part : tree.nodes[child.index()].child) parts[count++] = part;
+    }
+    for (int p = 0; p < count; ++p) {
+        const std::uint32_t representative = tree.representative(parts[p]);
+        const glm::vec3 intensity = tree.intensity(parts[p]);
+        if (representative == slot.representative) {
+            sums.add(slot.unit, slot.passes, intensity, direct);
+            continue;
         }
-        split(lanes, entry.slot, out);
+        LightLanes unit;
+        evaluate_light(lanes, tree.family, tree.lights[representative], forest_.clamp(slot.tree), unit);
+        for (int i = 0; i < lane_count; ++i) {
+            unit.diffuse[i] *= slot.visible[i];
+            if (!lanes.glossy) continue;
+            unit.f0[i] *= slot.visible[i];
+            unit.schlick[i] *= slot.visible[i];
+        }
+        sums.add(unit, slot.passes, intensity, direct);
     }
 }
 
@@ -198,19 +182,23 @@ void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance,
     out.direct_clusters = out.indirect_clusters = 0;
     out.capped = 0;
     out.shadow_rays = 0;
+    std::fill(std::begin(out.error), std::end(out.error), 0.0f);
     CutSums sums(lanes, forest_.translucent);
     std::fill(std::begin(luminance_), std::end(luminance_), 0.0f);
     gather_exact(lanes, sums, out);
     std::copy(std::begin(luminance_), std::end(luminance_), std::begin(exact_luminance_));
-    rule_.start(tolerance.absolute, tolerance.relative, tolerance.base);
+    rule_.start(limits.stop, limits.caution, tolerance.absolute, tolerance.relative, tolerance.base);
     start_cut(lanes, out);
-    refine(lanes, limits, out);
+    limits.stop == Stop::classic ? refine_classic(lanes, limits, out) : refine_honest(lanes, limits, out);
 
     for (const Slot& slot : slots_) {
         const LightTree& tree = forest_.trees[slot.tree];
         const bool direct = LightForest::is_direct(slot.tree);
         const glm::vec3 intensity = tree.intensity(slot.ref);
-        sums.add(slot.unit, slot.passes, intensity, direct);
+        if (slot.ref.is_leaf() || limits.stop == Stop::classic)
+            sums.add(slot.unit, slot.passes, intensity, direct);
+        else if (slot.reaches_any)
+            sum_finely(lanes, slot, sums);
         if (slot.unit.any_clamped)
             sums.add_clamped(tree.family, tree.lights[slot.representative], slot.unit, intensity);
         ++(direct ? out.direct_clusters : out.indirect_clusters);
@@ -222,9 +210,11 @@ void Gatherer::gather_all(const GatherLanes& lanes, GatheredLight& out) {
     out.direct_clusters = out.indirect_clusters = 0;
     out.capped = 0;
     out.shadow_rays = 0;
+    std::fill(std::begin(out.error), std::end(out.error), 0.0f);
     CutSums sums(lanes, forest_.translucent);
     gather_exact(lanes, sums, out);
     Slot slot;
+    std::fill(std::begin(slot.visible), std::end(slot.visible), 0.0f);
     for (int t = 0; t < LightForest::tree_count; ++t) {
         const LightTree& tree = forest_.trees[t];
         slot.tree = t;

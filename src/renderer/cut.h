@@ -6,6 +6,7 @@
 #include "renderer/cut_rule.h"
 #include "renderer/light_forest.h"
 #include "renderer/ray_tracer.h"
+#include "renderer/stop.h"
 
 namespace render2mpeg::renderer {
 
@@ -21,6 +22,7 @@ struct GatheredLight {
     RgbLanes indirect;     ///< irradiance
     RgbLanes f0, schlick;  ///< of the GGX lobe, per unit of its two parts; unset where the group has none
     Lanes clamped;         ///< luminance that the clamp of near lights removed
+    Lanes error;           ///< luminance by which the cut may err, as its stopping rule reckons; 0 without a cut
     int direct_clusters = 0, indirect_clusters = 0;
     std::uint32_t capped = 0;  ///< lanes whose tolerance was not reached within the largest cut
     std::uint64_t shadow_rays = 0;
@@ -32,6 +34,8 @@ class CutSums;
 struct CutLimits {
     int least = 8;  ///< clusters of all trees together
     int most = 1000;
+    Stop stop = Stop::honest;
+    float caution = 1;  ///< multiplies what a cut is thought to err by: what fits vary
 };
 
 /// Tolerances of a group's lanes, in luminance of their pixels; see CutRule.
@@ -54,31 +58,41 @@ class Gatherer {
     /// One cluster of the cut: what its representative sends and whom it reaches.
     struct alignas(64) Slot {
         LightLanes unit;  ///< visibility included
-        Lanes bound;
+        Lanes bound;      ///< of its luminance if all of it were visible; 0 for a single light
+        Lanes visible;    ///< 0 or 1 as its rays found; where none was needed, as its parent; 0.5 where nobody knows
         LightRef ref;
         int tree = 0;
         std::uint32_t representative = 0;
         bool is_open = false;         ///< may be split, and some lane could notice
+        bool reaches_any = false;     ///< some lane is not known to lie in its shadow
         float passes[lane_count][3];  ///< what translucent surfaces let through; set only in translucent scenes
     };
     struct Entry {
         float urgency;
         std::uint32_t slot;
     };
+    static bool less_urgent(const Entry& a, const Entry& b) { return a.urgency < b.urgency; }
 
     void trace(const GatherLanes& lanes, LightFamily family, const TreeLight& light, Slot& slot, GatheredLight& out);
     void gather_exact(const GatherLanes& lanes, CutSums& sums, GatheredLight& out);
     void start_cut(const GatherLanes& lanes, GatheredLight& out);
-    void refine(const GatherLanes& lanes, const CutLimits& limits, GatheredLight& out);
+    void refine_classic(const GatherLanes& lanes, const CutLimits& limits, GatheredLight& out);
+    void refine_honest(const GatherLanes& lanes, const CutLimits& limits, GatheredLight& out);
     void split(const GatherLanes& lanes, std::uint32_t slot, GatheredLight& out);
     void push(const GatherLanes& lanes, std::uint32_t slot);
     bool reopen(const GatherLanes& lanes);
+    std::uint32_t pop();
+    void add_square(std::uint32_t slot, double sign);
+    std::uint32_t sum_afresh(const GatherLanes& lanes);
+    void sum_luminance(const GatherLanes& lanes);
+    void sum_finely(const GatherLanes& lanes, const Slot& slot, CutSums& sums) const;
     void add_slot(const GatherLanes& lanes, const Slot& slot, glm::vec3 intensity, Lanes& luminance) const;
 
     const LightForest& forest_;
     const RayTracer& tracer_;
     CutRule rule_;
     alignas(64) Lanes luminance_{}, exact_luminance_{};
+    alignas(64) double squares_[lane_count]{};  ///< honest: sums of the squared bounds of all slots
     std::vector<Slot> slots_;
     std::vector<Entry> heap_, settled_;
 };

@@ -1,23 +1,33 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 
 #include "renderer/gather_lanes.h"
+#include "renderer/stop.h"
 
 namespace render2mpeg::renderer {
 
-/// When a group's cut is fine enough: the one place that knows. The classic rule [Walter2005, 5], for every point of
-/// the group by itself: no cluster's error bound exceeds the point's tolerance, max(absolute, relative x luminance so
-/// far). As error bound it takes the plain upper bound B of the cluster's luminance (visible, at its best), not
+/// When a group's cut is fine enough: the one place that knows. Every point of the group is judged by itself, against
+/// its tolerance T = max(absolute, relative x luminance so far), and the group refines on until its strictest point is
+/// satisfied.
+///
+/// Both rules measure a cluster by the plain upper bound B of its luminance (visible, at its best), not by
 /// eqs. 6.5-6.7 of [Render2MPEG]: those are smallest where the representative is visible and bright, so that refinement
 /// avoids the clusters that carry the light.
 ///
-/// It bounds single clusters, not their sum: in scenes of mostly indirect light 22..49 % of pixels err by more than 2 %
-/// at 2 %.
+/// Classic [Walter2005, 5]: no cluster's B exceeds T. It bounds single clusters, not their sum: in scenes of mostly
+/// indirect light 22..49 % of pixels err by more than 2 % at 2 %.
+///
+/// Honest: the errors of clusters are independent, since their representatives are chosen by dice, so they add up as
+/// squares: k sqrt(sum of B^2) <= T, where k makes of a bound what clusters err by in truth, at the hundredth pixel.
 class CutRule {
   public:
     /// Tolerances of the lanes; `base` is luminance of the same pixel that is known already and not part of the cut.
-    void start(const Lanes& absolute, const Lanes& relative, const Lanes& base) {
+    /// `caution` multiplies what a cut is thought to err by.
+    void start(Stop stop, float caution, const Lanes& absolute, const Lanes& relative, const Lanes& base) {
+        stop_ = stop;
+        caution_ = caution;
         for (int i = 0; i < lane_count; ++i) {
             absolute_[i] = absolute[i];
             relative_[i] = relative[i];
@@ -25,37 +35,83 @@ class CutRule {
         }
     }
 
+    Stop stop() const { return stop_; }
+
     /// Takes the luminance gathered so far, which moves the relative tolerances.
     void observe(const Lanes& luminance) {
         for (int i = 0; i < lane_count; ++i) {
-            const float tolerance = std::max(absolute_[i], relative_[i] * (std::max(luminance[i], 0.0f) + base_[i]));
-            inverse_[i] = 1.0f / std::max(tolerance, least_tolerance);
+            light_[i] = std::max(luminance[i], 0.0f) + base_[i];
+            tolerance_[i] = std::max(absolute_[i], relative_[i] * light_[i]);
+            inverse_[i] = caution_ / std::max(tolerance_[i], least_tolerance);
         }
     }
 
-    /// How urgently a cluster with these bounds wants to be refined: the largest bound in units of the point's
-    /// tolerance.
+    /// How urgently a cluster with these bounds wants to be refined. Classic: the largest bound in units of the point's
+    /// tolerance; honest: the sum of their squares.
     float urgency(const Lanes& bound) const {
-        float largest = 0.0f;
-        for (int i = 0; i < lane_count; ++i) largest = std::max(largest, bound[i] * inverse_[i]);
-        return largest;
+        float largest = 0.0f, sum = 0.0f;
+        for (int i = 0; i < lane_count; ++i) {
+            const float share = std::min(largest_share, bound[i] * inverse_[i]);
+            largest = std::max(largest, share);
+            sum += share * share;
+        }
+        return stop_ == Stop::classic ? largest : sum;
     }
 
-    /// Whether a cluster of this urgency may stay as it is.
+    /// Classic: whether a cluster of this urgency may stay as it is.
     static bool accepts(float urgency) { return urgency <= 1.0f; }
 
-    /// Marks the lanes whose own tolerance this cluster breaks.
+    /// Classic: marks the lanes whose own tolerance this cluster breaks.
     std::uint32_t broken(const Lanes& bound) const {
         std::uint32_t lanes = 0;
         for (int i = 0; i < lane_count; ++i) lanes |= bound[i] * inverse_[i] > 1.0f ? 1u << i : 0u;
         return lanes;
     }
 
+    /// Honest: whether no lane's estimated error exceeds its tolerance; `squares` are the sums of B^2. Asks the lane
+    /// first that was in the way last.
+    bool satisfied(const double (&squares)[lane_count]) {
+        for (int n = 0; n < lane_count; ++n) {
+            const int lane = (strictest_ + n) % lane_count;
+            if (!exceeds(squares[lane], lane)) continue;
+            strictest_ = lane;
+            return false;
+        }
+        return true;
+    }
+
+    /// Honest: marks the lanes whose estimated error exceeds their tolerance.
+    std::uint32_t broken(const double (&squares)[lane_count]) const {
+        std::uint32_t lanes = 0;
+        for (int i = 0; i < lane_count; ++i) lanes |= exceeds(squares[i], i) ? 1u << i : 0u;
+        return lanes;
+    }
+
+    /// Honest: k of a lane. fit: docs/fits/honest-stop. It falls as the relative tolerance t = T over the light grows,
+    /// since the bounds of coarse clusters are looser: coarse + (fine - coarse) / (1 + (t / t0)^2).
+    float scale(int lane) const {
+        float t = tolerance_[lane] > 0.0f ? loosest : 0.0f;
+        if (light_[lane] > 0.0f) t = std::min(loosest, tolerance_[lane] / light_[lane]);
+        return caution_ * (coarse_scale + (fine_scale - coarse_scale) * turn2 / (turn2 + t * t));
+    }
+
   private:
     /// Stands for no tolerance at all; any bound that matters is larger.
     static constexpr float least_tolerance = 1e-30f;
+    bool exceeds(double squares, int lane) const {
+        const double k = scale(lane), tolerance = tolerance_[lane];
+        return k * k * squares > tolerance * tolerance;
+    }
 
-    alignas(64) Lanes absolute_{}, relative_{}, base_{}, inverse_{};
+    /// Keeps squares of what is beyond any measure finite.
+    static constexpr float largest_share = 1e15f;
+    static constexpr float fine_scale = 0.62f, coarse_scale = 0.36f, turn2 = 0.08f * 0.08f;
+    static constexpr float loosest = 1e6f;
+
+    Stop stop_ = Stop::honest;
+    float caution_ = 1;
+    int strictest_ = 0;
+    alignas(64) Lanes absolute_{}, relative_{}, base_{}, light_{}, tolerance_{}, inverse_{};
 };
 
 }  // namespace render2mpeg::renderer

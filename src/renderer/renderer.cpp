@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "core/error.h"
+#include "renderer/audit.h"
 #include "renderer/light_density.h"
 #include "renderer/light_forest.h"
 #include "renderer/light_points.h"
@@ -153,6 +154,7 @@ struct Renderer::Impl {
     std::uint64_t paths = 0;             ///< photons of this chunk
     std::optional<scene::Snapshot> lit;  ///< the instant that `forest` shows
     bool started = false;
+    float caution = 1;
     Statistics statistics;
     double gathered = 0, clamped = 0;
     std::array<double, static_cast<std::size_t>(Pass::count)> rows{};
@@ -186,7 +188,9 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
 
     const double start = cpu_seconds();
     ShadeCounts counts;
-    const ShadeSettings settings{{impl_->settings.min_cut, impl_->settings.max_cut}, impl_->plan.runs(Pass::layers)};
+    const ShadeSettings settings{
+        {impl_->settings.min_cut, impl_->settings.max_cut, impl_->settings.stop, impl_->caution},
+        impl_->plan.runs(Pass::layers)};
     core::Radiance radiance = renderer::shade(impl_->forest, impl_->scenery.tracer(), seen, snapshot.camera.position(),
                                               tolerance, settings, counts);
     impl_->share_time(cpu_seconds() - start, counts);
@@ -207,6 +211,24 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     const double all = impl_->gathered + impl_->clamped;
     s.clamped_energy = all > 0 ? impl_->clamped / all : 0.0;
     return radiance;
+}
+
+std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const Seen& seen,
+                                          const core::ToleranceMap& tolerance, const core::Radiance& radiance,
+                                          int count) {
+    EXPECTS(seen.visible.frame == snapshot.frame && radiance.frame == snapshot.frame);
+    if (count <= 0) return {};
+    impl_->pose(snapshot);
+    impl_->update_light(snapshot);
+    return renderer::audit(impl_->forest, impl_->scenery.tracer(), seen, tolerance, radiance, count);
+}
+
+void Renderer::set_stop(Stop stop) {
+    impl_->settings.stop = stop;
+}
+
+void Renderer::set_caution(float factor) {
+    impl_->caution = factor;
 }
 
 const Statistics& Renderer::statistics() const {

@@ -8,8 +8,10 @@
 #include "core/isa.h"
 #include "core/radiance.h"
 #include "core/tolerance_map.h"
+#include "renderer/audited_pixel.h"
 #include "renderer/gather_point.h"
 #include "renderer/plan.h"
+#include "renderer/stop.h"
 #include "scene/snapshot.h"
 
 namespace render2mpeg::renderer {
@@ -23,6 +25,7 @@ struct Settings {
     int direct_points = 1024;  ///< light points for emissive surfaces and sky together
     int vpls = 4096;           ///< light points of indirect light, about; 0: none
     int bounces = 8;           ///< longest photon path
+    Stop stop = Stop::honest;  ///< when a cut is fine enough
     int min_cut = 8;           ///< clusters per gather point, both trees together
     int max_cut = 1000;
     int specular_depth = 6;  ///< mirrors and glass after one another
@@ -58,6 +61,16 @@ class Renderer {
 
     /// Gathers light for all gather points of a frame until every pixel's error bound is below its tolerance.
     core::Radiance shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance);
+
+    /// Gathers `count` pixels of a frame again, from every light point: how well its tolerances were kept (audit.h).
+    /// Counts nowhere in the statistics.
+    std::vector<AuditedPixel> audit(const scene::Snapshot& snapshot, const Seen& seen,
+                                    const core::ToleranceMap& tolerance, const core::Radiance& radiance, int count);
+
+    /// Multiplies what the following cuts are thought to err by: 1, as fitted, unless a fit tries others.
+    void set_caution(float factor);
+    /// Another rule for the following cuts than the settings'.
+    void set_stop(Stop stop);
 
     const Statistics& statistics() const;
     /// CPU seconds by pass since construction, for the plan's table.

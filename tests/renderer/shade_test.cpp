@@ -142,6 +142,7 @@ TEST(Shade, AtTwoPercentErrsAsTheClassicRuleDoes) {
     Settings settings = test::small_frame(64, 64);
     settings.vpls = 2000;
     settings.direct_points = 256;
+    settings.stop = Stop::classic;
     FilmStage stage(furnished_room(), settings);
     const std::vector<double> e = errors(stage.reference(), stage.cut(0.02f));
     const double over =

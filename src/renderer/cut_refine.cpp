@@ -1,0 +1,122 @@
+// How a cut grows: the order of refinement, and when each of the stopping rules has enough (cut_rule.h).
+#include <algorithm>
+#include <limits>
+
+#include "core/numeric.h"
+#include "renderer/cut.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Squares of what is larger than this (in units of what a point tolerates) leave no digits of the others in a running
+/// sum. chosen: 1e8, which leaves half of a double's; clusters that hold the point itself reach 1e30.
+constexpr float drowning_urgency = 1e8f;
+
+}  // namespace
+
+void Gatherer::push(const GatherLanes& lanes, std::uint32_t index) {
+    Slot& slot = slots_[index];
+    slot.is_open = false;
+    if (slot.ref.is_leaf()) {
+        std::fill(std::begin(slot.bound), std::end(slot.bound), 0.0f);
+        return;
+    }
+    const LightTree& tree = forest_.trees[slot.tree];
+    bound_node(lanes, tree.family, tree.nodes[slot.ref.index()], forest_.clamp(slot.tree), slot.bound);
+    const float urgency = rule_.urgency(slot.bound);
+    if (!(urgency > 0.0f)) return;
+    slot.is_open = true;
+    heap_.push_back({urgency, index});
+    std::push_heap(heap_.begin(), heap_.end(), less_urgent);
+}
+
+std::uint32_t Gatherer::pop() {
+    std::pop_heap(heap_.begin(), heap_.end(), less_urgent);
+    const std::uint32_t slot = heap_.back().slot;
+    heap_.pop_back();
+    return slot;
+}
+
+void Gatherer::sum_luminance(const GatherLanes& lanes) {
+    for (int i = 0; i < lane_count; ++i) luminance_[i] = exact_luminance_[i];
+    for (const Slot& slot : slots_) add_slot(lanes, slot, forest_.trees[slot.tree].intensity(slot.ref), luminance_);
+    rule_.observe(luminance_);
+}
+
+bool Gatherer::reopen(const GatherLanes& lanes) {
+    // Sum the luminance afresh, since running differences lose digits, and hold every cluster against it.
+    sum_luminance(lanes);
+    std::vector<Entry> still;
+    heap_.clear();
+    for (const Entry& entry : settled_) {
+        const float urgency = rule_.urgency(slots_[entry.slot].bound);
+        (CutRule::accepts(urgency) ? still : heap_).push_back({urgency, entry.slot});
+    }
+    settled_.swap(still);
+    std::make_heap(heap_.begin(), heap_.end(), less_urgent);
+    return !heap_.empty();
+}
+
+void Gatherer::refine_classic(const GatherLanes& lanes, const CutLimits& limits, GatheredLight& out) {
+    const auto least = static_cast<std::size_t>(std::max(limits.least, 0));
+    const auto most = static_cast<std::size_t>(std::max(limits.most, 1));
+    while (!heap_.empty() || reopen(lanes)) {
+        // The tolerance has moved since the entry was made.
+        Entry entry{0.0f, pop()};
+        entry.urgency = rule_.urgency(slots_[entry.slot].bound);
+        if (CutRule::accepts(entry.urgency) && slots_.size() >= least) {
+            settled_.push_back(entry);
+            continue;
+        }
+        if (slots_.size() >= most) {
+            for (const Slot& slot : slots_)
+                if (slot.is_open) out.capped |= rule_.broken(slot.bound);
+            break;
+        }
+        split(lanes, entry.slot, out);
+    }
+    for (const Slot& slot : slots_)
+        for (int i = 0; i < lane_count; ++i) out.error[i] = std::max(out.error[i], slot.bound[i]);
+}
+
+void Gatherer::add_square(std::uint32_t index, double sign) {
+    const Slot& slot = slots_[index];
+    for (int i = 0; i < lane_count; ++i) {
+        const double bound = std::min(std::numeric_limits<float>::max(), slot.bound[i]);
+        squares_[i] += sign * (bound * bound);
+    }
+}
+
+std::uint32_t Gatherer::sum_afresh(const GatherLanes& lanes) {
+    sum_luminance(lanes);
+    std::fill(std::begin(squares_), std::end(squares_), 0.0);
+    for (std::uint32_t i = 0; i < slots_.size(); ++i) add_square(i, 1.0);
+    return rule_.broken(squares_);
+}
+
+void Gatherer::refine_honest(const GatherLanes& lanes, const CutLimits& limits, GatheredLight& out) {
+    const auto least = static_cast<std::size_t>(std::max(limits.least, 0));
+    const auto most = static_cast<std::size_t>(std::max(limits.most, 1));
+    bool summed = false, accepted = false;
+    while (!heap_.empty() && slots_.size() < most) {
+        // Keep a running sum once its largest parts are gone; what it says is checked against a fresh one.
+        if (!summed && heap_.front().urgency < drowning_urgency) {
+            sum_afresh(lanes);
+            summed = true;
+        }
+        accepted = summed && slots_.size() >= least && rule_.satisfied(squares_) && sum_afresh(lanes) == 0;
+        if (accepted) break;
+        const std::uint32_t index = pop();
+        const auto added = static_cast<std::uint32_t>(slots_.size());
+        if (summed) add_square(index, -1.0);
+        split(lanes, index, out);
+        if (!summed) continue;
+        add_square(index, 1.0);
+        add_square(added, 1.0);
+    }
+    if (!accepted) out.capped |= sum_afresh(lanes);
+    for (int i = 0; i < lane_count; ++i)
+        out.error[i] = rule_.scale(i) * static_cast<float>(core::sqrt_or_zero(squares_[i]));
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# tests/fits/honest_stop.sh [SCENES_FOLDER] > tables.md
+# The fit of the honest stopping rule (docs/fits/honest-stop.md): measures our animations and, where SCENES_FOLDER (as for
+# tests/bench/real_scenes.sh) is given, real scenes; writes docs/fits/honest-stop.csv and prints the tables. Build first:
+# cmake --preset release -DRENDER2MPEG_BENCH=ON && cmake --build build/release --target fit_honest_stop
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+root=$here/../..
+program=${FIT_HONEST_STOP:-$root/build/release/fit_honest_stop}
+subjects=()
+for name in cornell colonnade still_room; do subjects+=("$name=$root/animations/$name"); done
+if [ $# -ge 1 ]; then
+    work=$(mktemp -d)
+    trap 'rm -rf "$work"' EXIT
+    for film in sponza:sponza_dabrovic sibenik:sibenik bathroom:bathroom; do
+        name=${film%%:*}
+        mkdir -p "$work/$name"
+        cp -r "$1/${film##*:}/." "$work/$name/"
+        cp "$root/tests/bench/real_scenes/$name.json" "$work/$name/film.json"
+        chmod -R u+w "$work/$name"
+        apart=
+        [ "$name" = bathroom ] && apart=:apart
+        subjects+=("$name=$work/$name$apart")
+    done
+    subjects+=("cornell_box=$1/cornell/gltf/CornellBox.glb:apart")
+fi
+for name in many_lamps character mirror_and_glass flash_cut; do subjects+=("$name=$root/animations/$name:apart"); done
+"$program" "$root/docs/fits/honest-stop.csv" "${subjects[@]}"

@@ -1,0 +1,120 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "core/color.h"
+#include "parallel/loops.h"
+#include "tests/renderer/film_stage.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+using test::FilmStage;
+
+/// The furnished room with a shiny ball and a mirror, several surfaces in a pixel.
+test::SceneBuilder shiny_room() {
+    test::SceneBuilder b = test::furnished_room();
+    const int shiny = b.add_material({0.5f, 0.4f, 0.3f});
+    b.material(shiny).roughness = 0.4f;
+    b.material(shiny).ior = 1.5f;
+    b.add_sphere({2.0f, 0.4f, 2.6f}, 0.4f, shiny, 12);
+    const int mirror = b.add_material({0.9f, 0.9f, 0.9f});
+    b.material(mirror).metallic = 1;
+    b.material(mirror).roughness = 0;
+    b.add_quad({0.5f, 0.2f, 0.1f}, {1, 0, 0}, {0, 1, 0}, mirror);
+    return b;
+}
+
+struct Frame {
+    explicit Frame(int width = 40, int height = 36) : stage(shiny_room(), settings(width, height)), world(stage.at(0)) {
+        seen = stage.renderer().see(world);
+        loose = core::ToleranceMap::uniform(width, height, {0.0f, 0.3f});
+        cut = stage.renderer().shade(world, seen, loose);
+    }
+    static Settings settings(int width, int height) {
+        Settings s = test::small_frame(width, height);
+        s.samples = 2;
+        return s;
+    }
+    std::vector<AuditedPixel> audit(int count) { return stage.renderer().audit(world, seen, loose, cut, count); }
+    FilmStage stage;
+    scene::Snapshot world;
+    Seen seen;
+    core::ToleranceMap loose;
+    core::Radiance cut;
+};
+
+TEST(Audit, FindsTheDifferenceToTheReferenceFrame) {
+    Frame frame;
+    const core::Radiance truth = frame.stage.renderer().shade(frame.world, frame.seen, core::ToleranceMap::reference());
+    const std::vector<AuditedPixel> pixels = frame.audit(300);
+    ASSERT_EQ(pixels.size(), 300u);
+    double errors = 0;
+    for (const AuditedPixel& p : pixels) {
+        const float expected = core::luminance(truth.combined.at(p.x, p.y));
+        EXPECT_NEAR(p.luminance, expected, 1e-5f * (expected + 1e-3f));
+        EXPECT_NEAR(p.error, std::abs(core::luminance(frame.cut.combined.at(p.x, p.y)) - expected), 2e-5f * expected);
+        EXPECT_EQ(p.tolerance, 0.3f * p.luminance);
+        errors += p.error;
+    }
+    EXPECT_GT(errors, 0.0);
+}
+
+TEST(Audit, DrawsNoPixelTwiceAndAllOfASmallFrame) {
+    Frame frame(16, 16);
+    for (const int count : {1, 100, 1000}) {
+        std::set<std::pair<int, int>> places;
+        const std::vector<AuditedPixel> pixels = frame.audit(count);
+        for (const AuditedPixel& p : pixels) {
+            EXPECT_TRUE(p.x >= 0 && p.x < 16 && p.y >= 0 && p.y < 16);
+            places.insert({p.x, p.y});
+        }
+        EXPECT_EQ(places.size(), pixels.size());
+        EXPECT_EQ(pixels.size(), static_cast<std::size_t>(std::min(count, 256)));
+    }
+}
+
+TEST(Audit, CostsNothingAndCountsNowhere) {
+    Frame frame;
+    const Statistics before = frame.stage.statistics();
+    EXPECT_TRUE(frame.audit(0).empty());
+    frame.audit(50);
+    EXPECT_EQ(frame.stage.statistics().shadow_rays, before.shadow_rays);
+    EXPECT_EQ(frame.stage.statistics().gather_points, before.gather_points);
+}
+
+TEST(Audit, OfAReferenceFrameFindsNothing) {
+    Frame frame;
+    frame.loose = core::ToleranceMap::reference();
+    frame.cut = frame.stage.renderer().shade(frame.world, frame.seen, frame.loose);
+    for (const AuditedPixel& p : frame.audit(200)) EXPECT_FALSE(p.over()) << p.x << ", " << p.y << ": " << p.error;
+}
+
+TEST(Audit, IsTheSameForAnyNumberOfThreadsAndAnotherInAnotherFrame) {
+    Frame frame;
+    std::vector<AuditedPixel> one, two;
+    {
+        const parallel::ThreadLimit limit(1);
+        one = frame.audit(64);
+    }
+    {
+        const parallel::ThreadLimit limit(2);
+        two = frame.audit(64);
+    }
+    for (std::size_t i = 0; i < one.size(); ++i) {
+        EXPECT_EQ(one[i].x, two[i].x);
+        EXPECT_EQ(one[i].y, two[i].y);
+        EXPECT_EQ(one[i].error, two[i].error);
+    }
+    const scene::Snapshot later = frame.stage.at(1);
+    const Seen seen = frame.stage.renderer().see(later);
+    const core::Radiance cut = frame.stage.renderer().shade(later, seen, frame.loose);
+    const std::vector<AuditedPixel> other = frame.stage.renderer().audit(later, seen, frame.loose, cut, 64);
+    int same = 0;
+    for (std::size_t i = 0; i < one.size(); ++i) same += one[i].x == other[i].x && one[i].y == other[i].y ? 1 : 0;
+    EXPECT_LT(same, 5);
+}
+
+}  // namespace
+}  // namespace render2mpeg::renderer
