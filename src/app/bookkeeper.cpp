@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/numeric.h"
 #include "perceptual/metrics.h"
 
 namespace render2mpeg::app {
@@ -16,6 +17,14 @@ void Bookkeeper::rendered(std::int64_t frame, const renderer::Statistics& before
     entry.direct_cut = static_cast<double>(after.direct_clusters - before.direct_clusters) / points;
     entry.indirect_cut = static_cast<double>(after.indirect_clusters - before.indirect_clusters) / points;
     ledger_.frames.push_back(entry);
+}
+
+void Bookkeeper::audited(const std::vector<renderer::AuditedPixel>& pixels, const core::ToleranceMap& tolerance) {
+    for (const renderer::AuditedPixel& p : pixels) {
+        const float absolute = tolerance.is_reference() ? 0.0f : tolerance.pixels.at(p.x, p.y).absolute;
+        ledger_.audit.errors.push_back(core::divide_or(p.error, std::max(p.luminance, absolute), 0.0f));
+        ledger_.audit.over += p.over() ? 1 : 0;
+    }
 }
 
 void Bookkeeper::keep(core::Picture picture) {

@@ -20,6 +20,8 @@ class Bookkeeper {
     void rendered(std::int64_t frame, const renderer::Statistics& before, const renderer::Statistics& after);
     /// Opens the entry of a frame that came from a file.
     void opened(std::int64_t frame) { rendered(frame, {}, {}); }
+    /// Adds pixels of that frame that were gathered again.
+    void audited(const std::vector<renderer::AuditedPixel>& pixels, const core::ToleranceMap& tolerance);
     /// CPU seconds of the frame opened last.
     void took(double seconds) { ledger_.frames.back().seconds = seconds; }
     /// Keeps a picture until it is coded.

@@ -1,5 +1,7 @@
 #include "app/ledger.h"
 
+#include <algorithm>
+#include <cmath>
 #include <ctime>
 #include <numeric>
 
@@ -16,6 +18,18 @@ double cpu_seconds() {
 
 double Ledger::total_seconds() const {
     return std::accumulate(seconds.begin(), seconds.end(), 0.0);
+}
+
+double Audit::share_over() const {
+    return core::divide_or(static_cast<double>(over), static_cast<double>(errors.size()), 0.0);
+}
+
+double Audit::error_at(double q) const {
+    if (errors.empty()) return 0.0;
+    std::vector<float> sorted = errors;
+    std::sort(sorted.begin(), sorted.end());
+    const double place = std::ceil(q * static_cast<double>(sorted.size())) - 1.0;
+    return sorted[static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(sorted.size()) - 1.0))];
 }
 
 double Ledger::psnr_y() const {

@@ -42,6 +42,19 @@ struct RateOutcome {
     int off_plan = 0;            ///< with another quantiser than they were rendered for
 };
 
+/// How well tolerances were kept, from pixels that were gathered again without clustering.
+struct Audit {
+    /// By pixel: luminance's error over the luminance it should have, or over its absolute tolerance where that is
+    /// larger.
+    std::vector<float> errors;
+    std::uint64_t over = 0;  ///< pixels whose error exceeds their tolerance
+    double seconds = 0;      ///< CPU
+
+    double share_over() const;
+    /// The error that a share `q` of all pixels does not exceed; 0 without any pixels.
+    double error_at(double q) const;
+};
+
 /// What a run spent, where, and what came of it.
 struct Ledger {
     std::array<double, static_cast<std::size_t>(Stage::count)> seconds{};  ///< CPU, summed over threads
@@ -49,6 +62,7 @@ struct Ledger {
     std::vector<FrameEntry> frames;
     int brightest_luma = 0;  ///< code value
     renderer::Statistics rendering;
+    Audit audit;
     /// CPU, by row of the plan; 0 for rows that did not run, or not by themselves: their time is in the row they serve.
     std::array<double, static_cast<std::size_t>(renderer::Pass::count)> pass_seconds{};
 

@@ -75,6 +75,14 @@ void add_light_options(CLI::App& command, RenderOptions& options) {
         ->check(CLI::IsMember({"block", "pixel"}))
         ->group("");
     command
+        .add_option(
+            "--stop", options.stop,
+            "When light is gathered finely enough: `honest` once the pixel's whole error is reckoned to be within\n"
+            "its tolerance, `classic` once every single cluster's is")
+        ->check(CLI::IsMember({"honest", "classic"}))
+        ->capture_default_str()
+        ->group(light);
+    command
         .add_option("--clamp", options.clamp,
                     "Light points too near a surface: `bounded` limits them, `none` does not (bright dots)")
         ->check(CLI::IsMember({"bounded", "none"}))
@@ -124,6 +132,15 @@ void add_run_options(CLI::App& command, RenderOptions& options) {
         ->group(run);
     command.add_option("--stats", options.stats, "Write statistics as JSON (docs/stats.md)")
         ->type_name("FILE.json")
+        ->group(run);
+    command
+        .add_option(
+            "--audit", options.audit,
+            "Gather so many pixels of every frame again, from every light point, and say how well tolerances were\n"
+            "kept")
+        ->type_name("N")
+        ->check(CLI::Range(0, 1 << 20))
+        ->capture_default_str()
         ->group(run);
     command
         .add_option("--aov", options.layers, "Write one multilayer OpenEXR per frame into this folder (docs/layers.md)")

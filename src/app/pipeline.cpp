@@ -140,6 +140,10 @@ void ChunkLoop::frame(std::int64_t n) {
     const core::Radiance radiance =
         timed(ledger_, Stage::shade, [&] { return renderer_.shade(world, seen, tolerance); });
     books_.rendered(n, before, renderer_.statistics());
+    if (film_.audit > 0)
+        books_.audited(timed(ledger_.audit.seconds,
+                             [&] { return renderer_.audit(world, seen, tolerance, radiance, film_.audit); }),
+                       tolerance);
 
     // Develop it.
     core::Picture picture = timed(ledger_, Stage::develop, [&] { return display_.develop(radiance); });

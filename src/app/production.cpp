@@ -42,6 +42,7 @@ renderer::Settings rendering_settings(const RenderOptions& options, const scene:
     settings.samples = options.samples;
     settings.vpls = options.vpls;
     settings.clamp = options.clamp == "none" ? renderer::Clamp::none : renderer::Clamp::bounded;
+    settings.stop = options.stop == "classic" ? renderer::Stop::classic : renderer::Stop::honest;
     settings.isa = options.isa ? core::isa_from(*options.isa) : core::detect_isa();
     return settings;
 }
@@ -86,7 +87,14 @@ std::optional<float> exposure_of(const RenderOptions& options, const scene::Anim
 
 core::ToleranceMap Production::tolerance_map() const {
     if (tolerance.reference) return core::ToleranceMap::reference();
-    return core::ToleranceMap::uniform(format.width, format.height, {0.0f, tolerance.relative});
+    // What changes a black pixel by less than half a code value changes no picture. No tolerance at all stays none, and
+    // before the exposure is known there are no code values.
+    float floor = 0;
+    if (exposure && tolerance.relative > 0) {
+        const perceptual::Display display(*exposure, perceptual::matrix_for(format.height));
+        floor = core::luminance(display.with_luma(glm::vec3(1), 16.5f));
+    }
+    return core::ToleranceMap::uniform(format.width, format.height, {floor, tolerance.relative});
 }
 
 Production prepare(const RenderOptions& options) {
@@ -119,6 +127,7 @@ Production prepare(const RenderOptions& options) {
     film.format = {shape.size.width, shape.size.height, static_cast<float>(shape.pixel_aspect.value())};
     film.rendering = rendering_settings(options, film.format);
     film.exposure = exposure_of(options, *animation);
+    film.audit = options.audit;
 
     film.coding = coding_settings(options.coding, shape, film.frames.first);
     film.keyframes = keyframes_of(options.coding);
@@ -148,6 +157,7 @@ float measure_exposure(const Production& film) {
     small.format.height = std::max(1, static_cast<int>(std::lround(static_cast<float>(film.format.height) * scale)));
     small.rendering.format = small.format;
     small.rendering.samples = 1;
+    small.exposure.reset();
     small.tolerance = {false, 0.1f, false, {}};
 
     renderer::Renderer renderer(*small.animation, small.rendering, small.plan);

@@ -36,6 +36,7 @@ struct Production {
     CouplingSettings coupling;  ///< where the tolerance is coupled
     OutputKind kind = OutputKind::film;
     std::optional<float> exposure;  ///< EV; none: to be measured
+    int audit = 0;                  ///< pixels of every frame that are gathered again without clustering
 
     std::int64_t frame_count() const { return frames.last - frames.first + 1; }
     scene::Snapshot snapshot(std::int64_t frame) const {

@@ -36,6 +36,13 @@ json passes_of(const Production& film, const Ledger& ledger) {
     return passes;
 }
 
+json audit_of(const Production& film, const Audit& audit) {
+    if (film.audit == 0) return nullptr;
+    return {{"pixels", audit.errors.size()},     {"over_tolerance", audit.share_over()},
+            {"error_p50", audit.error_at(0.5)},  {"error_p95", audit.error_at(0.95)},
+            {"error_p99", audit.error_at(0.99)}, {"seconds", audit.seconds}};
+}
+
 void add_coding(json& entry, const FrameEntry& frame) {
     entry["type"] = std::string(1, frame.type);
     entry["quantiser"] = frame.quantiser;
@@ -142,6 +149,8 @@ void write_statistics(const std::filesystem::path& file, const Production& film,
         {"mean_cut", {{"direct", ledger.mean_direct_cut()}, {"indirect", ledger.mean_indirect_cut()}}},
         {"gather_points", r.gather_points},
         {"capped_points", r.capped_points},
+        {"stop", film.rendering.stop == renderer::Stop::classic ? "classic" : "honest"},
+        {"audit", audit_of(film, ledger.audit)},
         {"first_non_finite", r.first_non_finite},
         {"clamped_energy", r.clamped_energy},
     });

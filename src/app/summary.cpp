@@ -107,6 +107,13 @@ std::string summary(const Production& film, const Ledger& ledger, const RunFacts
     if (r.clamped_energy > 0.0005)
         text +=
             fmt::format("             {} of the light was clamped near light points\n", percent_text(r.clamped_energy));
+    if (film.audit > 0)
+        text += fmt::format(
+            "  audit      {} pixels gathered again from every light point: {:.2f} % beyond their tolerance; error "
+            "{:.2f} % "
+            "(median), {:.2f} % (95th percentile), {:.2f} % (99th); {:.2f} s\n",
+            ledger.audit.errors.size(), 100 * ledger.audit.share_over(), 100 * ledger.audit.error_at(0.5),
+            100 * ledger.audit.error_at(0.95), 100 * ledger.audit.error_at(0.99), ledger.audit.seconds);
     if (ledger.brightest_luma <= 16)
         text += "             every pixel is black: no light reaches what the camera sees\n";
     if (r.non_finite > 0)
