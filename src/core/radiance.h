@@ -20,6 +20,8 @@ struct Radiance {
     Plane<glm::vec3> specular;             ///< radiance seen in mirrors and through glass
     Plane<float> direct_cut;               ///< clusters used, mean over the pixel's gather points
     Plane<float> indirect_cut;
+    Plane<float> error;           ///< luminance by which gathering may be off, as its stopping rule reckons
+    Plane<std::uint8_t> capped;   ///< 1: the largest cut came before that was within the tolerance; else 0
 };
 
 }  // namespace render2mpeg::core

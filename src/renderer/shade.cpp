@@ -19,6 +19,8 @@ struct PointLight {
     glm::vec3 direct{0}, indirect{0};  ///< irradiance over pi
     glm::vec3 glossy{0};               ///< radiance
     float direct_cut = 0, indirect_cut = 0;
+    float error = 0;  ///< luminance of the pixel
+    bool capped = false;
 };
 
 /// What the pixels of a tile know before their light is gathered.
@@ -105,6 +107,8 @@ void TileShader::gather(const GatherTile& tile, const GatherGroup& group, const 
             light.glossy = p.point.bsdf.f0 * gathered_.f0.at(lane) + gathered_.schlick.at(lane);
         light.direct_cut = static_cast<float>(gathered_.direct_clusters);
         light.indirect_cut = static_cast<float>(gathered_.indirect_clusters);
+        light.error = gathered_.error[lane];
+        light.capped = (gathered_.capped >> i & 1u) != 0;
         if (std::isfinite(gathered_.clamped[lane])) counts_.clamped += gathered_.clamped[lane];
     }
 }
@@ -112,13 +116,15 @@ void TileShader::gather(const GatherTile& tile, const GatherGroup& group, const 
 void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size_t last, int x, int y) {
     // Weight irradiance by what it lights, so that albedo x irradiance is the pixel's diffuse light exactly.
     glm::vec3 share(0), albedo(0), direct(0), indirect(0), plain_direct(0), plain_indirect(0), glossy(0), specular(0);
-    float direct_cut = 0, indirect_cut = 0;
+    float direct_cut = 0, indirect_cut = 0, error = 0;
     for (std::size_t i = first; i < last; ++i) {
         const GatherPoint& p = tile[i];
         const PointLight& l = light_[i];
         const glm::vec3 scattered = p.point.bsdf.diffuse * (l.direct + l.indirect) + l.glossy;
         direct_cut += l.direct_cut;
         indirect_cut += l.indirect_cut;
+        error += l.error;
+        if (l.capped) radiance_.capped.at(x, y) = 1;
         if (p.reached_by_specular) {
             specular += p.weight * scattered;
             continue;
@@ -145,6 +151,7 @@ void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size
     const auto count = static_cast<float>(std::max<std::size_t>(last - first, 1));
     radiance_.direct_cut.at(x, y) = direct_cut / count;
     radiance_.indirect_cut.at(x, y) = indirect_cut / count;
+    radiance_.error.at(x, y) = error;
     radiance_.specular.at(x, y) += specular;
 }
 
@@ -241,6 +248,8 @@ core::Radiance shade(const LightForest& forest, const RayTracer& tracer, const S
             *layer = core::Plane<glm::vec3>(width, height, glm::vec3(0));
         radiance.direct_cut = core::Plane<float>(width, height, 0.0f);
         radiance.indirect_cut = core::Plane<float>(width, height, 0.0f);
+        radiance.error = core::Plane<float>(width, height, 0.0f);
+        radiance.capped = core::Plane<std::uint8_t>(width, height, 0);
     }
     std::vector<ShadeCounts> of_tile(seen.tiles.size());
     parallel::for_each(seen.tiles.size(), [&](std::size_t i) {

@@ -106,6 +106,36 @@ TEST(HonestStop, RefinesLessWhereMoreIsTolerated) {
     }
 }
 
+TEST(HonestStop, SaysByHowMuchEveryPixelMayErr) {
+    FilmStage stage(furnished_room(), room_settings(Stop::honest));
+    EXPECT_TRUE(stage.cut(0.08f).error.empty());
+    stage.restart(true);
+    const core::Radiance truth = stage.reference(), cut = stage.cut(0.08f);
+    int within = 0, pixels = 0;
+    for (std::size_t i = 0; i < truth.combined.size(); ++i) {
+        const float light = core::luminance(truth.combined.values()[i]);
+        const float off = std::abs(core::luminance(cut.combined.values()[i]) - light);
+        within += off <= cut.error.values()[i] + 1e-5f * light ? 1 : 0;
+        ++pixels;
+        EXPECT_LE(cut.error.values()[i], 0.09f * light);
+        EXPECT_EQ(cut.capped.values()[i], 0);
+        EXPECT_EQ(truth.error.values()[i], 0.0f);
+    }
+    EXPECT_GE(within, pixels * 98 / 100);
+    Settings short_cuts = room_settings(Stop::honest);
+    short_cuts.max_cut = 10;
+    FilmStage capped(furnished_room(), short_cuts);
+    capped.restart(true);
+    const core::Radiance rough = capped.cut(0.01f);
+    std::size_t stopped = 0;
+    for (std::size_t i = 0; i < rough.combined.size(); ++i) {
+        if (rough.capped.values()[i] == 0) continue;
+        ++stopped;
+        EXPECT_GT(rough.error.values()[i], 0.005f * core::luminance(rough.combined.values()[i]));
+    }
+    EXPECT_GT(stopped, rough.combined.size() * 9 / 10);
+}
+
 /// One group of points on the floor of a box, among lamps that no clamp limits.
 struct LampGroup {
     explicit LampGroup(const std::vector<glm::vec3>& lamps, float intensity) : stage(room(lamps, intensity)) {
