@@ -31,6 +31,7 @@ struct Capabilities {
     double vector_step;          ///< to what motion is rounded, pixels
     bool interlaced;             ///< field pictures or field prediction
     std::vector<Effort> efforts;
+    std::vector<Tune> tunes;
     std::vector<Cadence> cadences;
     std::vector<RateMode> rate_modes;
 };

@@ -40,6 +40,7 @@ Capabilities capabilities() {
     c.vector_step = 0.5;
     c.interlaced = false;
     c.efforts = {Effort::fast, Effort::quality};
+    c.tunes = {Tune::psnr, Tune::perceptual};
     c.cadences = {Cadence::frames, Cadence::fields, Cadence::pulldown};
     c.rate_modes = {RateMode::constant_quantiser, RateMode::constant_quality, RateMode::variable, RateMode::constant};
     return c;

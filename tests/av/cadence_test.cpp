@@ -7,8 +7,11 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <tuple>
 
 #include "av/coded_film.h"
+#include "av/program_stream.h"
+#include "core/sampling.h"
 #include "encoder/encoder.h"
 
 /// Pictures shown as fields, in containers: when they are shown, and what foreign tools take them for.
@@ -16,7 +19,10 @@ namespace render2mpeg::test {
 namespace {
 
 /// A grating that moves, encoded with its motion and B pictures, in chunks of two GOPs as a render makes them.
-CodedFilm moving_film(int width, int height, const std::string& rate, encoder::Cadence cadence, int pictures) {
+///
+/// `grain`: code values of noise that moves with the grating, and as much that does not: what no vector predicts.
+CodedFilm moving_film(int width, int height, const std::string& rate, encoder::Cadence cadence, int pictures,
+                      int quantiser = 8, int grain = 0) {
     CodedFilm film;
     encoder::Settings& s = film.settings;
     s.width = width;
@@ -27,7 +33,7 @@ CodedFilm moving_film(int width, int height, const std::string& rate, encoder::C
     s.gop = 12;
     s.aspect_ratio_code = 3;
     s.matrix_coefficients = 6;
-    s.quantiser = 8;
+    s.quantiser = quantiser;
     s.rate_control.max_rate = 9'000'000;
     s.rate_control.buffer_bits = 1'835'008;
     const int chunk = 2 * s.gop;
@@ -45,8 +51,14 @@ CodedFilm moving_film(int width, int height, const std::string& rate, encoder::C
             p.cb = p.cr = core::Plane<std::uint8_t>(width / 2, height / 2, 128);
             for (int y = 0; y < height; ++y)
                 for (int x = 0; x < width; ++x)
-                    p.y.at(x, y) =
-                        static_cast<std::uint8_t>(std::lround(120 + 80 * std::sin(0.2 * (x - 2 * i) + 0.1 * y)));
+                    p.y.at(x, y) = static_cast<std::uint8_t>(std::lround(
+                        120 + 60 * std::sin(0.2 * (x - 2 * i) + 0.1 * y) +
+                        grain * (core::uniform(1, static_cast<std::uint64_t>(x - 2 * i + 4096),
+                                               static_cast<std::uint64_t>(y)) -
+                                 0.5) +
+                        grain * (core::uniform(2, static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y),
+                                               static_cast<std::uint64_t>(i)) -
+                                 0.5)));
             encoder::PictureFacts facts;
             facts.frames_left = end - 1 - i;
             const encoder::PicturePlan plan = encoder.plan(p.number, facts, i == begin);
@@ -173,6 +185,49 @@ TEST(DvdStream, IsOfWholeSectorsWithANavigationPackAtEachGop) {
     const std::vector<std::uint8_t> plain = bytes_of(film.mux(folder / "b.vob"));
     const std::vector<Sector> others = sectors_of(plain);
     EXPECT_TRUE(std::none_of(others.begin(), others.end(), [](const Sector& s) { return s.navigation; }));
+}
+
+TEST(DvdStreamSlow, PlaysOnTheStandardsDecoder) {
+    // Fine enough that the highest rate and the buffer bind.
+    for (const auto& [rate, height, cadence] :
+         {std::tuple{"23.976", 480, encoder::Cadence::pulldown}, {"25", 576, encoder::Cadence::fields}}) {
+        SCOPED_TRACE(rate);
+        const Folder folder;
+        const CodedFilm film = moving_film(720, height, rate, cadence, 40, 2, 40);
+        const std::vector<std::uint8_t> bytes = bytes_of(mux_for_dvd(film, folder / "a.vob"));
+        const ProgramStream stream = ProgramStreamReader(bytes).read();
+        // The stream's own buffer, and what a DVD player adds to it for packets under way: 232 KiB in all.
+        EXPECT_GE(stream.buffer_bytes, 1'835'008u / 8);
+        EXPECT_LE(stream.buffer_bytes, 232u * 1024);
+        std::size_t total = 0, received = 0, decoded = 0, picture = 0, fullest = 0, first = 0;
+        std::vector<std::size_t> ends;
+        for (const CodedPicture& p : film.pictures) ends.push_back(total += p.bytes.size());
+        const double seconds = 40 / core::frame_rate_from(rate).hertz.value();
+        EXPECT_GT(static_cast<double>(total) * 8 / seconds, 7e6) << "the limits are not tried";
+        while (first < stream.packs.size() && !stream.packs[first].dts) ++first;
+        ASSERT_LT(first, stream.packs.size());
+
+        // Picture c is decoded when number c - 1 is shown; until then it must have come, and nothing runs over.
+        const double field = 0.5 / encoder::declared_rate(film.settings).hertz.value();
+        const auto due = [&](std::size_t c) {
+            const auto before = [&](std::int64_t n) { return encoder::fields_before(cadence, n); };
+            return *stream.packs[first].dts +
+                   field * static_cast<double>(before(static_cast<std::int64_t>(c) - 1) - before(-1));
+        };
+        for (const Pack& pack : stream.packs) {
+            const double whole = pack.scr + static_cast<double>(pack.bytes) / pack.rate;
+            EXPECT_NEAR(pack.rate * 8, 10'080'000, 1);
+            while (picture < ends.size() && due(picture) < whole - 1e-4) {
+                EXPECT_LE(ends[picture], received) << "picture " << picture << " is not there in time";
+                decoded = ends[picture++];
+            }
+            received += pack.payload;
+            fullest = std::max(fullest, received - std::min(decoded, received));
+        }
+        EXPECT_EQ(received, total);
+        EXPECT_LE(fullest, stream.buffer_bytes);
+        EXPECT_GT(fullest, stream.buffer_bytes / 2);
+    }
 }
 
 /// Other worlds' tools take these films for what they are.
