@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace render2mpeg::bench {
@@ -49,7 +50,8 @@ class Pchip {
 };
 
 /// Mean difference of rate at equal quality in per cent, over the qualities both curves reach; negative: `test` needs
-/// fewer bits. [Bjontegaard2001] with piecewise cubics of log rate over quality.
+/// fewer bits. NaN where no quality is reached by both. [Bjontegaard2001] with piecewise cubics of log rate over
+/// quality.
 inline double bd_rate(std::vector<RatePoint> anchor, std::vector<RatePoint> test) {
     const auto curve = [](std::vector<RatePoint>& points) {
         std::sort(points.begin(), points.end(), [](const RatePoint& a, const RatePoint& b) { return a.psnr < b.psnr; });
@@ -63,6 +65,7 @@ inline double bd_rate(std::vector<RatePoint> anchor, std::vector<RatePoint> test
     const Pchip a = curve(anchor), b = curve(test);
     const double low = std::max(anchor.front().psnr, test.front().psnr),
                  high = std::min(anchor.back().psnr, test.back().psnr);
+    if (!(low < high)) return std::numeric_limits<double>::quiet_NaN();
     constexpr int steps = 1000;
     double sum = 0;
     for (int i = 0; i < steps; ++i) {

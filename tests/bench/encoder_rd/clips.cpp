@@ -1,6 +1,7 @@
 #include "encoder_rd/clips.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -59,26 +60,32 @@ fs::path texture(const fs::path& cache, const std::string& name) {
     return file;
 }
 
+/// Where a clip's film is written down; a clip may also be named by its file.
+fs::path film_of(const std::string& name) {
+    for (const fs::path& file : {here() / (name + ".json"), here() / "scenes" / (name + ".json"), fs::path(name)})
+        if (fs::is_regular_file(file)) return file;
+    throw core::Error("clip " + name + ": there is no such film");
+}
+
 /// Puts a film into a folder of its own with all that it mentions: paths out of it are refused by the loader.
 void assemble(const ClipRequest& request, const fs::path& folder) {
     fs::remove_all(folder);
     fs::create_directories(folder);
-    const bool own = fs::exists(here() / (request.name + ".json"));
-    const std::string film =
-        text_of(own ? here() / (request.name + ".json") : here() / "scenes" / (request.name + ".json"));
+    const std::string film = text_of(film_of(request.name));
+    // A film of a real scene says in its first line which file of SCENES it builds on.
+    const std::string mark = "// SCENES/";
+    if (film.starts_with(mark)) {
+        if (request.scenes.empty())
+            throw core::Error("clip " + request.name + " is made of a real scene: say with --scenes where those are");
+        const fs::path scene = request.scenes / film.substr(mark.size(), film.find('\n') - mark.size());
+        fs::copy(scene.parent_path(), folder, fs::copy_options::recursive);
+    }
     std::ofstream(folder / "film.json") << film;
     for (const std::string& name : texture_names())
         if (film.find('"' + name + ".png\"") != std::string::npos)
             fs::copy_file(texture(request.cache, name), folder / (name + ".png"));
     if (film.find("\"crowd.gltf\"") != std::string::npos)
         write_crowd(fs::path(RENDER2MPEG_SOURCE_DIR) / "animations/character", folder);
-    if (own) return;
-    // A film of a real scene says in its first line which file of the scenes it builds on.
-    const std::size_t mark = film.find("// SCENES/"), end = film.find('\n', mark);
-    if (request.scenes.empty() || mark == std::string::npos)
-        throw core::Error("clip " + request.name + " is made of a real scene: say with --scenes where those are");
-    const fs::path scene = request.scenes / film.substr(mark + 10, end - mark - 10);
-    fs::copy_file(scene, folder / scene.filename());
 }
 
 app::Production production_of(const fs::path& folder) {
@@ -90,7 +97,7 @@ app::Production production_of(const fs::path& folder) {
     options.tolerance = "reference";
     app::Production film = app::prepare(options);
     film.rendering.direct_points = direct_points;
-    film.frames = {0, film_frames - 1};
+    film.frames = {0, std::min<std::int64_t>(film.frames.last, film_frames - 1)};
     return film;
 }
 
@@ -133,27 +140,31 @@ std::vector<std::string> scene_clips() {
 
 Clip make_clip(const ClipRequest& request) {
     // Name the film by what it is made from.
-    const fs::path staging = request.cache / (request.name + ".staging");
+    const std::string name = film_of(request.name).stem().string();
+    const fs::path staging = request.cache / fmt::format("{}.{}", name, getpid());
     assemble(request, staging);
     ContentHash made_from;
     made_from.add(
         fmt::format("{} + {} light points, {} samples, {} frames", direct_points, vpls, samples, film_frames));
     std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(staging)) files.push_back(entry.path());
+    for (const auto& entry : fs::recursive_directory_iterator(staging))
+        if (entry.is_regular_file()) files.push_back(entry.path());
     std::sort(files.begin(), files.end());
     for (const fs::path& file : files) {
-        made_from.add(file.filename().string());
+        made_from.add(fs::relative(file, staging).string());
         made_from.add_file(file);
     }
 
     // Render it unless it was.
-    const fs::path folder = request.cache / (request.name + "-" + made_from.text());
-    fs::remove_all(folder / "scene");
+    const fs::path folder = request.cache / (name + "-" + made_from.text());
     fs::create_directories(folder);
-    fs::rename(staging, folder / "scene");
+    if (fs::exists(folder / "scene"))
+        fs::remove_all(staging);
+    else
+        fs::rename(staging, folder / "scene");
     app::Production film = production_of(folder / "scene");
     Clip clip;
-    clip.name = request.name;
+    clip.name = name;
     clip.y4m = folder / "frames.y4m";
     if (!fs::exists(clip.y4m)) render(film, clip.name, clip.y4m);
 

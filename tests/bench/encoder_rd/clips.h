@@ -23,7 +23,7 @@ struct Clip {
 
 /// What is asked for of a clip.
 struct ClipRequest {
-    std::string name;
+    std::string name;              ///< of own_clips() or scene_clips(), or an animation file
     std::filesystem::path cache;   ///< folder of rendered films
     std::filesystem::path scenes;  ///< folder of real scenes; empty: none
     int frames = 60;               ///< the first of the film's 60, 2..60

@@ -1,0 +1,55 @@
+#include "bd_rate.h"
+
+#include <gtest/gtest.h>
+
+namespace render2mpeg::bench {
+namespace {
+
+const std::vector<RatePoint> curve = {{1e6, 44.1}, {5.2e5, 40.3}, {2.4e5, 36.0}, {1.1e5, 32.2}};
+
+std::vector<RatePoint> changed(double rate_factor, double shift) {
+    std::vector<RatePoint> points = curve;
+    for (RatePoint& p : points) {
+        p.bits *= rate_factor;
+        p.psnr += shift;
+    }
+    return points;
+}
+
+TEST(BdRate, IsNothingBetweenEqualCurves) {
+    EXPECT_NEAR(bd_rate(curve, curve), 0, 1e-9);
+}
+
+TEST(BdRate, IsTheFactorWhereAllRatesDifferByOne) {
+    EXPECT_NEAR(bd_rate(curve, changed(0.8, 0)), -20, 1e-6);
+    EXPECT_NEAR(bd_rate(curve, changed(1.25, 0)), 25, 1e-6);
+}
+
+TEST(BdRate, TurnsIntoItsInverseWithTheRolesExchanged) {
+    const std::vector<RatePoint> other = {{9.1e5, 44.0}, {5.0e5, 40.9}, {2.5e5, 36.9}, {1.0e5, 32.1}};
+    EXPECT_NEAR((1 + bd_rate(curve, other) / 100) * (1 + bd_rate(other, curve) / 100), 1, 1e-9);
+}
+
+TEST(BdRate, SeesBetterQualityAsFewerBits) {
+    EXPECT_LT(bd_rate(curve, changed(1, 0.5)), -5);
+    EXPECT_GT(bd_rate(curve, changed(1, -0.5)), 5);
+}
+
+TEST(BdRate, IsNoNumberWhereNoQualityIsReachedByBoth) {
+    EXPECT_TRUE(std::isnan(bd_rate(curve, changed(1, 20))));
+}
+
+TEST(Pchip, GoesThroughItsPointsAndNeverBeyondNeighbours) {
+    const std::vector<double> x = {0, 1, 2.5, 3, 7}, y = {0, 0.1, 4, 4, 9};
+    const Pchip p(x, y);
+    for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(p.at(x[i]), y[i], 1e-12);
+    for (std::size_t i = 0; i + 1 < x.size(); ++i)
+        for (int k = 1; k < 20; ++k) {
+            const double v = p.at(x[i] + (x[i + 1] - x[i]) * k / 20);
+            EXPECT_GE(v, y[i] - 1e-12);
+            EXPECT_LE(v, y[i + 1] + 1e-12);
+        }
+}
+
+}  // namespace
+}  // namespace render2mpeg::bench
