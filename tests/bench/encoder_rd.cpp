@@ -3,7 +3,8 @@
 //   bench_encoder_rd --help
 //
 // A is ffmpeg's plain command, B the strongest that is known for GOPs of 15, C the strongest with free GOPs. Ours:
-// `quality` and `fast`, `free` (GOPs of 60), `unaided` (without exact motion), `search` (a full search instead).
+// `quality` and `fast`, `eye` (tuned to what is seen), `free` (GOPs of 60), `unaided` (without exact motion), `search`
+// (a full search instead).
 
 #include <fmt/format.h>
 
@@ -22,7 +23,7 @@ namespace {
 
 struct Options {
     std::vector<std::string> clips = own_clips();
-    std::vector<std::string> codecs = {"quality", "fast", "free", "A", "B", "C"};
+    std::vector<std::string> codecs = {"quality", "fast", "eye", "free", "A", "B", "C"};
     std::vector<int> quantisers = {2, 4, 8, 16};
     int frames = 60;
     int threads = 1;

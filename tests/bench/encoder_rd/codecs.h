@@ -51,6 +51,7 @@ struct OwnCodec {
     encoder::Effort effort = encoder::Effort::quality;
     bool hints = true;  ///< is told the exact motion
     int search = 0;     ///< pixels to each side of a full search; 0: none, the product
+    encoder::Tune tune = encoder::Tune::psnr;
 };
 
 /// The ways that --codecs knows.

@@ -60,6 +60,7 @@ Run start(const Clip& clip, const OwnCodec& codec, int quantiser) {
     s.gop = codec.gop;
     s.b_pictures = codec.b_pictures;
     s.effort = codec.effort;
+    s.tune = codec.tune;
     Run run;
     run.codec = codec;
     run.encoder = std::make_unique<encoder::Encoder>(s);
@@ -101,6 +102,7 @@ std::vector<OwnCodec> own_codecs() {
     using encoder::Effort;
     return {{"quality", 15, 2, Effort::quality, true},
             {"fast", 15, 2, Effort::fast, true},
+            {"eye", 15, 2, Effort::quality, true, 0, encoder::Tune::perceptual},
             {"free", 60, 2, Effort::quality, true},
             {"unaided", 15, 2, Effort::quality, false},
             {"search", 15, 2, Effort::quality, false, 16}};
