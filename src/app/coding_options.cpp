@@ -56,8 +56,8 @@ void add_shape_options(CLI::App& command, CodingOptions& options) {
     CLI::Option* display =
         command
             .add_option("--display-aspect", options.display_aspect,
-                        "Shape of the whole picture as shown, e.g. 16:9 (default: the animation file's, or that of\n"
-                        "square pixels)")
+                        "Shape of the whole picture as shown, e.g. 16:9 (default: as the animation file or the frames\n"
+                        "say, else of square pixels)")
             ->type_name("W:H")
             ->check(checked(core::ratio_from, ""))
             ->group(picture);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -8,6 +9,7 @@
 #include "app/statistics.h"
 #include "core/error.h"
 #include "core/numeric.h"
+#include "encoder/cadence.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -45,13 +47,25 @@ PassCosts read_costs(const std::filesystem::path& file) {
     }
 }
 
+/// The shape that the film is shown in, where it is not that of square pixels.
+const char* shape_text(const encoder::Settings& coding) {
+    static constexpr std::array shapes{"", "", " (4:3)", " (16:9)", " (2.21:1)"};
+    return shapes.at(static_cast<std::size_t>(coding.aspect_ratio_code));
+}
+
+std::string rate_text(const encoder::Settings& coding) {
+    const std::string rate = std::string(coding.rate.name) + " Hz";
+    if (coding.cadence != encoder::Cadence::pulldown) return rate;
+    return rate + " (" + encoder::declared_rate(coding).name + " with repeated fields)";
+}
+
 /// The film and what making it took.
 std::string opening_lines(const Film& film, const Ledger& ledger, const RunFacts& facts) {
     const auto frames = static_cast<double>(ledger.frames.size());
     const double duration = frames / film.coding.rate.hertz.value();
-    std::string text = fmt::format("{}: {} frame{}, {}x{} at {} Hz, {:.2f} s", facts.output, ledger.frames.size(),
+    std::string text = fmt::format("{}: {} frame{}, {}x{}{} at {}, {:.2f} s", facts.output, ledger.frames.size(),
                                    ledger.frames.size() == 1 ? "" : "s", film.coding.width, film.coding.height,
-                                   film.coding.rate.name, duration);
+                                   shape_text(film.coding), rate_text(film.coding), duration);
     if (facts.bytes > 0)
         text += fmt::format(", {}, {:.0f} kb/s", size_text(static_cast<double>(facts.bytes)),
                             core::divide_or(8e-3 * static_cast<double>(facts.bytes), duration, 0.0));
