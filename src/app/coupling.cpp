@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "app/prediction.h"
 #include "core/error.h"
 #include "perceptual/share.h"
 
@@ -50,6 +51,7 @@ bool Coupling::counts(encoder::PictureType type) const {
 void Coupling::forget() {
     memory_.reset();
     carried_ = {};
+    decoded_ = {};
     kept_.clear();
 }
 
@@ -78,9 +80,13 @@ void Coupling::keep(const core::Picture& picture, const core::Radiance& radiance
 }
 
 void Coupling::judge(const encoder::CodedPicture& coded) {
+    if (coded.plan.type == encoder::PictureType::bidirectional) return;
+    const core::Plane<std::uint8_t> reference = std::exchange(decoded_, coded.reconstruction.y);
     const auto kept = kept_.find(coded.plan.number);
-    if (kept == kept_.end() || !counts(coded.plan.type)) return;
-    memory_ = observer_.judge(std::move(kept->second), facts_of(coded));
+    if (kept == kept_.end()) return;
+    perceptual::CodedFacts facts = facts_of(coded);
+    if (coded.plan.type == encoder::PictureType::predicted) facts.prediction = prediction_of(coded, reference);
+    memory_ = observer_.judge(std::move(kept->second), facts);
     kept_.erase(kept);
 }
 

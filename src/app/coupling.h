@@ -61,6 +61,7 @@ class Coupling {
     std::optional<perceptual::Memory> memory_;
     core::Plane<float> carried_;  ///< to the frame being lit
     std::map<std::int64_t, perceptual::Observation> kept_;
+    core::Plane<std::uint8_t> decoded_;  ///< luma of the newest I or P picture that is coded
 };
 
 }  // namespace render2mpeg::app
