@@ -11,9 +11,9 @@
 namespace render2mpeg::perceptual {
 namespace {
 
-/// Colours whose channels all lie at the ends of the curve have no slope; no other colour is beyond these limits by
-/// more than it would be at them. chosen: what 10^6 random colours stay in (0.05..20 tried).
-constexpr float least_exponent = 0.2f, largest_exponent = 5.0f;
+/// Colours whose channels all lie at the ends of the curve have no slope. chosen: of 200000 colours of every saturation
+/// 99 of 100 come within 31 % of with_luma; with limits of 1/5 and 5 within a factor of 2.6, with 1/2 and 2 of 6.
+constexpr float least_exponent = 0.05f, largest_exponent = 20.0f;
 
 }  // namespace
 

@@ -24,12 +24,13 @@ std::int64_t frames_left(const Production& film, std::int64_t n, std::int64_t la
 }
 
 void write_frame_layers(const Production& film, const std::filesystem::path& folder, const core::Visible& visible,
-                        const core::Radiance& radiance, const scene::Snapshot& world) {
+                        const core::Radiance& radiance, const core::ToleranceMap& tolerance,
+                        const scene::Snapshot& world) {
     const core::MotionField before =
         scene::motion_between(visible, world, film.snapshot(std::max<std::int64_t>(0, world.frame - 1)));
     const core::MotionField after = scene::motion_between(visible, world, film.snapshot(world.frame + 1));
     image::write_layers(folder / fmt::format("frame_{:04}.exr", world.frame), visible, radiance, &before, &after,
-                        film.format.pixel_aspect);
+                        film.format.pixel_aspect, &tolerance);
 }
 
 /// One chunk in the making: frames come one after the other.
@@ -164,7 +165,7 @@ void ChunkLoop::frame(std::int64_t n) {
     if (destination_.sink != nullptr) destination_.sink->write(radiance, picture);
     if (destination_.layers != nullptr)
         timed(ledger_, renderer::Pass::layers,
-              [&] { write_frame_layers(film_, *destination_.layers, seen.visible, radiance, world); });
+              [&] { write_frame_layers(film_, *destination_.layers, seen.visible, radiance, tolerance, world); });
     books_.took(cpu_seconds() - start);
 }
 

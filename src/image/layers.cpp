@@ -1,9 +1,11 @@
 #include "image/layers.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
 
+#include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "image/image.h"
@@ -106,7 +108,8 @@ bool fits(const core::MotionField* field, const core::Visible& visible) {
 }  // namespace
 
 void write_layers(const std::filesystem::path& path, const core::Visible& visible, const core::Radiance& radiance,
-                  const core::MotionField* to_previous, const core::MotionField* to_next, float pixel_aspect) {
+                  const core::MotionField* to_previous, const core::MotionField* to_next, float pixel_aspect,
+                  const core::ToleranceMap* tolerance) {
     EXPECTS(visible.width() == radiance.combined.width() && visible.height() == radiance.combined.height());
     EXPECTS(fits(to_previous, visible) && fits(to_next, visible));
 
@@ -129,6 +132,13 @@ void write_layers(const std::filesystem::path& path, const core::Visible& visibl
         frame.add("render2mpeg.CutDirect.X", false, [&](std::size_t i) { return radiance.direct_cut.values()[i]; });
     if (!radiance.indirect_cut.empty())
         frame.add("render2mpeg.CutIndirect.X", false, [&](std::size_t i) { return radiance.indirect_cut.values()[i]; });
+    if (tolerance != nullptr && !tolerance->is_reference()) {
+        EXPECTS(tolerance->pixels.size() == radiance.combined.size());
+        frame.add("render2mpeg.Tolerance.X", false, [&](std::size_t i) {
+            const core::Tolerance& t = tolerance->pixels.values()[i];
+            return std::max(t.absolute, t.relative * core::luminance(radiance.combined.values()[i]));
+        });
+    }
     frame.write(path, pixel_aspect);
 }
 

@@ -159,6 +159,7 @@ TEST(Layers, PartsOfLightAddUpToTheWhole) {
         }
     EXPECT_EQ(layers.at("render2mpeg.CutDirect.X").values[0], 42);
     EXPECT_EQ(layers.at("render2mpeg.CutIndirect.X").values[0], 42);
+    EXPECT_EQ(layers.count("render2mpeg.Tolerance.X"), 0u);
 }
 
 TEST(Layers, SizesMustAgree) {
