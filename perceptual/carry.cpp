@@ -9,11 +9,12 @@
 namespace render2mpeg::perceptual {
 namespace {
 
-/// Surfaces that differ by more are two. Only asked where the triangles differ. chosen: in the films of animations/ at
-/// 3 frames' distance 1 % .. 10 % find the same partners but for 0.2 % of pixels; less tells a slanted floor's
-/// neighbouring pixels apart.
+/// Surfaces that differ by more are two. Only asked where the triangles differ. chosen: at 3
+/// frames' distance 2 .. 10 % find the same partners for all but 0.04 % of pixels (cornell, colonnade, character); at 1
+/// % slanted floors lose theirs, 0.4 % of the colonnade.
 constexpr float depth_reach = 0.05f;
-/// Likewise for the cosine between normals, which turn with their objects between the pictures: 25 degrees.
+/// Likewise for the cosine between normals, which turn with their objects between the pictures: 25 degrees. chosen:
+/// 0.97 loses the partners of 1.2 % of the colonnade's pixels, on round columns; 0.8 finds 0.4 % more, on corners.
 constexpr float normal_reach = 0.9f;
 
 /// What a pixel must find again.

@@ -55,7 +55,9 @@ void add_light_options(CLI::App& command, RenderOptions& options) {
             "--tolerance", options.tolerance,
             "Error allowed in a pixel's light. `coupled`: what the film's coding and the eye hide; coupled=K: K times "
             "what\n"
-            "they hide at most; fixed=P% of its luminance; `reference`: every light point, slow (default: fixed=2%)")
+            "they hide at most; fixed=P% of its luminance; `reference`: every light point, slow (default: coupled for "
+            "films,\n"
+            "fixed=2% for frames)")
         ->type_name("coupled|fixed=P%|reference")
         ->check(checked(tolerance_from, ""))
         ->group(light);

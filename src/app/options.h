@@ -46,7 +46,7 @@ struct RenderOptions {
     CodingOptions coding;
     int samples = 4;
     int vpls = 4096;
-    std::optional<std::string> tolerance;
+    std::optional<std::string> tolerance;   ///< none: "coupled" for films, else "fixed=2%"
     std::string masking = "carried";        ///< "carried" or "quantised"
     std::string error_maps = "references";  ///< "references" or "intra"
     std::string error_spread = "block";     ///< "block" or "pixel"

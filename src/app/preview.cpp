@@ -7,9 +7,11 @@
 namespace render2mpeg::app {
 namespace {
 
-/// chosen: every fourth pixel at 10 %: 2..8 and 5..20 % tried on the films of animations/; the tolerances of the first
-/// frame differ by less than 10 % in the mean from those of the finished frame.
+/// chosen: tolerances by every fourth pixel differ from those of the finished frame by 0.6 % in the mean and 3 % pixel
+/// by pixel in cornell, 3 % and 20 % in the colonnade; by every second 0.3 % and 2 %, 0.2 % and 11 %; by every eighth 5
+/// % and 33 % in the colonnade.
 constexpr int step = 4;
+/// What the exposure is measured at, too (production.cpp).
 constexpr float tolerance = 0.1f;
 
 bool is_lit(int x, int y) {

@@ -100,7 +100,7 @@ core::ToleranceMap Production::tolerance_map() const {
 Production prepare(const RenderOptions& options) {
     Production film;
     film.kind = options.output.empty() ? OutputKind::film : kind_of(options.output);
-    film.tolerance = tolerance_from(options.tolerance.value_or("fixed=2%"));
+    film.tolerance = tolerance_from(options.tolerance.value_or(film.kind == OutputKind::film ? "coupled" : "fixed=2%"));
     film.coupling = coupling_settings(options, film.tolerance);
     if (film.tolerance.coupled && film.kind != OutputKind::film)
         throw core::Error(

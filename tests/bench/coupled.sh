@@ -1,0 +1,37 @@
+#!/usr/bin/env bash
+# tests/bench/coupled.sh [-s SCENES_FOLDER] [-d SIZE] [-f FRAMES] [-q QUANTISERS] [-k SHARES] [-p PAIRS] [-c CACHE]
+# What the coupled loop saves and costs against --tolerance fixed=2% at the same quantiser and stopping rule: films of animations/ and, where
+# SCENES_FOLDER has them, the walks through Sponza and Sibenik of tests/bench/real_scenes. One line of JSON per film, then the tables.
+# In full: tests/bench/coupled.sh -s SCENES -d 512x512 -f 48 -q 1,2,4,8,16,24,31 -p 6   (a day on one core; frames without clustering are kept in CACHE)
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+bench=${BENCH_COUPLED:-$here/../../build/dev/bench_coupled}
+scenes= size=256x256 frames=12 quantisers=2,8,16 shares=default,1,0.5,0.25,0.12 pairs=2 cache=${TMPDIR:-/tmp}/render2mpeg_bench
+while getopts s:d:f:q:k:p:c: option; do
+    case $option in
+        s) scenes=$OPTARG ;; d) size=$OPTARG ;; f) frames=$OPTARG ;; q) quantisers=$OPTARG ;;
+        k) shares=$OPTARG ;; p) pairs=$OPTARG ;; c) cache=$OPTARG ;;
+        *) exit 1 ;;
+    esac
+done
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+film() { # NAME INPUT FIRST_FRAME VPLS
+    "$bench" --name "$1" --pairs "$pairs" --quantisers "$quantisers" --shares "$shares" --cache "$cache" "$2" --size "$size" --samples 1 \
+        --vpls "$4" --frames "$3:$(($3 + frames - 1))" --threads 1 | tee -a "$work/films.jsonl"
+}
+
+film cornell "$here/../../animations/cornell" 0 2000
+film character "$here/../../animations/character" 0 4096
+film colonnade "$here/../../animations/colonnade" 0 4096
+for walk in sponza:sponza_dabrovic sibenik:sibenik; do
+    folder=$scenes/${walk##*:}
+    [[ -n $scenes && -d $folder ]] || continue
+    mkdir "$work/${walk%%:*}"
+    cp -r "$folder/." "$work/${walk%%:*}/"
+    chmod -R u+w "$work/${walk%%:*}"
+    cp "$here/real_scenes/${walk%%:*}.json" "$work/${walk%%:*}/film.json"
+    film "${walk%%:*}" "$work/${walk%%:*}" 0 9000
+done
+python3 "$here/coupled_tables.py" "$work/films.jsonl"
