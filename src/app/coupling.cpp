@@ -4,6 +4,8 @@
 
 #include "app/prediction.h"
 #include "core/error.h"
+#include "encoder/mpeg2/perception.h"
+#include "encoder/mpeg2/quantiser.h"
 #include "perceptual/share.h"
 
 namespace render2mpeg::app {
@@ -15,18 +17,35 @@ float scale_of(int quantiser) {
     return static_cast<float>(quantiser) / 8.0f;
 }
 
-perceptual::CodingPlan eye_plan(const encoder::PicturePlan& plan) {
+perceptual::Quantisation matrices_for(encoder::Tune tune) {
+    const encoder::mpeg2::Matrices matrices = encoder::mpeg2::matrices_for(tune);
+    perceptual::Quantisation quantisation;
+    for (std::size_t i = 0; i < 64; ++i) {
+        quantisation.intra[i] = static_cast<float>(matrices.intra[i]);
+        quantisation.inter[i] = static_cast<float>(matrices.non_intra[i]);
+    }
+    return quantisation;
+}
+
+}  // namespace
+
+Coupling::Coupling(const perceptual::Display& display, const CouplingSettings& settings, encoder::Tune tune)
+    : observer_(display, settings.observer), settings_(settings), matrices_(matrices_for(tune)) {}
+
+perceptual::CodingPlan Coupling::eye_plan(encoder::PictureType type, int quantiser) const {
     perceptual::CodingPlan eye;
-    eye.intra = plan.type == encoder::PictureType::intra;
-    eye.scale = scale_of(plan.quantiser);
+    eye.intra = type == encoder::PictureType::intra;
+    eye.scale = scale_of(quantiser);
+    eye.quantisation = matrices_;
+    // 8, 4 or 2 for 8, 9 or 10 bits. [H262, 7.4.1]
+    eye.quantisation.dc_step = static_cast<float>(8 >> (encoder::mpeg2::dc_bits_for(quantiser) - 8));
     return eye;
 }
 
-perceptual::CodedFacts facts_of(const encoder::CodedPicture& coded) {
+perceptual::CodedFacts Coupling::facts_of(const encoder::CodedPicture& coded) const {
     perceptual::CodedFacts facts;
     facts.number = coded.plan.number;
-    facts.plan = eye_plan(coded.plan);
-    facts.plan.scale = scale_of(coded.quantiser);
+    facts.plan = eye_plan(coded.plan.type, coded.quantiser);
     facts.intra = core::Plane<std::uint8_t>(coded.macroblocks.width(), coded.macroblocks.height());
     facts.scale = core::Plane<float>(coded.macroblocks.width(), coded.macroblocks.height());
     for (std::size_t i = 0; i < coded.macroblocks.size(); ++i) {
@@ -37,11 +56,6 @@ perceptual::CodedFacts facts_of(const encoder::CodedPicture& coded) {
     facts.reconstruction = coded.reconstruction.y;
     return facts;
 }
-
-}  // namespace
-
-Coupling::Coupling(const perceptual::Display& display, const CouplingSettings& settings)
-    : observer_(display, settings.observer), settings_(settings) {}
 
 bool Coupling::counts(encoder::PictureType type) const {
     return type == encoder::PictureType::intra ||
@@ -58,14 +72,15 @@ void Coupling::forget() {
 void Coupling::imagine(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
                        const encoder::PicturePlan& plan) {
     memory_ = observer_.presume(observer_.observe(picture, radiance, std::make_shared<const core::Visible>(visible)),
-                                eye_plan(plan));
+                                eye_plan(plan.type, plan.quantiser));
 }
 
 core::ToleranceMap Coupling::tolerate(const core::Visible& visible, const encoder::PicturePlan& plan,
                                       const core::MotionField* motion) {
     EXPECTS(memory_.has_value());
     const float share = settings_.share.value_or(perceptual::default_share(scale_of(plan.quantiser)));
-    perceptual::Tolerated tolerated = observer_.tolerate(visible, eye_plan(plan), *memory_, motion, share);
+    perceptual::Tolerated tolerated =
+        observer_.tolerate(visible, eye_plan(plan.type, plan.quantiser), *memory_, motion, share);
     // What stands in for a picture before is no picture: there is nothing to blend with.
     carried_ = memory_->number == plan.number ? core::Plane<float>() : std::move(tolerated.carried);
     return std::move(tolerated.map);

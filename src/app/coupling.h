@@ -31,7 +31,8 @@ struct CouplingSettings {
 /// rule of numbers, not of timing: what has been coded when a frame is lit follows from the plans alone.
 class Coupling {
   public:
-    Coupling(const perceptual::Display& display, const CouplingSettings& settings);
+    /// `tune` decides the encoder's matrices.
+    Coupling(const perceptual::Display& display, const CouplingSettings& settings, encoder::Tune tune);
 
     /// Forgets everything: a chunk begins, or another shot.
     void forget();
@@ -55,9 +56,12 @@ class Coupling {
 
   private:
     bool counts(encoder::PictureType type) const;
+    perceptual::CodingPlan eye_plan(encoder::PictureType type, int quantiser) const;
+    perceptual::CodedFacts facts_of(const encoder::CodedPicture& coded) const;
 
     perceptual::Observer observer_;
     CouplingSettings settings_;
+    perceptual::Quantisation matrices_;
     std::optional<perceptual::Memory> memory_;
     core::Plane<float> carried_;  ///< to the frame being lit
     std::map<std::int64_t, perceptual::Observation> kept_;

@@ -76,7 +76,7 @@ ChunkLoop::ChunkLoop(const Production& film, renderer::Renderer& renderer, const
       books_(ledger) {
     renderer.start_chunk(film.snapshot(chunk.first));
     if (film.tolerance.coupled && codes_)
-        coupling_.emplace(display_, film.coupling);
+        coupling_.emplace(display_, film.coupling, film.coding.tune);
     else
         fixed_ = film.tolerance_map();
 }
