@@ -10,7 +10,7 @@ namespace render2mpeg::perceptual {
 float default_share(float scale) {
     EXPECTS(scale > 0.0f);
     // fit: docs/fits/coupled-share
-    constexpr float share = 0.161f, exponent = -0.165f;
+    constexpr float share = 0.156f, exponent = -0.116f;
     return std::min(1.0f, share * std::pow(scale, exponent));
 }
 

@@ -1,7 +1,7 @@
 """Fits k = a * scale^b to the lines of bench_coupled: the largest share at which no film of the fit loses what the eye or a metric would miss."""
 import json, math, sys
 
-FIT = ["character", "many_lamps", "mirror_and_glass"]
+FIT = ["character", "many_lamps"]
 LIMITS = {"loss_db": 0.1, "hvsm_loss": 0.1, "ssim_loss": 0.002}
 
 films = {}
