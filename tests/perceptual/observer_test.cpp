@@ -136,7 +136,8 @@ TEST_P(EverySpread, BlackAndWhitePicturesHaveFiniteTolerances) {
         const CodingPlan plan = plan_of(true, 31);
         const Memory memory =
             observer.judge(observer.observe(display.develop(radiance), radiance, seen()), coded_as(0, plan));
-        for (const core::Tolerance& t : observer.tolerate(*seen(), plan, memory, nullptr, 1.0f).map.pixels.values()) {
+        const core::ToleranceMap map = observer.tolerate(*seen(), plan, memory, nullptr, 1.0f).map;
+        for (const core::Tolerance& t : map.pixels.values()) {
             EXPECT_TRUE(std::isfinite(t.absolute));
             EXPECT_GT(t.absolute, 0.0f);
         }
