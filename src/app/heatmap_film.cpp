@@ -34,6 +34,18 @@ perceptual::HeatScale scale_of(HeatSubject subject) {
                     1000.0f,
                     true,
                     {{5, "5"}, {10, "10"}, {30, "30"}, {100, "100"}, {300, "300"}, {1000, "1000"}}};
+        case HeatSubject::error:
+            return {"ERROR REACHED / LUMINANCE",
+                    0.001f,
+                    1.0f,
+                    true,
+                    {{0.001f, "0.1%"},
+                     {0.01f, "1%"},
+                     {0.02f, "2%"},
+                     {0.05f, "5%"},
+                     {0.1f, "10%"},
+                     {0.3f, "30%"},
+                     {1.0f, "100%"}}};
         case HeatSubject::quantiser:
             break;
     }
@@ -56,6 +68,8 @@ core::Plane<float> values_of(HeatSubject subject, const LitFrame& frame) {
             values.values()[i] = std::max(core::divide_or(t.absolute, luminance, 1.0f), t.relative);
         } else if (subject == HeatSubject::cut) {
             values.values()[i] = frame.radiance.direct_cut.values()[i] + frame.radiance.indirect_cut.values()[i];
+        } else if (subject == HeatSubject::error) {
+            values.values()[i] = core::divide_or(frame.radiance.error.values()[i], luminance, 0.0f);
         }
     }
     return values;
@@ -75,7 +89,8 @@ HeatSubject heat_subject_from(const std::string& name) {
     if (name == "tolerance") return HeatSubject::tolerance;
     if (name == "cut") return HeatSubject::cut;
     if (name == "quantiser") return HeatSubject::quantiser;
-    throw core::Error("heatmap " + name + ": expected tolerance, cut or quantiser");
+    if (name == "error") return HeatSubject::error;
+    throw core::Error("heatmap " + name + ": expected tolerance, cut, error or quantiser");
 }
 
 HeatmapFilm::HeatmapFilm(HeatSubject subject, std::filesystem::path output, const Production& film)

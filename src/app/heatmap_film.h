@@ -19,6 +19,7 @@ namespace render2mpeg::app {
 enum class HeatSubject {
     tolerance,  ///< a pixel's tolerance over its luminance
     cut,        ///< clusters gathered
+    error,      ///< by what the gathered light may be off over the pixel's luminance, as the stopping rule reckons
     quantiser,  ///< of macroblocks
 };
 

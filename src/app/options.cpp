@@ -152,7 +152,8 @@ void add_run_options(CLI::App& command, RenderOptions& options) {
         .add_option(
             "--heatmap", options.heatmaps,
             "Write a film in false colours beside: what each pixel's light may be off by (`tolerance`), clusters\n"
-            "(`cut`), or each macroblock's `quantiser`; may be given several times")
+            "(`cut`), what it may be off by as gathered (`error`), or each macroblock's `quantiser`; may be given "
+            "several times")
         ->type_name("SUBJECT OUT.mpg")
         ->group(run);
     command.add_flag("--dry-run", options.dry_run, "Read and check everything, say what would be done, write nothing")

@@ -132,6 +132,8 @@ void write_layers(const std::filesystem::path& path, const core::Visible& visibl
         frame.add("render2mpeg.CutDirect.X", false, [&](std::size_t i) { return radiance.direct_cut.values()[i]; });
     if (!radiance.indirect_cut.empty())
         frame.add("render2mpeg.CutIndirect.X", false, [&](std::size_t i) { return radiance.indirect_cut.values()[i]; });
+    if (!radiance.error.empty())
+        frame.add("render2mpeg.Error.X", false, [&](std::size_t i) { return radiance.error.values()[i]; });
     if (tolerance != nullptr && !tolerance->is_reference()) {
         EXPECTS(tolerance->pixels.size() == radiance.combined.size());
         frame.add("render2mpeg.Tolerance.X", false, [&](std::size_t i) {

@@ -40,8 +40,9 @@ nlohmann::json statistics(const Folder& folder, const std::string& arguments) {
 
 TEST(Encode, FramesAndLayersOfARenderGiveNearlyTheFilmOfTheRenderItself) {
     const Folder folder;
-    const std::string render = program() + " render " + film("cornell") +
-                               " --size 96x80 --samples 1 --vpls 16 --exposure 0.5 --quiet --frames 4:11 -o ";
+    const std::string render =
+        program() + " render " + film("cornell") +
+        " --size 96x80 --samples 1 --vpls 16 --exposure 0.5 --tolerance fixed=2% --quiet --frames 4:11 -o ";
     ASSERT_EQ(run(render + path(folder, "direct.m2v") + " --aov " + path(folder, "aov") + " --stats " +
                   path(folder, "direct.json"))
                   .status,

@@ -18,18 +18,18 @@ TEST(Heatmap, OfEverySubjectIsAFilmAsLongAsTheRender) {
     const auto of = [&](const char* subject) { return (folder / (std::string(subject) + ".mpg")).string(); };
     const std::string render = support::program() + " render " + film("cornell") + " -o ";
     std::string heatmaps;
-    for (const char* subject : {"tolerance", "cut", "quantiser"})
+    for (const char* subject : {"tolerance", "cut", "error", "quantiser"})
         heatmaps += " --heatmap " + std::string(subject) + " " + of(subject);
     const auto outcome = run(render + (folder / "film.m2v").string() + small + " --tolerance coupled=0.5" + heatmaps);
     ASSERT_EQ(outcome.status, 0) << outcome.output;
-    for (const char* subject : {"tolerance", "cut", "quantiser"}) {
+    for (const char* subject : {"tolerance", "cut", "error", "quantiser"}) {
         const auto shown =
             run("ffprobe -v error -count_frames -select_streams v -show_entries "
                 "stream=width,height,nb_read_frames -of csv=p=0 " +
                 of(subject));
         EXPECT_TRUE(shown.output.starts_with("64,80,7")) << subject << " " << shown.output;
     }
-    EXPECT_EQ(folder.entries(), 4u) << "nothing unfinished is left";
+    EXPECT_EQ(folder.entries(), 5u) << "nothing unfinished is left";
 
     // To look on changes nothing.
     ASSERT_EQ(run(render + (folder / "plain.m2v").string() + small + " --tolerance coupled=0.5").status, 0);
@@ -45,7 +45,7 @@ TEST(Heatmap, RefusesWhatThereIsNoneOf) {
         EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
     };
     const std::string heat = (folder / "h.mpg").string();
-    refused("film.mpg", " --heatmap warmth " + heat, "tolerance, cut or quantiser");
+    refused("film.mpg", " --heatmap warmth " + heat, "tolerance, cut, error or quantiser");
     refused("film.mpg", " --heatmap cut " + (folder / "h.png").string(), "h.png");
     refused("f.%04d.png", " --heatmap quantiser " + heat, "only films");
     refused("film.mpg", " --tolerance reference --heatmap tolerance " + heat, "reference");
