@@ -72,7 +72,7 @@ void HadamardDifference(benchmark::State& state) {
 }
 BENCHMARK(HadamardDifference);
 
-/// Range: quantiser, pictures per GOP.
+/// Range: quantiser, pictures per GOP, Effort (0 fast, 1 quality).
 void EncodePictures(benchmark::State& state) {
     const parallel::ThreadLimit one_thread(1);
     static const Clip clip(1280, 720, 6, 2.0f);
@@ -82,13 +82,18 @@ void EncodePictures(benchmark::State& state) {
     settings.rate = core::frame_rate_from("30");
     settings.quantiser = static_cast<int>(state.range(0));
     settings.gop = static_cast<int>(state.range(1));
+    settings.effort = state.range(2) == 0 ? encoder::Effort::fast : encoder::Effort::quality;
     std::int64_t bits = 0, pictures = 0;
     for (auto _ : state) {
         encoder::Encoder encoder(settings);
         for (std::size_t n = 0; n < clip.pictures.size(); ++n) {
-            const encoder::PicturePlan plan = encoder.plan(static_cast<std::int64_t>(n), {}, n == 0);
+            encoder::PictureFacts facts;
+            facts.frames_left = static_cast<std::int64_t>(clip.pictures.size() - 1 - n);
+            const encoder::PicturePlan plan = encoder.plan(static_cast<std::int64_t>(n), facts, n == 0);
+            state.PauseTiming();
             std::vector<core::MotionField> motion;
             for (const std::int64_t reference : plan.references) motion.push_back(clip.motion(plan.number, reference));
+            state.ResumeTiming();
             for (const encoder::CodedPicture& coded : encoder.push(clip.pictures[n], plan, motion)) {
                 bits += static_cast<std::int64_t>(coded.bytes.size()) * 8;
                 ++pictures;
@@ -98,7 +103,14 @@ void EncodePictures(benchmark::State& state) {
     state.counters["pictures"] = benchmark::Counter(static_cast<double>(pictures), benchmark::Counter::kIsRate);
     state.counters["bits"] = static_cast<double>(bits) / static_cast<double>(pictures);
 }
-BENCHMARK(EncodePictures)->Args({2, 1})->Args({2, 15})->Args({4, 15})->Args({8, 15})->Unit(benchmark::kMillisecond);
+BENCHMARK(EncodePictures)
+    ->Args({2, 1, 1})
+    ->Args({2, 15, 1})
+    ->Args({4, 15, 1})
+    ->Args({8, 15, 1})
+    ->Args({4, 15, 0})
+    ->Args({8, 15, 0})
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace render2mpeg::bench
