@@ -210,7 +210,7 @@ TEST(DvdStreamSlow, PlaysOnTheStandardsDecoder) {
         // Picture c is decoded when number c - 1 is shown; until then it must have come, and nothing runs over.
         const double field = 0.5 / encoder::declared_rate(film.settings).hertz.value();
         const auto due = [&](std::size_t c) {
-            const auto before = [&](std::int64_t n) { return encoder::fields_before(cadence, n); };
+            const auto before = [&](std::int64_t n) { return encoder::fields_before(film.settings.cadence, n); };
             return *stream.packs[first].dts +
                    field * static_cast<double>(before(static_cast<std::int64_t>(c) - 1) - before(-1));
         };
