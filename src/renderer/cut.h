@@ -83,7 +83,8 @@ class Gatherer {
     bool reopen(const GatherLanes& lanes);
     std::uint32_t pop();
     void add_square(std::uint32_t slot, double sign);
-    std::uint32_t sum_afresh(const GatherLanes& lanes);
+    void sum_afresh(const GatherLanes& lanes);
+    bool is_safe(const GatherLanes& lanes);
     void sum_luminance(const GatherLanes& lanes);
     void sum_finely(const GatherLanes& lanes, const Slot& slot, CutSums& sums) const;
     void add_slot(const GatherLanes& lanes, const Slot& slot, glm::vec3 intensity, Lanes& luminance) const;
@@ -93,6 +94,7 @@ class Gatherer {
     CutRule rule_;
     alignas(64) Lanes luminance_{}, exact_luminance_{};
     alignas(64) double squares_[lane_count]{};  ///< honest: sums of the squared bounds of all slots
+    alignas(64) Lanes largest_{};               ///< honest: their largest bounds, as of the last fresh sum
     std::vector<Slot> slots_;
     std::vector<Entry> heap_, settled_;
 };

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/numeric.h"
 #include "renderer/cut.h"
 
 namespace render2mpeg::renderer {
@@ -87,25 +86,44 @@ void Gatherer::add_square(std::uint32_t index, double sign) {
     }
 }
 
-std::uint32_t Gatherer::sum_afresh(const GatherLanes& lanes) {
+void Gatherer::sum_afresh(const GatherLanes& lanes) {
     sum_luminance(lanes);
     std::fill(std::begin(squares_), std::end(squares_), 0.0);
-    for (std::uint32_t i = 0; i < slots_.size(); ++i) add_square(i, 1.0);
-    return rule_.broken(squares_);
+    std::fill(std::begin(largest_), std::end(largest_), 0.0f);
+    for (std::uint32_t s = 0; s < slots_.size(); ++s) {
+        add_square(s, 1.0);
+        for (int i = 0; i < lane_count; ++i)
+            largest_[i] = std::max(largest_[i], std::min(std::numeric_limits<float>::max(), slots_[s].bound[i]));
+    }
+}
+
+bool Gatherer::is_safe(const GatherLanes& lanes) {
+    sum_afresh(lanes);
+    if (rule_.broken(squares_, largest_) == 0) return true;
+    // Tolerances have moved since the clusters were ranked.
+    for (Entry& entry : heap_) entry.urgency = rule_.urgency(slots_[entry.slot].bound);
+    std::make_heap(heap_.begin(), heap_.end(), less_urgent);
+    return false;
 }
 
 void Gatherer::refine_honest(const GatherLanes& lanes, const CutLimits& limits, GatheredLight& out) {
     const auto least = static_cast<std::size_t>(std::max(limits.least, 0));
     const auto most = static_cast<std::size_t>(std::max(limits.most, 1));
+    const float safe_urgency = CutRule::safe_urgency(lanes.count);
     bool summed = false, accepted = false;
+    std::size_t next_look = least;  // at all clusters, which takes as long as some splits
     while (!heap_.empty() && slots_.size() < most) {
         // Keep a running sum once its largest parts are gone; what it says is checked against a fresh one.
         if (!summed && heap_.front().urgency < drowning_urgency) {
             sum_afresh(lanes);
             summed = true;
         }
-        accepted = summed && slots_.size() >= least && rule_.satisfied(squares_) && sum_afresh(lanes) == 0;
-        if (accepted) break;
+        const bool seems_fine = rule_.satisfied(squares_) || heap_.front().urgency <= safe_urgency;
+        if (summed && slots_.size() >= next_look && seems_fine) {
+            accepted = is_safe(lanes);
+            if (accepted) break;
+            next_look = slots_.size() + 1 + slots_.size() / 32;
+        }
         const std::uint32_t index = pop();
         const auto added = static_cast<std::uint32_t>(slots_.size());
         if (summed) add_square(index, -1.0);
@@ -114,9 +132,11 @@ void Gatherer::refine_honest(const GatherLanes& lanes, const CutLimits& limits, 
         add_square(index, 1.0);
         add_square(added, 1.0);
     }
-    if (!accepted) out.capped |= sum_afresh(lanes);
-    for (int i = 0; i < lane_count; ++i)
-        out.error[i] = rule_.scale(i) * static_cast<float>(core::sqrt_or_zero(squares_[i]));
+    if (!accepted) {
+        sum_afresh(lanes);
+        out.capped |= rule_.broken(squares_, largest_);
+    }
+    for (int i = 0; i < lane_count; ++i) out.error[i] = rule_.error(i, squares_[i], largest_[i]);
 }
 
 }  // namespace render2mpeg::renderer

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "renderer/gather_lanes.h"
@@ -20,7 +21,9 @@ namespace render2mpeg::renderer {
 /// indirect light 22..49 % of pixels err by more than 2 % at 2 %.
 ///
 /// Honest: the errors of clusters are independent, since their representatives are chosen by dice, so they add up as
-/// squares: k sqrt(sum of B^2) <= T, where k makes of a bound what clusters err by in truth, at the hundredth pixel.
+/// squares: k sqrt(sum of B^2) <= T, where k makes of a bound what clusters err by in truth, at the hundredth pixel. Or
+/// else q B <= T for every cluster: the classic rule at the part of the tolerance where it is as safe, which is reached
+/// first where few clusters carry the light and the tolerance is fine.
 class CutRule {
   public:
     /// Tolerances of the lanes; `base` is luminance of the same pixel that is known already and not part of the cut.
@@ -80,12 +83,21 @@ class CutRule {
         return true;
     }
 
-    /// Honest: marks the lanes whose estimated error exceeds their tolerance.
-    std::uint32_t broken(const double (&squares)[lane_count]) const {
+    /// Honest: marks the lanes whose estimated error exceeds their tolerance; `largest` are their largest bounds.
+    std::uint32_t broken(const double (&squares)[lane_count], const Lanes& largest) const {
         std::uint32_t lanes = 0;
-        for (int i = 0; i < lane_count; ++i) lanes |= exceeds(squares[i], i) ? 1u << i : 0u;
+        for (int i = 0; i < lane_count; ++i) lanes |= error(i, squares[i], largest[i]) > tolerance_[i] ? 1u << i : 0u;
         return lanes;
     }
+
+    /// Honest: the luminance by which a lane may err, from its sum of squared bounds and its largest bound.
+    float error(int lane, double squares, float largest) const {
+        const auto summed = static_cast<float>(scale(lane) * std::sqrt(std::max(squares, 0.0)));
+        return std::min(summed, caution_ * safe_part * largest);
+    }
+
+    /// Honest: below this urgency a cluster's bounds are a safe part of what `lanes` points tolerate, in the mean.
+    static float safe_urgency(int lanes) { return static_cast<float>(lanes) / (safe_part * safe_part); }
 
     /// Honest: k of a lane. fit: docs/fits/honest-stop. It falls as the relative tolerance t = T over the light grows,
     /// since the bounds of coarse clusters are looser: coarse + (fine - coarse) / (1 + (t / t0)^2).
@@ -105,6 +117,8 @@ class CutRule {
 
     /// Keeps squares of what is beyond any measure finite.
     static constexpr float largest_share = 1e15f;
+    /// fit: docs/fits/honest-stop, "classic": 7.24 over its scenes, with one light per cluster.
+    static constexpr float safe_part = 7.0f;
     static constexpr float fine_scale = 0.62f, coarse_scale = 0.36f, turn2 = 0.08f * 0.08f;
     static constexpr float loosest = 1e6f;
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/color.h"
 #include "core/sampling.h"
 #include "renderer/lobe.h"
 
@@ -117,6 +118,19 @@ struct NodeFrame {
     }
 };
 
+/// How much of light in this colour an eye notices, in luminance: its luminance, or its Cr or Cb [BT709, 3.3] at
+/// `chroma_share` of that. Without chroma the light of a blue lamp would count a fourteenth of a white one's, and may
+/// be lost where it is all the colour there is. chosen: docs/decisions/0012.
+constexpr float chroma_share = 0.5f;
+__attribute__((always_inline)) inline float noticed(const Vec3Lanes& weight, int i, float red, float green,
+                                                    float blue) {
+    const float r = weight.x[i] * red, g = weight.y[i] * green, b = weight.z[i] * blue;
+    const float luma = r + g + b;
+    const float cr = (r * (1.0f / core::luminance_weights.x) - luma) * (chroma_share / 1.5748f);
+    const float cb = (b * (1.0f / core::luminance_weights.z) - luma) * (chroma_share / 1.8556f);
+    return std::max(luma, std::max(cr, cb));
+}
+
 template <LightFamily family, bool glossy>
 __attribute__((always_inline)) inline void bound_lanes(const GatherLanes& __restrict lanes, const LightNode& node,
                                                        const NodeFrame& frame, float scale, float* __restrict out) {
@@ -156,7 +170,7 @@ __attribute__((always_inline)) inline void bound_lanes(const GatherLanes& __rest
         const float reach = emit * inverse2;
         float g = cosine * reach;
         if constexpr (family == LightFamily::oriented) g = std::min(g, clamp);
-        float bound = g * dot(lanes.diffuse_weight, i, red, green, blue);
+        float bound = g * noticed(lanes.diffuse_weight, i, red, green, blue);
         if constexpr (glossy) {
             const lobe::BoxCosines box{cosine, box_cosine(lanes.mirrored, i, x, y, z, hx, hy, hz),
                                        -1.0f * box_cosine(lanes.outgoing, i, -x, -y, -z, hx, hy, hz)};
