@@ -1,0 +1,78 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/ledger.h"
+#include "app/production.h"
+#include "core/color.h"
+#include "perceptual/display.h"
+#include "support/program.h"
+
+/// What `--stop` and `--audit` say of a render.
+namespace render2mpeg::app {
+namespace {
+
+nlohmann::json statistics_of(const std::string& options) {
+    const support::Folder folder;
+    const std::string stats = (folder / "s.json").string();
+    const support::Outcome outcome =
+        support::run(std::string(RENDER2MPEG_BINARY_DIR "/render2mpeg render " RENDER2MPEG_SOURCE_DIR
+                                                        "/animations/cornell --frames 0:1 --size 48x48 --samples 1 "
+                                                        "--vpls 1000 -o ") +
+                     (folder / "a.mpg").string() + " --stats " + stats + " " + options);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    return nlohmann::json::parse(support::contents(stats));
+}
+
+TEST(Audit, SaysHowWellTolerancesWereKept) {
+    const nlohmann::json honest = statistics_of("--tolerance fixed=4% --audit 300");
+    EXPECT_EQ(honest.at("stop"), "honest");
+    const nlohmann::json& audit = honest.at("audit");
+    EXPECT_EQ(audit.at("pixels"), 600);
+    EXPECT_LE(audit.at("over_tolerance").get<double>(), 0.01);
+    EXPECT_GT(audit.at("error_p50").get<double>(), 0.0);
+    EXPECT_LE(audit.at("error_p50").get<double>(), audit.at("error_p95").get<double>());
+    EXPECT_LE(audit.at("error_p95").get<double>(), audit.at("error_p99").get<double>());
+    EXPECT_LE(audit.at("error_p99").get<double>(), 0.04);
+    EXPECT_GT(audit.at("seconds").get<double>(), 0.0);
+
+    const nlohmann::json classic = statistics_of("--tolerance fixed=4% --stop classic --audit 300");
+    EXPECT_EQ(classic.at("stop"), "classic");
+    EXPECT_GT(classic.at("audit").at("error_p95").get<double>(), audit.at("error_p95").get<double>());
+    EXPECT_LT(classic.at("rays").at("shadow").get<double>(), honest.at("rays").at("shadow").get<double>());
+
+    // An audit changes nothing, and nobody who does not ask for one pays.
+    const nlohmann::json plain = statistics_of("--tolerance fixed=4%");
+    EXPECT_TRUE(plain.at("audit").is_null());
+    EXPECT_EQ(plain.at("bytes"), honest.at("bytes"));
+    EXPECT_EQ(plain.at("rays"), honest.at("rays"));
+}
+
+TEST(Audit, OfNoPixelsIsOfNoError) {
+    Audit audit;
+    EXPECT_EQ(audit.share_over(), 0.0);
+    EXPECT_EQ(audit.error_at(0.99), 0.0);
+    for (int i = 100; i > 0; --i) audit.errors.push_back(static_cast<float>(i));
+    audit.over = 3;
+    EXPECT_EQ(audit.share_over(), 0.03);
+    EXPECT_EQ(audit.error_at(0.5), 50.0);
+    EXPECT_EQ(audit.error_at(0.99), 99.0);
+    EXPECT_EQ(audit.error_at(1.0), 100.0);
+}
+
+TEST(FixedTolerance, LetsBlackBeOffByHalfACodeValue) {
+    Production film;
+    film.format = {4, 2, 1.0f};
+    film.tolerance.relative = 0.02f;
+    EXPECT_EQ(film.tolerance_map().pixels.at(3, 1).absolute, 0.0f);  // no code values without an exposure
+    film.exposure = 1.5f;
+    const core::Tolerance t = film.tolerance_map().pixels.at(3, 1);
+    EXPECT_EQ(t.relative, 0.02f);
+    const perceptual::Display display(1.5f, perceptual::matrix_for(2));
+    EXPECT_NEAR(display.luma_of(glm::vec3(t.absolute)) - display.luma_of(glm::vec3(0)), 0.5f, 1e-3f);
+    film.tolerance.relative = 0;
+    EXPECT_EQ(film.tolerance_map().pixels.at(0, 0).absolute, 0.0f);
+}
+
+}  // namespace
+}  // namespace render2mpeg::app
