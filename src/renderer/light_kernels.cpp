@@ -120,7 +120,7 @@ struct NodeFrame {
 
 /// How much of light in this colour an eye notices, in luminance: its luminance, or its Cr or Cb [BT709, 3.3] at
 /// `chroma_share` of that. Without chroma the light of a blue lamp would count a fourteenth of a white one's, and may
-/// be lost where it is all the colour there is. chosen: docs/decisions/0012.
+/// be lost where it is all the colour there is. chosen: docs/decisions/0014.
 constexpr float chroma_share = 0.5f;
 __attribute__((always_inline)) inline float noticed(const Vec3Lanes& weight, int i, float red, float green,
                                                     float blue) {
