@@ -66,13 +66,15 @@ std::vector<std::vector<Measured>> code_with_ours(const Clip& clip, const std::v
 struct FfmpegCodec {
     std::string name;
     std::string options;  ///< {q}: the quantiser; {L}: 118 times that, its Lagrangian
+    int gop;
 };
 
 std::vector<FfmpegCodec> ffmpeg_codecs();
 
 /// Codes a clip by the program `ffmpeg`, and decodes it as our product's tests do. Kept in `cache` by the pictures, the
 /// command and the program's version. `seconds` is what the program needs more than for reading the pictures alone.
-/// Throws core::Error.
+/// An I picture that ffmpeg makes of the last one, because its next group would have begun right behind it, is counted
+/// with the bits of a mean P picture: a film of any length has at most one of these. Throws core::Error.
 Measured code_with_ffmpeg(const Clip& clip, const FfmpegCodec& codec, int quantiser,
                           const std::filesystem::path& cache);
 
