@@ -50,7 +50,8 @@ int RateSteering::plan(const PicturePlan& picture, const PictureFacts& facts, bo
         chunk_start_ = picture.number;
         chunk_end_ = facts.left_in_chunk ? std::optional(picture.number + *facts.left_in_chunk + 1) : std::nullopt;
         hands_over_ = !facts.last_chunk;
-        spent_ = rounding_ = 0;
+        spent_ = rounding_ = steady_ = 0;
+        settled_ = 0;
         allotted_ = facts.allotment ? facts.allotment->bits_left : 0;
     }
     if (picture.starts_gop) gop_start_ = picture.number;
@@ -73,6 +74,7 @@ int RateSteering::settle(const PicturePlan& picture, const VbvSchedule& schedule
 
     // What was planned holds unless what has been learned since asks for another step.
     const double wanted = std::clamp(nominal(picture.number, flying, schedule), 1.0, 31.0);
+    if (++settled_ > settings_.b_pictures + 2) steady_ = solved_;
     const double off = wanted - picture.quantiser;
     return picture.quantiser + (off >= 1.0 ? 1 : off <= -1.0 ? -1 : 0);
 }
@@ -88,8 +90,9 @@ int RateSteering::rounded(const Flying& flying, double wanted) {
     const double exact = bits(flying, wanted);
     const double by_fine = rounding_ + bits(flying, fine) - exact, by_coarse = rounding_ + bits(flying, coarse) - exact;
     const bool finer = std::abs(by_fine) <= std::abs(by_coarse);
-    // chosen: a tenth is forgotten each time, so that a wrong model cannot build up a debt (0..0.3).
-    rounding_ = 0.9 * (finer ? by_fine : by_coarse);
+    // chosen: a tenth is forgotten each time, so that a wrong model cannot build up a debt (0..0.3); no more is owed
+    // than a picture.
+    rounding_ = std::clamp(0.9 * (finer ? by_fine : by_coarse), -exact, exact);
     if (!bidirectional) reference_quantiser_ = finer ? fine : coarse;
     return finer ? fine : coarse;
 }
@@ -113,22 +116,30 @@ double RateSteering::steady_quantiser(const Flying& picture) const {
            std::clamp(picture.sensitivity, 0.25, 1.0);
 }
 
-double RateSteering::nominal(std::int64_t number, const Flying& picture, const VbvSchedule& schedule) const {
+double RateSteering::nominal(std::int64_t number, const Flying& picture, const VbvSchedule& schedule) {
     if (!rated()) return steady_quantiser(picture);
     const double left = bits_for_rest(number, schedule);
     double quantiser;
     if (picture.allotment) {
         const double share = pass_.excess() * (picture.allotment->bits + allotted_rest_);
-        // chosen: at most four times finer or coarser than the earlier pass found right (2..8).
-        const double correction = std::clamp(core::divide_or(share, std::max(0.0, left), 4.0), 0.25, 4.0);
-        quantiser = picture.allotment->quantiser * std::pow(correction, 1.0 / rate_slope(picture.type));
+        const double correction = core::divide_or(share, std::max(0.0, left), 1e3);
+        quantiser =
+            picture.allotment->quantiser * calm(std::pow(std::max(correction, 1e-3), 1.0 / rate_slope(picture.type)));
     } else {
         const double base = solve(left, [&](double q) {
             return bits(picture, std::max(1.0, q * quantiser_ratio(picture.type))) + bits_of_rest(q);
         });
-        quantiser = base * quantiser_ratio(picture.type);
+        quantiser = calm(base) * quantiser_ratio(picture.type);
     }
     return limited(number, picture, quantiser, schedule);
+}
+
+/// What is solved for must not jump, least of all near a chunk's end, where a small rest would be spent on one picture.
+/// chosen: a third finer, half as much again coarser than for the picture before (1.2..2); the first pictures of a
+/// chunk may, since they find out what it needs.
+double RateSteering::calm(double solved) {
+    solved_ = steady_ > 0 ? std::clamp(solved, steady_ / 1.33, steady_ * 1.5) : solved;
+    return solved_;
 }
 
 double RateSteering::bits(const Flying& picture, double quantiser) const {

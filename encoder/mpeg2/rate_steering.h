@@ -40,7 +40,8 @@ class RateSteering {
     bool rated() const;
     int rounded(const Flying& flying, double wanted);
     double steady_quantiser(const Flying& picture) const;
-    double nominal(std::int64_t number, const Flying& picture, const VbvSchedule& schedule) const;
+    double calm(double solved);
+    double nominal(std::int64_t number, const Flying& picture, const VbvSchedule& schedule);
     double bits(const Flying& picture, double quantiser) const;
     double bits_of_rest(double quantiser) const;
     double seconds(std::int64_t first, std::int64_t end) const;
@@ -64,6 +65,9 @@ class RateSteering {
     double allotted_ = 0;           ///< to the whole chunk, where there are allotments
     double allotted_rest_ = 0;      ///< of it to pictures not planned yet
     int reference_quantiser_ = 1;   ///< of the newest I or P picture planned
+    double solved_ = 0;             ///< by the last call of nominal
+    int settled_ = 0;               ///< pictures of the chunk
+    double steady_ = 0;             ///< what the last picture settled at: base quantiser or correction; 0: too early
     double rounding_ = 0;           ///< bits that rounding of quantisers has cost or saved lately
 };
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -14,10 +15,13 @@
 #include "app/output_kind.h"
 #include "app/progress.h"
 #include "app/publish.h"
+#include "app/rate_options.h"
 #include "app/statistics.h"
 #include "app/vector_layers.h"
 #include "core/error.h"
+#include "encoder/allotment.h"
 #include "parallel/loops.h"
+#include "perceptual/motion_sensitivity.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -27,6 +31,7 @@ struct Job {
     std::unique_ptr<FrameSource> frames;
     std::optional<VectorLayers> motion;  ///< none: not given
     Film film;
+    std::vector<encoder::Allotment> allotments;  ///< one per frame, where there is a first pass
 };
 
 /// What the command line and the frames say of the pictures' shape.
@@ -87,43 +92,74 @@ std::optional<core::MotionField> onward_motion(Job& job, const encoder::PictureP
     return job.motion->between(coding.number, *coding.horizon);
 }
 
+/// What happens to a chunk's frames and pictures while it is coded.
+struct Steps {
+    std::function<void(const core::Picture&)> opened;
+    std::function<void(const encoder::CodedPicture&)> coded;
+    std::function<void(double seconds)> frame_done;  ///< CPU
+};
+
+encoder::PictureFacts facts_of(Job& job, const Chunk& chunk, std::int64_t n) {
+    encoder::PictureFacts facts;
+    facts.frames_left = job.film.keyframes.frames_left(n, chunk.last - n);
+    facts.keyframe = job.film.keyframes.begins_at(n);
+    facts.left_in_chunk = chunk.last - n;
+    facts.last_chunk = chunk.last == job.film.frames.last;
+    if (!job.allotments.empty()) facts.allotment = job.allotments[static_cast<std::size_t>(n - job.film.frames.first)];
+    if (job.film.coding.rate_control.mode == encoder::RateMode::constant_quality && job.motion && n > chunk.first)
+        facts.sensitivity =
+            perceptual::motion_sensitivity(job.motion->between(n, n - 1), job.film.coding.rate.hertz.value());
+    return facts;
+}
+
 /// Codes one chunk. The last pictures of a chunk that ends early are coded too. Returns whether it is whole.
-bool encode_chunk(Job& job, const Chunk& chunk, ChunkFile& file, Ledger& ledger, Progress& progress) {
-    encoder::Encoder encoder(job.film.coding);
-    Bookkeeper books(ledger);
-    const Keyframes& keyframes = job.film.keyframes;
+bool encode_chunk(Job& job, const encoder::Settings& settings, const Chunk& chunk, Ledger& ledger, const Steps& steps) {
+    encoder::Encoder encoder(settings);
     const auto write = [&](const std::vector<encoder::CodedPicture>& pictures) {
-        for (const encoder::CodedPicture& coded : pictures) {
-            books.coded(coded);
-            file.append(coded);
-        }
+        for (const encoder::CodedPicture& coded : pictures) steps.coded(coded);
     };
 
     bool whole = true;
     for (std::int64_t n = chunk.first; n <= chunk.last && whole; ++n) {
         const double start = cpu_seconds();
         const core::Picture picture = timed(ledger, Stage::develop, [&] { return job.frames->read(n); });
-        encoder::PictureFacts facts;
-        facts.frames_left = keyframes.frames_left(n, chunk.last - n);
-        facts.keyframe = keyframes.begins_at(n);
-        facts.left_in_chunk = chunk.last - n;
-        facts.last_chunk = chunk.last == job.film.frames.last;
+        const encoder::PictureFacts facts = timed(ledger, Stage::develop, [&] { return facts_of(job, chunk, n); });
         const encoder::PicturePlan coding = encoder.plan(n, facts, n == chunk.first);
         std::vector<core::MotionField> motion;
         if (job.motion)
             for (const std::int64_t reference : coding.references)
                 motion.push_back(timed(ledger, Stage::develop, [&] { return job.motion->between(n, reference); }));
         const auto onward = timed(ledger, Stage::develop, [&] { return onward_motion(job, coding); });
-        books.opened(n);
-        books.keep(picture);
+        steps.opened(picture);
         const encoder::Hints hints{onward ? &*onward : nullptr};
         write(timed(ledger, Stage::encode, [&] { return encoder.push(picture, coding, motion, hints); }));
-        books.took(cpu_seconds() - start);
-        progress.advance();
+        steps.frame_done(cpu_seconds() - start);
         whole = !InterruptGuard::requested() || n == chunk.last;
     }
     write(timed(ledger, Stage::encode, [&] { return encoder.flush(); }));
     return whole;
+}
+
+/// Codes all frames fast, only to learn what their pictures come to.
+std::vector<encoder::Allotment> first_pass(Job& job, bool quiet) {
+    encoder::Settings fast = job.film.coding;
+    fast.effort = encoder::Effort::fast;
+    Progress progress(job.film.frame_count(), 0, quiet);
+    progress.say("first pass");
+    std::vector<encoder::PassPicture> film;
+    Ledger ledger;
+    for (const Chunk& chunk : chunks_of(job.film.frames, fast.gop)) {
+        bool starts_chunk = true;
+        encode_chunk(job, fast, chunk, ledger,
+                     {[](const core::Picture&) {},
+                      [&](const encoder::CodedPicture& coded) {
+                          film.push_back(encoder::pass_picture(coded, starts_chunk));
+                          starts_chunk = false;
+                      },
+                      [&](double) { progress.advance(); }});
+        if (InterruptGuard::requested()) return {};
+    }
+    return encoder::allot(job.film.coding, film, 1.0);
 }
 
 std::vector<ChunkFile> encode_chunks(Job& job, const EncodeOptions& options, WorkFolder& work, Ledger& ledger) {
@@ -132,7 +168,20 @@ std::vector<ChunkFile> encode_chunks(Job& job, const EncodeOptions& options, Wor
     for (const Chunk& chunk : chunks_of(job.film.frames, job.film.coding.gop)) {
         files.push_back(work.open(chunk));
         const std::size_t first = ledger.frames.size();
-        const bool whole = encode_chunk(job, chunk, files.back(), ledger, progress);
+        Bookkeeper books(ledger);
+        const bool whole = encode_chunk(job, job.film.coding, chunk, ledger,
+                                        {[&](const core::Picture& picture) {
+                                             books.opened(picture.number);
+                                             books.keep(picture);
+                                         },
+                                         [&](const encoder::CodedPicture& coded) {
+                                             books.coded(coded);
+                                             files.back().append(coded);
+                                         },
+                                         [&](double seconds) {
+                                             books.took(seconds);
+                                             progress.advance();
+                                         }});
         if (whole)
             files.back().finish({ledger.frames.begin() + static_cast<std::ptrdiff_t>(first), ledger.frames.end()});
         else
@@ -157,6 +206,9 @@ int encode(const EncodeOptions& options, const std::string& command) {
                    stderr);
     check_writable(options.output);
     if (options.stats) check_writable(*options.stats);
+
+    if (two_passes(options.coding))
+        job.allotments = timed(ledger, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
 
     // Encode; publish what is whole, leave what is not beside the target.
     WorkFolder work(options.output, job.film, command);

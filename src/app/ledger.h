@@ -10,8 +10,9 @@
 
 namespace render2mpeg::app {
 
-enum class Stage { load, see, preview, tolerate, shade, develop, encode, count };
-inline constexpr std::array stage_names{"load", "see", "preview", "tolerate", "shade", "develop", "encode"};
+enum class Stage { load, first_pass, see, preview, tolerate, shade, develop, encode, count };
+inline constexpr std::array stage_names{"load",     "first_pass", "see",     "preview",
+                                        "tolerate", "shade",      "develop", "encode"};
 
 /// CPU seconds of this process so far, summed over threads.
 double cpu_seconds();

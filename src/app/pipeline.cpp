@@ -10,6 +10,7 @@
 #include "app/coupling.h"
 #include "app/preview.h"
 #include "image/layers.h"
+#include "perceptual/motion_sensitivity.h"
 #include "scene/motion.h"
 
 namespace render2mpeg::app {
@@ -49,6 +50,8 @@ class ChunkLoop {
     /// Rough light for the eye, where there is no picture before.
     void imagine(const scene::Snapshot& world, const renderer::Seen& seen, const encoder::PicturePlan& plan);
     void write(const std::vector<encoder::CodedPicture>& pictures);
+    /// The eye's, to what moves like this frame; none where nobody asks or nothing moves.
+    std::optional<double> sensitivity(const core::Visible& visible, const scene::Snapshot& world);
 
     const Production& film_;
     renderer::Renderer& renderer_;
@@ -122,6 +125,15 @@ core::ToleranceMap ChunkLoop::tolerances(const scene::Snapshot& world, const ren
     return timed(ledger_, Stage::tolerate, [&] { return coupling_->tolerate(seen.visible, plan, way); });
 }
 
+std::optional<double> ChunkLoop::sensitivity(const core::Visible& visible, const scene::Snapshot& world) {
+    if (film_.coding.rate_control.mode != encoder::RateMode::constant_quality) return {};
+    if (!film_.plan.runs(renderer::Pass::motion)) return {};
+    return timed(ledger_, renderer::Pass::motion, [&] {
+        return perceptual::motion_sensitivity(scene::motion_between(visible, world, film_.snapshot(world.frame - 1)),
+                                              film_.rate.hertz.value());
+    });
+}
+
 void ChunkLoop::frame(std::int64_t n) {
     const double start = cpu_seconds();
     const renderer::Statistics before = renderer_.statistics();
@@ -132,7 +144,8 @@ void ChunkLoop::frame(std::int64_t n) {
     encoder::PicturePlan coding;
     std::vector<core::MotionField> motion;
     if (codes_) {
-        const encoder::PictureFacts facts = facts_of(film_, world, chunk_);
+        encoder::PictureFacts facts = facts_of(film_, world, chunk_);
+        if (n > chunk_.first && !world.cut_before) facts.sensitivity = sensitivity(seen.visible, world);
         coding = encoder_.plan(n, facts, n == chunk_.first);
         motion = timed(ledger_, renderer::Pass::motion, [&] { return motion_of(film_, coding, seen.visible, world); });
     }
@@ -178,6 +191,8 @@ encoder::PictureFacts facts_of(const Production& film, const scene::Snapshot& wo
     facts.keyframe = film.keyframes.begins_at(world.frame);
     facts.left_in_chunk = chunk.last - world.frame;
     facts.last_chunk = chunk.last == film.frames.last;
+    if (!film.allotments.empty())
+        facts.allotment = film.allotments[static_cast<std::size_t>(world.frame - film.frames.first)];
     return facts;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "app/rate_options.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "perceptual/exposure.h"
@@ -134,6 +135,7 @@ Production prepare(const RenderOptions& options) {
 
     film.coding = coding_settings(options.coding, shape, film.frames.first);
     film.keyframes = keyframes_of(options.coding);
+    film.two_passes = film.kind == OutputKind::film && two_passes(options.coding);
     film.disc = preset != nullptr && preset->disc;
     if (film.kind == OutputKind::film) encoder::check(film.coding);
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "app/coupling.h"
 #include "app/film.h"
@@ -35,8 +36,10 @@ struct Production {
     ToleranceRequest tolerance;
     CouplingSettings coupling;  ///< where the tolerance is coupled
     OutputKind kind = OutputKind::film;
-    std::optional<float> exposure;  ///< EV; none: to be measured
-    int audit = 0;                  ///< pixels of every frame that are gathered again without clustering
+    std::optional<float> exposure;               ///< EV; none: to be measured
+    bool two_passes = false;                     ///< the first one finds `allotments`
+    std::vector<encoder::Allotment> allotments;  ///< one per frame, or none
+    int audit = 0;                               ///< pixels of every frame that are gathered again without clustering
 
     std::int64_t frame_count() const { return frames.last - frames.first + 1; }
     scene::Snapshot snapshot(std::int64_t frame) const {

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "app/first_pass.h"
 #include "app/heatmap_film.h"
 #include "app/interrupt.h"
 #include "app/pipeline.h"
@@ -82,6 +83,10 @@ int render(const RenderOptions& options, const std::string& command) {
     if (options.layers) check_writable(*options.layers / "frame.exr");
     if (options.stats) check_writable(*options.stats);
     if (!film.exposure) film.exposure = timed(ledger, Stage::load, [&] { return measure_exposure(film); });
+
+    // Find out what the film's pictures need, where a rate is to be shared out among them.
+    if (film.two_passes)
+        film.allotments = timed(ledger, Stage::first_pass, [&] { return first_pass(film, options.quiet); });
 
     // Render.
     std::optional<WorkFolder> work;

@@ -83,6 +83,7 @@ inline RateCase random_case(std::uint64_t seed) {
         s = settings(pick(a + 1, 1, large ? 400 : 90), pick(a + 2, 1, large ? 300 : 90), pick(a + 3, 1, 31),
                      pick(a + 4, 1, 16), pick(a + 5, 1, 8), pick(a + 6, 0, 3));
         s.effort = random(a + 7) < 0.5 ? Effort::fast : Effort::quality;
+        s.tune = random(a + 20) < 0.3 ? Tune::perceptual : Tune::psnr;
         const int cadence = pick(a + 8, 0, 5);
         s.cadence = cadence == 1                       ? Cadence::fields
                     : cadence == 2 && s.rate.code <= 2 ? Cadence::pulldown

@@ -1,0 +1,102 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "support/program.h"
+
+/// Rates and quality as users ask for them.
+namespace render2mpeg {
+namespace {
+
+using support::contents;
+using support::film;
+using support::Folder;
+using support::program;
+using support::run;
+
+/// Renders the room with moving boxes small, 65 frames in two chunks, and gives its statistics. So few and small
+/// pictures do not come as near to a rate as films do (bench_encoder_rates).
+nlohmann::json rendered(const Folder& folder, const std::string& options, const std::string& name = "f.m2v") {
+    const auto outcome = run(program() + " render " + film("cornell") +
+                             " --size 96x80 --samples 1 --vpls 0 --exposure 0.5 --frames 0:64 --quiet --stats " +
+                             (folder / "s.json").string() + " -o " + (folder / name).string() + " " + options);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    return outcome.status == 0 ? nlohmann::json::parse(contents(folder / "s.json")) : nlohmann::json::object();
+}
+
+double error_of(const nlohmann::json& statistics) {
+    const auto& rate = statistics.at("rate");
+    return std::abs(rate.at("average").get<double>() / rate.at("bit_rate").get<double>() - 1);
+}
+
+TEST(Rates, OnePassAndTwoComeNearAndStatisticsSayHow) {
+    const Folder folder;
+    const auto two = rendered(folder, "--bitrate 60k --maxrate 100k --vbv 200k");
+    EXPECT_LT(error_of(two), 0.06) << two.at("rate");
+    EXPECT_GT(two.at("seconds").at("first_pass").get<double>(), 0);
+    EXPECT_EQ(two.at("rate").at("mode"), "variable");
+    EXPECT_EQ(two.at("rate").at("max_rate"), 100'000);
+    EXPECT_EQ(two.at("rate").at("vbv_bits"), 12 * 16'384);
+    for (const auto& frame : two.at("per_frame")) {
+        EXPECT_LE(std::abs(frame.at("quantiser").get<int>() - frame.at("planned_quantiser").get<int>()),
+                  frame.at("tries") == 1 ? 1 : 31);
+        EXPECT_GE(frame.at("vbv")[1], 0);
+        EXPECT_LE(frame.at("vbv")[0], 12 * 16'384);
+    }
+    const auto one = rendered(folder, "--bitrate 60k --passes 1");
+    EXPECT_LT(error_of(one), 0.09) << one.at("rate");
+    EXPECT_EQ(one.at("seconds").at("first_pass").get<double>(), 0);
+}
+
+TEST(Rates, AConstantRateIsConstantWhateverThePicturesNeed) {
+    // At 800 kb/s and 25 Hz each of them has 32,000 bits; quantiser 1 needs less for most.
+    const Folder folder;
+    const auto stats = rendered(folder, "--bitrate 800k --cbr");
+    EXPECT_GT(stats.at("rate").at("stuffing").get<int>(), 0);
+    EXPECT_EQ(stats.at("rate").at("max_rate"), 800'000);
+    // The first chunk's 60 pictures last 2.4 s; with the buffer as full after them as before, that is its size.
+    std::int64_t bytes = 0;
+    for (std::size_t i = 0; i < 60; ++i) bytes += stats.at("per_frame")[i].at("bytes").get<std::int64_t>();
+    EXPECT_EQ(bytes, 240'000);
+}
+
+TEST(Rates, QualityIsCoarserWhereMotionHidesIt) {
+    const Folder folder;
+    const auto outcome = run(program() + " render " + film("colonnade") +
+                             " --size 64x48 --samples 1 --vpls 0 --exposure 0.5 --frames 0:5 --quiet --stats " +
+                             (folder / "s.json").string() + " -o " + (folder / "f.m2v").string() + " --quality 40");
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const auto frames = nlohmann::json::parse(contents(folder / "s.json")).at("per_frame");
+    EXPECT_EQ(frames[0].at("quantiser"), 8) << "60 less than 100: three doublings";
+    EXPECT_EQ(frames[3].at("type"), "P");
+    EXPECT_GT(frames[3].at("quantiser"), 8) << "the camera moves";
+    EXPECT_LT(frames[3].at("quantiser"), 16);
+}
+
+TEST(Rates, ContradictionsAreRefusedByOneLine) {
+    const Folder folder;
+    for (const auto& [options, words] : {std::pair{"--quantiser 3 --bitrate 1M", "quantiser and bitrate"},
+                                         {"--quality 50 --bitrate 1M", "quality and bitrate"},
+                                         {"--quality 50 --quantiser 4", "quantiser and quality"},
+                                         {"--cbr", "give bitrate too"},
+                                         {"--passes 2", "without bitrate"},
+                                         {"--bitrate 1M --maxrate 900k", "is below the bit rate"},
+                                         {"--bitrate 1M --cbr --maxrate 2M", "must be equal"},
+                                         {"--bitrate 1k", "even pictures without detail need"},
+                                         {"--bitrate 100M", "at most 80000000"},
+                                         {"--bitrate fast", "expected bits"}}) {
+        const auto outcome = run(program() + " render " + film("cornell") + " -o " + (folder / "x.mpg").string() + " " +
+                                 std::string(options));
+        EXPECT_EQ(outcome.status, 1) << options;
+        EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
+        EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
+        EXPECT_EQ(folder.entries(), 0u) << options;
+    }
+}
+
+}  // namespace
+}  // namespace render2mpeg
