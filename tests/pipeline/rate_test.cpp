@@ -33,7 +33,7 @@ double error_of(const nlohmann::json& statistics) {
     return std::abs(rate.at("average").get<double>() / rate.at("bit_rate").get<double>() - 1);
 }
 
-TEST(Rates, OnePassAndTwoComeNearAndStatisticsSayHow) {
+TEST(RatesSlow, OnePassAndTwoComeNearAndStatisticsSayHow) {
     const Folder folder;
     const auto two = rendered(folder, "--bitrate 60k --maxrate 100k --vbv 200k");
     EXPECT_LT(error_of(two), 0.06) << two.at("rate");
@@ -52,7 +52,7 @@ TEST(Rates, OnePassAndTwoComeNearAndStatisticsSayHow) {
     EXPECT_EQ(one.at("seconds").at("first_pass").get<double>(), 0);
 }
 
-TEST(Rates, AConstantRateIsConstantWhateverThePicturesNeed) {
+TEST(RatesSlow, AConstantRateIsConstantWhateverThePicturesNeed) {
     // At 800 kb/s and 25 Hz each of them has 32,000 bits; quantiser 1 needs less for most.
     const Folder folder;
     const auto stats = rendered(folder, "--bitrate 800k --cbr");
