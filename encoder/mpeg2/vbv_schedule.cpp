@@ -94,7 +94,8 @@ void check_channel(const Settings& settings, const Level& level) {
     const Channel channel = channel_for(settings, level);
     const MinimalBits minimal = minimal_bits(settings, level);
     const VbvBuffer buffer(settings, channel);
-    const std::int64_t period = buffer.arrivals(2), longest = buffer.arrivals(3);
+    const std::int64_t period = 2 * channel.average_rate * declared_rate(settings).hertz.den;
+    const std::int64_t longest = buffer.arrivals(3);
     const std::int64_t intra = buffer.fractions(minimal.intra), other = buffer.fractions(minimal.other);
     const auto text = [](std::int64_t bits) { return std::to_string(bits); };
 
@@ -102,7 +103,7 @@ void check_channel(const Settings& settings, const Level& level) {
     if (intra + (settings.gop - 1) * other > settings.gop * period) {
         const std::int64_t per_gop = minimal.intra + (settings.gop - 1) * minimal.other;
         const core::Rational hertz = declared_rate(settings).hertz;
-        throw core::Error("bit rate " + text(channel.bit_rate) + ": even pictures without detail need " +
+        throw core::Error("bit rate " + text(channel.average_rate) + ": even pictures without detail need " +
                           text(per_gop * hertz.num / (settings.gop * hertz.den) + 1) +
                           " at this size, rate and GOP length");
     }

@@ -87,8 +87,7 @@ TEST(Rates, ContradictionsAreRefusedByOneLine) {
                                          {"--bitrate 1M --maxrate 900k", "is below the bit rate"},
                                          {"--bitrate 1M --cbr --maxrate 2M", "must be equal"},
                                          {"--bitrate 1k", "even pictures without detail need"},
-                                         {"--bitrate 100M", "at most 80000000"},
-                                         {"--bitrate fast", "expected bits"}}) {
+                                         {"--bitrate 100M", "at most 80000000"}}) {
         const auto outcome = run(program() + " render " + film("cornell") + " -o " + (folder / "x.mpg").string() + " " +
                                  std::string(options));
         EXPECT_EQ(outcome.status, 1) << options;
