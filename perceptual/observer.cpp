@@ -84,6 +84,9 @@ Memory Observer::judge(Observation observation, const CodedFacts& coded) const {
     for (float& scale : memory.emphasis.values()) scale /= coded.plan.scale;
     memory.errors = errors(memory, coded.plan);
     memory.tolerances = memory.errors;
+    // What was carried here is in the measure of what was planned.
+    if (!observation.carried.empty())
+        restate(observation.carried, memory, coded.lit_for.value_or(coded.plan), coded.plan);
     blend(memory.tolerances, observation.carried);
     return memory;
 }
@@ -119,6 +122,16 @@ core::Plane<float> Observer::errors(const Memory& memory, const CodingPlan& plan
     return plane;
 }
 
+void Observer::restate(core::Plane<float>& values, const Memory& memory, const CodingPlan& from,
+                       const CodingPlan& to) const {
+    if (from == to) return;
+    const core::Plane<float> before = from == memory.plan ? memory.errors : errors(memory, from),
+                             after = to == memory.plan ? memory.errors : errors(memory, to);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        values.values()[i] *= std::clamp(core::divide_or(after.values()[i], before.values()[i], 1.0f),
+                                         1.0f / largest_ratio, largest_ratio);
+}
+
 Tolerated Observer::tolerate(const core::Visible& visible, const CodingPlan& plan, const Memory& memory,
                              const core::MotionField* motion, float share) const {
     EXPECTS(share > 0.0f);
@@ -126,12 +139,7 @@ Tolerated Observer::tolerate(const core::Visible& visible, const CodingPlan& pla
 
     // Bring what is remembered to the quantiser and type of the picture to come.
     core::Plane<float> values = memory.tolerances;
-    if (!(plan == memory.plan)) {
-        const core::Plane<float> expected = errors(memory, plan);
-        for (std::size_t i = 0; i < values.size(); ++i)
-            values.values()[i] *= std::clamp(core::divide_or(expected.values()[i], memory.errors.values()[i], 1.0f),
-                                             1.0f / largest_ratio, largest_ratio);
-    }
+    restate(values, memory, memory.plan, plan);
 
     Tolerated tolerated;
     const bool carries = settings_.strategy == Strategy::carried;

@@ -41,6 +41,7 @@ struct CodingPlan {
 struct CodedFacts {
     std::int64_t number = 0;  ///< display number
     CodingPlan plan;
+    std::optional<CodingPlan> lit_for;         ///< the plan that tolerate() was told of; none: the same
     core::Plane<std::uint8_t> intra;           ///< 1: intra macroblock
     core::Plane<float> scale;                  ///< qs in force, > 0
     core::Plane<std::uint8_t> reconstruction;  ///< luma, decoded; may be empty unless Strategy::quantised
@@ -111,6 +112,9 @@ class Observer {
     const LumaLight& light() const { return light_; }
 
   private:
+    /// Tolerances at the memory's pixels, told for coding by `from`, as they would be for coding by `to`.
+    void restate(core::Plane<float>& values, const Memory& memory, const CodingPlan& from, const CodingPlan& to) const;
+
     LumaLight light_;
     ObserverSettings settings_;
 };

@@ -46,6 +46,7 @@ perceptual::CodedFacts Coupling::facts_of(const encoder::CodedPicture& coded) co
     perceptual::CodedFacts facts;
     facts.number = coded.plan.number;
     facts.plan = eye_plan(coded.plan.type, coded.quantiser);
+    facts.lit_for = eye_plan(coded.plan.type, coded.plan.quantiser);
     facts.intra = core::Plane<std::uint8_t>(coded.macroblocks.width(), coded.macroblocks.height());
     facts.scale = core::Plane<float>(coded.macroblocks.width(), coded.macroblocks.height());
     for (std::size_t i = 0; i < coded.macroblocks.size(); ++i) {
@@ -65,7 +66,6 @@ bool Coupling::counts(encoder::PictureType type) const {
 void Coupling::forget() {
     memory_.reset();
     carried_ = {};
-    decoded_ = {};
     kept_.clear();
 }
 

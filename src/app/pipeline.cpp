@@ -136,7 +136,6 @@ std::optional<double> ChunkLoop::sensitivity(const core::Visible& visible, const
 
 void ChunkLoop::frame(std::int64_t n) {
     const double start = cpu_seconds();
-    const renderer::Statistics before = renderer_.statistics();
     const scene::Snapshot world = film_.snapshot(n);
     const renderer::Seen seen = timed(ledger_, Stage::see, [&] { return renderer_.see(world); });
 
@@ -151,6 +150,7 @@ void ChunkLoop::frame(std::int64_t n) {
     }
     const core::ToleranceMap coupled = coupling_ ? tolerances(world, seen, coding, motion) : core::ToleranceMap();
     const core::ToleranceMap& tolerance = coupling_ ? coupled : fixed_;
+    const renderer::Statistics before = renderer_.statistics();  // what the first, rough look took is no frame's
     const core::Radiance radiance =
         timed(ledger_, Stage::shade, [&] { return renderer_.shade(world, seen, tolerance); });
     books_.rendered(n, before, renderer_.statistics());

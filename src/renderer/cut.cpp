@@ -52,7 +52,7 @@ void Gatherer::trace(const GatherLanes& lanes, LightFamily family, const TreeLig
         std::fill(std::begin(passes), std::end(passes), glm::vec3(1));
         if (packet.active != 0) blocked = tracer_.occluded(packet, passes);
         for (int i = 0; i < lane_count; ++i)
-            for (int k = 0; k < 3; ++k) slot.passes[i][k] = passes[i][k];
+            for (int k = 0; k < 3 && (packet.active >> i & 1u) != 0; ++k) slot.passes[i][k] = passes[i][k];
     } else if (packet.active != 0) {
         blocked = tracer_.occluded(packet, nullptr);
     }
@@ -96,6 +96,7 @@ void Gatherer::gather_exact(const GatherLanes& lanes, CutSums& sums, GatheredLig
     for (const ExactLight& exact : forest_.exact) {
         Slot slot;
         std::fill(std::begin(slot.visible), std::end(slot.visible), 0.0f);
+        std::fill(&slot.passes[0][0], &slot.passes[0][0] + lane_count * 3, 1.0f);
         trace(lanes, exact.family, exact.light, slot, out);
         add_slot(lanes, slot, exact.light.intensity, luminance_);
         sums.add(slot.unit, slot.passes, exact.light.intensity, true);
@@ -115,6 +116,7 @@ void Gatherer::start_cut(const GatherLanes& lanes, GatheredLight& out) {
         slot.ref = tree.root;
         slot.representative = tree.representative(tree.root);
         std::fill(std::begin(slot.visible), std::end(slot.visible), 0.5f);
+        std::fill(&slot.passes[0][0], &slot.passes[0][0] + lane_count * 3, 1.0f);
         trace(lanes, tree.family, tree.lights[slot.representative], slot, out);
         add_slot(lanes, slot, tree.intensity(tree.root), luminance_);
     }
@@ -138,6 +140,8 @@ void Gatherer::split(const GatherLanes& lanes, std::uint32_t index, GatheredLigh
     slot.ref = adopted;
     slot.representative = tree.representative(adopted);
     std::copy(std::begin(slots_[index].visible), std::end(slots_[index].visible), std::begin(slot.visible));
+    if (forest_.translucent)
+        std::copy(&slots_[index].passes[0][0], &slots_[index].passes[0][0] + lane_count * 3, &slot.passes[0][0]);
     trace(lanes, tree.family, tree.lights[slot.representative], slot, out);
     add_slot(lanes, slot, tree.intensity(adopted), luminance_);
     rule_.observe(luminance_);

@@ -65,7 +65,7 @@ class Gatherer {
         std::uint32_t representative = 0;
         bool is_open = false;         ///< may be split, and some lane could notice
         bool reaches_any = false;     ///< some lane is not known to lie in its shadow
-        float passes[lane_count][3];  ///< what translucent surfaces let through; set only in translucent scenes
+        float passes[lane_count][3];  ///< what translucent surfaces let through, as `visible`; 1 where nobody knows
     };
     struct Entry {
         float urgency;

@@ -24,10 +24,11 @@ float nearer(float luma, float distance) {
     return luma - distance < 16.25f ? luma + distance : luma - distance;
 }
 
-/// What SPEC asks for: the pixel's light scaled at its own chromaticity until its luma is another.
+/// What SPEC asks for: the pixel's light scaled at its own chromaticity until its luma is another; upward no more than
+/// all of its light.
 double exact_difference(const Display& display, glm::vec3 color, float luma) {
-    return std::abs(static_cast<double>(core::luminance(display.with_luma(color, luma))) -
-                    static_cast<double>(core::luminance(color)));
+    const double light = static_cast<double>(core::luminance(color));
+    return std::min(std::abs(static_cast<double>(core::luminance(display.with_luma(color, luma))) - light), light);
 }
 
 TEST(LumaLight, IsTheInverseOfTheDisplayForGrey) {
@@ -84,6 +85,22 @@ TEST(LumaLight, NextToWhiteNoMoreThanAllLightIsTolerated) {
     const LumaLight light(Display(0.0f, ColorMatrix::bt709));
     for (const float distance : {0.5f, 4.0f, 20.0f, 200.0f})
         EXPECT_LE(light.difference(234.9f, 3.0f, 1.0f, distance), 3.0f);
+}
+
+TEST(LumaLight, NoMoreThanAllLightIsToleratedUnlessItIsBlack) {
+    // Blue's luma ends near 32: a distance upward from there would hold any light at all.
+    const Display display(1.0f, ColorMatrix::bt709);
+    const LumaLight light(display);
+    const std::vector<glm::vec3> colors{{0, 0, 0.2f}, {0, 0, 5}, {0.3f, 0, 0.3f}, {0.001f, 0.001f, 0.001f}, {2, 0, 0}};
+    const PixelLight pixels = light_of(display, colors);
+    for (std::size_t i = 0; i < colors.size(); ++i)
+        for (const float distance : {0.5f, 8.0f, 31.0f}) {
+            ASSERT_GT(pixels.luma.values()[i], 16.25f) << i;
+            EXPECT_LE(light.difference(pixels.luma.values()[i], pixels.luminance.values()[i],
+                                       pixels.exponent.values()[i], distance),
+                      pixels.luminance.values()[i])
+                << i << " " << distance;
+        }
 }
 
 TEST(LumaLight, IsPositiveAndFiniteEverywhere) {

@@ -191,6 +191,23 @@ TEST(Feedback, QuantisersOtherThanPlannedDoNotAddUp) {
     }
 }
 
+TEST(Feedback, CodingFinerThanPlannedPictureAfterPictureDoesNotAddUp) {
+    // Lit for quantiser 2 and coded by 1, as rate control may: what is carried halves with it.
+    const Observer observer(display, {});
+    const CodingPlan planned = plan_of(true, 2);
+    CodedFacts facts = coded_as(0, plan_of(true, 1));
+    facts.lit_for = planned;
+    const core::Radiance radiance = wall(0);
+    Memory memory = observer.judge(observer.observe(display.develop(radiance), radiance, seen()), facts);
+    const double first = mean(memory.tolerances);
+    for (int frame = 1; frame <= 50; ++frame) {
+        Tolerated tolerated = observer.tolerate(*seen(), planned, memory, nullptr, 1.0f);
+        memory = observer.judge(
+            observer.observe(display.develop(radiance), radiance, seen(), std::move(tolerated.carried)), facts);
+        ASSERT_NEAR(mean(memory.tolerances) / first, 1.0, 0.01) << frame;
+    }
+}
+
 TEST(Observer, MaskingByTheDecodedPictureSeesItsErrors) {
     const Observer observer(display, {Strategy::quantised, Spread::block});
     const CodingPlan plan = plan_of(true, 16);
