@@ -38,8 +38,8 @@ class LumaLight {
 
     /// |Y^ - Y| for a pixel's luma, luminance and exponent, and Y^ of a luma that is `distance` > 0 code values away,
     /// on the side where that is the lesser change: a tolerance is used for both signs, and next to white the other
-    /// side holds any light at all. Where black is nearer than that, the lesser of going black and of the same distance
-    /// upward; what is black itself can only go upward. > 0 and finite.
+    /// side holds any light at all. Where black is nearer than that, the distance is taken inward; colours whose luma
+    /// ends early (blue: 31.8) are allowed no more there than grey, or their own light. > 0 and finite.
     float difference(float luma, float luminance, float exponent, float distance) const {
         // The curve from luma to light is bent upwards: downward is nearer, where it is not cut off by black.
         const float from = std::clamp(luma - black, darkest, range);
@@ -49,7 +49,9 @@ class LumaLight {
         const float least = from > darkest ? 0.0f : darkest_light_;
         const float ratio = power_of_two(exponent * (at(log_light_, std::min(to, range)) - here));
         const float change = std::max(luminance, least) * std::abs(ratio - 1.0f);
-        return from > darkest ? std::min(change, luminance) : change;
+        if (to < from || from <= darkest) return change;
+        const float grey = (power_of_two(at(log_light_, std::min(to, range))) - power_of_two(here)) / gain_;
+        return std::min(change, std::max(luminance, grey));
     }
 
     /// Luminance of a grey pixel half a code value above black: below this no film shows anything.
