@@ -28,7 +28,7 @@ foreach(script IN LISTS scripts)
   endforeach()
 endforeach()
 
-run(${CMAKE_COMMAND} -S ${work}/moved/${DATADIR}/render2mpeg/encoder/example -B ${work}/build -D CMAKE_PREFIX_PATH=${work}/moved
+run(${CMAKE_COMMAND} -S ${work}/moved/${DATADIR}/render2mpeg/encoder/example -B ${work}/build -G ${GENERATOR} -D CMAKE_PREFIX_PATH=${work}/moved
     -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=Release -D "CMAKE_CXX_FLAGS=-Wall -Wextra -Wshadow -Werror")
 run(${CMAKE_COMMAND} --build ${work}/build)
 

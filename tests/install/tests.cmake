@@ -8,5 +8,6 @@ set_tests_properties(install.MovedTreeStillRenders PROPERTIES LABELS slow TIMEOU
 # The encoder alone, as a library: the example is built against the installed package, and its film decodes.
 add_test(NAME install.TheEncoderIsALibraryOfItsOwn
          COMMAND ${CMAKE_COMMAND} -D BUILD=${PROJECT_BINARY_DIR} -D SOURCE=${PROJECT_SOURCE_DIR} -D COMPILER=${CMAKE_CXX_COMPILER}
-                 -D DATADIR=${CMAKE_INSTALL_DATADIR} -P ${CMAKE_CURRENT_SOURCE_DIR}/install/encoder_package.cmake)
+                 -D DATADIR=${CMAKE_INSTALL_DATADIR} -D GENERATOR=${CMAKE_GENERATOR}
+                 -P ${CMAKE_CURRENT_SOURCE_DIR}/install/encoder_package.cmake)
 set_tests_properties(install.TheEncoderIsALibraryOfItsOwn PROPERTIES LABELS slow TIMEOUT 300)
