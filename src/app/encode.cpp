@@ -51,9 +51,7 @@ ShapeWishes wishes_of(const EncodeOptions& options, const FrameSource& frames) {
 Job prepare(const EncodeOptions& options) {
     if (kind_of(options.output) != OutputKind::film)
         throw core::Error("writing", options.output.string(), "a film is coded: .mpg, .vob, .ts, .m2v, .mkv or .mp4");
-    std::error_code ignored;
-    if (std::filesystem::equivalent(options.input, options.output, ignored))
-        throw core::Error("writing", options.output.string(), "it is the input");
+    check_apart({options.input}, {options.output, options.stats.value_or("")});
 
     Job job;
     const auto wanted = options.frames ? std::optional(frames_from(*options.frames)) : std::nullopt;
@@ -209,6 +207,10 @@ int encode(const EncodeOptions& options, const std::string& command) {
 
     if (two_passes(options.coding))
         job.allotments = timed(ledger, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
+    if (InterruptGuard::requested()) {
+        std::fputs("interrupted before the first frame: nothing was written\n", stderr);
+        return 130;
+    }
 
     // Encode; publish what is whole, leave what is not beside the target.
     WorkFolder work(options.output, job.film, command);

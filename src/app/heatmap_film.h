@@ -34,7 +34,7 @@ class HeatmapFilm : public Watcher {
 
     void lit(const LitFrame& frame) override;
     void coded(const encoder::CodedPicture& coded) override;
-    /// After the film's last picture. An interrupted render leaves a shorter film.
+    /// After the film's last picture; without it no file is left.
     void finish();
 
     const std::filesystem::path& output() const { return output_; }

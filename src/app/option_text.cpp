@@ -47,16 +47,16 @@ ToleranceRequest tolerance_from(const std::string& text) {
         char* end = nullptr;
         const double share = std::strtod(number, &end);
         // chosen: more than 100 times what is hidden is a slip of the pen.
-        if (end != number && *end == '\0' && share > 0 && share <= 100)
+        if (end != number && *end == '\0' && static_cast<float>(share) > 0 && share <= 100)
             return {false, 0, true, static_cast<float>(share)};
     }
     if (text.starts_with("fixed=")) {
         const char* number = text.c_str() + 6;
         char* end = nullptr;
-        double value = std::strtod(number, &end);
-        if (end != number && *end == '%') value /= 100, ++end;
-        if (end != number && *end == '\0' && std::isfinite(value) && value >= 0 && value <= 1)
-            return {false, static_cast<float>(value), false, {}};
+        const double percent = std::strtod(number, &end);
+        // Without its sign, 1 could mean all of the light.
+        if (end != number && std::string_view(end) == "%" && percent >= 0 && percent <= 100)
+            return {false, static_cast<float>(percent / 100), false, {}};
     }
     throw core::Error(
         "tolerance " + text +

@@ -11,6 +11,10 @@ namespace render2mpeg::app {
 /// Refuses what would only fail after hours of work: a file that cannot be created. Makes its folder.
 void check_writable(const std::filesystem::path& file);
 
+/// Refuses where a file to write is one of the inputs or another output: it would take its place. Names both. Empty
+/// paths are passed over.
+void check_apart(const std::vector<std::filesystem::path>& inputs, const std::vector<std::filesystem::path>& outputs);
+
 /// Puts the film together, proves that it decodes to what was encoded, and only then gives it its name. Returns its
 /// size in bytes.
 std::uint64_t publish(const std::vector<ChunkFile>& chunks, const Film& film, const WorkFolder& work,

@@ -34,6 +34,13 @@ std::string dry_run_text(const Production& film, const RenderOptions& options) {
            plan_table(film.plan, {});
 }
 
+/// No file that is written may take the place of another.
+void check_names(const Production& film, const RenderOptions& options) {
+    std::vector<std::filesystem::path> outputs{options.output, options.stats.value_or("")};
+    for (const auto& [subject, file] : options.heatmaps) outputs.emplace_back(file);
+    check_apart({options.input, film.animation->source, options.animation.value_or("")}, outputs);
+}
+
 /// Renders all chunks to their destinations. Returns the chunks' files, the last of them incomplete after an
 /// interruption.
 std::vector<ChunkFile> render_chunks(const Production& film, const RenderOptions& options, WorkFolder* work, Sink* sink,
@@ -75,6 +82,7 @@ int render(const RenderOptions& options, const std::string& command) {
     Ledger ledger;
     Production film = timed(ledger, Stage::load, [&] { return prepare(options); });
     say_notes(film, options.quiet);
+    check_names(film, options);
     if (options.dry_run) {
         if (!options.quiet) std::fputs(dry_run_text(film, options).c_str(), stdout);
         return 0;
@@ -87,6 +95,10 @@ int render(const RenderOptions& options, const std::string& command) {
     // Find out what the film's pictures need, where a rate is to be shared out among them.
     if (film.two_passes)
         film.allotments = timed(ledger, Stage::first_pass, [&] { return first_pass(film, options.quiet); });
+    if (InterruptGuard::requested()) {
+        std::fputs("interrupted before the first frame: nothing was written\n", stderr);
+        return 130;
+    }
 
     // Render.
     std::optional<WorkFolder> work;
@@ -95,7 +107,6 @@ int render(const RenderOptions& options, const std::string& command) {
     HeatmapFilms heatmaps(options, film);
     const std::vector<ChunkFile> chunks = render_chunks(film, options, work ? &*work : nullptr, sink.get(),
                                                         heatmaps.empty() ? nullptr : &heatmaps, ledger);
-    heatmaps.finish();
 
     // Publish what is whole; leave what is not beside the target.
     const bool complete = static_cast<std::int64_t>(ledger.frames.size()) == film.frame_count();
@@ -111,6 +122,7 @@ int render(const RenderOptions& options, const std::string& command) {
         }
     }
     if (sink && complete) sink->finish();
+    if (complete) heatmaps.finish();  // after the film: what goes wrong with them costs no more than themselves
     if (film.kind == OutputKind::y4m && complete) facts.bytes = std::filesystem::file_size(options.output);
     ledger.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 

@@ -97,12 +97,26 @@ TEST(Refusal, NamesTheOptionAndWhatWouldBeRight) {
     refused(start + out + " --frames 9:3", "FIRST:LAST");
     refused(start + out + " --quantiser 32", "quantiser");
     refused(start + out + " --tolerance 2", "fixed=P%");
+    refused(start + out + " --tolerance fixed=1", "fixed=P%");
+    refused(start + out + " --tolerance coupled=1e-60", "coupled=K");
     refused(start + out + " --exposure bright", "auto");
     refused(start + out + " --isa mmx", "sse2, sse4.2, avx, avx2, avx512");
     refused(start + out + " --camera nobody", "nobody");
     refused(start + " -o " + (folder / "x.avi").string(), ".mpg, .vob, .ts, .m2v, .mkv, .mp4");
     refused(start + " -o " + (folder / "x.png").string(), "%04d");
     refused(start + out + " --size 4096x2304", "1920");
+}
+
+TEST(Refusal, NoOutputTakesThePlaceOfAnInputOrOfAnotherOutput) {
+    const Folder folder;
+    const std::string start = "render " + film("cornell") + " --dry-run", o = (folder / "x.mpg").string(),
+                      out = " -o " + o;
+    expect_refusal(folder, start + out + " --stats " + o, "x.mpg");
+    expect_refusal(folder, start + out + " --heatmap cut " + o, "x.mpg");
+    const std::string heat = (folder / "h.mpg").string();
+    expect_refusal(folder, start + out + " --heatmap cut " + heat + " --heatmap error " + heat, "two outputs");
+    const std::string y4m = write(folder / "y.y4m", "YUV4MPEG2 W16 H16 F25:1\n").string();
+    expect_refusal(folder, "encode " + y4m + out + " --stats " + (folder / "." / "y.y4m").string(), "an input");
 }
 
 TEST(DryRun, ChecksAllAndWritesNothing) {
