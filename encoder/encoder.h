@@ -54,7 +54,7 @@ struct Settings {
     Cadence cadence = Cadence::frames;
     std::int64_t first_number = 0;  ///< display number of the film's first picture, where the cadence begins
     int quantiser = 4;              ///< quantiser_scale_code 1..31, q_scale_type 0
-    int gop = 15;                   ///< pictures per closed GOP, >= 1
+    int gop = 15;                   ///< pictures per closed GOP, 1..100,000
     int b_pictures = 2;             ///< most B pictures in a row, 0..3
     Effort effort = Effort::quality;
     Tune tune = Tune::psnr;
@@ -87,17 +87,18 @@ struct Allotment {
 /// What the renderer knows of a picture before anything is lit.
 struct PictureFacts {
     bool cut_before = false;  ///< nothing of the picture before is seen in this one
-    /// How many pictures certainly follow this one before a cut, a keyframe or the chunk's end; a few are enough
-    /// (Settings::b_pictures says how many matter). Only among those are B pictures planned, since they refer to a
-    /// later one.
+    /// How many pictures certainly follow this one, 0 or more, before a cut, a keyframe or the chunk's end; a few are
+    /// enough (Settings::b_pictures says how many matter). Only among those are B pictures planned, since they refer to
+    /// a later one.
     std::int64_t frames_left = 0;
     bool keyframe = false;  ///< a GOP is to begin here, whatever is seen
     /// Pictures that follow this one in its chunk: every chunk then begins with the same declared buffer fullness and
-    /// leaves it to the next one. None: the buffer's state goes on over the chunk's end.
+    /// leaves it to the next one, and the promise, made with the chunk's first picture, must be kept. None: the
+    /// buffer's state goes on over the chunk's end.
     std::optional<std::int64_t> left_in_chunk = {};
     bool last_chunk = false;  ///< the film ends with this chunk: it leaves its buffer to none
     /// The eye's sensitivity to detail that moves as this picture does, relative to what stands still: 0..1, mean over
-    /// the picture. `constant_quality` reads it; none: 1.
+    /// the picture; more counts as 1. `constant_quality` reads it; none: 1.
     std::optional<double> sensitivity = {};
     std::optional<Allotment> allotment = {};  ///< none: one pass
 };
@@ -113,6 +114,8 @@ struct PicturePlan {
     /// The last picture that depends on this one, directly or not, where motion to it helps `push` (Hints::onward).
     std::optional<std::int64_t> horizon;
     int quantiser = 4;  ///< to render for; the one really used is CodedPicture::quantiser
+
+    bool operator==(const PicturePlan&) const = default;
 };
 
 /// What may help to code a picture well, beside its motion.
@@ -148,25 +151,32 @@ struct CodedPicture {
     std::int64_t fullness_next = 0;    ///< bits there when the next picture is taken out
 };
 
-/// Pictures in display order to coded pictures in coding order. Neither searches for motion nor looks at other films'
-/// pictures: bytes are a function of what was pushed since the last GOP began.
+/// Pictures in display order to coded pictures in coding order. Never searches for motion. Bytes are a function of the
+/// chunk: of what was planned and pushed since the last chunk of promised length (PictureFacts::left_in_chunk) began,
+/// whatever came before, and for any number of threads. Of chunks without a promise they are a function of all since
+/// the first of those.
 class Encoder {
   public:
     explicit Encoder(const Settings& settings);
     ~Encoder();
 
-    /// Decides type, references and quantiser of the next picture in display order. `first_of_chunk` starts a GOP.
+    /// Decides type, references and quantiser of the next picture in display order; it may run ahead of push(), over
+    /// the ends of chunks too. `first_of_chunk` starts a GOP. Numbers follow one another; a chunk may begin anywhere
+    /// else once all that was planned is pushed, and then begins as if it were the first.
     /// A cut or keyframe begins a GOP only where the rate affords an intra picture.
     /// Neither it nor a cut or keyframe may come among the pictures promised by an earlier `frames_left`.
+    /// Throws core::Error where not even pictures without detail would fit a chunk of such a length: it is too short
+    /// for its rate. check() made sure of chunks of whole GOPs.
     PicturePlan plan(std::int64_t number, const PictureFacts& facts, bool first_of_chunk);
 
-    /// Codes a picture that was planned. `motion` has one field per reference of the plan, or is empty: then only
-    /// predictors and zero are tried. Returns the pictures that became complete.
+    /// Codes the next of the planned pictures, as it was planned. `motion` has one field per reference of the plan, or
+    /// is empty: then only predictors and zero are tried. Returns the pictures that became complete.
     std::vector<CodedPicture> push(const core::Picture& picture, const PicturePlan& plan,
                                    std::span<const core::MotionField> motion, const Hints& hints = {});
 
     /// The pictures still held back: none at the end of what was promised to plan(). Where a film ends early, the last
-    /// of them becomes a P picture, and its plan says so.
+    /// of them becomes a P picture, and its plan says so; pictures planned beyond are forgotten, and only a chunk can
+    /// follow.
     std::vector<CodedPicture> flush();
 
   private:

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <utility>
 
 #include "encoder/cadence.h"
 #include "encoder/mpeg2/bit_writer.h"
 #include "encoder/mpeg2/candidates.h"
+#include "encoder/mpeg2/checks.h"
 #include "encoder/mpeg2/dependency.h"
 #include "encoder/mpeg2/fitting.h"
 #include "encoder/mpeg2/frame.h"
@@ -36,6 +38,15 @@ struct Waiting {
     std::vector<core::Plane<mpeg2::Candidates>> exact;  ///< per reference of the plan, or empty
 };
 
+/// Pictures that share a buffer and a budget: one chunk of promised length, or all that follow one another without a
+/// promise. Nothing of one course is known in another, so that bytes are a function of the course.
+struct Course {
+    std::int64_t first;               ///< number
+    std::optional<std::int64_t> end;  ///< first number after the chunk planned last, if it is promised
+    mpeg2::VbvSchedule schedule;
+    mpeg2::RateSteering steering;
+};
+
 /// The reference's vectors as a guess for motion over other distances in time: half pixels times `distance`, per
 /// picture of theirs.
 core::Plane<mpeg2::Vector> stretched(const Reference& from, std::int64_t distance) {
@@ -59,8 +70,6 @@ struct Encoder::Impl {
           level(mpeg2::level_for(s)),
           channel(mpeg2::channel_for(s, level)),
           minimal(mpeg2::minimal_bits(s, level)),
-          schedule(s, channel, minimal),
-          steering(s, channel, minimal),
           source((s.width + 15) / 16, mpeg2::macroblock_rows(s)),
           quantisers(mpeg2::matrices_for(s.tune)),
           refresh(source.columns(), source.rows()) {}
@@ -69,8 +78,6 @@ struct Encoder::Impl {
     const mpeg2::Level& level;
     const mpeg2::Channel channel;
     const mpeg2::MinimalBits minimal;
-    mpeg2::VbvSchedule schedule;
-    mpeg2::RateSteering steering;
     mpeg2::Frame source;  ///< the picture being coded; kept for its memory
 
     const mpeg2::QuantiserSet quantisers;
@@ -78,6 +85,9 @@ struct Encoder::Impl {
 
     // What plan() has decided so far; it may run ahead of push().
     std::optional<std::int64_t> last_planned;
+    std::deque<PicturePlan> planned;  ///< and not pushed
+    std::deque<Course> courses;       ///< of pictures not yet coded; the last is the one planned in
+    bool cut_short = false;           ///< the chunk planned last ended before its promise
     std::int64_t planned_gop_start = 0;
     std::int64_t planned_earlier = 0, planned_later = 0;  ///< I or P pictures around the one planned last, or itself
 
@@ -87,8 +97,8 @@ struct Encoder::Impl {
     std::int64_t gop_start = 0;
     std::int64_t coding_order = 0;
 
-    void check(const core::Picture& picture, const PicturePlan& plan, std::span<const core::MotionField> motion,
-               const Hints& hints) const;
+    void enter(std::int64_t number, const PictureFacts& facts, bool first_of_chunk);
+    Course& course_of(std::int64_t number);
     void write_headers(mpeg2::BitWriter& out, const PicturePlan& plan) const;
     CodedPicture code(const mpeg2::Frame& picture, const PicturePlan& plan,
                       std::span<const core::Plane<mpeg2::Candidates>> exact,
@@ -96,37 +106,31 @@ struct Encoder::Impl {
     void code_waiting(std::vector<CodedPicture>& complete);
 };
 
-void Encoder::Impl::check(const core::Picture& picture, const PicturePlan& plan,
-                          std::span<const core::MotionField> motion, const Hints& hints) const {
-    const int chroma_width = (settings.width + 1) / 2, chroma_height = (settings.height + 1) / 2;
-    EXPECTS(picture.width() == settings.width && picture.height() == settings.height);
-    EXPECTS(picture.cb.width() == chroma_width && picture.cb.height() == chroma_height);
-    EXPECTS(picture.cr.width() == chroma_width && picture.cr.height() == chroma_height);
-    EXPECTS(picture.number == plan.number && plan.number >= 0);
-    EXPECTS(plan.quantiser >= 1 && plan.quantiser <= 31);
-
-    // References are the last I or P picture, and for B pictures the one that will come next.
-    EXPECTS(plan.starts_gop == (plan.type == PictureType::intra));
-    EXPECTS(plan.references.size() == static_cast<std::size_t>(plan.type) - 1);
-    EXPECTS(plan.starts_gop ? waiting.empty() : plan.number > gop_start);
-    if (!plan.starts_gop) EXPECTS(later && later->number == plan.references[0] && plan.number > later->number);
-    const bool bidirectional = plan.type == PictureType::bidirectional;
-    if (bidirectional) EXPECTS(plan.number < plan.references[1]);
-    for (const Waiting& w : waiting)
-        EXPECTS(w.plan.number < plan.number &&
-                w.plan.references[1] == (bidirectional ? plan.references[1] : plan.number));
-
-    EXPECTS(motion.empty() || motion.size() == plan.references.size());
-    for (std::size_t i = 0; i < motion.size(); ++i) {
-        const core::MotionField& field = motion[i];
-        EXPECTS(field.picture == plan.number && field.reference == plan.references[i]);
-        EXPECTS(field.vector.width() == settings.width && field.vector.height() == settings.height);
-        EXPECTS(field.kind.width() == settings.width && field.kind.height() == settings.height);
+/// Finds the course that a picture to be planned belongs to, or begins one.
+void Encoder::Impl::enter(std::int64_t number, const PictureFacts& facts, bool first_of_chunk) {
+    const bool follows = last_planned && !cut_short && number == *last_planned + 1;
+    EXPECTS(follows || first_of_chunk || !last_planned);
+    if (!follows) {
+        EXPECTS(planned.empty());
+        courses.clear();
     }
-    if (!hints.onward) return;
-    EXPECTS(plan.horizon && hints.onward->picture == plan.number && hints.onward->reference == *plan.horizon);
-    EXPECTS(hints.onward->vector.width() == settings.width && hints.onward->vector.height() == settings.height);
-    EXPECTS(hints.onward->kind.width() == settings.width && hints.onward->kind.height() == settings.height);
+    if (follows && courses.back().end) EXPECTS(first_of_chunk == (number == *courses.back().end));
+
+    const auto end = facts.left_in_chunk ? std::optional(number + *facts.left_in_chunk + 1) : std::nullopt;
+    if (courses.empty() || (first_of_chunk && courses.back().end)) {
+        courses.push_back({number, end, {settings, channel, minimal}, {settings, channel, minimal}});
+    } else if (first_of_chunk) {
+        courses.back().end = end;
+    } else if (courses.back().end) {
+        EXPECTS(!end || end == courses.back().end);
+    }
+    cut_short = false;
+}
+
+/// Forgets the courses before: pictures are coded chunk by chunk.
+Course& Encoder::Impl::course_of(std::int64_t number) {
+    while (courses.size() > 1 && courses[1].first <= number) courses.pop_front();
+    return courses.front();
 }
 
 void Encoder::Impl::write_headers(mpeg2::BitWriter& out, const PicturePlan& plan) const {
@@ -166,6 +170,7 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
     write_headers(headers, plan);
 
     // Code it within what the buffer holds.
+    auto& [first, end, schedule, steering] = course_of(plan.number);
     task.quantiser = steering.settle(plan, schedule);
     const auto header_bits = static_cast<std::int64_t>(headers.bit_count());
     mpeg2::Fitted fitted = mpeg2::code_within(task, level, schedule.most_bits() - header_bits);
@@ -224,11 +229,13 @@ Encoder::~Encoder() = default;
 
 PicturePlan Encoder::plan(std::int64_t number, const PictureFacts& facts, bool first_of_chunk) {
     Impl& m = *impl_;
-    EXPECTS(number >= 0 && (!m.last_planned || first_of_chunk || number == *m.last_planned + 1));
+    mpeg2::check_facts(number, facts);
+    m.enter(number, facts, first_of_chunk);
+    Course& course = m.courses.back();
     PicturePlan plan;
     plan.number = number;
     plan.starts_gop = !m.last_planned || first_of_chunk || number - m.planned_gop_start >= m.settings.gop ||
-                      ((facts.cut_before || facts.keyframe) && m.schedule.affords_gop(number));
+                      ((facts.cut_before || facts.keyframe) && course.schedule.affords_gop(number));
     if (plan.starts_gop) {
         // B pictures may have been promised this picture as their later reference, in their own GOP.
         EXPECTS(!m.last_planned || m.planned_later <= *m.last_planned);
@@ -247,20 +254,23 @@ PicturePlan Encoder::plan(std::int64_t number, const PictureFacts& facts, bool f
     const std::int64_t horizon = std::min(number + facts.frames_left, m.planned_gop_start + m.settings.gop - 1);
     if (plan.type != PictureType::bidirectional && horizon > number) plan.horizon = horizon;
     first_of_chunk = first_of_chunk || !m.last_planned;
-    m.schedule.plan(number, plan.starts_gop, first_of_chunk, facts.left_in_chunk, facts.last_chunk);
-    if (first_of_chunk && !m.schedule.feasible())
+    course.schedule.plan(number, plan.starts_gop, first_of_chunk, facts.left_in_chunk, facts.last_chunk);
+    if (first_of_chunk && !course.schedule.feasible())
         throw core::Error("bit rate " + std::to_string(m.channel.bit_rate) + ": a chunk of " +
                           std::to_string(facts.left_in_chunk.value_or(0) + 1) +
                           " pictures cannot be coded so that the next one finds its buffer filled");
-    plan.quantiser = m.steering.plan(plan, facts, first_of_chunk, m.schedule);
+    plan.quantiser = course.steering.plan(plan, facts, first_of_chunk, course.schedule);
     m.last_planned = number;
+    m.planned.push_back(plan);
     return plan;
 }
 
 std::vector<CodedPicture> Encoder::push(const core::Picture& picture, const PicturePlan& plan,
                                         std::span<const core::MotionField> motion, const Hints& hints) {
     Impl& m = *impl_;
-    m.check(picture, plan, motion, hints);
+    EXPECTS(!m.planned.empty() && plan == m.planned.front());
+    mpeg2::check_pushed(m.settings, picture, plan, motion, hints);
+    m.planned.pop_front();
     if (plan.starts_gop) m.gop_start = plan.number;
     std::vector<core::Plane<mpeg2::Candidates>> exact;
     for (const core::MotionField& field : motion)
@@ -288,7 +298,11 @@ std::vector<CodedPicture> Encoder::flush() {
     if (m.last_planned) m.planned_later = *m.last_planned;
     if (m.waiting.empty()) return complete;
 
-    // What they wait for will not come: the last one takes its place, and of the others' motion the forward part holds.
+    // What they wait for will not come, nor what was planned beyond.
+    if (!m.planned.empty()) m.cut_short = true;
+    m.planned.clear();
+
+    // The last one takes their reference's place, and of the others' motion the forward part holds.
     Waiting last = std::move(m.waiting.back());
     m.waiting.pop_back();
     last.plan.type = PictureType::predicted;

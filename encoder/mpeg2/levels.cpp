@@ -23,6 +23,10 @@ constexpr std::int64_t rate_unit = 400, buffer_unit = 16'384;  // of bit_rate an
 /// chosen: 0.8; tried 0.6..0.9.
 constexpr double border_share = 0.8;
 
+/// Pictures of a GOP. MPEG-2 has no limit; what an endless chunk may cost is looked ahead for a GOP.
+/// chosen: more than an hour at 25 Hz.
+constexpr int most_gop = 100'000;
+
 std::int64_t whole_macroblocks(int size) {
     return (static_cast<std::int64_t>(size) + 15) / 16 * 16;
 }
@@ -73,6 +77,8 @@ void check_ranges(const Settings& s) {
     if (s.width < 1 || s.height < 1) throw core::Error("size " + size_of(s) + ": both sides must be at least 1");
     check_range("quantiser", s.quantiser, 1, 31);
     if (s.gop < 1) throw core::Error("gop " + std::to_string(s.gop) + ": must be at least 1");
+    if (s.gop > most_gop)
+        throw core::Error("gop " + std::to_string(s.gop) + ": must be at most " + std::to_string(most_gop));
     check_rates(s);
     check_range("B pictures in a row", s.b_pictures, 0, 3);
     check_range("aspect ratio code", s.aspect_ratio_code, 1, 4);
@@ -127,7 +133,8 @@ Channel channel_for(const Settings& settings, const Level& level) {
     channel.constant = wanted.mode == RateMode::constant;
     const std::int64_t rate = channel.constant ? wanted.bit_rate : wanted.max_rate;
     channel.bit_rate = (rate > 0 ? rate : level.bit_rate) / rate_unit * rate_unit;
-    channel.average_rate = wanted.mode == RateMode::variable ? wanted.bit_rate : channel.bit_rate;
+    channel.average_rate =
+        wanted.mode == RateMode::variable ? std::min(wanted.bit_rate, channel.bit_rate) : channel.bit_rate;
 
     // A full buffer lasts no longer than vbv_delay can say, one below the value that means "variable".
     const std::int64_t expressible = channel.constant ? 65'534 * channel.bit_rate / 90'000 : level.buffer_bits;

@@ -126,8 +126,9 @@ double RateSteering::nominal(std::int64_t number, const Flying& picture, const V
         quantiser =
             picture.allotment->quantiser * calm(std::pow(std::max(correction, 1e-3), 1.0 / rate_slope(picture.type)));
     } else {
+        const Counts rest = foreseen();
         const double base = solve(left, [&](double q) {
-            return bits(picture, std::max(1.0, q * quantiser_ratio(picture.type))) + bits_of_rest(q);
+            return bits(picture, std::max(1.0, q * quantiser_ratio(picture.type))) + bits_of_rest(rest, q);
         });
         quantiser = calm(base) * quantiser_ratio(picture.type);
     }
@@ -154,21 +155,36 @@ std::int64_t RateSteering::horizon() const {
     return planned_end_ + 2 * std::max<std::int64_t>(settings_.gop, second);
 }
 
-/// The type of a picture nothing is known of but the regular pattern.
-PictureType RateSteering::foreseen(std::int64_t number) const {
-    const std::int64_t place = (number - gop_start_) % settings_.gop;
-    if (place == 0) return PictureType::intra;
-    const bool last = place == settings_.gop - 1 || (chunk_end_ && number + 1 == *chunk_end_);
-    return last || place % (settings_.b_pictures + 1) == 0 ? PictureType::predicted : PictureType::bidirectional;
+RateSteering::Counts RateSteering::regular(std::int64_t count) const {
+    const std::int64_t gop = settings_.gop, distance = settings_.b_pictures + 1;
+    const auto within = [&](std::int64_t place) {  // of one GOP, the pictures before `place`
+        const std::int64_t others = std::max<std::int64_t>(0, place - 1), end = place == gop && others % distance != 0;
+        const std::int64_t predicted = others / distance + end;
+        return Counts{place > 0 ? 1 : 0, predicted, others - predicted};
+    };
+    const Counts whole = within(gop), part = within(count % gop);
+    Counts counts;
+    for (std::size_t i = 0; i < 3; ++i) counts[i] = count / gop * whole[i] + part[i];
+    return counts;
+}
+
+RateSteering::Counts RateSteering::foreseen() const {
+    const Counts planned = regular(planned_end_ - gop_start_), all = regular(horizon() - gop_start_);
+    Counts rest;
+    for (std::size_t i = 0; i < 3; ++i) rest[i] = all[i] - planned[i];
+    // Where the chunk ends within a GOP, its last picture is no B picture.
+    if (!chunk_end_ || rest[0] + rest[1] + rest[2] == 0) return rest;
+    const Counts before = regular(*chunk_end_ - 1 - gop_start_);
+    if (all[2] > before[2]) --rest[2], ++rest[1];
+    return rest;
 }
 
 /// Expected bits of the pictures not planned yet, with `quantiser` in I and P pictures.
-double RateSteering::bits_of_rest(double quantiser) const {
-    double each[3], sum = 0;
+double RateSteering::bits_of_rest(const Counts& rest, double quantiser) const {
+    double sum = 0;
     for (const PictureType type : {PictureType::intra, PictureType::predicted, PictureType::bidirectional})
-        each[static_cast<std::size_t>(type) - 1] =
-            model_.bits(type, std::clamp(quantiser * quantiser_ratio(type), 1.0, 31.0));
-    for (std::int64_t n = planned_end_; n < horizon(); ++n) sum += each[static_cast<std::size_t>(foreseen(n)) - 1];
+        sum += static_cast<double>(rest[static_cast<std::size_t>(type) - 1]) *
+               model_.bits(type, std::clamp(quantiser * quantiser_ratio(type), 1.0, 31.0));
     return sum;
 }
 
@@ -181,13 +197,16 @@ double RateSteering::seconds(std::int64_t first, std::int64_t end) const {
 /// Bits for picture `number` and those not planned yet: of the chunk's what is neither spent nor in flight, and no more
 /// than the channel brings in time.
 double RateSteering::bits_for_rest(std::int64_t number, const VbvSchedule& schedule) const {
-    double in_flight = 0;
-    for (const auto& [n, picture] : flying_)
-        if (n != number) in_flight += bits(picture, picture.quantiser);
+    double in_flight = 0, of_chunk = 0;
+    for (const auto& [n, picture] : flying_) {
+        if (n == number) continue;
+        in_flight += bits(picture, picture.quantiser);
+        if (n >= chunk_start_) of_chunk += bits(picture, picture.quantiser);
+    }
 
     const double all =
         allotted_ > 0 ? allotted_ : static_cast<double>(channel_.average_rate) * seconds(chunk_start_, horizon());
-    double left = all - spent_ - in_flight;
+    const double left = all - spent_ - of_chunk;
     const double brought = static_cast<double>(schedule.fullness()) +
                            static_cast<double>(channel_.bit_rate) * seconds(schedule.next(), horizon());
     const double kept = chunk_end_ && hands_over_ ? static_cast<double>(channel_.border_bits) : 0.0;

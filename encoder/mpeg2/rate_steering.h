@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -43,12 +44,17 @@ class RateSteering {
     double calm(double solved);
     double nominal(std::int64_t number, const Flying& picture, const VbvSchedule& schedule);
     double bits(const Flying& picture, double quantiser) const;
-    double bits_of_rest(double quantiser) const;
+    /// Numbers of I, P and B pictures.
+    using Counts = std::array<std::int64_t, 3>;
+    /// Of the first pictures from gop_start_ on, in the regular pattern.
+    Counts regular(std::int64_t count) const;
+    /// Of the pictures not planned yet, as far as the horizon.
+    Counts foreseen() const;
+    double bits_of_rest(const Counts& rest, double quantiser) const;
     double seconds(std::int64_t first, std::int64_t end) const;
     double bits_for_rest(std::int64_t number, const VbvSchedule& schedule) const;
     double limited(std::int64_t number, const Flying& picture, double quantiser, const VbvSchedule& schedule) const;
     std::int64_t horizon() const;
-    PictureType foreseen(std::int64_t number) const;
 
     Settings settings_;
     Channel channel_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <set>
 #include <vector>
@@ -21,6 +22,8 @@ struct Removal {
 
 /// The buffer together with what is known of the pictures to come: how many bits the next one may have, so that all
 /// that follow find at least room for a minimal picture, and the next chunk finds the fullness it was promised.
+///
+/// It serves one course: a chunk of known length, or pictures that follow one another without one.
 ///
 /// Coded and display order hold the same pictures between two GOP starts, and a GOP start has the same place in both;
 /// so everything here is told by display numbers.
@@ -58,7 +61,12 @@ class VbvSchedule {
     struct Horizon {
         std::int64_t number, fractions;
     };
-    Horizon horizon(const Numbers& starts, std::int64_t from) const;
+    Horizon horizon(const Numbers& starts) const;
+    /// Fractions that a picture takes at least.
+    std::int64_t least(const Numbers& starts, std::int64_t number) const;
+    /// Fractions needed before `from`, where `need` are needed before `end`; `unbearable` where the buffer holds less.
+    std::int64_t back(const Numbers& starts, std::int64_t end, std::int64_t from, std::int64_t need) const;
+    static constexpr std::int64_t unbearable = std::numeric_limits<std::int64_t>::max();
     int fields(std::int64_t number) const { return fields_after(settings_, number - settings_.first_number); }
 
     Settings settings_;
@@ -66,10 +74,8 @@ class VbvSchedule {
     MinimalBits minimal_;
     VbvBuffer buffer_;
     Numbers gop_starts_;                     ///< from the one before next_ on
-    Numbers chunk_starts_;                   ///< that are to find the border's fullness, from next_ on
     std::optional<std::int64_t> chunk_end_;  ///< first number after the chunk planned last, if it is known
     bool hands_over_ = false;                ///< and something follows
-    bool promised_ = false;                  ///< the chunk planned last has a known end
     std::int64_t next_ = 0;
     std::int64_t planned_end_ = 0;  ///< first number not planned
     bool started_ = false;

@@ -120,6 +120,42 @@ TEST(RateSchedule, ACutBeginsNoGopThatCannotBePaid) {
     EXPECT_TRUE(rich.affords_gop(1)) << "3,000 and 1,000 of 4,800";
 }
 
+/// Bits that a picture may have, reckoned picture by picture from the chunk's end. `first` begins a GOP, and is next.
+std::int64_t most_bits_one_by_one(const Settings& s, const MinimalBits& minimal, std::int64_t first, std::int64_t end) {
+    const VbvBuffer buffer = buffer_of(s);
+    std::int64_t need = buffer.border(end);
+    for (std::int64_t n = end - 1; n > first; --n) {
+        need = std::max<std::int64_t>(0, need - buffer.arrivals(fields_after(s, n - s.first_number)));
+        need += buffer.fractions((n - first) % s.gop == 0 ? minimal.intra : minimal.other);
+    }
+    const std::int64_t keep =
+        std::max<std::int64_t>(0, need - buffer.arrivals(fields_after(s, first - s.first_number)));
+    return buffer.whole_bits(std::max<std::int64_t>(0, buffer.border(first) - keep)) / 8 * 8;
+}
+
+TEST(RateSchedule, WhatIsFarAwayIsReckonedAsIfOneByOne) {
+    int bound = 0;
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+        const auto pick = [&](std::uint64_t what, int low, int high) {
+            return low + static_cast<int>(core::uniform(seed, what, 0, 0) * (high - low + 0.999));
+        };
+        Settings s = rated(RateMode::variable, 100'000, 100'000, 16'384 * pick(0, 1, 8), pick(1, 1, 2));
+        s.cadence = pick(2, 0, 1) == 0 ? Cadence::frames : Cadence::pulldown;
+        s.gop = pick(3, 1, 9);
+        s.first_number = pick(4, 0, 3);
+        // Pictures of about what comes in, so that ends far away are felt; with detail left out GOPs are just payable.
+        const MinimalBits minimal{pick(5, 3'800, 5'000), pick(6, 3'500, 4'100)};
+        const std::int64_t first = s.first_number + pick(7, 0, 20), end = first + pick(8, 1, 400);
+        VbvSchedule schedule(s, channel_for(s, level_for(s)), minimal);
+        schedule.plan(first, true, true, end - 1 - first, false);
+        if (!schedule.feasible()) continue;
+        const std::int64_t wanted = most_bits_one_by_one(s, minimal, first, end);
+        EXPECT_EQ(schedule.most_bits(), wanted) << "seed " << seed;
+        bound += wanted < schedule.fullness() / 8 * 8 ? 1 : 0;
+    }
+    EXPECT_GT(bound, 60) << "the end must be felt";
+}
+
 std::string refusal(const Settings& s) {
     try {
         check(s);

@@ -1,0 +1,51 @@
+#include "encoder/mpeg2/checks.h"
+
+#include <cmath>
+
+#include "core/error.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+namespace {
+
+bool is_count(std::int64_t n) {
+    return n >= 0 && n <= most_pictures;
+}
+
+bool is_amount(double value) {
+    return std::isfinite(value) && value >= 0;
+}
+
+void check_field(const Settings& settings, const core::MotionField& field, std::int64_t picture,
+                 std::int64_t reference) {
+    EXPECTS(field.picture == picture && field.reference == reference);
+    EXPECTS(field.vector.width() == settings.width && field.vector.height() == settings.height);
+    EXPECTS(field.kind.width() == settings.width && field.kind.height() == settings.height);
+}
+
+}  // namespace
+
+void check_facts(std::int64_t number, const PictureFacts& facts) {
+    EXPECTS(is_count(number) && is_count(facts.frames_left));
+    EXPECTS(is_count(facts.left_in_chunk.value_or(0)));
+    EXPECTS(is_amount(facts.sensitivity.value_or(0.0)));
+    if (!facts.allotment) return;
+    EXPECTS(facts.allotment->quantiser >= 1 && facts.allotment->quantiser <= 31);
+    EXPECTS(is_amount(facts.allotment->bits) && is_amount(facts.allotment->bits_left));
+}
+
+void check_pushed(const Settings& settings, const core::Picture& picture, const PicturePlan& plan,
+                  std::span<const core::MotionField> motion, const Hints& hints) {
+    const int chroma_width = (settings.width + 1) / 2, chroma_height = (settings.height + 1) / 2;
+    EXPECTS(picture.number == plan.number);
+    EXPECTS(picture.width() == settings.width && picture.height() == settings.height);
+    EXPECTS(picture.cb.width() == chroma_width && picture.cb.height() == chroma_height);
+    EXPECTS(picture.cr.width() == chroma_width && picture.cr.height() == chroma_height);
+
+    EXPECTS(motion.empty() || motion.size() == plan.references.size());
+    for (std::size_t i = 0; i < motion.size(); ++i) check_field(settings, motion[i], plan.number, plan.references[i]);
+    if (!hints.onward) return;
+    EXPECTS(plan.horizon.has_value());
+    check_field(settings, *hints.onward, plan.number, *plan.horizon);
+}
+
+}  // namespace render2mpeg::encoder::mpeg2

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "encoder/encoder.h"
+
+/// What callers of the encoder promise (encoder/encoder.h), checked at the door. All throw core::ContractViolation.
+namespace render2mpeg::encoder::mpeg2 {
+
+/// Numbers and lengths of pictures stay below this: over a thousand years of film, and far from overflow anywhere.
+inline constexpr std::int64_t most_pictures = std::int64_t{1} << 40;
+
+/// Facts that no picture can have: counts below zero, no numbers, values out of range.
+void check_facts(std::int64_t number, const PictureFacts& facts);
+
+/// Sizes of the planes, and what motion and hints lead to. `plan` is as plan() made it.
+void check_pushed(const Settings& settings, const core::Picture& picture, const PicturePlan& plan,
+                  std::span<const core::MotionField> motion, const Hints& hints);
+
+}  // namespace render2mpeg::encoder::mpeg2
