@@ -1,4 +1,5 @@
 #include "checks/citations.h"
+#include "tests/support/places.h"
 
 #include <gtest/gtest.h>
 
@@ -12,12 +13,12 @@ std::vector<File> tree_with(const std::string& rows, const std::string& code) {
 }
 
 TEST(Citations, OfThisTreeAreAllListedAndAllListedAreCited) {
-    const auto findings = citation_faults(read_tree(RENDER2MPEG_SOURCE_DIR));
+    const auto findings = citation_faults(read_tree(support::source_folder()));
     EXPECT_TRUE(findings.empty()) << list_of(findings);
 }
 
 TEST(Fits, OfThisTreeExistAndAreUsed) {
-    const auto findings = fit_faults(read_tree(RENDER2MPEG_SOURCE_DIR));
+    const auto findings = fit_faults(read_tree(support::source_folder()));
     EXPECT_TRUE(findings.empty()) << list_of(findings);
 }
 

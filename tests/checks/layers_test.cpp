@@ -1,4 +1,5 @@
 #include "checks/layers.h"
+#include "tests/support/places.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +11,7 @@ std::vector<Finding> breaches_in(const std::string& path, const std::string& tex
 }
 
 TEST(Layers, HoldInThisTree) {
-    const auto files = read_tree(RENDER2MPEG_SOURCE_DIR);
+    const auto files = read_tree(support::source_folder());
     ASSERT_GT(files.size(), 50u);
     const auto findings = layer_breaches(files);
     EXPECT_TRUE(findings.empty()) << list_of(findings);

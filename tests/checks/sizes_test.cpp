@@ -1,4 +1,5 @@
 #include "checks/sizes.h"
+#include "tests/support/places.h"
 
 #include <gtest/gtest.h>
 
@@ -14,12 +15,12 @@ std::string lines(int count, const std::string& line = "\n") {
 }
 
 TEST(Files, OfThisTreeHaveOneDutyEach) {
-    const auto findings = oversized_files(read_tree(RENDER2MPEG_SOURCE_DIR));
+    const auto findings = oversized_files(read_tree(support::source_folder()));
     EXPECT_TRUE(findings.empty()) << list_of(findings);
 }
 
 TEST(Functions, OfTheProgramsLoopStayOnAPage) {
-    const auto findings = oversized_functions(read_tree(RENDER2MPEG_SOURCE_DIR));
+    const auto findings = oversized_functions(read_tree(support::source_folder()));
     for (const Finding& finding : findings) {
         EXPECT_NE(finding.path, "src/app/pipeline.cpp") << finding;
         std::cout << "warning: " << finding << '\n';

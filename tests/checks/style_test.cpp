@@ -1,4 +1,5 @@
 #include "checks/style.h"
+#include "tests/support/places.h"
 
 #include <gtest/gtest.h>
 
@@ -6,17 +7,17 @@ namespace render2mpeg::checks {
 namespace {
 
 TEST(Leftovers, AreNotInThisTree) {
-    const auto findings = leftovers(read_tree(RENDER2MPEG_SOURCE_DIR));
+    const auto findings = leftovers(read_tree(support::source_folder()));
     EXPECT_TRUE(findings.empty()) << list_of(findings);
 }
 
 TEST(Names, OfThisTreeAreTheHouses) {
-    const auto findings = unhouselike_names(read_tree(RENDER2MPEG_SOURCE_DIR));
+    const auto findings = unhouselike_names(read_tree(support::source_folder()));
     EXPECT_TRUE(findings.empty()) << list_of(findings);
 }
 
 TEST(Parts, OfThisTreeNeitherPrintNorExitNorRollDice) {
-    const auto findings = forbidden_calls(read_tree(RENDER2MPEG_SOURCE_DIR));
+    const auto findings = forbidden_calls(read_tree(support::source_folder()));
     EXPECT_TRUE(findings.empty()) << list_of(findings);
 }
 

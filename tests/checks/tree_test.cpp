@@ -1,4 +1,5 @@
 #include "checks/tree.h"
+#include "tests/support/places.h"
 
 #include <gtest/gtest.h>
 
@@ -53,7 +54,7 @@ TEST(Words, AreFoundWhole) {
 
 TEST(Tree, HoldsTheProjectsFilesAndNoBuilds) {
     bool readme = false, setup = false, main_header = false;
-    for (const File& file : read_tree(RENDER2MPEG_SOURCE_DIR)) {
+    for (const File& file : read_tree(support::source_folder())) {
         readme = readme || file.path == "README.md";
         setup = setup || file.path == "scripts/setup";
         main_header = main_header || file.path == "src/core/plane.h";

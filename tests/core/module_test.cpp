@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/error.h"
+#include "tests/support/places.h"
 
 namespace render2mpeg::core {
 namespace {
@@ -41,7 +42,7 @@ TEST(Modules, AreSoughtFirstWhereTheUserSaysThenBesideTheProgram) {
     const auto folders = module_folders();
     ASSERT_GE(folders.size(), 3u);
     EXPECT_EQ(folders[0], "/nowhere");
-    EXPECT_EQ(folders[1], fs::path(RENDER2MPEG_BINARY_DIR) / "modules");
+    EXPECT_EQ(folders[1], support::binary_folder() / "modules");
     for (const fs::path& each : folders) EXPECT_TRUE(each.is_absolute()) << each;
 }
 

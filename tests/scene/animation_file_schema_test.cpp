@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "scene/animation_file_keys.h"
 #include "scene/loaders.h"
+#include "tests/support/places.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -22,7 +23,7 @@ json read(const fs::path& file) {
     return json::parse(in, nullptr, true, true);
 }
 const json& schema() {
-    static const json value = read(fs::path(RENDER2MPEG_SOURCE_DIR) / "docs/animation-file.schema.json");
+    static const json value = read(support::source_folder() / "docs/animation-file.schema.json");
     return value;
 }
 
@@ -115,7 +116,7 @@ TEST(AnimationFileSchema, HasTheKeysThatTheReaderKnows) {
 
 TEST(AnimationFileSchema, AcceptsEveryFilmOfOurs) {
     int films = 0;
-    for (const auto& entry : fs::directory_iterator(fs::path(RENDER2MPEG_SOURCE_DIR) / "animations")) {
+    for (const auto& entry : fs::directory_iterator(support::source_folder() / "animations")) {
         if (!fs::exists(entry.path() / "film.json")) continue;
         EXPECT_EQ(wrong_with(read(entry.path() / "film.json"), schema(), entry.path().filename().string()), "");
         ++films;

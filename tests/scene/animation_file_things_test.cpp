@@ -13,6 +13,7 @@
 #include "scene/animation_file_shapes.h"
 #include "scene/loaders.h"
 #include "scene/snapshot.h"
+#include "tests/support/places.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -254,7 +255,7 @@ TEST(AnimationFileThings, SkiesAreColoursImagesOrGradients) {
 }
 
 TEST(AnimationFileThings, NoCutFileEndsInAnythingButAnError) {
-    std::ifstream in(fs::path(RENDER2MPEG_SOURCE_DIR) / "animations/mirror_and_glass/film.json");
+    std::ifstream in(support::source_folder() / "animations/mirror_and_glass/film.json");
     std::string whole((std::istreambuf_iterator<char>(in)), {});
     ASSERT_GT(whole.size(), 1000u);
     whole = std::regex_replace(whole, std::regex(R"("[a-z]+\.png")"), R"({"checker": [0, 1], "squares": 2})");

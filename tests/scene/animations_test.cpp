@@ -11,13 +11,14 @@
 #include "scene/load.h"
 #include "scene/snapshot.h"
 #include "scene/traits.h"
+#include "tests/support/places.h"
 
 namespace render2mpeg::scene {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path folder = fs::path(RENDER2MPEG_SOURCE_DIR) / "animations";
+const fs::path folder = support::source_folder() / "animations";
 
 /// Each film is read once.
 const Animation& film(const std::string& name) {

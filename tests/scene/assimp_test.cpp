@@ -12,6 +12,7 @@
 #include "scene/assimp_rest_pose.h"
 #include "scene/loaders.h"
 #include "scene/snapshot.h"
+#include "tests/support/places.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -88,7 +89,7 @@ TEST_F(Assimp, TriangulatesPolygonsAndTurnsTextureCoordinatesDown) {
 }
 
 TEST_F(Assimp, OursTinyObjHasItsPartsMaterialsAndTexture) {
-    Animation a = load_with_assimp(fs::path(RENDER2MPEG_SOURCE_DIR) / "tests/scene/assimp_house/house.obj", {});
+    Animation a = load_with_assimp(support::source_folder() / "tests/scene/assimp_house/house.obj", {});
     EXPECT_EQ(triangles(a), 16u);
     ASSERT_EQ(a.objects.size(), 3u);
     EXPECT_EQ(a.images.size(), 1u);

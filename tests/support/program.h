@@ -9,6 +9,8 @@
 #include <sstream>
 #include <string>
 
+#include "tests/support/places.h"
+
 /// Runs programs as a user does, and gives each test a folder of its own.
 namespace render2mpeg::support {
 
@@ -61,11 +63,8 @@ inline std::string contents(const std::filesystem::path& file) {
     return text.str();
 }
 
-inline std::filesystem::path source_folder() {
-    return RENDER2MPEG_SOURCE_DIR;
-}
 inline std::string program() {
-    return (std::filesystem::path(RENDER2MPEG_BINARY_DIR) / "render2mpeg").string();
+    return (binary_folder() / "render2mpeg").string();
 }
 inline std::string film(const std::string& name) {
     return (source_folder() / "animations" / name).string();
