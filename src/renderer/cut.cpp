@@ -10,6 +10,7 @@
 
 #include "core/color.h"
 #include "renderer/cut_sums.h"
+#include "renderer/isa_clones.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -21,12 +22,12 @@ namespace {
 constexpr float ray_end = 1.0f - 0x1p-18f;
 
 /// A ray from each lane that the light could reach towards it.
-void aim(const GatherLanes& lanes, LightFamily family, const TreeLight& light, const LightLanes& unit,
-         ShadowPacket& packet) {
+RENDER2MPEG_ALWAYS_INLINED void aim(const GatherLanes& lanes, LightFamily family, const TreeLight& light,
+                                    const LightLanes& unit, ShadowPacket& packet) {
     const bool far_away = family == LightFamily::directional;
     const float keep = far_away ? 0.0f : 1.0f;
     const float far = far_away ? std::numeric_limits<float>::infinity() : ray_end;
-    packet.active = 0;
+    std::uint32_t active = 0;
     for (int i = 0; i < lane_count; ++i) {
         packet.origin_x[i] = lanes.origin.x[i];
         packet.origin_y[i] = lanes.origin.y[i];
@@ -35,12 +36,14 @@ void aim(const GatherLanes& lanes, LightFamily family, const TreeLight& light, c
         packet.direction_y[i] = light.position.y - keep * lanes.origin.y[i];
         packet.direction_z[i] = light.position.z - keep * lanes.origin.z[i];
         packet.far[i] = far;
-        packet.active |= unit.diffuse[i] > 0.0f ? 1u << i : 0u;
+        active |= unit.diffuse[i] > 0.0f ? 1u << i : 0u;
     }
+    packet.active = active;
 }
 
 }  // namespace
 
+RENDER2MPEG_CLONES
 void Gatherer::trace(const GatherLanes& lanes, LightFamily family, const TreeLight& light, Slot& slot,
                      GatheredLight& out) {
     evaluate_light(lanes, family, light, forest_.clamp(slot.tree), slot.unit);
@@ -57,12 +60,14 @@ void Gatherer::trace(const GatherLanes& lanes, LightFamily family, const TreeLig
         blocked = tracer_.occluded(packet, nullptr);
     }
     out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
-    float reached = 0.0f;
+    std::uint32_t reached = 0;
+    const std::uint32_t asked = packet.active;
     for (int i = 0; i < lane_count; ++i) {
-        if ((packet.active >> i & 1u) != 0) slot.visible[i] = (blocked >> i & 1u) != 0 ? 0.0f : 1.0f;
-        reached += slot.visible[i];
+        const float found = (blocked >> i & 1u) != 0 ? 0.0f : 1.0f;
+        slot.visible[i] = (asked >> i & 1u) != 0 ? found : slot.visible[i];
+        reached |= slot.visible[i] > 0.0f ? 1u : 0u;
     }
-    slot.reaches_any = reached > 0.0f;
+    slot.reaches_any = reached != 0;
     if (blocked == 0) return;
     for (int i = 0; i < lane_count; ++i) {
         const float visible = (blocked >> i & 1u) != 0 ? 0.0f : 1.0f;
@@ -114,7 +119,7 @@ void Gatherer::start_cut(const GatherLanes& lanes, GatheredLight& out) {
         Slot& slot = slots_.emplace_back();
         slot.tree = t;
         slot.ref = tree.root;
-        slot.representative = tree.representative(tree.root);
+        slot.representative = tree.representative(tree.root, lanes.set);
         std::fill(std::begin(slot.visible), std::end(slot.visible), 0.5f);
         std::fill(&slot.passes[0][0], &slot.passes[0][0] + lane_count * 3, 1.0f);
         trace(lanes, tree.family, tree.lights[slot.representative], slot, out);
@@ -124,11 +129,12 @@ void Gatherer::start_cut(const GatherLanes& lanes, GatheredLight& out) {
     for (std::uint32_t i = 0; i < slots_.size(); ++i) push(lanes, i);
 }
 
+RENDER2MPEG_CLONES
 void Gatherer::split(const GatherLanes& lanes, std::uint32_t index, GatheredLight& out) {
     const LightTree& tree = forest_.trees[slots_[index].tree];
     const LightNode& node = tree.nodes[slots_[index].ref.index()];
     // The child that holds the representative keeps its rays; only the other one, adopted, is traced.
-    const bool first_keeps = tree.representative(node.child[0]) == node.representative;
+    const bool first_keeps = tree.first_represents(slots_[index].ref, lanes.set);
     const LightRef kept = node.child[first_keeps ? 0 : 1], adopted = node.child[first_keeps ? 1 : 0];
     Slot& old = slots_[index];
     old.ref = kept;
@@ -138,7 +144,7 @@ void Gatherer::split(const GatherLanes& lanes, std::uint32_t index, GatheredLigh
     Slot& slot = slots_.emplace_back();
     slot.tree = slots_[index].tree;
     slot.ref = adopted;
-    slot.representative = tree.representative(adopted);
+    slot.representative = tree.representative(adopted, lanes.set);
     std::copy(std::begin(slots_[index].visible), std::end(slots_[index].visible), std::begin(slot.visible));
     if (forest_.translucent)
         std::copy(&slots_[index].passes[0][0], &slots_[index].passes[0][0] + lane_count * 3, &slot.passes[0][0]);
@@ -149,6 +155,7 @@ void Gatherer::split(const GatherLanes& lanes, std::uint32_t index, GatheredLigh
     push(lanes, added);
 }
 
+RENDER2MPEG_CLONES
 void Gatherer::sum_finely(const GatherLanes& lanes, const Slot& slot, CutSums& sums) const {
     const LightTree& tree = forest_.trees[slot.tree];
     const bool direct = LightForest::is_direct(slot.tree);
@@ -163,7 +170,7 @@ void Gatherer::sum_finely(const GatherLanes& lanes, const Slot& slot, CutSums& s
         for (const LightRef part : tree.nodes[child.index()].child) parts[count++] = part;
     }
     for (int p = 0; p < count; ++p) {
-        const std::uint32_t representative = tree.representative(parts[p]);
+        const std::uint32_t representative = tree.representative(parts[p], lanes.set);
         const glm::vec3 intensity = tree.intensity(parts[p]);
         if (representative == slot.representative) {
             sums.add(slot.unit, slot.passes, intensity, direct);

@@ -57,6 +57,7 @@ class Gatherer {
   private:
     /// One cluster of the cut: what its representative sends and whom it reaches.
     struct alignas(64) Slot {
+        Slot() {}         // leaves lanes as they are
         LightLanes unit;  ///< visibility included
         Lanes bound;      ///< of its luminance if all of it were visible; 0 for a single light
         Lanes visible;    ///< 0 or 1 as its rays found; where none was needed, as its parent; 0.5 where nobody knows

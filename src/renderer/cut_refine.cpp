@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "renderer/cut.h"
+#include "renderer/isa_clones.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -11,8 +12,13 @@ namespace {
 /// sum. chosen: 1e8, which leaves half of a double's; clusters that hold the point itself reach 1e30.
 constexpr float drowning_urgency = 1e8f;
 
+RENDER2MPEG_ALWAYS_INLINED float finite(float bound) {
+    return bound < std::numeric_limits<float>::max() ? bound : std::numeric_limits<float>::max();
+}
+
 }  // namespace
 
+RENDER2MPEG_CLONES
 void Gatherer::push(const GatherLanes& lanes, std::uint32_t index) {
     Slot& slot = slots_[index];
     slot.is_open = false;
@@ -36,6 +42,7 @@ std::uint32_t Gatherer::pop() {
     return slot;
 }
 
+RENDER2MPEG_CLONES
 void Gatherer::sum_luminance(const GatherLanes& lanes) {
     for (int i = 0; i < lane_count; ++i) luminance_[i] = exact_luminance_[i];
     for (const Slot& slot : slots_) add_slot(lanes, slot, forest_.trees[slot.tree].intensity(slot.ref), luminance_);
@@ -78,22 +85,23 @@ void Gatherer::refine_classic(const GatherLanes& lanes, const CutLimits& limits,
         for (int i = 0; i < lane_count; ++i) out.error[i] = std::max(out.error[i], slot.bound[i]);
 }
 
+RENDER2MPEG_CLONES
 void Gatherer::add_square(std::uint32_t index, double sign) {
     const Slot& slot = slots_[index];
     for (int i = 0; i < lane_count; ++i) {
-        const double bound = std::min(std::numeric_limits<float>::max(), slot.bound[i]);
+        const double bound = finite(slot.bound[i]);
         squares_[i] += sign * (bound * bound);
     }
 }
 
+RENDER2MPEG_CLONES
 void Gatherer::sum_afresh(const GatherLanes& lanes) {
     sum_luminance(lanes);
     std::fill(std::begin(squares_), std::end(squares_), 0.0);
     std::fill(std::begin(largest_), std::end(largest_), 0.0f);
     for (std::uint32_t s = 0; s < slots_.size(); ++s) {
         add_square(s, 1.0);
-        for (int i = 0; i < lane_count; ++i)
-            largest_[i] = std::max(largest_[i], std::min(std::numeric_limits<float>::max(), slots_[s].bound[i]));
+        for (int i = 0; i < lane_count; ++i) largest_[i] = std::max(largest_[i], finite(slots_[s].bound[i]));
     }
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "renderer/gather_lanes.h"
+#include "renderer/lane_sums.h"
 #include "renderer/stop.h"
 
 namespace render2mpeg::renderer {
@@ -41,24 +42,24 @@ class CutRule {
     Stop stop() const { return stop_; }
 
     /// Takes the luminance gathered so far, which moves the relative tolerances.
-    void observe(const Lanes& luminance) {
+    RENDER2MPEG_ALWAYS_INLINED void observe(const Lanes& luminance) {
         for (int i = 0; i < lane_count; ++i) {
-            light_[i] = std::max(luminance[i], 0.0f) + base_[i];
-            tolerance_[i] = std::max(absolute_[i], relative_[i] * light_[i]);
-            inverse_[i] = caution_ / std::max(tolerance_[i], least_tolerance);
+            light_[i] = inlined::max(luminance[i], 0.0f) + base_[i];
+            tolerance_[i] = inlined::max(absolute_[i], relative_[i] * light_[i]);
+            inverse_[i] = caution_ / inlined::max(tolerance_[i], least_tolerance);
         }
     }
 
     /// How urgently a cluster with these bounds wants to be refined. Classic: the largest bound in units of the point's
     /// tolerance; honest: the sum of their squares.
-    float urgency(const Lanes& bound) const {
-        float largest = 0.0f, sum = 0.0f;
+    RENDER2MPEG_ALWAYS_INLINED float urgency(const Lanes& bound) const {
+        alignas(64) Lanes share, square;
         for (int i = 0; i < lane_count; ++i) {
-            const float share = std::min(largest_share, bound[i] * inverse_[i]);
-            largest = std::max(largest, share);
-            sum += share * share;
+            const float of_tolerance = bound[i] * inverse_[i];
+            share[i] = of_tolerance < largest_share ? of_tolerance : largest_share;
+            square[i] = share[i] * share[i];
         }
-        return stop_ == Stop::classic ? largest : sum;
+        return stop_ == Stop::classic ? largest_of(share) : sum_of(square);
     }
 
     /// Classic: whether a cluster of this urgency may stay as it is.

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 
+#include "renderer/isa_clones.h"
+
 namespace render2mpeg::renderer {
 namespace {
 
-void add_to(RgbLanes& sum, const Lanes& unit, glm::vec3 intensity) {
+RENDER2MPEG_ALWAYS_INLINED void add_to(RgbLanes& sum, const Lanes& unit, glm::vec3 intensity) {
     const float red = intensity.x, green = intensity.y, blue = intensity.z;
     for (int i = 0; i < lane_count; ++i) {
         sum.r[i] += unit[i] * red;
@@ -14,7 +16,8 @@ void add_to(RgbLanes& sum, const Lanes& unit, glm::vec3 intensity) {
     }
 }
 
-void add_tinted(RgbLanes& sum, const Lanes& unit, const float (&passes)[lane_count][3], glm::vec3 intensity) {
+RENDER2MPEG_ALWAYS_INLINED void add_tinted(RgbLanes& sum, const Lanes& unit, const float (&passes)[lane_count][3],
+                                           glm::vec3 intensity) {
     for (int i = 0; i < lane_count; ++i) {
         sum.r[i] += unit[i] * passes[i][0] * intensity.x;
         sum.g[i] += unit[i] * passes[i][1] * intensity.y;
@@ -34,6 +37,7 @@ void add_to(RgbLanes& sum, const RgbLanes& part) {
 
 CutSums::CutSums(const GatherLanes& lanes, bool translucent) : lanes_(lanes), translucent_(translucent) {}
 
+RENDER2MPEG_CLONES
 void CutSums::add(const LightLanes& unit, const float (&passes)[lane_count][3], glm::vec3 intensity, bool direct) {
     RgbLanes& irradiance = direct ? part_.direct : part_.indirect;
     if (translucent_) {

@@ -29,34 +29,51 @@ bool belongs(const GatherPoint& first, const GatherPoint& other, glm::vec3 eye) 
 }
 
 /// Adds a point to the first group that takes it, or to a new one.
-void assign(std::uint32_t index, const GatherTile& tile, glm::vec3 eye, std::vector<GatherGroup>& groups) {
+void assign(std::uint32_t index, int set, const GatherTile& tile, glm::vec3 eye, std::vector<GatherGroup>& groups) {
     for (GatherGroup& group : groups) {
-        if (group.size() >= lane_count || !belongs(tile[group.front()], tile[index], eye)) continue;
-        group.push_back(index);
+        if (group.points.size() >= lane_count || !belongs(tile[group.points.front()], tile[index], eye)) continue;
+        group.points.push_back(index);
         return;
     }
-    groups.push_back({index});
+    groups.push_back({{index}, set});
 }
+
+/// The pixels of a tile in blocks of sixteen that share a set: the places of one phase of a pattern of stride x stride
+/// pixels, in an area of 4 stride x 4 stride.
+struct Pattern {
+    int stride, across;
+    explicit Pattern(int sets) : stride(sets == 16 ? 4 : sets == 4 ? 2 : 1), across(tile_size / (4 * stride)) {}
+
+    int set(int x, int y) const {
+        // Pixels of a square of four take aligned sets, which are stratified among themselves.
+        const int in_square = x % 2 + 2 * (y % 2), square = x / 2 % 2 + 2 * (y / 2 % 2);
+        return stride == 1 ? 0 : stride == 2 ? in_square : 4 * square + in_square;
+    }
+    std::size_t block(int x, int y) const {
+        const int area = 4 * stride;
+        return static_cast<std::size_t>((y / area * across + x / area) * stride * stride + set(x, y));
+    }
+};
 
 }  // namespace
 
-std::vector<GatherGroup> group_points(const GatherTile& tile, glm::vec3 eye) {
-    std::array<std::vector<std::uint32_t>, blocks_across * blocks_across> blocks;
-    for (std::uint32_t i = 0; i < tile.size(); ++i) {
-        const int x = tile[i].pixel % tile_size, y = tile[i].pixel / tile_size;
-        blocks[static_cast<std::size_t>(y / block_size * blocks_across + x / block_size)].push_back(i);
-    }
+std::vector<GatherGroup> group_points(const GatherTile& tile, glm::vec3 eye, int sets) {
+    const Pattern pattern(sets);
+    std::array<std::vector<std::uint32_t>, tile_size * tile_size / lane_count> blocks;
+    for (std::uint32_t i = 0; i < tile.size(); ++i)
+        blocks[pattern.block(tile[i].pixel % tile_size, tile[i].pixel / tile_size)].push_back(i);
     // Group within blocks; then let the scattered small groups of the tile find each other, so that packets are full.
     std::vector<GatherGroup> groups, small;
     for (const auto& block : blocks) {
         std::vector<GatherGroup> of_block;
-        for (const std::uint32_t i : block) assign(i, tile, eye, of_block);
+        for (const std::uint32_t i : block)
+            assign(i, pattern.set(tile[i].pixel % tile_size, tile[i].pixel / tile_size), tile, eye, of_block);
         for (GatherGroup& group : of_block)
-            (2 * group.size() >= lane_count ? groups : small).push_back(std::move(group));
+            (2 * group.points.size() >= lane_count ? groups : small).push_back(std::move(group));
     }
     std::vector<GatherGroup> merged;
     for (const GatherGroup& group : small)
-        for (const std::uint32_t i : group) assign(i, tile, eye, merged);
+        for (const std::uint32_t i : group.points) assign(i, group.set, tile, eye, merged);
     for (GatherGroup& group : merged) groups.push_back(std::move(group));
     return groups;
 }

@@ -8,11 +8,20 @@
 
 namespace render2mpeg::renderer {
 
-/// Indices into a tile of up to sixteen gather points that are gathered together.
-using GatherGroup = std::vector<std::uint32_t>;
+/// Sets that neighbouring pixels share out among themselves. chosen: 4 of 1, 4 and 16 (docs/decisions/0016).
+inline constexpr int representative_sets = 4;
 
-/// Parts the points of a tile into groups: those of a 4x4 block that lie on much the same surface. Grouping decides
-/// only how much work points share, never how well any of them is lit. `eye` is where distances are judged from.
-std::vector<GatherGroup> group_points(const GatherTile& tile, glm::vec3 eye);
+/// Up to sixteen gather points that are gathered together.
+struct GatherGroup {
+    std::vector<std::uint32_t> points;  ///< indices into their tile, at least one
+    int set = 0;                        ///< of representatives that they are lit by
+};
+
+/// Parts the points of a tile into groups: those of one representative set and one block that lie on much the same
+/// surface. A pixel's set is its place in a pattern of `sets` (1, 4 or 16) pixels that repeats over the picture, so
+/// that the error of a set is spread over the picture as a pattern of the highest frequency, not as a stain. Grouping
+/// decides only how much work points share, never how well any of them is lit. `eye` is where distances are judged
+/// from.
+std::vector<GatherGroup> group_points(const GatherTile& tile, glm::vec3 eye, int sets);
 
 }  // namespace render2mpeg::renderer

@@ -110,7 +110,6 @@ void sort_and_merge(std::vector<TreeLight>& lights, LightFamily family) {
 void reorder(LightTree& tree) {
     std::vector<LightNode> nodes;
     std::vector<TreeLight> lights;
-    std::vector<std::uint32_t> new_light(tree.lights.size());
     nodes.reserve(tree.nodes.size());
     lights.reserve(tree.lights.size());
     struct Visit {
@@ -125,7 +124,6 @@ void reorder(LightTree& tree) {
         stack.pop_back();
         LightRef to;
         if (v.from.is_leaf()) {
-            new_light[v.from.index()] = static_cast<std::uint32_t>(lights.size());
             to = LightRef::leaf(static_cast<std::uint32_t>(lights.size()));
             lights.push_back(tree.lights[v.from.index()]);
         } else {
@@ -140,7 +138,6 @@ void reorder(LightTree& tree) {
         else
             nodes[v.parent].child[v.side] = to;
     }
-    for (LightNode& node : nodes) node.representative = new_light[node.representative];
     tree.nodes = std::move(nodes);
     tree.lights = std::move(lights);
 }

@@ -43,7 +43,7 @@ struct TreeLight {
     float spot_offset = 1;
 };
 
-/// An inner node: 64 bytes, one cache line. Its two children, its representative and what bounds need.
+/// An inner node: 64 bytes, one cache line. Its two children, its representatives and what bounds need.
 struct alignas(64) LightNode {
     glm::vec3 middle{0};    ///< of a box that holds all positions (directional: directions)
     float least_disc2 = 0;  ///< least and largest TreeLight::disc2 below
@@ -52,10 +52,15 @@ struct alignas(64) LightNode {
     glm::vec3 intensity{0};  ///< summed
     float cone_cosine = 1;   ///< of the half angle of a cone about `axis` that holds all normals; -1: all directions
     LightRef child[2];
-    std::uint32_t representative = 0;  ///< light, chosen with a probability in proportion to its intensity
+    /// Bit k: the representative of set k is that of the first child; chosen by dice in proportion to intensity.
+    std::uint16_t first_represents = 0xffff;
     core::PackedNormal axis;
 };
 static_assert(sizeof(TreeLight) <= 56 && sizeof(LightNode) == 64);
+
+/// Sets of representatives: in each, every node has one of its lights, one of its children's. Whoever gathers takes one
+/// set; neighbouring pixels take different ones, so that their errors are not alike (docs/model.md, "Lightcut").
+inline constexpr int most_representative_sets = 16;
 
 /// A binary tree over light points of one family [Walter2005, 4.1], clustered bottom up. Plain data, fixed once built.
 struct LightTree {
@@ -68,8 +73,14 @@ struct LightTree {
     glm::vec3 intensity(LightRef ref) const {
         return ref.is_leaf() ? lights[ref.index()].intensity : nodes[ref.index()].intensity;
     }
-    std::uint32_t representative(LightRef ref) const {
-        return ref.is_leaf() ? ref.index() : nodes[ref.index()].representative;
+    /// The light that stands for a node in a set, 0..most_representative_sets - 1.
+    std::uint32_t representative(LightRef ref, int set = 0) const {
+        while (!ref.is_leaf()) ref = nodes[ref.index()].child[first_represents(ref, set) ? 0 : 1];
+        return ref.index();
+    }
+    /// Whether an inner node's representative is its first child's.
+    bool first_represents(LightRef inner, int set) const {
+        return (nodes[inner.index()].first_represents >> set & 1u) != 0;
     }
     /// Bytes held, for the budget per light.
     std::size_t bytes() const { return nodes.capacity() * sizeof(LightNode) + lights.capacity() * sizeof(TreeLight); }

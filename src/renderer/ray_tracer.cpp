@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "renderer/flush_denormals.h"
+#include "renderer/isa_clones.h"
 #include "renderer/traced_scene.h"
 
 namespace render2mpeg::renderer {
@@ -40,6 +41,53 @@ RTCRay ray_of(glm::vec3 origin, glm::vec3 direction, float near, float far) {
     ray.tfar = far;
     ray.mask = 0xffffffffu;
     return ray;
+}
+
+/// 1 or 0, without a branch; 0 for NaN.
+RENDER2MPEG_ALWAYS_INLINED int fits(float v) {
+    return inlined::abs(v) <= largest_component ? 1 : 0;
+}
+
+/// Copies a packet's rays and marks those that can be traced. Returns whether there are any.
+RENDER2MPEG_CLONES
+bool load(const ShadowPacket& packet, RTCRay16& rays, int* valid) {
+    int any = 0;
+    for (int i = 0; i < 16; ++i) {
+        const int asked = static_cast<int>(packet.active >> i & 1u);
+        const int traced = asked & fits(packet.origin_x[i]) & fits(packet.origin_y[i]) & fits(packet.origin_z[i]) &
+                           fits(packet.direction_x[i]) & fits(packet.direction_y[i]) & fits(packet.direction_z[i]) &
+                           (packet.far[i] > 0.0f ? 1 : 0);
+        valid[i] = -traced;
+        any |= traced;
+    }
+    for (int i = 0; i < 16; ++i) {
+        const bool traced = valid[i] != 0;
+        rays.org_x[i] = traced ? packet.origin_x[i] : 0.0f;
+        rays.org_y[i] = traced ? packet.origin_y[i] : 0.0f;
+        rays.org_z[i] = traced ? packet.origin_z[i] : 0.0f;
+        rays.dir_x[i] = traced ? packet.direction_x[i] : 0.0f;
+        rays.dir_y[i] = traced ? packet.direction_y[i] : 0.0f;
+        rays.dir_z[i] = traced ? packet.direction_z[i] : 0.0f;
+        rays.tnear[i] = 0.0f;
+        rays.tfar[i] = traced ? packet.far[i] : 0.0f;
+        rays.time[i] = 0.0f;
+        rays.mask[i] = 0xffffffffu;
+        rays.id[i] = static_cast<unsigned>(i);
+        rays.flags[i] = 0;
+    }
+    return any != 0;
+}
+
+/// Bit i: ray i was traced and met something. Such rays are traced no more.
+RENDER2MPEG_CLONES
+std::uint32_t take_blocked(const RTCRay16& rays, int* valid) {
+    std::uint32_t blocked = 0;
+    for (int i = 0; i < 16; ++i) {
+        const bool hit = valid[i] != 0 && rays.tfar[i] < 0.0f;
+        blocked |= hit ? 1u << i : 0u;
+        valid[i] = hit ? 0 : valid[i];
+    }
+    return blocked;
 }
 
 }  // namespace
@@ -202,48 +250,22 @@ Hit RayTracer::nearest(glm::vec3 origin, glm::vec3 direction, float far) const {
 }
 
 std::uint32_t RayTracer::occluded(const ShadowPacket& packet, glm::vec3* light) const {
-    // Copy the packet, without the rays that must not be traced.
     const FlushDenormals flushed;
     alignas(64) int valid[16];
-    RTCRay16 rays{};
-    bool any = false;
-    for (int i = 0; i < 16; ++i) {
-        const glm::vec3 origin{packet.origin_x[i], packet.origin_y[i], packet.origin_z[i]};
-        const glm::vec3 direction{packet.direction_x[i], packet.direction_y[i], packet.direction_z[i]};
-        const bool traced = ((packet.active >> i) & 1u) != 0 && is_traceable(origin, direction, packet.far[i]);
-        valid[i] = traced ? -1 : 0;
-        any = any || traced;
-        if (!traced) continue;
-        rays.org_x[i] = origin.x, rays.org_y[i] = origin.y, rays.org_z[i] = origin.z;
-        rays.dir_x[i] = direction.x, rays.dir_y[i] = direction.y, rays.dir_z[i] = direction.z;
-        rays.tfar[i] = packet.far[i];
-        rays.mask[i] = 0xffffffffu;
-        rays.id[i] = static_cast<unsigned>(i);
-    }
-    if (!any) return 0;
+    RTCRay16 rays;
+    if (!load(packet, rays, valid)) return 0;
 
     Impl::ShadowContext context;
     impl_->begin(context, RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
     rtcOccluded16(valid, impl_->scene.still(), &context.embree, &rays);
-    std::uint32_t blocked = 0;
-    const auto count_blocked = [&] {
-        bool all = true;
-        for (int i = 0; i < 16; ++i) {
-            if (valid[i] == 0) continue;
-            if (rays.tfar[i] < 0.0f) {
-                blocked |= 1u << i;
-                valid[i] = 0;
-            }
-            all = all && valid[i] == 0;
-        }
-        return all;
-    };
-    if (!count_blocked() && impl_->scene.has_instances()) {
+    std::uint32_t blocked = take_blocked(rays, valid);
+    const bool all_blocked = std::all_of(valid, valid + 16, [](int v) { return v == 0; });
+    if (!all_blocked && impl_->scene.has_instances()) {
         // Rays that nothing still blocks may meet what moves.
-        for (unsigned& mask : rays.mask) mask = TracedScene::moving_mask;
+        std::fill(std::begin(rays.mask), std::end(rays.mask), TracedScene::moving_mask);
         context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
         rtcOccluded16(valid, impl_->scene.root(), &context.embree, &rays);
-        count_blocked();
+        blocked |= take_blocked(rays, valid);
     }
     if (light != nullptr && context.met != 0) {
         for (int i = 0; i < 16; ++i)
@@ -264,8 +286,9 @@ glm::vec3 RayTracer::passes(glm::vec3 origin, glm::vec3 direction, float far) co
 }
 
 glm::vec3 offset_origin(glm::vec3 position, glm::vec3 geometric_normal, glm::vec3 direction, float error) {
-    // chosen: 2^-18 of the largest coordinate is 32 to 64 of its ulps; on closed spheres at any scale and distance no ray then meets
-    // what it leaves, while a fixed 1e-3 shadows 37 % of them at a size of 1000 and a hundred radii away.
+    // chosen: 2^-18 of the largest coordinate is 32 to 64 of its ulps; on closed spheres at any scale and distance no
+    // ray then meets what it leaves, while a fixed 1e-3 shadows 37 % of them at a size of 1000 and a hundred radii
+    // away.
     const float largest = std::max({std::abs(position.x), std::abs(position.y), std::abs(position.z)});
     const float distance = std::max(largest * 0x1p-18f, error);
     return position + (glm::dot(direction, geometric_normal) < 0.0f ? -distance : distance) * geometric_normal;

@@ -79,9 +79,10 @@ void TileShader::tolerances(std::span<const GatherPoint* const> points, const Pi
 
 void TileShader::gather(const GatherTile& tile, const GatherGroup& group, const PixelShares& shares) {
     const GatherPoint* points[lane_count] = {};
-    for (std::size_t i = 0; i < group.size(); ++i) points[i] = &tile[group[i]];
-    const std::span<const GatherPoint* const> used(points, group.size());
+    for (std::size_t i = 0; i < group.points.size(); ++i) points[i] = &tile[group.points[i]];
+    const std::span<const GatherPoint* const> used(points, group.points.size());
     fill(lanes_, used);
+    lanes_.set = group.set;
     if (tolerance_.is_reference()) {
         gatherer_.gather_all(lanes_, gathered_);
     } else {
@@ -89,18 +90,18 @@ void TileShader::gather(const GatherTile& tile, const GatherGroup& group, const 
         tolerances(used, shares, tolerance);
         gatherer_.gather(lanes_, tolerance, settings_.limits, gathered_);
     }
-    const auto size = static_cast<std::uint64_t>(group.size());
+    const auto size = static_cast<std::uint64_t>(group.points.size());
     counts_.groups += 1;
     counts_.gather_points += size;
     counts_.shadow_rays += gathered_.shadow_rays;
     counts_.capped_points +=
-        static_cast<std::uint64_t>(__builtin_popcount(gathered_.capped & ((1u << group.size()) - 1u)));
+        static_cast<std::uint64_t>(__builtin_popcount(gathered_.capped & ((1u << group.points.size()) - 1u)));
     counts_.direct_clusters += size * static_cast<std::uint64_t>(gathered_.direct_clusters);
     counts_.indirect_clusters += size * static_cast<std::uint64_t>(gathered_.indirect_clusters);
-    for (std::size_t i = 0; i < group.size(); ++i) {
+    for (std::size_t i = 0; i < group.points.size(); ++i) {
         const int lane = static_cast<int>(i);
         const GatherPoint& p = *points[i];
-        PointLight& light = light_[group[i]];
+        PointLight& light = light_[group.points[i]];
         light.direct = gathered_.direct.at(lane) * lobe::inverse_pi;
         light.indirect = gathered_.indirect.at(lane) * lobe::inverse_pi;
         if (p.point.bsdf.has_glossy())
@@ -213,7 +214,7 @@ ShadeCounts TileShader::shade(std::size_t tile_index) {
     PixelShares shares;
     for (const GatherPoint& p : tile) shares.weight[p.pixel] += core::luminance(p.weight);
     light_.assign(tile.size(), {});
-    for (const GatherGroup& group : group_points(tile, eye_)) gather(tile, group, shares);
+    for (const GatherGroup& group : group_points(tile, eye_, representative_sets)) gather(tile, group, shares);
     add_to_pixels(tile);
     for (int y = tile_y_; y < y_end; ++y)
         for (int x = tile_x_; x < x_end; ++x) check(x, y);
