@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/module.h"
 #include "encoder/av/backend.h"
+#include "encoder/av/inspect.h"
 #include "encoder/cadence.h"
 
 namespace render2mpeg::av {
@@ -98,6 +99,10 @@ void Muxer::finish() {
 
 void decode(const std::filesystem::path& file, const std::function<void(const core::Picture&)>& picture) {
     backend().decode(file, picture);
+}
+
+Inspection inspect(const std::filesystem::path& file) {
+    return backend().inspect(file);
 }
 
 }  // namespace render2mpeg::av

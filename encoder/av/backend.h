@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/picture.h"
+#include "encoder/av/inspect.h"
 #include "encoder/av/sequence_facts.h"
 #include "encoder/encoder.h"
 
@@ -35,6 +36,7 @@ class Backend {
                                               const encoder::Settings& settings, const SequenceFacts& facts) const = 0;
     virtual void decode(const std::filesystem::path& file,
                         const std::function<void(const core::Picture&)>& picture) const = 0;
+    virtual Inspection inspect(const std::filesystem::path& file) const = 0;
 };
 
 }  // namespace render2mpeg::av

@@ -39,6 +39,9 @@ void Bookkeeper::coded(const encoder::CodedPicture& coded) {
         ledger_.frames[first_ + static_cast<std::size_t>(coded.plan.number - ledger_.frames[first_].frame)];
     entry.type = "-IPB"[static_cast<int>(coded.plan.type)];
     entry.quantiser = coded.quantiser;
+    double sum = 0;
+    for (const encoder::MacroblockRecord& macroblock : coded.macroblocks.values()) sum += macroblock.quantiser;
+    entry.mean_quantiser = core::divide_or(sum, static_cast<double>(coded.macroblocks.size()), 0.0);
     entry.planned_quantiser = coded.plan.quantiser;
     entry.bytes = coded.bytes.size();
     entry.tries = coded.tries;

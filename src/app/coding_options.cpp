@@ -11,7 +11,7 @@ void add_coding_options(CLI::App& command, CodingOptions& options) {
     const std::string coding = "MPEG-2";
     command
         .add_option("--for", options.preset,
-                    "Where the film goes: dvd-ntsc, dvd-pal or atsc. Sets size, rate, shape, GOPs, rates and buffer\n"
+                    "Where the film goes: dvd-ntsc, dvd-pal or atsc. Sets size, rate, shape, GOPs, rates and buffer "
                     "(docs/presets.md); options that contradict are refused")
         ->type_name("WORLD")
         ->check(CLI::IsMember(preset_names()))
@@ -56,7 +56,7 @@ void add_shape_options(CLI::App& command, CodingOptions& options) {
     CLI::Option* display =
         command
             .add_option("--display-aspect", options.display_aspect,
-                        "Shape of the whole picture as shown, e.g. 16:9 (default: as the animation file or the frames\n"
+                        "Shape of the whole picture as shown, e.g. 16:9 (default: as the animation file or the frames "
                         "say, else of square pixels)")
             ->type_name("W:H")
             ->check(checked(core::ratio_from, ""))

@@ -17,6 +17,7 @@
 #include "app/publish.h"
 #include "app/rate_options.h"
 #include "app/statistics.h"
+#include "app/unused_options.h"
 #include "app/vector_layers.h"
 #include "core/error.h"
 #include "encoder/allotment.h"
@@ -142,8 +143,7 @@ bool encode_chunk(Job& job, const encoder::Settings& settings, const Chunk& chun
 std::vector<encoder::Allotment> first_pass(Job& job, bool quiet) {
     encoder::Settings fast = job.film.coding;
     fast.effort = encoder::Effort::fast;
-    Progress progress(job.film.frame_count(), 0, quiet);
-    progress.say("first pass");
+    Progress progress(job.film.frame_count(), quiet, "first pass");
     std::vector<encoder::PassPicture> film;
     Ledger ledger;
     for (const Chunk& chunk : chunks_of(job.film.frames, fast.gop)) {
@@ -161,7 +161,7 @@ std::vector<encoder::Allotment> first_pass(Job& job, bool quiet) {
 }
 
 std::vector<ChunkFile> encode_chunks(Job& job, const EncodeOptions& options, WorkFolder& work, Ledger& ledger) {
-    Progress progress(job.film.frame_count(), 0, options.quiet);
+    Progress progress(job.film.frame_count(), options.quiet);
     std::vector<ChunkFile> files;
     for (const Chunk& chunk : chunks_of(job.film.frames, job.film.coding.gop)) {
         files.push_back(work.open(chunk));
@@ -189,37 +189,46 @@ std::vector<ChunkFile> encode_chunks(Job& job, const EncodeOptions& options, Wor
     return files;
 }
 
+/// What the film will lack, and which options do nothing.
+void say_notes(const Job& job, const EncodeOptions& options) {
+    std::vector<std::string> notes = unused_options(options);
+    notes.push_back(unused_keyframes(job.film.keyframes, job.film.frames));
+    if (!job.motion)
+        notes.emplace_back(
+            "no --motion: vectors will be poor, since they are guessed from neighbours and never searched");
+    for (const std::string& note : notes)
+        if (!note.empty()) std::fputs((note + "\n").c_str(), stderr);
+}
+
 }  // namespace
 
 int encode(const EncodeOptions& options, const std::string& command) {
     const auto start = std::chrono::steady_clock::now();
     const parallel::ThreadLimit threads(options.threads);
-    const InterruptGuard guard;
+    const InterruptGuard guard(options.quiet);
 
     // Read and settle everything before anything is written.
     Ledger ledger;
     Job job = timed(ledger, Stage::load, [&] { return prepare(options); });
-    if (!job.motion && !options.quiet)
-        std::fputs("no --motion: vectors will be poor, since they are guessed from neighbours and never searched\n",
-                   stderr);
+    if (!options.quiet) say_notes(job, options);
     check_writable(options.output);
     if (options.stats) check_writable(*options.stats);
+    WorkFolder work(options.output, job.film, command);
 
     if (two_passes(options.coding))
         job.allotments = timed(ledger, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
     if (InterruptGuard::requested()) {
         std::fputs("interrupted before the first frame: nothing was written\n", stderr);
-        return 130;
+        return InterruptGuard::status();
     }
 
     // Encode; publish what is whole, leave what is not beside the target.
-    WorkFolder work(options.output, job.film, command);
     const std::vector<ChunkFile> chunks = encode_chunks(job, options, work, ledger);
     const bool complete = static_cast<std::int64_t>(ledger.frames.size()) == job.film.frame_count();
     const std::filesystem::path target = complete ? options.output : partial_film_of(options.output);
     RunFacts facts{command, options.input.string(), target.string(), 0, complete};
     facts.bytes = publish(chunks, job.film, work, target);
-    if (complete) work.remove();
+    if (complete) clear_away(options.output, work);
     ledger.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     ledger.rendering.non_finite = job.frames->non_finite();
 
@@ -229,7 +238,7 @@ int encode(const EncodeOptions& options, const std::string& command) {
         std::fputs(
             fmt::format("interrupted after {} of {} frames\n", ledger.frames.size(), job.film.frame_count()).c_str(),
             stderr);
-    return complete ? 0 : 130;
+    return complete ? 0 : InterruptGuard::status();
 }
 
 }  // namespace render2mpeg::app

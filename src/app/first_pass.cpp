@@ -61,8 +61,7 @@ int usual_quantiser(const encoder::Settings& settings) {
 std::vector<encoder::Allotment> first_pass(const Production& film, bool quiet) {
     const Production pass = small(film);
     renderer::Renderer renderer(*pass.animation, pass.rendering, pass.plan);
-    Progress progress(film.frame_count(), 0, quiet);
-    progress.say("first pass");
+    Progress progress(film.frame_count(), quiet, "first pass");
     Collector collector;
     Ledger ledger;
     for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <system_error>
 #include <utility>
 
 #include "app/output_kind.h"
-#include "app/publish.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
@@ -83,6 +83,30 @@ core::Plane<float> quantisers_of(const encoder::CodedPicture& coded) {
     return values;
 }
 
+/// Stretched or shrunk to another width; every pixel is one of those that were.
+core::Plane<float> widened(const core::Plane<float>& values, int width) {
+    core::Plane<float> result(width, values.height());
+    for (int y = 0; y < values.height(); ++y)
+        for (int x = 0; x < width; ++x) result.at(x, y) = values.at((2 * x + 1) * values.width() / (2 * width), y);
+    return result;
+}
+
+/// How a heatmap of the film is coded: every picture by itself and finely, since edges of false colours are not to
+/// smear. In square pixels, whatever the film's are: with the legend the whole has a shape that MPEG-2 cannot say.
+encoder::Settings heatmap_settings(const Production& film) {
+    encoder::Settings settings;
+    settings.width =
+        std::max(1, static_cast<int>(std::lround(static_cast<float>(film.format.width) * film.format.pixel_aspect)));
+    settings.height = film.format.height + perceptual::legend_height;
+    settings.rate = film.rate;
+    settings.quantiser = 2;
+    settings.gop = 1;
+    settings.b_pictures = 0;
+    settings.effort = encoder::Effort::fast;
+    settings.matrix_coefficients = static_cast<int>(perceptual::matrix_for(film.format.height));
+    return settings;
+}
+
 }  // namespace
 
 HeatSubject heat_subject_from(const std::string& name) {
@@ -97,23 +121,13 @@ HeatmapFilm::HeatmapFilm(HeatSubject subject, std::filesystem::path output, cons
     : subject_(subject),
       output_(std::move(output)),
       unfinished_(output_.string() + ".unfinished"),
+      settings_(heatmap_settings(film)),
       matrix_(perceptual::matrix_for(film.format.height)),
       scale_(scale_of(subject)),
       first_(film.frames.first),
-      next_(film.frames.first) {
-    // Every picture by itself and finely: edges of false colours are not to smear.
-    settings_.width = film.format.width;
-    settings_.height = film.format.height + perceptual::legend_height;
-    settings_.rate = film.rate;
-    settings_.quantiser = 2;
-    settings_.gop = 1;
-    settings_.b_pictures = 0;
-    settings_.effort = encoder::Effort::fast;
-    settings_.matrix_coefficients = static_cast<int>(matrix_);
-    encoder::check(settings_);
-    encoder_ = std::make_unique<encoder::Encoder>(settings_);
-    muxer_ = std::make_unique<av::Muxer>(unfinished_, output_, settings_);
-}
+      next_(film.frames.first),
+      encoder_(std::make_unique<encoder::Encoder>(settings_)),
+      muxer_(std::make_unique<av::Muxer>(unfinished_, output_, settings_)) {}
 
 HeatmapFilm::~HeatmapFilm() {
     muxer_.reset();
@@ -132,7 +146,9 @@ void HeatmapFilm::coded(const encoder::CodedPicture& coded) {
 void HeatmapFilm::show(std::int64_t number, core::Plane<float> values) {
     early_.emplace(number, std::move(values));
     for (auto next = early_.find(next_); next != early_.end(); next = early_.find(next_)) {
-        core::Picture picture = perceptual::heatmap(next->second, scale_, matrix_);
+        core::Picture picture = perceptual::heatmap(
+            next->second.width() == settings_.width ? next->second : widened(next->second, settings_.width), scale_,
+            matrix_);
         picture.number = next_;
         const encoder::PicturePlan plan = encoder_->plan(next_, {}, next_ == first_);
         for (encoder::CodedPicture& coded : encoder_->push(picture, plan, {})) {
@@ -161,7 +177,7 @@ void HeatmapFilm::finish() {
     if (error) throw core::Error("writing", output_.string(), error.message());
 }
 
-HeatmapFilms::HeatmapFilms(const RenderOptions& options, const Production& film) {
+void check_heatmaps(const RenderOptions& options, const Production& film) {
     for (const auto& [name, output] : options.heatmaps) {
         const HeatSubject subject = heat_subject_from(name);
         if (kind_of(output) != OutputKind::film)
@@ -170,9 +186,18 @@ HeatmapFilms::HeatmapFilms(const RenderOptions& options, const Production& film)
             throw core::Error("heatmap quantiser: only films have one");
         if (subject == HeatSubject::tolerance && film.tolerance.reference)
             throw core::Error("heatmap tolerance: `--tolerance reference` has none");
-        check_writable(output);
-        films_.emplace_back(subject, output, film);
+        try {
+            encoder::check(heatmap_settings(film));
+        } catch (const core::Error& error) {
+            throw core::Error("heatmap " + name + ": the film with a legend of " +
+                              std::to_string(perceptual::legend_height) +
+                              " lines below cannot be coded: " + error.what());
+        }
     }
+}
+
+HeatmapFilms::HeatmapFilms(const RenderOptions& options, const Production& film) {
+    for (const auto& [name, output] : options.heatmaps) films_.emplace_back(heat_subject_from(name), output, film);
 }
 
 }  // namespace render2mpeg::app

@@ -26,7 +26,12 @@ enum class HeatSubject {
 /// The subject of that name. Throws core::Error with the list of names.
 HeatSubject heat_subject_from(const std::string& name);
 
-/// A false-colour film of a render with a legend below, as long as the render. It has its name once it is whole.
+/// Refuses what --heatmap asks for where it has nothing to show, or its film cannot be coded. Writes nothing. Throws
+/// core::Error that names the heatmap.
+void check_heatmaps(const RenderOptions& options, const Production& film);
+
+/// A false-colour film of a render with a legend below, as long as the render and in square pixels. It has its name
+/// once it is whole.
 class HeatmapFilm : public Watcher {
   public:
     HeatmapFilm(HeatSubject subject, std::filesystem::path output, const Production& film);
@@ -60,7 +65,7 @@ class HeatmapFilm : public Watcher {
 /// All that --heatmap asks for.
 class HeatmapFilms : public Watcher {
   public:
-    /// Creates every file. Throws core::Error where one cannot be written or has nothing to show.
+    /// Creates every file. Throws core::Error where one cannot be written; check_heatmaps() comes before.
     HeatmapFilms(const RenderOptions& options, const Production& film);
 
     bool empty() const { return films_.empty(); }

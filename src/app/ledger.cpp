@@ -56,6 +56,19 @@ RateOutcome Ledger::rate_outcome() const {
     return outcome;
 }
 
+QuantiserRange Ledger::quantisers() const {
+    QuantiserRange range;
+    for (const FrameEntry& entry : frames) {
+        range.mean += entry.mean_quantiser;
+        range.min = range.min == 0 ? entry.quantiser : std::min(range.min, entry.quantiser);
+        range.max = std::max(range.max, entry.quantiser);
+        range.finest += entry.quantiser == 1 ? 1 : 0;
+        range.coarsest += entry.quantiser == 31 ? 1 : 0;
+    }
+    range.mean = core::divide_or(range.mean, static_cast<double>(frames.size()), 0.0);
+    return range;
+}
+
 double Ledger::mean_direct_cut() const {
     return core::divide_or(static_cast<double>(rendering.direct_clusters), static_cast<double>(rendering.gather_points),
                            0.0);

@@ -22,6 +22,7 @@ struct FrameEntry {
     std::int64_t frame = 0;
     char type = '-';  ///< I, P, B; '-': not coded
     int quantiser = 0;
+    double mean_quantiser = 0;  ///< of its macroblocks
     std::uint64_t bytes = 0;
     int planned_quantiser = 0;   ///< that it was rendered for
     int tries = 1;               ///< codings until the decoder's buffer could bring it in time
@@ -41,6 +42,14 @@ struct RateOutcome {
     int requantised = 0;         ///< coded more than once to fit the buffer
     int minimal = 0;             ///< of these, without any detail
     int off_plan = 0;            ///< with another quantiser than they were rendered for
+};
+
+/// The pictures' quantisers as they came out.
+struct QuantiserRange {
+    double mean = 0;       ///< of all macroblocks
+    int min = 0, max = 0;  ///< of the pictures
+    int finest = 0;        ///< how many pictures have quantiser 1
+    int coarsest = 0;      ///< and how many 31
 };
 
 /// How well tolerances were kept, from pixels that were gathered again without clustering.
@@ -73,6 +82,7 @@ struct Ledger {
     double psnr_y() const;
     double ssim_y() const;
     RateOutcome rate_outcome() const;
+    QuantiserRange quantisers() const;
     double mean_direct_cut() const;
     double mean_indirect_cut() const;
 };

@@ -2,6 +2,7 @@
 #include <exception>
 
 #include "app/encode.h"
+#include "app/info.h"
 #include "app/options.h"
 #include "app/render.h"
 
@@ -18,6 +19,8 @@ int main(int argc, char** argv) {
                 return encode(line.encode, line.text);
             case Command::plan:
                 return plan(line.plan);
+            case Command::info:
+                return info(line.info);
             case Command::none:
                 break;
         }

@@ -1,9 +1,11 @@
 #include "app/options.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
 #include "app/coding_options.h"
+#include "app/help_format.h"
 #include "core/error.h"
 #include "core/rational.h"
 
@@ -24,13 +26,15 @@ void add_scene_options(CLI::App& command, RenderOptions& options) {
     command
         .add_option(
             "INPUT", options.input,
-            "Scene: .gltf, .glb, an animation file (.json, or a folder with film.json), or any format that Assimp\n"
+            "Scene: .gltf, .glb, an animation file (.json, or a folder with film.json), or any format that Assimp "
             "reads (.obj, .ply, .fbx, .dae, .3ds, ...)")
         ->required();
     const std::string scene = "Scene";
     command.add_option("--camera", options.camera, "Camera to look through, by name or index (default: the first)")
+        ->type_name("NAME")
         ->group(scene);
     command.add_option("--animation", options.animation, "Animation to play, by name or index (default: all at once)")
+        ->type_name("NAME")
         ->group(scene);
     command
         .add_option("--sky", options.sky, "Sky image (EXR, HDR, latitude-longitude), or `none` (default: the scene's)")
@@ -42,6 +46,20 @@ void add_scene_options(CLI::App& command, RenderOptions& options) {
         ->group("Light");
 }
 
+void add_tolerance_option(CLI::App& command, RenderOptions& options, const std::string& group) {
+    command
+        .add_option(
+            "--tolerance", options.tolerance,
+            "Error allowed in a pixel's light. `coupled`: what the film's coding and the eye hide; coupled=K: K times "
+            "what "
+            "they hide at most; fixed=P% of its luminance; `reference`: every light point, slow (default: coupled for "
+            "films, "
+            "fixed=2% for frames)")
+        ->type_name("coupled|fixed=P%|reference")
+        ->check(checked(tolerance_from, ""))
+        ->group(group);
+}
+
 void add_light_options(CLI::App& command, RenderOptions& options) {
     const std::string light = "Light";
     command
@@ -50,21 +68,11 @@ void add_light_options(CLI::App& command, RenderOptions& options) {
         ->check(CLI::Range(1, 256))
         ->capture_default_str()
         ->group(light);
-    command
-        .add_option(
-            "--tolerance", options.tolerance,
-            "Error allowed in a pixel's light. `coupled`: what the film's coding and the eye hide; coupled=K: K times "
-            "what\n"
-            "they hide at most; fixed=P% of its luminance; `reference`: every light point, slow (default: coupled for "
-            "films,\n"
-            "fixed=2% for frames)")
-        ->type_name("coupled|fixed=P%|reference")
-        ->check(checked(tolerance_from, ""))
-        ->group(light);
+    add_tolerance_option(command, options, light);
     command
         .add_option(
             "--masking", options.masking,
-            "What hides errors in coupled films: the picture before, `carried` along motion, or place by place as\n"
+            "What hides errors in coupled films: the picture before, `carried` along motion, or place by place as "
             "decoded, its coding errors included (`quantised`; for films that hardly move)")
         ->check(CLI::IsMember({"carried", "quantised"}))
         ->capture_default_str()
@@ -79,7 +87,7 @@ void add_light_options(CLI::App& command, RenderOptions& options) {
     command
         .add_option(
             "--stop", options.stop,
-            "When light is gathered finely enough: `honest` once the pixel's whole error is reckoned to be within\n"
+            "When light is gathered finely enough: `honest` once the pixel's whole error is reckoned to be within "
             "its tolerance, `classic` once every single cluster's is")
         ->check(CLI::IsMember({"honest", "classic"}))
         ->capture_default_str()
@@ -98,11 +106,8 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
         ->type_name("WxH")
         ->check(checked(size_from, ""))
         ->group(picture);
-    command
-        .add_option(
-            "--fps", options.rate,
-            "Pictures per second: 23.976, 24, 25, 29.97, 30, 50, 59.94 or 60 (default: the animation file's, or 25)")
-        ->type_name("R")
+    command.add_option("--fps", options.rate, "Pictures per second (default: the animation file's, or 25)")
+        ->type_name("23.976|24|25|29.97|30|50|59.94|60")
         ->check(checked(core::frame_rate_from, ""))
         ->group(picture);
     command
@@ -126,11 +131,10 @@ void add_run_options(CLI::App& command, RenderOptions& options) {
         ->capture_default_str()
         ->group(run);
     command
-        .add_option(
-            "--isa", options.isa,
-            "Instruction set: sse2, sse4.2, avx, avx2 or avx512 (default: the best there is). Films differ in a few\n"
-            "roundings between them")
-        ->type_name("LEVEL")
+        .add_option("--isa", options.isa,
+                    "Instruction set (default: the best there is). Films differ in a few "
+                    "roundings between them")
+        ->type_name("sse2|sse4.2|avx|avx2|avx512")
         ->group(run);
     command.add_option("--stats", options.stats, "Write statistics as JSON (docs/stats.md)")
         ->type_name("FILE.json")
@@ -138,7 +142,7 @@ void add_run_options(CLI::App& command, RenderOptions& options) {
     command
         .add_option(
             "--audit", options.audit,
-            "Gather so many pixels of every frame again, from every light point, and say how well tolerances were\n"
+            "Gather so many pixels of every frame again, from every light point, and say how well tolerances were "
             "kept")
         ->type_name("N")
         ->check(CLI::Range(0, 1 << 20))
@@ -151,65 +155,72 @@ void add_run_options(CLI::App& command, RenderOptions& options) {
     command
         .add_option(
             "--heatmap", options.heatmaps,
-            "Write a film in false colours beside: what each pixel's light may be off by (`tolerance`), clusters\n"
+            "Write a film in false colours beside: what each pixel's light may be off by (`tolerance`), clusters "
             "(`cut`), what it may be off by as gathered (`error`), or each macroblock's `quantiser`; may be given "
             "several times")
-        ->type_name("SUBJECT OUT.mpg")
+        ->allow_extra_args(false)  // at a time: else it would take INPUT behind it for a third word
+        ->type_name("tolerance|cut|error|quantiser OUT.mpg")
         ->group(run);
     command.add_flag("--dry-run", options.dry_run, "Read and check everything, say what would be done, write nothing")
         ->group(run);
     command.add_flag("--quiet", options.quiet, "Print nothing but errors")->group(run);
 }
 
-CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
-    CLI::App* command = app.add_subcommand("encode", "Encode frames and motion of any renderer");
-    command->footer(
-        "Motion: OpenEXR files with the number of their frame, as `render --aov` writes them (docs/encode.md).\n"
-        "Example: render2mpeg encode shot.%04d.exr -o shot.mpg --motion shot.%04d.exr --exposure 0.5");
-    command
-        ->add_option("FRAMES", options.input,
-                     "A .y4m file (8-bit 4:2:0), or numbered images: frames.%04d.exr (scene-linear) or .png")
-        ->required();
-    command->add_option("-o,--output", options.output, "Film to write: .mpg, .vob, .ts, .m2v, .mkv or .mp4")
+CLI::App* add_plan_command(CLI::App& app, PlanOptions& options) {
+    CLI::App* command = app.add_subcommand("plan", "Show which passes a scene calls for, and why");
+    command->footer("Example: render2mpeg plan scene.glb --stats stats.json");
+    add_scene_options(*command, options.render);
+    const std::string run = "Plan for a render with this option";
+    command->add_option("-o,--output", options.render.output, "Only its ending counts (default: a film)")
         ->type_name("OUT")
-        ->required();
-    const std::string picture = "Picture and time", motion = "Motion", run = "Run";
-    command
-        ->add_option("--fps", options.rate,
-                     "Pictures per second: 23.976, 24, 25, 29.97, 30, 50, 59.94 or 60 (default: the Y4M file's, or 25)")
-        ->type_name("R")
-        ->check(checked(core::frame_rate_from, ""))
-        ->group(picture);
-    command
-        ->add_option("--frames", options.frames,
-                     "First and last frame, both included: numbers of the images, or places in the Y4M file from 0\n"
-                     "(default: all)")
-        ->type_name("A:B")
-        ->check(checked(frames_from, ""))
-        ->group(picture);
-    add_shape_options(*command, options.coding);
-    command->add_option("--exposure", options.exposure, "EV for scene-linear frames (default: 0)")
-        ->type_name("EV")
-        ->check(CLI::Range(-64.0f, 64.0f))
-        ->group(picture);
-    command->add_option("--motion", options.motion, "Numbered OpenEXR files with the frames' exact motion")
-        ->type_name("PATTERN")
-        ->group(motion);
-    command->add_option("--motion-convention", options.motion_convention, "What their channels mean: blender or nuke")
-        ->check(CLI::IsMember({"blender", "nuke"}))
-        ->type_name("NAME")
-        ->capture_default_str()
-        ->group(motion);
-    add_coding_options(*command, options.coding);
-    command->add_option("--threads", options.threads, "Threads; 0: one per core. The film's bytes do not depend on it")
-        ->check(CLI::Range(0, 1024))
+        ->group(run);
+    add_tolerance_option(*command, options.render, run);
+    command->add_option("--bitrate", options.render.coding.bitrate, "Films of a rate have a first pass")
+        ->type_name("RATE")
+        ->group(run);
+    command->add_option("--passes", options.render.coding.passes, "With --bitrate: 1 or 2 (default: 2)")
+        ->check(CLI::Range(1, 2))
+        ->group(run);
+    command->add_option("--exposure", options.render.exposure, "EV, or `auto`: then it is measured")
+        ->type_name("auto|EV")
+        ->check(checked(check_exposure, ""))
         ->capture_default_str()
         ->group(run);
-    command->add_option("--stats", options.stats, "Write statistics as JSON (docs/stats.md)")
+    command->add_option("--audit", options.render.audit, "Pixels of every frame")
+        ->type_name("N")
+        ->check(CLI::Range(0, 1 << 20))
+        ->group(run);
+    command->add_option("--aov", options.render.layers, "Folder of multilayer OpenEXR files")
+        ->type_name("DIR")
+        ->group(run);
+    command->add_option("--stats", options.statistics, "Statistics of a render of this scene: adds what each pass cost")
         ->type_name("FILE.json")
-        ->group(run);
-    command->add_flag("--quiet", options.quiet, "Print nothing but errors")->group(run);
+        ->group("Run");
     return command;
+}
+
+/// What was wrong with the command line, as one line that says where help is.
+std::string mistake_text(const CLI::App* app, const CLI::Error& error) {
+    std::string text = error.what(), command = "render2mpeg";
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    for (const CLI::App* chosen : app->get_subcommands()) command += " " + chosen->get_name();
+    return "render2mpeg: " + text + " (see " + command + " --help)\n";
+}
+
+/// "render, encode, plan, info"
+std::string commands_of(const CLI::App& app) {
+    std::string names;
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+        names += (names.empty() ? "" : ", ") + command->get_name();
+    return names;
+}
+
+/// Long names of the options that were given.
+std::vector<std::string> given_of(const CLI::App& command) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : command.get_options())
+        if (option->count() > 0 && !option->get_lnames().empty()) names.push_back("--" + option->get_lnames().front());
+    return names;
 }
 
 }  // namespace
@@ -221,12 +232,17 @@ CommandLine parse(int argc, char** argv) {
     CLI::App app("Renders a 3D animation with global illumination straight into an MPEG-2 file.", "render2mpeg");
     app.set_version_flag("--version", "render2mpeg " RENDER2MPEG_VERSION);
     app.require_subcommand(1);
-    app.get_formatter()->column_width(34);
+    app.failure_message(mistake_text);
+    app.footer(
+        "Exit status: 0 done; 1 refused or failed, with one line that says why; 130 interrupted (143 by SIGTERM), "
+        "with "
+        "what there is of the film beside its name. `render2mpeg COMMAND --help` shows a command's options.");
+    app.formatter(help_format());
 
     CLI::App* render = app.add_subcommand("render", "Render a film");
     render->footer(
         "The ending of OUT chooses what is written: .mpg and .vob (MPEG-2 program streams), .ts, .m2v, .mkv, .mp4; "
-        ".y4m; or\n"
+        ".y4m; or "
         "numbered images, e.g. frames.%04d.exr or frames.%04d.png.\n"
         "Example: render2mpeg render animations/cornell -o cornell.mpg --quantiser 6");
     add_scene_options(*render, line.render);
@@ -239,23 +255,26 @@ CommandLine parse(int argc, char** argv) {
     add_run_options(*render, line.render);
 
     const CLI::App* encode = add_encode_command(app, line.encode);
-    CLI::App* plan = app.add_subcommand("plan", "Show which passes a scene calls for, and why");
-    plan->footer("Example: render2mpeg plan scene.glb --stats stats.json");
-    add_scene_options(*plan, line.plan.render);
-    plan->add_option("--aov", line.plan.render.layers, "Plan for a render with this option")
-        ->type_name("DIR")
-        ->group("Run");
-    plan->add_option("--stats", line.plan.statistics, "Statistics of a render of this scene: adds what each pass cost")
-        ->type_name("FILE.json")
-        ->group("Run");
+    const CLI::App* plan = add_plan_command(app, line.plan);
+    add_info_command(app, line.info);
 
+    // CLI11 would only say that a command is missing.
+    const auto named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
+    if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(named).empty())
+        throw core::Error(std::string(argv[1]) + " is no command; there are " + commands_of(app));
+    if (argc < 2) throw core::Error("which command? There are " + commands_of(app) + " (see render2mpeg --help)");
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         line.exit_code = app.exit(error) == 0 ? 0 : 1;
         return line;
     }
-    line.command = render->parsed() ? Command::render : encode->parsed() ? Command::encode : Command::plan;
+    line.render.given = given_of(*render);
+    line.encode.given = given_of(*encode);
+    line.command = render->parsed()   ? Command::render
+                   : encode->parsed() ? Command::encode
+                   : plan->parsed()   ? Command::plan
+                                      : Command::info;
     return line;
 }
 

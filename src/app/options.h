@@ -64,6 +64,7 @@ struct RenderOptions {
     std::vector<std::pair<std::string, std::string>> heatmaps;  ///< subject, file
     bool dry_run = false;
     bool quiet = false;
+    std::vector<std::string> given;  ///< long names of the options on the command line
 };
 
 struct PlanOptions {
@@ -84,17 +85,26 @@ struct EncodeOptions {
     int threads = 0;  ///< 0: all
     std::optional<std::filesystem::path> stats;
     bool quiet = false;
+    std::vector<std::string> given;  ///< as in RenderOptions
 };
 
-enum class Command { render, encode, plan, none };
+/// Options of `info`.
+struct InfoOptions {
+    std::filesystem::path input;
+    bool json = false;
+    bool summary = false;  ///< without the pictures one by one
+};
+
+enum class Command { render, encode, plan, info, none };
 
 /// One command line, read and checked for form. `exit_code` is set where there is nothing left to do (--help,
-/// --version, a mistake): the text was printed already.
+/// --version, a mistake, which is one line): the text was printed already.
 struct CommandLine {
     Command command = Command::none;
     RenderOptions render;
     EncodeOptions encode;
     PlanOptions plan;
+    InfoOptions info;
     std::optional<int> exit_code;
     std::string text;  ///< as given, for the statistics
 };

@@ -83,7 +83,7 @@ std::filesystem::path numbered(const std::filesystem::path& pattern, std::int64_
 }
 
 std::filesystem::path work_folder_of(const std::filesystem::path& output) {
-    return std::filesystem::path(output).replace_extension(".partial");
+    return std::filesystem::path(output) += ".partial";
 }
 
 std::filesystem::path partial_film_of(const std::filesystem::path& output) {

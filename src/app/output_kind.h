@@ -21,7 +21,7 @@ std::vector<std::int64_t> numbers_on_disk(const std::filesystem::path& pattern);
 /// The name of frame n of an image sequence: its `%0Nd` (or `%d`) replaced.
 std::filesystem::path numbered(const std::filesystem::path& pattern, std::int64_t frame);
 
-/// Where unfinished work lies: `film.mpg` has `film.partial/` and, after an interruption, `film.partial.mpg`.
+/// Where unfinished work lies: `film.mpg` has `film.mpg.partial/` and, after an interruption, `film.partial.mpg`.
 std::filesystem::path work_folder_of(const std::filesystem::path& output);
 std::filesystem::path partial_film_of(const std::filesystem::path& output);
 

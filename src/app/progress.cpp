@@ -1,22 +1,53 @@
 #include "app/progress.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-namespace render2mpeg::app {
+#include "app/terminal.h"
 
-Progress::Progress(std::int64_t total, std::int64_t done, bool quiet)
-    : total_(total),
-      done_(done),
-      skipped_(done),
-      quiet_(quiet),
-      terminal_(isatty(STDERR_FILENO) != 0),
-      start_(Clock::now()) {
-    if (!quiet_ && terminal_) draw(false);
+namespace render2mpeg::app {
+namespace {
+
+std::string bar_text(double share, int cells) {
+    const int full = static_cast<int>(std::lround(share * cells));
+    return "[" + std::string(static_cast<std::size_t>(full), '#') +
+           std::string(static_cast<std::size_t>(cells - full), '.') + "] ";
+}
+
+}  // namespace
+
+std::string progress_line(const Standing& s, int columns, bool with_bar) {
+    const double share = s.total > 0 ? static_cast<double>(s.done) / static_cast<double>(s.total) : 1;
+    const bool last = s.done >= s.total;
+    const std::string eta = last ? "done in " + clock_text(s.seconds)
+                            : s.per_second > 0
+                                ? "ETA " + clock_text(static_cast<double>(s.total - s.done) / s.per_second)
+                                : "ETA -";
+    // Slow frames are told by their time.
+    const std::string rate = s.per_second <= 0    ? ""
+                             : s.per_second < 0.5 ? fmt::format("  {:.1f} s/frame", 1 / s.per_second)
+                                                  : fmt::format("  {:.2f} frames/s", s.per_second);
+    const std::string count = fmt::format("{} {}/{}", s.work, s.done, s.total);
+    const std::string percent = fmt::format("  {:3.0f} %", 100 * share);
+
+    // Leave out what tells least until it fits; a bar needs ten cells to say anything.
+    constexpr int fewest_cells = 10, most_cells = 24;
+    for (const std::string& text :
+         {count + percent + rate + "  " + eta, count + percent + "  " + eta, count + "  " + eta}) {
+        const int left = columns - static_cast<int>(text.size());
+        if (left < 0) continue;
+        const int cells = std::min(most_cells, left - 3);
+        return (with_bar && cells >= fewest_cells ? bar_text(share, cells) : "") + text;
+    }
+    return fmt::format("{}/{}", s.done, s.total).substr(0, static_cast<std::size_t>(columns));
+}
+
+Progress::Progress(std::int64_t total, bool quiet, const std::string& work)
+    : standing_{work, 0, total, 0, 0}, quiet_(quiet), terminal_(can_rewrite_errors()), start_(Clock::now()) {
+    if (!quiet_ && terminal_) draw();
 }
 
 Progress::~Progress() {
@@ -24,45 +55,30 @@ Progress::~Progress() {
 }
 
 void Progress::advance() {
-    ++done_;
+    ++standing_.done;
     if (quiet_) return;
+    standing_.seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+    standing_.per_second = standing_.seconds > 0 ? static_cast<double>(standing_.done) / standing_.seconds : 0;
     // chosen: ten redraws a second look alive and cost nothing; a log wants some ten lines a film.
-    const bool last = done_ == total_;
+    const bool last = standing_.done == standing_.total;
     if (terminal_) {
-        if (last || Clock::now() - drawn_at_ > std::chrono::milliseconds(100)) draw(last);
-    } else if (last || done_ >= next_plain_) {
-        draw(last);
-        next_plain_ = done_ + std::max<std::int64_t>(1, total_ / 10);
+        if (last || Clock::now() - drawn_at_ > std::chrono::milliseconds(100)) draw();
+    } else if (last || standing_.done >= next_plain_) {
+        draw();
+        next_plain_ = standing_.done + std::max<std::int64_t>(1, standing_.total / 10);
     }
 }
 
-void Progress::say(const std::string& line) {
-    if (quiet_) return;
-    if (drawn_) std::fputs("\r\033[K", stderr);
-    std::fputs((line + "\n").c_str(), stderr);
-    if (drawn_) draw(false);
-}
-
-void Progress::draw(bool last) {
-    const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-    const auto rendered = static_cast<double>(done_ - skipped_);
-    const double rate = seconds > 0 ? rendered / seconds : 0;
-    const double share = total_ > 0 ? static_cast<double>(done_) / static_cast<double>(total_) : 1;
-    const std::string eta = last       ? "done in " + clock_text(seconds)
-                            : rate > 0 ? "ETA " + clock_text(static_cast<double>(total_ - done_) / rate)
-                                       : "ETA -";
-    std::string line =
-        fmt::format("frame {}/{}  {:3.0f} %  {:.2f} frames/s  {}", done_, total_, 100 * share, rate, eta);
+void Progress::draw() {
     if (terminal_) {
-        constexpr int cells = 24;
-        const int full = static_cast<int>(std::lround(share * cells));
-        line = "\r\033[K[" + std::string(full, '#') + std::string(cells - full, '.') + "] " + line;
+        // One column stays free: many terminals begin a new line once the last one is taken.
+        std::fputs(("\r\033[K" + progress_line(standing_, std::max(20, columns_of_errors() - 1), true)).c_str(),
+                   stderr);
         drawn_ = true;
         drawn_at_ = Clock::now();
     } else {
-        line += "\n";
+        std::fputs((progress_line(standing_, 1000, false) + "\n").c_str(), stderr);
     }
-    std::fputs(line.c_str(), stderr);
     std::fflush(stderr);
 }
 

@@ -6,24 +6,35 @@
 
 namespace render2mpeg::app {
 
+/// How far a run is.
+struct Standing {
+    std::string work = "frame";  ///< what is counted
+    std::int64_t done = 0, total = 0;
+    double per_second = 0;  ///< 0: not known yet
+    double seconds = 0;     ///< since the beginning
+};
+
+/// One line about it, at most `columns` characters (at least 20): what fits of a bar, counts, rate and time to go.
+std::string progress_line(const Standing& standing, int columns, bool with_bar);
+
 /// How far a render is, on standard error: a bar that rewrites its line on a terminal, else a plain line every ten per
 /// cent.
 class Progress {
   public:
-    /// `total` frames, of which `done` need no work. Silent when `quiet`.
-    Progress(std::int64_t total, std::int64_t done, bool quiet);
+    /// `total` frames. Silent when `quiet`. `work` names what is counted.
+    Progress(std::int64_t total, bool quiet, const std::string& work = "frame");
     ~Progress();
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
 
     /// One more frame is finished.
     void advance();
-    /// A line for the user that must not be overwritten by the bar.
-    void say(const std::string& line);
 
   private:
-    void draw(bool last);
+    void draw();
 
     using Clock = std::chrono::steady_clock;
-    std::int64_t total_, done_, skipped_;
+    Standing standing_;
     bool quiet_, terminal_;
     bool drawn_ = false;
     std::int64_t next_plain_ = 0;

@@ -1,8 +1,14 @@
 #include "app/publish.h"
 
-#include <fstream>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <string>
 #include <system_error>
 
+#include "app/output_kind.h"
 #include "core/error.h"
 
 namespace render2mpeg::app {
@@ -13,8 +19,14 @@ void check_writable(const std::filesystem::path& file) {
     std::filesystem::create_directories(folder, error);
     if (error) throw core::Error("writing", file.string(), error.message());
     if (std::filesystem::is_directory(file)) throw core::Error("writing", file.string(), "it is a folder");
-    const std::filesystem::path probe = folder / (file.filename().string() + ".probe");
-    if (!std::ofstream(probe)) throw core::Error("writing", file.string(), "the folder cannot be written");
+
+    // Make a file of a name that nobody has: mkstemp sees to that.
+    std::string probe = (folder / ".render2mpeg-XXXXXX").string();
+    const int descriptor = mkstemp(probe.data());
+    if (descriptor < 0)
+        throw core::Error("writing", file.string(),
+                          std::string("the folder cannot be written: ") + std::strerror(errno));
+    close(descriptor);
     std::filesystem::remove(probe, error);
 }
 
@@ -35,16 +47,26 @@ void check_apart(const std::vector<std::filesystem::path>& inputs, const std::ve
     }
 }
 
-std::uint64_t publish(const std::vector<ChunkFile>& chunks, const Film& film, const WorkFolder& work,
+std::uint64_t publish(const std::vector<ChunkFile>& chunks, const Film& film, WorkFolder& work,
                       const std::filesystem::path& target) {
-    const std::filesystem::path file = work.path("film" + target.extension().string());
+    const std::filesystem::path file = work.begin("film" + target.extension().string());
     assemble(chunks, film, file, target);
     verify(file, chunks);
-    const std::uint64_t bytes = std::filesystem::file_size(file);
+    return give_name(file, target);
+}
+
+std::uint64_t give_name(const std::filesystem::path& file, const std::filesystem::path& target) {
     std::error_code error;
-    std::filesystem::rename(file, target, error);
+    const std::uint64_t bytes = std::filesystem::file_size(file, error);
+    if (!error) std::filesystem::rename(file, target, error);
     if (error) throw core::Error("writing", target.string(), error.message());
     return bytes;
+}
+
+void clear_away(const std::filesystem::path& output, WorkFolder& work) {
+    std::error_code ignored;
+    std::filesystem::remove(partial_film_of(output), ignored);
+    work.remove();
 }
 
 }  // namespace render2mpeg::app

@@ -17,7 +17,13 @@ void check_apart(const std::vector<std::filesystem::path>& inputs, const std::ve
 
 /// Puts the film together, proves that it decodes to what was encoded, and only then gives it its name. Returns its
 /// size in bytes.
-std::uint64_t publish(const std::vector<ChunkFile>& chunks, const Film& film, const WorkFolder& work,
+std::uint64_t publish(const std::vector<ChunkFile>& chunks, const Film& film, WorkFolder& work,
                       const std::filesystem::path& target);
+
+/// Gives a finished file its name, in place of what has it. Returns its size in bytes. Throws core::Error.
+std::uint64_t give_name(const std::filesystem::path& file, const std::filesystem::path& target);
+
+/// Removes what an interrupted run may have left of a film that is whole now, and its work folder.
+void clear_away(const std::filesystem::path& output, WorkFolder& work);
 
 }  // namespace render2mpeg::app

@@ -52,7 +52,7 @@ void add_rate_options(CLI::App& command, CodingOptions& options) {
     command
         .add_option("--passes", options.passes,
                     "With --bitrate: 2 looks at the whole film first, cheaply, and spends bits where they are needed; "
-                    "1 does not\n(default: 2)")
+                    "1 does not (default: 2)")
         ->check(CLI::Range(1, 2))
         ->group(coding);
 }

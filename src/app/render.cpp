@@ -4,7 +4,7 @@
 
 #include <chrono>
 #include <cstdio>
-#include <optional>
+#include <memory>
 
 #include "app/first_pass.h"
 #include "app/heatmap_film.h"
@@ -13,15 +13,21 @@
 #include "app/progress.h"
 #include "app/publish.h"
 #include "app/statistics.h"
+#include "app/unused_options.h"
 #include "core/error.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
 namespace {
 
-void say_notes(const Production& film, bool quiet) {
-    if (quiet) return;
-    for (const std::string& note : film.animation->notes) std::fputs((note + "\n").c_str(), stderr);
+/// What the scene lacks, and which options do nothing.
+void say_notes(const Production& film, const RenderOptions& options) {
+    if (options.quiet) return;
+    std::vector<std::string> notes = film.animation->notes;
+    for (const std::string& line : unused_options(options, film.kind, film.tolerance)) notes.push_back(line);
+    notes.push_back(film.kind == OutputKind::film ? unused_keyframes(film.keyframes, film.frames) : "");
+    for (const std::string& note : notes)
+        if (!note.empty()) std::fputs((note + "\n").c_str(), stderr);
 }
 
 std::string dry_run_text(const Production& film, const RenderOptions& options) {
@@ -31,14 +37,32 @@ std::string dry_run_text(const Production& film, const RenderOptions& options) {
                        static_cast<double>(film.frame_count()) / film.rate.hertz.value(), film.rate.name,
                        film.animation->source, film.format.width, film.format.height, chunks.size(),
                        chunks.size() == 1 ? "" : "s") +
-           plan_table(film.plan, {});
+           plan_table(film, {});
 }
 
-/// No file that is written may take the place of another.
-void check_names(const Production& film, const RenderOptions& options) {
+/// Whether the output is one file, which is made in a work folder.
+bool is_one_file(const Production& film) {
+    return film.kind == OutputKind::film || film.kind == OutputKind::y4m;
+}
+
+/// Refuses outputs that would take the place of other files, or show what there is none of. Writes nothing.
+void check_outputs(const Production& film, const RenderOptions& options) {
     std::vector<std::filesystem::path> outputs{options.output, options.stats.value_or("")};
     for (const auto& [subject, file] : options.heatmaps) outputs.emplace_back(file);
     check_apart({options.input, film.animation->source, options.animation.value_or("")}, outputs);
+    check_heatmaps(options, film);
+    if (is_one_file(film)) WorkFolder::check(options.output);
+}
+
+/// Sees that all outputs can be written before hours go into them; from now on no other run has the film.
+std::unique_ptr<WorkFolder> open_outputs(const Production& film, const RenderOptions& options,
+                                         const std::string& command) {
+    check_writable(options.output);
+    if (options.layers) check_writable(*options.layers / "frame.exr");
+    if (options.stats) check_writable(*options.stats);
+    for (const auto& [subject, file] : options.heatmaps) check_writable(file);
+    if (!is_one_file(film)) return nullptr;
+    return std::make_unique<WorkFolder>(options.output, film.film(), command);
 }
 
 /// Renders all chunks to their destinations. Returns the chunks' files, the last of them incomplete after an
@@ -46,7 +70,7 @@ void check_names(const Production& film, const RenderOptions& options) {
 std::vector<ChunkFile> render_chunks(const Production& film, const RenderOptions& options, WorkFolder* work, Sink* sink,
                                      Watcher* watcher, Ledger& ledger) {
     renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
-    Progress progress(film.frame_count(), 0, options.quiet);
+    Progress progress(film.frame_count(), options.quiet);
     std::vector<ChunkFile> files;
     for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {
         if (work != nullptr) files.push_back(work->open(chunk));
@@ -76,20 +100,18 @@ std::vector<ChunkFile> render_chunks(const Production& film, const RenderOptions
 int render(const RenderOptions& options, const std::string& command) {
     const auto start = std::chrono::steady_clock::now();
     const parallel::ThreadLimit threads(options.threads);
-    const InterruptGuard guard;
+    const InterruptGuard guard(options.quiet);
 
     // Read and settle everything before anything is written.
     Ledger ledger;
     Production film = timed(ledger, Stage::load, [&] { return prepare(options); });
-    say_notes(film, options.quiet);
-    check_names(film, options);
+    say_notes(film, options);
+    check_outputs(film, options);
     if (options.dry_run) {
         if (!options.quiet) std::fputs(dry_run_text(film, options).c_str(), stdout);
         return 0;
     }
-    if (film.kind == OutputKind::film || film.kind == OutputKind::y4m) check_writable(options.output);
-    if (options.layers) check_writable(*options.layers / "frame.exr");
-    if (options.stats) check_writable(*options.stats);
+    const std::unique_ptr<WorkFolder> work = open_outputs(film, options, command);
     if (!film.exposure) film.exposure = timed(ledger, Stage::load, [&] { return measure_exposure(film); });
 
     // Find out what the film's pictures need, where a rate is to be shared out among them.
@@ -97,33 +119,29 @@ int render(const RenderOptions& options, const std::string& command) {
         film.allotments = timed(ledger, Stage::first_pass, [&] { return first_pass(film, options.quiet); });
     if (InterruptGuard::requested()) {
         std::fputs("interrupted before the first frame: nothing was written\n", stderr);
-        return 130;
+        return InterruptGuard::status();
     }
 
     // Render.
-    std::optional<WorkFolder> work;
-    if (film.kind == OutputKind::film) work.emplace(options.output, film.film(), command);
-    const std::unique_ptr<Sink> sink = make_sink(film, options.output);
+    const std::unique_ptr<Sink> sink =
+        make_sink(film, film.kind == OutputKind::y4m ? work->begin("film.y4m") : options.output);
     HeatmapFilms heatmaps(options, film);
-    const std::vector<ChunkFile> chunks = render_chunks(film, options, work ? &*work : nullptr, sink.get(),
-                                                        heatmaps.empty() ? nullptr : &heatmaps, ledger);
+    const std::vector<ChunkFile> chunks =
+        render_chunks(film, options, film.kind == OutputKind::film ? work.get() : nullptr, sink.get(),
+                      heatmaps.empty() ? nullptr : &heatmaps, ledger);
 
     // Publish what is whole; leave what is not beside the target.
     const bool complete = static_cast<std::int64_t>(ledger.frames.size()) == film.frame_count();
     RunFacts facts{command, options.input.string(), options.output.string(), 0, complete};
-    if (work && !ledger.frames.empty()) {
+    if (sink) sink->finish();
+    if (work) {
         const std::filesystem::path target = complete ? options.output : partial_film_of(options.output);
-        facts.bytes = publish(chunks, film.film(), *work, target);
+        facts.bytes = film.kind == OutputKind::y4m ? give_name(work->begin("film.y4m"), target)
+                                                   : publish(chunks, film.film(), *work, target);
         facts.output = target.string();
-        if (complete) {
-            std::error_code ignored;  // what an interruption left earlier is of no use now
-            std::filesystem::remove(partial_film_of(options.output), ignored);
-            work->remove();
-        }
+        if (complete) clear_away(options.output, *work);
     }
-    if (sink && complete) sink->finish();
     if (complete) heatmaps.finish();  // after the film: what goes wrong with them costs no more than themselves
-    if (film.kind == OutputKind::y4m && complete) facts.bytes = std::filesystem::file_size(options.output);
     ledger.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
     if (options.stats) write_statistics(*options.stats, film, ledger, facts);
@@ -131,13 +149,13 @@ int render(const RenderOptions& options, const std::string& command) {
     if (!complete && !options.quiet)
         std::fputs(fmt::format("interrupted after {} of {} frames\n", ledger.frames.size(), film.frame_count()).c_str(),
                    stderr);
-    return complete ? 0 : 130;
+    return complete ? 0 : InterruptGuard::status();
 }
 
 int plan(const PlanOptions& options) {
     const Production film = prepare(options.render);
-    say_notes(film, false);
-    std::fputs(plan_table(film.plan, options.statistics.value_or("")).c_str(), stdout);
+    say_notes(film, options.render);
+    std::fputs(plan_table(film, options.statistics.value_or("")).c_str(), stdout);
     return 0;
 }
 

@@ -46,6 +46,7 @@ json audit_of(const Production& film, const Audit& audit) {
 void add_coding(json& entry, const FrameEntry& frame) {
     entry["type"] = std::string(1, frame.type);
     entry["quantiser"] = frame.quantiser;
+    entry["mean_quantiser"] = frame.mean_quantiser;
     entry["bytes"] = frame.bytes;
     entry["exceeds_level"] = false;
     entry["planned_quantiser"] = frame.planned_quantiser;
@@ -88,6 +89,25 @@ json rate_of(const Film& film, const Ledger& ledger) {
     return rate;
 }
 
+/// The quantiser that was asked for; null where a quality or a rate decided.
+json asked_quantiser(const encoder::Settings& coding) {
+    return coding.rate_control.mode == encoder::RateMode::constant_quantiser ? json(coding.quantiser) : json(nullptr);
+}
+
+json quantisers_of(const Ledger& ledger) {
+    const QuantiserRange range = ledger.quantisers();
+    return {{"mean", range.mean}, {"min", range.min}, {"max", range.max}};
+}
+
+/// What a pixel's light was allowed to be off by.
+json tolerance_of(const Production& film) {
+    if (film.tolerance.reference) return {{"mode", "reference"}};
+    if (!film.tolerance.coupled) return {{"mode", "fixed"}, {"relative", film.tolerance.relative}};
+    return {{"mode", "coupled"},
+            {"share", film.tolerance.share ? json(*film.tolerance.share) : json(nullptr)},
+            {"masking", film.coupling.observer.strategy == perceptual::Strategy::quantised ? "quantised" : "carried"}};
+}
+
 /// What is said of every run. Quality counts where the film was coded.
 json common_of(const Film& film, const Ledger& ledger, const RunFacts& facts) {
     const encoder::Settings& coding = film.coding;
@@ -106,7 +126,7 @@ json common_of(const Film& film, const Ledger& ledger, const RunFacts& facts) {
             {"fps_exact", {coding.rate.hertz.num, coding.rate.hertz.den}},
             {"frames", ledger.frames.size()},
             {"bytes", facts.bytes},
-            {"quantiser", coding.quantiser},
+            {"quantiser", asked_quantiser(coding)},
             {"gop", coding.gop},
             {"seconds", seconds_of(ledger)},
             {"peak_rss_mib", peak_memory_mib()},
@@ -139,6 +159,7 @@ void write_statistics(const std::filesystem::path& file, const Production& film,
     statistics.update({
         {"exposure", film.exposure.value_or(0)},
         {"isa", core::name_of(film.rendering.isa)},
+        {"tolerance", tolerance_of(film)},
         {"passes", passes_of(film, ledger)},
         {"rays",
          {{"primary", r.primary_rays},
@@ -155,7 +176,9 @@ void write_statistics(const std::filesystem::path& file, const Production& film,
         {"clamped_energy", r.clamped_energy},
     });
     if (coded) statistics["rate"] = rate_of(film.film(), ledger);
-    if (!coded) statistics["psnr_y"] = statistics["ssim_y"] = nullptr;
+    statistics["quantisers"] = coded ? quantisers_of(ledger) : json(nullptr);
+    if (!coded)
+        for (const char* key : {"psnr_y", "ssim_y", "quantiser", "gop"}) statistics[key] = nullptr;
     for (const FrameEntry& frame : ledger.frames) statistics["per_frame"].push_back(entry_of(frame, coded));
     write_json(file, statistics);
 }
@@ -164,6 +187,7 @@ void write_encode_statistics(const std::filesystem::path& file, const Film& film
                              const Ledger& ledger, const RunFacts& facts) {
     json statistics = common_of(film, ledger, facts);
     statistics["motion"] = with_motion;
+    statistics["quantisers"] = quantisers_of(ledger);
     statistics["rate"] = rate_of(film, ledger);
     for (const FrameEntry& frame : ledger.frames) {
         json entry{{"frame", frame.frame}, {"seconds", frame.seconds}};

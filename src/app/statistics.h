@@ -33,6 +33,7 @@ std::string encode_summary(const Film& film, const Ledger& ledger, const RunFact
 std::string summary(const Production& film, const Ledger& ledger, const RunFacts& facts);
 
 /// The plan as a table: each pass, whether it runs, why, and, if `statistics` names the file of a render, what it cost.
-std::string plan_table(const renderer::Plan& plan, const std::filesystem::path& statistics);
+/// Throws core::Error where that file is none.
+std::string plan_table(const Production& film, const std::filesystem::path& statistics);
 
 }  // namespace render2mpeg::app

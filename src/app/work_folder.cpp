@@ -13,6 +13,8 @@
 namespace render2mpeg::app {
 namespace {
 
+constexpr const char *lock_name = "lock", *manifest_name = "manifest.json";
+
 /// Writes a small text file so that it is there whole or not at all.
 void write_whole(const std::filesystem::path& path, const std::string& text) {
     const std::filesystem::path temporary = path.string() + ".tmp";
@@ -91,28 +93,47 @@ void ChunkFile::abandon() {
 }
 
 WorkFolder::WorkFolder(const std::filesystem::path& output, const Film& film, const std::string& command)
-    : folder_(work_folder_of(output)) {
-    // Take only a folder that is ours to empty: none yet, or one with a manifest.
+    : folder_((check(output), work_folder_of(output))), lock_(folder_ / lock_name, output) {
     std::error_code error;
-    if (std::filesystem::exists(folder_) && !std::filesystem::is_empty(folder_, error) &&
-        !std::filesystem::exists(path("manifest.json")))
-        throw core::Error("writing", folder_.string(),
-                          "a folder of that name is in the way and is not an unfinished film");
-    std::filesystem::remove_all(folder_, error);
-    std::filesystem::create_directories(folder_, error);
+    for (const auto& entry : std::filesystem::directory_iterator(folder_, error))
+        if (entry.path().filename() != lock_name) std::filesystem::remove_all(entry.path(), error);
     if (error) throw core::Error("writing", folder_.string(), error.message());
 
-    write_whole(path("manifest.json"), nlohmann::json{{"version", RENDER2MPEG_VERSION},
-                                                      {"command", command},
-                                                      {"input", film.source},
-                                                      {"frames", {film.frames.first, film.frames.last}},
-                                                      {"isa", film.isa}}
-                                               .dump(1) +
-                                           "\n");
+    write_whole(folder_ / manifest_name, nlohmann::json{{"version", RENDER2MPEG_VERSION},
+                                                        {"command", command},
+                                                        {"input", film.source},
+                                                        {"frames", {film.frames.first, film.frames.last}},
+                                                        {"isa", film.isa}}
+                                                 .dump(1) +
+                                             "\n");
+}
+
+WorkFolder::~WorkFolder() {
+    if (!begun_) remove();
+}
+
+void WorkFolder::check(const std::filesystem::path& output) {
+    const std::filesystem::path folder = work_folder_of(output);
+    if (!std::filesystem::exists(folder)) return;
+    OutputLock::check(folder / lock_name, output);
+    // Take only a folder that is ours to empty: one with a manifest, or none yet.
+    std::error_code error;
+    bool ours = std::filesystem::is_directory(folder, error), empty = true;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+        empty = empty && entry.path().filename() == lock_name;
+    ours = ours && (empty || std::filesystem::exists(folder / manifest_name));
+    if (!ours)
+        throw core::Error("writing", folder.string(),
+                          "something of that name is in the way that is no unfinished film");
+}
+
+std::filesystem::path WorkFolder::begin(const std::string& name) {
+    begun_ = true;
+    return folder_ / name;
 }
 
 ChunkFile WorkFolder::open(const Chunk& chunk) {
-    return {path(fmt::format("chunk_{:05}.m2v", chunk.index)), chunk};
+    return {begin(fmt::format("chunk_{:05}.m2v", chunk.index)), chunk};
 }
 
 void WorkFolder::remove() {

@@ -9,6 +9,7 @@
 #include "app/chunk.h"
 #include "app/film.h"
 #include "app/ledger.h"
+#include "app/output_lock.h"
 #include "core/picture.h"
 #include "encoder/encoder.h"
 
@@ -49,19 +50,31 @@ class ChunkFile {
     std::int64_t vbv_in_ = 0, vbv_out_ = 0;  ///< buffer fullness that the chunk finds, and leaves to the next
 };
 
-/// `OUT.partial/`: the chunks of a film that is not whole yet, with a manifest of what they belong to.
+/// `OUT.partial/`, e.g. `film.mpg.partial/`: what there is of a film that is not whole yet, with a manifest of what it
+/// belongs to. No other run can have the same one meanwhile.
 class WorkFolder {
   public:
-    /// Creates the folder, empty but for the manifest; what an earlier run left there is removed.
+    /// Creates the folder, empty but for manifest and lock; what an earlier run left there is removed. Throws
+    /// core::Error where another run is at work in it, or where it is not ours to empty.
     WorkFolder(const std::filesystem::path& output, const Film& film, const std::string& command);
+    /// A folder in which nothing was begun goes; all else is left as it is.
+    ~WorkFolder();
+    WorkFolder(const WorkFolder&) = delete;
+    WorkFolder& operator=(const WorkFolder&) = delete;
+
+    /// Throws as the constructor would, and changes nothing.
+    static void check(const std::filesystem::path& output);
 
     ChunkFile open(const Chunk& chunk);
-    std::filesystem::path path(const std::string& name) const { return folder_ / name; }
+    /// A file of that name in the folder, which is begun now.
+    std::filesystem::path begin(const std::string& name);
     /// Removes the folder with all that it holds.
     void remove();
 
   private:
     std::filesystem::path folder_;
+    OutputLock lock_;
+    bool begun_ = false;
 };
 
 /// Joins chunks to one film `file`, whose format the ending of `name` tells.

@@ -18,7 +18,7 @@ namespace render2mpeg::image {
 struct Image {
     core::Plane<glm::vec4> pixels;  ///< (0, 0) is the upper left
     bool has_alpha = false;         ///< the file had one
-    float pixel_aspect = 1;         ///< width over height of a pixel, as OpenEXR files say it; else 1
+    float pixel_aspect = 1;         ///< width over height of a pixel, as OpenEXR and PNG files say it; else 1
     bool high_range = false;        ///< the file held floats (EXR, HDR): scene-linear already
 };
 

@@ -41,7 +41,7 @@ std::vector<std::byte> essential_png(std::span<const std::byte> bytes, const std
     constexpr std::array<std::string_view, 5> essential{"IHDR", "PLTE", "tRNS", "IDAT", "IEND"};
     const auto refuse = [&](const std::string& cause) { throw core::Error("reading", name, cause); };
     std::vector<std::byte> kept(bytes.begin(), bytes.begin() + signature_bytes);
-    bool has_pixels = false;
+    bool has_pixels = false, has_shape = false;
 
     // Each chunk is four bytes of length, four of type, the content, four of check sum over type and content.
     for (std::span<const std::byte> rest = bytes.subspan(signature_bytes);;) {
@@ -52,9 +52,12 @@ std::vector<std::byte> essential_png(std::span<const std::byte> bytes, const std
         const std::string type(reinterpret_cast<const char*>(chunk.data()) + 4, 4);
         rest = rest.subspan(chunk.size());
 
-        if (std::find(essential.begin(), essential.end(), type) != essential.end()) {
-            if (crc_of(chunk.subspan(4, length + 4)) != big_endian(chunk.subspan(length + 8)))
-                refuse("the PNG file is damaged (check sum of " + type + ")");
+        const bool sound = crc_of(chunk.subspan(4, length + 4)) == big_endian(chunk.subspan(length + 8));
+        if (type == "pHYs" && sound && length == 9 && !has_pixels && !has_shape) {
+            kept.insert(kept.end(), chunk.begin(), chunk.end());
+            has_shape = true;
+        } else if (std::find(essential.begin(), essential.end(), type) != essential.end()) {
+            if (!sound) refuse("the PNG file is damaged (check sum of " + type + ")");
             kept.insert(kept.end(), chunk.begin(), chunk.end());
             if (type == "IHDR" &&
                 (length != 13 || big_endian(chunk.subspan(8)) == 0 || big_endian(chunk.subspan(12)) == 0))

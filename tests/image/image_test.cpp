@@ -193,7 +193,18 @@ TEST(PixelAspect, StandsInTheFilesThatAreWritten) {
         };
         EXPECT_NEAR(number(at + 8) / number(at + 4), aspect, 1e-4);
         EXPECT_EQ(bytes[at + 12], 0);
+        EXPECT_NEAR(read_image(folder / "a.png", {}, "a.png").pixel_aspect, aspect, 1e-4);
     }
+}
+
+TEST(PixelAspect, OfAPngIsLeftOutWhereItIsBroken) {
+    const Folder folder;
+    // Too short, twice (then the first counts), and no number of pixels.
+    const Bytes wide{0, 0, 0, 1, 0, 0, 0, 2, 0}, tall{0, 0, 0, 2, 0, 0, 0, 1, 0}, none{0, 0, 0, 0, 0, 0, 0, 0, 0};
+    EXPECT_EQ(read(encoded::png(1, 1, 8, 2, {{1, 2, 3}}, {{"pHYs", wide}})).pixel_aspect, 2.0f);
+    EXPECT_EQ(read(encoded::png(1, 1, 8, 2, {{1, 2, 3}}, {{"pHYs", wide}, {"pHYs", tall}})).pixel_aspect, 2.0f);
+    EXPECT_EQ(read(encoded::png(1, 1, 8, 2, {{1, 2, 3}}, {{"pHYs", {0, 0, 0, 1}}})).pixel_aspect, 1.0f);
+    EXPECT_EQ(read(encoded::png(1, 1, 8, 2, {{1, 2, 3}}, {{"pHYs", none}})).pixel_aspect, 1.0f);
 }
 
 TEST(ReadImage, TakesColoursOfAnExrUnderAnyName) {
@@ -347,7 +358,7 @@ TEST(Module, IsNotOpenedBeforeAnImageIs) {
     EXPECT_TRUE(is_loaded("libOpenImageIO"));
 }
 
-TEST(Png, KeepsItsPixelsAlone) {
+TEST(Png, KeepsItsPixelsAndTheirShapeAlone) {
     const Bytes plain = encoded::png(1, 1, 8, 2, {{1, 2, 3}}),
                 chatty = encoded::png(1, 1, 8, 2, {{1, 2, 3}}, {{"iCCP", {'x', 0, 0, 1}}, {"tEXt", {'a'}}});
     const std::vector<std::byte> kept = essential_png(std::as_bytes(std::span(chatty)), "a.png");

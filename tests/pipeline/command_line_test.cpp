@@ -107,6 +107,46 @@ TEST(Refusal, NamesTheOptionAndWhatWouldBeRight) {
     refused(start + out + " --size 4096x2304", "1920");
 }
 
+TEST(Refusal, IsOneLineOfTheProgramsOwnFormWhateverIsWrong) {
+    const Folder folder;
+    const std::string start = film("cornell") + " -o " + (folder / "x.mpg").string();
+    for (const std::string& arguments :
+         {std::string(), std::string("rendr x"), std::string("render"), "render " + start + " --bogus",
+          "render " + start + " --quantiser 77", "render " + start + " --size", "render " + start + " --size 640",
+          "render " + start + " --display-aspect 4:3 --pixel-aspect 1:1", "render " + start + " --motion m.%d.exr",
+          "render " + start + " --heatmap cut", "encode " + start, std::string("plan --bitrate abc ") + film("cornell"),
+          std::string("info")}) {
+        const auto outcome = run(program() + " " + arguments);
+        EXPECT_EQ(outcome.status, 1) << arguments;
+        EXPECT_TRUE(outcome.output.starts_with("render2mpeg: ")) << outcome.output;
+        EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
+    }
+    EXPECT_NE(run(program() + " rendr x").output.find("render, encode, plan, info"), std::string::npos);
+    EXPECT_NE(run(program() + " render").output.find("render2mpeg render --help"), std::string::npos);
+    EXPECT_EQ(folder.entries(), 0u);
+}
+
+TEST(Notes, TellWhichOptionsDoNothing) {
+    const Folder folder;
+    const std::string start = program() + " render " + film("cornell") + " --dry-run ";
+    const std::string film_out = "-o " + (folder / "x.mpg").string(), frames = "-o " + (folder / "f.%d.exr").string();
+    const auto noted = [](const std::string& command, const char* words) {
+        const auto outcome = run(command);
+        EXPECT_EQ(outcome.status, 0) << outcome.output;
+        EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
+    };
+    noted(start + frames + " --gop 5 --tune perceptual", "--gop, --tune do nothing here: f.%d.exr is not coded");
+    noted(start + frames + " --exposure 1", "--exposure does nothing here");
+    noted(start + film_out + " --tolerance fixed=2% --masking quantised", "--masking does nothing here");
+    noted(start + film_out + " --tolerance reference --stop classic", "--stop does nothing here");
+    noted(start + film_out + " --frames 0:9 --keyframes 3,12,40", "2 of 3 are no frames of the film, which has 0 to 9");
+    // Silent where all count, and where nobody wants to know.
+    EXPECT_EQ(
+        run(start + film_out + " --gop 5 --masking quantised --keyframes 3 --stop classic").output.find("nothing here"),
+        std::string::npos);
+    EXPECT_EQ(run(start + frames + " --gop 5 --quiet").output, "");
+}
+
 TEST(Refusal, NoOutputTakesThePlaceOfAnInputOrOfAnotherOutput) {
     const Folder folder;
     const std::string start = "render " + film("cornell") + " --dry-run", o = (folder / "x.mpg").string(),
@@ -142,6 +182,16 @@ TEST(PlanCommand, GivesAReasonForEveryPassAndItsCostAfterARender) {
     const auto priced = run(program() + " plan " + film("still_room") + " --stats " + stats);
     EXPECT_EQ(priced.status, 0);
     EXPECT_NE(priced.output.find(" %"), std::string::npos) << priced.output;
+    for (const char* row :
+         {"yes load ", "yes exposure ", "no  first pass ", "yes preview ", "yes tolerate ", "no  audit ", "whole run"})
+        EXPECT_NE(priced.output.find(row), std::string::npos) << row << "\n" << priced.output;
+    // Rows follow what the render would be asked for.
+    const auto other =
+        run(program() + " plan " + film("still_room") + " --tolerance fixed=2% --bitrate 2M --exposure 1 --audit 5");
+    for (const char* row : {"no  exposure ", "yes first pass ", "no  preview ", "no  tolerate ", "yes audit "})
+        EXPECT_NE(other.output.find(row), std::string::npos) << row << "\n" << other.output;
+    EXPECT_NE(run(program() + " plan " + film("still_room") + " -o f.%d.png").output.find("no  encode"),
+              std::string::npos);
     const auto passes = nlohmann::json::parse(contents(stats)).at("passes");
     for (const char* pass : {"pose", "see", "direct light tree", "photons", "indirect light tree", "develop", "encode"})
         EXPECT_GT(passes.value(pass, 0.0), 0.0) << pass;
@@ -167,6 +217,36 @@ TEST(Statistics, HaveEveryDocumentedKey) {
     EXPECT_EQ(statistics.at("per_frame").size(), 2u);
     EXPECT_EQ(statistics.at("bytes"), std::filesystem::file_size(folder / "x.mpg"));
     EXPECT_EQ(statistics.at("per_frame")[0].at("type"), "I");
+    EXPECT_EQ(statistics.at("quantiser"), 4);
+    EXPECT_EQ(statistics.at("quantisers").at("min"), 4);
+    EXPECT_EQ(statistics.at("tolerance").at("mode"), "coupled");
+    EXPECT_EQ(statistics.at("tolerance").at("masking"), "carried");
+}
+
+TEST(Statistics, TellTheRealQuantisersWhereNoneWasAskedFor) {
+    const Folder folder;
+    const auto file = folder / "s.json";
+    ASSERT_EQ(run(program() + " render " + film("cornell") +
+                  " --size 32x32 --samples 1 --vpls 16 --frames 0:5 --exposure 0 --quiet --quality 40 --tolerance "
+                  "fixed=5% -o " +
+                  (folder / "x.mpg").string() + " --stats " + file.string())
+                  .status,
+              0);
+    const auto statistics = nlohmann::json::parse(contents(file));
+    EXPECT_EQ(statistics.at("quantiser"), nullptr);
+    int min = 99, max = 0;
+    double mean = 0;
+    for (const auto& frame : statistics.at("per_frame")) {
+        min = std::min(min, frame.at("quantiser").get<int>());
+        max = std::max(max, frame.at("quantiser").get<int>());
+        mean += frame.at("mean_quantiser").get<double>() / 6;
+    }
+    EXPECT_EQ(statistics.at("quantisers").at("min"), min);
+    EXPECT_EQ(statistics.at("quantisers").at("max"), max);
+    EXPECT_GT(max, min) << "B pictures are coarser";
+    EXPECT_NEAR(statistics.at("quantisers").at("mean").get<double>(), mean, 1e-9);
+    EXPECT_EQ(statistics.at("tolerance").at("mode"), "fixed");
+    EXPECT_NEAR(statistics.at("tolerance").at("relative").get<double>(), 0.05, 1e-6);
 }
 
 TEST(Interruption, LeavesAPlayablePartialFilmAndNoFinalOne) {
@@ -174,7 +254,7 @@ TEST(Interruption, LeavesAPlayablePartialFilmAndNoFinalOne) {
     const auto output = folder / "film.mpg";
     const auto outcome =
         run(program() + " render " + film("cornell") + " --size 128x128 --frames 0:999 --exposure 0 --quiet -o " +
-            output.string() + " & job=$!; while [ ! -s " + (folder / "film.partial").string() +
+            output.string() + " & job=$!; while [ ! -s " + (folder / "film.mpg.partial").string() +
             "/chunk_00000.m2v ]; do sleep 0.05; done; sleep 0.3; " + "kill -INT $job; wait $job");
     EXPECT_EQ(outcome.status, 130) << outcome.output;
     EXPECT_FALSE(std::filesystem::exists(output));

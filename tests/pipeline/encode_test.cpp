@@ -117,7 +117,7 @@ TEST(Encode, SaysThatVectorsArePoorWithoutMotion) {
     EXPECT_NE(outcome.output.find("vectors will be poor"), std::string::npos) << outcome.output;
     EXPECT_NE(outcome.output.find("PSNR-Y"), std::string::npos) << outcome.output;
     EXPECT_EQ(frames_by_ffmpeg(folder / "pan.mpg"), 2);
-    EXPECT_FALSE(std::filesystem::exists(folder / "pan.partial"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "pan.mpg.partial"));
     const auto with = run(program() + " encode " + path(folder, "pan.y4m") + " -o " + path(folder, "pan.mpg") +
                           " --motion " + path(folder, "v.%d.exr"));
     EXPECT_EQ(with.output.find("poor"), std::string::npos) << with.output;

@@ -36,20 +36,52 @@ TEST(Heatmap, OfEverySubjectIsAFilmAsLongAsTheRender) {
     EXPECT_EQ(contents(folder / "plain.m2v"), contents(folder / "film.m2v"));
 }
 
-TEST(Heatmap, RefusesWhatThereIsNoneOf) {
+TEST(Heatmap, RefusesWhatThereIsNoneOfBeforeAnythingIsDone) {
     const Folder folder;
     const auto refused = [&](const std::string& output, const std::string& options, const char* words) {
-        const auto outcome = run(support::program() + " render " + film("cornell") + " -o " +
-                                 (folder / output).string() + small + options);
-        EXPECT_EQ(outcome.status, 1) << options;
-        EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
+        for (const char* more : {" --dry-run", ""}) {
+            const auto outcome = run(support::program() + " render " + film("cornell") + " -o " +
+                                     (folder / output).string() + small + options + more);
+            EXPECT_EQ(outcome.status, 1) << options;
+            EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
+            EXPECT_EQ(folder.entries(), 0u) << options;
+        }
     };
     const std::string heat = (folder / "h.mpg").string();
     refused("film.mpg", " --heatmap warmth " + heat, "tolerance, cut, error or quantiser");
     refused("film.mpg", " --heatmap cut " + (folder / "h.png").string(), "h.png");
     refused("f.%04d.png", " --heatmap quantiser " + heat, "only films");
     refused("film.mpg", " --tolerance reference --heatmap tolerance " + heat, "reference");
-    EXPECT_EQ(std::filesystem::exists(heat), false);
+    // 1152 lines are the most there are; the legend comes on top.
+    const auto outcome = run(support::program() + " render " + film("cornell") + " --size 1440x1152 -o " +
+                             (folder / "film.mpg").string() + " --heatmap cut " + heat);
+    EXPECT_EQ(outcome.status, 1) << outcome.output;
+    EXPECT_TRUE(outcome.output.starts_with("render2mpeg: heatmap cut: ")) << outcome.output;
+    EXPECT_EQ(folder.entries(), 0u);
+}
+
+TEST(Heatmap, TakesItsTwoWordsAndNoMore) {
+    const Folder folder;
+    const std::string heat = (folder / "h.mpg").string();
+    const auto outcome = run(support::program() + " render" + small + " --heatmap cut " + heat + " " + film("cornell") +
+                             " --dry-run -o " + (folder / "film.mpg").string());
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    const auto alone = run(support::program() + " render " + film("cornell") + " --dry-run -o " +
+                           (folder / "film.mpg").string() + " --heatmap cut");
+    EXPECT_EQ(alone.status, 1) << alone.output;
+}
+
+TEST(Heatmap, HasSquarePixelsWhateverTheFilmHas) {
+    const Folder folder;
+    const std::string heat = (folder / "h.mpg").string();
+    const auto outcome = run(
+        support::program() + " render " + film("cornell") + " -o " + (folder / "film.mpg").string() +
+        " --size 72x64 --display-aspect 16:9 --samples 1 --vpls 16 --exposure 0 --quiet --frames 0:0 --heatmap cut " +
+        heat);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const auto shown = run(
+        "ffprobe -v error -select_streams v -show_entries stream=width,height,sample_aspect_ratio -of csv=p=0 " + heat);
+    EXPECT_TRUE(shown.output.starts_with("114,96,1:1")) << shown.output;
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "encoder/av/module/container.h"
 #include "encoder/av/module/decoder.h"
+#include "encoder/av/module/inspector.h"
 
 namespace render2mpeg::av {
 namespace {
@@ -16,6 +17,7 @@ class FfmpegBackend final : public Backend {
                 const std::function<void(const core::Picture&)>& picture) const override {
         decode_film(file, picture);
     }
+    Inspection inspect(const std::filesystem::path& file) const override { return inspect_film(file); }
 };
 
 }  // namespace

@@ -89,7 +89,8 @@ class OiioCodec final : public Codec {
         image.pixels = core::Plane<glm::vec4>(spec.width, spec.height);
         image.has_alpha = choice.channel[3] >= 0;
         image.high_range = spec.format.is_floating_point();
-        if (format == Format::exr) {
+        // OpenEXR's pixelAspectRatio, PNG's pHYs.
+        if (format == Format::exr || format == Format::png) {
             const float aspect = spec.get_float_attribute("PixelAspectRatio", 1.0f);
             if (std::isfinite(aspect) && aspect > 0) image.pixel_aspect = aspect;
         }

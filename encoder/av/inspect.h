@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/rational.h"
+
+namespace render2mpeg::av {
+
+/// What a film file says of its MPEG-2 video stream.
+struct StreamFacts {
+    std::string container;              ///< libavformat's long name
+    int streams = 0;                    ///< in the container, this one included
+    std::string profile;                ///< "Main", or empty where the stream says none that is known
+    std::string level;                  ///< "Main", "High-1440", ..., or empty likewise
+    int width = 0, height = 0;          ///< pixels
+    core::Rational rate{0, 1};          ///< pictures per second as declared; 0: not said
+    core::Rational pixel_aspect{0, 1};  ///< width by height of a pixel; 0: not said
+    std::int64_t bit_rate = 0;          ///< as declared, bits per second; 0: not said
+    std::int64_t buffer_bits = 0;       ///< of the decoder's buffer as declared; 0: not said
+};
+
+/// Vectors of one picture in one direction of time.
+struct VectorFacts {
+    double share = 0;    ///< of all macroblocks, how many are predicted from there
+    double moving = 0;   ///< of all macroblocks, how many have a vector that is not zero
+    double mean = 0;     ///< length of the vectors of these, pixels
+    double longest = 0;  ///< pixels
+};
+
+/// One picture as it was coded. Two fields that make a frame are one picture.
+struct PictureFacts {
+    std::int64_t number = 0;     ///< in display order, from 0
+    std::int64_t coded = 0;      ///< place in the stream's order, from 0
+    char type = '?';             ///< I, P or B
+    bool random_access = false;  ///< decoding can begin here: a sequence or GOP header with an I picture
+    bool interlaced = false;
+    bool top_field_first = false;
+    int repeated_fields = 0;     ///< fields shown beyond two
+    std::int64_t bytes = 0;      ///< of the picture with the headers before it
+    std::int64_t position = -1;  ///< of its first byte in the file; -1: not known
+    double mean_quantiser =
+        0;  ///< over macroblocks, in halves of quantiser_scale: quantiser_scale_code where it is linear
+    double min_quantiser = 0, max_quantiser = 0;
+    double intra = 0;  ///< share of macroblocks without prediction, 0..1
+    VectorFacts forward, backward;
+    std::string damage;  ///< what is wrong with it; empty: nothing
+};
+
+/// What becomes of a film that is read.
+struct Inspection {
+    StreamFacts stream;
+    std::vector<PictureFacts> pictures;  ///< in display order
+    std::int64_t unshown =
+        0;  ///< coded pictures that libavcodec does not show: broken, or what they refer to is not there
+    std::vector<std::string> damage;  ///< of the stream or its container, where it belongs to no picture shown
+};
+
+/// Reads the first video stream of a film with libavcodec and tells how its pictures are coded. Damage is told, not
+/// thrown: what can be decoded is. Throws core::Error for a file that cannot be opened or has no MPEG-2 video.
+Inspection inspect(const std::filesystem::path& file);
+
+}  // namespace render2mpeg::av

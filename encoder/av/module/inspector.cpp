@@ -1,0 +1,201 @@
+#include "encoder/av/module/inspector.h"
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+#include "encoder/av/module/ffmpeg.h"
+#include "encoder/av/module/picture_facts.h"
+
+namespace render2mpeg::av {
+namespace {
+
+/// Level codes of profile_and_level_indication [H262, table 8-3].
+std::string level_name(int level) {
+    switch (level) {
+        case 4:
+            return "High";
+        case 6:
+            return "High-1440";
+        case 8:
+            return "Main";
+        case 10:
+            return "Low";
+        default:
+            return {};
+    }
+}
+
+core::Rational rational(AVRational r) {
+    return r.num > 0 && r.den > 0 ? core::Rational{r.num, r.den} : core::Rational{0, 1};
+}
+
+/// Whether an access unit begins with a sequence header or a GOP's.
+bool begins_with_header(const AVPacket& packet) {
+    const std::uint8_t* d = packet.data;
+    return packet.size >= 4 && d[0] == 0 && d[1] == 0 && d[2] == 1 && (d[3] == 0xb3 || d[3] == 0xb8);
+}
+
+/// libavcodec's words without the name of the part that says them: "[mpeg2video] ac-tex damaged at 3 4".
+std::string without_prefix(const std::string& text) {
+    const std::size_t end = text.starts_with("[") ? text.find("] ") : std::string::npos;
+    return end == std::string::npos ? text : text.substr(end + 2);
+}
+
+/// One film being looked at.
+class Film {
+  public:
+    explicit Film(const std::filesystem::path& file) : file_(file.string()) {
+        open_file();
+        open_decoder();
+    }
+
+    Inspection inspect() {
+        int result = 0;
+        while ((result = av_read_frame(input_.get(), packet_.get())) >= 0) {
+            if (packet_->stream_index == stream_) send(packet_.get());
+            av_packet_unref(packet_.get());
+        }
+        if (result != AVERROR_EOF) result_.damage.push_back("reading ended early: " + cause_of(result, messages_));
+        send(nullptr);
+        finish();
+        return std::move(result_);
+    }
+
+  private:
+    /// What is known of a coded picture before it is decoded.
+    struct Coded {
+        std::int64_t bytes = 0, position = -1;
+        bool random_access = false;
+        bool shown = false;
+        std::string damage;
+    };
+
+    [[noreturn]] void refuse(const std::string& cause) const { throw core::Error("reading", file_, cause); }
+
+    void open_file() {
+        AVFormatContext* input = avformat_alloc_context();
+        if (input == nullptr) refuse(cause_of(AVERROR(ENOMEM), messages_));
+        // Playlists may name what they like: nothing but files is opened.
+        AVDictionary* options = nullptr;
+        av_dict_set(&options, "protocol_whitelist", "file", 0);
+        const int opened = avformat_open_input(&input, ("file:" + file_).c_str(), nullptr, &options);
+        av_dict_free(&options);
+        if (opened < 0) refuse(cause_of(opened, messages_));
+        input_.reset(input);
+        if (const int r = avformat_find_stream_info(input, nullptr); r < 0) refuse(cause_of(r, messages_));
+        stream_ = av_find_best_stream(input, AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
+        if (stream_ < 0) refuse("there is no video in it");
+        const AVCodecID codec = input->streams[stream_]->codecpar->codec_id;
+        if (codec != AV_CODEC_ID_MPEG2VIDEO)
+            refuse(std::string("its video is ") + avcodec_get_name(codec) + ", not mpeg2video");
+    }
+
+    void open_decoder() {
+        const AVCodec* codec = avcodec_find_decoder(AV_CODEC_ID_MPEG2VIDEO);
+        if (codec == nullptr) refuse("libavcodec has no decoder for MPEG-2");
+        decoder_.reset(avcodec_alloc_context3(codec));
+        if (!decoder_ || !packet_ || !frame_) refuse(cause_of(AVERROR(ENOMEM), messages_));
+        avcodec_parameters_to_context(decoder_.get(), input_->streams[stream_]->codecpar);
+        // Hand over every picture as soon as it is decoded: at the film's end libavcodec tells nothing of the last one.
+        decoder_->flags |= AV_CODEC_FLAG_LOW_DELAY;
+        decoder_->export_side_data = AV_CODEC_EXPORT_DATA_MVS | AV_CODEC_EXPORT_DATA_VIDEO_ENC_PARAMS;
+        decoder_->thread_count = 1;
+        if (const int r = avcodec_open2(decoder_.get(), codec, nullptr); r < 0) refuse(cause_of(r, messages_));
+    }
+
+    /// Decodes one access unit, or with null what is held back.
+    void send(const AVPacket* packet) {
+        const Messages messages;  // what is said now concerns this picture
+        if (packet != nullptr) {
+            decoder_->reordered_opaque = static_cast<std::int64_t>(coded_.size());
+            coded_.push_back({packet->size, packet->pos, begins_with_header(*packet), false, {}});
+            if (packet->flags & AV_PKT_FLAG_CORRUPT) coded_.back().damage = "the container marks it as damaged";
+        }
+        int result = avcodec_send_packet(decoder_.get(), packet);
+        bool damaged = result < 0 && result != AVERROR_EOF;
+        while ((result = avcodec_receive_frame(decoder_.get(), frame_.get())) >= 0) show();
+        damaged = damaged || (result != AVERROR(EAGAIN) && result != AVERROR_EOF) || messages.has_error();
+        if (!damaged || coded_.empty() || !coded_.back().damage.empty()) return;
+        coded_.back().damage =
+            messages.text().empty() ? "libavcodec cannot decode it" : without_prefix(messages.text());
+    }
+
+    void show() {
+        PictureFacts facts = facts_of(*frame_);
+        facts.coded = frame_->reordered_opaque;
+        if (frame_->flags & AV_FRAME_FLAG_CORRUPT) facts.damage = "libavcodec marks it as damaged";
+        if (frame_->decode_error_flags != 0) facts.damage = "parts of it are missing or broken";
+        result_.pictures.push_back(facts);
+    }
+
+    /// Pictures come as they were coded: an I or P picture is shown when the next one comes, a B picture at once.
+    void sort_for_display() {
+        std::vector<PictureFacts> shown;
+        std::optional<PictureFacts> waiting;
+        for (const PictureFacts& picture : result_.pictures) {
+            if (picture.type == 'B') {
+                shown.push_back(picture);
+            } else {
+                if (waiting) shown.push_back(*waiting);
+                waiting = picture;
+            }
+        }
+        if (waiting) shown.push_back(*waiting);
+        for (std::size_t i = 0; i < shown.size(); ++i) shown[i].number = static_cast<std::int64_t>(i);
+        result_.pictures = std::move(shown);
+    }
+
+    /// Brings together what was known before and after decoding.
+    void finish() {
+        sort_for_display();
+        for (PictureFacts& picture : result_.pictures) {
+            if (picture.coded < 0 || picture.coded >= static_cast<std::int64_t>(coded_.size())) continue;
+            Coded& coded = coded_[static_cast<std::size_t>(picture.coded)];
+            coded.shown = true;
+            picture.bytes = coded.bytes;
+            picture.position = coded.position;
+            picture.random_access = coded.random_access;
+            if (!coded.damage.empty()) picture.damage = coded.damage;
+        }
+        for (std::size_t i = 0; i < coded_.size(); ++i) {
+            if (coded_[i].shown) continue;
+            ++result_.unshown;
+            if (!coded_[i].damage.empty())
+                result_.damage.push_back("coded picture " + std::to_string(i) + ": " + coded_[i].damage);
+        }
+        const AVCodecParameters& parameters = *input_->streams[stream_]->codecpar;
+        const char* profile = avcodec_profile_name(AV_CODEC_ID_MPEG2VIDEO, decoder_->profile);
+        StreamFacts& s = result_.stream;
+        s.container = input_->iformat->long_name != nullptr ? input_->iformat->long_name : input_->iformat->name;
+        s.streams = static_cast<int>(input_->nb_streams);
+        s.profile = profile != nullptr ? profile : "";
+        s.level = level_name(decoder_->level);
+        s.width = decoder_->width > 0 ? decoder_->width : parameters.width;
+        s.height = decoder_->height > 0 ? decoder_->height : parameters.height;
+        s.rate = rational(decoder_->framerate);
+        s.pixel_aspect = rational(decoder_->sample_aspect_ratio);
+        s.bit_rate = decoder_->rc_max_rate;
+        s.buffer_bits = decoder_->rc_buffer_size;
+    }
+
+    std::string file_;
+    Messages messages_;
+    Input input_;
+    Decoder decoder_;
+    Packet packet_{av_packet_alloc()};
+    Frame frame_{av_frame_alloc()};
+    int stream_ = -1;
+    std::vector<Coded> coded_;
+    Inspection result_;
+};
+
+}  // namespace
+
+Inspection inspect_film(const std::filesystem::path& file) {
+    return Film(file).inspect();
+}
+
+}  // namespace render2mpeg::av

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+
+namespace render2mpeg::app {
+
+/// Excludes other runs from an output while it lives. The system releases it with the process, however that ends.
+class OutputLock {
+  public:
+    /// Locks `file`, which is made where there is none, in a folder that is made likewise. `output` is for messages.
+    /// Throws core::Error where another run holds it, naming that run's process.
+    OutputLock(const std::filesystem::path& file, const std::filesystem::path& output);
+    ~OutputLock();
+    OutputLock(const OutputLock&) = delete;
+    OutputLock& operator=(const OutputLock&) = delete;
+
+    /// Throws as the constructor does, and changes nothing.
+    static void check(const std::filesystem::path& file, const std::filesystem::path& output);
+
+  private:
+    int descriptor_ = -1;
+};
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,116 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+#include "pipeline/foreign.h"
+
+/// Where a film is made, and what else lies there.
+namespace render2mpeg {
+namespace {
+
+using support::contents;
+using support::film;
+using support::Folder;
+using support::program;
+using support::run;
+using test::path;
+
+const std::string tiny = " --size 32x32 --samples 1 --vpls 16 --exposure 0 --frames 0:1 ";
+/// Never done before it is interrupted.
+const std::string endless = " --size 128x128 --frames 0:9999 --exposure 0 --quiet ";
+
+/// Runs a render until `file` is there and not empty, then does `then`, then sends the signal and waits.
+support::Outcome interrupted(const std::string& render, const std::string& file, const std::string& signal,
+                             const std::string& then = ":") {
+    return run(render + " & job=$!; while [ ! -s " + file + " ]; do kill -0 $job || exit 99; sleep 0.05; done; " +
+               then + "; sleep 0.3; kill -" + signal + " $job; wait $job");
+}
+
+TEST(WorkFolder, IsAnotherForFilmsOfOneStem) {
+    const Folder folder;
+    const std::string start = program() + " render " + film("cornell") + endless + "-o ";
+    const std::string second = program() + " render " + film("cornell") + tiny + "--quiet -o " + path(folder, "a.mkv");
+    const auto outcome = interrupted(start + path(folder, "a.mpg"), path(folder, "a.mpg.partial/chunk_00000.m2v"),
+                                     "INT", second + " || echo the second failed");
+    EXPECT_EQ(outcome.status, 130) << outcome.output;
+    EXPECT_EQ(outcome.output, "");
+    EXPECT_TRUE(std::filesystem::exists(folder / "a.mkv"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "a.partial.mpg")) << "the first went on beside it";
+}
+
+TEST(WorkFolder, IsNoOtherRunsMeanwhile) {
+    const Folder folder;
+    const std::string out = "-o " + path(folder, "a.mpg");
+    const std::string again = program() + " render " + film("cornell") + tiny + "--quiet " + out;
+    const auto outcome = interrupted(program() + " render " + film("cornell") + endless + out,
+                                     path(folder, "a.mpg.partial/chunk_00000.m2v"), "TERM",
+                                     again + "; echo status $?; " + again + " --dry-run; echo status $?");
+    EXPECT_EQ(outcome.status, 143) << "128 + SIGTERM: " << outcome.output;
+    const std::size_t first = outcome.output.find("a.mpg: another run is writing it (process ");
+    ASSERT_NE(first, std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("status 1", first), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("another run", first + 20), std::string::npos) << "the dry run, too";
+    // The one who was there first was not disturbed, and who comes later is free to begin anew.
+    EXPECT_TRUE(std::filesystem::exists(folder / "a.partial.mpg"));
+    EXPECT_EQ(run(again).status, 0);
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.partial.mpg")) << "of no use any more";
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.mpg.partial"));
+}
+
+TEST(WorkFolder, ThatIsForeignIsRefusedBeforeAnythingIsDone) {
+    const Folder folder;
+    std::filesystem::create_directory(folder / "a.mpg.partial");
+    std::ofstream(folder / "a.mpg.partial" / "diary.txt") << "dear diary";
+    const std::string start = program() + " render " + film("cornell") + tiny + " -o " + path(folder, "a.mpg");
+    for (const char* more : {" --dry-run", " --bitrate 1M"}) {
+        const auto outcome = run(start + more);
+        EXPECT_EQ(outcome.status, 1) << outcome.output;
+        EXPECT_NE(outcome.output.find("a.mpg.partial"), std::string::npos) << outcome.output;
+        EXPECT_EQ(outcome.output.find("first pass"), std::string::npos) << outcome.output;
+    }
+    EXPECT_EQ(contents(folder / "a.mpg.partial" / "diary.txt"), "dear diary");
+}
+
+TEST(WorkFolder, LeavesNoTraceOfWhatFailsBeforeTheFirstFrame) {
+    const Folder folder;
+    test::write_frames(path(folder, "in.y4m"), 64, 48, "25:1", "1:1", 4);
+    const auto outcome =
+        run(program() + " encode " + path(folder, "in.y4m") + " --bitrate 500 -o " + path(folder, "o.mpg"));
+    EXPECT_EQ(outcome.status, 1) << outcome.output;
+    EXPECT_EQ(folder.entries(), 1u) << outcome.output;
+}
+
+TEST(WritableCheck, LeavesFilesOfEveryNameAlone) {
+    const Folder folder;
+    std::ofstream(folder / "x.mpg.probe") << "mine";
+    ASSERT_EQ(run(program() + " render " + film("cornell") + tiny + "--quiet -o " + path(folder, "x.mpg")).status, 0);
+    EXPECT_EQ(contents(folder / "x.mpg.probe"), "mine");
+    EXPECT_EQ(folder.entries(), 2u);
+}
+
+TEST(Interruption, LeavesTheFirstFramesOfUncompressedFilmsUnderAnotherName) {
+    const Folder folder;
+    const auto outcome =
+        interrupted(program() + " render " + film("cornell") +
+                        " --size 64x48 --frames 0:9999 --exposure 0 --tolerance fixed=10% -o " + path(folder, "f.y4m"),
+                    path(folder, "f.y4m.partial/film.y4m.tmp"), "INT");
+    EXPECT_EQ(outcome.status, 130) << outcome.output;
+    EXPECT_NE(outcome.output.find("f.partial.y4m: "), std::string::npos) << outcome.output;
+    EXPECT_FALSE(std::filesystem::exists(folder / "f.y4m"));
+    const auto decoded = run("ffmpeg -v error -xerror -i " + path(folder, "f.partial.y4m") + " -f null -");
+    EXPECT_EQ(decoded.status, 0) << decoded.output;
+    EXPECT_EQ(decoded.output, "");
+}
+
+TEST(Encode, ClearsAwayWhatAnInterruptedRunLeft) {
+    const Folder folder;
+    test::write_frames(path(folder, "in.y4m"), 64, 48, "25:1", "1:1", 4);
+    std::ofstream(folder / "e.partial.mpg") << "two frames of it";
+    ASSERT_EQ(run(program() + " encode " + path(folder, "in.y4m") + " --quiet -o " + path(folder, "e.mpg")).status, 0);
+    EXPECT_TRUE(std::filesystem::exists(folder / "e.mpg"));
+    EXPECT_EQ(folder.entries(), 2u);
+}
+
+}  // namespace
+}  // namespace render2mpeg

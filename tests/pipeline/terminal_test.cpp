@@ -1,0 +1,117 @@
+#include <gtest/gtest.h>
+
+#include <set>
+#include <sstream>
+#include <string>
+
+#include "app/help_format.h"
+#include "app/progress.h"
+#include "support/program.h"
+
+/// What a user sees while waiting, and helps that a shell gives.
+namespace render2mpeg {
+namespace {
+
+using app::progress_line;
+using app::Standing;
+using support::Folder;
+using support::program;
+using support::run;
+
+TEST(ProgressLine, FitsEveryTerminalAndTellsTheTimeToGoInAllButTheNarrowest) {
+    for (const std::int64_t total : {1, 250, 100000})
+        for (const double rate : {0.0, 0.004, 3.4, 250.0})
+            for (int columns = 20; columns <= 200; ++columns) {
+                const Standing standing{"first pass", total / 2, total, rate, 10};
+                const std::string line = progress_line(standing, columns, true);
+                ASSERT_LE(line.size(), static_cast<std::size_t>(columns)) << line;
+                ASSERT_NE(line.find(std::to_string(total / 2) + "/" + std::to_string(total)), std::string::npos)
+                    << line;
+                if (columns >= 50) {
+                    ASSERT_NE(line.find("ETA "), std::string::npos) << line;
+                }
+            }
+}
+
+TEST(ProgressLine, SaysWhatIsKnown) {
+    EXPECT_EQ(progress_line({"frame", 50, 250, 2.0, 25}, 79, true),
+              "[#####...................] frame 50/250   20 %  2.00 frames/s  ETA 1:40");
+    EXPECT_EQ(progress_line({"frame", 50, 250, 2.0, 25}, 1000, false), "frame 50/250   20 %  2.00 frames/s  ETA 1:40");
+    EXPECT_EQ(progress_line({"frame", 5, 250, 0.1, 50}, 1000, false), "frame 5/250    2 %  10.0 s/frame  ETA 40:50");
+    EXPECT_EQ(progress_line({"frame", 0, 250, 0, 0}, 1000, false), "frame 0/250    0 %  ETA -");
+    EXPECT_EQ(progress_line({"frame", 250, 250, 2.0, 125}, 1000, false),
+              "frame 250/250  100 %  2.00 frames/s  done in 2:05");
+}
+
+TEST(Wrapping, BreaksBetweenWordsAndKeepsLineEnds) {
+    EXPECT_EQ(app::wrapped("one two three", 7), "one two\nthree");
+    EXPECT_EQ(app::wrapped("one\ntwo three", 20), "one\ntwo three");
+    EXPECT_EQ(app::wrapped("incomprehensibilities a", 5), "incomprehensibilities\na") << "words stay whole";
+    EXPECT_EQ(app::wrapped("", 5), "");
+}
+
+TEST(Help, FitsEightyColumns) {
+    for (const char* command : {"", "render ", "encode ", "plan ", "info "}) {
+        const auto help = run(program() + " " + command + "--help");
+        EXPECT_EQ(help.status, 0);
+        std::istringstream lines(help.output);
+        for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
+    }
+}
+
+/// What bash offers behind these words, the last of them unfinished.
+std::set<std::string> completions(const std::string& words) {
+    // A terminal would run the function with these variables set; the program is found by its whole path.
+    const std::string script = ". " + (support::source_folder() / "cmake/render2mpeg.bash-completion").string() +
+                               "; COMP_WORDS=(" + program() + " " + words +
+                               "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _render2mpeg; for word in "
+                               "\"${COMPREPLY[@]}\"; do echo \"$word\"; done";
+    const auto outcome = run("bash -c '" + script + "'");
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    std::istringstream lines(outcome.output);
+    std::set<std::string> offers;
+    for (std::string line; std::getline(lines, line);) offers.insert(line);
+    return offers;
+}
+
+TEST(Completion, OffersEveryCommandAndOption) {
+    EXPECT_EQ(completions("\"\""), (std::set<std::string>{"render", "encode", "plan", "info", "--help", "--version"}));
+    for (const char* command : {"render", "encode", "plan", "info"}) {
+        const std::set<std::string> offers = completions(std::string(command) + " --");
+        std::istringstream help(run(program() + " " + command + " --help").output);
+        int options = 0;
+        for (std::string line; std::getline(help, line);) {
+            const std::size_t at = line.find("--");
+            if (!line.starts_with("  -") || at == std::string::npos) continue;
+            ++options;
+            EXPECT_TRUE(offers.contains(line.substr(at, line.find_first_of(" ,", at) - at))) << command << line;
+        }
+        EXPECT_GE(options, 3) << command;
+        EXPECT_EQ(offers.size(), static_cast<std::size_t>(options)) << command;
+    }
+}
+
+TEST(Completion, OffersTheValuesOfOptionsThatHaveFew) {
+    using Words = std::set<std::string>;
+    EXPECT_EQ(completions("render --stop \"\""), (Words{"honest", "classic"}));
+    EXPECT_EQ(completions("render --masking \"\""), (Words{"carried", "quantised"}));
+    EXPECT_EQ(completions("render --tolerance \"\""), (Words{"coupled", "fixed=", "reference"}));
+    EXPECT_EQ(completions("render --for d"), (Words{"dvd-ntsc", "dvd-pal"}));
+    EXPECT_EQ(completions("render --tune \"\""), (Words{"psnr", "perceptual"}));
+    EXPECT_EQ(completions("render --heatmap \"\""), (Words{"tolerance", "cut", "error", "quantiser"}));
+    EXPECT_EQ(completions("render --isa s"), (Words{"sse2", "sse4.2"}));
+    EXPECT_EQ(completions("render --exposure \"\""), (Words{"auto"}));
+    EXPECT_EQ(completions("encode --motion-convention \"\""), (Words{"blender", "nuke"}));
+    EXPECT_EQ(completions("encode --fps 2"), (Words{"23.976", "24", "25", "29.97"}));
+}
+
+TEST(Completion, OffersFilesElsewhere) {
+    const Folder folder;
+    EXPECT_EQ(run("touch " + (folder / "scene.glb").string()).status, 0);
+    const std::string name = (folder / "scene.glb").string();
+    for (const char* before : {"render ", "render --stats ", "info "})
+        EXPECT_EQ(completions(before + (folder / "sc").string()), std::set<std::string>{name}) << before;
+}
+
+}  // namespace
+}  // namespace render2mpeg
