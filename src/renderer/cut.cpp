@@ -21,6 +21,18 @@ namespace {
 /// 1 - 2^-14 no pixel changes.
 constexpr float ray_end = 1.0f - 0x1p-18f;
 
+constexpr std::uint16_t all_lanes = 0xffff;
+
+void fetch(const LightTree& tree, LightRef ref) {
+    if (!ref.is_leaf()) {
+        __builtin_prefetch(&tree.nodes[ref.index()]);
+        return;
+    }
+    const auto* light = reinterpret_cast<const char*>(&tree.lights[ref.index()]);
+    __builtin_prefetch(light);
+    __builtin_prefetch(light + sizeof(TreeLight) - 1);
+}
+
 /// A ray from each lane that the light could reach towards it.
 RENDER2MPEG_ALWAYS_INLINED void aim(const GatherLanes& lanes, LightFamily family, const TreeLight& light,
                                     const LightLanes& unit, ShadowPacket& packet) {
@@ -44,147 +56,184 @@ RENDER2MPEG_ALWAYS_INLINED void aim(const GatherLanes& lanes, LightFamily family
 }  // namespace
 
 RENDER2MPEG_CLONES
-void Gatherer::trace(const GatherLanes& lanes, LightFamily family, const TreeLight& light, Slot& slot,
-                     GatheredLight& out) {
-    evaluate_light(lanes, family, light, forest_.clamp(slot.tree), slot.unit);
+void Gatherer::trace(const GatherLanes& lanes, LightFamily family, const TreeLight& light, GeometryClamp clamp,
+                     Arrival& arrival, GatheredLight& out) {
+    evaluate_light(lanes, family, light, clamp, arrival.unit);
     ShadowPacket packet;
-    aim(lanes, family, light, slot.unit, packet);
+    aim(lanes, family, light, arrival.unit, packet);
+    if (packet.active == 0) return;
     std::uint32_t blocked = 0;
     if (forest_.translucent) {
         glm::vec3 passes[lane_count];
         std::fill(std::begin(passes), std::end(passes), glm::vec3(1));
-        if (packet.active != 0) blocked = tracer_.occluded(packet, passes);
+        blocked = tracer_.occluded(packet, passes);
         for (int i = 0; i < lane_count; ++i)
-            for (int k = 0; k < 3 && (packet.active >> i & 1u) != 0; ++k) slot.passes[i][k] = passes[i][k];
-    } else if (packet.active != 0) {
+            for (int k = 0; k < 3 && (packet.active >> i & 1u) != 0; ++k) arrival.tint.passes[i][k] = passes[i][k];
+    } else {
         blocked = tracer_.occluded(packet, nullptr);
     }
     out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
-    std::uint32_t reached = 0;
-    const std::uint32_t asked = packet.active;
-    for (int i = 0; i < lane_count; ++i) {
-        const float found = (blocked >> i & 1u) != 0 ? 0.0f : 1.0f;
-        slot.visible[i] = (asked >> i & 1u) != 0 ? found : slot.visible[i];
-        reached |= slot.visible[i] > 0.0f ? 1u : 0u;
-    }
-    slot.reaches_any = reached != 0;
+    arrival.lit = static_cast<std::uint16_t>((arrival.lit | packet.active) & ~blocked);
+    arrival.unknown = static_cast<std::uint16_t>(arrival.unknown & ~packet.active);
     if (blocked == 0) return;
     for (int i = 0; i < lane_count; ++i) {
         const float visible = (blocked >> i & 1u) != 0 ? 0.0f : 1.0f;
-        slot.unit.diffuse[i] *= visible;
+        arrival.unit.diffuse[i] *= visible;
         if (!lanes.glossy) continue;
-        slot.unit.f0[i] *= visible;
-        slot.unit.schlick[i] *= visible;
+        arrival.unit.f0[i] *= visible;
+        arrival.unit.schlick[i] *= visible;
     }
 }
 
-void Gatherer::add_slot(const GatherLanes& lanes, const Slot& slot, glm::vec3 intensity, Lanes& luminance) const {
-    if (!forest_.translucent) {
-        add_luminance(lanes, slot.unit, intensity, luminance);
-        return;
-    }
-    // Each lane sees the light in its own colour: once per channel, with what passes put into the unit values.
-    for (int k = 0; k < 3; ++k) {
-        LightLanes tinted;
-        for (int i = 0; i < lane_count; ++i) {
-            tinted.diffuse[i] = slot.unit.diffuse[i] * slot.passes[i][k];
-            tinted.f0[i] = lanes.glossy ? slot.unit.f0[i] * slot.passes[i][k] : 0.0f;
-            tinted.schlick[i] = lanes.glossy ? slot.unit.schlick[i] * slot.passes[i][k] : 0.0f;
-        }
-        glm::vec3 channel(0);
-        channel[k] = intensity[k];
-        add_luminance(lanes, tinted, channel, luminance);
-    }
+UnitLight Gatherer::unit_of(const GatherLanes& lanes, const Arrival& arrival) const {
+    UnitLight unit = unit_light(lanes, arrival.unit);
+    if (forest_.translucent) unit.passes = arrival.tint.passes;
+    return unit;
 }
 
 void Gatherer::gather_exact(const GatherLanes& lanes, CutSums& sums, GatheredLight& out) {
     for (const ExactLight& exact : forest_.exact) {
-        Slot slot;
-        std::fill(std::begin(slot.visible), std::end(slot.visible), 0.0f);
-        std::fill(&slot.passes[0][0], &slot.passes[0][0] + lane_count * 3, 1.0f);
-        trace(lanes, exact.family, exact.light, slot, out);
-        add_slot(lanes, slot, exact.light.intensity, luminance_);
-        sums.add(slot.unit, slot.passes, exact.light.intensity, true);
+        Arrival arrival;
+        std::fill(&arrival.tint.passes[0][0], &arrival.tint.passes[0][0] + lane_count * 3, 1.0f);
+        trace(lanes, exact.family, exact.light, forest_.direct_clamp, arrival, out);
+        const UnitLight unit = unit_of(lanes, arrival);
+        add_luminance(lanes, unit, exact.light.intensity, luminance_);
+        sums.add(unit, exact.light.intensity, true);
         ++out.direct_clusters;
     }
 }
 
+void Gatherer::trace_slot(const GatherLanes& lanes, std::uint32_t index, Arrival& arrival, GatheredLight& out) {
+    Slot& slot = slots_[index];
+    const LightTree& tree = forest_.trees[slot.tree];
+    slot.representative = tree.representative(slot.ref, lanes.set);
+    slot.intensity = tree.intensity(slot.ref);
+    trace(lanes, tree.family, tree.lights[slot.representative], forest_.clamp(slot.tree), arrival, out);
+    std::copy(std::begin(arrival.unit.diffuse), std::end(arrival.unit.diffuse), std::begin(slot.diffuse));
+    slot.lit = arrival.lit;
+    slot.unknown = arrival.unknown;
+    slot.any_clamped = arrival.unit.any_clamped;
+    if (lanes.glossy) {
+        std::copy(std::begin(arrival.unit.f0), std::end(arrival.unit.f0), std::begin(lobes_[index].f0));
+        std::copy(std::begin(arrival.unit.schlick), std::end(arrival.unit.schlick), std::begin(lobes_[index].schlick));
+    }
+    if (forest_.translucent) tints_[index] = arrival.tint;
+}
+
 void Gatherer::start_cut(const GatherLanes& lanes, GatheredLight& out) {
     slots_.clear();
+    lobes_.clear();
+    tints_.clear();
     heap_.clear();
     settled_.clear();
     for (int t = 0; t < LightForest::tree_count; ++t) {
         const LightTree& tree = forest_.trees[t];
         if (tree.empty()) continue;
-        Slot& slot = slots_.emplace_back();
-        slot.tree = t;
-        slot.ref = tree.root;
-        slot.representative = tree.representative(tree.root, lanes.set);
-        std::fill(std::begin(slot.visible), std::end(slot.visible), 0.5f);
-        std::fill(&slot.passes[0][0], &slot.passes[0][0] + lane_count * 3, 1.0f);
-        trace(lanes, tree.family, tree.lights[slot.representative], slot, out);
-        add_slot(lanes, slot, tree.intensity(tree.root), luminance_);
+        const std::uint32_t index = add_slot(lanes, t, tree.root);
+        Arrival arrival;
+        arrival.lit = arrival.unknown = all_lanes;
+        std::fill(&arrival.tint.passes[0][0], &arrival.tint.passes[0][0] + lane_count * 3, 1.0f);
+        trace_slot(lanes, index, arrival, out);
+        add_luminance(lanes, unit_of(index), slots_[index].intensity, luminance_);
     }
     rule_.observe(luminance_);
     for (std::uint32_t i = 0; i < slots_.size(); ++i) push(lanes, i);
 }
 
+std::uint32_t Gatherer::add_slot(const GatherLanes& lanes, int tree, LightRef ref) {
+    const auto index = static_cast<std::uint32_t>(slots_.size());
+    Slot& slot = slots_.emplace_back();
+    slot.tree = static_cast<std::uint8_t>(tree);
+    slot.ref = ref;
+    if (lanes.glossy) lobes_.emplace_back();
+    if (forest_.translucent) tints_.emplace_back();
+    return index;
+}
+
+/// Has the memory ready, while rays are traced, that the next split will most likely want.
+void Gatherer::fetch_next() const {
+    if (heap_.empty()) return;
+    const Slot& next = slots_[heap_.front().slot];
+    const LightTree& tree = forest_.trees[next.tree];
+    for (const LightRef child : tree.nodes[next.ref.index()].child) fetch(tree, child);
+}
+
 RENDER2MPEG_CLONES
 void Gatherer::split(const GatherLanes& lanes, std::uint32_t index, GatheredLight& out) {
     const LightTree& tree = forest_.trees[slots_[index].tree];
-    const LightNode& node = tree.nodes[slots_[index].ref.index()];
+    const LightRef parent = slots_[index].ref;
+    const LightNode& node = tree.nodes[parent.index()];
     // The child that holds the representative keeps its rays; only the other one, adopted, is traced.
-    const bool first_keeps = tree.first_represents(slots_[index].ref, lanes.set);
+    const bool first_keeps = tree.first_represents(parent, lanes.set);
     const LightRef kept = node.child[first_keeps ? 0 : 1], adopted = node.child[first_keeps ? 1 : 0];
-    Slot& old = slots_[index];
-    old.ref = kept;
-    add_slot(lanes, old, tree.intensity(kept) - node.intensity, luminance_);
+    const std::uint32_t added = add_slot(lanes, slots_[index].tree, adopted);
 
-    const auto added = static_cast<std::uint32_t>(slots_.size());
-    Slot& slot = slots_.emplace_back();
-    slot.tree = slots_[index].tree;
-    slot.ref = adopted;
-    slot.representative = tree.representative(adopted, lanes.set);
-    std::copy(std::begin(slots_[index].visible), std::end(slots_[index].visible), std::begin(slot.visible));
-    if (forest_.translucent)
-        std::copy(&slots_[index].passes[0][0], &slots_[index].passes[0][0] + lane_count * 3, &slot.passes[0][0]);
-    trace(lanes, tree.family, tree.lights[slot.representative], slot, out);
-    add_slot(lanes, slot, tree.intensity(adopted), luminance_);
+    Arrival arrival;
+    arrival.lit = slots_[index].lit;
+    arrival.unknown = slots_[index].unknown;
+    if (forest_.translucent) arrival.tint = tints_[index];
+    fetch_next();
+    trace_slot(lanes, added, arrival, out);
+
+    Slot& old = slots_[index];
+    const glm::vec3& rest = tree.intensity(kept);
+    const glm::vec3 change{rest.x - old.intensity.x, rest.y - old.intensity.y, rest.z - old.intensity.z};
+    old.ref = kept;
+    old.intensity = rest;
+    add_luminance(lanes, unit_of(index), change, luminance_);
+    add_luminance(lanes, unit_of(added), slots_[added].intensity, luminance_);
     rule_.observe(luminance_);
     push(lanes, index);
     push(lanes, added);
 }
 
-RENDER2MPEG_CLONES
-void Gatherer::sum_finely(const GatherLanes& lanes, const Slot& slot, CutSums& sums) const {
+Gatherer::Parts Gatherer::parts_of(const GatherLanes& lanes, const Slot& slot) const {
+    Parts parts;
+    if (slot.ref.is_leaf() || slot.lit == 0) return parts;
     const LightTree& tree = forest_.trees[slot.tree];
-    const bool direct = LightForest::is_direct(slot.tree);
-    // The clusters two levels below: of the children those that are lights stay as they are.
-    LightRef parts[4];
-    int count = 0;
+    const auto take = [&](LightRef part) {
+        parts.light[parts.count] = tree.representative(part, lanes.set);
+        parts.intensity[parts.count] = tree.intensity(part);
+        fetch(tree, LightRef::leaf(parts.light[parts.count++]));
+    };
+    // Of the children those that are lights stay as they are.
     for (const LightRef child : tree.nodes[slot.ref.index()].child) {
         if (child.is_leaf()) {
-            parts[count++] = child;
+            take(child);
             continue;
         }
-        for (const LightRef part : tree.nodes[child.index()].child) parts[count++] = part;
+        for (const LightRef part : tree.nodes[child.index()].child) take(part);
     }
-    for (int p = 0; p < count; ++p) {
-        const std::uint32_t representative = tree.representative(parts[p], lanes.set);
-        const glm::vec3 intensity = tree.intensity(parts[p]);
-        if (representative == slot.representative) {
-            sums.add(slot.unit, slot.passes, intensity, direct);
+    return parts;
+}
+
+RENDER2MPEG_CLONES
+void Gatherer::sum_finely(const GatherLanes& lanes, std::uint32_t index, const Parts& parts, CutSums& sums) const {
+    const Slot& slot = slots_[index];
+    const LightTree& tree = forest_.trees[slot.tree];
+    const bool direct = LightForest::is_direct(slot.tree);
+    alignas(64) Lanes visible;
+    for (int i = 0; i < lane_count; ++i) {
+        const float lit = (slot.unknown >> i & 1) != 0 ? 0.5f : 1.0f;
+        visible[i] = (slot.lit >> i & 1) != 0 ? lit : 0.0f;
+    }
+    const UnitLight own = unit_of(index);
+    for (int p = 0; p < parts.count; ++p) {
+        if (parts.light[p] == slot.representative) {
+            sums.add(own, parts.intensity[p], direct);
             continue;
         }
         LightLanes unit;
-        evaluate_light(lanes, tree.family, tree.lights[representative], forest_.clamp(slot.tree), unit);
+        evaluate_light(lanes, tree.family, tree.lights[parts.light[p]], forest_.clamp(slot.tree), unit);
         for (int i = 0; i < lane_count; ++i) {
-            unit.diffuse[i] *= slot.visible[i];
+            unit.diffuse[i] *= visible[i];
             if (!lanes.glossy) continue;
-            unit.f0[i] *= slot.visible[i];
-            unit.schlick[i] *= slot.visible[i];
+            unit.f0[i] *= visible[i];
+            unit.schlick[i] *= visible[i];
         }
-        sums.add(unit, slot.passes, intensity, direct);
+        sums.add({unit.diffuse, own.f0 != nullptr ? &unit.f0 : nullptr, own.f0 != nullptr ? &unit.schlick : nullptr,
+                  own.passes},
+                 parts.intensity[p], direct);
     }
 }
 
@@ -194,7 +243,7 @@ void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance,
     out.capped = 0;
     out.shadow_rays = 0;
     std::fill(std::begin(out.error), std::end(out.error), 0.0f);
-    CutSums sums(lanes, forest_.translucent);
+    CutSums sums(lanes);
     std::fill(std::begin(luminance_), std::end(luminance_), 0.0f);
     gather_exact(lanes, sums, out);
     std::copy(std::begin(luminance_), std::end(luminance_), std::begin(exact_luminance_));
@@ -202,19 +251,30 @@ void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance,
     start_cut(lanes, out);
     limits.stop == Stop::classic ? refine_classic(lanes, limits, out) : refine_honest(lanes, limits, out);
 
-    for (const Slot& slot : slots_) {
+    sum_slots(lanes, limits.stop == Stop::honest, sums, out);
+    sums.store(out);
+}
+
+void Gatherer::sum_slots(const GatherLanes& lanes, bool finely, CutSums& sums, GatheredLight& out) {
+    const auto count = static_cast<std::uint32_t>(slots_.size());
+    // Look ahead, so that memory is there when it is wanted.
+    Parts next;
+    if (finely && count > 0) next = parts_of(lanes, slots_[0]);
+    for (std::uint32_t s = 0; s < count; ++s) {
+        const Parts parts = next;
+        if (finely && s + 1 < count) next = parts_of(lanes, slots_[s + 1]);
+        if (finely && s + 2 < count) fetch(forest_.trees[slots_[s + 2].tree], slots_[s + 2].ref);
+        const Slot& slot = slots_[s];
         const LightTree& tree = forest_.trees[slot.tree];
         const bool direct = LightForest::is_direct(slot.tree);
-        const glm::vec3 intensity = tree.intensity(slot.ref);
-        if (slot.ref.is_leaf() || limits.stop == Stop::classic)
-            sums.add(slot.unit, slot.passes, intensity, direct);
-        else if (slot.reaches_any)
-            sum_finely(lanes, slot, sums);
-        if (slot.unit.any_clamped)
-            sums.add_clamped(tree.family, tree.lights[slot.representative], slot.unit, intensity);
+        if (slot.ref.is_leaf() || !finely)
+            sums.add(unit_of(s), slot.intensity, direct);
+        else if (slot.lit != 0)
+            sum_finely(lanes, s, parts, sums);
+        if (slot.any_clamped)
+            sums.add_clamped(tree.family, tree.lights[slot.representative], unit_of(s), slot.intensity);
         ++(direct ? out.direct_clusters : out.indirect_clusters);
     }
-    sums.store(out);
 }
 
 void Gatherer::gather_all(const GatherLanes& lanes, GatheredLight& out) {
@@ -222,17 +282,16 @@ void Gatherer::gather_all(const GatherLanes& lanes, GatheredLight& out) {
     out.capped = 0;
     out.shadow_rays = 0;
     std::fill(std::begin(out.error), std::end(out.error), 0.0f);
-    CutSums sums(lanes, forest_.translucent);
+    CutSums sums(lanes);
     gather_exact(lanes, sums, out);
-    Slot slot;
-    std::fill(std::begin(slot.visible), std::end(slot.visible), 0.0f);
+    Arrival arrival;
     for (int t = 0; t < LightForest::tree_count; ++t) {
         const LightTree& tree = forest_.trees[t];
-        slot.tree = t;
         for (const TreeLight& light : tree.lights) {
-            trace(lanes, tree.family, light, slot, out);
-            sums.add(slot.unit, slot.passes, light.intensity, LightForest::is_direct(t));
-            if (slot.unit.any_clamped) sums.add_clamped(tree.family, light, slot.unit, light.intensity);
+            trace(lanes, tree.family, light, forest_.clamp(t), arrival, out);
+            const UnitLight unit = unit_of(lanes, arrival);
+            sums.add(unit, light.intensity, LightForest::is_direct(t));
+            if (arrival.unit.any_clamped) sums.add_clamped(tree.family, light, unit, light.intensity);
         }
         (LightForest::is_direct(t) ? out.direct_clusters : out.indirect_clusters) +=
             static_cast<int>(tree.lights.size());

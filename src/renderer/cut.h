@@ -55,26 +55,52 @@ class Gatherer {
     void gather_all(const GatherLanes& lanes, GatheredLight& out);
 
   private:
-    /// One cluster of the cut: what its representative sends and whom it reaches.
+    /// One cluster of the cut: what its representative sends and whom it reaches. Three cache lines: a cut of a
+    /// thousand of them stays near.
     struct alignas(64) Slot {
-        Slot() {}         // leaves lanes as they are
-        LightLanes unit;  ///< visibility included
-        Lanes bound;      ///< of its luminance if all of it were visible; 0 for a single light
-        Lanes visible;    ///< 0 or 1 as its rays found; where none was needed, as its parent; 0.5 where nobody knows
+        Slot() {}       // leaves lanes as they are
+        Lanes diffuse;  ///< irradiance by unit intensity, visibility included
+        Lanes bound;    ///< of its luminance if all of it were visible; 0 for a single light
+        glm::vec3 intensity;
         LightRef ref;
-        int tree = 0;
         std::uint32_t representative = 0;
-        bool is_open = false;         ///< may be split, and some lane could notice
-        bool reaches_any = false;     ///< some lane is not known to lie in its shadow
-        float passes[lane_count][3];  ///< what translucent surfaces let through, as `visible`; 1 where nobody knows
+        /// Bit i: lane i is lit, or not known to be in shadow: as its ray found, where none was needed as its parent.
+        std::uint16_t lit = 0;
+        std::uint16_t unknown = 0;  ///< bit i: nobody knows; counts as half lit
+        std::uint8_t tree = 0;
+        bool is_open = false;      ///< may be split, and some lane could notice
+        bool any_clamped = false;  ///< of `unit`
+    };
+    /// The same slots' GGX lobes, by unit intensity; only for glossy lanes.
+    struct alignas(64) SlotLobe {
+        SlotLobe() {}
+        Lanes f0, schlick;
+    };
+    /// What translucent surfaces let through; 1 where nobody knows; only where there are any.
+    struct Tint {
+        float passes[lane_count][3];
     };
     struct Entry {
         float urgency;
         std::uint32_t slot;
     };
-    static bool less_urgent(const Entry& a, const Entry& b) { return a.urgency < b.urgency; }
+    struct LessUrgent {
+        bool operator()(const Entry& a, const Entry& b) const { return a.urgency < b.urgency; }
+    };
 
-    void trace(const GatherLanes& lanes, LightFamily family, const TreeLight& light, Slot& slot, GatheredLight& out);
+    /// What a light sends to the lanes, visibility included. Before it is traced: what is known of its parent's.
+    struct Arrival {
+        LightLanes unit;
+        std::uint16_t lit = 0, unknown = 0;  ///< as of Slot
+        Tint tint;                           ///< unset where nothing is translucent
+    };
+
+    void trace(const GatherLanes& lanes, LightFamily family, const TreeLight& light, GeometryClamp clamp,
+               Arrival& arrival, GatheredLight& out);
+    void trace_slot(const GatherLanes& lanes, std::uint32_t slot, Arrival& arrival, GatheredLight& out);
+    std::uint32_t add_slot(const GatherLanes& lanes, int tree, LightRef ref);
+    inline UnitLight unit_of(std::uint32_t slot) const;
+    UnitLight unit_of(const GatherLanes& lanes, const Arrival& arrival) const;
     void gather_exact(const GatherLanes& lanes, CutSums& sums, GatheredLight& out);
     void start_cut(const GatherLanes& lanes, GatheredLight& out);
     void refine_classic(const GatherLanes& lanes, const CutLimits& limits, GatheredLight& out);
@@ -87,8 +113,16 @@ class Gatherer {
     void sum_afresh(const GatherLanes& lanes);
     bool is_safe(const GatherLanes& lanes);
     void sum_luminance(const GatherLanes& lanes);
-    void sum_finely(const GatherLanes& lanes, const Slot& slot, CutSums& sums) const;
-    void add_slot(const GatherLanes& lanes, const Slot& slot, glm::vec3 intensity, Lanes& luminance) const;
+    /// The clusters two levels below one: what its geometry is summed over.
+    struct Parts {
+        std::uint32_t light[4];  ///< their representatives
+        glm::vec3 intensity[4];
+        int count = 0;
+    };
+    Parts parts_of(const GatherLanes& lanes, const Slot& slot) const;
+    void sum_finely(const GatherLanes& lanes, std::uint32_t slot, const Parts& parts, CutSums& sums) const;
+    void sum_slots(const GatherLanes& lanes, bool finely, CutSums& sums, GatheredLight& out);
+    void fetch_next() const;
 
     const LightForest& forest_;
     const RayTracer& tracer_;
@@ -97,6 +131,8 @@ class Gatherer {
     alignas(64) double squares_[lane_count]{};  ///< honest: sums of the squared bounds of all slots
     alignas(64) Lanes largest_{};               ///< honest: their largest bounds, as of the last fresh sum
     std::vector<Slot> slots_;
+    std::vector<SlotLobe> lobes_;
+    std::vector<Tint> tints_;
     std::vector<Entry> heap_, settled_;
 };
 

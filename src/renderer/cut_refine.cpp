@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "renderer/cut.h"
+#include "renderer/cut_sums.h"
 #include "renderer/isa_clones.h"
 
 namespace render2mpeg::renderer {
@@ -32,11 +33,11 @@ void Gatherer::push(const GatherLanes& lanes, std::uint32_t index) {
     if (!(urgency > 0.0f)) return;
     slot.is_open = true;
     heap_.push_back({urgency, index});
-    std::push_heap(heap_.begin(), heap_.end(), less_urgent);
+    std::push_heap(heap_.begin(), heap_.end(), LessUrgent{});
 }
 
 std::uint32_t Gatherer::pop() {
-    std::pop_heap(heap_.begin(), heap_.end(), less_urgent);
+    std::pop_heap(heap_.begin(), heap_.end(), LessUrgent{});
     const std::uint32_t slot = heap_.back().slot;
     heap_.pop_back();
     return slot;
@@ -44,8 +45,11 @@ std::uint32_t Gatherer::pop() {
 
 RENDER2MPEG_CLONES
 void Gatherer::sum_luminance(const GatherLanes& lanes) {
-    for (int i = 0; i < lane_count; ++i) luminance_[i] = exact_luminance_[i];
-    for (const Slot& slot : slots_) add_slot(lanes, slot, forest_.trees[slot.tree].intensity(slot.ref), luminance_);
+    alignas(64) Lanes sum;
+    for (int i = 0; i < lane_count; ++i) sum[i] = exact_luminance_[i];
+    const auto count = static_cast<std::uint32_t>(slots_.size());
+    for (std::uint32_t s = 0; s < count; ++s) add_luminance(lanes, unit_of(s), slots_.data()[s].intensity, sum);
+    for (int i = 0; i < lane_count; ++i) luminance_[i] = sum[i];
     rule_.observe(luminance_);
 }
 
@@ -59,7 +63,7 @@ bool Gatherer::reopen(const GatherLanes& lanes) {
         (CutRule::accepts(urgency) ? still : heap_).push_back({urgency, entry.slot});
     }
     settled_.swap(still);
-    std::make_heap(heap_.begin(), heap_.end(), less_urgent);
+    std::make_heap(heap_.begin(), heap_.end(), LessUrgent{});
     return !heap_.empty();
 }
 
@@ -97,12 +101,19 @@ void Gatherer::add_square(std::uint32_t index, double sign) {
 RENDER2MPEG_CLONES
 void Gatherer::sum_afresh(const GatherLanes& lanes) {
     sum_luminance(lanes);
-    std::fill(std::begin(squares_), std::end(squares_), 0.0);
-    std::fill(std::begin(largest_), std::end(largest_), 0.0f);
-    for (std::uint32_t s = 0; s < slots_.size(); ++s) {
-        add_square(s, 1.0);
-        for (int i = 0; i < lane_count; ++i) largest_[i] = std::max(largest_[i], finite(slots_[s].bound[i]));
+    alignas(64) double squares[lane_count] = {};
+    alignas(64) Lanes largest = {};
+    const Slot* const slots = slots_.data();
+    const std::size_t count = slots_.size();
+    for (std::size_t s = 0; s < count; ++s) {
+        for (int i = 0; i < lane_count; ++i) {
+            const double bound = finite(slots[s].bound[i]);
+            squares[i] += bound * bound;
+        }
+        for (int i = 0; i < lane_count; ++i) largest[i] = inlined::max(largest[i], finite(slots[s].bound[i]));
     }
+    for (int i = 0; i < lane_count; ++i) squares_[i] = squares[i];
+    for (int i = 0; i < lane_count; ++i) largest_[i] = largest[i];
 }
 
 bool Gatherer::is_safe(const GatherLanes& lanes) {
@@ -110,7 +121,7 @@ bool Gatherer::is_safe(const GatherLanes& lanes) {
     if (rule_.broken(squares_, largest_) == 0) return true;
     // Tolerances have moved since the clusters were ranked.
     for (Entry& entry : heap_) entry.urgency = rule_.urgency(slots_[entry.slot].bound);
-    std::make_heap(heap_.begin(), heap_.end(), less_urgent);
+    std::make_heap(heap_.begin(), heap_.end(), LessUrgent{});
     return false;
 }
 

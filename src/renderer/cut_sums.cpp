@@ -7,21 +7,21 @@
 namespace render2mpeg::renderer {
 namespace {
 
-RENDER2MPEG_ALWAYS_INLINED void add_to(RgbLanes& sum, const Lanes& unit, glm::vec3 intensity) {
+RENDER2MPEG_ALWAYS_INLINED void add_to(RgbLanes& __restrict sum, const Lanes& __restrict unit,
+                                       const float (*__restrict passes)[3], const glm::vec3& intensity) {
     const float red = intensity.x, green = intensity.y, blue = intensity.z;
-    for (int i = 0; i < lane_count; ++i) {
-        sum.r[i] += unit[i] * red;
-        sum.g[i] += unit[i] * green;
-        sum.b[i] += unit[i] * blue;
+    if (passes == nullptr) {
+        for (int i = 0; i < lane_count; ++i) {
+            sum.r[i] += unit[i] * red;
+            sum.g[i] += unit[i] * green;
+            sum.b[i] += unit[i] * blue;
+        }
+        return;
     }
-}
-
-RENDER2MPEG_ALWAYS_INLINED void add_tinted(RgbLanes& sum, const Lanes& unit, const float (&passes)[lane_count][3],
-                                           glm::vec3 intensity) {
     for (int i = 0; i < lane_count; ++i) {
-        sum.r[i] += unit[i] * passes[i][0] * intensity.x;
-        sum.g[i] += unit[i] * passes[i][1] * intensity.y;
-        sum.b[i] += unit[i] * passes[i][2] * intensity.z;
+        sum.r[i] += unit[i] * passes[i][0] * red;
+        sum.g[i] += unit[i] * passes[i][1] * green;
+        sum.b[i] += unit[i] * passes[i][2] * blue;
     }
 }
 
@@ -35,38 +35,31 @@ void add_to(RgbLanes& sum, const RgbLanes& part) {
 
 }  // namespace
 
-CutSums::CutSums(const GatherLanes& lanes, bool translucent) : lanes_(lanes), translucent_(translucent) {}
+CutSums::CutSums(const GatherLanes& lanes) : lanes_(lanes) {}
 
 RENDER2MPEG_CLONES
-void CutSums::add(const LightLanes& unit, const float (&passes)[lane_count][3], glm::vec3 intensity, bool direct) {
+void CutSums::add(const UnitLight& unit, const glm::vec3& intensity, bool direct) {
     RgbLanes& irradiance = direct ? part_.direct : part_.indirect;
-    if (translucent_) {
-        add_tinted(irradiance, unit.diffuse, passes, intensity);
-        if (lanes_.glossy) {
-            add_tinted(part_.f0, unit.f0, passes, intensity);
-            add_tinted(part_.schlick, unit.schlick, passes, intensity);
-        }
-    } else {
-        add_to(irradiance, unit.diffuse, intensity);
-        if (lanes_.glossy) {
-            add_to(part_.f0, unit.f0, intensity);
-            add_to(part_.schlick, unit.schlick, intensity);
-        }
+    add_to(irradiance, unit.diffuse, unit.passes, intensity);
+    if (unit.f0 != nullptr) {
+        add_to(part_.f0, *unit.f0, unit.passes, intensity);
+        add_to(part_.schlick, *unit.schlick, unit.passes, intensity);
     }
     if (++in_part_ == part_length) flush();
 }
 
-void CutSums::add_clamped(LightFamily family, const TreeLight& light, const LightLanes& visible, glm::vec3 intensity) {
+void CutSums::add_clamped(LightFamily family, const TreeLight& light, const UnitLight& visible,
+                          const glm::vec3& intensity) {
     LightLanes full;
     evaluate_light(lanes_, family, light, GeometryClamp{1.0f}, full);
     for (int i = 0; i < lane_count; ++i) {
         const bool lit = visible.diffuse[i] > 0.0f;
         full.diffuse[i] = lit ? std::max(full.diffuse[i] - visible.diffuse[i], 0.0f) : 0.0f;
-        if (!lanes_.glossy) continue;
-        full.f0[i] = lit ? std::max(full.f0[i] - visible.f0[i], 0.0f) : 0.0f;
-        full.schlick[i] = lit ? std::max(full.schlick[i] - visible.schlick[i], 0.0f) : 0.0f;
+        if (visible.f0 == nullptr) continue;
+        full.f0[i] = lit ? std::max(full.f0[i] - (*visible.f0)[i], 0.0f) : 0.0f;
+        full.schlick[i] = lit ? std::max(full.schlick[i] - (*visible.schlick)[i], 0.0f) : 0.0f;
     }
-    add_luminance(lanes_, full, intensity, clamped_);
+    add_luminance(lanes_, unit_light(lanes_, full), intensity, clamped_);
 }
 
 void CutSums::flush() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "renderer/cut.h"
+#include "renderer/isa_clones.h"
 
 namespace render2mpeg::renderer {
 
@@ -8,14 +9,14 @@ namespace render2mpeg::renderer {
 /// sum over a million lights in single precision keeps its digits. The order of calls decides the bytes.
 class CutSums {
   public:
-    CutSums(const GatherLanes& lanes, bool translucent);
+    explicit CutSums(const GatherLanes& lanes);
 
-    /// Adds a cluster's light; `passes` counts only in translucent scenes.
-    void add(const LightLanes& unit, const float (&passes)[lane_count][3], glm::vec3 intensity, bool direct);
+    /// Adds a cluster's light.
+    void add(const UnitLight& unit, const glm::vec3& intensity, bool direct);
 
     /// Counts what the clamp took from a cluster: the difference to what its light sends when only the form factor of a
     /// whole sky bounds it, G <= 1 / disc2; the unclamped sum has no finite variance to be measured.
-    void add_clamped(LightFamily family, const TreeLight& light, const LightLanes& visible, glm::vec3 intensity);
+    void add_clamped(LightFamily family, const TreeLight& light, const UnitLight& visible, const glm::vec3& intensity);
 
     void store(GatheredLight& out);
 
@@ -27,10 +28,15 @@ class CutSums {
     void flush();
 
     const GatherLanes& lanes_;
-    bool translucent_;
     int in_part_ = 0;
     Part part_{}, whole_{};
     alignas(64) Lanes clamped_{};
 };
+
+RENDER2MPEG_ALWAYS_INLINED UnitLight Gatherer::unit_of(std::uint32_t slot) const {
+    const bool glossy = !lobes_.empty();
+    return {slots_.data()[slot].diffuse, glossy ? &lobes_.data()[slot].f0 : nullptr,
+            glossy ? &lobes_.data()[slot].schlick : nullptr, tints_.empty() ? nullptr : tints_.data()[slot].passes};
+}
 
 }  // namespace render2mpeg::renderer

@@ -7,7 +7,6 @@ namespace render2mpeg::renderer {
 namespace {
 
 constexpr int block_size = 4;
-constexpr int blocks_across = tile_size / block_size;
 
 /// How alike points of a group are. chosen: Sponza's gathering time rises by 20 % at a gap of 0.03 and falls by 2 % at
 /// 0.3, rises by 8 % at a step of 0.005 and by 3 % at 0.05, and changes by 2 % for normals between 0.7 and 0.97.

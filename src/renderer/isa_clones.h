@@ -5,7 +5,7 @@
 /// operation rounds on its own (-ffp-contract=off) and lane by lane, so wider registers give the same bytes.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
-#define RENDER2MPEG_CLONES __attribute__((target_clones("arch=skylake-avx512", "avx2", "default")))
+#define RENDER2MPEG_CLONES __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
 #else
 #define RENDER2MPEG_CLONES
 #endif

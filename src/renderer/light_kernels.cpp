@@ -218,15 +218,4 @@ void bound_node(const GatherLanes& lanes, LightFamily family, const LightNode& n
     bound_framed(lanes, family, node, NodeFrame(node), clamp.scale, out);
 }
 
-RENDER2MPEG_CLONES
-void add_luminance(const GatherLanes& lanes, const LightLanes& unit, glm::vec3 intensity, Lanes& luminance) {
-    const float red = intensity.x, green = intensity.y, blue = intensity.z;
-    for (int i = 0; i < lane_count; ++i)
-        luminance[i] += unit.diffuse[i] * dot(lanes.diffuse_weight, i, red, green, blue);
-    if (!lanes.glossy) return;
-    for (int i = 0; i < lane_count; ++i)
-        luminance[i] += unit.f0[i] * dot(lanes.f0_weight, i, red, green, blue) +
-                        unit.schlick[i] * dot(lanes.schlick_weight, i, red, green, blue);
-}
-
 }  // namespace render2mpeg::renderer

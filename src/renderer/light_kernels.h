@@ -1,6 +1,7 @@
 #pragma once
 
 #include "renderer/gather_lanes.h"
+#include "renderer/isa_clones.h"
 #include "renderer/light_tree.h"
 
 /// One light or one node against sixteen points at once: the renderer's innermost loops.
@@ -23,7 +24,42 @@ void evaluate_light(const GatherLanes& lanes, LightFamily family, const TreeLigh
 /// visible.
 void bound_node(const GatherLanes& lanes, LightFamily family, const LightNode& node, GeometryClamp clamp, Lanes& out);
 
-/// Luminance that a light or cluster of this intensity adds to each lane's pixel, given what unit intensity sends.
-void add_luminance(const GatherLanes& lanes, const LightLanes& unit, glm::vec3 intensity, Lanes& luminance);
+/// What a light of unit intensity sends to each lane, visibility included, wherever it is kept.
+struct UnitLight {
+    const Lanes& diffuse;
+    const Lanes* f0;  ///< null, as `schlick`, where no lane is glossy
+    const Lanes* schlick;
+    const float (
+        *passes)[3];  ///< of each lane, what translucent surfaces let through; null where nothing is translucent
+};
+
+RENDER2MPEG_ALWAYS_INLINED UnitLight unit_light(const GatherLanes& lanes, const LightLanes& unit) {
+    return {unit.diffuse, lanes.glossy ? &unit.f0 : nullptr, lanes.glossy ? &unit.schlick : nullptr, nullptr};
+}
+
+/// Adds the luminance that a light of this intensity gives each lane's pixel.
+RENDER2MPEG_ALWAYS_INLINED void add_luminance(const GatherLanes& __restrict lanes, const UnitLight& unit,
+                                              const glm::vec3& intensity, Lanes& __restrict luminance) {
+    const float red = intensity.x, green = intensity.y, blue = intensity.z;
+    const auto& [wx, wy, wz] = lanes.diffuse_weight;
+    if (unit.passes == nullptr) {
+        for (int i = 0; i < lane_count; ++i)
+            luminance[i] += unit.diffuse[i] * (wx[i] * red + wy[i] * green + wz[i] * blue);
+    } else {
+        for (int i = 0; i < lane_count; ++i)
+            luminance[i] += unit.diffuse[i] * (wx[i] * red * unit.passes[i][0] + wy[i] * green * unit.passes[i][1] +
+                                               wz[i] * blue * unit.passes[i][2]);
+    }
+    if (unit.f0 == nullptr) return;
+    const Lanes &f0 = *unit.f0, &schlick = *unit.schlick;
+    const auto& [fx, fy, fz] = lanes.f0_weight;
+    const auto& [sx, sy, sz] = lanes.schlick_weight;
+    for (int i = 0; i < lane_count; ++i) {
+        const float r = unit.passes == nullptr ? red : red * unit.passes[i][0];
+        const float g = unit.passes == nullptr ? green : green * unit.passes[i][1];
+        const float b = unit.passes == nullptr ? blue : blue * unit.passes[i][2];
+        luminance[i] += f0[i] * (fx[i] * r + fy[i] * g + fz[i] * b) + schlick[i] * (sx[i] * r + sy[i] * g + sz[i] * b);
+    }
+}
 
 }  // namespace render2mpeg::renderer

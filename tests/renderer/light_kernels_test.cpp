@@ -79,7 +79,7 @@ void sum_below(const GatherLanes& lanes, const LightTree& tree, LightRef ref, Ge
     }
     LightLanes unit;
     evaluate_light(lanes, tree.family, tree.lights[ref.index()], clamp, unit);
-    add_luminance(lanes, unit, tree.lights[ref.index()].intensity, sum);
+    add_luminance(lanes, unit_light(lanes, unit), tree.lights[ref.index()].intensity, sum);
 }
 
 TEST(NodeBound, IsNeverBelowTheSumOfItsLights) {
@@ -129,7 +129,7 @@ TEST(LightKernel, AgreesWithTheBsdfAndTheInverseSquareLaw) {
         LightLanes unit;
         evaluate_light(lanes, LightFamily::oriented, tree.lights.front(), GeometryClamp::none(), unit);
         Lanes luminance = {};
-        add_luminance(lanes, unit, lamp.intensity, luminance);
+        add_luminance(lanes, unit_light(lanes, unit), lamp.intensity, luminance);
         for (int i = 0; i < lane_count; ++i) {
             const SurfacePoint& p = points[static_cast<std::size_t>(i)].point;
             const glm::dvec3 d = glm::dvec3(lamp.position) - glm::dvec3(p.position);
