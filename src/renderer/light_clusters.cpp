@@ -140,8 +140,8 @@ std::uint16_t draw_first(double share, std::uint64_t seed, std::uint32_t first_i
     return static_cast<std::uint16_t>(sets);
 }
 
-/// Stores the cluster of two as a node and returns it as a cluster.
-Cluster merge(LightTree& tree, const Cluster& a, const Cluster& b, std::uint64_t seed) {
+/// The cluster of two.
+Cluster joined(const Cluster& a, const Cluster& b) {
     Cluster c;
     c.low = glm::min(a.low, b.low);
     c.high = glm::max(a.high, b.high);
@@ -153,9 +153,10 @@ Cluster merge(LightTree& tree, const Cluster& a, const Cluster& b, std::uint64_t
     c.least_disc2 = std::min(a.least_disc2, b.least_disc2);
     c.largest_disc2 = std::max(a.largest_disc2, b.largest_disc2);
     c.least_id = std::min(a.least_id, b.least_id);
-    const double share = core::divide_or(static_cast<double>(a.power), static_cast<double>(a.power) + b.power, 0.5);
-    c.ref = LightRef::inner(static_cast<std::uint32_t>(tree.nodes.size()));
+    return c;
+}
 
+LightNode node_of(const Cluster& c, const Cluster& a, const Cluster& b, std::uint64_t seed) {
     LightNode node;
     node.middle = 0.5f * c.low + 0.5f * c.high;
     for (int k = 0; k < 3; ++k) {
@@ -167,10 +168,18 @@ Cluster merge(LightTree& tree, const Cluster& a, const Cluster& b, std::uint64_t
     node.axis = core::PackedNormal(c.axis);
     node.least_disc2 = c.least_disc2;
     node.largest_disc2 = c.largest_disc2;
+    const double share = core::divide_or(static_cast<double>(a.power), static_cast<double>(a.power) + b.power, 0.5);
     node.first_represents = draw_first(share, seed, a.least_id, b.least_id);
     node.child[0] = a.ref;
     node.child[1] = b.ref;
-    tree.nodes.push_back(node);
+    return node;
+}
+
+/// Stores the cluster of two as a node and returns it as a cluster.
+Cluster merge(LightTree& tree, const Cluster& a, const Cluster& b, std::uint64_t seed) {
+    Cluster c = joined(a, b);
+    c.ref = LightRef::inner(static_cast<std::uint32_t>(tree.nodes.size()));
+    tree.nodes.push_back(node_of(c, a, b, seed));
     return c;
 }
 
@@ -226,6 +235,19 @@ void cluster(LightTree& tree, std::uint64_t seed) {
         clusters.swap(next);
     }
     tree.root = clusters.front().ref;
+}
+
+void refit(LightTree& tree, std::uint64_t seed) {
+    std::vector<Cluster> inner(tree.nodes.size());
+    const auto cluster_of = [&](LightRef ref) {
+        return ref.is_leaf() ? leaf_of(tree.lights[ref.index()], tree.family, ref.index()) : inner[ref.index()];
+    };
+    for (std::size_t i = tree.nodes.size(); i-- > 0;) {
+        const Cluster a = cluster_of(tree.nodes[i].child[0]), b = cluster_of(tree.nodes[i].child[1]);
+        inner[i] = joined(a, b);
+        inner[i].ref = LightRef::inner(static_cast<std::uint32_t>(i));
+        tree.nodes[i] = node_of(inner[i], a, b, seed);
+    }
 }
 
 double cost_of(const LightTree& tree) {

@@ -16,11 +16,12 @@ struct ExactLight {
 };
 
 /// All light of one instant, ready to be gathered: the direct light tree, which is one tree per family since their
-/// bounds differ, the indirect tree, and the few lights that are not clustered.
+/// bounds differ, the indirect trees of still and of moving surfaces, and the few lights that are not clustered.
 struct LightForest {
-    /// Direct trees by family, then the indirect one.
+    /// Direct trees by family, then the indirect ones.
     static constexpr int direct_trees = 3;
-    static constexpr int tree_count = direct_trees + 1;
+    static constexpr int still_tree = direct_trees, moving_tree = direct_trees + 1;
+    static constexpr int tree_count = direct_trees + 2;
     std::array<LightTree, tree_count> trees;
     std::vector<ExactLight> exact;
     GeometryClamp direct_clamp, indirect_clamp;
@@ -34,7 +35,33 @@ struct LightForest {
 /// cut at 2 % saves few rays, since each lamp that matters is a cluster of its own; not tuned.
 inline constexpr std::size_t most_exact_lights = 16;
 
-/// Sorts direct light points into exact lights and trees; `vpls` become the indirect tree.
+/// Sorts direct light points into exact lights and trees; `vpls` become the indirect tree of still surfaces.
 LightForest plant(std::span<const LightPoint> direct, std::span<const LightPoint> vpls, std::uint64_t seed);
+
+/// The light points of one instant. Ids are unique in each of the three.
+struct LitPoints {
+    std::span<const LightPoint> direct, still, moving;
+};
+
+/// A forest that follows its lights from instant to instant: who is whose neighbour in its trees was settled once, from
+/// lights at their usual strength, so that what changes smoothly is gathered smoothly (SPEC 4.3).
+class LastingForest {
+  public:
+    LastingForest() = default;
+    /// `usual` holds every light point that will ever shine.
+    LastingForest(const LitPoints& usual, std::uint64_t seed);
+
+    /// The forest of an instant: a function of the usual lights and these, whatever was asked before.
+    LightForest at(const LitPoints& now);
+
+    /// Trees that fitted an instant badly, and were built anew for it alone, since construction.
+    int rebuilt() const { return rebuilt_; }
+
+  private:
+    std::array<LightTree, LightForest::tree_count> usual_;
+    std::vector<std::uint32_t> exact_;  ///< ids, in order
+    std::uint64_t seed_ = 0;
+    int rebuilt_ = 0;
+};
 
 }  // namespace render2mpeg::renderer

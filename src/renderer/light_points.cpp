@@ -7,6 +7,7 @@
 #include "core/numeric.h"
 #include "renderer/emitters.h"
 #include "renderer/lobe.h"
+#include "renderer/usual_light.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -67,16 +68,55 @@ LightPoints::LightPoints(const Scenery& scenery, const Plan& plan, int count, st
 }
 
 void LightPoints::place(Scenery& scenery, const scene::Snapshot& first) {
-    emitters_.clear();
-    if (!emissive_) return;
     // Look at every emitter at its full strength: one that is off or hidden now may be lit later in the chunk.
     scene::Snapshot lit = first;
     std::fill(lit.emission_factor.begin(), lit.emission_factor.end(), 1.0f);
     for (scene::ObjectState& object : lit.objects)
         object.present = object.present || (object.deformed < 0 && has_volume(object.to_world));
-    scenery.pose(lit);
-    emitters_ = place_emitters(scenery, lit, emissive_count_, seed_);
+    emitters_.clear();
+    if (emissive_) {
+        scenery.pose(lit);
+        emitters_ = place_emitters(scenery, lit, emissive_count_, seed_);
+    }
+
+    const scene::Snapshot usual = at_usual_strength(lit);
+    scenery.pose(usual);
+    usual_ = at(scenery);
+    // What has no surface yet lies where its mesh does.
+    for (std::size_t i = 0; i < emitters_.size(); ++i) {
+        const EmitterPoint& e = emitters_[i];
+        if (usual.objects[e.object].present) continue;
+        const scene::Object& object = animation_.objects[e.object];
+        const scene::Mesh& mesh = animation_.meshes[static_cast<std::size_t>(object.mesh)];
+        LightPoint p;
+        p.position = mesh.positions[mesh.triangles[e.primitive].x];
+        p.intensity = e.radiance;
+        p.id = static_cast<std::uint32_t>(i);
+        p.object = e.object;
+        p.moving = true;
+        if (shines(p)) usual_.push_back(p);
+    }
     scenery.pose(first);
+}
+
+LightPoint LightPoints::emitter_point(const Scenery& scenery, std::size_t index) const {
+    const scene::Snapshot& now = scenery.posed();
+    const EmitterPoint& e = emitters_[index];
+    const scene::Object& object = animation_.objects[e.object];
+    const scene::Triangle t = scene::triangle_of(now, e.object, e.primitive);
+    const float area = 0.5f * glm::length(glm::cross(t.b - t.a, t.c - t.a)) * e.share;
+    const glm::vec3 front = scenery.front_normal(e.object, e.primitive);
+    LightPoint p;
+    p.kind = LightPointKind::oriented;
+    p.normal = e.front ? front : -front;
+    const SurfacePoint surface = scenery.surface_at({e.object, e.primitive, e.u, e.v}, p.normal);
+    p.position = offset_origin(surface, p.normal);
+    p.intensity = e.radiance * (now.emission_factor[static_cast<std::size_t>(object.material)] * area);
+    p.disc2 = area * lobe::inverse_pi;
+    p.id = static_cast<std::uint32_t>(index);
+    p.object = e.object;
+    p.moving = object.mobility != scene::Mobility::still;
+    return p;
 }
 
 std::vector<LightPoint> LightPoints::at(const Scenery& scenery) const {
@@ -90,22 +130,8 @@ std::vector<LightPoint> LightPoints::at(const Scenery& scenery) const {
         }
     }
     for (std::size_t i = 0; i < emitters_.size(); ++i) {
-        const EmitterPoint& e = emitters_[i];
-        if (!now.objects[e.object].present) continue;
-        const scene::Object& object = animation_.objects[e.object];
-        const scene::Triangle t = scene::triangle_of(now, e.object, e.primitive);
-        const float area = 0.5f * glm::length(glm::cross(t.b - t.a, t.c - t.a)) * e.share;
-        const glm::vec3 front = scenery.front_normal(e.object, e.primitive);
-        LightPoint p;
-        p.kind = LightPointKind::oriented;
-        p.normal = e.front ? front : -front;
-        const SurfacePoint surface = scenery.surface_at({e.object, e.primitive, e.u, e.v}, p.normal);
-        p.position = offset_origin(surface, p.normal);
-        p.intensity = e.radiance * (now.emission_factor[static_cast<std::size_t>(object.material)] * area);
-        p.disc2 = area * lobe::inverse_pi;
-        p.id = static_cast<std::uint32_t>(i);
-        p.object = e.object;
-        p.moving = object.mobility != scene::Mobility::still;
+        if (!now.objects[emitters_[i].object].present) continue;
+        const LightPoint p = emitter_point(scenery, i);
         if (shines(p)) points.push_back(p);
     }
     points.insert(points.end(), sky_.begin(), sky_.end());

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "core/color.h"
 #include "core/error.h"
@@ -34,9 +35,8 @@ TreeLight tree_light(const LightPoint& p) {
     return light;
 }
 
-bool shines(const LightPoint& p) {
-    return core::is_finite(p.intensity) && core::is_finite(p.position) && core::is_finite(p.normal) &&
-           core::luminance(p.intensity) > 0.0f;
+bool is_finite(const LightPoint& p) {
+    return core::is_finite(p.intensity) && core::is_finite(p.position) && core::is_finite(p.normal);
 }
 
 /// Spreads the lowest 21 bits so that two zeros follow each.
@@ -60,8 +60,8 @@ auto place_of(const TreeLight& l) {
 }
 
 /// Sorts lights along a Z-order curve through their box [Morton1966], so that near lights have near indices. Coincident
-/// lights that shine alike become one.
-void sort_and_merge(std::vector<TreeLight>& lights, LightFamily family) {
+/// lights that shine alike become one, unless all are to be kept.
+void sort_and_merge(std::vector<TreeLight>& lights, LightFamily family, bool keep_all) {
     glm::vec3 low(std::numeric_limits<float>::max()), high(-std::numeric_limits<float>::max());
     for (const TreeLight& l : lights) {
         low = glm::min(low, l.position);
@@ -92,7 +92,7 @@ void sort_and_merge(std::vector<TreeLight>& lights, LightFamily family) {
     double disc2 = 0;
     for (const Keyed& k : order) {
         const TreeLight& l = lights[k.index];
-        if (sorted.empty() || !same_bits(sorted.back(), l)) {
+        if (sorted.empty() || keep_all || !same_bits(sorted.back(), l)) {
             sorted.push_back(l);
             sum = l.intensity;
             disc2 = l.disc2;
@@ -155,19 +155,46 @@ LightFamily family_of(LightPointKind kind) {
     }
 }
 
-LightTree build_light_tree(LightFamily family, std::span<const LightPoint> points, std::uint64_t seed) {
+namespace {
+
+LightTree build(LightFamily family, std::span<const LightPoint> points, std::uint64_t seed, bool keep_all) {
     LightTree tree;
     tree.family = family;
     tree.lights.reserve(points.size());
     for (const LightPoint& p : points) {
         EXPECTS(family_of(p.kind) == family);
-        if (shines(p)) tree.lights.push_back(tree_light(p));
+        if (is_finite(p) && (keep_all || core::luminance(p.intensity) > 0.0f)) tree.lights.push_back(tree_light(p));
     }
     if (tree.lights.empty()) return tree;
-    sort_and_merge(tree.lights, family);
+    sort_and_merge(tree.lights, family, keep_all);
     cluster(tree, seed);
     reorder(tree);
     return tree;
+}
+
+}  // namespace
+
+LightTree build_light_tree(LightFamily family, std::span<const LightPoint> points, std::uint64_t seed) {
+    return build(family, points, seed, false);
+}
+
+LightTree build_lasting_tree(LightFamily family, std::span<const LightPoint> points, std::uint64_t seed) {
+    return build(family, points, seed, true);
+}
+
+void update_light_tree(LightTree& tree, std::span<const LightPoint> points, std::uint64_t seed) {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> by_id(points.size());
+    for (std::uint32_t i = 0; i < points.size(); ++i) by_id[i] = {points[i].id, i};
+    std::sort(by_id.begin(), by_id.end());
+    for (TreeLight& light : tree.lights) {
+        const auto found = std::lower_bound(by_id.begin(), by_id.end(), std::pair{light.id, 0u});
+        const bool there = found != by_id.end() && found->first == light.id && is_finite(points[found->second]);
+        if (there)
+            light = tree_light(points[found->second]);
+        else
+            light.intensity = glm::vec3(0);
+    }
+    refit(tree, seed);
 }
 
 }  // namespace render2mpeg::renderer

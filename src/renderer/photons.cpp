@@ -73,8 +73,11 @@ struct Onward {
 Onward scatter(const SurfacePoint& p, glm::vec3 flux, float choice, glm::vec2 u) {
     const Bsdf& b = p.bsdf;
     const glm::vec3 glossy = glossy_albedo(b);
-    float chance[4] = {core::luminance(b.diffuse), core::luminance(glossy), core::luminance(b.mirror),
-                       core::luminance(b.transmission)};
+    // By the flux that each would carry on, colours alike: light that a surface swallows ends there, whatever it would
+    // do to other light. [Szecsi2003]
+    const float before = flux.x + flux.y + flux.z;
+    const auto kept = [&](glm::vec3 albedo) { return core::divide_or(glm::dot(flux, albedo), before, 0.0f); };
+    float chance[4] = {kept(b.diffuse), kept(glossy), kept(b.mirror), kept(b.transmission)};
     const float sum = chance[0] + chance[1] + chance[2] + chance[3];
     if (sum > most_survival)
         for (float& c : chance) c *= most_survival / sum;
@@ -97,8 +100,7 @@ Onward scatter(const SurfacePoint& p, glm::vec3 flux, float choice, glm::vec2 u)
 }
 
 /// One path; appends its VPLs, not yet divided by the number of paths, and returns the rays it took.
-int follow(const Scenery& scenery, const PhotonSource& source, std::uint64_t path, int bounces,
-           std::vector<LightPoint>& out) {
+int follow(const Scenery& scenery, const PhotonSource& source, std::uint64_t path, int bounces, PhotonResult& out) {
     const auto number = [&](int dimension) { return core::halton(dimension, path); };
     Photon photon = source.emit(number(0), {number(1), number(2)}, {number(3), number(4)});
     int rays = 0;
@@ -120,7 +122,9 @@ int follow(const Scenery& scenery, const PhotonSource& source, std::uint64_t pat
         if (p.unlit) break;
         choice = core::divide_or(choice - (1.0f - p.alpha), p.alpha, 0.0f);
         if (p.bsdf.has_diffuse() || p.bsdf.has_glossy()) {
-            out.push_back(vpl_at(p, photon.flux, scenery.animation(), static_cast<std::uint32_t>(path * 32 + event)));
+            out.vpls.push_back(
+                vpl_at(p, photon.flux, scenery.animation(), static_cast<std::uint32_t>(path * 32 + event)));
+            out.addresses.push_back(p.address);
             --left;
         }
         const Onward onward = scatter(p, photon.flux, choice, {number(dimension + 1), number(dimension + 2)});
@@ -135,16 +139,16 @@ PhotonResult follow_all(const Scenery& scenery, const PhotonSource& source, cons
     constexpr std::size_t grain = 64;
     PhotonResult result;
     const std::size_t parts = (settings.paths + grain - 1) / grain;
-    std::vector<std::vector<LightPoint>> vpls(parts);
-    std::vector<std::uint64_t> rays(parts, 0);
+    std::vector<PhotonResult> part(parts);
     parallel::for_ranges(settings.paths, grain, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)
-            rays[first / grain] += static_cast<std::uint64_t>(
-                follow(scenery, source, settings.first_path + i, settings.bounces, vpls[first / grain]));
+            part[first / grain].rays += static_cast<std::uint64_t>(
+                follow(scenery, source, settings.first_path + i, settings.bounces, part[first / grain]));
     });
-    for (std::size_t i = 0; i < parts; ++i) {
-        result.vpls.insert(result.vpls.end(), vpls[i].begin(), vpls[i].end());
-        result.rays += rays[i];
+    for (const PhotonResult& p : part) {
+        result.vpls.insert(result.vpls.end(), p.vpls.begin(), p.vpls.end());
+        result.addresses.insert(result.addresses.end(), p.addresses.begin(), p.addresses.end());
+        result.rays += p.rays;
     }
     return result;
 }

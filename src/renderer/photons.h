@@ -16,7 +16,8 @@ struct PhotonSettings {
 };
 
 struct PhotonResult {
-    std::vector<LightPoint> vpls;  ///< in the order of paths and bounces
+    std::vector<LightPoint> vpls;                 ///< in the order of paths and bounces
+    std::vector<core::SurfaceAddress> addresses;  ///< where each lies
     std::uint64_t rays = 0;
 };
 

@@ -2,13 +2,13 @@
 
 #include <ctime>
 #include <numeric>
+#include <optional>
 
 #include "core/error.h"
+#include "renderer/anchors.h"
 #include "renderer/audit.h"
-#include "renderer/light_density.h"
 #include "renderer/light_forest.h"
 #include "renderer/light_points.h"
-#include "renderer/photons.h"
 #include "renderer/see.h"
 #include "renderer/shade.h"
 
@@ -36,15 +36,11 @@ class Stopwatch {
 };
 
 /// Up to which share of what its surroundings would give, if they filled the receiver's view, one light point may give.
-/// chosen: 2 % for VPLs, what [Render2MPEG, 6.5] finds best without compensation (a clamping distance of 7 radii of a
-/// VPL's disc); 25 % for points of emissive surfaces (2 radii), which lie in even strata: at 2 % a lamp of few points
-/// lit nothing about it.
-constexpr GeometryClamp vpl_clamp{0.02f};
+/// chosen: 50 % for anchors (1.4 radii of their disc), 25 % for points of emissive surfaces (2 radii). Both lie in even
+/// strata; [Render2MPEG, 6.5]'s 2 % is for VPLs strewn at random, and took 3 to 49 % of the indirect light. Of 0.05,
+/// 0.1, 0.25, 0.5 and 1 for anchors, 0.25 and 0.5 err least (docs/model.md, "Clamping").
+constexpr GeometryClamp anchor_clamp{0.5f};
 constexpr GeometryClamp emitter_clamp{0.25f};
-
-/// VPLs may miss what was asked for by this factor before the number of paths is found anew for a frame: lamps went on
-/// or off.
-constexpr std::uint64_t drift = 2;
 
 /// What light depends on: everything of a snapshot but the camera.
 bool same_light(const scene::Snapshot& a, const scene::Snapshot& b) {
@@ -80,14 +76,20 @@ struct Renderer::Impl {
 
     void start_chunk(const scene::Snapshot& first) {
         pose(first);
+        if (!anchors && plan.runs(Pass::photons) && settings.vpls > 0) {
+            const Stopwatch watch(row(Pass::photons));
+            anchors.emplace(scenery, light_points, AnchorSettings{settings.vpls, settings.bounces});
+        }
         {
             const Stopwatch watch(row(Pass::emissive_lights));
             light_points.place(scenery, first);
         }
-        paths = 0;
-        if (plan.runs(Pass::photons) && settings.vpls > 0) {
-            const Stopwatch watch(row(Pass::photons));
-            paths = paths_for(scenery, light_points.at(scenery), settings.vpls, settings.bounces);
+        {
+            const Stopwatch watch(row(Pass::direct_tree));
+            const std::vector<LightPoint> none;
+            lasting = LastingForest({light_points.usual(), anchors ? anchors->usual_still() : none,
+                                     anchors ? anchors->usual_moving() : none},
+                                    settings.seed);
         }
         lit.reset();
         started = true;
@@ -102,38 +104,23 @@ struct Renderer::Impl {
             const Stopwatch watch(row(Pass::emissive_lights));
             direct = light_points.at(scenery);
         }
-        std::vector<LightPoint> vpls;
-        if (plan.runs(Pass::photons) && settings.vpls > 0) {
+        Anchors::Lit indirect;
+        if (anchors) {
             const Stopwatch watch(row(Pass::photons));
-            vpls = trace_vpls(direct);
-            estimate_discs(vpls);
+            indirect = anchors->at(scenery, direct);
+            statistics.photon_rays += indirect.rays;
         }
         {
             const Stopwatch watch(row(Pass::direct_tree));
-            forest = plant(direct, vpls, settings.seed);
+            forest = lasting.at({direct, indirect.still, indirect.moving});
         }
         const bool bounded = settings.clamp == Clamp::bounded;
         forest.direct_clamp = bounded ? emitter_clamp : GeometryClamp::none();
-        forest.indirect_clamp = bounded ? vpl_clamp : GeometryClamp::none();
+        forest.indirect_clamp = bounded ? anchor_clamp : GeometryClamp::none();
         forest.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass);
         statistics.direct_points = direct.size();
-        statistics.indirect_points = vpls.size();
+        statistics.indirect_points = indirect.still.size() + indirect.moving.size();
         lit = snapshot;
-    }
-
-    std::vector<LightPoint> trace_vpls(const std::vector<LightPoint>& direct) {
-        PhotonResult result = trace_photons(scenery, direct, {1, paths, settings.bounces});
-        statistics.photon_rays += result.rays;
-        // Keep the chunk's number of paths, so that what is still keeps its light, unless the film has become another
-        // one.
-        const auto wanted = static_cast<std::uint64_t>(settings.vpls);
-        const std::uint64_t left = result.vpls.size();
-        if (left * drift >= wanted && left <= wanted * drift) return std::move(result.vpls);
-        const std::uint64_t fresh = paths_for(scenery, direct, settings.vpls, settings.bounces);
-        if (fresh == paths) return std::move(result.vpls);
-        result = trace_photons(scenery, direct, {1, fresh, settings.bounces});
-        statistics.photon_rays += result.rays;
-        return std::move(result.vpls);
     }
 
     /// Parts the time of gathering among the rows of the plan that it serves, by clusters.
@@ -150,8 +137,9 @@ struct Renderer::Impl {
     Plan plan;
     Scenery scenery;
     LightPoints light_points;
+    std::optional<Anchors> anchors;  ///< of the film
+    LastingForest lasting;           ///< of the chunk
     LightForest forest;
-    std::uint64_t paths = 0;             ///< photons of this chunk
     std::optional<scene::Snapshot> lit;  ///< the instant that `forest` shows
     bool started = false;
     float caution = 1;

@@ -23,7 +23,7 @@ struct Settings {
     scene::PictureFormat format;
     int samples = 4;           ///< eye samples per pixel, >= 1
     int direct_points = 1024;  ///< light points for emissive surfaces and sky together
-    int vpls = 4096;           ///< light points of indirect light, about; 0: none
+    int vpls = 4096;           ///< anchor lights, about: light points of indirect light; 0: none
     int bounces = 8;           ///< longest photon path
     Stop stop = Stop::honest;  ///< when a cut is fine enough
     int min_cut = 8;           ///< clusters per gather point, both trees together

@@ -1,0 +1,350 @@
+// Anchor lights [Render2MPEG, 7.3.1]: fixed places whose intensities follow the photons of each instant by density
+// estimation. Changed: places are a stratified choice among places that photons reach over the film, half by area and
+// half by flux, instead of even over surfaces (so that none lies where no light comes); photons share their flux
+// among the nearest anchors by a kernel times the area that each anchor stands for, which loses no energy at edges;
+// surfaces that move have anchors of their own, which move along.
+#include "renderer/anchors.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "core/color.h"
+#include "core/error.h"
+#include "core/numeric.h"
+#include "parallel/loops.h"
+#include "renderer/anchor_places.h"
+#include "renderer/point_tree.h"
+#include "renderer/usual_light.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Anchors that one photon is shared among, and how alike they must face: SPEC 2.1's, notes of docs/model.md.
+constexpr int shared_among = 16;
+constexpr float least_facing = 0.5f;
+
+/// Instants of the film at which places are looked for. chosen: 8.
+constexpr int instants = 8;
+
+/// Places looked at per anchor. chosen: 8, of 2..32; fewer leave strata uneven.
+constexpr std::uint64_t candidates_per_anchor = 8;
+constexpr std::uint64_t least_candidates = 4096;
+
+/// VPLs that are spread in a frame for this many anchors: 32 for each, since a lamp that moves should change them by
+/// what it does and not by noise; 8 at least, where anchors are so many that their noise is small in sum.
+std::uint64_t photons_for(int anchors) {
+    const auto count = static_cast<std::uint64_t>(anchors);
+    return std::max(8 * count, std::min<std::uint64_t>(32 * count, 1u << 17));
+}
+
+/// Paths traced at once: bounds the memory that photons take.
+constexpr std::uint64_t batch = 1u << 15;
+
+/// Every anchor counts with at least this share of the mean light when trees are planned: it may be lit one day.
+constexpr float least_usual = 0.01f;
+
+/// A photon's share in each of its anchors; `anchor` in order of places, `weight` adds up to 1 (0 without any anchor).
+struct Shares {
+    int count = 0;
+    std::array<std::uint32_t, shared_among> anchor;
+    std::array<float, shared_among> weight;
+};
+
+/// A point of a mesh that is not placed in the world.
+OrientedPoint at_rest(const scene::Mesh& mesh, const core::SurfaceAddress& a, bool front) {
+    const glm::uvec3 t = mesh.triangles[a.primitive];
+    const glm::vec3 p = mesh.positions[t.x], e1 = mesh.positions[t.y] - p, e2 = mesh.positions[t.z] - p;
+    const glm::vec3 normal = core::normalize_or(glm::cross(e1, e2), {0, 0, 1});
+    return {p + a.u * e1 + a.v * e2, front ? normal : -normal};
+}
+
+float area_of(glm::vec3 a, glm::vec3 b, glm::vec3 c) {
+    return 0.5f * glm::length(glm::cross(b - a, c - a));
+}
+
+/// World area of a triangle over its area in its mesh.
+float area_scale(const scene::Snapshot& now, const core::SurfaceAddress& a) {
+    const scene::Animation& film = *now.animation;
+    const scene::Mesh& mesh = film.meshes[static_cast<std::size_t>(film.objects[a.object].mesh)];
+    const glm::uvec3 t = mesh.triangles[a.primitive];
+    const scene::Triangle world = scene::triangle_of(now, a.object, a.primitive);
+    return core::divide_or(area_of(world.a, world.b, world.c),
+                           area_of(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]), 1.0f);
+}
+
+/// Squared diagonal of a mesh's box.
+float extent2_of(const scene::Mesh& mesh) {
+    glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
+    for (const glm::vec3& p : mesh.positions) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    const glm::vec3 size = mesh.positions.empty() ? glm::vec3(0) : high - low;
+    return glm::dot(size, size);
+}
+
+bool moves(const scene::Animation& film, std::uint32_t object) {
+    return film.objects[object].mobility != scene::Mobility::still;
+}
+
+}  // namespace
+
+struct Anchors::Impl {
+    Impl(const scene::Animation& animation, const AnchorSettings& s) : film(animation), settings(s) {}
+
+    std::uint32_t group_of(std::uint32_t object) const { return moves(film, object) ? object + 1 : 0; }
+    const scene::Mesh& mesh_of(std::uint32_t object) const {
+        return film.meshes[static_cast<std::size_t>(film.objects[object].mesh)];
+    }
+
+    OrientedPoint rest_of(const LightPoint& vpl, const core::SurfaceAddress& address, bool front) const {
+        return moves(film, address.object) ? at_rest(mesh_of(address.object), address, front)
+                                           : OrientedPoint{vpl.position, vpl.normal};
+    }
+
+    AnchorCandidate candidate(const Scenery& scenery, const LightPoint& vpl,
+                              const core::SurfaceAddress& address) const {
+        AnchorCandidate c;
+        c.address = address;
+        c.front = glm::dot(scenery.front_normal(address.object, address.primitive), vpl.normal) >= 0.0f;
+        c.rest = rest_of(vpl, address, c.front);
+        c.group = group_of(address.object);
+        c.flux = core::luminance(vpl.intensity);
+        const glm::vec3 world = film.bounds_max - film.bounds_min;
+        c.extent2 = glm::dot(world, world);
+        if (c.group != 0) {
+            c.area_scale = area_scale(scenery.posed(), address);
+            c.extent2 = extent2_of(mesh_of(address.object));
+        }
+        return c;
+    }
+
+    void look(Scenery& scenery, LightPoints& lights);
+    void look_at(const Scenery& scenery, const std::vector<LightPoint>& lights, std::uint64_t wanted);
+    void add_unlit();
+    void plant();
+    void reckon_usual();
+    Shares share(std::uint32_t group, const OrientedPoint& at, const PointTree& in) const;
+    LightPoint light_at(const Scenery& scenery, std::uint32_t place) const;
+
+    const scene::Animation& film;
+    AnchorSettings settings;
+    std::vector<AnchorCandidate> candidates;
+    std::vector<glm::vec3> candidate_light;  ///< radiant intensity of each, as a VPL
+    std::uint64_t looked = 0;                ///< paths that candidates came from
+
+    std::uint64_t paths = 0;          ///< in every frame
+    std::vector<AnchorPlace> places;  ///< by group: what is still comes first
+    std::uint32_t still_count = 0;
+    std::map<std::uint32_t, std::uint32_t> first;  ///< place of every group
+    std::map<std::uint32_t, PointTree> trees;      ///< of every group, at rest
+    std::vector<LightPoint> still;                 ///< without their intensities
+    std::vector<LightPoint> usual_still, usual_moving;
+};
+
+/// Gathers candidates at instants spread over the film.
+void Anchors::Impl::look(Scenery& scenery, LightPoints& lights) {
+    const scene::Snapshot& before = scenery.posed();
+    const int count = film.duration > 0.0 ? instants : 1;
+    const auto wanted = std::max(candidates_per_anchor * static_cast<std::uint64_t>(settings.count), least_candidates);
+    std::vector<scene::Snapshot> films(static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) {
+        const auto microseconds = static_cast<std::int64_t>(1e6 * film.duration * (i + 0.5) / count);
+        films[static_cast<std::size_t>(i)] =
+            at_usual_strength(scene::snapshot_at(film, 0, {microseconds, 1000000}, {16, 16, 1.0f}));
+    }
+    lights.place(scenery, films.front());
+    for (const scene::Snapshot& instant : films) {
+        scenery.pose(instant);
+        look_at(scenery, lights.at(scenery), wanted / static_cast<std::uint64_t>(count));
+    }
+    add_unlit();
+    scenery.pose(before);
+}
+
+void Anchors::Impl::look_at(const Scenery& scenery, const std::vector<LightPoint>& lights, std::uint64_t wanted) {
+    const std::uint64_t needed = paths_for(scenery, lights, static_cast<int>(wanted), settings.bounces);
+    if (needed == 0) return;
+    // Every instant takes other paths, so that no two look at the same places.
+    const PhotonResult photons = trace_photons(scenery, lights, {1 + looked, needed, settings.bounces});
+    looked += needed;
+    for (std::size_t i = 0; i < photons.vpls.size(); ++i) {
+        candidates.push_back(candidate(scenery, photons.vpls[i], photons.addresses[i]));
+        candidate_light.push_back(photons.vpls[i].intensity);
+    }
+}
+
+/// Gives objects that move one place where no photon met them: they may come into light between the instants.
+void Anchors::Impl::add_unlit() {
+    std::vector<bool> met(film.objects.size(), false);
+    for (const AnchorCandidate& c : candidates) met[c.address.object] = true;
+    for (std::uint32_t object = 0; object < film.objects.size(); ++object) {
+        const scene::Mesh& mesh = mesh_of(object);
+        const scene::Material& material = film.materials[static_cast<std::size_t>(film.objects[object].material)];
+        if (met[object] || !moves(film, object) || mesh.triangles.empty() || material.unlit) continue;
+        AnchorCandidate c;
+        c.address = {object, static_cast<std::uint32_t>(mesh.triangles.size() / 2), 1.0f / 3.0f, 1.0f / 3.0f};
+        c.rest = at_rest(mesh, c.address, true);
+        c.group = group_of(object);
+        c.extent2 = extent2_of(mesh);
+        candidates.push_back(c);
+        candidate_light.push_back(glm::vec3(0));
+    }
+}
+
+/// Makes the trees in which photons find their anchors.
+void Anchors::Impl::plant() {
+    std::map<std::uint32_t, std::vector<OrientedPoint>> groups;
+    for (std::uint32_t i = 0; i < places.size(); ++i) {
+        first.try_emplace(places[i].group, i);
+        groups[places[i].group].push_back(places[i].rest);
+    }
+    for (auto& [group, points] : groups) trees.emplace(group, PointTree(std::move(points)));
+    still_count = trees.contains(0) ? static_cast<std::uint32_t>(trees.at(0).size()) : 0;
+}
+
+Shares Anchors::Impl::share(std::uint32_t group, const OrientedPoint& at, const PointTree& in) const {
+    // One neighbour more than share says how far the kernel reaches, so that none comes or goes at once.
+    std::array<Neighbour, shared_among + 1> found;
+    int count = in.nearest(at, least_facing, found);
+    if (count == 0) count = in.nearest(at, -2.0f, found);
+    Shares shares;
+    if (count == 0) return shares;
+    const bool all = count <= shared_among;
+    const float reach2 = found[static_cast<std::size_t>(count - 1)].distance2 * (all ? 1.5f : 1.0f);
+    shares.count = std::min(count, shared_among);
+    float sum = 0;
+    for (int k = 0; k < shares.count; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        shares.anchor[i] = first.at(group) + found[i].point;
+        const float kernel = std::max(0.0f, 1.0f - core::divide_or(found[i].distance2, reach2, 0.0f));
+        shares.weight[i] = kernel * places[shares.anchor[i]].disc2;
+        sum += shares.weight[i];
+    }
+    for (int k = 0; k < shares.count; ++k) {
+        float& weight = shares.weight[static_cast<std::size_t>(k)];
+        weight = core::divide_or(weight, sum, 1.0f / static_cast<float>(shares.count));
+    }
+    return shares;
+}
+
+/// The anchor at the posed instant, without intensity.
+LightPoint Anchors::Impl::light_at(const Scenery& scenery, std::uint32_t index) const {
+    const AnchorPlace& place = places[index];
+    const glm::vec3 front = scenery.front_normal(place.address.object, place.address.primitive);
+    LightPoint p;
+    p.normal = place.front ? front : -front;
+    p.position = offset_origin(scenery.surface_at(place.address, p.normal), p.normal);
+    p.moving = place.group != 0;
+    p.disc2 = place.disc2 * (p.moving ? area_scale(scenery.posed(), place.address) : 1.0f);
+    p.id = p.moving ? index - still_count : index;
+    p.object = place.address.object;
+    return p;
+}
+
+/// Spreads the candidates' own light.
+void Anchors::Impl::reckon_usual() {
+    std::vector<glm::vec3> light(places.size(), glm::vec3(0));
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        const std::uint32_t group = candidates[i].group;
+        if (!trees.contains(group)) continue;
+        const Shares shares = share(group, candidates[i].rest, trees.at(group));
+        for (std::size_t k = 0; k < static_cast<std::size_t>(shares.count); ++k)
+            light[shares.anchor[k]] += shares.weight[k] * candidate_light[i];
+    }
+    glm::vec3 mean(0);
+    for (const glm::vec3& l : light) mean += l / static_cast<float>(light.size());
+    const glm::vec3 least = least_usual * mean + glm::vec3(1e-20f);
+    // Trees of what moves are planned at rest, every object far from all others: they part ways.
+    float apart = 0;
+    for (const AnchorCandidate& c : candidates)
+        if (c.group != 0) apart = std::max(apart, 4.0f * std::sqrt(c.extent2));
+    std::uint32_t objects = 0;
+    for (std::uint32_t i = 0; i < places.size(); ++i) {
+        const bool moving = i >= still_count;
+        if (moving && i > still_count && places[i].group != places[i - 1].group) ++objects;
+        LightPoint p;
+        if (moving) {
+            p.position = places[i].rest.position + glm::vec3(apart * static_cast<float>(objects), 0, 0);
+            p.normal = places[i].rest.normal;
+            p.disc2 = places[i].disc2;
+            p.id = i - still_count;
+        } else {
+            p = still[i];
+        }
+        p.intensity = light[i] + least;
+        (moving ? usual_moving : usual_still).push_back(p);
+    }
+}
+
+Anchors::Anchors(Scenery& scenery, LightPoints& lights, const AnchorSettings& settings)
+    : impl_(std::make_unique<Impl>(scenery.animation(), settings)) {
+    Impl& a = *impl_;
+    a.look(scenery, lights);
+    a.places = choose_places(a.candidates, settings.count);
+    a.plant();
+    for (std::uint32_t i = 0; i < a.still_count; ++i) a.still.push_back(a.light_at(scenery, i));
+    a.reckon_usual();
+    const std::uint64_t photons = settings.photons > 0 ? settings.photons : photons_for(settings.count);
+    a.paths = a.candidates.empty() ? 0 : std::max<std::uint64_t>(1, photons * a.looked / a.candidates.size());
+    a.candidates = {};
+    a.candidate_light = {};
+}
+Anchors::~Anchors() = default;
+Anchors::Anchors(Anchors&&) noexcept = default;
+
+const std::vector<LightPoint>& Anchors::usual_still() const {
+    return impl_->usual_still;
+}
+const std::vector<LightPoint>& Anchors::usual_moving() const {
+    return impl_->usual_moving;
+}
+
+std::uint64_t Anchors::paths() const {
+    return impl_->paths;
+}
+
+Anchors::Lit Anchors::at(const Scenery& scenery, std::span<const LightPoint> lights) const {
+    const Impl& a = *impl_;
+    std::vector<glm::dvec3> light(a.places.size(), glm::dvec3(0));
+    Lit lit;
+    std::vector<Shares> shares;
+    for (std::uint64_t done = 0; done < a.paths; done += batch) {
+        const std::uint64_t count = std::min(batch, a.paths - done);
+        const std::uint64_t first_path = 1 + a.settings.photon_set * a.paths + done;
+        const PhotonResult photons = trace_photons(scenery, lights, {first_path, count, a.settings.bounces});
+        lit.rays += photons.rays;
+        shares.assign(photons.vpls.size(), Shares{});
+        parallel::for_ranges(photons.vpls.size(), 256, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i) {
+                const core::SurfaceAddress& address = photons.addresses[i];
+                const std::uint32_t group = a.group_of(address.object);
+                const auto tree = a.trees.find(group);
+                if (tree == a.trees.end()) continue;
+                const glm::vec3 front = scenery.front_normal(address.object, address.primitive);
+                const OrientedPoint rest =
+                    a.rest_of(photons.vpls[i], address, glm::dot(front, photons.vpls[i].normal) >= 0.0f);
+                shares[i] = a.share(group, rest, tree->second);
+            }
+        });
+        // In the order of photons, whatever thread found their shares.
+        const double part = static_cast<double>(count) / static_cast<double>(a.paths);
+        for (std::size_t i = 0; i < shares.size(); ++i)
+            for (std::size_t k = 0; k < static_cast<std::size_t>(shares[i].count); ++k)
+                light[shares[i].anchor[k]] +=
+                    part * static_cast<double>(shares[i].weight[k]) * glm::dvec3(photons.vpls[i].intensity);
+    }
+    for (std::uint32_t i = 0; i < a.places.size(); ++i) {
+        const bool moving = i >= a.still_count;
+        if (moving && !scenery.posed().objects[a.places[i].address.object].present) continue;
+        LightPoint p = moving ? a.light_at(scenery, i) : a.still[i];
+        p.intensity = glm::vec3(light[i]);
+        (moving ? lit.moving : lit.still).push_back(p);
+    }
+    return lit;
+}
+
+}  // namespace render2mpeg::renderer

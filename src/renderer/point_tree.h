@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+namespace render2mpeg::renderer {
+
+/// A point on a surface, as neighbours are looked for.
+struct OrientedPoint {
+    glm::vec3 position{0};
+    glm::vec3 normal{0, 0, 1};
+};
+
+/// A neighbour of a place.
+struct Neighbour {
+    float distance2 = 0;
+    std::uint32_t point = 0;  ///< index
+};
+
+/// A k-d tree over points on surfaces: the middle of every range is its splitting point.
+class PointTree {
+  public:
+    PointTree() = default;
+    explicit PointTree(std::vector<OrientedPoint> points);
+
+    /// Puts the up to found.size() nearest points that face as `at` does (by more than this cosine) into
+    /// `found`, nearest first, and returns how many there are. Of points equally far those of lower index come first.
+    int nearest(const OrientedPoint& at, float least_facing, std::span<Neighbour> found) const;
+
+    std::size_t size() const { return points_.size(); }
+
+  private:
+    struct Search;
+    void build(std::size_t first, std::size_t last);
+    void visit(std::size_t first, std::size_t last, Search& search) const;
+
+    std::vector<OrientedPoint> points_;  ///< in the tree's order
+    std::vector<std::uint32_t> index_;   ///< of each, as they were given
+    std::vector<std::uint8_t> axis_;
+};
+
+}  // namespace render2mpeg::renderer

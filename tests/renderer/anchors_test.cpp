@@ -1,0 +1,185 @@
+#include "renderer/anchors.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/color.h"
+#include "parallel/loops.h"
+#include "tests/renderer/anchor_stage.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+using test::AnchorStage;
+using test::hall;
+using test::SceneBuilder;
+
+/// A room with a block, a ball that crosses it, and a lamp that moves 14 cm every 1/25 s.
+SceneBuilder room(bool moving_lamp, bool moving_ball) {
+    SceneBuilder b;
+    b.add_box({0, 0, 0}, {5, 3, 5}, b.add_material({0.7f, 0.6f, 0.5f}), true);
+    b.add_box({3.0f, 0, 1.0f}, {4.0f, 1.5f, 2.0f}, b.add_material({0.3f, 0.5f, 0.7f}));
+    const int ball = b.add_sphere({0, 0, 0}, 0.4f, b.add_material({0.8f, 0.2f, 0.2f}), 10);
+    b.move_object(ball, {{1, 0.6f, 4}, {moving_ball ? 4.0f : 1.0f, 0.6f, 4}});
+    const int light = b.add_point_light({1, 2.4f, 2}, 20.0f, {1, 0.8f, 0.6f});
+    if (moving_lamp) {
+        scene::Track track;
+        track.target = scene::TrackTarget::translation;
+        track.index = b.film().lights[static_cast<std::size_t>(light)].node;
+        track.times = {0, 1};
+        track.values = {1, 2.4f, 0.75f, 1, 2.4f, 4.25f};
+        b.film().tracks.push_back(track);
+    }
+    return b;
+}
+
+glm::dvec3 sum_of(const std::vector<LightPoint>& lights) {
+    glm::dvec3 sum(0);
+    for (const LightPoint& l : lights) sum += l.intensity;
+    return sum;
+}
+
+double change(const std::vector<LightPoint>& a, const std::vector<LightPoint>& b) {
+    double change = 0, all = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        change += std::abs(core::luminance(b[i].intensity) - core::luminance(a[i].intensity));
+        all += core::luminance(a[i].intensity);
+    }
+    return change / all;
+}
+
+TEST(Anchors, HoldAllFluxThatPhotonsLeave) {
+    AnchorStage stage(room(true, true));
+    for (const double seconds : {0.0, 0.5, 1.0}) {
+        stage.pose(seconds);
+        const Anchors::Lit lit = stage.light();
+        const PhotonResult photons = stage.photons();
+        glm::dvec3 still(0), moving(0);
+        for (const LightPoint& v : photons.vpls) (v.moving ? moving : still) += glm::dvec3(v.intensity);
+        ASSERT_GT(moving.x, 0.0);
+        for (int k = 0; k < 3; ++k) {
+            EXPECT_NEAR(sum_of(lit.still)[k] / still[k], 1.0, 1e-4);
+            EXPECT_NEAR(sum_of(lit.moving)[k] / moving[k], 1.0, 1e-4);
+        }
+    }
+}
+
+TEST(Anchors, AreOfAConstantNumberAtFixedPlaces) {
+    AnchorStage stage(room(true, true));
+    const Anchors::Lit before = stage.light();
+    EXPECT_NEAR(static_cast<double>(before.still.size() + before.moving.size()), 600, 10);
+    EXPECT_GE(before.moving.size(), 3u);
+    stage.pose(1.0);
+    const Anchors::Lit after = stage.light();
+    ASSERT_EQ(before.still.size(), after.still.size());
+    ASSERT_EQ(before.moving.size(), after.moving.size());
+    for (std::size_t i = 0; i < before.still.size(); ++i) {
+        EXPECT_EQ(before.still[i].position, after.still[i].position);
+        EXPECT_EQ(before.still[i].disc2, after.still[i].disc2);
+        EXPECT_EQ(before.still[i].id, after.still[i].id);
+    }
+    for (std::size_t i = 0; i < before.moving.size(); ++i) {
+        const glm::vec3 moved = after.moving[i].position - before.moving[i].position;
+        EXPECT_NEAR(glm::distance(moved, glm::vec3(3, 0, 0)), 0.0f, 1e-4f);
+    }
+}
+
+TEST(Anchors, DependOnTheInstantAlone) {
+    AnchorStage stage(room(true, true));
+    stage.pose(0.5);
+    const Anchors::Lit one = stage.light();
+    stage.pose(1.0);
+    stage.light();
+    stage.pose(0.5);
+    const parallel::ThreadLimit limit(1);
+    const Anchors::Lit two = stage.light();
+    AnchorStage other(room(true, true));
+    other.pose(0.5);
+    const Anchors::Lit three = other.light();
+    ASSERT_EQ(one.still.size(), two.still.size());
+    ASSERT_EQ(one.still.size(), three.still.size());
+    for (std::size_t i = 0; i < one.still.size(); ++i) {
+        EXPECT_EQ(one.still[i].intensity, two.still[i].intensity);
+        EXPECT_EQ(one.still[i].intensity, three.still[i].intensity);
+        EXPECT_EQ(one.still[i].position, three.still[i].position);
+    }
+}
+
+/// The largest change of two frames on end, as a share of all light.
+double largest_change(const AnchorSettings& settings) {
+    AnchorStage stage(hall(), settings);
+    stage.pose(0.4);
+    std::vector<LightPoint> last = stage.light().still;
+    double largest = 0;
+    for (int frame = 1; frame <= 2; ++frame) {
+        stage.pose(0.4 + 0.04 * frame);
+        std::vector<LightPoint> next = stage.light().still;
+        largest = std::max(largest, change(last, next));
+        last = std::move(next);
+    }
+    return largest;
+}
+
+TEST(Anchors, ChangeByAtMostATwentiethWhereALampMoves14Centimetres) {
+    AnchorSettings settings{2048, 4};
+    const double usual = largest_change(settings);
+    settings.photons = 1u << 17;
+    const double smoothest = largest_change(settings);
+    EXPECT_LE(usual, 0.05);
+    EXPECT_GE(smoothest, 0.01);  // the light itself does change
+    // Twice the photons hardly make it smoother.
+    EXPECT_LE(usual, 1.2 * smoothest);
+}
+
+/// Mean squared difference of anchors between independent sets of photons.
+double variance(std::uint64_t photons) {
+    const int sets = 8;
+    std::vector<std::vector<LightPoint>> lit;
+    for (std::uint64_t s = 0; s < sets; ++s) {
+        AnchorSettings settings{300, 4};
+        settings.photons = photons;
+        settings.photon_set = s;
+        lit.push_back(AnchorStage(room(false, false), settings).light().still);
+    }
+    double sum = 0;
+    for (std::size_t i = 0; i < lit[0].size(); ++i) {
+        double mean = 0, squares = 0;
+        for (const auto& l : lit) {
+            const double v = core::luminance(l[i].intensity);
+            mean += v / sets;
+            squares += v * v / sets;
+        }
+        sum += squares - mean * mean;
+    }
+    return sum;
+}
+
+TEST(Anchors, OfTwiceThePhotonsHaveHalfTheVarianceOrLess) {
+    const double ratio = variance(8000) / variance(4000);
+    EXPECT_LT(ratio, 0.6);
+    EXPECT_GT(ratio, 0.2);
+}
+
+TEST(Anchors, OfADarkFilmAreNone) {
+    SceneBuilder b;
+    b.add_box({0, 0, 0}, {4, 3, 5}, b.add_material(glm::vec3(0.0f)), true);
+    b.add_point_light({1.7f, 1.6f, 2.1f}, 10.0f);
+    AnchorStage stage(b);
+    const Anchors::Lit lit = stage.light();
+    EXPECT_TRUE(lit.still.empty());
+    EXPECT_TRUE(lit.moving.empty());
+}
+
+TEST(Anchors, StandForTheSurfaceTheyLieOn) {
+    SceneBuilder b;
+    b.add_box({0, 0, 0}, {4, 4, 4}, b.add_material(glm::vec3(0.5f)), true);
+    b.add_point_light({2, 2, 2}, 10.0f);
+    AnchorStage stage(b, {2000, 4});
+    double area = 0;
+    for (const LightPoint& l : stage.light().still) area += 3.14159265 * l.disc2;
+    EXPECT_NEAR(area / 96.0, 1.0, 0.2);
+}
+
+}  // namespace
+}  // namespace render2mpeg::renderer

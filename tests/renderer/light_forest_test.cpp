@@ -1,0 +1,183 @@
+#include "renderer/light_forest.h"
+
+#include <gtest/gtest.h>
+
+#include "core/color.h"
+#include "core/sampling.h"
+#include "renderer/light_clusters.h"
+#include "tests/renderer/anchor_stage.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+using test::AnchorStage;
+using test::hall;
+
+std::vector<LightPoint> random_lights(int count, std::uint64_t seed) {
+    std::vector<LightPoint> lights;
+    for (int i = 0; i < count; ++i) {
+        const auto u = [&](std::uint64_t k) { return core::uniform(seed, static_cast<std::uint64_t>(i), k); };
+        LightPoint p;
+        p.position = {u(0), u(1), u(2)};
+        p.normal = core::sample_sphere({u(3), u(4)});
+        p.intensity = glm::vec3(u(5), u(6), u(7)) + 0.01f;
+        p.disc2 = 1e-4f * (1 + u(8));
+        p.id = static_cast<std::uint32_t>(i);
+        lights.push_back(p);
+    }
+    return lights;
+}
+
+void expect_same(const LightTree& a, const LightTree& b) {
+    ASSERT_EQ(a.nodes.size(), b.nodes.size());
+    ASSERT_EQ(a.lights.size(), b.lights.size());
+    EXPECT_EQ(a.root, b.root);
+    for (std::size_t i = 0; i < a.nodes.size(); ++i) {
+        const LightNode &x = a.nodes[i], &y = b.nodes[i];
+        EXPECT_EQ(x.middle, y.middle);
+        EXPECT_EQ(x.half, y.half);
+        EXPECT_EQ(x.intensity, y.intensity);
+        EXPECT_EQ(x.cone_cosine, y.cone_cosine);
+        EXPECT_EQ(x.axis.unpack(), y.axis.unpack());
+        EXPECT_EQ(x.first_represents, y.first_represents);
+        EXPECT_EQ(x.least_disc2, y.least_disc2);
+        EXPECT_EQ(x.largest_disc2, y.largest_disc2);
+    }
+    for (std::size_t i = 0; i < a.lights.size(); ++i) {
+        EXPECT_EQ(a.lights[i].position, b.lights[i].position);
+        EXPECT_EQ(a.lights[i].intensity, b.lights[i].intensity);
+        EXPECT_EQ(a.lights[i].id, b.lights[i].id);
+    }
+}
+
+TEST(LightTreeUpdate, WithTheSameLightsChangesNoBit) {
+    const auto lights = random_lights(3000, 1);
+    const LightTree tree = build_lasting_tree(LightFamily::oriented, lights, 7);
+    LightTree updated = tree;
+    update_light_tree(updated, lights, 7);
+    expect_same(tree, updated);
+}
+
+TEST(LightTreeUpdate, DependsOnTheLastLightsAlone) {
+    const auto lights = random_lights(500, 1), others = random_lights(500, 2);
+    const LightTree tree = build_lasting_tree(LightFamily::oriented, lights, 7);
+    LightTree once = tree, twice = tree;
+    update_light_tree(once, others, 7);
+    update_light_tree(twice, random_lights(400, 3), 7);
+    update_light_tree(twice, others, 7);
+    expect_same(once, twice);
+}
+
+TEST(LightTreeUpdate, BoundsLightsThatHaveMovedOrGoneOut) {
+    const auto lights = random_lights(1000, 1);
+    auto others = random_lights(1000, 2);
+    others.erase(others.begin() + 100, others.begin() + 300);
+    LightTree tree = build_lasting_tree(LightFamily::oriented, lights, 7);
+    update_light_tree(tree, others, 7);
+    ASSERT_EQ(tree.lights.size(), 1000u);
+    glm::dvec3 sum(0), expected(0);
+    for (const LightPoint& p : others) expected += p.intensity;
+    // From the last node up, so that children come before parents: every light below a node is held by it.
+    std::vector<std::vector<std::uint32_t>> below(tree.nodes.size());
+    for (std::size_t n = tree.nodes.size(); n-- > 0;) {
+        const LightNode& node = tree.nodes[n];
+        for (const LightRef child : node.child) {
+            if (child.is_leaf())
+                below[n].push_back(child.index());
+            else
+                below[n].insert(below[n].end(), below[child.index()].begin(), below[child.index()].end());
+        }
+        for (const std::uint32_t i : below[n]) {
+            const TreeLight& l = tree.lights[i];
+            for (int k = 0; k < 3; ++k) ASSERT_LE(std::abs(l.position[k] - node.middle[k]), node.half[k]);
+            ASSERT_GE(glm::dot(l.normal, node.axis.unpack()), node.cone_cosine - 1e-5f);
+        }
+        // A light that is out represents nothing that shines.
+        if (core::luminance(node.intensity) > 0) {
+            ASSERT_GT(core::luminance(
+                          tree.lights[tree.representative(LightRef::inner(static_cast<std::uint32_t>(n)))].intensity),
+                      0.0f);
+        }
+    }
+    for (const TreeLight& l : tree.lights) sum += l.intensity;
+    for (int k = 0; k < 3; ++k) {
+        EXPECT_NEAR(sum[k] / expected[k], 1.0, 1e-5);
+        EXPECT_NEAR(tree.intensity(tree.root)[k] / expected[k], 1.0, 1e-4);
+    }
+}
+
+TEST(LightTreeUpdate, ChangesRepresentativesAsRarelyAsSharesAllow) {
+    // When each light changes by up to a tenth, a representative that is chosen by its share must change in one of some
+    // twenty nodes; a tree that rolled new dice would change half of them.
+    auto lights = random_lights(2000, 1);
+    const LightTree tree = build_lasting_tree(LightFamily::oriented, lights, 7);
+    for (std::size_t i = 0; i < lights.size(); ++i) lights[i].intensity *= 0.9f + 0.2f * core::uniform(9, i);
+    LightTree updated = tree;
+    update_light_tree(updated, lights, 7);
+    std::size_t changed = 0;
+    for (std::size_t i = 0; i < tree.nodes.size(); ++i)
+        changed += (tree.nodes[i].first_represents & 1u) != (updated.nodes[i].first_represents & 1u) ? 1 : 0;
+    EXPECT_LT(changed, tree.nodes.size() / 10);
+    EXPECT_GT(changed, 0u);
+}
+
+/// Clusters that a forest takes to light places on the floor and a wall, all told.
+int clusters(const AnchorStage& stage, LightForest& forest) {
+    forest.direct_clamp = forest.indirect_clamp = {0.5f};
+    Gatherer gatherer(forest, stage.scenery().tracer());
+    int sum = 0;
+    for (std::uint32_t triangle = 0; triangle < 12; ++triangle) {
+        for (const float u : {0.1f, 0.3f, 0.6f}) {
+            GatherPoint point;
+            point.point = stage.scenery().surface_at({0, triangle, u, 0.3f}, stage.scenery().front_normal(0, triangle));
+            const GatherPoint* const points[] = {&point};
+            GatherLanes lanes;
+            fill(lanes, points);
+            GroupTolerance tolerance{};
+            std::fill(std::begin(tolerance.relative), std::end(tolerance.relative), 0.02f);
+            GatheredLight light;
+            gatherer.gather(lanes, tolerance, {8, 100000, Stop::honest}, light);
+            sum += light.direct_clusters + light.indirect_clusters;
+        }
+    }
+    return sum;
+}
+
+TEST(LastingForest, NeedsHardlyMoreClustersAfterALampHasCrossedTheHallThanAFreshOne) {
+    AnchorStage stage(hall(), {2000, 4});
+    LastingForest lasting({stage.points().usual(), stage.anchors().usual_still(), stage.anchors().usual_moving()}, 1);
+    for (const double seconds : {0.0, 1.0, 2.0}) {  // 2: after 50 frames at 25 Hz, 7 m on
+        stage.pose(seconds);
+        const Anchors::Lit lit = stage.light();
+        LightForest updated = lasting.at({stage.direct(), lit.still, lit.moving});
+        LightForest fresh = plant(stage.direct(), lit.still, 1);
+        const double ratio = static_cast<double>(clusters(stage, updated)) / clusters(stage, fresh);
+        EXPECT_LE(ratio, 1.15) << seconds;
+        EXPECT_GE(ratio, 0.8) << seconds;
+    }
+    EXPECT_EQ(lasting.rebuilt(), 0);
+}
+
+TEST(LastingForest, BuildsATreeAnewThatFitsItsLightsNoMore) {
+    // Lights that all change places.
+    const auto usual = random_lights(1000, 1), now = random_lights(1000, 2);
+    LastingForest lasting({{}, usual, {}}, 1);
+    const LightForest same = lasting.at({{}, usual, {}});
+    EXPECT_EQ(lasting.rebuilt(), 0);
+    const LightForest other = lasting.at({{}, now, {}});
+    EXPECT_EQ(lasting.rebuilt(), 1);
+    const LightTree fresh = build_light_tree(LightFamily::oriented, now, 2);
+    EXPECT_LE(cost_of(other.trees[LightForest::still_tree]), 1.001 * cost_of(fresh));
+}
+
+TEST(LastingForest, HasNoTreeForWhatIsDark) {
+    const auto usual = random_lights(100, 1);
+    LastingForest lasting({usual, usual, usual}, 1);
+    const LightForest dark = lasting.at({{}, {}, {}});
+    for (const LightTree& tree : dark.trees) EXPECT_TRUE(tree.empty());
+    const LightForest lit = lasting.at({usual, usual, usual});
+    EXPECT_EQ(lit.trees[LightForest::moving_tree].lights.size(), 100u);
+}
+
+}  // namespace
+}  // namespace render2mpeg::renderer
