@@ -140,6 +140,12 @@ void add_run_options(CLI::App& command, RenderOptions& options) {
         ->type_name("FILE.json")
         ->group(run);
     command
+        .add_option("--report", options.report,
+                    "Write a page about the render, with plots, for any browser, and its figures as JSON beside it "
+                    "(docs/report.md)")
+        ->type_name("FILE.html")
+        ->group(run);
+    command
         .add_option(
             "--audit", options.audit,
             "Gather so many pixels of every frame again, from every light point, and say how well tolerances were "

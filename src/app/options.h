@@ -60,6 +60,7 @@ struct RenderOptions {
     int threads = 0;  ///< 0: all
     std::optional<std::string> isa;
     std::optional<std::filesystem::path> stats;
+    std::optional<std::filesystem::path> report;                ///< HTML
     std::optional<std::filesystem::path> layers;                ///< --aov
     std::vector<std::pair<std::string, std::string>> heatmaps;  ///< subject, file
     bool dry_run = false;

@@ -4,35 +4,41 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "app/statistics.h"
+#include "app/statistics_json.h"
 #include "core/error.h"
 #include "core/numeric.h"
 
 namespace render2mpeg::app {
 namespace {
 
-/// CPU seconds by row of the table, and of the whole, from the statistics of a render.
-struct PassCosts {
-    nlohmann::json rows;
-    double total = 0;
-};
+using nlohmann::json;
 
-PassCosts read_costs(const std::filesystem::path& file) {
+json read_statistics(const std::filesystem::path& file) {
     std::ifstream stream(file);
     if (!stream) throw core::Error("reading", file.string(), "the file cannot be opened");
     try {
-        const nlohmann::json statistics = nlohmann::json::parse(stream);
-        const nlohmann::json& seconds = statistics.at("seconds");
-        PassCosts costs{statistics.at("passes"), seconds.at("cpu").get<double>()};
-        // Rows of the film's own, which the renderer knows nothing of.
-        for (const char* stage : {"load", "preview", "tolerate"}) costs.rows[stage] = seconds.value(stage, 0.0);
-        costs.rows["first pass"] = seconds.value("first_pass", 0.0);
-        if (const auto audit = statistics.find("audit"); audit != statistics.end() && audit->is_object())
-            costs.rows["audit"] = audit->value("seconds", 0.0);
-        return costs;
-    } catch (const nlohmann::json::exception&) {
+        json statistics = json::parse(stream);
+        statistics.at("passes").get<json::object_t>();
+        statistics.at("seconds").at("cpu").get<double>();
+        return statistics;
+    } catch (const json::exception&) {
         throw core::Error("reading", file.string(), "these are not the statistics of a render (docs/stats.md)");
     }
+}
+
+/// CPU seconds of a row; 0 where it has none of its own.
+double seconds_of(const json& statistics, const std::string& row) {
+    const auto number = [](const json& object, const std::string& key) {
+        const auto found = object.find(key);
+        return found != object.end() && found->is_number() ? found->get<double>() : 0.0;
+    };
+    if (!statistics.is_object()) return 0;
+    // The film's own passes are told by stage; the renderer knows nothing of them.
+    const json &seconds = statistics.at("seconds"), audit = statistics.value("audit", json());
+    if (row == "first pass") return number(seconds, "first_pass");
+    if (row == "load" || row == "preview" || row == "tolerate") return number(seconds, row);
+    if (row == "audit") return audit.is_object() ? number(audit, "seconds") : 0.0;
+    return number(statistics.at("passes"), row);
 }
 
 struct Row {
@@ -51,10 +57,11 @@ Row first_pass_row(const Production& film) {
 /// The passes in the order of their work: the film's own, and the renderer's.
 std::vector<Row> rows_of(const Production& film) {
     const bool coupled = film.tolerance.coupled && film.kind == OutputKind::film;
-    std::vector<Row> rows{{"load", true, "scene, textures" + std::string(film.exposure ? "" : ", exposure")},
-                          {"exposure", !film.exposure,
-                           film.exposure ? fmt::format("no cause: {:g} EV are given", *film.exposure)
-                                         : "none is given: a few small frames tell it; its time is in `load`"},
+    const bool measured = film.measures_exposure;
+    std::vector<Row> rows{{"load", true, measured ? "scene, textures, exposure" : "scene, textures"},
+                          {"exposure", measured,
+                           measured ? "none is given: a few small frames tell it; its time is in `load`"
+                                    : fmt::format("no cause: {:g} EV are given", film.exposure.value_or(0))},
                           first_pass_row(film)};
     for (const renderer::PlanRow& row : film.plan.rows()) {
         if (row.pass == renderer::Pass::shade) {
@@ -75,22 +82,32 @@ std::vector<Row> rows_of(const Production& film) {
 
 }  // namespace
 
-std::string plan_table(const Production& film, const std::filesystem::path& statistics) {
-    const bool costs_known = !statistics.empty();
-    const PassCosts costs = costs_known ? read_costs(statistics) : PassCosts{};
+json plan_of(const Production& film, const json& statistics) {
+    json plan = json::array();
+    for (const Row& row : rows_of(film)) {
+        const double seconds = seconds_of(statistics, row.name);
+        plan.push_back({{"pass", row.name},
+                        {"runs", row.runs},
+                        {"reason", row.reason},
+                        {"seconds", seconds > 0 ? json(seconds) : json(nullptr)}});
+    }
+    return plan;
+}
+
+std::string plan_table(const Production& film, const std::filesystem::path& file) {
+    const json statistics = file.empty() ? json() : read_statistics(file);
+    const double total = statistics.is_object() ? statistics.at("seconds").at("cpu").get<double>() : 0.0;
     std::string text;
     for (const Row& row : rows_of(film)) {
         text += fmt::format("{:<3} {:<21}", row.runs ? "yes" : "no", row.name);
-        if (costs_known) {
-            const auto cost = costs.rows.find(row.name);
-            const bool known = cost != costs.rows.end() && cost->is_number() && cost->get<double>() > 0;
-            text += known ? fmt::format(" {:>9.2f} s {:>5.1f} %", cost->get<double>(),
-                                        100 * core::divide_or(cost->get<double>(), costs.total, 0.0))
-                          : fmt::format(" {:>11} {:>7}", "", "");
-        }
+        const double seconds = seconds_of(statistics, row.name);
+        if (seconds > 0)
+            text += fmt::format(" {:>9.2f} s {:>5.1f} %", seconds, 100 * core::divide_or(seconds, total, 0.0));
+        else if (statistics.is_object())
+            text += std::string(20, ' ');
         text += fmt::format("  {}\n", row.reason);
     }
-    if (costs_known) text += fmt::format("    {:<21} {:>9.2f} s {:>5.1f} %\n", "whole run", costs.total, 100.0);
+    if (total > 0) text += fmt::format("    {:<21} {:>9.2f} s {:>5.1f} %\n", "whole run", total, 100.0);
     return text;
 }
 

@@ -131,6 +131,7 @@ Production prepare(const RenderOptions& options) {
     film.format = {shape.size.width, shape.size.height, static_cast<float>(shape.pixel_aspect.value())};
     film.rendering = rendering_settings(options, film.format);
     film.exposure = exposure_of(options, *animation);
+    film.measures_exposure = !film.exposure;
     film.audit = options.audit;
 
     film.coding = coding_settings(options.coding, shape, film.frames.first);

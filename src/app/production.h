@@ -37,6 +37,7 @@ struct Production {
     CouplingSettings coupling;  ///< where the tolerance is coupled
     OutputKind kind = OutputKind::film;
     std::optional<float> exposure;               ///< EV; none: to be measured
+    bool measures_exposure = false;              ///< nobody says it
     bool two_passes = false;                     ///< the first one finds `allotments`
     std::vector<encoder::Allotment> allotments;  ///< one per frame, or none
     int audit = 0;                               ///< pixels of every frame that are gathered again without clustering

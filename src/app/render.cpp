@@ -12,6 +12,7 @@
 #include "app/pipeline.h"
 #include "app/progress.h"
 #include "app/publish.h"
+#include "app/report.h"
 #include "app/statistics.h"
 #include "app/unused_options.h"
 #include "core/error.h"
@@ -49,6 +50,11 @@ bool is_one_file(const Production& film) {
 void check_outputs(const Production& film, const RenderOptions& options) {
     std::vector<std::filesystem::path> outputs{options.output, options.stats.value_or("")};
     for (const auto& [subject, file] : options.heatmaps) outputs.emplace_back(file);
+    if (options.report) {
+        check_report_name(*options.report);
+        outputs.push_back(*options.report);
+        outputs.push_back(report_json_of(*options.report));
+    }
     check_apart({options.input, film.animation->source, options.animation.value_or("")}, outputs);
     check_heatmaps(options, film);
     if (is_one_file(film)) WorkFolder::check(options.output);
@@ -60,6 +66,8 @@ std::unique_ptr<WorkFolder> open_outputs(const Production& film, const RenderOpt
     check_writable(options.output);
     if (options.layers) check_writable(*options.layers / "frame.exr");
     if (options.stats) check_writable(*options.stats);
+    if (options.report) check_writable(*options.report);
+    if (options.report) check_writable(report_json_of(*options.report));
     for (const auto& [subject, file] : options.heatmaps) check_writable(file);
     if (!is_one_file(film)) return nullptr;
     return std::make_unique<WorkFolder>(options.output, film.film(), command);
@@ -145,6 +153,7 @@ int render(const RenderOptions& options, const std::string& command) {
     ledger.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
     if (options.stats) write_statistics(*options.stats, film, ledger, facts);
+    if (options.report) write_report(*options.report, film, ledger, facts);
     if (!options.quiet) std::fputs(summary(film, ledger, facts).c_str(), stdout);
     if (!complete && !options.quiet)
         std::fputs(fmt::format("interrupted after {} of {} frames\n", ledger.frames.size(), film.frame_count()).c_str(),

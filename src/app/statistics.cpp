@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "app/statistics_json.h"
 #include "core/error.h"
 #include "core/numeric.h"
 
@@ -136,14 +137,15 @@ json common_of(const Film& film, const Ledger& ledger, const RunFacts& facts) {
             {"per_frame", json::array()}};
 }
 
-void write_json(const std::filesystem::path& file, const json& statistics) {
+}  // namespace
+
+void write_json(const std::filesystem::path& file, const json& value) {
     std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-    stream << statistics.dump(1) << "\n";
+    // Names of files are bytes, which JSON's text need not hold.
+    stream << value.dump(1, ' ', false, json::error_handler_t::replace) << "\n";
     stream.close();
     if (!stream) throw core::Error("writing", file.string(), "the file cannot be written");
 }
-
-}  // namespace
 
 double peak_memory_mib() {
     rusage usage{};
@@ -151,8 +153,7 @@ double peak_memory_mib() {
     return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-void write_statistics(const std::filesystem::path& file, const Production& film, const Ledger& ledger,
-                      const RunFacts& facts) {
+json statistics_of(const Production& film, const Ledger& ledger, const RunFacts& facts) {
     const renderer::Statistics& r = ledger.rendering;
     const bool coded = film.kind == OutputKind::film;
     json statistics = common_of(film.film(), ledger, facts);
@@ -180,7 +181,12 @@ void write_statistics(const std::filesystem::path& file, const Production& film,
     if (!coded)
         for (const char* key : {"psnr_y", "ssim_y", "quantiser", "gop"}) statistics[key] = nullptr;
     for (const FrameEntry& frame : ledger.frames) statistics["per_frame"].push_back(entry_of(frame, coded));
-    write_json(file, statistics);
+    return statistics;
+}
+
+void write_statistics(const std::filesystem::path& file, const Production& film, const Ledger& ledger,
+                      const RunFacts& facts) {
+    write_json(file, statistics_of(film, ledger, facts));
 }
 
 void write_encode_statistics(const std::filesystem::path& file, const Film& film, bool with_motion,

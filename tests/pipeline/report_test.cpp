@@ -1,0 +1,160 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "app/frame_plot.h"
+#include "pipeline/foreign.h"
+
+/// --report: a page that stands alone, and its figures beside it.
+namespace render2mpeg {
+namespace {
+
+using app::FramePlot;
+using app::round_up;
+using app::svg_of;
+using nlohmann::json;
+using support::contents;
+using support::film;
+using support::Folder;
+using support::program;
+using support::run;
+using test::path;
+
+std::size_t count(const std::string& text, const std::string& word) {
+    std::size_t found = 0;
+    for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + word.size())) ++found;
+    return found;
+}
+
+/// Names of the tags that are opened and not closed in their order; empty for text in which every tag is.
+std::vector<std::string> unbalanced(const std::string& html) {
+    std::vector<std::string> open;
+    for (std::size_t at = html.find('<'); at != std::string::npos; at = html.find('<', at + 1)) {
+        const std::size_t end = html.find('>', at);
+        if (end == std::string::npos || html[at + 1] == '!') continue;
+        const std::string tag = html.substr(at + 1, end - at - 1);
+        const std::string name =
+            tag.substr(tag[0] == '/' ? 1 : 0, tag.find_first_of(" /", 1) - (tag[0] == '/' ? 1 : 0));
+        if (tag.back() == '/') continue;
+        if (tag[0] != '/')
+            open.push_back(name);
+        else if (!open.empty() && open.back() == name)
+            open.pop_back();
+        else
+            return {"/" + name};
+    }
+    return open;
+}
+
+TEST(Report, IsOnePageThatStandsAloneAndItsFiguresAreTheStatistics) {
+    const Folder folder;
+    const std::string output = "'" + path(folder, "a&b<i>.mpg") + "'";
+    const auto outcome = run(program() + " render " + film("cornell") +
+                             " --size 48x32 --samples 1 --vpls 16 --frames 3:13 --quiet --audit 5 -o " + output +
+                             " --report " + path(folder, "r.html") + " --stats " + path(folder, "s.json"));
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const std::string html = contents(folder / "r.html");
+
+    // The sentence comes first, and names are text.
+    const json report = json::parse(contents(folder / "r.json"));
+    const std::size_t heading = html.find("</h1>"), lead = html.find("<p class=\"lead\">");
+    ASSERT_NE(lead, std::string::npos);
+    EXPECT_LT(lead - heading, 10u);
+    EXPECT_EQ(html.find(app::escaped(report.at("summary").get<std::string>())), lead + 16);
+    EXPECT_TRUE(report.at("summary").get<std::string>().starts_with("11 frames of 48x32 took "));
+    EXPECT_NE(html.find("<h1>a&amp;b&lt;i&gt;.mpg</h1>"), std::string::npos);
+
+    EXPECT_EQ(unbalanced(html), std::vector<std::string>{});
+    for (const char* outside : {"http", "src=", "@import", "url(", "<script", "<link"})
+        EXPECT_EQ(html.find(outside), std::string::npos) << outside;
+
+    // A bar for every frame in each of the plots, that of the first picture an I picture's.
+    EXPECT_EQ(count(html, "<svg "), 5u);
+    EXPECT_EQ(count(html, "<title>frame 3, "), 5u);
+    EXPECT_EQ(count(html, "<title>frame "), 5u * 11u);
+    const json statistics = json::parse(contents(folder / "s.json"));
+    const auto size = statistics.at("per_frame")[0].at("bytes").get<int>();
+    EXPECT_NE(html.find("<title>frame 3, I " + std::to_string(size) + " bytes</title>"), std::string::npos);
+
+    for (const auto& [key, value] : statistics.items()) {
+        ASSERT_TRUE(report.contains(key)) << key;
+        if (key != "seconds" && key != "peak_rss_mib") {
+            EXPECT_EQ(report.at(key), value) << key;
+        }
+    }
+    const auto exposure = std::find_if(report.at("plan").begin(), report.at("plan").end(),
+                                       [](const json& row) { return row.at("pass") == "exposure"; });
+    ASSERT_NE(exposure, report.at("plan").end());
+    EXPECT_EQ(exposure->at("runs"), true) << "it was measured";
+    EXPECT_GE(report.at("plan").size(), 20u);
+}
+
+TEST(Report, OfFramesThatAreNotCodedSpeaksOfLightAlone) {
+    const Folder folder;
+    ASSERT_EQ(run(program() + " render " + film("still_room") +
+                  " --size 32x32 --samples 1 --vpls 16 --exposure 0 --frames 0:1 --quiet -o " +
+                  path(folder, "f.%d.png") + " --report " + path(folder, "r.html"))
+                  .status,
+              0);
+    const std::string html = contents(folder / "r.html");
+    EXPECT_EQ(unbalanced(html), std::vector<std::string>{});
+    EXPECT_EQ(count(html, "<svg "), 2u);
+    EXPECT_EQ(html.find("PSNR"), std::string::npos);
+}
+
+TEST(Report, IsRefusedUnderNamesThatWouldNotDo) {
+    const Folder folder;
+    const std::string start = program() + " render " + film("cornell") + " --dry-run -o " + path(folder, "x.mpg");
+    const auto refused = [&](const std::string& options, const char* words) {
+        const auto outcome = run(start + options);
+        EXPECT_EQ(outcome.status, 1) << outcome.output;
+        EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
+    };
+    refused(" --report " + path(folder, "r.pdf"), ".html");
+    refused(" --report " + path(folder, "r.html") + " --stats " + path(folder, "r.json"), "two outputs");
+}
+
+TEST(FramePlot, HasABarForEveryFrameUntilTheyGetTooThin) {
+    for (const int frames : {1, 2, 719, 720, 721, 100000}) {
+        FramePlot plot{"t", "s", 7, {{"x", "one", std::vector<double>(static_cast<std::size_t>(frames), 3.0)}}};
+        const std::string svg = svg_of(plot);
+        const std::size_t bars = count(svg, "<rect ");
+        EXPECT_LE(bars, 720u);
+        EXPECT_GE(bars, std::min<std::size_t>(static_cast<std::size_t>(frames), 360u));
+        EXPECT_EQ(unbalanced(svg), std::vector<std::string>{});
+        EXPECT_EQ(count(svg, ", x 3 s"), bars) << "means of what is alike";
+        EXPECT_GE(count(svg, "mean, x 3 s"), frames > 720 ? bars - 1 : 0u) << "the last bar may have one frame";
+    }
+    EXPECT_EQ(svg_of({"t", "s", 0, {}, false}), "");
+    EXPECT_EQ(svg_of({"t", "s", 0, {{"x", "one", {}}}, false}), "");
+    EXPECT_NE(svg_of({"t", "s", 0, {{"x", "one", {0, 0}}}, false}), "") << "nothing is a value, too";
+}
+
+TEST(FramePlot, KeepsAllInsideItsFrame) {
+    for (const bool marks : {false, true})
+        for (const double most : {1e-7, 0.3, 1.0, 7.0, 999.0, 3e9}) {
+            const std::string svg = svg_of({"t", "s", 0, {{"x", "one", {most, 0.9 * most, 0.31 * most}}}, marks});
+            for (std::size_t at = svg.find(" y=\""); at != std::string::npos; at = svg.find(" y=\"", at + 1)) {
+                const double y = std::stod(svg.substr(at + 4));
+                EXPECT_GE(y, 8.0) << most;
+                EXPECT_LE(y, 176.0) << most;
+            }
+        }
+}
+
+TEST(RoundNumbers, AreTheNextOneTwoOrFive) {
+    EXPECT_EQ(round_up(1), 1);
+    EXPECT_EQ(round_up(1.1), 2);
+    EXPECT_EQ(round_up(30), 50);
+    EXPECT_EQ(round_up(51), 100);
+    EXPECT_NEAR(round_up(0.0021), 0.005, 1e-12);
+    for (const double odd :
+         {0.0, -3.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()})
+        EXPECT_EQ(round_up(odd), 1);
+}
+
+}  // namespace
+}  // namespace render2mpeg
