@@ -29,11 +29,14 @@ InterruptGuard::InterruptGuard(bool quiet) {
     silent = quiet ? 1 : 0;
     std::signal(SIGINT, on_signal);
     std::signal(SIGTERM, on_signal);
+    // The terminal was closed; nohup says that it is to go on all the same.
+    if (std::signal(SIGHUP, on_signal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
 }
 
 InterruptGuard::~InterruptGuard() {
     std::signal(SIGINT, SIG_DFL);
     std::signal(SIGTERM, SIG_DFL);
+    if (std::signal(SIGHUP, SIG_DFL) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
 }
 
 bool InterruptGuard::requested() {

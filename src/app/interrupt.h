@@ -2,8 +2,8 @@
 
 namespace render2mpeg::app {
 
-/// While it lives, the first SIGINT or SIGTERM only raises a flag (and says so, unless `quiet`), and a second one ends
-/// the process at once.
+/// While it lives, the first SIGINT, SIGTERM or SIGHUP only raises a flag (and says so, unless `quiet`), and a second
+/// one ends the process at once.
 class InterruptGuard {
   public:
     explicit InterruptGuard(bool quiet);

@@ -13,12 +13,24 @@
 
 namespace render2mpeg::app {
 
+void check_reachable(const std::filesystem::path& file) {
+    std::error_code error;
+    if (std::filesystem::is_directory(file, error)) throw core::Error("writing", file.string(), "it is a folder");
+    // The folders that are there already; the others will be made in the last of them.
+    std::filesystem::path folder = std::filesystem::absolute(file, error).lexically_normal().parent_path();
+    while (!std::filesystem::exists(folder, error) && folder.has_relative_path()) folder = folder.parent_path();
+    if (!std::filesystem::is_directory(folder, error))
+        throw core::Error("writing", file.string(), folder.string() + " is not a folder");
+    if (access(folder.c_str(), W_OK | X_OK) != 0)
+        throw core::Error("writing", file.string(), folder.string() + ": " + std::strerror(errno));
+}
+
 void check_writable(const std::filesystem::path& file) {
+    check_reachable(file);
     const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (error) throw core::Error("writing", file.string(), error.message());
-    if (std::filesystem::is_directory(file)) throw core::Error("writing", file.string(), "it is a folder");
 
     // Make a file of a name that nobody has: mkstemp sees to that.
     std::string probe = (folder / ".render2mpeg-XXXXXX").string();

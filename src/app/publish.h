@@ -8,6 +8,10 @@
 
 namespace render2mpeg::app {
 
+/// Refuses a file that could not be made because of what is there: its name or one of its folders' is taken by
+/// something else, or the folder may not be written. Writes nothing.
+void check_reachable(const std::filesystem::path& file);
+
 /// Refuses what would only fail after hours of work: a file that cannot be created. Makes its folder.
 void check_writable(const std::filesystem::path& file);
 

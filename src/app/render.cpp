@@ -27,6 +27,8 @@ void say_notes(const Production& film, const RenderOptions& options) {
     std::vector<std::string> notes = film.animation->notes;
     for (const std::string& line : unused_options(options, film.kind, film.tolerance)) notes.push_back(line);
     notes.push_back(film.kind == OutputKind::film ? unused_keyframes(film.keyframes, film.frames) : "");
+    if (film.end && film.frames.last > *film.end)
+        notes.push_back(fmt::format("--frames goes beyond the scene's own film, which ends with frame {}", *film.end));
     for (const std::string& note : notes)
         if (!note.empty()) std::fputs((note + "\n").c_str(), stderr);
 }
@@ -56,6 +58,9 @@ void check_outputs(const Production& film, const RenderOptions& options) {
         outputs.push_back(report_json_of(*options.report));
     }
     check_apart({options.input, film.animation->source, options.animation.value_or("")}, outputs);
+    if (options.layers) outputs.push_back(*options.layers / "frame.exr");
+    for (const std::filesystem::path& output : outputs)
+        if (!output.empty()) check_reachable(output);
     check_heatmaps(options, film);
     if (is_one_file(film)) WorkFolder::check(options.output);
 }

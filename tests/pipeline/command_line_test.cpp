@@ -140,6 +140,7 @@ TEST(Notes, TellWhichOptionsDoNothing) {
     noted(start + film_out + " --tolerance fixed=2% --masking quantised", "--masking does nothing here");
     noted(start + film_out + " --tolerance reference --stop classic", "--stop does nothing here");
     noted(start + film_out + " --frames 0:9 --keyframes 3,12,40", "2 of 3 are no frames of the film, which has 0 to 9");
+    noted(start + film_out + " --frames 0:999", "beyond the scene's own film, which ends with frame");
     // Silent where all count, and where nobody wants to know.
     EXPECT_EQ(
         run(start + film_out + " --gop 5 --masking quantised --keyframes 3 --stop classic").output.find("nothing here"),
@@ -157,6 +158,20 @@ TEST(Refusal, NoOutputTakesThePlaceOfAnInputOrOfAnotherOutput) {
     expect_refusal(folder, start + out + " --heatmap cut " + heat + " --heatmap error " + heat, "two outputs");
     const std::string y4m = write(folder / "y.y4m", "YUV4MPEG2 W16 H16 F25:1\n").string();
     expect_refusal(folder, "encode " + y4m + out + " --stats " + (folder / "." / "y.y4m").string(), "an input");
+}
+
+TEST(DryRun, SeesThatOutputsCannotBeMade) {
+    const Folder folder;
+    write(folder / "file", "");
+    std::filesystem::create_directory(folder / "f.mpg");
+    const std::string start = "render " + film("cornell") + " --dry-run -o ";
+    const auto name = [&](const char* file) { return (folder / file).string(); };
+    expect_refusal(folder, start + name("file/deep/x.mpg"), "file is not a folder");
+    expect_refusal(folder, start + name("f.mpg"), "it is a folder");
+    expect_refusal(folder, start + name("x.mpg") + " --stats " + name("file/s.json"), "file is not a folder");
+    expect_refusal(folder, start + name("x.mpg") + " --aov " + name("file/layers"), "file is not a folder");
+    EXPECT_EQ(run(program() + " " + start + name("new/folder/x.mpg") + " --quiet").status, 0);
+    EXPECT_EQ(folder.entries(), 2u);
 }
 
 TEST(DryRun, ChecksAllAndWritesNothing) {
