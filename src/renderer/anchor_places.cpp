@@ -13,7 +13,8 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Neighbours that an area is estimated by, and how alike they must face: as for discs (light_density.cpp).
+/// Neighbours that an area is estimated by, and how alike they must face. chosen: 12 and 60 degrees; 6 are noisy, 24
+/// and 48 blur edges (in Sponza what is clamped changes by a tenth between 6 and 48).
 constexpr int neighbours = 12;
 constexpr float least_facing = 0.5f;
 

@@ -6,25 +6,19 @@
 #include "renderer/anchors.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "parallel/loops.h"
 #include "renderer/anchor_places.h"
-#include "renderer/point_tree.h"
+#include "renderer/anchor_shares.h"
 #include "renderer/usual_light.h"
 
 namespace render2mpeg::renderer {
 namespace {
-
-/// Anchors that one photon is shared among, and how alike they must face: SPEC 2.1's, notes of docs/model.md.
-constexpr int shared_among = 16;
-constexpr float least_facing = 0.5f;
 
 /// Instants of the film at which places are looked for. chosen: 8.
 constexpr int instants = 8;
@@ -45,13 +39,6 @@ constexpr std::uint64_t batch = 1u << 15;
 
 /// Every anchor counts with at least this share of the mean light when trees are planned: it may be lit one day.
 constexpr float least_usual = 0.01f;
-
-/// A photon's share in each of its anchors; `anchor` in order of places, `weight` adds up to 1 (0 without any anchor).
-struct Shares {
-    int count = 0;
-    std::array<std::uint32_t, shared_among> anchor;
-    std::array<float, shared_among> weight;
-};
 
 /// A point of a mesh that is not placed in the world.
 OrientedPoint at_rest(const scene::Mesh& mesh, const core::SurfaceAddress& a, bool front) {
@@ -90,6 +77,17 @@ bool moves(const scene::Animation& film, std::uint32_t object) {
     return film.objects[object].mobility != scene::Mobility::still;
 }
 
+/// A still anchor, without intensity; its rest is the world.
+LightPoint still_light(const AnchorPlace& place, std::uint32_t id) {
+    LightPoint p;
+    p.position = place.rest.position;
+    p.normal = place.rest.normal;
+    p.disc2 = place.disc2;
+    p.id = id;
+    p.object = place.address.object;
+    return p;
+}
+
 }  // namespace
 
 struct Anchors::Impl {
@@ -125,10 +123,9 @@ struct Anchors::Impl {
     void look(Scenery& scenery, LightPoints& lights);
     void look_at(const Scenery& scenery, const std::vector<LightPoint>& lights, std::uint64_t wanted);
     void add_unlit();
-    void plant();
-    void reckon_usual();
-    Shares share(std::uint32_t group, const OrientedPoint& at, const PointTree& in) const;
-    LightPoint light_at(const Scenery& scenery, std::uint32_t place) const;
+    void reckon_usual(const RayTracer& tracer);
+    LightPoint moving_light(const Scenery& scenery, std::uint32_t place) const;
+    std::uint32_t still_count() const { return static_cast<std::uint32_t>(still.size()); }
 
     const scene::Animation& film;
     AnchorSettings settings;
@@ -138,16 +135,13 @@ struct Anchors::Impl {
 
     std::uint64_t paths = 0;          ///< in every frame
     std::vector<AnchorPlace> places;  ///< by group: what is still comes first
-    std::uint32_t still_count = 0;
-    std::map<std::uint32_t, std::uint32_t> first;  ///< place of every group
-    std::map<std::uint32_t, PointTree> trees;      ///< of every group, at rest
-    std::vector<LightPoint> still;                 ///< without their intensities
+    AnchorSharing sharing;
+    std::vector<LightPoint> still;  ///< without their intensities
     std::vector<LightPoint> usual_still, usual_moving;
 };
 
-/// Gathers candidates at instants spread over the film.
+/// Gathers candidates at instants spread over the film, and chooses among them.
 void Anchors::Impl::look(Scenery& scenery, LightPoints& lights) {
-    const scene::Snapshot& before = scenery.posed();
     const int count = film.duration > 0.0 ? instants : 1;
     const auto wanted = std::max(candidates_per_anchor * static_cast<std::uint64_t>(settings.count), least_candidates);
     std::vector<scene::Snapshot> films(static_cast<std::size_t>(count));
@@ -162,7 +156,13 @@ void Anchors::Impl::look(Scenery& scenery, LightPoints& lights) {
         look_at(scenery, lights.at(scenery), wanted / static_cast<std::uint64_t>(count));
     }
     add_unlit();
-    scenery.pose(before);
+    places = choose_places(candidates, settings.count);
+    for (const AnchorPlace& place : places)
+        if (place.group == 0) still.push_back(still_light(place, static_cast<std::uint32_t>(still.size())));
+    // What is still lies the same at any instant; take the film's own.
+    scenery.pose(films.front());
+    sharing = AnchorSharing(places, film, scenery.tracer());
+    reckon_usual(scenery.tracer());
 }
 
 void Anchors::Impl::look_at(const Scenery& scenery, const std::vector<LightPoint>& lights, std::uint64_t wanted) {
@@ -195,63 +195,26 @@ void Anchors::Impl::add_unlit() {
     }
 }
 
-/// Makes the trees in which photons find their anchors.
-void Anchors::Impl::plant() {
-    std::map<std::uint32_t, std::vector<OrientedPoint>> groups;
-    for (std::uint32_t i = 0; i < places.size(); ++i) {
-        first.try_emplace(places[i].group, i);
-        groups[places[i].group].push_back(places[i].rest);
-    }
-    for (auto& [group, points] : groups) trees.emplace(group, PointTree(std::move(points)));
-    still_count = trees.contains(0) ? static_cast<std::uint32_t>(trees.at(0).size()) : 0;
-}
-
-Shares Anchors::Impl::share(std::uint32_t group, const OrientedPoint& at, const PointTree& in) const {
-    // One neighbour more than share says how far the kernel reaches, so that none comes or goes at once.
-    std::array<Neighbour, shared_among + 1> found;
-    int count = in.nearest(at, least_facing, found);
-    if (count == 0) count = in.nearest(at, -2.0f, found);
-    Shares shares;
-    if (count == 0) return shares;
-    const bool all = count <= shared_among;
-    const float reach2 = found[static_cast<std::size_t>(count - 1)].distance2 * (all ? 1.5f : 1.0f);
-    shares.count = std::min(count, shared_among);
-    float sum = 0;
-    for (int k = 0; k < shares.count; ++k) {
-        const auto i = static_cast<std::size_t>(k);
-        shares.anchor[i] = first.at(group) + found[i].point;
-        const float kernel = std::max(0.0f, 1.0f - core::divide_or(found[i].distance2, reach2, 0.0f));
-        shares.weight[i] = kernel * places[shares.anchor[i]].disc2;
-        sum += shares.weight[i];
-    }
-    for (int k = 0; k < shares.count; ++k) {
-        float& weight = shares.weight[static_cast<std::size_t>(k)];
-        weight = core::divide_or(weight, sum, 1.0f / static_cast<float>(shares.count));
-    }
-    return shares;
-}
-
-/// The anchor at the posed instant, without intensity.
-LightPoint Anchors::Impl::light_at(const Scenery& scenery, std::uint32_t index) const {
+/// An anchor that moves, at the posed instant, without intensity.
+LightPoint Anchors::Impl::moving_light(const Scenery& scenery, std::uint32_t index) const {
     const AnchorPlace& place = places[index];
     const glm::vec3 front = scenery.front_normal(place.address.object, place.address.primitive);
     LightPoint p;
     p.normal = place.front ? front : -front;
     p.position = offset_origin(scenery.surface_at(place.address, p.normal), p.normal);
-    p.moving = place.group != 0;
-    p.disc2 = place.disc2 * (p.moving ? area_scale(scenery.posed(), place.address) : 1.0f);
-    p.id = p.moving ? index - still_count : index;
+    p.moving = true;
+    p.disc2 = place.disc2 * area_scale(scenery.posed(), place.address);
+    p.id = index - still_count();
     p.object = place.address.object;
     return p;
 }
 
 /// Spreads the candidates' own light.
-void Anchors::Impl::reckon_usual() {
+void Anchors::Impl::reckon_usual(const RayTracer& tracer) {
     std::vector<glm::vec3> light(places.size(), glm::vec3(0));
     for (std::size_t i = 0; i < candidates.size(); ++i) {
         const std::uint32_t group = candidates[i].group;
-        if (!trees.contains(group)) continue;
-        const Shares shares = share(group, candidates[i].rest, trees.at(group));
+        const AnchorShares shares = sharing.share(group, candidates[i].rest, tracer);
         for (std::size_t k = 0; k < static_cast<std::size_t>(shares.count); ++k)
             light[shares.anchor[k]] += shares.weight[k] * candidate_light[i];
     }
@@ -264,14 +227,14 @@ void Anchors::Impl::reckon_usual() {
         if (c.group != 0) apart = std::max(apart, 4.0f * std::sqrt(c.extent2));
     std::uint32_t objects = 0;
     for (std::uint32_t i = 0; i < places.size(); ++i) {
-        const bool moving = i >= still_count;
-        if (moving && i > still_count && places[i].group != places[i - 1].group) ++objects;
+        const bool moving = i >= still_count();
+        if (moving && i > still_count() && places[i].group != places[i - 1].group) ++objects;
         LightPoint p;
         if (moving) {
             p.position = places[i].rest.position + glm::vec3(apart * static_cast<float>(objects), 0, 0);
             p.normal = places[i].rest.normal;
             p.disc2 = places[i].disc2;
-            p.id = i - still_count;
+            p.id = i - still_count();
         } else {
             p = still[i];
         }
@@ -283,11 +246,9 @@ void Anchors::Impl::reckon_usual() {
 Anchors::Anchors(Scenery& scenery, LightPoints& lights, const AnchorSettings& settings)
     : impl_(std::make_unique<Impl>(scenery.animation(), settings)) {
     Impl& a = *impl_;
+    const scene::Snapshot& before = scenery.posed();
     a.look(scenery, lights);
-    a.places = choose_places(a.candidates, settings.count);
-    a.plant();
-    for (std::uint32_t i = 0; i < a.still_count; ++i) a.still.push_back(a.light_at(scenery, i));
-    a.reckon_usual();
+    scenery.pose(before);
     const std::uint64_t photons = settings.photons > 0 ? settings.photons : photons_for(settings.count);
     a.paths = a.candidates.empty() ? 0 : std::max<std::uint64_t>(1, photons * a.looked / a.candidates.size());
     a.candidates = {};
@@ -311,23 +272,20 @@ Anchors::Lit Anchors::at(const Scenery& scenery, std::span<const LightPoint> lig
     const Impl& a = *impl_;
     std::vector<glm::dvec3> light(a.places.size(), glm::dvec3(0));
     Lit lit;
-    std::vector<Shares> shares;
+    std::vector<AnchorShares> shares;
     for (std::uint64_t done = 0; done < a.paths; done += batch) {
         const std::uint64_t count = std::min(batch, a.paths - done);
         const std::uint64_t first_path = 1 + a.settings.photon_set * a.paths + done;
         const PhotonResult photons = trace_photons(scenery, lights, {first_path, count, a.settings.bounces});
         lit.rays += photons.rays;
-        shares.assign(photons.vpls.size(), Shares{});
+        shares.assign(photons.vpls.size(), AnchorShares{});
         parallel::for_ranges(photons.vpls.size(), 256, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i) {
                 const core::SurfaceAddress& address = photons.addresses[i];
-                const std::uint32_t group = a.group_of(address.object);
-                const auto tree = a.trees.find(group);
-                if (tree == a.trees.end()) continue;
                 const glm::vec3 front = scenery.front_normal(address.object, address.primitive);
                 const OrientedPoint rest =
                     a.rest_of(photons.vpls[i], address, glm::dot(front, photons.vpls[i].normal) >= 0.0f);
-                shares[i] = a.share(group, rest, tree->second);
+                shares[i] = a.sharing.share(a.group_of(address.object), rest, scenery.tracer());
             }
         });
         // In the order of photons, whatever thread found their shares.
@@ -338,9 +296,9 @@ Anchors::Lit Anchors::at(const Scenery& scenery, std::span<const LightPoint> lig
                     part * static_cast<double>(shares[i].weight[k]) * glm::dvec3(photons.vpls[i].intensity);
     }
     for (std::uint32_t i = 0; i < a.places.size(); ++i) {
-        const bool moving = i >= a.still_count;
+        const bool moving = i >= a.still_count();
         if (moving && !scenery.posed().objects[a.places[i].address.object].present) continue;
-        LightPoint p = moving ? a.light_at(scenery, i) : a.still[i];
+        LightPoint p = moving ? a.moving_light(scenery, i) : a.still[i];
         p.intensity = glm::vec3(light[i]);
         (moving ? lit.moving : lit.still).push_back(p);
     }

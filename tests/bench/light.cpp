@@ -6,8 +6,8 @@
 
 #include "core/sampling.h"
 #include "parallel/loops.h"
+#include "renderer/anchor_places.h"
 #include "renderer/cut.h"
-#include "renderer/light_density.h"
 #include "tests/renderer/film_stage.h"
 #include "tests/renderer/lighting.h"
 
@@ -60,13 +60,14 @@ void BuildTree(benchmark::State& state) {
 }
 BENCHMARK(BuildTree)->Arg(1000)->Arg(10000)->Arg(100000)->Arg(1000000)->Unit(benchmark::kMillisecond);
 
-void EstimateDiscs(benchmark::State& state) {
+void CellAreas(benchmark::State& state) {
     const parallel::ThreadLimit limit(1);
-    auto lights = room_lights(state.range(0));
-    for (auto _ : state) estimate_discs(lights);
+    std::vector<OrientedPoint> places;
+    for (const LightPoint& l : room_lights(state.range(0))) places.push_back({l.position, l.normal});
+    for (auto _ : state) benchmark::DoNotOptimize(cell_areas(places, 1.0f));
     state.SetItemsProcessed(state.iterations() * state.range(0));
 }
-BENCHMARK(EstimateDiscs)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond);
+BENCHMARK(CellAreas)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond);
 
 /// One light or node against sixteen points; items are points.
 void EvaluateLight(benchmark::State& state) {

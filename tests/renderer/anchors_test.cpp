@@ -6,6 +6,8 @@
 
 #include "core/color.h"
 #include "parallel/loops.h"
+#include "renderer/cut.h"
+#include "renderer/light_forest.h"
 #include "tests/renderer/anchor_stage.h"
 
 namespace render2mpeg::renderer {
@@ -104,6 +106,72 @@ TEST(Anchors, DependOnTheInstantAlone) {
         EXPECT_EQ(one.still[i].intensity, three.still[i].intensity);
         EXPECT_EQ(one.still[i].position, three.still[i].position);
     }
+}
+
+TEST(Anchors, KeepLightOnItsSideOfAWall) {
+    // Two rooms side by side, a wall of 2 cm between, lit in turn.
+    SceneBuilder b;
+    const int grey = b.add_material(glm::vec3(0.6f));
+    b.add_box({0, 0, 0}, {6, 3, 3}, grey, true);
+    b.add_box({2.99f, 0, 0}, {3.01f, 3, 3}, grey);
+    for (const bool left : {true, false}) {
+        scene::Track track;
+        track.target = scene::TrackTarget::light_intensity;
+        track.index = b.add_point_light({left ? 1.5f : 4.5f, 1.5f, 1.5f}, 10.0f);
+        track.width = 1;
+        track.times = {0, 1};
+        track.values = {left ? 1.0f : 0.0f, left ? 0.0f : 1.0f};
+        b.film().tracks.push_back(track);
+    }
+    AnchorStage stage(b);
+    for (const bool left : {true, false}) {
+        stage.pose(left ? 0.0 : 1.0);
+        double lit = 0, leaked = 0;
+        for (const LightPoint& l : stage.light().still) ((l.position.x < 3.0f) == left ? lit : leaked) += l.intensity.x;
+        EXPECT_GT(lit, 0.0);
+        EXPECT_LT(leaked, 0.002 * lit);
+    }
+}
+
+/// Indirect light at a place of the wall behind the ball, at 12 instants while that crosses the room.
+std::vector<double> light_behind_ball(const AnchorSettings& settings) {
+    AnchorStage stage(room(false, true), settings);
+    std::vector<double> light;
+    for (int frame = 0; frame < 12; ++frame) {
+        stage.pose(0.2 + frame / 25.0);
+        const Anchors::Lit lit = stage.light();
+        LightForest forest = plant({}, lit.still, 1);
+        forest.trees[LightForest::moving_tree] = build_light_tree(LightFamily::oriented, lit.moving, 1);
+        forest.indirect_clamp = {0.5f};
+        GatherPoint point;
+        point.point = stage.scenery().surface_at({0, 11, 0.4f, 0.4f}, stage.scenery().front_normal(0, 11));
+        const GatherPoint* const points[] = {&point};
+        GatherLanes lanes;
+        fill(lanes, points);
+        Gatherer gatherer(forest, stage.scenery().tracer());
+        GatheredLight gathered;
+        gatherer.gather_all(lanes, gathered);
+        light.push_back(core::luminance(gathered.indirect.at(0)));
+    }
+    return light;
+}
+
+/// How much a curve bends from frame to frame, as a share of its mean.
+double flicker(const std::vector<double>& light) {
+    double bends = 0, sum = light[0] + light.back();
+    for (std::size_t i = 1; i + 1 < light.size(); ++i) {
+        bends += std::abs(light[i + 1] - 2 * light[i] + light[i - 1]);
+        sum += light[i];
+    }
+    return bends / sum;
+}
+
+TEST(AnchorsSlow, DoNotPopWhileABallCrossesARoom) {
+    AnchorSettings fine{4000, 4};
+    fine.photons = 1u << 17;
+    const double usual = flicker(light_behind_ball({2000, 4})), reference = flicker(light_behind_ball(fine));
+    // Half a thousandth of the light is a tenth of what anyone sees.
+    EXPECT_LE(usual, 1.1 * reference + 0.0005);
 }
 
 /// The largest change of two frames on end, as a share of all light.

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/color.h"
+#include "renderer/anchor_places.h"
 #include "renderer/cut.h"
-#include "renderer/light_density.h"
 #include "renderer/light_forest.h"
 #include "renderer/light_points.h"
 #include "renderer/photons.h"
@@ -52,7 +52,10 @@ class LitStage {
         if (settings.paths > 0)
             photons = renderer::trace_photons(scenery_, direct,
                                               {1 + settings.set * settings.paths, settings.paths, settings.bounces});
-        renderer::estimate_discs(photons.vpls);
+        std::vector<renderer::OrientedPoint> places;
+        for (const renderer::LightPoint& v : photons.vpls) places.push_back({v.position, v.normal});
+        const std::vector<float> areas = renderer::cell_areas(places, 1.0f);
+        for (std::size_t i = 0; i < areas.size(); ++i) photons.vpls[i].disc2 = areas[i] / 3.14159265f;
         renderer::LightForest forest = renderer::plant(direct, photons.vpls, settings.set);
         forest.direct_clamp = forest.indirect_clamp = settings.clamp;
         forest.translucent = plan_.runs(renderer::Pass::alpha) || plan_.runs(renderer::Pass::glass);
