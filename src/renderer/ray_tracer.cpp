@@ -95,6 +95,7 @@ std::uint32_t take_blocked(const RTCRay16& rays, int* valid) {
 struct RayTracer::Impl {
     TracedScene scene;
     Transmittance transmittance;
+    std::vector<ShadowPacket>* recorded = nullptr;
 
     struct Layer {
         std::uint32_t object;
@@ -204,7 +205,7 @@ void RayTracer::Impl::filter_ties(const RTCFilterFunctionNArguments* arguments) 
 RayTracer::RayTracer(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent,
                      Transmittance transmittance)
     : impl_(new Impl{TracedScene(animation, isa, std::move(translucent), &Impl::filter_shadow),
-                     std::move(transmittance)}) {}
+                     std::move(transmittance), nullptr}) {}
 
 RayTracer::~RayTracer() = default;
 RayTracer::RayTracer(RayTracer&&) noexcept = default;
@@ -249,7 +250,12 @@ Hit RayTracer::nearest(glm::vec3 origin, glm::vec3 direction, float far) const {
     return hit;
 }
 
+void RayTracer::record(std::vector<ShadowPacket>* packets) const {
+    impl_->recorded = packets;
+}
+
 std::uint32_t RayTracer::occluded(const ShadowPacket& packet, glm::vec3* light) const {
+    if (impl_->recorded != nullptr) impl_->recorded->push_back(packet);
     const FlushDenormals flushed;
     alignas(64) int valid[16];
     RTCRay16 rays;

@@ -58,6 +58,10 @@ class RayTracer {
     /// blocked).
     std::uint32_t occluded(const ShadowPacket& packet, glm::vec3* light) const;
 
+    /// Keeps a copy of every packet that `occluded` is asked from now on, in order, so that a benchmark can ask them
+    /// again; null: no longer. Only while one thread traces.
+    void record(std::vector<ShadowPacket>* packets) const;
+
     /// The same for one ray: what passes of light, 0 where blocked.
     glm::vec3 passes(glm::vec3 origin, glm::vec3 direction, float far) const;
 

@@ -219,6 +219,10 @@ void Renderer::set_caution(float factor) {
     impl_->caution = factor;
 }
 
+const RayTracer& Renderer::tracer() const {
+    return impl_->scenery.tracer();
+}
+
 const Statistics& Renderer::statistics() const {
     return impl_->statistics;
 }

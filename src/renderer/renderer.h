@@ -11,6 +11,7 @@
 #include "renderer/audited_pixel.h"
 #include "renderer/gather_point.h"
 #include "renderer/plan.h"
+#include "renderer/ray_tracer.h"
 #include "renderer/stop.h"
 #include "scene/snapshot.h"
 
@@ -73,6 +74,8 @@ class Renderer {
     void set_stop(Stop stop);
 
     const Statistics& statistics() const;
+    /// What is posed as of the last frame, for measurements.
+    const RayTracer& tracer() const;
     /// CPU seconds by pass since construction, for the plan's table.
     double seconds(Pass pass) const;
 
