@@ -55,7 +55,7 @@ struct Settings {
     std::int64_t first_number = 0;  ///< display number of the film's first picture, where the cadence begins
     int quantiser = 4;              ///< quantiser_scale_code 1..31, q_scale_type 0
     int gop = 15;                   ///< pictures per closed GOP, 1..100,000
-    int b_pictures = 2;             ///< most B pictures in a row, 0..3
+    int b_pictures = 3;             ///< most B pictures in a row, 0..3
     Effort effort = Effort::quality;
     Tune tune = Tune::psnr;
     RateControl rate_control;
@@ -82,14 +82,16 @@ struct Allotment {
     double quantiser = 4;  ///< 1..31, not yet rounded
     double bits = 0;       ///< that the picture should come to with it
     double bits_left = 0;  ///< the same summed over this picture and all that follow it in its chunk, as displayed
+    /// What the picture was in that pass: where it becomes another one now, its quantiser follows. None: the same.
+    std::optional<PictureType> type = {};
 };
 
 /// What the renderer knows of a picture before anything is lit.
 struct PictureFacts {
     bool cut_before = false;  ///< nothing of the picture before is seen in this one
-    /// How many pictures certainly follow this one, 0 or more, before a cut, a keyframe or the chunk's end; a few are
-    /// enough (Settings::b_pictures says how many matter). Only among those are B pictures planned, since they refer to
-    /// a later one.
+    /// How many pictures certainly follow this one, 0 or more, before a cut, a keyframe or the chunk's end. Only among
+    /// those are B pictures planned, since they refer to a later one; where they are all there are until then, runs of
+    /// B pictures come out alike.
     std::int64_t frames_left = 0;
     bool keyframe = false;  ///< a GOP is to begin here, whatever is seen
     /// Pictures that follow this one in its chunk: every chunk then begins with the same declared buffer fullness and
@@ -100,6 +102,9 @@ struct PictureFacts {
     /// The eye's sensitivity to detail that moves as this picture does, relative to what stands still: 0..1, mean over
     /// the picture; more counts as 1. `constant_quality` reads it; none: 1.
     std::optional<double> sensitivity = {};
+    /// How unevenly the picture moves against the one before it (encoder/unevenness.h): the more, the fewer B pictures
+    /// are planned in a row. None: Settings::b_pictures.
+    std::optional<double> unevenness = {};
     std::optional<Allotment> allotment = {};  ///< none: one pass
 };
 

@@ -16,11 +16,12 @@ struct Item {
     std::int64_t number;
     PictureType type;
     double complexity;   ///< bits at quantiser 1
+    double ratio;        ///< of its quantiser to the base
     double arrivals;     ///< bits that the channel brings between this removal and the next
     double seconds;      ///< of the same time
     double coarser = 1;  ///< than the rest, for the buffer's sake
 
-    double quantiser(double base) const { return std::clamp(base * coarser * mpeg2::quantiser_ratio(type), 1.0, 31.0); }
+    double quantiser(double base) const { return std::clamp(base * coarser * ratio, 1.0, 31.0); }
     double bits(double base) const { return complexity * std::pow(quantiser(base), -mpeg2::rate_slope(type)); }
 };
 using Items = std::span<Item>;
@@ -118,6 +119,7 @@ std::vector<Allotment> allot(const Settings& settings, std::span<const PassPictu
         const PassPicture& p = film[i];
         const double seconds = field * mpeg2::fields_after(settings, static_cast<std::int64_t>(i));
         items.push_back({p.number, p.type, scale * p.bits * std::pow(p.quantiser, mpeg2::rate_slope(p.type)),
+                         mpeg2::usual_quantiser_ratio(p.type, settings.gop),
                          seconds * static_cast<double>(channel.bit_rate), seconds});
     }
     const std::vector<Items> chunks = chunks_of(items, film);
@@ -137,7 +139,8 @@ std::vector<Allotment> allot(const Settings& settings, std::span<const PassPictu
         std::sort(shown.begin(), shown.end(), [](const Item* a, const Item* b) { return a->number > b->number; });
         for (const Item* item : shown) {
             left += item->bits(base);
-            allotted[static_cast<std::size_t>(item->number - first)] = {item->quantiser(base), item->bits(base), left};
+            allotted[static_cast<std::size_t>(item->number - first)] = {item->quantiser(base), item->bits(base), left,
+                                                                        item->type};
         }
     }
     return allotted;

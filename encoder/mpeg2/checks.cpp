@@ -27,7 +27,7 @@ void check_field(const Settings& settings, const core::MotionField& field, std::
 void check_facts(std::int64_t number, const PictureFacts& facts) {
     EXPECTS(is_count(number) && is_count(facts.frames_left));
     EXPECTS(is_count(facts.left_in_chunk.value_or(0)));
-    EXPECTS(is_amount(facts.sensitivity.value_or(0.0)));
+    EXPECTS(is_amount(facts.sensitivity.value_or(0.0)) && is_amount(facts.unevenness.value_or(0.0)));
     if (!facts.allotment) return;
     EXPECTS(facts.allotment->quantiser >= 1 && facts.allotment->quantiser <= 31);
     EXPECTS(is_amount(facts.allotment->bits) && is_amount(facts.allotment->bits_left));

@@ -13,6 +13,21 @@ namespace {
 /// precision adds to zero.
 constexpr float standstill = 0.125f;
 
+/// Share of the macroblock's pixels, every fourth of every fourth row, that are still in the picture at the end.
+float staying_share(const core::MotionField& onward, int column, int row) {
+    constexpr int step = 4;
+    const auto width = static_cast<float>(onward.vector.width()), height = static_cast<float>(onward.vector.height());
+    int staying = 0, all = 0;
+    for (int y = row * 16; y < std::min(row * 16 + 16, onward.vector.height()); y += step)
+        for (int x = column * 16; x < std::min(column * 16 + 16, onward.vector.width()); x += step) {
+            const glm::vec2 at = onward.vector.at(x, y) + glm::vec2(x, y);
+            ++all;
+            staying += onward.kind.at(x, y) != core::PixelClass::none && at.x >= 0 && at.y >= 0 && at.x <= width - 1 &&
+                       at.y <= height - 1;
+        }
+    return static_cast<float>(staying) / static_cast<float>(std::max(1, all));
+}
+
 /// Whether every second pixel of every second row stands still; macroblocks beyond the field repeat its edge.
 bool stands_still(const core::MotionField& onward, int column, int row) {
     constexpr int step = 2;
@@ -33,10 +48,17 @@ core::Plane<float> quantiser_factors(const core::MotionField& onward, int column
     EXPECTS(onward.reference > onward.picture);
     core::Plane<float> factors(columns, rows, 1.0f);
     const auto following = static_cast<float>(onward.reference - onward.picture);
-    const float finer = std::pow(1.0f + following, -dependency_strength);
+    constexpr auto inheritance = static_cast<float>(inheritance_strength);
+    const float finer = std::pow(1.0f + following, inheritance - dependency_strength);
     parallel::for_each(static_cast<std::size_t>(rows), [&](std::size_t row) {
         for (int column = 0; column < columns; ++column)
-            if (stands_still(onward, column, static_cast<int>(row))) factors.at(column, static_cast<int>(row)) = finer;
+            if (stands_still(onward, column, static_cast<int>(row))) {
+                factors.at(column, static_cast<int>(row)) = finer;
+            } else {
+                const float staying = following * staying_share(onward, column, static_cast<int>(row));
+                factors.at(column, static_cast<int>(row)) =
+                    std::pow((1.0f + following) / (1.0f + staying), inheritance);
+            }
     });
     return factors;
 }

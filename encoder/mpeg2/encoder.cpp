@@ -14,6 +14,7 @@
 #include "encoder/mpeg2/frame.h"
 #include "encoder/mpeg2/levels.h"
 #include "encoder/mpeg2/perception.h"
+#include "encoder/mpeg2/picture_order.h"
 #include "encoder/mpeg2/rate_steering.h"
 #include "encoder/mpeg2/refresh.h"
 #include "encoder/mpeg2/syntax.h"
@@ -245,7 +246,8 @@ PicturePlan Encoder::plan(std::int64_t number, const PictureFacts& facts, bool f
         if (number > m.planned_later) {
             const std::int64_t left = std::min(facts.frames_left, m.planned_gop_start + m.settings.gop - 1 - number);
             m.planned_earlier = m.planned_later;
-            m.planned_later = number + std::clamp<std::int64_t>(left, 0, m.settings.b_pictures);
+            m.planned_later =
+                number - 1 + mpeg2::next_reference_after(left + 1, m.settings.b_pictures, facts.unevenness);
         }
         plan.type = number < m.planned_later ? PictureType::bidirectional : PictureType::predicted;
         plan.references = {m.planned_earlier};

@@ -27,8 +27,13 @@ double blended(const std::optional<double>& old, double now) {
 
 }  // namespace
 
-double quantiser_ratio(PictureType type) {
-    return type == PictureType::bidirectional ? quantiser_ratio_bidirectional : 1.0;
+double quantiser_ratio(PictureType type, std::int64_t followers) {
+    if (type == PictureType::bidirectional) return quantiser_ratio_bidirectional;
+    return std::pow(1.0 + static_cast<double>(followers), -inheritance_strength);
+}
+
+double usual_quantiser_ratio(PictureType type, int gop) {
+    return quantiser_ratio(type, type == PictureType::intra ? gop - 1 : gop / 2);
 }
 
 double rate_slope(PictureType type) {

@@ -9,8 +9,12 @@
 
 namespace render2mpeg::encoder::mpeg2 {
 
-/// The quantiser of a picture type over that of I and P pictures.
-double quantiser_ratio(PictureType type);
+/// The quantiser of a picture over that of a P picture that nothing refers to; `followers`: pictures that depend on it,
+/// directly or not.
+double quantiser_ratio(PictureType type, std::int64_t followers);
+
+/// The same where only the type and the length of GOPs are known.
+double usual_quantiser_ratio(PictureType type, int gop);
 
 /// How a picture's bits fall with its quantiser: overhead + complexity * quantiser^-slope.
 /// fit: docs/fits/rate-model

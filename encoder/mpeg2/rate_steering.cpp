@@ -24,6 +24,10 @@ int whole(double quantiser) {
 /// chosen: 0.85 (0.7..1).
 constexpr double expected_share = 0.85;
 
+double ratio_of(const PicturePlan& picture) {
+    return quantiser_ratio(picture.type, picture.horizon.value_or(picture.number) - picture.number);
+}
+
 /// Steers a quantiser to where falling `bits` meet `wanted`; both ends are beyond what is coded.
 template <class Bits>
 double solve(double wanted, const Bits& bits) {
@@ -57,7 +61,7 @@ int RateSteering::plan(const PicturePlan& picture, const PictureFacts& facts, bo
     if (picture.starts_gop) gop_start_ = picture.number;
     planned_end_ = picture.number + 1;
     allotted_rest_ = facts.allotment ? std::max(0.0, facts.allotment->bits_left - facts.allotment->bits) : 0;
-    Flying flying{picture.type, 1, facts.allotment, facts.sensitivity.value_or(1.0)};
+    Flying flying{picture.type, 1, facts.allotment, facts.sensitivity.value_or(1.0), ratio_of(picture)};
     flying.quantiser = rounded(flying, nominal(picture.number, flying, schedule));
     flying_.insert_or_assign(picture.number, flying);
     return flying.quantiser;
@@ -69,6 +73,7 @@ int RateSteering::settle(const PicturePlan& picture, const VbvSchedule& schedule
     Flying& flying = planned->second;
     const bool changed = flying.type != picture.type;
     flying.type = picture.type;
+    if (changed) flying.ratio = ratio_of(picture);
     if (changed) return rounded(flying, nominal(picture.number, flying, schedule));
     if (!rated()) return picture.quantiser;
 
@@ -110,10 +115,9 @@ void RateSteering::record(const PicturePlan& picture, int quantiser, std::int64_
 /// Of the constant modes.
 double RateSteering::steady_quantiser(const Flying& picture) const {
     const encoder::RateControl& wanted = settings_.rate_control;
-    if (wanted.mode == RateMode::constant_quantiser) return settings_.quantiser * quantiser_ratio(picture.type);
+    if (wanted.mode == RateMode::constant_quantiser) return settings_.quantiser * picture.ratio;
     // Detail that the eye sees less of is coded coarser in that proportion, at most four times.
-    return quantiser_of_quality(wanted.quality) * quantiser_ratio(picture.type) /
-           std::clamp(picture.sensitivity, 0.25, 1.0);
+    return quantiser_of_quality(wanted.quality) * picture.ratio / std::clamp(picture.sensitivity, 0.25, 1.0);
 }
 
 double RateSteering::nominal(std::int64_t number, const Flying& picture, const VbvSchedule& schedule) {
@@ -123,14 +127,14 @@ double RateSteering::nominal(std::int64_t number, const Flying& picture, const V
     if (picture.allotment) {
         const double share = pass_.excess() * (picture.allotment->bits + allotted_rest_);
         const double correction = core::divide_or(share, std::max(0.0, left), 1e3);
-        quantiser =
-            picture.allotment->quantiser * calm(std::pow(std::max(correction, 1e-3), 1.0 / rate_slope(picture.type)));
+        const double usual = usual_quantiser_ratio(picture.allotment->type.value_or(picture.type), settings_.gop);
+        quantiser = picture.allotment->quantiser * picture.ratio / usual *
+                    calm(std::pow(std::max(correction, 1e-3), 1.0 / rate_slope(picture.type)));
     } else {
         const Counts rest = foreseen();
-        const double base = solve(left, [&](double q) {
-            return bits(picture, std::max(1.0, q * quantiser_ratio(picture.type))) + bits_of_rest(rest, q);
-        });
-        quantiser = calm(base) * quantiser_ratio(picture.type);
+        const double base = solve(
+            left, [&](double q) { return bits(picture, std::max(1.0, q * picture.ratio)) + bits_of_rest(rest, q); });
+        quantiser = calm(base) * picture.ratio;
     }
     return limited(number, picture, quantiser, schedule);
 }
@@ -184,7 +188,7 @@ double RateSteering::bits_of_rest(const Counts& rest, double quantiser) const {
     double sum = 0;
     for (const PictureType type : {PictureType::intra, PictureType::predicted, PictureType::bidirectional})
         sum += static_cast<double>(rest[static_cast<std::size_t>(type) - 1]) *
-               model_.bits(type, std::clamp(quantiser * quantiser_ratio(type), 1.0, 31.0));
+               model_.bits(type, std::clamp(quantiser * usual_quantiser_ratio(type, settings_.gop), 1.0, 31.0));
     return sum;
 }
 

@@ -36,6 +36,7 @@ class RateSteering {
         int quantiser;
         std::optional<Allotment> allotment;
         double sensitivity;
+        double ratio;  ///< of its quantiser to that of P pictures that nothing refers to
     };
 
     bool rated() const;

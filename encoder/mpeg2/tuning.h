@@ -1,12 +1,22 @@
 #pragma once
 
 /// The encoder's free constants, in units of the quantiser_scale_code q, whose step is 2q for a matrix entry of 16. All
-/// were chosen by the mean BD-rate over the two clips of tests/bench/encoder_rd (1280x720, quantisers 2, 4, 8, 16).
+/// were chosen by the mean BD-rate over the clips of tests/bench/encoder_rd (1280x720, quantisers 2, 4, 8, 16).
 namespace render2mpeg::encoder::mpeg2 {
 
 /// Quantiser of B pictures over that of others. Nothing refers to them.
 /// chosen: 1.5; 1.25 loses 0.6 to 0.9 %.
 inline constexpr double quantiser_ratio_bidirectional = 1.5;
+
+/// How far vectors of a macroblock hold: unevenness (encoder/unevenness.h) times the distance of P pictures, in pixels.
+/// chosen: 1.8. Films with an unevenness of 0.2 to 0.3 need 0.4 to 1.8 % fewer bits at a distance of 3 and 4 than of 3,
+/// one with 1.1 4.0 % fewer at a distance of 2, and 2.4 % more at 3 and 4.
+inline constexpr double uneven_reach = 1.8;
+
+/// Exponent of the quantisers of I and P pictures: (1 + n)^-inheritance_strength where n pictures depend on one.
+/// chosen: 0.08; with quantisers alike a slow walk needs 1.7 to 2 % more bits, others 0.3 to 0.5 %; 0.1 loses 0.5 % in
+/// crowds and with fast cameras.
+inline constexpr double inheritance_strength = 0.08;
 
 /// Exponent of the quantiser of what later pictures copy unchanged (dependency.h).
 /// chosen: 0.26, on a room with six moving spheres before a camera that stands still: 9.5 % fewer bits than 0; 0.2 and
@@ -15,16 +25,16 @@ inline constexpr double quantiser_ratio_bidirectional = 1.5;
 inline constexpr float dependency_strength = 0.26f;
 
 /// Lagrangian of modes and levels in predicted pictures: squared code values per bit = lambda_predicted * q^2.
-/// chosen: 0.6; 0.4..0.85 lose up to 1 %, 1.1 loses 2 %. (High-rate theory gives 0.46.)
-inline constexpr float lambda_predicted = 0.6f;
+/// chosen: 0.85; 0.6 loses 0.3 %, 0.9 gains nothing. (High-rate theory gives 0.46.)
+inline constexpr float lambda_predicted = 0.85f;
 
 /// The same in intra pictures: smaller, since every picture of the GOP inherits what they spend.
 /// chosen: 0.35; tried 0.2..0.85, which loses 0.3 %.
 inline constexpr float lambda_intra = 0.35f;
 
 /// The same in B pictures, with their own, coarser q.
-/// chosen: 0.6; 0.85 loses 0.3 to 0.5 %.
-inline constexpr float lambda_bidirectional = 0.6f;
+/// chosen: 0.85; 0.6 loses 0.1 to 0.5 %, 0.9 gains nothing.
+inline constexpr float lambda_bidirectional = 0.85f;
 
 /// Lagrangian of the choice of vectors: Hadamard sum (Kernels::satd_16x16) per bit = lambda_motion * q.
 /// chosen: 2.6; 1 loses 3 %, 2 and 4 lose 0.5 %.

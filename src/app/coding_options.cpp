@@ -17,8 +17,10 @@ void add_coding_options(CLI::App& command, CodingOptions& options) {
         ->check(CLI::IsMember(preset_names()))
         ->group(coding);
     command
-        .add_option("--quantiser", options.quantiser,
-                    "One quantiser_scale_code for all I and P pictures: 1 is the finest, 31 the coarsest")
+        .add_option(
+            "--quantiser", options.quantiser,
+            "quantiser_scale_code of P pictures: 1 is the finest, 31 the coarsest; what many pictures follow from\n"
+            "is a little finer, B pictures are coarser")
         ->check(CLI::Range(1, 31))
         ->default_str("4")
         ->group(coding);
@@ -29,9 +31,11 @@ void add_coding_options(CLI::App& command, CodingOptions& options) {
         ->check(CLI::Range(1, 1000))
         ->default_str("15")
         ->group(coding);
-    command.add_option("--b-pictures", options.b_pictures, "Most B pictures in a row")
+    command
+        .add_option("--b-pictures", options.b_pictures,
+                    "Most B pictures in a row, fewer where motion is uneven; with --for, its world's where not given")
         ->check(CLI::Range(0, 3))
-        ->capture_default_str()
+        ->default_str("3")
         ->group(coding);
     command
         .add_option("--tune", options.tune,

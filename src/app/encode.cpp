@@ -21,6 +21,7 @@
 #include "app/vector_layers.h"
 #include "core/error.h"
 #include "encoder/allotment.h"
+#include "encoder/unevenness.h"
 #include "parallel/loops.h"
 #include "perceptual/motion_sensitivity.h"
 
@@ -105,9 +106,11 @@ encoder::PictureFacts facts_of(Job& job, const Chunk& chunk, std::int64_t n) {
     facts.left_in_chunk = chunk.last - n;
     facts.last_chunk = chunk.last == job.film.frames.last;
     if (!job.allotments.empty()) facts.allotment = job.allotments[static_cast<std::size_t>(n - job.film.frames.first)];
-    if (job.film.coding.rate_control.mode == encoder::RateMode::constant_quality && job.motion && n > chunk.first)
-        facts.sensitivity =
-            perceptual::motion_sensitivity(job.motion->between(n, n - 1), job.film.coding.rate.hertz.value());
+    if (!job.motion || n == chunk.first) return facts;
+    const core::MotionField motion = job.motion->between(n, n - 1);
+    facts.unevenness = encoder::unevenness(motion);
+    if (job.film.coding.rate_control.mode == encoder::RateMode::constant_quality)
+        facts.sensitivity = perceptual::motion_sensitivity(motion, job.film.coding.rate.hertz.value());
     return facts;
 }
 

@@ -46,6 +46,7 @@ void apply(const Preset& preset, const CodingOptions& options, encoder::Settings
     if (longest > 0 && coding.gop > longest)
         throw core::Error(fmt::format("--gop {}: {} has at most {} pictures in a GOP at {} Hz", coding.gop,
                                       preset.option(), longest, coding.rate.name));
+    if (!options.b_pictures) coding.b_pictures = std::min(coding.b_pictures, preset.b_pictures);
     if (coding.b_pictures > preset.b_pictures)
         throw core::Error(fmt::format("--b-pictures {}: {} has at most {} in a row", coding.b_pictures, preset.option(),
                                       preset.b_pictures));
@@ -71,7 +72,7 @@ encoder::Settings coding_settings(const CodingOptions& options, const Shape& sha
     coding.quantiser = options.quantiser.value_or(4);
     coding.rate_control = rate_control(options);
     coding.gop = options.gop.value_or(15);
-    coding.b_pictures = options.b_pictures;
+    coding.b_pictures = options.b_pictures.value_or(coding.b_pictures);
     coding.tune = options.tune == "perceptual" ? encoder::Tune::perceptual : encoder::Tune::psnr;
     coding.effort = options.encoder == "fast" ? encoder::Effort::fast : encoder::Effort::quality;
     coding.aspect_ratio_code = shape.aspect_ratio_code;

@@ -24,10 +24,10 @@ struct CodingOptions {
     std::optional<std::string> bitrate;  ///< as bits_from reads it; likewise the next two
     std::optional<std::string> maxrate;
     std::optional<std::string> vbv;
-    bool constant_rate = false;  ///< --cbr
-    std::optional<int> passes;   ///< 1 or 2
-    std::optional<int> gop;      ///< none: 15, or what the preset says
-    int b_pictures = 2;
+    bool constant_rate = false;                               ///< --cbr
+    std::optional<int> passes;                                ///< 1 or 2
+    std::optional<int> gop;                                   ///< none: 15, or what the preset says
+    std::optional<int> b_pictures;                            ///< most in a row; none: 3, or what the preset says
     std::string tune = "psnr";                                ///< "psnr" or "perceptual"
     std::string encoder = "quality";                          ///< "fast" or "quality"
     std::optional<std::string> preset;                        ///< --for

@@ -9,6 +9,7 @@
 #include "app/bookkeeper.h"
 #include "app/coupling.h"
 #include "app/preview.h"
+#include "encoder/unevenness.h"
 #include "image/layers.h"
 #include "perceptual/motion_sensitivity.h"
 #include "scene/motion.h"
@@ -51,7 +52,7 @@ class ChunkLoop {
     void imagine(const scene::Snapshot& world, const renderer::Seen& seen, const encoder::PicturePlan& plan);
     void write(const std::vector<encoder::CodedPicture>& pictures);
     /// The eye's, to what moves like this frame; none where nobody asks or nothing moves.
-    std::optional<double> sensitivity(const core::Visible& visible, const scene::Snapshot& world);
+    void tell_motion(const core::Visible& visible, const scene::Snapshot& world, encoder::PictureFacts& facts);
 
     const Production& film_;
     renderer::Renderer& renderer_;
@@ -125,12 +126,14 @@ core::ToleranceMap ChunkLoop::tolerances(const scene::Snapshot& world, const ren
     return timed(ledger_, Stage::tolerate, [&] { return coupling_->tolerate(seen.visible, plan, way); });
 }
 
-std::optional<double> ChunkLoop::sensitivity(const core::Visible& visible, const scene::Snapshot& world) {
-    if (film_.coding.rate_control.mode != encoder::RateMode::constant_quality) return {};
-    if (!film_.plan.runs(renderer::Pass::motion)) return {};
-    return timed(ledger_, renderer::Pass::motion, [&] {
-        return perceptual::motion_sensitivity(scene::motion_between(visible, world, film_.snapshot(world.frame - 1)),
-                                              film_.rate.hertz.value());
+/// What motion against the picture before decides of types and quantisers.
+void ChunkLoop::tell_motion(const core::Visible& visible, const scene::Snapshot& world, encoder::PictureFacts& facts) {
+    if (world.frame == chunk_.first || world.cut_before || !film_.plan.runs(renderer::Pass::motion)) return;
+    timed(ledger_, renderer::Pass::motion, [&] {
+        const core::MotionField motion = scene::motion_between(visible, world, film_.snapshot(world.frame - 1));
+        facts.unevenness = encoder::unevenness(motion);
+        if (film_.coding.rate_control.mode == encoder::RateMode::constant_quality)
+            facts.sensitivity = perceptual::motion_sensitivity(motion, film_.rate.hertz.value());
     });
 }
 
@@ -144,7 +147,7 @@ void ChunkLoop::frame(std::int64_t n) {
     std::vector<core::MotionField> motion;
     if (codes_) {
         encoder::PictureFacts facts = facts_of(film_, world, chunk_);
-        if (n > chunk_.first && !world.cut_before) facts.sensitivity = sensitivity(seen.visible, world);
+        tell_motion(seen.visible, world, facts);
         coding = encoder_.plan(n, facts, n == chunk_.first);
         motion = timed(ledger_, renderer::Pass::motion, [&] { return motion_of(film_, coding, seen.visible, world); });
     }

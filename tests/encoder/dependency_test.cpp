@@ -10,20 +10,34 @@
 namespace render2mpeg::encoder::testing {
 namespace {
 
-TEST(Dependency, OnlyMacroblocksThatStandStillThroughoutAreWorthFinerQuantisers) {
+TEST(Dependency, OnlyMacroblocksThatStandStillThroughoutAreFinerThanTheirPicture) {
     core::MotionField onward = uniform_motion(50, 32, 3, {0, 0});
     onward.reference = 10;
     onward.vector.at(22, 4) = {0.2f, 0};             // macroblock (1, 0)
-    onward.kind.at(34, 0) = core::PixelClass::none;  // (2, 0)
+    onward.kind.at(36, 0) = core::PixelClass::none;  // (2, 0)
     onward.vector.at(0, 16) = {0.1f, -0.1f};         // (0, 1): a rounding error's worth
     onward.vector.at(48, 30) = {std::nanf(""), 0};   // (3, 1), which hangs over the side
     const core::Plane<float> factors = mpeg2::quantiser_factors(onward, 4, 2);
-    const float finer = std::pow(8.0f, -mpeg2::dependency_strength);
-    ASSERT_LT(finer, 0.7f);
-    const float expected[2][4] = {{finer, 1, 1, finer}, {finer, finer, finer, 1}};
+    const auto whole = static_cast<float>(mpeg2::inheritance_strength);
+    const float finer = std::pow(8.0f, whole - mpeg2::dependency_strength);
+    ASSERT_LT(finer, 0.75f);
+    const float part = std::pow(8.0f / (1 + 7 * 15 / 16.0f), whole);  // a sixteenth of (2, 0) is not there later
+    const float expected[2][4] = {{finer, 1, part, finer}, {finer, finer, finer, 1}};
     for (int row = 0; row < 2; ++row)
         for (int column = 0; column < 4; ++column)
-            EXPECT_EQ(factors.at(column, row), expected[row][column]) << column << ", " << row;
+            EXPECT_NEAR(factors.at(column, row), expected[row][column], 1e-6f) << column << ", " << row;
+}
+
+TEST(Dependency, WhatLeavesThePictureIsCoarserThanWhatStays) {
+    core::MotionField onward = uniform_motion(64, 16, 0, {-24, 0});
+    onward.reference = 4;
+    const core::Plane<float> factors = mpeg2::quantiser_factors(onward, 4, 1);
+    const float all = std::pow(5.0f, static_cast<float>(mpeg2::inheritance_strength));
+    EXPECT_NEAR(factors.at(0, 0), all, 1e-6f);
+    EXPECT_GT(factors.at(1, 0), 1.0f);
+    EXPECT_LT(factors.at(1, 0), all);
+    EXPECT_EQ(factors.at(2, 0), 1.0f);
+    EXPECT_EQ(factors.at(3, 0), 1.0f);
 }
 
 /// A picture whose left half stands still while the right one slides.
@@ -89,7 +103,7 @@ TEST(Dependency, WhatStandsStillIsFinerAndPaysForThat) {
     const auto& records = hinted.coded[0].macroblocks;
     for (int row = 0; row < records.height(); ++row) {
         EXPECT_EQ(records.at(2, row).quantiser, 4);  // 8 * 15^-0.26
-        EXPECT_EQ(records.at(8, row).quantiser, 8);
+        EXPECT_EQ(records.at(8, row).quantiser, 6);  // 8 * 15^-0.08
     }
     // A decibel more in the whole film, for bits that would buy a part of it by a finer quantiser throughout.
     const double gain = 10 * std::log10(squared_error(plain) / squared_error(hinted));

@@ -40,12 +40,42 @@ TEST(Plan, BPicturesLieBetweenReferencesOfTheirGop) {
             encoder, count, [&](int n) { return PictureFacts{.frames_left = count - 1 - n}; },
             [](int n) { return n == 0; });
     };
-    EXPECT_EQ(types(15, 2, 20), "IBBPBBPBBPBBPBPIBBPP");
+    EXPECT_EQ(types(15, 2, 20), "IBBPBBPBBPBBPBPIBPBP");
+    EXPECT_EQ(types(15, 3, 15), "IBBBPBBBPBBPBBP");
     EXPECT_EQ(types(4, 2, 9), "IBBPIBBPI");
     EXPECT_EQ(types(5, 3, 9), "IBBBPIBBP");
     EXPECT_EQ(types(6, 1, 7), "IBPBPPI");
     EXPECT_EQ(types(2, 3, 5), "IPIPI");
     EXPECT_EQ(types(1, 3, 3), "III");
+}
+
+TEST(Plan, WhereMotionIsUnevenFewerBPicturesLieInARow) {
+    const auto types = [](double unevenness, int b_pictures) {
+        Encoder encoder(settings(32, 32, 4, 13, 3, b_pictures));
+        return types_of(
+            encoder, 13, [&](int n) { return PictureFacts{.frames_left = 12 - n, .unevenness = unevenness}; },
+            [](int n) { return n == 0; });
+    };
+    EXPECT_EQ(types(0, 3), "IBBBPBBBPBBBP");
+    EXPECT_EQ(types(0.45, 3), "IBBBPBBBPBBBP");
+    EXPECT_EQ(types(0.5, 3), "IBBPBBPBBPBBP");
+    EXPECT_EQ(types(0.7, 3), "IBPBPBPBPBPBP");
+    EXPECT_EQ(types(50, 3), "IBPBPBPBPBPBP");
+    EXPECT_EQ(types(50, 0), "IPPPPPPPPPPPP");
+}
+
+TEST(Plan, WhatMoreFollowsFromIsFiner) {
+    Encoder encoder(settings(32, 32, 16, 15, 3, 0));
+    int before = 0;
+    for (int n = 0; n < 15; ++n) {
+        const int quantiser = encoder.plan(n, {.frames_left = 14 - n}, n == 0).quantiser;
+        EXPECT_GE(quantiser, before) << n;
+        before = quantiser;
+        if (n == 0) {
+            EXPECT_EQ(quantiser, 13);
+        }
+    }
+    EXPECT_EQ(before, 16);
 }
 
 TEST(Plan, NoBPictureIsPlannedBeyondWhatWasPromised) {
@@ -105,7 +135,7 @@ TEST(Encoder, BPicturesComeAfterBothTheirReferences) {
         // One picture of delay is enough: nothing is decoded later than it is shown.
         EXPECT_LE(static_cast<std::int64_t>(i) - 1, numbers.back());
     }
-    EXPECT_EQ(numbers, (std::vector<std::int64_t>{0, 3, 1, 2, 6, 4, 5, 7}));
+    EXPECT_EQ(numbers, (std::vector<std::int64_t>{0, 3, 1, 2, 5, 4, 7, 6}));
 }
 
 TEST(Encoder, BPicturesAreCoarserAndCostLess) {
@@ -124,7 +154,10 @@ TEST(Encoder, BPicturesAreCoarserAndCostLess) {
     const Film a = film(with), b = film(without);
     EXPECT_LT(a.bytes().size() * 10, b.bytes().size() * 9);
     for (const CodedPicture& c : a.coded)
-        EXPECT_EQ(c.plan.quantiser, c.plan.type == PictureType::bidirectional ? 6 : 4);
+        EXPECT_EQ(c.plan.quantiser, c.plan.type == PictureType::bidirectional ? 6
+                                    : c.plan.number < 9                       ? 3
+                                                                              : 4)
+            << c.plan.number;
 }
 
 TEST(Encoder, WhatOnlyOneReferenceShowsIsPredictedFromIt) {

@@ -47,10 +47,10 @@ class Quality {
 /// One way to use our encoder.
 struct OwnCodec {
     std::string name;
-    int gop = 15, b_pictures = 2;
+    int gop = 15;
     encoder::Effort effort = encoder::Effort::quality;
-    bool hints = true;  ///< is told the exact motion
-    int search = 0;     ///< pixels to each side of a full search; 0: none, the product
+    bool told = true;  ///< the exact motion: types, dependency and, without a search, vectors follow from it
+    int search = 0;    ///< pixels to each side of a full search; 0: none, the product
     encoder::Tune tune = encoder::Tune::psnr;
 };
 

@@ -2,9 +2,11 @@
 #include <cmath>
 #include <ctime>
 #include <memory>
+#include <optional>
 
 #include "core/numeric.h"
 #include "encoder/mpeg2/search.h"
+#include "encoder/unevenness.h"
 #include "encoder_rd/codecs.h"
 #include "perceptual/hvs.h"
 #include "perceptual/metrics.h"
@@ -58,7 +60,6 @@ Run start(const Clip& clip, const OwnCodec& codec, int quantiser) {
     s.rate = core::frame_rate_from("30");
     s.quantiser = quantiser;
     s.gop = codec.gop;
-    s.b_pictures = codec.b_pictures;
     s.effort = codec.effort;
     s.tune = codec.tune;
     Run run;
@@ -100,12 +101,12 @@ double in_db(double ssim) {
 
 std::vector<OwnCodec> own_codecs() {
     using encoder::Effort;
-    return {{"quality", 15, 2, Effort::quality, true},
-            {"fast", 15, 2, Effort::fast, true},
-            {"eye", 15, 2, Effort::quality, true, 0, encoder::Tune::perceptual},
-            {"free", 60, 2, Effort::quality, true},
-            {"unaided", 15, 2, Effort::quality, false},
-            {"search", 15, 2, Effort::quality, false, 16}};
+    return {{"quality", 15, Effort::quality, true},
+            {"fast", 15, Effort::fast, true},
+            {"eye", 15, Effort::quality, true, 0, encoder::Tune::perceptual},
+            {"free", 60, Effort::quality, true},
+            {"unaided", 15, Effort::quality, false},
+            {"search", 15, Effort::quality, true, 16}};
 }
 
 std::vector<std::vector<Measured>> code_with_ours(const Clip& clip, const std::vector<OwnCodec>& codecs,
@@ -115,22 +116,26 @@ std::vector<std::vector<Measured>> code_with_ours(const Clip& clip, const std::v
         for (const int quantiser : quantisers) runs.push_back(start(clip, codec, quantiser));
 
     const auto count = static_cast<std::int64_t>(clip.pictures.size());
-    for (std::int64_t n = 0; n < count; ++n)
+    for (std::int64_t n = 0; n < count; ++n) {
+        const std::optional<double> unevenness =
+            n > 0 ? std::optional(encoder::unevenness(clip.motion(n, n - 1))) : std::nullopt;
         for (Run& run : runs) {
             const core::Picture& picture = clip.pictures[static_cast<std::size_t>(n)];
             encoder::PictureFacts facts;
             facts.frames_left = count - 1 - n;
+            if (run.codec.told) facts.unevenness = unevenness;
             const encoder::PicturePlan plan = run.encoder->plan(n, facts, n == 0);
             std::vector<core::MotionField> motion;
             for (const std::int64_t reference : plan.references)
-                if (run.codec.hints) motion.push_back(clip.motion(n, reference));
+                if (run.codec.told && run.codec.search == 0) motion.push_back(clip.motion(n, reference));
             encoder::Hints hints;
-            if (plan.horizon && run.codec.hints) hints.onward = &clip.motion(n, *plan.horizon);
+            if (plan.horizon && run.codec.told) hints.onward = &clip.motion(n, *plan.horizon);
             encoder::mpeg2::measured_search_range = run.codec.search;
             run.take(clip,
                      timed(run.measured.seconds, [&] { return run.encoder->push(picture, plan, motion, hints); }));
             encoder::mpeg2::measured_search_range = 0;
         }
+    }
 
     std::vector<std::vector<Measured>> results(codecs.size());
     for (std::size_t i = 0; i < runs.size(); ++i) {
