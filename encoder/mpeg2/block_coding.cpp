@@ -46,10 +46,6 @@ int bits_after(const CoefficientLengths& lengths, int before, int scan, int magn
 
 }  // namespace
 
-float loss_of(const Block& block, std::size_t place, float error) {
-    return block.weights ? block.weights->of[place] * error * error : error * error;
-}
-
 CoefficientLengths::CoefficientLengths(const CoefficientCodes& codes) : end_of_block_(codes.end_of_block.length) {
     for (int run = 0; run < 64; ++run)
         for (int level = 0; level < levels; ++level) {

@@ -45,10 +45,11 @@ struct Block {
     std::uint64_t scan_mask;           ///< bit i: the i-th coefficient of the scan is not 0 (intra: DC never counts)
     float distortion;                  ///< squared error as coded, weighted
     float energy;                      ///< of a non-intra block that is not coded
+    int bits;                          ///< of a non-intra block that is coded: coefficients and end
     int dc;                            ///< intra: quantised DC, 0..2^precision - 1
 };
 
-/// Quantises `block.coefficients`, all of them. The block then holds everything but `dc`.
+/// Quantises `block.coefficients`, all of them. The block then holds everything but `bits` and `dc`.
 void quantise_non_intra(Block& block, const QuantTable& table);
 /// Likewise; DC by its own step of 8, 4 or 2 with 8, 9 or 10 bits of precision.
 void quantise_intra(Block& block, const QuantTable& table, int dc_bits);
@@ -61,7 +62,9 @@ void economise(Block& block, const QuantTable& table, const CoefficientLengths& 
 int coefficient_bits(const Block& block, const CoefficientLengths& lengths, bool intra);
 
 /// What an error of the coefficient at `place` adds to the distortion.
-float loss_of(const Block& block, std::size_t place, float error);
+inline float loss_of(const Block& block, std::size_t place, float error) {
+    return block.weights ? block.weights->of[place] * error * error : error * error;
+}
 
 /// Bits of an intra DC difference.
 int dc_bits(int difference, bool luma);

@@ -82,8 +82,8 @@ void code_difference(const PictureCoding& picture, int column, int row, int i, c
     quantise_non_intra(block, table);
     if (block.scan_mask == 0) return;
     lower_levels(picture, block, table, false, lambda);
-    const int bits = coefficient_bits(block, CoefficientLengths::zero(), false);
-    if (block.energy <= block.distortion + lambda * static_cast<float>(bits)) block.scan_mask = 0;
+    block.bits = coefficient_bits(block, CoefficientLengths::zero(), false);
+    if (block.energy <= block.distortion + lambda * static_cast<float>(block.bits)) block.scan_mask = 0;
 }
 
 /// What an inter attempt comes to whose blocks are settled.
@@ -96,7 +96,7 @@ Totals total_inter(const PictureCoding& picture, const SliceState& state, const 
         t.distortion += coded ? block.distortion : block.energy;
         if (!coded) continue;
         t.pattern |= 32 >> i;
-        coefficients += coefficient_bits(block, CoefficientLengths::zero(), false);
+        coefficients += block.bits;
     }
     // A zero vector goes without saying where there are coefficients in a P picture.
     const bool coded = t.pattern != 0;
@@ -232,6 +232,7 @@ void truncate_to(Attempt& attempt, const PictureCoding& picture, const SliceStat
             block.distortion += loss_of(block, place, block.coefficients[place]) - loss_of(block, place, error);
             block.levels[place] = block.dequantised[place] = 0;
             block.scan_mask ^= std::uint64_t{1} << keep;
+            block.bits = coefficient_bits(block, CoefficientLengths::zero(), false);
         }
         attempt.totals =
             attempt.totals.type.intra ? total_intra(picture, state, attempt) : total_inter(picture, state, attempt);

@@ -1,7 +1,7 @@
 #include "encoder/mpeg2/motion.h"
 
 #include <algorithm>
-#include <array>
+#include <limits>
 #include <vector>
 
 #include "encoder/mpeg2/kernels.h"
@@ -17,22 +17,30 @@ namespace {
 class Trials {
   public:
     struct Trial {
-        Vector vector;
-        std::uint32_t difference = 0;
+        std::int16_t x, y;
+        std::uint32_t difference;
+
+        Vector vector() const { return {x, y}; }
     };
 
+    Trials() : least_(std::numeric_limits<std::uint32_t>::max()), count_(0) {}  // and no word about the rest: dear
+
     int count() const { return count_; }
-    const Trial* begin() const { return trials_.data(); }
-    const Trial* end() const { return trials_.data() + count_; }
-    const Trial* find(Vector v) const {
-        const Trial* t = std::find_if(begin(), end(), [v](const Trial& trial) { return trial.vector == v; });
-        return t == end() ? nullptr : t;
+    std::uint32_t least_difference() const { return least_; }
+    const Trial* begin() const { return trials_; }
+    const Trial* end() const { return trials_ + count_; }
+    bool holds(Vector v) const {
+        return std::any_of(begin(), end(), [v](const Trial& trial) { return trial.x == v.x && trial.y == v.y; });
     }
-    void add(Vector v, std::uint32_t difference) { trials_[static_cast<std::size_t>(count_++)] = {v, difference}; }
+    void add(Vector v, std::uint32_t difference) {
+        trials_[count_++] = {v.x, v.y, difference};
+        least_ = std::min(least_, difference);
+    }
 
   private:
-    std::array<Trial, evaluation_limit> trials_;
-    int count_ = 0;
+    Trial trials_[evaluation_limit];
+    std::uint32_t least_;  ///< of all differences
+    int count_;
 };
 
 std::int16_t median(std::int16_t a, std::int16_t b, std::int16_t c) {
@@ -91,7 +99,7 @@ class Chooser {
             const Trials& t = trials(column, row);
             left = std::min_element(t.begin(), t.end(), [](const auto& a, const auto& b) {
                        return a.difference < b.difference;
-                   })->vector;
+                   })->vector();
             first_.at(column, row) = left;
         }
     }
@@ -103,7 +111,7 @@ class Chooser {
         const Trials& t = trials(column, row);
         const Vector centre = std::min_element(t.begin(), t.end(), [](const auto& a, const auto& b) {
                                   return a.difference < b.difference;
-                              })->vector;
+                              })->vector();
         const SearchResult found = search(s_.picture, s_.reference, column, row, range(column, row), centre, price);
         searched_[static_cast<std::size_t>(row)] += static_cast<std::uint64_t>(found.evaluations);
         for (int i = 0; i < found.count; ++i) evaluate(column, row, found.vector[i]);
@@ -154,11 +162,7 @@ class Chooser {
     }
 
     /// Whether a vector was found that leaves next to nothing to code.
-    bool enough(int column, int row) {
-        const Trials& t = trials(column, row);
-        return std::any_of(t.begin(), t.end(),
-                           [&](const Trials::Trial& trial) { return trial.difference <= s_.enough; });
-    }
+    bool enough(int column, int row) { return trials(column, row).least_difference() <= s_.enough; }
 
     /// What the first pass chose, zero outside the picture.
     Vector neighbour(int column, int row) const {
@@ -175,7 +179,7 @@ class Chooser {
             best = &trial;
             best_cost = cost;
         }
-        return best->vector;
+        return best->vector();
     }
 
     /// The cheapest ones that come within reach of the best.
@@ -195,7 +199,7 @@ class Chooser {
                 choice.difference[i] = choice.difference[i - 1];
             }
             costs[place] = cost;
-            choice.vector[place] = trial.vector;
+            choice.vector[place] = trial.vector();
             choice.difference[place] = trial.difference;
         }
         while (choice.count > 1 && costs[choice.count - 1] > shortlist_reach * costs[0]) --choice.count;
@@ -204,7 +208,7 @@ class Chooser {
 
     float cost_of(const Trials::Trial& trial, Vector prediction) const {
         return static_cast<float>(trial.difference) +
-               s_.cost_per_bit * static_cast<float>(vector_bits(trial.vector, prediction));
+               s_.cost_per_bit * static_cast<float>(vector_bits(trial.vector(), prediction));
     }
 
     /// Bits of macroblock_type and vector. A zero vector needs none in P pictures, but a macroblock type one bit
@@ -216,7 +220,7 @@ class Chooser {
 
     void evaluate(int column, int row, Vector v) {
         Trials& t = trials(column, row);
-        if (t.count() == limit_ || t.find(v)) return;
+        if (t.count() == limit_ || t.holds(v)) return;
         const Kernels& k = kernels();
         const auto stride = static_cast<std::ptrdiff_t>(s_.picture.y.width());
         const std::uint8_t* here = s_.picture.y.row(row * 16) + column * 16;
