@@ -29,6 +29,8 @@ struct Capabilities {
     int candidates;              ///< different vectors taken from a macroblock's motion, per reference
     int most_block_evaluations;  ///< 16x16 differences per macroblock, at the greatest effort
     double vector_step;          ///< to what motion is rounded, pixels
+    bool quantiser_factors;      ///< per macroblock: Hints::quantiser_factors
+    bool forced_macroblocks;     ///< Hints::forced
     bool interlaced;             ///< field pictures or field prediction
     std::vector<Effort> efforts;
     std::vector<Tune> tunes;

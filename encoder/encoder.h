@@ -123,10 +123,23 @@ struct PicturePlan {
     bool operator==(const PicturePlan&) const = default;
 };
 
-/// What may help to code a picture well, beside its motion.
+/// How a macroblock is to be coded.
+enum class Force : std::uint8_t {
+    none,   ///< as the encoder finds best
+    intra,  ///< predicted from nothing
+    skip,  ///< not at all, where MPEG-2 allows that: not in I pictures, nor at a row's ends, nor, in B pictures, behind
+           ///< an intra macroblock or where the vectors of the one before would lead out of the picture
+};
+
+/// What may help to code a picture well, beside its motion. Maps have an entry per macroblock of the displayed picture,
+/// (width + 15) / 16 by (height + 15) / 16. Where a buffer leaves room for next to nothing both give way.
 struct Hints {
     /// Motion to the plan's horizon: what stands still until then is worth finer quantisers. Null: not known.
     const core::MotionField* onward = nullptr;
+    /// What the quantiser of each macroblock is multiplied by, finite and above 0, before it is rounded into 1..31:
+    /// what a viewer looks at is worth less than 1, say. Null: 1.
+    const core::Plane<float>* quantiser_factors = nullptr;
+    const core::Plane<Force>* forced = nullptr;  ///< null: nothing is
 };
 
 /// What became of one macroblock.

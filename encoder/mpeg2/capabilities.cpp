@@ -38,6 +38,7 @@ Capabilities capabilities() {
     c.candidates = static_cast<int>(mpeg2::Candidates{}.vector.size());
     c.most_block_evaluations = mpeg2::evaluation_limit;
     c.vector_step = 0.5;
+    c.quantiser_factors = c.forced_macroblocks = true;
     c.interlaced = false;
     c.efforts = {Effort::fast, Effort::quality};
     c.tunes = {Tune::psnr, Tune::perceptual};

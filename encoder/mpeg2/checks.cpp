@@ -1,5 +1,6 @@
 #include "encoder/mpeg2/checks.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -13,6 +14,12 @@ bool is_count(std::int64_t n) {
 
 bool is_amount(double value) {
     return std::isfinite(value) && value >= 0;
+}
+
+/// Of macroblocks.
+template <class T>
+void check_map(const Settings& settings, const core::Plane<T>& map) {
+    EXPECTS(map.width() == (settings.width + 15) / 16 && map.height() == (settings.height + 15) / 16);
 }
 
 void check_field(const Settings& settings, const core::MotionField& field, std::int64_t picture,
@@ -43,6 +50,12 @@ void check_pushed(const Settings& settings, const core::Picture& picture, const 
 
     EXPECTS(motion.empty() || motion.size() == plan.references.size());
     for (std::size_t i = 0; i < motion.size(); ++i) check_field(settings, motion[i], plan.number, plan.references[i]);
+    if (hints.quantiser_factors) {
+        check_map(settings, *hints.quantiser_factors);
+        EXPECTS(std::all_of(hints.quantiser_factors->values().begin(), hints.quantiser_factors->values().end(),
+                            [](float factor) { return std::isfinite(factor) && factor > 0; }));
+    }
+    if (hints.forced) check_map(settings, *hints.forced);
     if (!hints.onward) return;
     EXPECTS(plan.horizon.has_value());
     check_field(settings, *hints.onward, plan.number, *plan.horizon);

@@ -9,7 +9,7 @@
 #include "encoder/mpeg2/bit_writer.h"
 #include "encoder/mpeg2/candidates.h"
 #include "encoder/mpeg2/checks.h"
-#include "encoder/mpeg2/dependency.h"
+#include "encoder/mpeg2/demands.h"
 #include "encoder/mpeg2/fitting.h"
 #include "encoder/mpeg2/frame.h"
 #include "encoder/mpeg2/levels.h"
@@ -37,6 +37,7 @@ struct Waiting {
     PicturePlan plan;
     mpeg2::Frame source;
     std::vector<core::Plane<mpeg2::Candidates>> exact;  ///< per reference of the plan, or empty
+    mpeg2::Demands demands;
 };
 
 /// Pictures that share a buffer and a budget: one chunk of promised length, or all that follow one another without a
@@ -102,8 +103,7 @@ struct Encoder::Impl {
     Course& course_of(std::int64_t number);
     void write_headers(mpeg2::BitWriter& out, const PicturePlan& plan) const;
     CodedPicture code(const mpeg2::Frame& picture, const PicturePlan& plan,
-                      std::span<const core::Plane<mpeg2::Candidates>> exact,
-                      const core::Plane<float>& quantiser_factors = {});
+                      std::span<const core::Plane<mpeg2::Candidates>> exact, const mpeg2::Demands& demands);
     void code_waiting(std::vector<CodedPicture>& complete);
 };
 
@@ -142,8 +142,7 @@ void Encoder::Impl::write_headers(mpeg2::BitWriter& out, const PicturePlan& plan
 
 /// Codes a picture whose references are there; an I or P picture becomes the newest one.
 CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan& plan,
-                                 std::span<const core::Plane<mpeg2::Candidates>> exact,
-                                 const core::Plane<float>& quantiser_factors) {
+                                 std::span<const core::Plane<mpeg2::Candidates>> exact, const mpeg2::Demands& demands) {
     mpeg2::PictureTask task{picture,
                             plan.type,
                             {},
@@ -157,7 +156,8 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
     task.quantisers = &quantisers;
     task.weights = mpeg2::weights_for(settings.tune);
     if (plan.type == PictureType::predicted) task.intra_due = &refresh.due();
-    if (!quantiser_factors.empty()) task.quantiser_factors = &quantiser_factors;
+    if (!demands.quantiser_factors.empty()) task.quantiser_factors = &demands.quantiser_factors;
+    if (!demands.forced.empty()) task.forced = &demands.forced;
     core::Plane<mpeg2::Vector> predictors[2];
     const bool bidirectional = plan.type == PictureType::bidirectional;
     for (std::size_t i = 0; i < plan.references.size(); ++i) {
@@ -207,7 +207,7 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
 
 /// Codes the B pictures between the newest two others.
 void Encoder::Impl::code_waiting(std::vector<CodedPicture>& complete) {
-    for (const Waiting& w : waiting) complete.push_back(code(w.source, w.plan, w.exact));
+    for (const Waiting& w : waiting) complete.push_back(code(w.source, w.plan, w.exact, w.demands));
     waiting.clear();
 }
 
@@ -278,18 +278,16 @@ std::vector<CodedPicture> Encoder::push(const core::Picture& picture, const Pict
     for (const core::MotionField& field : motion)
         exact.push_back(mpeg2::exact_candidates(field, m.source.columns(), m.source.rows(), m.level.horizontal_f_code));
 
+    mpeg2::Demands demands = mpeg2::demands_from(hints, m.source.columns(), m.source.rows());
     std::vector<CodedPicture> complete;
     if (plan.type == PictureType::bidirectional) {
-        Waiting& waiting =
-            m.waiting.emplace_back(Waiting{plan, mpeg2::Frame(m.source.columns(), m.source.rows()), std::move(exact)});
+        Waiting& waiting = m.waiting.emplace_back(
+            Waiting{plan, mpeg2::Frame(m.source.columns(), m.source.rows()), std::move(exact), std::move(demands)});
         mpeg2::pad(picture, waiting.source);
         return complete;
     }
     mpeg2::pad(picture, m.source);
-    const core::Plane<float> factors =
-        hints.onward ? mpeg2::quantiser_factors(*hints.onward, m.source.columns(), m.source.rows())
-                     : core::Plane<float>();
-    complete.push_back(m.code(m.source, plan, exact, factors));
+    complete.push_back(m.code(m.source, plan, exact, demands));
     m.code_waiting(complete);
     return complete;
 }
@@ -312,7 +310,7 @@ std::vector<CodedPicture> Encoder::flush() {
     for (Waiting& w : m.waiting) w.plan.references[1] = last.plan.number;
     for (Waiting& w : m.waiting) w.exact.resize(std::min<std::size_t>(w.exact.size(), 1));
     last.exact.resize(std::min<std::size_t>(last.exact.size(), 1));
-    complete.push_back(m.code(last.source, last.plan, last.exact));
+    complete.push_back(m.code(last.source, last.plan, last.exact, last.demands));
     m.code_waiting(complete);
     return complete;
 }

@@ -40,6 +40,7 @@ Fitted code_within(const PictureTask& task, const Level& level, std::int64_t mos
         if (attempt.bit_weight > 100) break;
         attempt.bit_weight *= 8;
         attempt.quantiser_factors = nullptr;
+        attempt.forced = nullptr;
     }
     fitted.picture = minimal_picture(task);
     fitted.minimal = true;

@@ -41,6 +41,7 @@ struct PictureCoding {
     int dc_bits = 8;                                       ///< precision of intra DC, 8..10
     const Weights* weights = nullptr;                      ///< of errors of luma; null: all 1
     const core::Plane<std::uint8_t>* intra_due = nullptr;  ///< 1: intra or skipped; null: none
+    const core::Plane<Force>* forced = nullptr;            ///< null: nothing
 };
 
 /// How one macroblock is coded, ready to be written.

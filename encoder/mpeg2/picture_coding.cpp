@@ -77,7 +77,8 @@ std::vector<RowCode> decide(const PictureTask& task, const Vectors& vectors, Fra
                           task.quantisers,
                           dc_bits_for(task.quantiser),
                           task.weights,
-                          task.intra_due};
+                          task.intra_due,
+                          task.forced};
     for (std::size_t d = 0; d < 2; ++d) {
         Extent extent;
         for (const VectorChoice& choice : vectors[d].values())

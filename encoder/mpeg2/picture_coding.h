@@ -31,7 +31,8 @@ struct PictureTask {
     const core::Plane<std::uint8_t>* intra_due = nullptr;  ///< 1: intra or skipped; null: none
     /// What `quantiser` is multiplied by in each macroblock; null: 1.
     const core::Plane<float>* quantiser_factors = nullptr;
-    float bit_weight = 1;  ///< how much dearer bits are than tuning.h makes them
+    const core::Plane<Force>* forced = nullptr;  ///< null: nothing
+    float bit_weight = 1;                        ///< how much dearer bits are than tuning.h makes them
 };
 
 struct PictureResult {

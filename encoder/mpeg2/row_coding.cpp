@@ -34,6 +34,7 @@ class RowDecider {
             lambda_ = picture_.lambda_factor * static_cast<float>(quantiser_ * quantiser_);
             // A slice begins and ends with a coded macroblock. [H262, 6.3.17]
             const bool may_skip = column > 0 && column < columns - 1;
+            if (obey(column, may_skip)) continue;
             if (picture_.type == PictureType::intra) {
                 attempt_intra(picture_, column, row_, quantiser_, state_, *intra_);
                 keep(column, *intra_);
@@ -49,6 +50,22 @@ class RowDecider {
     }
 
   private:
+    /// Codes a macroblock as it is forced to be; false: it is not, or cannot be.
+    bool obey(int column, bool may_skip) {
+        const Force force = picture_.forced ? picture_.forced->at(column, row_) : Force::none;
+        if (force == Force::intra) {
+            attempt_intra(picture_, column, row_, quantiser_, state_, *intra_);
+            keep(column, *intra_);
+            return true;
+        }
+        if (force == Force::none || !may_skip) return false;
+        const std::optional<Movement> skipped = skipped_movement(picture_, column, row_, state_);
+        if (!skipped) return false;
+        predict(picture_, column, row_, *skipped, prediction_);
+        skip(column, *skipped);
+        return true;
+    }
+
     /// Chooses between inter_, intra and skipping.
     void settle(int column, bool may_skip) {
         const float inter =
