@@ -53,51 +53,54 @@ std::string stream_lines(const std::string& name, const av::Inspection& film) {
     const auto interlaced = std::count_if(film.pictures.begin(), film.pictures.end(),
                                           [](const av::PictureFacts& picture) { return picture.interlaced; });
     if (interlaced > 0) text += fmt::format("  fields     {} interlaced\n", pictures_text(interlaced));
+    const auto repeating = std::count_if(film.pictures.begin(), film.pictures.end(),
+                                         [](const av::PictureFacts& picture) { return picture.repeated_fields > 0; });
+    if (repeating > 0)
+        text += fmt::format("  repeats    {} {} shown for more than two fields\n", pictures_text(repeating),
+                            repeating == 1 ? "is" : "are");
     if (film.unshown > 0)
         text += fmt::format("  not shown  {}: broken, or what they refer to is missing\n", pictures_text(film.unshown));
     return text;
 }
 
 std::string quantiser_text(double mean, double low, double high) {
-    return fmt::format("{:>5.1f} {:>9}", mean, low == high ? "" : fmt::format("{:g}-{:g}", low, high));
+    return fmt::format("{:>5.1f} {:>6}", mean, low == high ? "" : fmt::format("{:g}-{:g}", low, high));
 }
 
 std::string vector_text(const av::VectorFacts& v) {
-    if (v.share == 0) return fmt::format(" {:>5} {:>6} {:>6}", "-", "-", "-");
-    if (v.moving == 0) return fmt::format(" {:>3.0f} % {:>6} {:>6}", 100 * v.share, "-", "-");
-    return fmt::format(" {:>3.0f} % {:>6.2f} {:>6.1f}", 100 * v.share, v.mean, v.longest);
+    const auto length = [&](double pixels) { return v.moving > 0 ? fmt::format("{:.1f}", pixels) : "-"; };
+    return fmt::format("{:>4} {:>5} {:>5}", v.share > 0 ? fmt::format("{:.0f}%", 100 * v.share) : "-", length(v.mean),
+                       length(v.longest));
 }
 
-/// What the two kinds of rows have in common, above their columns.
-std::string heading(const char* left) {
-    return fmt::format(
-        "\n{:>26} {:>15} {:>6}  {:<20}  {:<19}\n{:>26} {:>15} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6}\n", "",
-        "quantiser", "", "from before, pixels", "from after, pixels", left, "mean     range", "intra", "share", "mean",
-        "most", "share", "mean", "most");
+/// What the two kinds of rows have in common, above their columns; 80 columns in all, as the rows.
+std::string heading(const std::string& left) {
+    return fmt::format("\n{:>38} {:>5}  {:<16}  {}\n{:>25} {:>12} {:>5}  {:>4} {:>5} {:>5}  {:>4} {:>5} {:>5}\n",
+                       "quantiser", "", "from before, px", "from after, px", left, "mean  range", "intra", "part",
+                       "mean", "most", "part", "mean", "most");
 }
 
 std::string row(const std::string& left, const std::string& quantiser, double intra, const av::VectorFacts& forward,
                 const av::VectorFacts& backward) {
-    std::string text = fmt::format("{:>26} {} {:>4.0f} %", left, quantiser, 100 * intra) + " " + vector_text(forward) +
-                       " " + vector_text(backward);
-    return text + "\n";
+    return fmt::format("{:>25} {} {:>4.0f}%  {}  {}\n", left, quantiser, 100 * intra, vector_text(forward),
+                       vector_text(backward));
 }
 
 std::string picture_table(const av::Inspection& film) {
-    std::string text = heading("picture  coded type  bytes");
+    std::string text = heading("number  coded type  bytes");
     for (const av::PictureFacts& p : film.pictures) {
-        text += row(fmt::format("{:>7} {:>6}    {} {:>6}", p.number, p.coded, p.type, p.bytes),
+        text += row(fmt::format("{:>6} {:>6} {:>3}  {:>6}", p.number, p.coded, p.type, p.bytes),
                     quantiser_text(p.mean_quantiser, p.min_quantiser, p.max_quantiser), p.intra, p.forward, p.backward);
-        if (!p.damage.empty()) text += fmt::format("{:>18} {}\n", "damaged:", p.damage);
+        if (!p.damage.empty()) text += fmt::format("{:>17} {}\n", "damaged:", p.damage);
     }
     return text;
 }
 
 std::string type_table(const av::Inspection& film) {
     const auto all = static_cast<double>(coded_bytes(film));
-    std::string text = heading("type pictures  bytes share");
+    std::string text = heading("type pictures  bytes part");
     for (const CodedType& t : coded_types(film))
-        text += row(fmt::format("{:>4} {:>8} {:>6.0f} {:>3.0f} %", t.type, t.pictures,
+        text += row(fmt::format("{:>4} {:>8} {:>6.0f} {:>3.0f}%", t.type, t.pictures,
                                 static_cast<double>(t.bytes) / static_cast<double>(t.pictures),
                                 100 * core::divide_or(static_cast<double>(t.bytes), all, 0.0)),
                     quantiser_text(t.quantiser, t.min_quantiser, t.max_quantiser), t.intra, t.forward, t.backward);

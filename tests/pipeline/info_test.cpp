@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -123,6 +124,8 @@ TEST(Information, IsATableWithoutJson) {
     EXPECT_EQ(full.status, 0);
     EXPECT_NE(full.output.find("MPEG-2 Main@Main, 176x144 at 25 Hz, 20 pictures, 0.80 s"), std::string::npos)
         << full.output;
+    std::istringstream lines(full.output.substr(full.output.find('\n') + 1));
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
     const auto brief = run(program() + " info --summary " + path(folder, "f.mpg"));
     EXPECT_EQ(full.output.size() > brief.output.size() + 20 * 60, true);
     EXPECT_EQ(std::count(full.output.begin(), full.output.end(), '\n') -
