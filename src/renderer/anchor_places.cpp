@@ -135,15 +135,16 @@ std::vector<double> measures(const std::vector<AnchorCandidate>& candidates) {
         const std::vector<float> areas = cell_areas(places, 0.0f);
         for (std::size_t k = 0; k < members.size(); ++k) {
             const AnchorCandidate& c = candidates[members[k]];
-            area[members[k]] = static_cast<double>(areas[k]) * c.area_scale;
+            area[members[k]] = static_cast<double>(areas[k]) * c.area_scale * c.importance;
             all_area += area[members[k]];
-            all_flux += c.flux;
+            all_flux += static_cast<double>(c.flux) * c.importance;
         }
     }
     std::vector<double> measure(candidates.size());
     for (std::size_t i = 0; i < candidates.size(); ++i)
         measure[i] = (1.0 - flux_share) * core::divide_or(area[i], all_area, 0.0) +
-                     flux_share * core::divide_or(static_cast<double>(candidates[i].flux), all_flux, 0.0);
+                     flux_share * core::divide_or(static_cast<double>(candidates[i].flux) * candidates[i].importance,
+                                                  all_flux, 0.0);
     return measure;
 }
 

@@ -16,6 +16,7 @@ struct AnchorCandidate {
     OrientedPoint rest;  ///< in the space of its group
     std::uint32_t group = 0;
     float flux = 0;        ///< luminance of the light that leaves it, >= 0
+    float importance = 1;  ///< to what is seen, > 0: anchors lie in proportion to it
     float area_scale = 1;  ///< world area over area in the group's space
     float extent2 = 0;     ///< squared size of the whole group: what an anchor that is alone stands for
 };

@@ -16,8 +16,9 @@ constexpr float least_facing = 0.5f;
 /// those of the nearest. chosen: twice and three times as many as share.
 constexpr int kept = 2 * shared_among, looked_at = 3 * shared_among;
 
-/// How far off its surface an anchor looks, in radii of its disc: over bumps, mouldings and carpets, not over walls.
-/// chosen: 2; at 0.5 anchors on cobbles lose so many neighbours that light gathers in blotches.
+/// How far off its surface an anchor looks, in radii of its disc, the smaller of two: over bumps, mouldings and
+/// carpets, not over walls. chosen: 2; at 0.5 anchors on cobbles lose so many neighbours that light gathers in
+/// blotches.
 constexpr float lift_radii = 2.0f;
 
 /// Anchors that are asked in turn whether they see a photon.
@@ -70,7 +71,8 @@ AnchorSharing::AnchorSharing(std::span<const AnchorPlace> places, const scene::A
                 const std::uint32_t other = group.first + found[static_cast<std::size_t>(k)].point;
                 const bool near =
                     other == i || places[i].group != 0 || !tested_ ||
-                    see_each_other(places[i].rest, places[other].rest, lift_radii * std::sqrt(places[i].disc2), scene);
+                    see_each_other(places[i].rest, places[other].rest,
+                                   lift_radii * std::sqrt(std::min(places[i].disc2, places[other].disc2)), scene);
                 if (near) lists[i].push_back(other);
             }
         }

@@ -1,8 +1,8 @@
 // Anchor lights [Render2MPEG, 7.3.1]: fixed places whose intensities follow the photons of each instant by density
 // estimation. Changed: places are a stratified choice among places that photons reach over the film, half by area and
-// half by flux, instead of even over surfaces (so that none lies where no light comes); photons share their flux
-// among the nearest anchors by a kernel times the area that each anchor stands for, which loses no energy at edges;
-// surfaces that move have anchors of their own, which move along.
+// half by flux, and by what cameras see, instead of even over surfaces (so that none lies where no light comes);
+// photons share their flux among the nearest anchors by a kernel times the area that each anchor stands for, which
+// loses no energy at edges; surfaces that move have anchors of their own, which move along.
 #include "renderer/anchors.h"
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "parallel/loops.h"
+#include "renderer/anchor_importance.h"
 #include "renderer/anchor_places.h"
 #include "renderer/anchor_shares.h"
 #include "renderer/usual_light.h"
@@ -23,8 +24,9 @@ namespace {
 /// Instants of the film at which places are looked for. chosen: 8.
 constexpr int instants = 8;
 
-/// Places looked at per anchor. chosen: 8, of 2..32; fewer leave strata uneven.
-constexpr std::uint64_t candidates_per_anchor = 8;
+/// Places looked at per anchor. chosen: 16; fewer leave strata uneven where what is seen gets a small part of the
+/// light.
+constexpr std::uint64_t candidates_per_anchor = 16;
 constexpr std::uint64_t least_candidates = 4096;
 
 /// VPLs that are spread in a frame for this many anchors: 32 for each, since a lamp that moves should change them by
@@ -147,8 +149,11 @@ void Anchors::Impl::look(Scenery& scenery, LightPoints& lights) {
     std::vector<scene::Snapshot> films(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) {
         const auto microseconds = static_cast<std::int64_t>(1e6 * film.duration * (i + 0.5) / count);
+        const std::size_t shots = film.shots.size();
+        const std::int64_t frame =
+            shots == 0 ? 0 : film.shots[static_cast<std::size_t>(i) * shots / static_cast<std::size_t>(count)].frame;
         films[static_cast<std::size_t>(i)] =
-            at_usual_strength(scene::snapshot_at(film, 0, {microseconds, 1000000}, {16, 16, 1.0f}));
+            at_usual_strength(scene::snapshot_at(film, frame, {microseconds, 1000000}, importance_format));
     }
     lights.place(scenery, films.front());
     for (const scene::Snapshot& instant : films) {
@@ -171,8 +176,10 @@ void Anchors::Impl::look_at(const Scenery& scenery, const std::vector<LightPoint
     // Every instant takes other paths, so that no two look at the same places.
     const PhotonResult photons = trace_photons(scenery, lights, {1 + looked, needed, settings.bounces});
     looked += needed;
+    const std::vector<float> importance = importance_to_eye(scenery, photons.vpls);
     for (std::size_t i = 0; i < photons.vpls.size(); ++i) {
         candidates.push_back(candidate(scenery, photons.vpls[i], photons.addresses[i]));
+        candidates.back().importance = importance[i];
         candidate_light.push_back(photons.vpls[i].intensity);
     }
 }

@@ -36,10 +36,10 @@ class Stopwatch {
 };
 
 /// Up to which share of what its surroundings would give, if they filled the receiver's view, one light point may give.
-/// chosen: 50 % for anchors (1.4 radii of their disc), 25 % for points of emissive surfaces (2 radii). Both lie in even
-/// strata; [Render2MPEG, 6.5]'s 2 % is for VPLs strewn at random, and took 3 to 49 % of the indirect light. Of 0.05,
-/// 0.1, 0.25, 0.5 and 1 for anchors, 0.25 and 0.5 err least (docs/model.md, "Clamping").
-constexpr GeometryClamp anchor_clamp{0.5f};
+/// chosen: 25 % (2 radii of a point's disc) for anchors and points of emissive surfaces, which lie in even strata;
+/// [Render2MPEG, 6.5]'s 2 % is for VPLs strewn at random, and took 3 to 49 % of the indirect light. Of 0.02 to 1, 0.25
+/// and 0.5 err least for anchors, and at 0.5 edges show spots (docs/model.md, "Clamping").
+constexpr GeometryClamp anchor_clamp{0.25f};
 constexpr GeometryClamp emitter_clamp{0.25f};
 
 /// What light depends on: everything of a snapshot but the camera.

@@ -142,7 +142,7 @@ std::vector<double> light_behind_ball(const AnchorSettings& settings) {
         const Anchors::Lit lit = stage.light();
         LightForest forest = plant({}, lit.still, 1);
         forest.trees[LightForest::moving_tree] = build_light_tree(LightFamily::oriented, lit.moving, 1);
-        forest.indirect_clamp = {0.5f};
+        forest.indirect_clamp = {0.25f};
         GatherPoint point;
         point.point = stage.scenery().surface_at({0, 11, 0.4f, 0.4f}, stage.scenery().front_normal(0, 11));
         const GatherPoint* const points[] = {&point};

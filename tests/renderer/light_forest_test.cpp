@@ -123,7 +123,7 @@ TEST(LightTreeUpdate, ChangesRepresentativesAsRarelyAsSharesAllow) {
 
 /// Clusters that a forest takes to light places on the floor and a wall, all told.
 int clusters(const AnchorStage& stage, LightForest& forest) {
-    forest.direct_clamp = forest.indirect_clamp = {0.5f};
+    forest.direct_clamp = forest.indirect_clamp = {0.25f};
     Gatherer gatherer(forest, stage.scenery().tracer());
     int sum = 0;
     for (std::uint32_t triangle = 0; triangle < 12; ++triangle) {
