@@ -64,7 +64,11 @@ class HelpFormat : public CLI::Formatter {
     /// chosen: longer lines than 110 columns are hard to follow; below 60 descriptions would have no room.
     static int columns() { return std::clamp(columns_of_output(), 60, 110); }
 
-    static std::string described(const std::string& text) { return wrapped(text, columns() - name_columns); }
+    /// Lines of descriptions end where the terminal's do, wherever they end in the source.
+    static std::string described(std::string text) {
+        std::replace(text.begin(), text.end(), '\n', ' ');
+        return wrapped(text, columns() - name_columns);
+    }
 };
 
 }  // namespace

@@ -94,9 +94,11 @@ PlotLayer layer(const json& s, const char* name, const char* style, Value&& valu
 template <class Value>
 std::vector<PlotLayer> by_type(const json& s, Value&& value) {
     std::vector<PlotLayer> layers;
-    for (const auto& [type, style] : {std::pair{"I", "i"}, {"P", "p"}, {"B", "b"}})
-        layers.push_back(
-            layer(s, type, style, [&](const json& frame) { return frame.at("type") == type ? value(frame) : 0.0; }));
+    for (const auto& named : {std::pair{"I", "i"}, {"P", "p"}, {"B", "b"}}) {
+        const char* type = named.first;
+        layers.push_back(layer(s, type, named.second,
+                               [&](const json& frame) { return frame.at("type") == type ? value(frame) : 0.0; }));
+    }
     return layers;
 }
 
