@@ -74,7 +74,7 @@ glm::vec3 light_at(const core::Visible& visible, const core::Plane<glm::vec3>& l
 core::Radiance preview(renderer::Renderer& renderer, const scene::Snapshot& world, const renderer::Seen& seen) {
     const int width = seen.visible.width(), height = seen.visible.height();
     core::Radiance radiance =
-        renderer.shade(world, thinned(seen), core::ToleranceMap::uniform(width, height, {0.0f, tolerance}));
+        renderer.sketch(world, thinned(seen), core::ToleranceMap::uniform(width, height, {0.0f, tolerance}));
 
     // Divide the lit pixels by their texture.
     const core::Plane<glm::vec3> reflectance = reflectances(seen);

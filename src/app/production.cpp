@@ -175,7 +175,7 @@ float measure_exposure(const Production& film) {
         const scene::Snapshot world = small.snapshot(frame);
         if (i == 0) renderer.start_chunk(world);
         const renderer::Seen seen = renderer.see(world);
-        const core::Radiance radiance = renderer.shade(world, seen, small.tolerance_map());
+        const core::Radiance radiance = renderer.sketch(world, seen, small.tolerance_map());
         for (std::size_t p = 0; p < radiance.combined.size(); ++p)
             (seen.visible.kind.values()[p] == core::PixelClass::sky ? sky : surfaces)
                 .push_back(core::luminance(radiance.combined.values()[p]));

@@ -44,6 +44,16 @@ json audit_of(const Production& film, const Audit& audit) {
             {"error_p99", audit.error_at(0.99)}, {"seconds", audit.seconds}};
 }
 
+/// Null where no caution was learnt.
+json caution_of(const renderer::Statistics& r) {
+    if (r.calibrated_pixels == 0) return nullptr;
+    return {{"mean", r.mean_caution},
+            {"least", r.least_caution},
+            {"largest", r.largest_caution},
+            {"pixels", r.calibrated_pixels},
+            {"seconds", r.calibration_seconds}};
+}
+
 void add_coding(json& entry, const FrameEntry& frame) {
     entry["type"] = std::string(1, frame.type);
     entry["quantiser"] = frame.quantiser;
@@ -172,6 +182,7 @@ json statistics_of(const Production& film, const Ledger& ledger, const RunFacts&
         {"gather_points", r.gather_points},
         {"capped_points", r.capped_points},
         {"stop", film.rendering.stop == renderer::Stop::classic ? "classic" : "honest"},
+        {"caution", caution_of(r)},
         {"audit", audit_of(film, ledger.audit)},
         {"first_non_finite", r.first_non_finite},
         {"clamped_energy", r.clamped_energy},

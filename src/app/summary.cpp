@@ -142,6 +142,14 @@ std::string light_lines(const Ledger& ledger) {
     return text;
 }
 
+/// What the film's own light taught its cuts.
+std::string caution_lines(const renderer::Statistics& r) {
+    return fmt::format(
+        "  caution    {:.2f} ({:.2f} to {:.2f}) of what the worst films need; {} pixels,\n"
+        "             lit again by every light point, said so in {:.2f} s\n",
+        r.mean_caution, r.least_caution, r.largest_caution, r.calibrated_pixels, r.calibration_seconds);
+}
+
 std::string audit_lines(const Audit& audit) {
     return fmt::format(
         "  audit      {:.2f} % of {} pixels, gathered again from every light point, are\n"
@@ -154,6 +162,7 @@ std::string audit_lines(const Audit& audit) {
 
 std::string summary(const Production& film, const Ledger& ledger, const RunFacts& facts) {
     std::string text = opening_lines(film.film(), ledger, facts) + light_lines(ledger);
+    if (ledger.rendering.calibrated_pixels > 0) text += caution_lines(ledger.rendering);
     if (film.audit > 0) text += audit_lines(ledger.audit);
     if (film.kind == OutputKind::film) text += closing_lines(film.film(), ledger, "rendered");
     return text;

@@ -7,7 +7,7 @@
 
 namespace render2mpeg::core {
 
-/// What a frame's pixels send to the eye: scene-linear RGB with BT.709 primaries, >= 0 and finite. `combined` is always there;
+/// What a frame's pixels send to the eye: scene-linear RGB with BT.709 primaries, >= 0 and finite. `combined` and `capped` always;
 /// the layers only where they are wanted, else empty. Light is kept apart from texture so that it can be interpolated and reused.
 struct Radiance {
     std::int64_t frame = 0;

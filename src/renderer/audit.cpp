@@ -14,34 +14,13 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Keeps these dice apart from all others.
-constexpr std::uint64_t audit_seed = 0xa0d17;
+/// Keep the dice of each kind of choice apart from all others.
+constexpr std::uint64_t drawing_seed = 0xa0d17, spreading_seed = 0x5b3ead;
 
-/// A pixel's gather points lie side by side in its tile.
-struct Pixel {
-    std::uint32_t tile = 0, first = 0, last = 0;
-};
-
-std::vector<Pixel> lit_pixels(const Seen& seen) {
-    std::vector<Pixel> pixels;
-    for (std::uint32_t t = 0; t < seen.tiles.size(); ++t) {
-        const GatherTile& tile = seen.tiles[t];
-        for (std::uint32_t i = 0; i < tile.size(); ++i) {
-            if (i == 0 || tile[i].pixel != tile[i - 1].pixel) pixels.push_back({t, i, i});
-            ++pixels.back().last;
-        }
-    }
-    return pixels;
-}
-
-/// The first `count` of a shuffle.
-void draw(std::vector<Pixel>& pixels, std::size_t count, std::uint64_t frame) {
-    for (std::size_t i = 0; i < count; ++i) {
-        const auto left = static_cast<float>(pixels.size() - i);
-        const auto step = static_cast<std::size_t>(core::uniform(audit_seed, frame, i) * left);
-        std::swap(pixels[i], pixels[std::min(i + step, pixels.size() - 1)]);
-    }
-    pixels.resize(count);
+glm::ivec2 place_of(const Seen& seen, const LitPixel& p) {
+    const int pixel = seen.tiles[p.tile][p.first].pixel, across = seen.tiles_across();
+    return {static_cast<int>(p.tile) % across * tile_size + pixel % tile_size,
+            static_cast<int>(p.tile) / across * tile_size + pixel / tile_size};
 }
 
 /// As in shade.cpp, to the last bit.
@@ -54,18 +33,55 @@ glm::vec3 scattered(const GatherPoint& p, const GatheredLight& light, int lane) 
     return p.weight * (bsdf.diffuse * (direct + indirect) + glossy);
 }
 
+/// The larger of Cr and Cb of linear light [BT709, 3.3], without sign.
+float chroma_of(glm::vec3 light, float luminance) {
+    return std::max(std::abs(light.z - luminance) / 1.8556f, std::abs(light.x - luminance) / 1.5748f);
+}
+
 }  // namespace
 
-std::vector<AuditedPixel> audit(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
-                                const core::ToleranceMap& tolerance, const core::Radiance& radiance, int count) {
-    EXPECTS(count >= 0 && radiance.combined.width() == seen.visible.width());
-    std::vector<Pixel> pixels = lit_pixels(seen);
-    draw(pixels, std::min(pixels.size(), static_cast<std::size_t>(count)),
-         static_cast<std::uint64_t>(seen.visible.frame));
+std::vector<LitPixel> lit_pixels(const Seen& seen) {
+    std::vector<LitPixel> pixels;
+    for (std::uint32_t t = 0; t < seen.tiles.size(); ++t) {
+        const GatherTile& tile = seen.tiles[t];
+        for (std::uint32_t i = 0; i < tile.size(); ++i) {
+            if (i == 0 || tile[i].pixel != tile[i - 1].pixel) pixels.push_back({t, i, i});
+            ++pixels.back().last;
+        }
+    }
+    return pixels;
+}
 
+std::vector<LitPixel> drawn(std::vector<LitPixel> pixels, std::size_t count, std::int64_t frame) {
+    count = std::min(count, pixels.size());
+    // The first of a shuffle.
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto left = static_cast<float>(pixels.size() - i);
+        const auto step =
+            static_cast<std::size_t>(core::uniform(drawing_seed, static_cast<std::uint64_t>(frame), i) * left);
+        std::swap(pixels[i], pixels[std::min(i + step, pixels.size() - 1)]);
+    }
+    pixels.resize(count);
+    return pixels;
+}
+
+std::vector<LitPixel> spread(const std::vector<LitPixel>& pixels, std::size_t count, std::int64_t frame) {
+    count = std::min(count, pixels.size());
+    std::vector<LitPixel> chosen;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t first = i * pixels.size() / count, last = (i + 1) * pixels.size() / count;
+        const float dice = core::uniform(spreading_seed, static_cast<std::uint64_t>(frame), i);
+        const auto step = static_cast<std::size_t>(dice * static_cast<float>(last - first));
+        chosen.push_back(pixels[std::min(first + step, last - 1)]);
+    }
+    return chosen;
+}
+
+std::vector<glm::vec3> gather_exactly(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
+                                      const std::vector<LitPixel>& pixels) {
     // Gather sixteen points at a time, from wherever they are: without a cut they need not be alike.
     std::vector<const GatherPoint*> points;
-    for (const Pixel& p : pixels)
+    for (const LitPixel& p : pixels)
         for (std::uint32_t i = p.first; i < p.last; ++i) points.push_back(&seen.tiles[p.tile][i]);
     std::vector<glm::vec3> light(points.size());
     const std::size_t groups = (points.size() + lane_count - 1) / lane_count;
@@ -79,21 +95,35 @@ std::vector<AuditedPixel> audit(const LightForest& forest, const RayTracer& trac
             light[first + i] = scattered(*points[first + i], gathered, static_cast<int>(i));
     });
 
-    std::vector<AuditedPixel> audited;
+    std::vector<glm::vec3> sums;
     std::size_t next = 0;
-    for (const Pixel& p : pixels) {
-        const int pixel = seen.tiles[p.tile][p.first].pixel, across = seen.tiles_across();
-        AuditedPixel a;
-        a.x = static_cast<int>(p.tile) % across * tile_size + pixel % tile_size;
-        a.y = static_cast<int>(p.tile) / across * tile_size + pixel / tile_size;
-        glm::vec3 sum = seen.unscattered.at(a.x, a.y);
+    for (const LitPixel& p : pixels) {
         glm::vec3 own(0);
         for (std::uint32_t i = p.first; i < p.last; ++i) own += light[next++];
-        sum += own;
+        const glm::ivec2 place = place_of(seen, p);
+        const glm::vec3 sum = seen.unscattered.at(place.x, place.y) + own;
         // What is not finite was replaced in the frame, and is counted there.
-        if (!core::is_finite(sum)) sum = glm::vec3(0);
-        a.luminance = core::luminance(glm::max(sum, glm::vec3(0)));
-        a.error = std::abs(core::luminance(radiance.combined.at(a.x, a.y)) - a.luminance);
+        sums.push_back(core::is_finite(sum) ? glm::max(sum, glm::vec3(0)) : glm::vec3(0));
+    }
+    return sums;
+}
+
+std::vector<AuditedPixel> compare(const Seen& seen, const std::vector<LitPixel>& pixels,
+                                  const std::vector<glm::vec3>& truth, const core::ToleranceMap& tolerance,
+                                  const core::Radiance& radiance) {
+    EXPECTS(truth.size() == pixels.size() && radiance.combined.width() == seen.visible.width());
+    std::vector<AuditedPixel> audited;
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        const glm::ivec2 place = place_of(seen, pixels[i]);
+        AuditedPixel a;
+        a.x = place.x;
+        a.y = place.y;
+        a.luminance = core::luminance(truth[i]);
+        const glm::vec3 difference = radiance.combined.at(a.x, a.y) - truth[i];
+        const float off = core::luminance(difference);
+        a.error = std::abs(off);
+        a.chroma = chroma_of(difference, off);
+        a.capped = radiance.capped.at(a.x, a.y) != 0;
         if (!tolerance.is_reference()) {
             const core::Tolerance& t = tolerance.pixels.at(a.x, a.y);
             a.tolerance = std::max(t.absolute, t.relative * a.luminance);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "core/radiance.h"
@@ -11,9 +12,29 @@
 
 namespace render2mpeg::renderer {
 
-/// Audits `count` pixels of a frame (all, where it has fewer) that have anything to gather, chosen by dice that only
-/// the frame's number and what it shows decide. `radiance` was lit by `tolerance`. The same for any number of threads.
-std::vector<AuditedPixel> audit(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
-                                const core::ToleranceMap& tolerance, const core::Radiance& radiance, int count);
+/// A pixel that has anything to gather. Its gather points lie side by side in its tile.
+struct LitPixel {
+    std::uint32_t tile = 0;
+    std::uint32_t first = 0, last = 0;  ///< gather points, `last` not included
+};
+
+/// In order of their tiles, then of their rows.
+std::vector<LitPixel> lit_pixels(const Seen& seen);
+
+/// `count` of the pixels (all, where there are fewer), chosen by dice that only the frame's number decides.
+std::vector<LitPixel> drawn(std::vector<LitPixel> pixels, std::size_t count, std::int64_t frame);
+
+/// As many, one out of each of `count` equal stretches of the list: spread over the picture. Other dice.
+std::vector<LitPixel> spread(const std::vector<LitPixel>& pixels, std::size_t count, std::int64_t frame);
+
+/// What the pixels send when their light is gathered from every light point by itself: radiance, >= 0 and finite. The
+/// same for any number of threads.
+std::vector<glm::vec3> gather_exactly(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
+                                      const std::vector<LitPixel>& pixels);
+
+/// Holds the frame, lit by `tolerance`, against that.
+std::vector<AuditedPixel> compare(const Seen& seen, const std::vector<LitPixel>& pixels,
+                                  const std::vector<glm::vec3>& truth, const core::ToleranceMap& tolerance,
+                                  const core::Radiance& radiance);
 
 }  // namespace render2mpeg::renderer

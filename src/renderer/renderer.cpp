@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "renderer/anchors.h"
 #include "renderer/audit.h"
+#include "renderer/calibration.h"
 #include "renderer/light_forest.h"
 #include "renderer/light_points.h"
 #include "renderer/see.h"
@@ -92,6 +93,8 @@ struct Renderer::Impl {
                                     settings.seed);
         }
         lit.reset();
+        caution.forget();
+        calibrated = false;
         started = true;
     }
 
@@ -133,6 +136,59 @@ struct Renderer::Impl {
         row(Pass::indirect_tree) += all > 0 ? seconds * indirect / all : 0.0;
     }
 
+    /// Poses and lights the snapshot; returns when gathering starts.
+    double prepare(const scene::Snapshot& snapshot, const Seen& seen) {
+        EXPECTS(seen.visible.frame == snapshot.frame);
+        if (!started) start_chunk(snapshot);
+        pose(snapshot);
+        update_light(snapshot);
+        return cpu_seconds();
+    }
+
+    ShadeSettings shade_settings() const {
+        return {{settings.min_cut, settings.max_cut, settings.stop, 1.0f}, plan.runs(Pass::layers)};
+    }
+
+    void calibrate(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance,
+                   const ShadeSettings& s) {
+        const Stopwatch watch(statistics.calibration_seconds);
+        statistics.calibrated_pixels +=
+            renderer::calibrate(caution, forest, scenery.tracer(), seen, snapshot.camera.position(), tolerance, s);
+        calibrated = true;
+    }
+
+    /// Learns from a frame that was lit.
+    void watch(const Seen& seen, const core::ToleranceMap& tolerance, const ShadeSettings& s,
+               const core::Radiance& radiance, const ShadeCounts& counts) {
+        const Stopwatch watch(statistics.calibration_seconds);
+        statistics.calibrated_pixels +=
+            renderer::watch(caution, forest, scenery.tracer(), seen, tolerance, s, radiance, counts.shadow_rays);
+        const double value = s.limits.caution;
+        statistics.least_caution = frames == 0 ? value : std::min(statistics.least_caution, value);
+        statistics.largest_caution = std::max(statistics.largest_caution, value);
+        ++frames;
+        statistics.mean_caution += (value - statistics.mean_caution) / static_cast<double>(frames);
+    }
+
+    /// Adds a frame to the statistics.
+    void count(const ShadeCounts& counts, const core::Visible& visible) {
+        Statistics& s = statistics;
+        if (s.non_finite == 0 && counts.non_finite > 0)
+            s.first_non_finite = "frame " + std::to_string(visible.frame) + ", pixel (" +
+                                 std::to_string(counts.first_non_finite % visible.width()) + ", " +
+                                 std::to_string(counts.first_non_finite / visible.width()) + ")";
+        s.non_finite += counts.non_finite;
+        s.shadow_rays += counts.shadow_rays;
+        s.gather_points += counts.gather_points;
+        s.capped_points += counts.capped_points;
+        s.direct_clusters += counts.direct_clusters;
+        s.indirect_clusters += counts.indirect_clusters;
+        gathered += counts.gathered;
+        clamped += counts.clamped;
+        const double all = gathered + clamped;
+        s.clamped_energy = all > 0 ? clamped / all : 0.0;
+    }
+
     Settings settings;
     Plan plan;
     Scenery scenery;
@@ -142,9 +198,12 @@ struct Renderer::Impl {
     LightForest forest;
     std::optional<scene::Snapshot> lit;  ///< the instant that `forest` shows
     bool started = false;
-    float caution = 1;
+    Caution caution;
+    bool calibrated = false;             ///< `caution` knows this shot
+    std::optional<float> given_caution;  ///< instead of it
     Statistics statistics;
     double gathered = 0, clamped = 0;
+    std::uint64_t frames = 0;  ///< that mean_caution is over
     std::array<double, static_cast<std::size_t>(Pass::count)> rows{};
 };
 
@@ -169,35 +228,29 @@ Seen Renderer::see(const scene::Snapshot& snapshot) {
 }
 
 core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance) {
-    EXPECTS(seen.visible.frame == snapshot.frame);
-    if (!impl_->started) impl_->start_chunk(snapshot);
-    impl_->pose(snapshot);
-    impl_->update_light(snapshot);
-
-    const double start = cpu_seconds();
+    Impl& i = *impl_;
+    const double start = i.prepare(snapshot, seen);
+    ShadeSettings settings = i.shade_settings();
+    const bool learns =
+        i.settings.calibrate && !i.given_caution && i.settings.stop == Stop::honest && !tolerance.is_reference();
+    if (learns && (!i.calibrated || snapshot.cut_before)) i.calibrate(snapshot, seen, tolerance, settings);
+    settings.limits.caution = i.given_caution.value_or(learns ? i.caution.value() : 1.0f);
     ShadeCounts counts;
-    const ShadeSettings settings{
-        {impl_->settings.min_cut, impl_->settings.max_cut, impl_->settings.stop, impl_->caution},
-        impl_->plan.runs(Pass::layers)};
-    core::Radiance radiance = renderer::shade(impl_->forest, impl_->scenery.tracer(), seen, snapshot.camera.position(),
-                                              tolerance, settings, counts);
-    impl_->share_time(cpu_seconds() - start, counts);
+    core::Radiance radiance =
+        renderer::shade(i.forest, i.scenery.tracer(), seen, snapshot.camera.position(), tolerance, settings, counts);
+    i.count(counts, seen.visible);
+    if (learns) i.watch(seen, tolerance, settings, radiance, counts);
+    i.share_time(cpu_seconds() - start, counts);
+    return radiance;
+}
 
-    Statistics& s = impl_->statistics;
-    if (s.non_finite == 0 && counts.non_finite > 0)
-        s.first_non_finite = "frame " + std::to_string(snapshot.frame) + ", pixel (" +
-                             std::to_string(counts.first_non_finite % seen.visible.width()) + ", " +
-                             std::to_string(counts.first_non_finite / seen.visible.width()) + ")";
-    s.non_finite += counts.non_finite;
-    s.shadow_rays += counts.shadow_rays;
-    s.gather_points += counts.gather_points;
-    s.capped_points += counts.capped_points;
-    s.direct_clusters += counts.direct_clusters;
-    s.indirect_clusters += counts.indirect_clusters;
-    impl_->gathered += counts.gathered;
-    impl_->clamped += counts.clamped;
-    const double all = impl_->gathered + impl_->clamped;
-    s.clamped_energy = all > 0 ? impl_->clamped / all : 0.0;
+core::Radiance Renderer::sketch(const scene::Snapshot& snapshot, const Seen& seen,
+                                const core::ToleranceMap& tolerance) {
+    const double start = impl_->prepare(snapshot, seen);
+    ShadeCounts counts;
+    core::Radiance radiance = renderer::shade(impl_->forest, impl_->scenery.tracer(), seen, snapshot.camera.position(),
+                                              tolerance, impl_->shade_settings(), counts);
+    impl_->share_time(cpu_seconds() - start, counts);
     return radiance;
 }
 
@@ -208,7 +261,9 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
     if (count <= 0) return {};
     impl_->pose(snapshot);
     impl_->update_light(snapshot);
-    return renderer::audit(impl_->forest, impl_->scenery.tracer(), seen, tolerance, radiance, count);
+    const std::vector<LitPixel> pixels = drawn(lit_pixels(seen), static_cast<std::size_t>(count), seen.visible.frame);
+    return compare(seen, pixels, gather_exactly(impl_->forest, impl_->scenery.tracer(), seen, pixels), tolerance,
+                   radiance);
 }
 
 void Renderer::set_stop(Stop stop) {
@@ -216,7 +271,7 @@ void Renderer::set_stop(Stop stop) {
 }
 
 void Renderer::set_caution(float factor) {
-    impl_->caution = factor;
+    impl_->given_caution = factor;
 }
 
 const RayTracer& Renderer::tracer() const {

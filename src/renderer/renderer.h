@@ -31,6 +31,7 @@ struct Settings {
     int max_cut = 1000;
     int specular_depth = 6;  ///< mirrors and glass after one another
     Clamp clamp = Clamp::bounded;
+    bool calibrate = true;  ///< Stop::honest: let the film's own light decide the caution of its cuts (calibration.h)
     core::Isa isa = core::Isa::sse2;
     std::uint64_t seed = 1;  ///< of representatives and light samples; photons use a fixed Halton sequence
 };
@@ -44,6 +45,9 @@ struct Statistics {
     std::string first_non_finite;                        ///< where: "frame 3, pixel (10, 20)"
     double clamped_energy = 0;                           ///< share of gathered luminance that clamping removed, 0..1
     std::size_t direct_points = 0, indirect_points = 0;  ///< light points of the last frame
+    double least_caution = 0, largest_caution = 0, mean_caution = 0;  ///< over frames lit; 0: none was
+    std::uint64_t calibrated_pixels = 0;  ///< gathered again for it; their rays count nowhere
+    double calibration_seconds = 0;       ///< CPU, part of the time of shading
 };
 
 /// See and shade. State that lives over frames is a function of the animation, the settings and the chunk's first
@@ -63,12 +67,16 @@ class Renderer {
     /// Gathers light for all gather points of a frame until every pixel's error bound is below its tolerance.
     core::Radiance shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance);
 
+    /// The same for a first, rough look that is no frame of the film: counts nowhere in the statistics, teaches
+    /// nothing, and takes the law of the stopping rule as it is.
+    core::Radiance sketch(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance);
+
     /// Gathers `count` pixels of a frame again, from every light point: how well its tolerances were kept (audit.h).
     /// Counts nowhere in the statistics.
     std::vector<AuditedPixel> audit(const scene::Snapshot& snapshot, const Seen& seen,
                                     const core::ToleranceMap& tolerance, const core::Radiance& radiance, int count);
 
-    /// Multiplies what the following cuts are thought to err by: 1, as fitted, unless a fit tries others.
+    /// Multiplies what the following cuts are thought to err by, whatever the film's light would decide: for fits.
     void set_caution(float factor);
     /// Another rule for the following cuts than the settings'.
     void set_stop(Stop stop);

@@ -125,7 +125,6 @@ void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size
         direct_cut += l.direct_cut;
         indirect_cut += l.indirect_cut;
         error += l.error;
-        if (l.capped) radiance_.capped.at(x, y) = 1;
         if (p.reached_by_specular) {
             specular += p.weight * scattered;
             continue;
@@ -165,6 +164,7 @@ void TileShader::add_to_pixels(const GatherTile& tile) {
             const GatherPoint& p = tile[last];
             const PointLight& l = light_[last];
             sum += p.weight * (p.point.bsdf.diffuse * (l.direct + l.indirect) + l.glossy);
+            if (l.capped) radiance_.capped.at(x, y) = 1;
         }
         radiance_.combined.at(x, y) += sum;
         const float luminance = core::luminance(sum);
@@ -243,6 +243,7 @@ core::Radiance shade(const LightForest& forest, const RayTracer& tracer, const S
     core::Radiance radiance;
     radiance.frame = seen.visible.frame;
     radiance.combined = core::Plane<glm::vec3>(width, height, glm::vec3(0));
+    radiance.capped = core::Plane<std::uint8_t>(width, height, 0);
     if (settings.layers) {
         for (auto* layer : {&radiance.emission, &radiance.direct_irradiance, &radiance.indirect_irradiance,
                             &radiance.albedo, &radiance.glossy, &radiance.specular})
@@ -250,7 +251,6 @@ core::Radiance shade(const LightForest& forest, const RayTracer& tracer, const S
         radiance.direct_cut = core::Plane<float>(width, height, 0.0f);
         radiance.indirect_cut = core::Plane<float>(width, height, 0.0f);
         radiance.error = core::Plane<float>(width, height, 0.0f);
-        radiance.capped = core::Plane<std::uint8_t>(width, height, 0);
     }
     std::vector<ShadeCounts> of_tile(seen.tiles.size());
     parallel::for_each(seen.tiles.size(), [&](std::size_t i) {

@@ -1,0 +1,82 @@
+#include "renderer/calibration.h"
+
+#include <algorithm>
+#include <set>
+
+#include "renderer/audit.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Points of a block of this side are gathered together (gather_groups.cpp).
+constexpr std::size_t block_side = 4, block_pixels = block_side * block_side;
+
+/// fit: docs/fits/caution
+constexpr std::size_t largest_sample = 512;
+constexpr std::size_t blocks_per_sample = 4;  ///< so that lighting a sample costs a fourth of a frame at most
+constexpr int rounds = 2;
+constexpr double watched_share = 0.02;  ///< of a frame's rays
+constexpr std::size_t least_watched = 8, most_watched = 64;
+
+std::uint32_t block_of(const GatherPoint& p) {
+    return static_cast<std::uint32_t>(p.pixel / tile_size / block_side * tile_size + p.pixel % tile_size / block_side);
+}
+
+/// What is left of a frame when only the blocks of some pixels are of interest.
+Seen blocks_of(const Seen& seen, const std::vector<LitPixel>& pixels) {
+    Seen thin;
+    thin.visible = seen.visible;
+    thin.unscattered = seen.unscattered;
+    thin.tiles.resize(seen.tiles.size());
+    for (std::size_t i = 0; i < pixels.size();) {
+        // All blocks of one tile at once, so that its points keep their order.
+        const std::uint32_t tile = pixels[i].tile;
+        std::set<std::uint32_t> blocks;
+        for (; i < pixels.size() && pixels[i].tile == tile; ++i)
+            blocks.insert(block_of(seen.tiles[tile][pixels[i].first]));
+        for (const GatherPoint& p : seen.tiles[tile])
+            if (blocks.contains(block_of(p))) thin.tiles[tile].push_back(p);
+    }
+    return thin;
+}
+
+std::size_t light_count(const LightForest& forest) {
+    std::size_t count = forest.exact.size();
+    for (const LightTree& tree : forest.trees) count += tree.lights.size();
+    return count;
+}
+
+}  // namespace
+
+std::size_t calibrate(Caution& caution, const LightForest& forest, const RayTracer& tracer, const Seen& seen,
+                      glm::vec3 eye, const core::ToleranceMap& tolerance, ShadeSettings settings) {
+    caution.forget();
+    const std::vector<LitPixel> lit = lit_pixels(seen);
+    const std::size_t wanted = std::min(largest_sample, lit.size() / block_pixels / blocks_per_sample);
+    if (wanted < Caution::least_pixels) return 0;
+    const std::vector<LitPixel> sample = spread(lit, wanted, seen.visible.frame);
+    const std::vector<glm::vec3> truth = gather_exactly(forest, tracer, seen, sample);
+    const Seen blocks = blocks_of(seen, sample);
+    settings.layers = false;
+    for (int round = 0; round < rounds; ++round) {
+        settings.limits.caution = caution.value();
+        ShadeCounts uncounted;
+        const core::Radiance radiance = shade(forest, tracer, blocks, eye, tolerance, settings, uncounted);
+        caution.learn(compare(seen, sample, truth, tolerance, radiance), settings.limits.caution);
+    }
+    return sample.size();
+}
+
+std::size_t watch(Caution& caution, const LightForest& forest, const RayTracer& tracer, const Seen& seen,
+                  const core::ToleranceMap& tolerance, const ShadeSettings& settings, const core::Radiance& radiance,
+                  std::uint64_t rays) {
+    const double lights = std::max(static_cast<double>(light_count(forest)), 1.0);
+    const auto affordable = static_cast<std::size_t>(watched_share * static_cast<double>(rays) / lights);
+    const std::vector<LitPixel> pixels =
+        spread(lit_pixels(seen), std::clamp(affordable, least_watched, most_watched), seen.visible.frame);
+    caution.learn(compare(seen, pixels, gather_exactly(forest, tracer, seen, pixels), tolerance, radiance),
+                  settings.limits.caution);
+    return pixels.size();
+}
+
+}  // namespace render2mpeg::renderer

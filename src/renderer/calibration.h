@@ -1,0 +1,25 @@
+#pragma once
+
+#include "core/radiance.h"
+#include "core/tolerance_map.h"
+#include "renderer/caution.h"
+#include "renderer/shade.h"
+
+namespace render2mpeg::renderer {
+
+/// How a film's own light decides the caution of its cuts (docs/model.md, "Caution"). All of it is a function of what
+/// a chunk shows and of its tolerances, for any number of threads.
+///
+/// Begins anew with a frame that resembles none before: lights some hundreds of its pixels, with those they are
+/// gathered together with, and holds them against all light points; then once more with the caution that this asks for.
+/// Small frames, whose sample would cost too much of them, leave it at 1. Returns how many pixels were gathered again.
+std::size_t calibrate(Caution& caution, const LightForest& forest, const RayTracer& tracer, const Seen& seen,
+                      glm::vec3 eye, const core::ToleranceMap& tolerance, ShadeSettings settings);
+
+/// Goes on with some pixels of a frame that was lit with `settings` and traced `rays` for it: as many as cost about a
+/// fiftieth of it. Returns how many.
+std::size_t watch(Caution& caution, const LightForest& forest, const RayTracer& tracer, const Seen& seen,
+                  const core::ToleranceMap& tolerance, const ShadeSettings& settings, const core::Radiance& radiance,
+                  std::uint64_t rays);
+
+}  // namespace render2mpeg::renderer

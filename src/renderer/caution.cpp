@@ -1,0 +1,46 @@
+#include "renderer/caution.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/numeric.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// fit: docs/fits/caution
+constexpr std::size_t window = 2048;   ///< pixels that are remembered
+constexpr float aimed_share = 0.005f;  ///< of pixels beyond their tolerance, where 0.01 is promised
+/// chosen: films need 0.25 to 1.3; beyond lie only films that show nothing of their light yet, and faults.
+constexpr float least = 0.1f, most = 2.0f;
+
+}  // namespace
+
+void Caution::forget() {
+    needed_.clear();
+    next_ = 0;
+    value_ = 1.0f;
+}
+
+void Caution::learn(std::span<const AuditedPixel> pixels, float caution) {
+    for (const AuditedPixel& p : pixels) {
+        if (p.capped || !(p.luminance > 0.0f || p.error > 0.0f)) continue;
+        const float needed = caution * core::divide_or(p.noticed(), p.tolerance, p.noticed() > 0.0f ? most : 0.0f);
+        if (needed_.size() < window)
+            needed_.push_back(needed);
+        else
+            needed_[next_] = needed;
+        next_ = (next_ + 1) % window;
+    }
+    value_ = 1.0f;
+    if (needed_.size() < least_pixels) return;
+    // The ceil((n + 1)(1 - a))-th smallest.
+    std::vector<float> sorted = needed_;
+    const auto n = static_cast<double>(sorted.size());
+    const auto place = std::min(sorted.size(), static_cast<std::size_t>(std::ceil((n + 1.0) * (1.0 - aimed_share))));
+    const auto nth = sorted.begin() + static_cast<std::ptrdiff_t>(place - 1);
+    std::nth_element(sorted.begin(), nth, sorted.end());
+    value_ = std::clamp(*nth, least, most);
+}
+
+}  // namespace render2mpeg::renderer

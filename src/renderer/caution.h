@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "renderer/audited_pixel.h"
+
+namespace render2mpeg::renderer {
+
+/// How far a film's cuts err against what CutRule thinks: learnt from pixels that were gathered a second time without
+/// clustering. The law of CutRule is that of the worst scenes; rooms err by a third of it.
+///
+/// What an audited pixel needs is the caution with which its error would just have been its tolerance, since errors
+/// fall with caution in proportion. The value is a high quantile of that over the newest pixels, so chosen that a next
+/// pixel keeps its tolerance with the promised probability whatever the errors' distribution: split conformal
+/// prediction [Lei2018, 2.2].
+class Caution {
+  public:
+    /// Fewer say too little of a hundredth.
+    static constexpr std::size_t least_pixels = 128;
+
+    /// No pixels at all: the law as it stands counts.
+    void forget();
+
+    /// Takes pixels of a frame that was lit with `caution`. Those stopped by the largest cut say nothing,
+    /// nor do black ones: their light may come on.
+    void learn(std::span<const AuditedPixel> pixels, float caution);
+
+    /// What multiplies the law, > 0; 1 while too few pixels are known.
+    float value() const { return value_; }
+    std::size_t pixels() const { return needed_.size(); }
+
+  private:
+    std::vector<float> needed_;  ///< ring of the newest
+    std::size_t next_ = 0;
+    float value_ = 1.0f;
+};
+
+}  // namespace render2mpeg::renderer

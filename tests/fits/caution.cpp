@@ -1,0 +1,195 @@
+// The fit of how the honest stop learns its caution (docs/fits/caution.md).
+//
+//   fit_caution OUT.csv NAME=SCENE...
+//
+// First table: what pixels need at a range of cautions, one pixel of one 4x4 block in every tile. Second: how well the
+// caution that a film learns from its own pixels keeps the promise, and what it costs against the law as it stands and
+// against the classic rule at the part of the tolerance that keeps the same promise in that very film.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/ledger.h"
+#include "app/production.h"
+#include "core/color.h"
+#include "core/error.h"
+#include "core/sampling.h"
+#include "parallel/loops.h"
+
+namespace render2mpeg {
+namespace {
+
+constexpr int picture_size = 512, vpls = 9000, frames_per_scene = 2, audited = 1024;
+constexpr double promise = 0.01;
+const std::vector<double> tolerances{0.02, 0.08, 0.26};
+const std::vector<double> cautions{1.0, 0.5, 0.25, 0.125};
+const std::vector<double> classic_parts{1.0, 2.0, 4.0, 8.0};
+
+/// What one way to stop came to; sums over frames.
+struct Outcome {
+    std::vector<float> errors;  ///< what is noticed of each audited pixel's error, over its tolerance
+    double rays = 0, seconds = 0, points = 0, caution = 0;
+
+    double over() const {
+        const auto beyond = std::count_if(errors.begin(), errors.end(), [](float e) { return e > 1.0f; });
+        return static_cast<double>(beyond) / static_cast<double>(errors.size());
+    }
+    double quantile(double q) const {
+        std::vector<float> sorted = errors;
+        std::sort(sorted.begin(), sorted.end());
+        return sorted[static_cast<std::size_t>(q * static_cast<double>(sorted.size() - 1))];
+    }
+};
+
+class Bench {
+  public:
+    explicit Bench(const std::string& path) : film_(prepared(path)) {
+        const perceptual::Display display(*film_.exposure, perceptual::matrix_for(picture_size));
+        floor_ = core::luminance(display.with_luma(glm::vec3(1), 16.5f));
+        for (int f = 0; f < frames_per_scene; ++f) {
+            worlds_.push_back(
+                film_.snapshot(film_.frames.first + film_.frame_count() * (2 * f + 1) / (2 * frames_per_scene)));
+            renderer::Renderer renderer(*film_.animation, film_.rendering, film_.plan);
+            seen_.push_back(thinned(renderer.see(worlds_.back())));
+        }
+    }
+
+    Outcome run(renderer::Stop stop, double tolerance, double part, std::optional<double> caution) const {
+        Outcome sum;
+        app::Production film = film_;
+        film.rendering.stop = stop;
+        renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
+        if (caution) renderer.set_caution(static_cast<float>(*caution));
+        const auto relative = static_cast<float>(tolerance), scale = static_cast<float>(1.0 / part);
+        const auto promised = core::ToleranceMap::uniform(picture_size, picture_size, {floor_, relative}),
+                   map = core::ToleranceMap::uniform(picture_size, picture_size, {floor_ * scale, relative * scale});
+        for (std::size_t f = 0; f < worlds_.size(); ++f) {
+            renderer.start_chunk(worlds_[f]);
+            renderer.sketch(worlds_[f], renderer::Seen{seen_[f].visible, {}, seen_[f].unscattered, {}}, map);
+            const renderer::Statistics before = renderer.statistics();
+            const double start = app::cpu_seconds();
+            const core::Radiance cut = renderer.shade(worlds_[f], seen_[f], map);
+            const renderer::Statistics& after = renderer.statistics();
+            sum.seconds += app::cpu_seconds() - start - (after.calibration_seconds - before.calibration_seconds);
+            sum.rays += static_cast<double>(after.shadow_rays - before.shadow_rays);
+            sum.points += static_cast<double>(after.gather_points - before.gather_points);
+            sum.caution = after.mean_caution;
+            for (const renderer::AuditedPixel& p : renderer.audit(worlds_[f], seen_[f], promised, cut, audited))
+                sum.errors.push_back(p.noticed() / std::max(p.tolerance, 1e-30f));
+        }
+        return sum;
+    }
+
+  private:
+    static app::Production prepared(const std::string& path) {
+        app::RenderOptions options;
+        options.input = path;
+        options.size = fmt::format("{0}x{0}", picture_size);
+        options.samples = 1;
+        options.vpls = vpls;
+        app::Production film = app::prepare(options);
+        film.rendering.max_cut = 1 << 20;  // the rule alone is to be judged
+        film.exposure = film.exposure ? *film.exposure : app::measure_exposure(film);
+        return film;
+    }
+
+    /// Two blocks of 4x4 of every tile: an eighth of the frame.
+    static renderer::Seen thinned(renderer::Seen seen) {
+        for (std::size_t t = 0; t < seen.tiles.size(); ++t) {
+            const int first = static_cast<int>(core::uniform(7, t) * 16);
+            std::erase_if(seen.tiles[t], [&](const renderer::GatherPoint& p) {
+                const int block = p.pixel / renderer::tile_size / 4 * 4 + p.pixel % renderer::tile_size / 4;
+                return block != first && block != (first + 7) % 16;
+            });
+        }
+        return seen;
+    }
+
+    app::Production film_;
+    float floor_ = 0;
+    std::vector<scene::Snapshot> worlds_;
+    std::vector<renderer::Seen> seen_;
+};
+
+/// Rays and seconds of the classic rule where it keeps the promise, between the parts tried; none: nowhere.
+std::optional<Outcome> classic_at_promise(const Bench& bench, double tolerance, double& part) {
+    std::optional<Outcome> before;
+    for (const double p : classic_parts) {
+        Outcome now = bench.run(renderer::Stop::classic, tolerance, p, 1.0);
+        const double over = now.over();
+        part = p;
+        if (over <= promise) {
+            if (!before) return now;
+            // Linear in between, over the logarithm of the part.
+            const double t = std::clamp((before->over() - promise) / (before->over() - over), 0.0, 1.0);
+            part = p * std::pow(2.0, t - 1.0);
+            now.rays = before->rays + t * (now.rays - before->rays);
+            now.seconds = before->seconds + t * (now.seconds - before->seconds);
+            return now;
+        }
+        before = std::move(now);
+    }
+    return std::nullopt;
+}
+
+void measure(const std::string& name, const std::string& path, std::ofstream& out) {
+    const Bench bench(path);
+    for (const double tolerance : tolerances) {
+        std::string needs, overs;
+        Outcome lawful;
+        for (const double caution : cautions) {
+            const Outcome o = bench.run(renderer::Stop::honest, tolerance, 1.0, caution);
+            needs += fmt::format(" {:.2f}", caution * o.quantile(0.99));
+            out << fmt::format("{},{:g},{:g},{:.5f},{:.4f},{:.1f}\n", name, tolerance, caution, o.over(),
+                               o.quantile(0.99), o.rays / o.points);
+            if (caution == 1.0) lawful = o;
+        }
+        const Outcome own = bench.run(renderer::Stop::honest, tolerance, 1.0, std::nullopt);
+        out << fmt::format("{},{:g},learnt {:.3f},{:.5f},{:.4f},{:.1f}\n", name, tolerance, own.caution, own.over(),
+                           own.quantile(0.99), own.rays / own.points);
+        double part = 0;
+        const std::optional<Outcome> classic = classic_at_promise(bench, tolerance, part);
+        const std::string against = classic ? fmt::format("{:.2f}, {:.2f} (/{:.1f})", own.rays / classic->rays,
+                                                          own.seconds / classic->seconds, part)
+                                            : "- (over 8)";
+        fmt::print("| {} | {:g} % |{} | {:.2f} | {:.2f} % | {:.2f} | {:.2f} %; {:.2f}, {:.2f} | {} |\n", name,
+                   100 * tolerance, needs, own.caution, 100 * own.over(), own.quantile(0.99), 100 * lawful.over(),
+                   own.rays / lawful.rays, own.seconds / lawful.seconds, against);
+        std::fflush(stdout);
+        out.flush();
+    }
+}
+
+}  // namespace
+}  // namespace render2mpeg
+
+int main(int argc, char** argv) {
+    using namespace render2mpeg;
+    try {
+        if (argc < 3) throw core::Error("usage: fit_caution OUT.csv NAME=SCENE...");
+        const parallel::ThreadLimit limit(1);  // so that CPU seconds are those of the work
+        std::ofstream out(argv[1]);
+        out << "scene,tolerance,caution,over,p99,rays\n";
+        fmt::print(
+            "| scene | tolerance | r at 99 %, lit at 1, 1/2, 1/4, 1/8 | learnt c | over | p99 of error/T | "
+            "at c = 1: over; rays, time of c over it | rays, time over classic's at equal 99 % (at T/) |\n"
+            "|---|---|---|---|---|---|---|---|\n");
+        for (int i = 2; i < argc; ++i) {
+            const std::string text = argv[i];
+            const std::size_t equals = text.find('=');
+            if (equals == std::string::npos) throw core::Error(text + ": expected NAME=SCENE");
+            measure(text.substr(0, equals), text.substr(equals + 1), out);
+        }
+        if (!out) throw core::Error("writing", argv[1], "the file cannot be written");
+        return 0;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "%s\n", error.what());
+        return 1;
+    }
+}

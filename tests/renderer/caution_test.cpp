@@ -1,0 +1,198 @@
+#include "renderer/caution.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "core/color.h"
+#include "core/sampling.h"
+#include "parallel/loops.h"
+#include "tests/renderer/film_stage.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+using test::FilmStage;
+
+/// Pixels whose errors over their tolerance are `error` of uniform numbers.
+std::vector<AuditedPixel> pixels_of(int count, std::uint64_t seed, const std::function<float(float)>& error) {
+    std::vector<AuditedPixel> pixels;
+    for (int i = 0; i < count; ++i) {
+        AuditedPixel p;
+        p.luminance = 1.0f;
+        p.tolerance = 0.02f;
+        p.error = p.tolerance * error(core::uniform(seed, static_cast<std::uint64_t>(i)));
+        pixels.push_back(p);
+    }
+    return pixels;
+}
+
+TEST(Caution, IsTheLawsOwnWhileLittleIsKnown) {
+    Caution caution;
+    EXPECT_EQ(caution.value(), 1.0f);
+    caution.learn(pixels_of(Caution::least_pixels - 1, 1, [](float) { return 0.2f; }), 1.0f);
+    EXPECT_EQ(caution.value(), 1.0f);
+    caution.learn(pixels_of(1, 1, [](float) { return 0.2f; }), 1.0f);
+    EXPECT_NEAR(caution.value(), 0.2f, 1e-5f);
+    caution.forget();
+    EXPECT_EQ(caution.value(), 1.0f);
+}
+
+TEST(Caution, KeepsThePromiseForNewPixelsWhateverTheirErrors) {
+    const std::function<float(float)> shapes[] = {
+        [](float u) { return 0.5f * u; },                                      // even
+        [](float u) { return -0.1f * std::log(1.0f - u); },                    // exponential
+        [](float u) { return 0.05f * std::pow(1.0f - u, -0.4f); },             // heavy tail
+        [](float u) { return u < 0.97f ? 0.1f : 0.5f + 10.0f * (u - 0.97f); }  // a few of another kind
+    };
+    for (const auto& shape : shapes) {
+        double over = 0, pixels = 0;
+        for (std::uint64_t film = 0; film < 100; ++film) {
+            Caution caution;
+            caution.learn(pixels_of(400, 2 * film, shape), 1.0f);
+            // Errors at the caution found are those at 1 over it.
+            for (const AuditedPixel& p : pixels_of(1000, 2 * film + 1, shape)) {
+                over += p.noticed() > caution.value() * p.tolerance ? 1 : 0;
+                pixels += 1;
+            }
+        }
+        EXPECT_LT(over / pixels, 0.01);
+        EXPECT_GT(over / pixels, 0.001);  // more would be waste
+    }
+}
+
+TEST(Caution, IsToldInTheMeasureOfTheCautionThatPixelsWereLitWith) {
+    Caution at_one, at_half;
+    at_one.learn(pixels_of(300, 1, [](float u) { return 0.6f * u; }), 1.0f);
+    at_half.learn(pixels_of(300, 1, [](float u) { return 1.2f * u; }), 0.5f);
+    EXPECT_NEAR(at_one.value(), at_half.value(), 1e-5f);
+}
+
+TEST(Caution, RisesWithTheFirstPixelsOfAnotherLightAndForgetsItInTime) {
+    Caution caution;
+    caution.learn(pixels_of(1000, 1, [](float u) { return 0.3f * u; }), 1.0f);
+    const float before = caution.value();
+    caution.learn(pixels_of(64, 2, [](float u) { return u < 0.7f ? 0.3f * u : 2.0f; }), 1.0f);
+    EXPECT_NEAR(caution.value(), 2.0f, 1e-5f);
+    for (std::uint64_t i = 0; i < 100; ++i) caution.learn(pixels_of(64, 3 + i, [](float u) { return 0.3f * u; }), 1.0f);
+    EXPECT_NEAR(caution.value(), before, 0.01f);
+}
+
+TEST(Caution, TakesNoLessonFromPixelsThatNothingWasPromisedOf) {
+    Caution caution;
+    auto pixels = pixels_of(1000, 1, [](float u) { return u < 0.5f ? 100.0f : 0.2f; });
+    for (AuditedPixel& p : pixels) p.capped = p.error > p.tolerance;
+    caution.learn(pixels, 1.0f);
+    EXPECT_NEAR(caution.value(), 0.2f, 1e-5f);
+    // Black ones, too: the light may come on.
+    caution.forget();
+    pixels.assign(1000, {});
+    caution.learn(pixels, 1.0f);
+    EXPECT_EQ(caution.pixels(), 0u);
+    EXPECT_EQ(caution.value(), 1.0f);
+}
+
+TEST(Caution, CountsColour) {
+    Caution caution;
+    auto pixels = pixels_of(500, 1, [](float) { return 0.1f; });
+    for (AuditedPixel& p : pixels) p.chroma = p.tolerance;
+    caution.learn(pixels, 1.0f);
+    EXPECT_NEAR(caution.value(), 0.5f, 1e-5f);
+}
+
+TEST(Caution, StaysWithinItsBounds) {
+    Caution caution;
+    caution.learn(pixels_of(500, 1, [](float) { return 1e30f; }), 1.0f);
+    EXPECT_LE(caution.value(), 5.0f);
+    caution.forget();
+    caution.learn(pixels_of(500, 1, [](float) { return 0.0f; }), 1.0f);
+    EXPECT_GE(caution.value(), 0.05f);
+    EXPECT_LT(caution.value(), 1.0f);
+}
+
+/// The least side of a frame that is calibrated.
+constexpr int side = 96;
+
+Settings room_settings(bool calibrate) {
+    Settings settings = test::small_frame(side, side);
+    settings.vpls = 1000;
+    settings.direct_points = 128;
+    settings.max_cut = 1 << 20;
+    settings.calibrate = calibrate;
+    return settings;
+}
+
+double share_over(const core::Radiance& truth, const core::Radiance& cut, float tolerance) {
+    double over = 0;
+    for (std::size_t i = 0; i < truth.combined.size(); ++i) {
+        const float y = core::luminance(truth.combined.values()[i]);
+        over += std::abs(core::luminance(cut.combined.values()[i]) - y) > tolerance * y ? 1 : 0;
+    }
+    return over / static_cast<double>(truth.combined.size());
+}
+
+TEST(CalibrationSlow, KeepsThePromiseOfARoomWithFarFewerRays) {
+    FilmStage lawful(test::furnished_room(), room_settings(false)), own(test::furnished_room(), room_settings(true));
+    const core::Radiance truth = lawful.reference();
+    for (const float tolerance : {0.02f, 0.08f}) {
+        own.renderer().start_chunk(own.at(0));
+        const std::uint64_t rays[] = {own.statistics().shadow_rays, lawful.statistics().shadow_rays};
+        EXPECT_LE(share_over(truth, own.cut(tolerance), tolerance), 0.01);
+        lawful.cut(tolerance);
+        const double ratio = static_cast<double>(own.statistics().shadow_rays - rays[0]) /
+                             static_cast<double>(lawful.statistics().shadow_rays - rays[1]);
+        EXPECT_LT(ratio, 0.8) << tolerance;
+        EXPECT_GT(ratio, 0.1) << tolerance;
+    }
+    const Statistics& s = own.statistics();
+    EXPECT_LT(s.largest_caution, 0.8);
+    EXPECT_GT(s.least_caution, 0.1);
+    EXPECT_GE(s.mean_caution, s.least_caution);
+    EXPECT_LE(s.mean_caution, s.largest_caution);
+    EXPECT_GT(s.calibrated_pixels, 2 * Caution::least_pixels);
+    EXPECT_LT(s.calibrated_pixels, 4 * Caution::least_pixels);
+}
+
+TEST(Calibration, IsTheSameForAnyNumberOfThreads) {
+    core::Radiance frames[2][2];
+    double cautions[2];
+    for (int threads : {1, 2}) {
+        const parallel::ThreadLimit limit(threads);
+        Settings settings = room_settings(true);
+        settings.vpls = 200;
+        FilmStage stage(test::furnished_room(), settings);
+        for (int i = 0; i < 2; ++i) frames[threads - 1][i] = stage.cut(0.2f, i);
+        cautions[threads - 1] = stage.statistics().mean_caution;
+    }
+    for (int i = 0; i < 2; ++i) EXPECT_TRUE(test::same_bytes(frames[0][i], frames[1][i]));
+    EXPECT_EQ(cautions[0], cautions[1]);
+    EXPECT_NE(cautions[0], 1.0);
+}
+
+TEST(Calibration, LeavesSmallFramesAlone) {
+    FilmStage small(test::furnished_room(), test::small_frame(40, 40));
+    small.cut(0.1f);
+    EXPECT_EQ(small.statistics().mean_caution, 1.0);
+}
+
+TEST(Calibration, BeginsAnewWithEachChunkAndTeachesNothingByRoughLooks) {
+    Settings settings = room_settings(true);
+    settings.vpls = 200;
+    FilmStage stage(test::furnished_room(), settings);
+    const scene::Snapshot world = stage.at(0);
+    const Seen seen = stage.renderer().see(world);
+    const auto map = core::ToleranceMap::uniform(side, side, {0.0f, 0.2f});
+    const core::Radiance first = stage.renderer().shade(world, seen, map);
+    stage.renderer().start_chunk(world);
+    const Statistics before = stage.statistics();
+    stage.renderer().sketch(world, seen, map);
+    EXPECT_EQ(stage.statistics().gather_points, before.gather_points);
+    EXPECT_EQ(stage.statistics().shadow_rays, before.shadow_rays);
+    EXPECT_EQ(stage.statistics().direct_clusters, before.direct_clusters);
+    EXPECT_TRUE(test::same_bytes(first, stage.renderer().shade(world, seen, map)));
+}
+
+}  // namespace
+}  // namespace render2mpeg::renderer
