@@ -4,12 +4,10 @@
 #include <set>
 
 #include "renderer/audit.h"
+#include "renderer/gather_groups.h"
 
 namespace render2mpeg::renderer {
 namespace {
-
-/// Points of a block of this side are gathered together (gather_groups.cpp).
-constexpr std::size_t block_side = 4, block_pixels = block_side * block_side;
 
 /// fit: docs/fits/caution
 constexpr std::size_t largest_sample = 512;
@@ -17,10 +15,6 @@ constexpr std::size_t blocks_per_sample = 4;  ///< so that lighting a sample cos
 constexpr int rounds = 2;
 constexpr double watched_share = 0.02;  ///< of a frame's rays
 constexpr std::size_t least_watched = 8, most_watched = 64;
-
-std::uint32_t block_of(const GatherPoint& p) {
-    return static_cast<std::uint32_t>(p.pixel / tile_size / block_side * tile_size + p.pixel % tile_size / block_side);
-}
 
 /// What is left of a frame when only the blocks of some pixels are of interest.
 Seen blocks_of(const Seen& seen, const std::vector<LitPixel>& pixels) {
@@ -31,11 +25,11 @@ Seen blocks_of(const Seen& seen, const std::vector<LitPixel>& pixels) {
     for (std::size_t i = 0; i < pixels.size();) {
         // All blocks of one tile at once, so that its points keep their order.
         const std::uint32_t tile = pixels[i].tile;
-        std::set<std::uint32_t> blocks;
+        std::set<int> blocks;
         for (; i < pixels.size() && pixels[i].tile == tile; ++i)
-            blocks.insert(block_of(seen.tiles[tile][pixels[i].first]));
+            blocks.insert(block_of(seen.tiles[tile][pixels[i].first].pixel, representative_sets));
         for (const GatherPoint& p : seen.tiles[tile])
-            if (blocks.contains(block_of(p))) thin.tiles[tile].push_back(p);
+            if (blocks.contains(block_of(p.pixel, representative_sets))) thin.tiles[tile].push_back(p);
     }
     return thin;
 }
@@ -52,7 +46,7 @@ std::size_t calibrate(Caution& caution, const LightForest& forest, const RayTrac
                       glm::vec3 eye, const core::ToleranceMap& tolerance, ShadeSettings settings) {
     caution.forget();
     const std::vector<LitPixel> lit = lit_pixels(seen);
-    const std::size_t wanted = std::min(largest_sample, lit.size() / block_pixels / blocks_per_sample);
+    const std::size_t wanted = std::min(largest_sample, lit.size() / lane_count / blocks_per_sample);
     if (wanted < Caution::least_pixels) return 0;
     const std::vector<LitPixel> sample = spread(lit, wanted, seen.visible.frame);
     const std::vector<glm::vec3> truth = gather_exactly(forest, tracer, seen, sample);

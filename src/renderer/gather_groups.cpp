@@ -70,6 +70,10 @@ struct Pattern {
 
 }  // namespace
 
+int block_of(int pixel, int sets) {
+    return static_cast<int>(Pattern(sets).block(pixel % tile_size, pixel / tile_size));
+}
+
 std::vector<GatherGroup> group_points(const GatherTile& tile, glm::vec3 eye, int sets) {
     const Pattern pattern(sets);
     std::array<std::vector<std::uint32_t>, tile_size * tile_size / lane_count> blocks;

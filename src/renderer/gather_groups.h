@@ -24,4 +24,8 @@ struct GatherGroup {
 /// from.
 std::vector<GatherGroup> group_points(const GatherTile& tile, glm::vec3 eye, int sets);
 
+/// The block that a pixel of a tile (GatherPoint::pixel) belongs to, 0..15: sixteen pixels that share a cut if they show
+/// one surface.
+int block_of(int pixel, int sets);
+
 }  // namespace render2mpeg::renderer

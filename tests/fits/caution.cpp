@@ -21,6 +21,7 @@
 #include "core/error.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
+#include "renderer/gather_groups.h"
 
 namespace render2mpeg {
 namespace {
@@ -99,12 +100,12 @@ class Bench {
         return film;
     }
 
-    /// Two blocks of 4x4 of every tile: an eighth of the frame.
+    /// Two blocks of sixteen pixels of every tile: an eighth of the frame.
     static renderer::Seen thinned(renderer::Seen seen) {
         for (std::size_t t = 0; t < seen.tiles.size(); ++t) {
             const int first = static_cast<int>(core::uniform(7, t) * 16);
             std::erase_if(seen.tiles[t], [&](const renderer::GatherPoint& p) {
-                const int block = p.pixel / renderer::tile_size / 4 * 4 + p.pixel % renderer::tile_size / 4;
+                const int block = renderer::block_of(p.pixel, renderer::representative_sets);
                 return block != first && block != (first + 7) % 16;
             });
         }
