@@ -153,6 +153,10 @@ struct MacroblockRecord {
     std::int16_t backward_x = 0, backward_y = 0;  ///< half pixels
 };
 
+namespace mpeg2 {
+struct Search;
+}
+
 struct CodedPicture {
     PicturePlan plan;
     int quantiser = 4;  ///< of the slices' headers; seldom more than one step from the plan's
@@ -160,7 +164,7 @@ struct CodedPicture {
     std::vector<std::uint8_t> bytes;  ///< whole access unit: sequence and GOP headers where they stand before it
     core::Picture reconstruction;     ///< what a decoder shows: cropped to the display size
     core::Plane<MacroblockRecord> macroblocks;
-    std::uint64_t block_evaluations = 0;  ///< 16x16 differences computed to choose motion
+    std::uint64_t block_evaluations = 0;  ///< 16x16 differences computed to choose motion and modes, in all tries
     int tries = 1;                        ///< codings until it fitted the buffer
     bool minimal = false;                 ///< not even the coarsest quantiser fitted: nothing but flat blocks, or skips
     std::uint64_t stuffing_bytes = 0;     ///< zeros in `bytes` that keep the buffer from running over
@@ -175,7 +179,10 @@ struct CodedPicture {
 /// the first of those.
 class Encoder {
   public:
+    /// Throws as check() does.
     explicit Encoder(const Settings& settings);
+    /// For measurements alone (encoder/mpeg2/search.h, which is not installed).
+    Encoder(const Settings& settings, const mpeg2::Search& search);
     ~Encoder();
 
     /// Decides type, references and quantiser of the next picture in display order; it may run ahead of push(), over

@@ -28,11 +28,13 @@ float staying_share(const core::MotionField& onward, int column, int row) {
     return static_cast<float>(staying) / static_cast<float>(std::max(1, all));
 }
 
-/// Whether every second pixel of every second row stands still; macroblocks beyond the field repeat its edge.
+/// Whether every second pixel of every second row stands still. Macroblocks beyond the field, which are there where
+/// pictures are fields, show nobody anything: they do not.
 bool stands_still(const core::MotionField& onward, int column, int row) {
     constexpr int step = 2;
     const int end_x = std::min(column * 16 + 16, onward.vector.width());
     const int end_y = std::min(row * 16 + 16, onward.vector.height());
+    if (row * 16 >= end_y || column * 16 >= end_x) return false;
     for (int y = row * 16; y < end_y; y += step)
         for (int x = column * 16; x < end_x; x += step) {
             const glm::vec2 v = onward.vector.at(x, y);

@@ -17,6 +17,7 @@
 #include "encoder/mpeg2/picture_order.h"
 #include "encoder/mpeg2/rate_steering.h"
 #include "encoder/mpeg2/refresh.h"
+#include "encoder/mpeg2/search.h"
 #include "encoder/mpeg2/syntax.h"
 #include "encoder/mpeg2/vbv_schedule.h"
 
@@ -67,8 +68,9 @@ core::Plane<mpeg2::Vector> stretched(const Reference& from, std::int64_t distanc
 }  // namespace
 
 struct Encoder::Impl {
-    explicit Impl(const Settings& s)
+    Impl(const Settings& s, const mpeg2::Search& measured)
         : settings(s),
+          search(measured),
           level(mpeg2::level_for(s)),
           channel(mpeg2::channel_for(s, level)),
           minimal(mpeg2::minimal_bits(s, level)),
@@ -77,6 +79,7 @@ struct Encoder::Impl {
           refresh(source.columns(), source.rows()) {}
 
     const Settings settings;
+    const mpeg2::Search search;
     const mpeg2::Level& level;
     const mpeg2::Channel channel;
     const mpeg2::MinimalBits minimal;
@@ -153,6 +156,7 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
                             plan.quantiser,
                             settings.effort,
                             fields_of(settings, plan.number)};
+    task.search_range = search.range;
     task.quantisers = &quantisers;
     task.weights = mpeg2::weights_for(settings.tune);
     if (plan.type == PictureType::predicted) task.intra_due = &refresh.due();
@@ -222,9 +226,10 @@ Declaration declaration_of(const Settings& settings) {
     return {level.name, channel.bit_rate, channel.buffer_bits, channel.border_bits};
 }
 
-Encoder::Encoder(const Settings& settings) {
+Encoder::Encoder(const Settings& settings) : Encoder(settings, mpeg2::Search{}) {}
+Encoder::Encoder(const Settings& settings, const mpeg2::Search& search) {
     check(settings);
-    impl_ = std::make_unique<Impl>(settings);
+    impl_ = std::make_unique<Impl>(settings, search);
 }
 Encoder::~Encoder() = default;
 

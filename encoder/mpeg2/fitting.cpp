@@ -26,8 +26,11 @@ int coarser(int quantiser, std::int64_t bits, std::int64_t most_bits, int tries)
 Fitted code_within(const PictureTask& task, const Level& level, std::int64_t most_bits) {
     PictureTask attempt = task;
     Fitted fitted;
+    std::uint64_t evaluations = 0;
     for (;; ++fitted.tries) {
         fitted.picture = code_picture(attempt, level);
+        fitted.picture.evaluations += evaluations;
+        evaluations = fitted.picture.evaluations;
         fitted.quantiser = attempt.quantiser;
         const std::int64_t bits = bits_of(fitted.picture);
         if (bits <= most_bits) return fitted;
@@ -43,6 +46,7 @@ Fitted code_within(const PictureTask& task, const Level& level, std::int64_t mos
         attempt.forced = nullptr;
     }
     fitted.picture = minimal_picture(task);
+    fitted.picture.evaluations = evaluations;
     fitted.minimal = true;
     ++fitted.tries;
     EXPECTS(bits_of(fitted.picture) <= most_bits);

@@ -7,10 +7,10 @@
 namespace render2mpeg::encoder::mpeg2 {
 
 struct Fitted {
-    PictureResult picture;
-    int quantiser = 1;     ///< it was coded with
-    int tries = 1;         ///< codings, the kept one included
-    bool minimal = false;  ///< minimal_picture()
+    PictureResult picture;  ///< its evaluations are those of all tries
+    int quantiser = 1;      ///< it was coded with
+    int tries = 1;          ///< codings, the kept one included
+    bool minimal = false;   ///< minimal_picture()
 };
 
 /// Codes a picture within `most_bits`: with the task's quantiser, else with coarser ones, then with ever less detail,

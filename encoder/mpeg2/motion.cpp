@@ -58,7 +58,7 @@ class Chooser {
           first_(columns_, rows_),
           chosen_(columns_, rows_),
           trials_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
-          limit_(measured_search_range > 0 ? evaluation_limit : s_.evaluation_limit),
+          limit_(s_.search_range > 0 ? evaluation_limit : s_.evaluation_limit),
           searched_(static_cast<std::size_t>(rows_)) {}
 
     MotionChoice run() {
@@ -95,7 +95,7 @@ class Chooser {
                 if (s_.previous) evaluate(column, row, allowed.clamp(s_.previous->at(column, row)));
                 evaluate(column, row, allowed.clamp(left));
             }
-            if (measured_search_range > 0) search_about_best(column, row);
+            if (s_.search_range > 0) search_about_best(column, row);
             const Trials& t = trials(column, row);
             left = std::min_element(t.begin(), t.end(), [](const auto& a, const auto& b) {
                        return a.difference < b.difference;
@@ -112,7 +112,8 @@ class Chooser {
         const Vector centre = std::min_element(t.begin(), t.end(), [](const auto& a, const auto& b) {
                                   return a.difference < b.difference;
                               })->vector();
-        const SearchResult found = search(s_.picture, s_.reference, column, row, range(column, row), centre, price);
+        const SearchResult found =
+            search(s_.picture, s_.reference, column, row, range(column, row), centre, price, s_.search_range);
         searched_[static_cast<std::size_t>(row)] += static_cast<std::uint64_t>(found.evaluations);
         for (int i = 0; i < found.count; ++i) evaluate(column, row, found.vector[i]);
     }

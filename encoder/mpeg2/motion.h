@@ -21,7 +21,8 @@ struct MotionSources {
     bool zero_is_unsaid;  ///< a zero vector costs next to nothing: P pictures
     Effort effort = Effort::quality;
     std::uint32_t enough = 0;   ///< Hadamard sum at which no more vectors are tried
-    int evaluation_limit = 40;  ///< most 16x16 differences computed for one macroblock, 9..40
+    int evaluation_limit = 39;  ///< most 16x16 differences computed for one macroblock, 9..40
+    int search_range = 0;       ///< encoder/mpeg2/search.h
 };
 
 /// The best vectors of a macroblock, best first.
@@ -37,10 +38,13 @@ struct MotionChoice {
     std::uint64_t evaluations = 0;  ///< 16x16 differences computed
 };
 
-/// Most 16x16 differences computed for one macroblock to choose its movement: in a P picture, in each direction of a B
-/// picture, and of means of both there.
-inline constexpr int evaluation_limit = 40, evaluation_limit_per_direction = 18, evaluation_limit_of_means = 4;
-static_assert(2 * evaluation_limit_per_direction + evaluation_limit_of_means <= evaluation_limit);
+/// Most 16x16 differences computed for one macroblock: in all; to choose a vector in a P picture, and in each direction
+/// of a B picture; of means of both there; to see whether intra coding may win.
+inline constexpr int evaluation_limit = 40, evaluation_limit_of_vectors = 39, evaluation_limit_per_direction = 17,
+                     evaluation_limit_of_means = 4, evaluation_limit_of_intra = 1;
+static_assert(evaluation_limit_of_vectors + evaluation_limit_of_intra <= evaluation_limit);
+static_assert(2 * evaluation_limit_per_direction + evaluation_limit_of_means + evaluation_limit_of_intra <=
+              evaluation_limit);
 
 /// Chooses a vector for every macroblock by Hadamard difference plus the price of the vector's bits, among the
 /// renderer's exact vectors, predictors (left, above, above right, their median, the picture before) and zero, then

@@ -41,10 +41,10 @@ Vectors choose(const PictureTask& task, const Level& level, std::uint64_t& evalu
     const auto enough = static_cast<std::uint32_t>(task.effort == Effort::fast ? enough_fast * task.quantiser : 0);
     for (std::size_t d = 0; d < 2; ++d) {
         if (!task.reference[d]) continue;
-        MotionChoice choice =
-            choose_vectors({task.source, *task.reference[d], task.exact[d], task.predictors[d], level.horizontal_f_code,
-                            lambda_motion * static_cast<float>(task.quantiser), !bidirectional, task.effort, enough,
-                            bidirectional ? evaluation_limit_per_direction : evaluation_limit});
+        MotionChoice choice = choose_vectors(
+            {task.source, *task.reference[d], task.exact[d], task.predictors[d], level.horizontal_f_code,
+             lambda_motion * static_cast<float>(task.quantiser), !bidirectional, task.effort, enough,
+             bidirectional ? evaluation_limit_per_direction : evaluation_limit_of_vectors, task.search_range});
         vectors[d] = std::move(choice.vectors);
         evaluations += choice.evaluations;
     }

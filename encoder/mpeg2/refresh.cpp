@@ -1,5 +1,7 @@
 #include "encoder/mpeg2/refresh.h"
 
+#include <algorithm>
+
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
@@ -18,7 +20,8 @@ void Refresh::record(PictureType type, const core::Plane<MacroblockRecord>& macr
         for (int column = 0; column < due_.width(); ++column) {
             const MacroblockRecord& m = macroblocks.at(column, row);
             std::uint8_t& count = predictions_.at(column, row);
-            count = static_cast<std::uint8_t>(m.intra ? 0 : count + (m.skipped ? 0 : 1));
+            // Minimal pictures renew nothing, however long that is due.
+            count = static_cast<std::uint8_t>(m.intra ? 0 : std::min(255, count + (m.skipped ? 0 : 1)));
             due_.at(column, row) = count >= most_predictions - early(column, row) ? 1 : 0;
         }
 }

@@ -115,12 +115,13 @@ class RowDecider {
 
     /// Intra costs at least its type, six DC sizes and six ends of block, and its distortion is hardly below what
     /// quantisation leaves of the block's own activity.
-    bool intra_may_win(int column, float inter_cost) const {
+    bool intra_may_win(int column, float inter_cost) {
         const int least_bits = picture_.effort == Effort::fast ? intra_bits_fast : 5 + 6 * 2 + 6 * 2;
         if (inter_cost <= lambda_ * least_bits) return false;
         const Kernels& k = kernels();
         const auto stride = static_cast<std::ptrdiff_t>(picture_.source.y.width());
         const std::uint8_t* here = picture_.source.y.row(row_ * 16) + column * 16;
+        ++code_.evaluations;
         return static_cast<float>(k.activity_16x16(here, stride)) <
                intra_activity_limit * static_cast<float>(k.satd_16x16(here, stride, inter_->prediction.y, 16));
     }
@@ -142,7 +143,9 @@ class RowDecider {
 
     /// Adopts an attempt, made coarser where it would exceed the limit of bits.
     void keep(int column, Attempt& attempt) {
-        const int limit = static_cast<int>(macroblock_bits_limit) - address_increment_bits(state_.skipped);
+        const int components = 2 * (attempt.movement.uses[0] + attempt.movement.uses[1]);  // none in intra macroblocks
+        const int limit = static_cast<int>(macroblock_bits_limit) - address_increment_bits(state_.skipped) -
+                          components * f_code_margin;
         while (largest(attempt) > limit && attempt.quantiser < 31) requantise(column, attempt, attempt.quantiser + 1);
         if (largest(attempt) > limit) truncate_to(attempt, picture_, state_, limit);
 

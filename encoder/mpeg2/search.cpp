@@ -6,8 +6,6 @@
 
 namespace render2mpeg::encoder::mpeg2 {
 
-int measured_search_range = 0;
-
 namespace {
 
 /// Sum of absolute differences of the macroblock and the reference at a whole-pixel vector.
@@ -24,12 +22,12 @@ std::uint32_t difference(const Frame& picture, const Frame& reference, int colum
 }  // namespace
 
 SearchResult search(const Frame& picture, const Frame& reference, int column, int row, const VectorRange& allowed,
-                    Vector centre, float cost_per_bit) {
-    const ComponentPrices price(f_code_for(-2 * measured_search_range, 2 * measured_search_range));
+                    Vector centre, float cost_per_bit, int range) {
+    const ComponentPrices price(f_code_for(-2 * range, 2 * range));
     SearchResult result;
     float costs[SearchResult::most] = {};
-    for (int y = -measured_search_range; y <= measured_search_range; ++y)
-        for (int x = -measured_search_range; x <= measured_search_range; ++x) {
+    for (int y = -range; y <= range; ++y)
+        for (int x = -range; x <= range; ++x) {
             const Vector v{static_cast<std::int16_t>((centre.x & ~1) + 2 * x),
                            static_cast<std::int16_t>((centre.y & ~1) + 2 * y)};
             if (!allowed.contains(v)) continue;

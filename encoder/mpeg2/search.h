@@ -3,13 +3,14 @@
 #include "encoder/mpeg2/frame.h"
 #include "encoder/mpeg2/vector.h"
 
-/// What exact motion makes needless, to be measured against: a full search. Not part of the product: nothing but
-/// tests/bench/encoder_rd sets the range.
+/// What exact motion makes needless, to be measured against: a full search. Not part of the product: only
+/// tests/bench/encoder_rd asks for it, and this header is not installed.
 namespace render2mpeg::encoder::mpeg2 {
 
-/// Whole pixels to each side of the best predictor that every macroblock is compared with; 0, as it always is outside
-/// of measurements: no search. Set while no picture is being coded.
-extern int measured_search_range;
+/// Given to an Encoder instead of nothing, it makes it search.
+struct Search {
+    int range = 0;  ///< whole pixels to each side of the best predictor; 0: none
+};
 
 /// The best of a search, by sum of absolute differences and the price of the distance from the centre.
 struct SearchResult {
@@ -19,9 +20,9 @@ struct SearchResult {
     int evaluations = 0;  ///< 16x16 differences computed
 };
 
-/// Compares the macroblock with every whole-pixel place within measured_search_range of `centre` and within `allowed`.
+/// Compares the macroblock with every whole-pixel place within `range` of `centre` and within `allowed`.
 /// `cost_per_bit` is in sums of absolute differences.
 SearchResult search(const Frame& picture, const Frame& reference, int column, int row, const VectorRange& allowed,
-                    Vector centre, float cost_per_bit);
+                    Vector centre, float cost_per_bit, int range);
 
 }  // namespace render2mpeg::encoder::mpeg2

@@ -49,6 +49,10 @@ int f_code_for(int low, int high);
 /// Bits of one component's difference from its prediction. Both lie in the range of the f_code.
 int component_bits(int difference, int f_code);
 
+/// Bits by which a component may grow where it is written with a smaller f_code than it was decided with: short codes
+/// with many residual bits become long ones with few. The most over all f_codes and differences (test).
+inline constexpr int f_code_margin = 4;
+
 /// The same from a table, for differences up to twice that range; beyond costs more than all within.
 class ComponentPrices {
   public:

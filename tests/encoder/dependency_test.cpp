@@ -40,6 +40,15 @@ TEST(Dependency, WhatLeavesThePictureIsCoarserThanWhatStays) {
     EXPECT_EQ(factors.at(3, 0), 1.0f);
 }
 
+TEST(Dependency, MacroblocksBeyondThePictureAreWorthNothing) {
+    // 40 lines shown as fields are coded as 64: whole macroblocks in each field.
+    core::MotionField onward = uniform_motion(16, 40, 0, {0, 0});
+    onward.reference = 7;
+    const core::Plane<float> factors = mpeg2::quantiser_factors(onward, 1, 4);
+    EXPECT_LT(factors.at(0, 2), 0.7f) << "half of it is seen";
+    EXPECT_EQ(factors.at(0, 3), 1.0f);
+}
+
 /// A picture whose left half stands still while the right one slides.
 core::Picture half_still(const Settings& s, std::int64_t n) {
     return paint(s.width, s.height, n, [&](int plane, double x, double y) {

@@ -44,5 +44,17 @@ TEST(Refresh, NoMacroblockIsPredictedForEver) {
     EXPECT_GE(most_intra, 1);
 }
 
+TEST(Refresh, WhatIsDueStaysDueHoweverLongItIsNotRenewed) {
+    mpeg2::Refresh refresh(1, 1);
+    core::Plane<MacroblockRecord> coded(1, 1);
+    for (int n = 0; n < 1000; ++n) {
+        refresh.record(PictureType::predicted, coded);
+        ASSERT_EQ(refresh.due().at(0, 0), n + 1 >= mpeg2::most_predictions ? 1 : 0) << n;
+    }
+    coded.at(0, 0).intra = true;
+    refresh.record(PictureType::predicted, coded);
+    EXPECT_EQ(refresh.due().at(0, 0), 0);
+}
+
 }  // namespace
 }  // namespace render2mpeg::encoder::testing

@@ -64,7 +64,7 @@ Run start(const Clip& clip, const OwnCodec& codec, int quantiser) {
     s.tune = codec.tune;
     Run run;
     run.codec = codec;
-    run.encoder = std::make_unique<encoder::Encoder>(s);
+    run.encoder = std::make_unique<encoder::Encoder>(s, encoder::mpeg2::Search{codec.search});
     run.measured.quantiser = quantiser;
     return run;
 }
@@ -130,10 +130,8 @@ std::vector<std::vector<Measured>> code_with_ours(const Clip& clip, const std::v
                 if (run.codec.told && run.codec.search == 0) motion.push_back(clip.motion(n, reference));
             encoder::Hints hints;
             if (plan.horizon && run.codec.told) hints.onward = &clip.motion(n, *plan.horizon);
-            encoder::mpeg2::measured_search_range = run.codec.search;
             run.take(clip,
                      timed(run.measured.seconds, [&] { return run.encoder->push(picture, plan, motion, hints); }));
-            encoder::mpeg2::measured_search_range = 0;
         }
     }
 
