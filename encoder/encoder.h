@@ -84,6 +84,9 @@ struct Allotment {
     double bits_left = 0;  ///< the same summed over this picture and all that follow it in its chunk, as displayed
     /// What the picture was in that pass: where it becomes another one now, its quantiser follows. None: the same.
     std::optional<PictureType> type = {};
+    /// Bits that there are over those allotted: 1 but where even quantiser 1 needs less, or 31 more. Chunks that share
+    /// their bits have it in common.
+    double affordable = 1;
 };
 
 /// What the renderer knows of a picture before anything is lit.

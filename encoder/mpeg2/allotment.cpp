@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/numeric.h"
 #include "encoder/cadence.h"
 #include "encoder/mpeg2/levels.h"
 #include "encoder/mpeg2/rate_model.h"
@@ -86,8 +87,13 @@ std::vector<Items> chunks_of(Items items, std::span<const PassPicture> film) {
     return chunks;
 }
 
+struct Settled {
+    double base;        ///< quantiser of I and P pictures
+    double affordable;  ///< Allotment::affordable
+};
+
 /// Solves for the quantiser of a group of chunks that share their bits, and relieves the buffer until all fits.
-double settle(Items group, std::span<const Items> chunks, const mpeg2::Channel& channel, bool film_ends) {
+Settled settle(Items group, std::span<const Items> chunks, const mpeg2::Channel& channel, bool film_ends) {
     double seconds = 0;
     for (const Item& item : group) seconds += item.seconds;
     const double wanted = static_cast<double>(channel.average_rate) * seconds;
@@ -100,7 +106,7 @@ double settle(Items group, std::span<const Items> chunks, const mpeg2::Channel& 
         if (!relieved) break;
         base = base_for(group, wanted);
     }
-    return base;
+    return {base, core::divide_or(wanted, sum_of_bits(group, base), 1.0)};
 }
 
 }  // namespace
@@ -129,10 +135,11 @@ std::vector<Allotment> allot(const Settings& settings, std::span<const PassPictu
     const std::int64_t first = items.empty() ? 0 : std::min_element(items.begin(), items.end(), [](auto& a, auto& b) {
                                                        return a.number < b.number;
                                                    })->number;
-    const double common = channel.constant || items.empty() ? 0 : settle(items, chunks, channel, true);
+    const Settled common = channel.constant || items.empty() ? Settled{} : settle(items, chunks, channel, true);
     for (std::size_t c = 0; c < chunks.size(); ++c) {
         const Items chunk = chunks[c];
-        const double base = channel.constant ? settle(chunk, {&chunks[c], 1}, channel, c + 1 == chunks.size()) : common;
+        const auto [base, affordable] =
+            channel.constant ? settle(chunk, {&chunks[c], 1}, channel, c + 1 == chunks.size()) : common;
         double left = 0;
         std::vector<const Item*> shown;
         for (const Item& item : chunk) shown.push_back(&item);
@@ -140,7 +147,7 @@ std::vector<Allotment> allot(const Settings& settings, std::span<const PassPictu
         for (const Item* item : shown) {
             left += item->bits(base);
             allotted[static_cast<std::size_t>(item->number - first)] = {item->quantiser(base), item->bits(base), left,
-                                                                        item->type};
+                                                                        item->type, affordable};
         }
     }
     return allotted;

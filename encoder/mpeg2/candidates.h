@@ -9,7 +9,8 @@ namespace render2mpeg::encoder::mpeg2 {
 
 /// Vectors that the renderer's exact motion offers for a macroblock, without repeats.
 struct Candidates {
-    std::array<Vector, 4> vector;
+    static constexpr int most = 3;
+    std::array<Vector, most> vector;
     int count = 0;
 
     void add(Vector v) {

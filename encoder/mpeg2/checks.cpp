@@ -38,6 +38,7 @@ void check_facts(std::int64_t number, const PictureFacts& facts) {
     if (!facts.allotment) return;
     EXPECTS(facts.allotment->quantiser >= 1 && facts.allotment->quantiser <= 31);
     EXPECTS(is_amount(facts.allotment->bits) && is_amount(facts.allotment->bits_left));
+    EXPECTS(is_amount(facts.allotment->affordable));
 }
 
 void check_pushed(const Settings& settings, const core::Picture& picture, const PicturePlan& plan,

@@ -11,7 +11,10 @@
 namespace render2mpeg::encoder::mpeg2 {
 
 /// Order of coefficients in the stream: raster position v * 8 + u of the i-th. [H262, figure 7-2]
-extern const std::array<std::uint8_t, 64> zigzag;
+inline constexpr std::array<std::uint8_t, 64> zigzag = {0,  1,  8,  16, 9,  2,  3,  10, 17, 24, 32, 25, 18, 11, 4,  5,
+                                                        12, 19, 26, 33, 40, 48, 41, 34, 27, 20, 13, 6,  7,  14, 21, 28,
+                                                        35, 42, 49, 56, 57, 50, 43, 36, 29, 22, 15, 23, 30, 37, 44, 51,
+                                                        58, 59, 52, 45, 38, 31, 39, 46, 53, 60, 61, 54, 47, 55, 62, 63};
 
 /// macroblock_address_increment 1..33; index 0 is macroblock_escape (33 more). [H262, table B-1]
 extern const std::array<Code, 34> address_increment_codes;

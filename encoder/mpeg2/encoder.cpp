@@ -178,9 +178,16 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
     auto& [first, end, schedule, steering] = course_of(plan.number);
     task.quantiser = steering.settle(plan, schedule);
     const auto header_bits = static_cast<std::int64_t>(headers.bit_count());
-    mpeg2::Fitted fitted = mpeg2::code_within(task, level, schedule.most_bits() - header_bits);
+    const std::int64_t most_bits = schedule.most_bits() - header_bits;
+    mpeg2::Fitted fitted = mpeg2::code_within(task, level, most_bits);
+    const int better =
+        steering.reconsider(plan, fitted.quantiser, header_bits + mpeg2::bits_of(fitted.picture), schedule);
+    if (better > fitted.quantiser) {
+        task.quantiser = better;
+        fitted = mpeg2::again(fitted, mpeg2::code_within(task, level, most_bits));
+    }
     mpeg2::PictureResult& result = fitted.picture;
-    const std::int64_t bits = header_bits + 8 * static_cast<std::int64_t>(result.bytes.size());
+    const std::int64_t bits = header_bits + mpeg2::bits_of(result);
     const mpeg2::Removal removal = schedule.take(bits, header_bits + mpeg2::start_code_bits);
     steering.record(plan, fitted.quantiser, bits, bits + 8 * removal.stuffing_bytes);
     mpeg2::set_vbv_delay(result.bytes, removal.delay);

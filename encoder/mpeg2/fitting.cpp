@@ -9,10 +9,6 @@
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
-std::int64_t bits_of(const PictureResult& picture) {
-    return 8 * static_cast<std::int64_t>(picture.bytes.size());
-}
-
 /// The next quantiser for a picture that came to `bits`. Bits fall about as 1 / quantiser; a tenth more than needed
 /// spares most third codings, and the growth with each try makes sure of an end.
 int coarser(int quantiser, std::int64_t bits, std::int64_t most_bits, int tries) {
@@ -22,6 +18,10 @@ int coarser(int quantiser, std::int64_t bits, std::int64_t most_bits, int tries)
 }
 
 }  // namespace
+
+std::int64_t bits_of(const PictureResult& picture) {
+    return 8 * static_cast<std::int64_t>(picture.bytes.size());
+}
 
 Fitted code_within(const PictureTask& task, const Level& level, std::int64_t most_bits) {
     PictureTask attempt = task;
@@ -51,6 +51,12 @@ Fitted code_within(const PictureTask& task, const Level& level, std::int64_t mos
     ++fitted.tries;
     EXPECTS(bits_of(fitted.picture) <= most_bits);
     return fitted;
+}
+
+Fitted again(const Fitted& first, Fitted second) {
+    second.tries += first.tries;
+    second.picture.evaluations += first.picture.evaluations;
+    return second;
 }
 
 }  // namespace render2mpeg::encoder::mpeg2

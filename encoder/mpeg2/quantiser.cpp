@@ -13,8 +13,8 @@ const Matrix default_intra_matrix = {8,  16, 19, 22, 26, 27, 29, 34, 16, 16, 22,
                                      22, 26, 27, 29, 32, 35, 40, 48, 26, 27, 29, 32, 35, 40, 48, 58,
                                      26, 27, 29, 34, 38, 46, 56, 69, 27, 29, 35, 38, 46, 56, 69, 83};
 
-const Matrix default_non_intra_matrix = [] {
-    Matrix flat;
+constinit const Matrix default_non_intra_matrix = [] {
+    Matrix flat{};
     flat.fill(16);
     return flat;
 }();
@@ -28,12 +28,12 @@ constexpr std::size_t transposed(std::size_t raster) {
     return raster % 8 * 8 + raster / 8;
 }
 
-std::array<std::uint8_t, 64> make_place_of_scan() {
+constexpr std::array<std::uint8_t, 64> make_place_of_scan() {
     std::array<std::uint8_t, 64> places{};
     for (std::size_t i = 0; i < 64; ++i) places[i] = static_cast<std::uint8_t>(transposed(zigzag[i]));
     return places;
 }
-std::array<std::uint8_t, 64> make_scan_of_raster() {
+constexpr std::array<std::uint8_t, 64> make_scan_of_raster() {
     std::array<std::uint8_t, 64> scans{};
     for (std::size_t i = 0; i < 64; ++i) scans[zigzag[i]] = static_cast<std::uint8_t>(i);
     return scans;
@@ -66,8 +66,8 @@ Quantiser make(const Matrices& matrices, int code) {
 
 }  // namespace
 
-const std::array<std::uint8_t, 64> place_of_scan = make_place_of_scan();
-const std::array<std::uint8_t, 64> scan_of_raster = make_scan_of_raster();
+constinit const std::array<std::uint8_t, 64> place_of_scan = make_place_of_scan();
+constinit const std::array<std::uint8_t, 64> scan_of_raster = make_scan_of_raster();
 
 const Quantiser& Quantiser::of(int code) {
     return QuantiserSet::standard().of(code);

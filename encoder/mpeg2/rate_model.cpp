@@ -20,6 +20,10 @@ constexpr double complexity_ratio[3] = {1.0, 0.63, 0.28};
 /// Bits per luma sample of an I picture at quantiser 1. fit: docs/fits/rate-model
 constexpr double guessed_density = 2.2;
 
+/// A picture that takes this many times the bits expected is no odd one among its like: the film has become harder.
+/// chosen: 2 (1.5..4); films that change at once in the middle of a chunk then come within 5 % in one pass.
+constexpr double surprise = 2;
+
 /// The geometric mean of old and new: one odd picture is half forgotten with the next.
 double blended(const std::optional<double>& old, double now) {
     return old ? std::sqrt(*old * now) : now;
@@ -59,11 +63,17 @@ double RateModel::bits(PictureType type, double quantiser) const {
     return overhead_[index_of(type)] + complexity(type) * std::pow(quantiser, -rate_slope(type));
 }
 
+bool RateModel::surprised(PictureType type, int quantiser, std::int64_t bits) const {
+    const double overhead = overhead_[index_of(type)];
+    return knows(type) && static_cast<double>(bits) - overhead > surprise * (this->bits(type, quantiser) - overhead);
+}
+
 void RateModel::learn(PictureType type, int quantiser, std::int64_t bits) {
     const std::size_t i = index_of(type);
     // A picture of nothing at all still has a complexity to be blended and divided by: one bit.
     const double detail = std::max(1.0, static_cast<double>(bits) - overhead_[i]);
-    learned_[i] = blended(learned_[i], detail * std::pow(quantiser, rate_slope(type)));
+    const double now = detail * std::pow(quantiser, rate_slope(type));
+    learned_[i] = surprised(type, quantiser, bits) ? now : blended(learned_[i], now);
 }
 
 double PassModel::bits(PictureType type, const Allotment& allotment, double quantiser) const {

@@ -29,6 +29,10 @@ class RateModel {
     double bits(PictureType type, double quantiser) const;
     /// Learns that a picture came to `bits`.
     void learn(PictureType type, int quantiser, std::int64_t bits);
+    /// Whether it is far more than expected of a type that is known.
+    bool surprised(PictureType type, int quantiser, std::int64_t bits) const;
+    /// Whether there was a picture of this type.
+    bool knows(PictureType type) const { return learned_[static_cast<std::size_t>(type) - 1].has_value(); }
 
   private:
     double complexity(PictureType type) const;

@@ -56,12 +56,17 @@ int RateSteering::plan(const PicturePlan& picture, const PictureFacts& facts, bo
         hands_over_ = !facts.last_chunk;
         spent_ = rounding_ = steady_ = 0;
         settled_ = 0;
-        allotted_ = facts.allotment ? facts.allotment->bits_left : 0;
+        allotted_ = facts.allotment ? facts.allotment->affordable * facts.allotment->bits_left : 0;
     }
     if (picture.starts_gop) gop_start_ = picture.number;
     planned_end_ = picture.number + 1;
     allotted_rest_ = facts.allotment ? std::max(0.0, facts.allotment->bits_left - facts.allotment->bits) : 0;
-    Flying flying{picture.type, 1, facts.allotment, facts.sensitivity.value_or(1.0), ratio_of(picture)};
+    Flying flying{picture.type,
+                  1,
+                  facts.allotment,
+                  facts.sensitivity.value_or(1.0),
+                  ratio_of(picture),
+                  !facts.allotment && !model_.knows(picture.type)};
     flying.quantiser = rounded(flying, nominal(picture.number, flying, schedule));
     flying_.insert_or_assign(picture.number, flying);
     return flying.quantiser;
@@ -81,7 +86,29 @@ int RateSteering::settle(const PicturePlan& picture, const VbvSchedule& schedule
     const double wanted = std::clamp(nominal(picture.number, flying, schedule), 1.0, 31.0);
     if (++settled_ > settings_.b_pictures + 2) steady_ = solved_;
     const double off = wanted - picture.quantiser;
+    if (flying.guessed && off > 1) return whole(wanted);
     return picture.quantiser + (off >= 1.0 ? 1 : off <= -1.0 ? -1 : 0);
+}
+
+int RateSteering::reconsider(const PicturePlan& picture, int quantiser, std::int64_t bits,
+                             const VbvSchedule& schedule) {
+    const auto planned = flying_.find(picture.number);
+    EXPECTS(planned != flying_.end());
+    const Flying& flying = planned->second;
+    const bool surprising = model_.surprised(picture.type, quantiser, bits);
+    if (!rated() || flying.allotment || (model_.knows(picture.type) && !surprising)) return quantiser;
+    const RateModel model = model_;
+    const double steady = steady_;
+    model_.learn(picture.type, quantiser, bits);
+    if (surprising) steady_ = 0;
+    const int wanted = whole(nominal(picture.number, flying, schedule));
+    model_ = model;
+    if (wanted > quantiser + 1) {
+        if (surprising) steady_ = solved_;
+        return wanted;
+    }
+    steady_ = steady;
+    return quantiser;
 }
 
 /// The whole quantiser for a picture. Of the two next to what is wanted, rates take the one that keeps the bits lost to

@@ -13,7 +13,8 @@
 namespace render2mpeg::encoder::mpeg2 {
 
 /// Chooses quantisers: one before a picture is lit, from all that is known then, pictures still in flight included, and
-/// the final one when it is coded, at most a step away. What the buffer then refuses is not its business (fitting.h).
+/// the final one when it is coded, at most a step away (but for the first pictures of a chunk). What the buffer then
+/// refuses is not its business (fitting.h).
 ///
 /// All modes but the constant ones solve one equation: with quantiser k for I and P pictures and its ratio for B
 /// pictures, what is left of the chunk is to cost what is left of the chunk's bits. So the quantiser is the same
@@ -24,8 +25,13 @@ class RateSteering {
 
     /// The quantiser to render a picture for. Pictures come in display order; `schedule` knows this one already.
     int plan(const PicturePlan& picture, const PictureFacts& facts, bool first_of_chunk, const VbvSchedule& schedule);
-    /// The quantiser for coding a planned picture. Its type may have changed since: then it is chosen anew.
+    /// The quantiser for coding a planned picture. Its type may have changed since: then it is chosen anew. Where it
+    /// was planned by a guess it may become coarser by any number of steps.
     int settle(const PicturePlan& picture, const VbvSchedule& schedule);
+    /// The first picture of each type is planned by a guess, and a film may become harder at once. Now that a picture
+    /// came to `bits`: a quantiser coarser by more than a step if that is what they ask for, else the one it has. Never
+    /// finer: it was lit for no more.
+    int reconsider(const PicturePlan& picture, int quantiser, std::int64_t bits, const VbvSchedule& schedule);
     /// What a picture came to, stuffing included in `bits_sent`.
     void record(const PicturePlan& picture, int quantiser, std::int64_t bits, std::int64_t bits_sent);
 
@@ -37,6 +43,7 @@ class RateSteering {
         std::optional<Allotment> allotment;
         double sensitivity;
         double ratio;  ///< of its quantiser to that of P pictures that nothing refers to
+        bool guessed = false;  ///< planned before any picture of its type was coded
     };
 
     bool rated() const;

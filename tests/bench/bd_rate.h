@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace render2mpeg::bench {
@@ -50,19 +51,27 @@ class Pchip {
 };
 
 /// Mean difference of rate at equal quality in per cent, over the qualities both curves reach; negative: `test` needs
-/// fewer bits. NaN where no quality is reached by both. [Bjontegaard2001] with piecewise cubics of log rate over
-/// quality.
+/// fewer bits. NaN where no quality is reached by both, or a curve has fewer than two. [Bjontegaard2001] with piecewise
+/// cubics of log rate over quality.
 inline double bd_rate(std::vector<RatePoint> anchor, std::vector<RatePoint> test) {
     const auto curve = [](std::vector<RatePoint>& points) {
         std::sort(points.begin(), points.end(), [](const RatePoint& a, const RatePoint& b) { return a.psnr < b.psnr; });
         std::vector<double> x, y;
         for (const RatePoint& p : points) {
+            // Of points of one quality, as where nothing can be saved any more, the cheapest counts.
+            if (!x.empty() && p.psnr == x.back()) {
+                y.back() = std::min(y.back(), std::log(p.bits));
+                continue;
+            }
             x.push_back(p.psnr);
             y.push_back(std::log(p.bits));
         }
-        return Pchip(x, y);
+        return std::pair(x, y);
     };
-    const Pchip a = curve(anchor), b = curve(test);
+    const auto [anchor_x, anchor_y] = curve(anchor);
+    const auto [test_x, test_y] = curve(test);
+    if (anchor_x.size() < 2 || test_x.size() < 2) return std::numeric_limits<double>::quiet_NaN();
+    const Pchip a(anchor_x, anchor_y), b(test_x, test_y);
     const double low = std::max(anchor.front().psnr, test.front().psnr),
                  high = std::min(anchor.back().psnr, test.back().psnr);
     if (!(low < high)) return std::numeric_limits<double>::quiet_NaN();

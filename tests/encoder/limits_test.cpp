@@ -151,7 +151,7 @@ TEST(Evaluations, OfNoMacroblockExceedTheLimit) {
         core::Plane<Candidates> offered(12, 12);
         for (int row = 0; row < 12; ++row)
             for (int column = 0; column < 12; ++column)
-                for (int i = 0; i < 4; ++i)
+                for (int i = 0; i < Candidates::most; ++i)
                     offered.at(column, row)
                         .add(vector_range(column, row, 12, 12, 8, 5)
                                  .clamp((column * 37 + i * 61) % 90 - 45, (row * 53 + i * 29) % 90 - 45));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/rational.h"
+#include "encoder/encoder.h"
 #include "rate_stream.h"
 
 /// What the standard demands of a stream, checked on the bytes alone.
@@ -16,12 +17,14 @@ struct LevelLimits {
     int indication;
     std::int64_t bit_rate, buffer_bits;
     int horizontal_f_code;
+    int width, height;
+    double hertz, samples;  ///< per second
 };
 /// [H262, tables 8-11 to 8-14]
 inline LevelLimits limits_of(int indication) {
-    if (indication == 8) return {8, 15'000'000, 1'835'008, 8};
-    if (indication == 6) return {6, 60'000'000, 7'340'032, 9};
-    return {4, 80'000'000, 9'781'248, 9};
+    if (indication == 8) return {8, 15'000'000, 1'835'008, 8, 720, 576, 30, 10'368'000};
+    if (indication == 6) return {6, 60'000'000, 7'340'032, 9, 1440, 1152, 60, 47'001'600};
+    return {4, 80'000'000, 9'781'248, 9, 1920, 1152, 60, 62'668'800};
 }
 
 /// Seconds between the removals of each picture and the next, from what the stream says of its fields: a B picture is
@@ -86,13 +89,54 @@ inline std::string check_variable(const ReadStream& stream) {
     return {};
 }
 
+/// The decoder's buffer once more, from the sizes and flags in the stream alone, beginning with the fullness that is
+/// declared: what the encoder reports of it must be so. Chunks begin at these places in coding order.
+inline std::string check_reported(const ReadStream& stream, const std::vector<CodedPicture>& coded,
+                                  const std::vector<std::size_t>& chunk_starts, const Declaration& declared,
+                                  bool constant) {
+    const std::vector<double> steps = removal_steps(stream);
+    if (declared.bit_rate != stream.bit_rate || declared.buffer_bits != stream.buffer_bits)
+        return "headers do not say what was declared";
+    // A constant rate counts the part of a byte that has arrived at a chunk's border.
+    const double border_slack = constant ? 8 : 0;
+    double fullness = 0;
+    for (std::size_t i = 0; i < coded.size(); ++i) {
+        const std::string where = " at picture " + std::to_string(i);
+        const auto differs = [&](std::int64_t reported) {
+            return std::abs(std::floor(fullness + 1e-6) - static_cast<double>(reported)) > 1;
+        };
+        if (std::find(chunk_starts.begin(), chunk_starts.end(), i) != chunk_starts.end()) {
+            const auto begin = static_cast<double>(coded[i].fullness_before),
+                       border = static_cast<double>(declared.border_bits);
+            if (begin < border || begin > border + border_slack) return "another fullness than declared" + where;
+            if (i > 0 && (constant ? differs(coded[i].fullness_before) : fullness < begin))
+                return "a chunk does not hand over what the next one finds" + where;
+            if (!constant || i == 0) fullness = begin;
+        }
+        if (differs(coded[i].fullness_before)) return "another fullness before" + where;
+        fullness -= 8.0 * static_cast<double>(stream.pictures[i].end - stream.pictures[i].first_byte);
+        if (fullness < -1) return "underflow" + where;
+        if (differs(coded[i].fullness_after)) return "another fullness after" + where;
+        fullness += steps[i] * static_cast<double>(stream.bit_rate);
+        if (!constant) fullness = std::min(fullness, static_cast<double>(stream.buffer_bits));
+        if (fullness > static_cast<double>(stream.buffer_bits)) return "overflow" + where;
+        if (differs(coded[i].fullness_next)) return "another fullness when the next is taken" + where;
+    }
+    return {};
+}
+
 /// Everything at once; empty: nothing is wrong.
 inline std::string check_stream(const ReadStream& stream, bool constant) {
     const LevelLimits limits = limits_of(stream.level);
     if (stream.bit_rate > limits.bit_rate) return "the bit rate exceeds the level's";
     if (stream.buffer_bits > limits.buffer_bits) return "the buffer exceeds the level's";
+    const double hertz = core::mpeg2_frame_rates()[static_cast<std::size_t>(stream.frame_rate_code - 1)].hertz.value();
+    if (stream.width > limits.width || stream.height > limits.height) return "the size exceeds the level's";
+    if (hertz > limits.hertz) return "the picture rate exceeds the level's";
     const int columns = (stream.width + 15) / 16;
     const int rows = stream.progressive ? (stream.height + 15) / 16 : 2 * ((stream.height + 31) / 32);
+    if (256.0 * columns * ((stream.height + 15) / 16) * hertz > limits.samples)
+        return "the samples per second exceed the level's";
     for (std::size_t i = 0; i < stream.pictures.size(); ++i) {
         const ReadPicture& p = stream.pictures[i];
         const std::string where = " in picture " + std::to_string(i);

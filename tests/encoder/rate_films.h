@@ -127,7 +127,11 @@ inline std::string violations(const RateCase& c, const Film& film) {
     try {
         const ReadStream stream = read_stream(film.bytes());
         if (stream.pictures.size() != film.coded.size()) return "pictures are missing";
-        wrong = check_stream(stream, c.settings.rate_control.mode == RateMode::constant);
+        const bool constant = c.settings.rate_control.mode == RateMode::constant;
+        wrong = check_stream(stream, constant);
+        std::vector<std::size_t> starts = {0};
+        for (const std::int64_t length : c.chunks) starts.push_back(starts.back() + static_cast<std::size_t>(length));
+        if (wrong.empty()) wrong = check_reported(stream, film.coded, starts, declaration_of(c.settings), constant);
         Libavcodec decoder;
         for (const CodedPicture& coded : film.coded) decoder.push(coded.bytes);
         const std::vector<core::Picture> theirs = decoder.finish();

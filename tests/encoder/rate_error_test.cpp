@@ -1,0 +1,151 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "encoder/allotment.h"
+#include "film.h"
+#include "rate_check.h"
+
+/// How near films come to the rates they are asked for.
+namespace render2mpeg::encoder::testing {
+namespace {
+
+enum class Content { calm, busy, changing };
+
+/// Dim or loud grain on a texture that slides.
+core::Picture picture_of(const Settings& s, Content content, std::int64_t n) {
+    core::Picture picture = textured(s, n, {1.5, -0.5});
+    const int loud = content == Content::calm ? 0 : content == Content::busy ? 64 : n / 30 % 2 == 0 ? 6 : 48;
+    if (loud == 0) return picture;
+    const core::Picture grain = noise(s.width, s.height, n, static_cast<std::uint64_t>(n));
+    for (std::size_t i = 0; i < picture.y.size(); ++i)
+        picture.y.values()[i] = static_cast<std::uint8_t>(
+            std::clamp(picture.y.values()[i] + (grain.y.values()[i] - 128) * loud / 128, 0, 255));
+    return picture;
+}
+
+struct Coding {
+    Film film;
+    std::vector<PassPicture> pass;
+    double bits = 0;
+    double quantisers = 0, squares = 0;
+};
+
+/// Codes a film in chunks of 60 by an encoder each, or endlessly by one.
+Coding code(const Settings& s, Content content, std::int64_t count, bool endless = false,
+            const std::vector<Allotment>* allotted = nullptr) {
+    Coding coding{{s, {}}, {}};
+    const std::int64_t length = endless ? count : 60;
+    for (std::int64_t first = 0; first < count; first += length) {
+        const std::int64_t end = std::min(first + length, count);
+        Encoder encoder(s);
+        const auto take = [&](std::vector<CodedPicture> pictures) {
+            for (CodedPicture& c : pictures) {
+                coding.bits += 8.0 * static_cast<double>(c.bytes.size());
+                coding.quantisers += c.quantiser;
+                coding.squares += static_cast<double>(c.quantiser) * c.quantiser;
+                coding.pass.push_back(pass_picture(c, c.plan.number == first));
+                coding.film.coded.push_back(std::move(c));
+            }
+        };
+        for (std::int64_t n = first; n < end; ++n) {
+            PictureFacts facts;
+            facts.frames_left = end - 1 - n;
+            if (!endless) facts.left_in_chunk = end - 1 - n;
+            facts.last_chunk = end == count;
+            if (allotted) facts.allotment = (*allotted)[static_cast<std::size_t>(n)];
+            const PicturePlan plan = encoder.plan(n, facts, n == first);
+            take(encoder.push(picture_of(s, content, n), plan, steady_motion(s, plan, {-1.5f, 0.5f})));
+        }
+        take(encoder.flush());
+    }
+    return coding;
+}
+
+Coding code_twice(const Settings& s, Content content, std::int64_t count) {
+    Settings first = s;
+    first.effort = Effort::fast;
+    first.rate_control = {};
+    first.quantiser = 8;
+    const std::vector<Allotment> allotted = allot(s, code(first, content, count).pass, 1.0);
+    return code(s, content, count, false, &allotted);
+}
+
+double error_of(const Coding& coding) {
+    const Settings& s = coding.film.settings;
+    const double seconds = static_cast<double>(coding.film.coded.size()) / s.rate.hertz.value();
+    return coding.bits / seconds / static_cast<double>(s.rate_control.bit_rate) - 1;
+}
+
+Settings rated(RateMode mode, double bits_per_sample) {
+    Settings s = settings(96, 80, 6, 15, 3, 2);
+    s.rate_control.mode = mode;
+    s.rate_control.bit_rate = static_cast<std::int64_t>(bits_per_sample * 96 * 80 * 25);
+    return s;
+}
+
+struct Wanted {
+    RateMode mode;
+    Content content;
+    double bits_per_sample;
+    std::int64_t count;
+};
+
+TEST(RateErrorsSlow, OfRatesThatQuantisersReachAreWithinTwoPerCentInTwoPassesAndFiveInOne) {
+    for (const auto& [mode, content, bits, count] : {Wanted{RateMode::variable, Content::calm, 0.3, 120},
+                                                     {RateMode::variable, Content::calm, 0.8, 65},
+                                                     {RateMode::variable, Content::busy, 2, 65},
+                                                     {RateMode::variable, Content::changing, 0.8, 120},
+                                                     {RateMode::constant, Content::calm, 0.3, 20},
+                                                     {RateMode::constant, Content::calm, 0.8, 65},
+                                                     {RateMode::constant, Content::busy, 2, 65},
+                                                     {RateMode::constant, Content::changing, 0.8, 120}}) {
+        const Settings s = rated(mode, bits);
+        const Coding one = code(s, content, count), two = code_twice(s, content, count);
+        const std::string name = std::to_string(static_cast<int>(mode)) + ", content " +
+                                 std::to_string(static_cast<int>(content)) + ", bits " + std::to_string(bits);
+        EXPECT_LT(std::abs(error_of(one)), 0.05) << name;
+        EXPECT_LT(std::abs(error_of(two)), 0.02) << name;
+        EXPECT_EQ(check_stream(read_stream(two.film.bytes()), mode == RateMode::constant), "") << name;
+    }
+}
+
+TEST(RateErrors, WhereNoQuantiserReachesTheRateTheLastOneIsTaken) {
+    const std::int64_t count = 20;
+    for (const bool twice : {false, true}) {
+        const auto coded = [&](Content content, double bits) {
+            const Settings s = rated(RateMode::variable, bits);
+            return twice ? code_twice(s, content, count) : code(s, content, count);
+        };
+        EXPECT_GT(coded(Content::busy, 0.3).quantisers, 30.5 * count) << twice;
+        EXPECT_GT(coded(Content::calm, 0.15).quantisers, 30.5 * count) << twice;
+        EXPECT_LT(coded(Content::calm, 8).quantisers, 1.1 * count) << twice;
+    }
+}
+
+TEST(RateErrors, FirstPicturesDoNotStarveTheOthers) {
+    // Sharp textures need several times the bits that are guessed of a film that nobody has seen.
+    const Coding coding = code(rated(RateMode::variable, 0.3), Content::calm, 20);
+    const double mean = coding.quantisers / 20;
+    EXPECT_GT(coding.film.coded[0].quantiser, 0.5 * mean);
+    EXPECT_LT(coding.film.coded[0].quantiser, 1.5 * mean);
+    EXPECT_GT(coding.film.coded[0].quantiser, coding.film.coded[0].plan.quantiser + 1);
+    EXPECT_EQ(coding.film.coded[0].tries, 2);
+}
+
+TEST(RateErrorsSlow, OfEndlessFilmsAreWithinFivePerCentAndTheirBufferHolds) {
+    for (const RateMode mode : {RateMode::variable, RateMode::constant}) {
+        const Coding coding = code(rated(mode, 0.8), Content::changing, 240, true);
+        EXPECT_LT(std::abs(error_of(coding)), 0.05) << static_cast<int>(mode);
+        const ReadStream stream = read_stream(coding.film.bytes());
+        EXPECT_EQ(check_stream(stream, mode == RateMode::constant), "");
+        EXPECT_EQ(check_reported(stream, coding.film.coded, {0}, declaration_of(coding.film.settings),
+                                 mode == RateMode::constant),
+                  "");
+    }
+}
+
+}  // namespace
+}  // namespace render2mpeg::encoder::testing
