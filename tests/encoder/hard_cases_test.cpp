@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <limits>
-#include <tuple>
 #include <vector>
 
 #include "encoder/mpeg2/levels.h"
@@ -132,11 +131,14 @@ TEST(HardCases, AnyPicturesWithAnyHintsDecodeToTheReconstruction) {
 
 TEST(HardCases, TheLongestVectorsThatALevelAllowsAreUsedAndDecode) {
     // A stripe jumps across the widest picture; another falls by the most that vertical vectors reach.
-    for (const auto& [width, height, step] : {std::tuple{1920, 48, glm::vec2{1840, 0}},
-                                              {720, 48, glm::vec2{-700, 0}},
-                                              {48, 288, glm::vec2{0, 128}},
-                                              {48, 288, glm::vec2{0, -127.5f}}}) {
-        const Settings s = settings(width, height, 2, 2);
+    struct Case {
+        int width, height;
+        glm::vec2 step;
+    };
+    for (const Case& c :
+         {Case{1920, 48, {1840, 0}}, {720, 48, {-700, 0}}, {48, 288, {0, 128}}, {48, 288, {0, -127.5f}}}) {
+        const Settings s = settings(c.width, c.height, 2, 2);
+        const glm::vec2 step = c.step;
         const glm::dvec2 moved(step);
         const Film film = encode(
             s, 2, [&](std::int64_t n) { return textured(s, n, moved); },
