@@ -125,7 +125,7 @@ TEST(Evaluations, OfAllTriesAreCounted) {
     PictureTask task = noise_task(source, reference);
     task.quantiser = 20;
     const PictureResult first = code_picture(task, level);
-    const Fitted second = code_within(task, level, 7 * static_cast<std::int64_t>(first.bytes.size()));
+    const Fitted second = code_within(task, level, 8 * static_cast<std::int64_t>(first.bytes.size()) - 8);
     ASSERT_EQ(second.tries, 2);
     PictureTask coarse = task;
     coarse.quantiser = second.quantiser;
