@@ -31,9 +31,9 @@ perceptual::HeatScale scale_of(HeatSubject subject) {
         case HeatSubject::cut:
             return {"CUT: CLUSTERS PER PIXEL",
                     5.0f,
-                    1000.0f,
+                    4000.0f,
                     true,
-                    {{5, "5"}, {10, "10"}, {30, "30"}, {100, "100"}, {300, "300"}, {1000, "1000"}}};
+                    {{5, "5"}, {10, "10"}, {30, "30"}, {100, "100"}, {300, "300"}, {1000, "1000"}, {4000, "4000"}}};
         case HeatSubject::error:
             return {"ERROR REACHED / LUMINANCE",
                     0.001f,
