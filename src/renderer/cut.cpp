@@ -285,9 +285,12 @@ void Gatherer::gather_all(const GatherLanes& lanes, GatheredLight& out) {
     CutSums sums(lanes);
     gather_exact(lanes, sums, out);
     Arrival arrival;
+    // Lanes that no ray of a packet is traced for keep what they had.
+    std::fill(&arrival.tint.passes[0][0], &arrival.tint.passes[0][0] + lane_count * 3, 1.0f);
     for (int t = 0; t < LightForest::tree_count; ++t) {
         const LightTree& tree = forest_.trees[t];
         for (const TreeLight& light : tree.lights) {
+            if (!(core::luminance(light.intensity) > 0.0f)) continue;
             trace(lanes, tree.family, light, forest_.clamp(t), arrival, out);
             const UnitLight unit = unit_of(lanes, arrival);
             sums.add(unit, light.intensity, LightForest::is_direct(t));

@@ -17,13 +17,14 @@ struct Likeness {
 /// at a step of 0.005 and by 3 % at 0.05, and changes by 2 % for normals between 0.7 and 0.97.
 constexpr Likeness within_block{0.9f, 0.02f, 0.1f};
 
-/// Of what blocks leave over. chosen: packets per point in Sponza and Sibenik (8 %, 256x256, groups of 8 stay) fall from
-/// 43.1 and 35.1 with the blocks' own to 40.8 and 29.7; normals of 0.3 with steps and gaps far wider: 40.6 and 29.3, no
-/// faster.
+/// Of what blocks leave over. chosen: packets per point in Sponza and Sibenik (8 %, 256x256, groups of 8 stay) fall
+/// from 43.1 and 35.1 with the blocks' own to 40.8 and 29.7; normals of 0.3 with steps and gaps far wider: 40.6
+/// and 29.3, no faster.
 constexpr Likeness left_over{0.5f, 0.05f, 0.2f};
 
 /// Smaller groups of a block look for others in the tile. chosen: 13 of 8, 11, 13, 16, which make 40.8, 36.6, 35.7 and
-/// 35.4 packets per point in Sponza, 29.7, 27.3, 26.5 and 26.3 in Sibenik; 16 is no faster.
+/// 35.4 packets per point in Sponza, 29.7, 27.3, 26.5 and 26.3 in Sibenik; 16 is no faster. (Measured before points
+/// preferred groups of their own set.)
 constexpr std::size_t large_group = 13;
 
 bool belongs(const GatherPoint& first, const GatherPoint& other, glm::vec3 eye, const Likeness& likeness) {
@@ -39,17 +40,55 @@ bool belongs(const GatherPoint& first, const GatherPoint& other, glm::vec3 eye, 
            glm::dot(between, between) <= likeness.largest_gap * distance * likeness.largest_gap * distance;
 }
 
-/// Adds a point to the first group that takes it, or to a new one.
-void assign(std::uint32_t index, int set, const GatherTile& tile, glm::vec3 eye, const Likeness& likeness,
-            std::vector<GatherGroup>& groups) {
+/// Adds a point to the first group of its block that takes it, or to a new one.
+void assign(std::uint32_t index, int set, const GatherTile& tile, glm::vec3 eye, std::vector<GatherGroup>& groups) {
     for (GatherGroup& group : groups) {
-        if (group.points.size() >= lane_count || !belongs(tile[group.points.front()], tile[index], eye, likeness))
+        if (group.points.size() >= lane_count || !belongs(tile[group.points.front()], tile[index], eye, within_block))
             continue;
         group.points.push_back(index);
         return;
     }
     groups.push_back({{index}, set});
 }
+
+/// Lets points find groups of the tile that are not full, all or only those of their own set. Only the newest
+/// `most_open` groups are asked, which bounds the time of a tile whose points are all unlike.
+class Merger {
+  public:
+    Merger(const GatherTile& tile, glm::vec3 eye, bool own_set) : tile_(tile), eye_(eye), own_set_(own_set) {}
+
+    void add(const GatherGroup& group) {
+        for (const std::uint32_t index : group.points) {
+            if (take(index, group.set)) continue;
+            if (open_.size() == most_open) open_.erase(open_.begin());
+            open_.push_back(groups_.size());
+            groups_.push_back({{index}, group.set});
+        }
+    }
+    std::vector<GatherGroup>& groups() { return groups_; }
+
+  private:
+    /// chosen: 64; tiles of real scenes have fewer.
+    static constexpr std::size_t most_open = 64;
+
+    bool take(std::uint32_t index, int set) {
+        for (std::size_t k = 0; k < open_.size(); ++k) {
+            GatherGroup& group = groups_[open_[k]];
+            if ((own_set_ && group.set != set) || !belongs(tile_[group.points.front()], tile_[index], eye_, left_over))
+                continue;
+            group.points.push_back(index);
+            if (group.points.size() == lane_count) open_.erase(open_.begin() + static_cast<std::ptrdiff_t>(k));
+            return true;
+        }
+        return false;
+    }
+
+    const GatherTile& tile_;
+    glm::vec3 eye_;
+    bool own_set_;
+    std::vector<GatherGroup> groups_;
+    std::vector<std::size_t> open_;  ///< indices of groups
+};
 
 /// The pixels of a tile in blocks of sixteen that share a set: the places of one phase of a pattern of stride x stride
 /// pixels, in an area of 4 stride x 4 stride.
@@ -79,20 +118,25 @@ std::vector<GatherGroup> group_points(const GatherTile& tile, glm::vec3 eye, int
     std::array<std::vector<std::uint32_t>, tile_size * tile_size / lane_count> blocks;
     for (std::uint32_t i = 0; i < tile.size(); ++i)
         blocks[pattern.block(tile[i].pixel % tile_size, tile[i].pixel / tile_size)].push_back(i);
-    // Group within blocks; then let the scattered small groups of the tile find each other, so that packets are full.
+    // Group within blocks; then let the scattered small groups of the tile find each other, those of one set first, so
+    // that packets are full.
     std::vector<GatherGroup> groups, small;
     for (const auto& block : blocks) {
         std::vector<GatherGroup> of_block;
         for (const std::uint32_t i : block)
-            assign(i, pattern.set(tile[i].pixel % tile_size, tile[i].pixel / tile_size), tile, eye, within_block,
-                   of_block);
+            assign(i, pattern.set(tile[i].pixel % tile_size, tile[i].pixel / tile_size), tile, eye, of_block);
         for (GatherGroup& group : of_block)
             (group.points.size() >= large_group ? groups : small).push_back(std::move(group));
     }
-    std::vector<GatherGroup> merged;
-    for (const GatherGroup& group : small)
-        for (const std::uint32_t i : group.points) assign(i, group.set, tile, eye, left_over, merged);
-    for (GatherGroup& group : merged) groups.push_back(std::move(group));
+    Merger of_set(tile, eye, true), of_any(tile, eye, false);
+    for (const GatherGroup& group : small) of_set.add(group);
+    for (GatherGroup& group : of_set.groups()) {
+        if (group.points.size() >= large_group)
+            groups.push_back(std::move(group));
+        else
+            of_any.add(group);
+    }
+    for (GatherGroup& group : of_any.groups()) groups.push_back(std::move(group));
     return groups;
 }
 

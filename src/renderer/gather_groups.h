@@ -14,11 +14,12 @@ inline constexpr int representative_sets = 4;
 /// Up to sixteen gather points that are gathered together.
 struct GatherGroup {
     std::vector<std::uint32_t> points;  ///< indices into their tile, at least one
-    int set = 0;                        ///< of representatives that they are lit by
+    int set = 0;                        ///< of representatives that they are lit by: their first's
 };
 
 /// Parts the points of a tile into groups: those of one representative set and one block that lie on much the same
-/// surface. A pixel's set is its place in a pattern of `sets` (1, 4 or 16) pixels that repeats over the picture, so
+/// surface; points that small groups leave over join others of the tile, of their own set where one takes them, else of
+/// another. A pixel's set is its place in a pattern of `sets` (1, 4 or 16) pixels that repeats over the picture, so
 /// that the error of a set is spread over the picture as a pattern of the highest frequency, not as a stain. Grouping
 /// decides only how much work points share, never how well any of them is lit. `eye` is where distances are judged
 /// from.

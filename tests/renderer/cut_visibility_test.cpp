@@ -59,5 +59,35 @@ INSTANTIATE_TEST_SUITE_P(ScalesAndDistances, ShadowRays,
                          testing::Values(std::pair{1.0f, 0.0f}, std::pair{1e-4f, 0.0f}, std::pair{1e6f, 0.0f},
                                          std::pair{278.0f, 1.0f}, std::pair{1.0f, 100.0f}, std::pair{1e-3f, 100.0f}));
 
+/// Leaves values that are no numbers where the next call keeps its own.
+__attribute__((noinline)) void poison_stack() {
+    volatile unsigned char junk[1 << 15];
+    for (volatile unsigned char& byte : junk) byte = 0xff;
+}
+
+TEST(GatherAll, OfLanesThatNoLightIsAimedAtIsANumberUnderGlass) {
+    // Lanes on the outside of a room under a pane: no light of it is on their side.
+    SceneBuilder b;
+    b.add_box({0, 0, 0}, {2, 2, 2}, b.add_material(glm::vec3(0.8f)), true);
+    const int glass = b.add_material(glm::vec3(1));
+    b.material(glass).transmission = 1;
+    b.add_quad({0.5f, 1.9f, 0.5f}, {0, 0, 1}, {1, 0, 0}, glass);
+    b.add_point_light({1, 1, 1}, 5);
+    LitStage stage(b);
+    const LightForest forest = stage.light({16, 200, 4, 0, GeometryClamp{}});
+    ASSERT_TRUE(forest.translucent);
+    GatherPoint points[2] = {stage.point_at(0, 0, {0.3f, 0.3f}, stage.scenery().front_normal(0, 0)),
+                             stage.point_at(0, 0, {0.3f, 0.3f}, -stage.scenery().front_normal(0, 0))};
+    const GatherPoint* const pointers[] = {&points[0], &points[1]};
+    GatherLanes lanes;
+    fill(lanes, pointers);
+    Gatherer gatherer(forest, stage.scenery().tracer());
+    GatheredLight light;
+    poison_stack();
+    gatherer.gather_all(lanes, light);
+    EXPECT_GT(light.indirect.at(0).x, 0.0f);
+    for (int i = 0; i < lane_count; ++i) EXPECT_TRUE(std::isfinite(light.indirect.at(i).x)) << i;
+}
+
 }  // namespace
 }  // namespace render2mpeg::renderer

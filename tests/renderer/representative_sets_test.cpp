@@ -163,5 +163,26 @@ TEST(GatherGroups, PartATileByThePlaceOfPixelsInThePattern) {
     }
 }
 
+TEST(RepresentativeSets, AreKeptByPointsThatSmallGroupsLeaveOver) {
+    // Two pixels of each 4x4 square are there, of sets 0 and 3: no block of a set is full, but sixteen of each set are
+    // near in the tile.
+    GatherTile tile;
+    for (int y = 0; y < tile_size; y += 4)
+        for (int x = 0; x < tile_size; x += 4)
+            for (const int i : {0, 1}) {
+                GatherPoint p;
+                p.pixel = static_cast<decltype(p.pixel)>((y + i) * tile_size + x + i);
+                p.point.position = {0.01f * static_cast<float>(x + i), 0.01f * static_cast<float>(y + i), 0};
+                p.point.shading_normal = p.point.geometric_normal = {0, 0, 1};
+                tile.push_back(p);
+            }
+    const auto groups = group_points(tile, {0, 0, 10}, 4);
+    ASSERT_EQ(groups.size(), 2u);
+    for (const GatherGroup& group : groups) {
+        EXPECT_EQ(group.points.size(), 16u);
+        for (const std::uint32_t i : group.points) EXPECT_EQ(tile[i].pixel % 2 != 0 ? 3 : 0, group.set);
+    }
+}
+
 }  // namespace
 }  // namespace render2mpeg::renderer
