@@ -98,14 +98,18 @@ Cluster leaf_of(const TreeLight& light, LightFamily family, std::uint32_t index)
     return c;
 }
 
-/// How far directions count against distances: the box's diagonal; not at all where light has no cosine.
+/// How far directions count against distances: the diagonal of the box about all that shines; not at all where light
+/// has no cosine. Trees of the same shining lights have the same scale, whatever dark ones one of them keeps.
 double direction_scale2(const LightTree& tree) {
     if (tree.family != LightFamily::oriented) return 0.0;
-    glm::vec3 low = tree.lights.front().position, high = low;
+    constexpr float largest = std::numeric_limits<float>::max();
+    glm::vec3 low(largest), high(-largest);
     for (const TreeLight& l : tree.lights) {
+        if (!(core::luminance(l.intensity) > 0.0f)) continue;
         low = glm::min(low, l.position);
         high = glm::max(high, l.position);
     }
+    if (low.x > high.x) return 1.0;
     const glm::dvec3 d(high - low);
     const double scale2 = glm::dot(d, d);
     return scale2 > 0.0 ? scale2 : 1.0;
@@ -140,9 +144,14 @@ std::uint16_t draw_first(double share, std::uint64_t seed, std::uint32_t first_i
     return static_cast<std::uint16_t>(sets);
 }
 
-/// The cluster of two.
+/// The cluster of two. What is dark bounds nothing: it may lie anywhere.
 Cluster joined(const Cluster& a, const Cluster& b) {
     Cluster c;
+    if ((a.power > 0.0f) != (b.power > 0.0f)) {
+        c = a.power > 0.0f ? a : b;
+        c.least_id = std::min(a.least_id, b.least_id);
+        return c;
+    }
     c.low = glm::min(a.low, b.low);
     c.high = glm::max(a.high, b.high);
     const Cone cone = join({a.axis, a.half_angle}, {b.axis, b.half_angle});

@@ -3,18 +3,19 @@
 #include <algorithm>
 
 #include "core/color.h"
+#include "core/numeric.h"
 #include "renderer/light_clusters.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
-/// How much more an updated tree may cost than one built for the instant before it is replaced. chosen: 1.5, which a
-/// lamp on its way through a room does not reach (cuts of at most 1.1 times the fresh tree's; test), and things that
-/// change places do.
+/// How much more an updated tree may cost than one planned for the instant before it is. chosen: 1.5, which a lamp on
+/// its way through a room does not reach (cuts of at most 1.1 times the fresh tree's; test), and things that change
+/// places do.
 constexpr double most_cost = 1.5;
 
-/// Larger trees are not compared: building takes as long as what it may save.
-constexpr std::size_t most_compared = 1u << 16;
+/// What every light counts with at least, of their mean, when a tree is planned anew: it may be lit later.
+constexpr float least_planned = 0.01f;
 
 /// What is punctual: a true point or beam, not a sample of something larger.
 bool is_punctual(const LightPoint& p) {
@@ -31,6 +32,37 @@ void add_exact(const LightPoint& p, std::uint64_t seed, std::vector<ExactLight>&
 
 std::uint64_t seed_of(int tree, std::uint64_t seed) {
     return LightForest::is_direct(tree) ? seed : seed + 1;
+}
+
+bool is_finite(const LightPoint& p) {
+    return core::is_finite(p.intensity) && core::is_finite(p.position) && core::is_finite(p.normal);
+}
+
+/// All lights of a plan as they lie now, to plan by; those that are absent lie with their neighbours in the tree.
+std::vector<LightPoint> with_absent(const TreePlan& plan, std::span<const LightPoint> now) {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> by_id;
+    glm::dvec3 sum(0);
+    for (std::uint32_t i = 0; i < now.size(); ++i) {
+        if (!is_finite(now[i])) continue;
+        by_id.emplace_back(now[i].id, i);
+        sum += glm::dvec3(now[i].intensity);
+    }
+    std::vector<LightPoint> all;
+    if (by_id.empty()) return all;
+    std::sort(by_id.begin(), by_id.end());
+    const auto least = glm::vec3(sum * (least_planned / static_cast<double>(plan.ids.size()))) + glm::vec3(1e-20f);
+    const LightPoint* last = &now[by_id.front().second];
+    all.reserve(plan.ids.size());
+    for (const std::uint32_t id : plan.ids) {
+        const auto found = std::lower_bound(by_id.begin(), by_id.end(), std::pair{id, 0u});
+        const bool there = found != by_id.end() && found->first == id;
+        if (there) last = &now[found->second];
+        LightPoint p = *last;
+        p.id = id;
+        p.intensity = (there ? p.intensity : glm::vec3(0)) + least;
+        all.push_back(p);
+    }
+    return all;
 }
 
 }  // namespace
@@ -68,11 +100,11 @@ LastingForest::LastingForest(const LitPoints& usual, std::uint64_t seed) : seed_
                             : t == LightForest::still_tree ? usual.still
                                                            : usual.moving;
         const LightFamily family = direct ? static_cast<LightFamily>(t) : LightFamily::oriented;
-        usual_[t] = build_lasting_tree(family, points, seed_of(t, seed));
+        plans_[t] = plan_of(build_lasting_tree(family, points, seed_of(t, seed)));
     }
 }
 
-LightForest LastingForest::at(const LitPoints& now) {
+LightForest LastingForest::at(const LitPoints& now, bool may_replan) {
     LightForest forest;
     Families families;
     for (const LightPoint& p : now.direct) {
@@ -86,22 +118,30 @@ LightForest LastingForest::at(const LitPoints& now) {
                             : t == LightForest::still_tree ? now.still
                                                            : now.moving;
         LightTree& tree = forest.trees[t];
-        tree = usual_[t];
-        update_light_tree(tree, points, seed_of(t, seed_));
+        tree = grow_light_tree(plans_[t], points, seed_of(t, seed_));
         if (tree.empty()) continue;
         // A dark tree would be asked about for nothing.
         if (!(core::luminance(tree.intensity(tree.root)) > 0.0f)) {
             tree = {};
-            tree.family = usual_[t].family;
+            tree.family = plans_[t].family;
             continue;
         }
-        if (tree.lights.size() > most_compared) continue;
-        LightTree fresh = build_light_tree(tree.family, points, seed_of(t, seed_));
+        if (!may_replan) continue;
+        TreePlan other = plan_of(build_lasting_tree(tree.family, with_absent(plans_[t], points), seed_of(t, seed_)));
+        LightTree fresh = grow_light_tree(other, points, seed_of(t, seed_));
         if (cost_of(tree) <= most_cost * cost_of(fresh)) continue;
         tree = std::move(fresh);
-        ++rebuilt_;
+        plans_[t] = std::move(other);
+        ++replanned_;
     }
     return forest;
+}
+
+std::size_t LastingForest::bytes() const {
+    std::size_t sum = exact_.capacity() * sizeof(std::uint32_t);
+    for (const TreePlan& plan : plans_)
+        sum += plan.children.capacity() * sizeof(plan.children[0]) + plan.ids.capacity() * sizeof(std::uint32_t);
+    return sum;
 }
 
 }  // namespace render2mpeg::renderer

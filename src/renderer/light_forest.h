@@ -51,17 +51,22 @@ class LastingForest {
     /// `usual` holds every light point that will ever shine.
     LastingForest(const LitPoints& usual, std::uint64_t seed);
 
-    /// The forest of an instant: a function of the usual lights and these, whatever was asked before.
-    LightForest at(const LitPoints& now);
+    /// The forest of an instant: a function of these lights, and of the plans alone. Where `may_replan` says so, a tree
+    /// whose plan fits these lights badly is planned anew by them first, for this instant and all later ones: to be
+    /// said at instants that only the chunk decides, among them its first.
+    LightForest at(const LitPoints& now, bool may_replan = false);
 
-    /// Trees that fitted an instant badly, and were built anew for it alone, since construction.
-    int rebuilt() const { return rebuilt_; }
+    /// Plans that were made anew since construction.
+    int replanned() const { return replanned_; }
+
+    /// Bytes held between instants.
+    std::size_t bytes() const;
 
   private:
-    std::array<LightTree, LightForest::tree_count> usual_;
+    std::array<TreePlan, LightForest::tree_count> plans_;
     std::vector<std::uint32_t> exact_;  ///< ids, in order
     std::uint64_t seed_ = 0;
-    int rebuilt_ = 0;
+    int replanned_ = 0;
 };
 
 }  // namespace render2mpeg::renderer

@@ -35,6 +35,13 @@ TreeLight tree_light(const LightPoint& p) {
     return light;
 }
 
+/// A light that does not shine now; it lies nowhere, so that nothing depends on where it was.
+TreeLight dark_light(std::uint32_t id) {
+    TreeLight light;
+    light.id = id;
+    return light;
+}
+
 bool is_finite(const LightPoint& p) {
     return core::is_finite(p.intensity) && core::is_finite(p.position) && core::is_finite(p.normal);
 }
@@ -192,9 +199,33 @@ void update_light_tree(LightTree& tree, std::span<const LightPoint> points, std:
         if (there)
             light = tree_light(points[found->second]);
         else
-            light.intensity = glm::vec3(0);
+            light = dark_light(light.id);
     }
     refit(tree, seed);
+}
+
+TreePlan plan_of(const LightTree& tree) {
+    TreePlan plan;
+    plan.family = tree.family;
+    plan.root = tree.root;
+    plan.children.reserve(tree.nodes.size());
+    plan.ids.reserve(tree.lights.size());
+    for (const LightNode& node : tree.nodes) plan.children.push_back({node.child[0], node.child[1]});
+    for (const TreeLight& light : tree.lights) plan.ids.push_back(light.id);
+    return plan;
+}
+
+LightTree grow_light_tree(const TreePlan& plan, std::span<const LightPoint> points, std::uint64_t seed) {
+    LightTree tree;
+    tree.family = plan.family;
+    tree.root = plan.root;
+    tree.nodes.resize(plan.children.size());
+    for (std::size_t i = 0; i < tree.nodes.size(); ++i)
+        std::copy(plan.children[i].begin(), plan.children[i].end(), std::begin(tree.nodes[i].child));
+    tree.lights.reserve(plan.ids.size());
+    for (const std::uint32_t id : plan.ids) tree.lights.push_back(dark_light(id));
+    if (!tree.empty()) update_light_tree(tree, points, seed);
+    return tree;
 }
 
 }  // namespace render2mpeg::renderer

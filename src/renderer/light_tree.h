@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -93,9 +94,21 @@ LightTree build_light_tree(LightFamily family, std::span<const LightPoint> point
 /// The same, to be updated: dark and coincident lights stay lights of their own. Ids are unique.
 LightTree build_lasting_tree(LightFamily family, std::span<const LightPoint> points, std::uint64_t seed);
 
-/// Gives the lights of a lasting tree places and intensities of `points` with the same ids, or none where there is no
-/// such point, and every node its bounds, sum and representative (SPEC 4.3). Who is whose child stays; a function of
-/// that, the points and the seed, whatever was updated before. O(n log n), a tenth of the time of building.
+/// Who is whose child in a lasting tree, and nothing else: 12 bytes per light.
+struct TreePlan {
+    LightFamily family = LightFamily::oriented;
+    std::vector<std::array<LightRef, 2>> children;  ///< of each node
+    std::vector<std::uint32_t> ids;                 ///< of lights, in the tree's order
+    LightRef root;
+};
+TreePlan plan_of(const LightTree& tree);
+
+/// The lasting tree of a plan, updated by these points (`update_light_tree`).
+LightTree grow_light_tree(const TreePlan& plan, std::span<const LightPoint> points, std::uint64_t seed);
+
+/// Gives the lights of a lasting tree places and intensities of `points` with the same ids, none of either where there
+/// is no such point, and every node its bounds, sum and representative (SPEC 4.3). Who is whose child stays; a function
+/// of that, the points and the seed, whatever was updated before. O(n log n), a tenth of the time of building.
 void update_light_tree(LightTree& tree, std::span<const LightPoint> points, std::uint64_t seed);
 
 }  // namespace render2mpeg::renderer

@@ -89,6 +89,7 @@ TEST(LightTreeUpdate, BoundsLightsThatHaveMovedOrGoneOut) {
         }
         for (const std::uint32_t i : below[n]) {
             const TreeLight& l = tree.lights[i];
+            if (!(core::luminance(l.intensity) > 0)) continue;  // it may lie anywhere
             for (int k = 0; k < 3; ++k) ASSERT_LE(std::abs(l.position[k] - node.middle[k]), node.half[k]);
             ASSERT_GE(glm::dot(l.normal, node.axis.unpack()), node.cone_cosine - 1e-5f);
         }
@@ -149,25 +150,126 @@ TEST(LastingForest, NeedsHardlyMoreClustersAfterALampHasCrossedTheHallThanAFresh
     for (const double seconds : {0.0, 1.0, 2.0}) {  // 2: after 50 frames at 25 Hz, 7 m on
         stage.pose(seconds);
         const Anchors::Lit lit = stage.light();
-        LightForest updated = lasting.at({stage.direct(), lit.still, lit.moving});
+        LightForest updated = lasting.at({stage.direct(), lit.still, lit.moving}, true);
         LightForest fresh = plant(stage.direct(), lit.still, 1);
         const double ratio = static_cast<double>(clusters(stage, updated)) / clusters(stage, fresh);
         EXPECT_LE(ratio, 1.15) << seconds;
         EXPECT_GE(ratio, 0.8) << seconds;
     }
-    EXPECT_EQ(lasting.rebuilt(), 0);
+    EXPECT_EQ(lasting.replanned(), 0);
 }
 
-TEST(LastingForest, BuildsATreeAnewThatFitsItsLightsNoMore) {
+/// The hall with a lamp that goes up and down it in 8 s and three balls that pass each other.
+test::SceneBuilder busy_hall() {
+    test::SceneBuilder b = hall();
+    b.film().tracks.back().times = {0, 4, 8};
+    b.film().tracks.back().values = {3, 2.5f, 2, 3, 2.5f, 9, 3, 2.5f, 2};
+    for (int i = 0; i < 3; ++i) {
+        const int ball = b.add_sphere({0, 0, 0}, 0.5f, b.add_material({0.8f, 0.3f, 0.2f * static_cast<float>(i)}), 8);
+        std::vector<glm::vec3> places;
+        for (int k = 0; k <= 8; ++k)
+            places.push_back({1.5f + 0.5f * static_cast<float>((k + 3 * i) % 4), 0.6f + static_cast<float>(i),
+                              1 + static_cast<float>((k * (i + 2)) % 9)});
+        b.move_object(ball, places);
+    }
+    return b;
+}
+
+TEST(LastingForestSlow, NeedsHardlyMoreClustersIn200FramesWithThingsThatMove) {
+    AnchorStage stage(busy_hall(), {1500, 4});
+    LastingForest lasting({stage.points().usual(), stage.anchors().usual_still(), stage.anchors().usual_moving()}, 1);
+    double updated_clusters = 0, fresh_clusters = 0;
+    for (int frame = 0; frame < 200; frame += 15) {
+        stage.pose(frame / 25.0);
+        const Anchors::Lit lit = stage.light();
+        LightForest updated = lasting.at({stage.direct(), lit.still, lit.moving}, true);
+        LightForest fresh = plant(stage.direct(), lit.still, 1);
+        fresh.trees[LightForest::moving_tree] = build_light_tree(LightFamily::oriented, lit.moving, 2);
+        const int mine = clusters(stage, updated), other = clusters(stage, fresh);
+        EXPECT_LE(mine, 1.25 * other) << frame;
+        updated_clusters += mine;
+        fresh_clusters += other;
+    }
+    EXPECT_LE(updated_clusters / fresh_clusters, 1.1);
+    EXPECT_GE(updated_clusters / fresh_clusters, 0.85);
+    // Balls that part ways may fit their plan badly once or twice, not all the time.
+    EXPECT_LE(lasting.replanned(), 2);
+}
+
+TEST(LastingForest, PlansATreeAnewThatFitsItsLightsNoMoreOnlyWhereItMay) {
     // Lights that all change places.
     const auto usual = random_lights(1000, 1), now = random_lights(1000, 2);
     LastingForest lasting({{}, usual, {}}, 1);
-    const LightForest same = lasting.at({{}, usual, {}});
-    EXPECT_EQ(lasting.rebuilt(), 0);
-    const LightForest other = lasting.at({{}, now, {}});
-    EXPECT_EQ(lasting.rebuilt(), 1);
+    lasting.at({{}, usual, {}}, true);
+    lasting.at({{}, now, {}}, false);
+    EXPECT_EQ(lasting.replanned(), 0);
+    const LightForest other = lasting.at({{}, now, {}}, true);
+    EXPECT_EQ(lasting.replanned(), 1);
     const LightTree fresh = build_light_tree(LightFamily::oriented, now, 2);
-    EXPECT_LE(cost_of(other.trees[LightForest::still_tree]), 1.001 * cost_of(fresh));
+    EXPECT_LE(cost_of(other.trees[LightForest::still_tree]), 1.1 * cost_of(fresh));
+    EXPECT_GE(cost_of(other.trees[LightForest::still_tree]), 0.5 * cost_of(fresh));
+    // From then on it stays: frames between do not alternate between two trees.
+    auto later = now;
+    for (LightPoint& p : later) p.intensity *= 1.5f;
+    const LightForest next = lasting.at({{}, later, {}}, false);
+    const auto &x = other.trees[LightForest::still_tree], &y = next.trees[LightForest::still_tree];
+    ASSERT_EQ(x.lights.size(), y.lights.size());
+    for (std::size_t i = 0; i < x.lights.size(); ++i) EXPECT_EQ(x.lights[i].id, y.lights[i].id);
+    EXPECT_EQ(lasting.replanned(), 1);
+}
+
+/// Two things of 200 lights each: one in [0, 1]^3, and one like it far along x.
+std::vector<LightPoint> two_things(float distance) {
+    auto lights = random_lights(200, 1);
+    for (LightPoint p : random_lights(200, 2)) {
+        p.position.x += distance;
+        p.id += 200;
+        lights.push_back(p);
+    }
+    return lights;
+}
+
+TEST(LastingForest, DoesNotLetWhatIsHiddenWidenItsBounds) {
+    // The tree is planned with a thing a kilometre away, which then is hidden.
+    const auto usual = two_things(1000.0f);
+    auto now = usual;
+    now.erase(now.begin() + 200, now.end());
+    LastingForest lasting({usual, {}, usual}, 1);
+    const LightForest forest = lasting.at({now, {}, now}, true);
+    EXPECT_EQ(lasting.replanned(), 0);
+    for (const int t : {0, LightForest::moving_tree}) {
+        const LightTree& tree = forest.trees[t];
+        const LightTree fresh = build_light_tree(LightFamily::oriented, now, t == 0 ? 1 : 2);
+        const auto root = tree.nodes[tree.root.index()];
+        ASSERT_FALSE(tree.root.is_leaf());
+        for (int k = 0; k < 3; ++k) {
+            EXPECT_LE(root.middle[k] + root.half[k], 1.001f);
+            EXPECT_GE(root.middle[k] - root.half[k], -0.001f);
+        }
+        EXPECT_LE(cost_of(tree), 1.3 * cost_of(fresh));
+        EXPECT_GE(cost_of(tree), 0.9 * cost_of(fresh));
+    }
+}
+
+TEST(LastingForest, PlansAgainByWhatIsThereAndKeepsRoomForWhatIsHidden) {
+    const auto usual = two_things(1000.0f);
+    auto now = random_lights(400, 3);
+    now.erase(now.begin() + 100, now.begin() + 300);
+    LastingForest lasting({{}, {}, usual}, 1);
+    lasting.at({{}, {}, now}, true);
+    EXPECT_EQ(lasting.replanned(), 1);
+    const LightForest all = lasting.at({{}, {}, usual});
+    glm::dvec3 sum(0), expected(0);
+    for (const LightPoint& p : usual) expected += p.intensity;
+    for (const TreeLight& l : all.trees[LightForest::moving_tree].lights) sum += l.intensity;
+    EXPECT_NEAR(sum.x / expected.x, 1.0, 1e-6);
+}
+
+TEST(LastingForest, KeepsTwelveBytesOfAPlanForEachLight) {
+    const auto usual = random_lights(10000, 1);
+    const LastingForest lasting({usual, usual, usual}, 1);
+    EXPECT_LE(lasting.bytes(), 3u * 12u * 10000u);
+    EXPECT_GE(lasting.bytes(), 3u * 11u * 10000u);
 }
 
 TEST(LastingForest, HasNoTreeForWhatIsDark) {
