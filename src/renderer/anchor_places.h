@@ -8,13 +8,14 @@
 
 namespace render2mpeg::renderer {
 
-/// A place that light was seen to reach. Groups are surfaces that keep their shape among each other: all that is still
-/// (group 0, in world space), or one object that moves (in its mesh's space).
+/// A place that light was seen to reach, or that lies there by area alone. Groups are surfaces that keep their shape
+/// among each other: all that is still (group 0, in world space), or one object that moves (in its mesh's space).
 struct AnchorCandidate {
     core::SurfaceAddress address;
     bool front = true;   ///< which side of the triangle it lies on
     OrientedPoint rest;  ///< in the space of its group
     std::uint32_t group = 0;
+    bool even = false;     ///< one of points spread evenly over surfaces, whether light was seen there or not
     float flux = 0;        ///< luminance of the light that leaves it, >= 0
     float importance = 1;  ///< to what is seen, > 0: anchors lie in proportion to it
     float area_scale = 1;  ///< world area over area in the group's space
@@ -30,8 +31,10 @@ struct AnchorPlace {
     float disc2 = 0;  ///< in the space of its group: see LightPoint::disc2
 };
 
-/// Chooses about `count` of the candidates, stratified over their surfaces: half of the anchors by area, half by flux
-/// (docs/model.md, "Anchor lights"). Every group other than 0 gets one at least. A function of the arguments alone.
+/// Chooses about `count` of the candidates, stratified over their surfaces: half of the anchors by area, half by flux,
+/// but an eighth evenly over all surfaces, where there are candidates for that (docs/model.md, "Anchor lights"). Every
+/// group other than 0 gets one at least, and one for each of six ways that its lit places face. A function of the
+/// arguments alone.
 std::vector<AnchorPlace> choose_places(const std::vector<AnchorCandidate>& candidates, int count);
 
 /// The area that each of these points stands for, from its nearest neighbours that face alike; `alone` where there is

@@ -21,8 +21,8 @@ constexpr int kept = 2 * shared_among, looked_at = 3 * shared_among;
 /// blotches.
 constexpr float lift_radii = 2.0f;
 
-/// Anchors that are asked in turn whether they see a photon.
-constexpr int asked = 4;
+/// Anchors that are asked in turn whether they see a photon: few at first, more where none of those does.
+constexpr int asked = 4, asked_at_last = 32;
 
 /// More anchors than these lie closer together than walls are thick; their neighbours are not looked for by rays.
 constexpr std::size_t most_tested = 1u << 16;
@@ -48,78 +48,18 @@ class Nearest {
     int count_ = 0;
 };
 
-}  // namespace
-
-AnchorSharing::AnchorSharing(std::span<const AnchorPlace> places, const scene::Animation& film, const RayTracer& scene)
-    : film_(&film) {
-    for (std::size_t first = 0; first < places.size();) {
-        std::vector<OrientedPoint> points;
-        std::size_t last = first;
-        while (last < places.size() && places[last].group == places[first].group) points.push_back(places[last++].rest);
-        groups_.emplace(places[first].group, Group{static_cast<std::uint32_t>(first), PointTree(std::move(points))});
-        first = last;
-    }
-
-    tested_ = groups_.contains(0) && groups_.at(0).tree.size() <= most_tested;
-    std::vector<std::vector<std::uint32_t>> lists(places.size());
-    parallel::for_ranges(places.size(), 64, [&](std::size_t first, std::size_t last) {
-        std::array<Neighbour, looked_at> found;
-        for (std::size_t i = first; i < last; ++i) {
-            const Group& group = groups_.at(places[i].group);
-            const int count = group.tree.nearest(places[i].rest, least_facing, found);
-            for (int k = 0; k < count && lists[i].size() < kept; ++k) {
-                const std::uint32_t other = group.first + found[static_cast<std::size_t>(k)].point;
-                const bool near =
-                    other == i || places[i].group != 0 || !tested_ ||
-                    see_each_other(places[i].rest, places[other].rest,
-                                   lift_radii * std::sqrt(std::min(places[i].disc2, places[other].disc2)), scene);
-                if (near) lists[i].push_back(other);
-            }
-        }
-    });
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        const auto first = static_cast<std::uint32_t>(neighbours_.size());
-        neighbours_.insert(neighbours_.end(), lists[i].begin(), lists[i].end());
-        anchors_.push_back({places[i].rest, places[i].disc2, first, static_cast<std::uint32_t>(neighbours_.size())});
-    }
-}
-
-/// Whether nothing still is between two places, both lifted off their surfaces.
-bool AnchorSharing::see_each_other(const OrientedPoint& a, const OrientedPoint& b, float lift,
-                                   const RayTracer& scene) const {
+/// A ray between two places that are lifted off their surfaces as far as the smaller of their discs says.
+bool see_each_other(const OrientedPoint& a, const OrientedPoint& b, float lift, const RayTracer& scene) {
     const glm::vec3 from = a.position + lift * a.normal, way = b.position + lift * b.normal - from;
     const float distance = glm::length(way);
-    if (!(distance > 0.0f)) return true;
-    const Hit hit = scene.nearest(from, way / distance, distance);
-    return !hit.found() || film_->objects[hit.address.object].mobility != scene::Mobility::still;
+    // What moves does not count: it would let light through, or keep it, as it passes.
+    return !(distance > 0.0f) || !scene.meets_still(from, way / distance, distance);
 }
 
-/// The nearest anchor that sees the place, or the nearest of all where none of some does.
-std::uint32_t AnchorSharing::nearest(std::uint32_t group, const OrientedPoint& at, const RayTracer& scene) const {
-    const Group& here = groups_.at(group);
-    std::array<Neighbour, asked> found;
-    int count = here.tree.nearest(at, least_facing, found);
-    if (count == 0) count = here.tree.nearest(at, -2.0f, found);
-    for (int k = 0; group == 0 && tested_ && k < count; ++k) {
-        const std::uint32_t anchor = here.first + found[static_cast<std::size_t>(k)].point;
-        const float lift = lift_radii * std::sqrt(anchors_[anchor].disc2);
-        if (see_each_other(at, anchors_[anchor].rest, lift, scene)) return anchor;
-    }
-    return here.first + found[0].point;
-}
-
-AnchorShares AnchorSharing::share(std::uint32_t group, const OrientedPoint& at, const RayTracer& scene) const {
+/// Parts 1 among the nearest by a kernel times the area that each stands for.
+AnchorShares shares_of(const Nearest& near, std::span<const AnchorPlace> places) {
     AnchorShares shares;
-    if (!groups_.contains(group)) return shares;
-
-    // Of the nearest anchor's neighbours take those nearest to the photon itself.
-    const Anchor& anchor = anchors_[nearest(group, at, scene)];
-    Nearest near;
-    for (std::uint32_t n = anchor.first_neighbour; n < anchor.last_neighbour; ++n) {
-        const Anchor& other = anchors_[neighbours_[n]];
-        const glm::vec3 d = other.rest.position - at.position;
-        if (glm::dot(other.rest.normal, anchor.rest.normal) > least_facing) near.add({glm::dot(d, d), neighbours_[n]});
-    }
+    if (near.count() == 0) return shares;
     const bool all = near.count() < Nearest::size;
     const float reach2 = near[near.count() - 1].distance2 * (all ? 1.5f : 1.0f);
     shares.count = std::min(near.count(), shared_among);
@@ -128,7 +68,7 @@ AnchorShares AnchorSharing::share(std::uint32_t group, const OrientedPoint& at, 
         const auto i = static_cast<std::size_t>(k);
         shares.anchor[i] = near[k].point;
         const float kernel = std::max(0.0f, 1.0f - core::divide_or(near[k].distance2, reach2, 0.0f));
-        shares.weight[i] = kernel * anchors_[near[k].point].disc2;
+        shares.weight[i] = kernel * places[near[k].point].disc2;
         sum += shares.weight[i];
     }
     for (int k = 0; k < shares.count; ++k) {
@@ -136,6 +76,114 @@ AnchorShares AnchorSharing::share(std::uint32_t group, const OrientedPoint& at, 
         weight = core::divide_or(weight, sum, 1.0f / static_cast<float>(shares.count));
     }
     return shares;
+}
+
+}  // namespace
+
+AnchorSharing::AnchorSharing(std::span<const AnchorPlace> places, const RayTracer& scene) : places_(places) {
+    for (std::size_t first = 0; first < places.size();) {
+        std::vector<OrientedPoint> points;
+        std::size_t last = first;
+        while (last < places.size() && places[last].group == places[first].group) points.push_back(places[last++].rest);
+        groups_.emplace(places[first].group, Group{static_cast<std::uint32_t>(first), PointTree(std::move(points))});
+        first = last;
+    }
+    tested_ = groups_.contains(0) && groups_.at(0).tree.size() <= most_tested;
+    if (tested_) list_neighbours(scene);
+}
+
+void AnchorSharing::list_neighbours(const RayTracer& scene) {
+    const Group& still = groups_.at(0);
+    std::vector<std::vector<std::uint16_t>> lists(still.tree.size());
+    std::vector<std::uint32_t> rays(still.tree.size(), 0);
+    parallel::for_ranges(lists.size(), 64, [&](std::size_t first, std::size_t last) {
+        std::array<Neighbour, looked_at> found;
+        for (std::size_t i = first; i < last; ++i) {
+            const int count = still.tree.nearest(places_[i].rest, least_facing, found);
+            for (int k = 0; k < count && lists[i].size() < kept; ++k) {
+                const std::uint32_t other = found[static_cast<std::size_t>(k)].point;
+                if (other != i) {
+                    ++rays[i];
+                    const float disc2 = std::min(places_[i].disc2, places_[other].disc2);
+                    if (!see_each_other(places_[i].rest, places_[other].rest, lift_radii * std::sqrt(disc2), scene))
+                        continue;
+                }
+                lists[i].push_back(static_cast<std::uint16_t>(other));
+            }
+        }
+    });
+    std::size_t all = 0;
+    for (const auto& list : lists) all += list.size();
+    neighbours_.reserve(all);
+    first_neighbour_.reserve(lists.size() + 1);
+    for (std::size_t i = 0; i < lists.size(); ++i) {
+        first_neighbour_.push_back(static_cast<std::uint32_t>(neighbours_.size()));
+        neighbours_.insert(neighbours_.end(), lists[i].begin(), lists[i].end());
+        rays_ += rays[i];
+    }
+    first_neighbour_.push_back(static_cast<std::uint32_t>(neighbours_.size()));
+}
+
+std::size_t AnchorSharing::bytes() const {
+    std::size_t sum = first_neighbour_.capacity() * sizeof(std::uint32_t) + neighbours_.capacity() * 2;
+    for (const auto& [id, group] : groups_) sum += group.tree.bytes();
+    return sum;
+}
+
+/// The nearest still anchor that sees the place, or the nearest of all where none of many does.
+std::uint32_t AnchorSharing::nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, int& rays) const {
+    const PointTree& tree = groups_.at(0).tree;
+    std::array<Neighbour, asked_at_last> found;
+    for (int most = asked, next = 0;; most = asked_at_last) {
+        const std::span<Neighbour> some(found.data(), static_cast<std::size_t>(most));
+        int count = tree.nearest(at, least_facing, some);
+        if (count == 0) count = tree.nearest(at, -2.0f, some);
+        for (; next < count; ++next) {
+            const AnchorPlace& anchor = places_[some[static_cast<std::size_t>(next)].point];
+            ++rays;
+            if (see_each_other(at, anchor.rest, lift_radii * std::sqrt(anchor.disc2), scene))
+                return some[static_cast<std::size_t>(next)].point;
+        }
+        if (count < most || most == asked_at_last) return found[0].point;
+    }
+}
+
+AnchorShares AnchorSharing::share_in_sight(const OrientedPoint& at, const RayTracer& scene) const {
+    // Of the nearest anchor's neighbours take those nearest to the photon itself.
+    int rays = 0;
+    const std::uint32_t anchor = nearest_in_sight(at, scene, rays);
+    Nearest near;
+    for (std::uint32_t n = first_neighbour_[anchor]; n < first_neighbour_[anchor + 1]; ++n) {
+        const glm::vec3 d = places_[neighbours_[n]].rest.position - at.position;
+        near.add({glm::dot(d, d), neighbours_[n]});
+    }
+    AnchorShares shares = shares_of(near, places_);
+    shares.rays = rays;
+    return shares;
+}
+
+/// Of a group without lists of neighbours.
+AnchorShares AnchorSharing::share_among_alike(const Group& group, const OrientedPoint& at) const {
+    std::array<Neighbour, Nearest::size> found;
+    int count = group.tree.nearest(at, least_facing, found);
+    if (count == 0) {
+        // None faces that way: its light goes where the nearest of all does.
+        group.tree.nearest(at, -2.0f, {found.data(), 1});
+        const OrientedPoint& other = places_[group.first + found[0].point].rest;
+        count = group.tree.nearest({at.position, other.normal}, least_facing, found);
+    }
+    Nearest near;
+    for (int k = 0; k < count; ++k) {
+        const Neighbour& n = found[static_cast<std::size_t>(k)];
+        near.add({n.distance2, group.first + n.point});
+    }
+    return shares_of(near, places_);
+}
+
+AnchorShares AnchorSharing::share(std::uint32_t group, const OrientedPoint& at, const RayTracer& scene) const {
+    const auto found = groups_.find(group);
+    if (found == groups_.end()) return {};
+    return group == 0 && tested_ ? share_in_sight(at, scene) : share_among_alike(found->second, at);
 }
 
 }  // namespace render2mpeg::renderer

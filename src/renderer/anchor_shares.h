@@ -18,6 +18,7 @@ inline constexpr int shared_among = 16;
 /// A photon's share in each of its anchors; `weight` adds up to 1. None where the photon's group has no anchor.
 struct AnchorShares {
     int count = 0;
+    int rays = 0;  ///< that were traced to find them
     std::array<std::uint32_t, shared_among> anchor;
     std::array<float, shared_among> weight;
 };
@@ -27,34 +28,37 @@ class AnchorSharing {
   public:
     AnchorSharing() = default;
 
-    /// `places` lie by group, what is still (group 0) first. Of that only such anchors are neighbours as see each other
-    /// in the posed `scene`, as far as still surfaces are in the way: light stays on its side of a wall. Keeps a
-    /// reference to the film.
-    AnchorSharing(std::span<const AnchorPlace> places, const scene::Animation& film, const RayTracer& scene);
+    /// `places` lie by group, what is still (group 0) first, and outlive this. Of that only such anchors are neighbours
+    /// as see each other over what is still of `scene`: light stays on its side of a wall.
+    AnchorSharing(std::span<const AnchorPlace> places, const RayTracer& scene);
 
-    /// Shares of a photon that landed at `at`, in the space of its group, in the posed `scene`.
+    /// Shares of a photon that landed at `at`, in the space of its group.
     AnchorShares share(std::uint32_t group, const OrientedPoint& at, const RayTracer& scene) const;
 
-  private:
-    std::uint32_t nearest(std::uint32_t group, const OrientedPoint& at, const RayTracer& scene) const;
-    bool see_each_other(const OrientedPoint& a, const OrientedPoint& b, float lift, const RayTracer& scene) const;
+    /// Rays traced for neighbours.
+    std::uint64_t rays() const { return rays_; }
 
+    /// Bytes held beside the places.
+    std::size_t bytes() const;
+
+  private:
     /// Anchors of one group.
     struct Group {
         std::uint32_t first = 0;
         PointTree tree;
     };
-    struct Anchor {
-        OrientedPoint rest;
-        float disc2 = 0;
-        std::uint32_t first_neighbour = 0, last_neighbour = 0;  ///< in `neighbours_`; the nearest first
-    };
 
-    const scene::Animation* film_ = nullptr;
-    bool tested_ = false;  ///< neighbours see each other
+    void list_neighbours(const RayTracer& scene);
+    std::uint32_t nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, int& rays) const;
+    AnchorShares share_among_alike(const Group& group, const OrientedPoint& at) const;
+    AnchorShares share_in_sight(const OrientedPoint& at, const RayTracer& scene) const;
+
+    std::span<const AnchorPlace> places_;
     std::map<std::uint32_t, Group> groups_;
-    std::vector<Anchor> anchors_;
-    std::vector<std::uint32_t> neighbours_;
+    bool tested_ = false;                         ///< still neighbours see each other, and are listed
+    std::vector<std::uint32_t> first_neighbour_;  ///< of each still anchor in `neighbours_`, and the end of the last
+    std::vector<std::uint16_t> neighbours_;       ///< the nearest first
+    std::uint64_t rays_ = 0;
 };
 
 }  // namespace render2mpeg::renderer

@@ -7,34 +7,36 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/color.h"
-#include "core/error.h"
 #include "core/numeric.h"
+#include "core/sampling.h"
 #include "parallel/loops.h"
 #include "renderer/anchor_importance.h"
+#include "renderer/anchor_paths.h"
 #include "renderer/anchor_places.h"
+#include "renderer/anchor_rest.h"
 #include "renderer/anchor_shares.h"
+#include "renderer/anchor_surfaces.h"
 #include "renderer/usual_light.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
-/// Instants of the film at which places are looked for. chosen: 8.
-constexpr int instants = 8;
+/// Instants of the film at which places are looked for. chosen: 64, a lamp that crosses a film is then seen within a
+/// 64th of its way; each asks for a 64th of the photons.
+constexpr int instants = 64;
+
+/// Instants at which the shapes of what deforms are looked at, to find one to rest in.
+constexpr int shapes = 8;
+
+/// Points spread evenly over all still surfaces, as a share of the places looked at. chosen: an eighth.
+constexpr std::uint64_t even_part = 8;
 
 /// Places looked at per anchor. chosen: 16; fewer leave strata uneven where what is seen gets a small part of the
 /// light.
 constexpr std::uint64_t candidates_per_anchor = 16;
 constexpr std::uint64_t least_candidates = 4096;
-
-/// VPLs that are spread in a frame for this many anchors: 32 for each, since a lamp that moves should change them by
-/// what it does and not by noise; 8 at least, where anchors are so many that their noise is small in sum.
-std::uint64_t photons_for(int anchors) {
-    const auto count = static_cast<std::uint64_t>(anchors);
-    return std::max(8 * count, std::min<std::uint64_t>(32 * count, 1u << 17));
-}
 
 /// Paths traced at once: bounds the memory that photons take.
 constexpr std::uint64_t batch = 1u << 15;
@@ -42,41 +44,14 @@ constexpr std::uint64_t batch = 1u << 15;
 /// Every anchor counts with at least this share of the mean light when trees are planned: it may be lit one day.
 constexpr float least_usual = 0.01f;
 
-/// A point of a mesh that is not placed in the world.
-OrientedPoint at_rest(const scene::Mesh& mesh, const core::SurfaceAddress& a, bool front) {
-    const glm::uvec3 t = mesh.triangles[a.primitive];
-    const glm::vec3 p = mesh.positions[t.x], e1 = mesh.positions[t.y] - p, e2 = mesh.positions[t.z] - p;
-    const glm::vec3 normal = core::normalize_or(glm::cross(e1, e2), {0, 0, 1});
-    return {p + a.u * e1 + a.v * e2, front ? normal : -normal};
-}
-
-float area_of(glm::vec3 a, glm::vec3 b, glm::vec3 c) {
-    return 0.5f * glm::length(glm::cross(b - a, c - a));
-}
-
-/// World area of a triangle over its area in its mesh.
-float area_scale(const scene::Snapshot& now, const core::SurfaceAddress& a) {
-    const scene::Animation& film = *now.animation;
-    const scene::Mesh& mesh = film.meshes[static_cast<std::size_t>(film.objects[a.object].mesh)];
-    const glm::uvec3 t = mesh.triangles[a.primitive];
-    const scene::Triangle world = scene::triangle_of(now, a.object, a.primitive);
-    return core::divide_or(area_of(world.a, world.b, world.c),
-                           area_of(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]), 1.0f);
-}
-
-/// Squared diagonal of a mesh's box.
-float extent2_of(const scene::Mesh& mesh) {
-    glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
-    for (const glm::vec3& p : mesh.positions) {
-        low = glm::min(low, p);
-        high = glm::max(high, p);
-    }
-    const glm::vec3 size = mesh.positions.empty() ? glm::vec3(0) : high - low;
-    return glm::dot(size, size);
-}
-
 bool moves(const scene::Animation& film, std::uint32_t object) {
     return film.objects[object].mobility != scene::Mobility::still;
+}
+
+/// Where in the Halton sequence a set of photons begins: the same sequence from a start at random is another randomised
+/// one. [Wang2000]
+std::uint64_t first_of(std::uint64_t set) {
+    return set == 0 ? 1 : 1 + core::mix(set) % (1u << 30);
 }
 
 /// A still anchor, without intensity; its rest is the world.
@@ -90,92 +65,103 @@ LightPoint still_light(const AnchorPlace& place, std::uint32_t id) {
     return p;
 }
 
+/// The film at one of `count` instants spread over it, its lights at their usual strength, its camera one of its
+/// shots'.
+scene::Snapshot usual_instant(const scene::Animation& film, int i, int count) {
+    const auto microseconds = static_cast<std::int64_t>(1e6 * film.duration * (i + 0.5) / count);
+    const std::size_t shots = film.shots.size();
+    const std::int64_t frame =
+        shots == 0 ? 0 : film.shots[static_cast<std::size_t>(i) * shots / static_cast<std::size_t>(count)].frame;
+    return at_usual_strength(scene::snapshot_at(film, frame, {microseconds, 1000000}, importance_format));
+}
+
 }  // namespace
 
 struct Anchors::Impl {
-    Impl(const scene::Animation& animation, const AnchorSettings& s) : film(animation), settings(s) {}
+    Impl(const scene::Animation& animation, const AnchorSettings& s) : film(animation), settings(s), rest(animation) {}
 
     std::uint32_t group_of(std::uint32_t object) const { return moves(film, object) ? object + 1 : 0; }
-    const scene::Mesh& mesh_of(std::uint32_t object) const {
-        return film.meshes[static_cast<std::size_t>(film.objects[object].mesh)];
-    }
-
     OrientedPoint rest_of(const LightPoint& vpl, const core::SurfaceAddress& address, bool front) const {
-        return moves(film, address.object) ? at_rest(mesh_of(address.object), address, front)
-                                           : OrientedPoint{vpl.position, vpl.normal};
+        return moves(film, address.object) ? rest.at(address, front) : OrientedPoint{vpl.position, vpl.normal};
     }
 
-    AnchorCandidate candidate(const Scenery& scenery, const LightPoint& vpl,
-                              const core::SurfaceAddress& address) const {
-        AnchorCandidate c;
-        c.address = address;
-        c.front = glm::dot(scenery.front_normal(address.object, address.primitive), vpl.normal) >= 0.0f;
-        c.rest = rest_of(vpl, address, c.front);
-        c.group = group_of(address.object);
-        c.flux = core::luminance(vpl.intensity);
-        const glm::vec3 world = film.bounds_max - film.bounds_min;
-        c.extent2 = glm::dot(world, world);
-        if (c.group != 0) {
-            c.area_scale = area_scale(scenery.posed(), address);
-            c.extent2 = extent2_of(mesh_of(address.object));
-        }
-        return c;
-    }
-
+    AnchorCandidate candidate(const Scenery& scenery, const LightPoint& vpl, const core::SurfaceAddress& address) const;
     void look(Scenery& scenery, LightPoints& lights);
     void look_at(const Scenery& scenery, const std::vector<LightPoint>& lights, std::uint64_t wanted);
+    void add_even(const Scenery& scenery, std::uint64_t count);
     void add_unlit();
     void reckon_usual(const RayTracer& tracer);
     LightPoint moving_light(const Scenery& scenery, std::uint32_t place) const;
-    std::uint32_t still_count() const { return static_cast<std::uint32_t>(still.size()); }
 
     const scene::Animation& film;
     AnchorSettings settings;
+    RestPoses rest;
     std::vector<AnchorCandidate> candidates;
     std::vector<glm::vec3> candidate_light;  ///< radiant intensity of each, as a VPL
-    std::uint64_t looked = 0;                ///< paths that candidates came from
+    Landings seen;                           ///< of the candidates' paths
 
-    std::uint64_t paths = 0;          ///< in every frame
+    std::uint64_t paths = 0, rays = 0;
     std::vector<AnchorPlace> places;  ///< by group: what is still comes first
+    std::uint32_t still_count = 0;
     AnchorSharing sharing;
-    std::vector<LightPoint> still;  ///< without their intensities
-    std::vector<LightPoint> usual_still, usual_moving;
+    std::vector<glm::vec3> usual;  ///< intensity of each place
+    float apart = 0;               ///< how far from each other objects that move are thought to be
 };
+
+AnchorCandidate Anchors::Impl::candidate(const Scenery& scenery, const LightPoint& vpl,
+                                         const core::SurfaceAddress& address) const {
+    AnchorCandidate c;
+    c.address = address;
+    c.front = glm::dot(scenery.front_normal(address.object, address.primitive), vpl.normal) >= 0.0f;
+    c.rest = rest_of(vpl, address, c.front);
+    c.group = group_of(address.object);
+    c.flux = core::luminance(vpl.intensity);
+    const glm::vec3 world = film.bounds_max - film.bounds_min;
+    c.extent2 = glm::dot(world, world);
+    if (c.group != 0) {
+        c.area_scale = rest.area_scale(scenery.posed(), address);
+        c.extent2 = rest.extent2(address.object);
+    }
+    return c;
+}
 
 /// Gathers candidates at instants spread over the film, and chooses among them.
 void Anchors::Impl::look(Scenery& scenery, LightPoints& lights) {
     const int count = film.duration > 0.0 ? instants : 1;
     const auto wanted = std::max(candidates_per_anchor * static_cast<std::uint64_t>(settings.count), least_candidates);
-    std::vector<scene::Snapshot> films(static_cast<std::size_t>(count));
+    const bool deforms = std::any_of(film.objects.begin(), film.objects.end(),
+                                     [](const scene::Object& o) { return o.mobility == scene::Mobility::deforming; });
+    for (int i = 0; deforms && i < shapes; ++i) rest.consider(usual_instant(film, i, shapes));
+    const scene::Snapshot first = usual_instant(film, 0, count);
+    lights.place(scenery, first);
+    scene::Snapshot instant;
     for (int i = 0; i < count; ++i) {
-        const auto microseconds = static_cast<std::int64_t>(1e6 * film.duration * (i + 0.5) / count);
-        const std::size_t shots = film.shots.size();
-        const std::int64_t frame =
-            shots == 0 ? 0 : film.shots[static_cast<std::size_t>(i) * shots / static_cast<std::size_t>(count)].frame;
-        films[static_cast<std::size_t>(i)] =
-            at_usual_strength(scene::snapshot_at(film, frame, {microseconds, 1000000}, importance_format));
-    }
-    lights.place(scenery, films.front());
-    for (const scene::Snapshot& instant : films) {
+        scene::Snapshot next = usual_instant(film, i, count);
+        std::swap(instant, next);
         scenery.pose(instant);
-        look_at(scenery, lights.at(scenery), wanted / static_cast<std::uint64_t>(count));
+        look_at(scenery, lights.at(scenery), std::max<std::uint64_t>(wanted / static_cast<std::uint64_t>(count), 1));
     }
+    // What is still lies the same at any instant.
+    scenery.pose(first);
+    add_even(scenery, wanted / even_part);
     add_unlit();
     places = choose_places(candidates, settings.count);
-    for (const AnchorPlace& place : places)
-        if (place.group == 0) still.push_back(still_light(place, static_cast<std::uint32_t>(still.size())));
-    // What is still lies the same at any instant; take the film's own.
-    scenery.pose(films.front());
-    sharing = AnchorSharing(places, film, scenery.tracer());
+    places.shrink_to_fit();
+    while (still_count < places.size() && places[still_count].group == 0) ++still_count;
+    sharing = AnchorSharing(places, scenery.tracer());
+    rays += sharing.rays();
     reckon_usual(scenery.tracer());
+    if (!places.empty()) paths = paths_of_anchors(settings.count, settings.photons, settings.bounces, seen);
 }
 
 void Anchors::Impl::look_at(const Scenery& scenery, const std::vector<LightPoint>& lights, std::uint64_t wanted) {
     const std::uint64_t needed = paths_for(scenery, lights, static_cast<int>(wanted), settings.bounces);
     if (needed == 0) return;
     // Every instant takes other paths, so that no two look at the same places.
-    const PhotonResult photons = trace_photons(scenery, lights, {1 + looked, needed, settings.bounces});
-    looked += needed;
+    const PhotonResult photons = trace_photons(scenery, lights, {1 + seen.paths, needed, settings.bounces});
+    seen.paths += needed;
+    seen.landed += photons.vpls.size();
+    rays += photons.rays;
     const std::vector<float> importance = importance_to_eye(scenery, photons.vpls);
     for (std::size_t i = 0; i < photons.vpls.size(); ++i) {
         candidates.push_back(candidate(scenery, photons.vpls[i], photons.addresses[i]));
@@ -184,19 +170,31 @@ void Anchors::Impl::look_at(const Scenery& scenery, const std::vector<LightPoint
     }
 }
 
-/// Gives objects that move one place where no photon met them: they may come into light between the instants.
+/// Gives still surfaces places whether photons met them or not: light may come between the instants.
+void Anchors::Impl::add_even(const Scenery& scenery, std::uint64_t count) {
+    for (const SurfacePoint& p : even_points(scenery, count)) {
+        LightPoint point;
+        point.normal = p.geometric_normal;
+        point.position = offset_origin(p, p.geometric_normal);
+        candidates.push_back(candidate(scenery, point, p.address));
+        candidates.back().even = true;
+        candidate_light.push_back(glm::vec3(0));
+    }
+}
+
+/// Gives objects that move one place where no photon met them.
 void Anchors::Impl::add_unlit() {
     std::vector<bool> met(film.objects.size(), false);
     for (const AnchorCandidate& c : candidates) met[c.address.object] = true;
     for (std::uint32_t object = 0; object < film.objects.size(); ++object) {
-        const scene::Mesh& mesh = mesh_of(object);
+        const scene::Mesh& mesh = film.meshes[static_cast<std::size_t>(film.objects[object].mesh)];
         const scene::Material& material = film.materials[static_cast<std::size_t>(film.objects[object].material)];
         if (met[object] || !moves(film, object) || mesh.triangles.empty() || material.unlit) continue;
         AnchorCandidate c;
         c.address = {object, static_cast<std::uint32_t>(mesh.triangles.size() / 2), 1.0f / 3.0f, 1.0f / 3.0f};
-        c.rest = at_rest(mesh, c.address, true);
+        c.rest = rest.at(c.address, true);
         c.group = group_of(object);
-        c.extent2 = extent2_of(mesh);
+        c.extent2 = rest.extent2(object);
         candidates.push_back(c);
         candidate_light.push_back(glm::vec3(0));
     }
@@ -210,44 +208,31 @@ LightPoint Anchors::Impl::moving_light(const Scenery& scenery, std::uint32_t ind
     p.normal = place.front ? front : -front;
     p.position = offset_origin(scenery.surface_at(place.address, p.normal), p.normal);
     p.moving = true;
-    p.disc2 = place.disc2 * area_scale(scenery.posed(), place.address);
-    p.id = index - still_count();
+    p.disc2 = place.disc2 * rest.area_scale(scenery.posed(), place.address);
+    p.id = index - still_count;
     p.object = place.address.object;
     return p;
 }
 
 /// Spreads the candidates' own light.
 void Anchors::Impl::reckon_usual(const RayTracer& tracer) {
-    std::vector<glm::vec3> light(places.size(), glm::vec3(0));
+    std::vector<AnchorShares> shares(candidates.size());
+    parallel::for_ranges(candidates.size(), 256, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            if (candidates[i].flux > 0.0f) shares[i] = sharing.share(candidates[i].group, candidates[i].rest, tracer);
+    });
+    usual.assign(places.size(), glm::vec3(0));
     for (std::size_t i = 0; i < candidates.size(); ++i) {
-        const std::uint32_t group = candidates[i].group;
-        const AnchorShares shares = sharing.share(group, candidates[i].rest, tracer);
-        for (std::size_t k = 0; k < static_cast<std::size_t>(shares.count); ++k)
-            light[shares.anchor[k]] += shares.weight[k] * candidate_light[i];
+        rays += static_cast<std::uint64_t>(shares[i].rays);
+        for (std::size_t k = 0; k < static_cast<std::size_t>(shares[i].count); ++k)
+            usual[shares[i].anchor[k]] += shares[i].weight[k] * candidate_light[i];
     }
     glm::vec3 mean(0);
-    for (const glm::vec3& l : light) mean += l / static_cast<float>(light.size());
-    const glm::vec3 least = least_usual * mean + glm::vec3(1e-20f);
+    for (const glm::vec3& l : usual) mean += l / static_cast<float>(usual.size());
+    for (glm::vec3& l : usual) l += least_usual * mean + glm::vec3(1e-20f);
     // Trees of what moves are planned at rest, every object far from all others: they part ways.
-    float apart = 0;
     for (const AnchorCandidate& c : candidates)
         if (c.group != 0) apart = std::max(apart, 4.0f * std::sqrt(c.extent2));
-    std::uint32_t objects = 0;
-    for (std::uint32_t i = 0; i < places.size(); ++i) {
-        const bool moving = i >= still_count();
-        if (moving && i > still_count() && places[i].group != places[i - 1].group) ++objects;
-        LightPoint p;
-        if (moving) {
-            p.position = places[i].rest.position + glm::vec3(apart * static_cast<float>(objects), 0, 0);
-            p.normal = places[i].rest.normal;
-            p.disc2 = places[i].disc2;
-            p.id = i - still_count();
-        } else {
-            p = still[i];
-        }
-        p.intensity = light[i] + least;
-        (moving ? usual_moving : usual_still).push_back(p);
-    }
 }
 
 Anchors::Anchors(Scenery& scenery, LightPoints& lights, const AnchorSettings& settings)
@@ -256,23 +241,51 @@ Anchors::Anchors(Scenery& scenery, LightPoints& lights, const AnchorSettings& se
     const scene::Snapshot& before = scenery.posed();
     a.look(scenery, lights);
     scenery.pose(before);
-    const std::uint64_t photons = settings.photons > 0 ? settings.photons : photons_for(settings.count);
-    a.paths = a.candidates.empty() ? 0 : std::max<std::uint64_t>(1, photons * a.looked / a.candidates.size());
     a.candidates = {};
     a.candidate_light = {};
 }
 Anchors::~Anchors() = default;
 Anchors::Anchors(Anchors&&) noexcept = default;
 
-const std::vector<LightPoint>& Anchors::usual_still() const {
-    return impl_->usual_still;
+std::vector<LightPoint> Anchors::usual_still() const {
+    std::vector<LightPoint> points;
+    points.reserve(impl_->still_count);
+    for (std::uint32_t i = 0; i < impl_->still_count; ++i) {
+        points.push_back(still_light(impl_->places[i], i));
+        points.back().intensity = impl_->usual[i];
+    }
+    return points;
 }
-const std::vector<LightPoint>& Anchors::usual_moving() const {
-    return impl_->usual_moving;
+
+std::vector<LightPoint> Anchors::usual_moving() const {
+    const Impl& a = *impl_;
+    std::vector<LightPoint> points;
+    std::uint32_t objects = 0;
+    for (std::uint32_t i = a.still_count; i < a.places.size(); ++i) {
+        const AnchorPlace& place = a.places[i];
+        if (i > a.still_count && place.group != a.places[i - 1].group) ++objects;
+        LightPoint p;
+        p.position = place.rest.position + glm::vec3(a.apart * static_cast<float>(objects), 0, 0);
+        p.normal = place.rest.normal;
+        p.disc2 = place.disc2;
+        p.intensity = a.usual[i];
+        p.id = i - a.still_count;
+        points.push_back(p);
+    }
+    return points;
 }
 
 std::uint64_t Anchors::paths() const {
     return impl_->paths;
+}
+
+std::uint64_t Anchors::rays() const {
+    return impl_->rays;
+}
+
+std::size_t Anchors::bytes() const {
+    return impl_->places.capacity() * sizeof(AnchorPlace) + impl_->usual.capacity() * sizeof(glm::vec3) +
+           impl_->sharing.bytes();
 }
 
 Anchors::Lit Anchors::at(const Scenery& scenery, std::span<const LightPoint> lights) const {
@@ -282,7 +295,7 @@ Anchors::Lit Anchors::at(const Scenery& scenery, std::span<const LightPoint> lig
     std::vector<AnchorShares> shares;
     for (std::uint64_t done = 0; done < a.paths; done += batch) {
         const std::uint64_t count = std::min(batch, a.paths - done);
-        const std::uint64_t first_path = 1 + a.settings.photon_set * a.paths + done;
+        const std::uint64_t first_path = first_of(a.settings.photon_set) + done;
         const PhotonResult photons = trace_photons(scenery, lights, {first_path, count, a.settings.bounces});
         lit.rays += photons.rays;
         shares.assign(photons.vpls.size(), AnchorShares{});
@@ -297,15 +310,19 @@ Anchors::Lit Anchors::at(const Scenery& scenery, std::span<const LightPoint> lig
         });
         // In the order of photons, whatever thread found their shares.
         const double part = static_cast<double>(count) / static_cast<double>(a.paths);
-        for (std::size_t i = 0; i < shares.size(); ++i)
+        for (std::size_t i = 0; i < shares.size(); ++i) {
+            lit.rays += static_cast<std::uint64_t>(shares[i].rays);
             for (std::size_t k = 0; k < static_cast<std::size_t>(shares[i].count); ++k)
                 light[shares[i].anchor[k]] +=
                     part * static_cast<double>(shares[i].weight[k]) * glm::dvec3(photons.vpls[i].intensity);
+        }
     }
+    lit.still.reserve(a.still_count);
+    lit.moving.reserve(a.places.size() - a.still_count);
     for (std::uint32_t i = 0; i < a.places.size(); ++i) {
-        const bool moving = i >= a.still_count();
+        const bool moving = i >= a.still_count;
         if (moving && !scenery.posed().objects[a.places[i].address.object].present) continue;
-        LightPoint p = moving ? a.moving_light(scenery, i) : a.still[i];
+        LightPoint p = moving ? a.moving_light(scenery, i) : still_light(a.places[i], i);
         p.intensity = glm::vec3(light[i]);
         (moving ? lit.moving : lit.still).push_back(p);
     }

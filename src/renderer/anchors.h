@@ -32,11 +32,18 @@ class Anchors {
     Anchors(Anchors&&) noexcept;
 
     /// What the anchors are over the film, on the average, with a little light for all: what trees are planned by.
-    const std::vector<LightPoint>& usual_still() const;
-    const std::vector<LightPoint>& usual_moving() const;
+    std::vector<LightPoint> usual_still() const;
+    std::vector<LightPoint> usual_moving() const;
 
-    /// Photons that every instant follows.
+    /// Photons that every instant follows: as many as leave what the settings ask for at the usual instant, but no more
+    /// than 64 for each anchor, however few of them meet anything.
     std::uint64_t paths() const;
+
+    /// Rays that the choice took.
+    std::uint64_t rays() const;
+
+    /// Bytes held between instants.
+    std::size_t bytes() const;
 
     struct Lit {
         std::vector<LightPoint> still, moving;  ///< by id; dark ones among them

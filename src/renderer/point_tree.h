@@ -30,6 +30,11 @@ class PointTree {
     int nearest(const OrientedPoint& at, float least_facing, std::span<Neighbour> found) const;
 
     std::size_t size() const { return points_.size(); }
+    /// Bytes held.
+    std::size_t bytes() const {
+        return points_.capacity() * sizeof(OrientedPoint) + index_.capacity() * sizeof(std::uint32_t) +
+               axis_.capacity();
+    }
 
   private:
     struct Search;

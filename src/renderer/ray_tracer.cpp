@@ -250,6 +250,19 @@ Hit RayTracer::nearest(glm::vec3 origin, glm::vec3 direction, float far) const {
     return hit;
 }
 
+bool RayTracer::meets_still(glm::vec3 origin, glm::vec3 direction, float far) const {
+    if (!is_traceable(origin, direction, far)) return false;
+    const FlushDenormals flushed;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit found{};
+    found.ray = ray_of(origin, direction, 0.0f, far);
+    found.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    found.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(impl_->scene.still(), &context, &found);
+    return found.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+}
+
 void RayTracer::record(std::vector<ShadowPacket>* packets) const {
     impl_->recorded = packets;
 }

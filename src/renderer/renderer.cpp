@@ -43,6 +43,10 @@ class Stopwatch {
 constexpr GeometryClamp anchor_clamp{0.25f};
 constexpr GeometryClamp emitter_clamp{0.25f};
 
+/// Light trees may be planned anew at every so manieth frame of a chunk. chosen: 15, half a second: what fits badly
+/// does not do so for long, and representatives never change from frame to frame.
+constexpr std::int64_t replan_distance = 15;
+
 /// What light depends on: everything of a snapshot but the camera.
 bool same_light(const scene::Snapshot& a, const scene::Snapshot& b) {
     const auto same_object = [](const scene::ObjectState& x, const scene::ObjectState& y) {
@@ -76,10 +80,12 @@ struct Renderer::Impl {
     }
 
     void start_chunk(const scene::Snapshot& first) {
+        first_frame = first.frame;
         pose(first);
         if (!anchors && plan.runs(Pass::photons) && settings.vpls > 0) {
             const Stopwatch watch(row(Pass::photons));
             anchors.emplace(scenery, light_points, AnchorSettings{settings.vpls, settings.bounces});
+            statistics.photon_rays += anchors->rays();
         }
         {
             const Stopwatch watch(row(Pass::emissive_lights));
@@ -88,9 +94,9 @@ struct Renderer::Impl {
         {
             const Stopwatch watch(row(Pass::direct_tree));
             const std::vector<LightPoint> none;
-            lasting = LastingForest({light_points.usual(), anchors ? anchors->usual_still() : none,
-                                     anchors ? anchors->usual_moving() : none},
-                                    settings.seed);
+            const std::vector<LightPoint> still = anchors ? anchors->usual_still() : none,
+                                          moving = anchors ? anchors->usual_moving() : none;
+            lasting = LastingForest({light_points.usual(), still, moving}, settings.seed);
         }
         lit.reset();
         caution.forget();
@@ -115,7 +121,8 @@ struct Renderer::Impl {
         }
         {
             const Stopwatch watch(row(Pass::direct_tree));
-            forest = lasting.at({direct, indirect.still, indirect.moving});
+            forest = lasting.at({direct, indirect.still, indirect.moving},
+                                (snapshot.frame - first_frame) % replan_distance == 0);
         }
         const bool bounded = settings.clamp == Clamp::bounded;
         forest.direct_clamp = bounded ? emitter_clamp : GeometryClamp::none();
@@ -198,6 +205,7 @@ struct Renderer::Impl {
     LightForest forest;
     std::optional<scene::Snapshot> lit;  ///< the instant that `forest` shows
     bool started = false;
+    std::int64_t first_frame = 0;  ///< of the chunk
     Caution caution;
     bool calibrated = false;             ///< `caution` knows this shot
     std::optional<float> given_caution;  ///< instead of it
@@ -260,7 +268,9 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
     EXPECTS(seen.visible.frame == snapshot.frame && radiance.frame == snapshot.frame);
     if (count <= 0) return {};
     impl_->pose(snapshot);
+    const std::uint64_t photon_rays = impl_->statistics.photon_rays;
     impl_->update_light(snapshot);
+    impl_->statistics.photon_rays = photon_rays;
     const std::vector<LitPixel> pixels = drawn(lit_pixels(seen), static_cast<std::size_t>(count), seen.visible.frame);
     return compare(seen, pixels, gather_exactly(impl_->forest, impl_->scenery.tracer(), seen, pixels), tolerance,
                    radiance);
