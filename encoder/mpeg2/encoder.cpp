@@ -308,11 +308,12 @@ std::vector<CodedPicture> Encoder::flush() {
     Impl& m = *impl_;
     std::vector<CodedPicture> complete;
     if (m.last_planned) m.planned_later = *m.last_planned;
-    if (m.waiting.empty()) return complete;
 
-    // What they wait for will not come, nor what was planned beyond.
-    if (!m.planned.empty()) m.cut_short = true;
+    // What was planned beyond will not come, nor what was promised.
+    const auto promised = m.courses.empty() ? std::nullopt : m.courses.back().end;
+    if (!m.planned.empty() || (promised && *m.last_planned + 1 != *promised)) m.cut_short = true;
     m.planned.clear();
+    if (m.waiting.empty()) return complete;
 
     // The last one takes their reference's place, and of the others' motion the forward part holds.
     Waiting last = std::move(m.waiting.back());

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "app/attempts.h"
 #include "app/bookkeeper.h"
 #include "app/frame_source.h"
 #include "app/interrupt.h"
@@ -17,6 +18,7 @@
 #include "app/publish.h"
 #include "app/rate_options.h"
 #include "app/statistics.h"
+#include "app/text_file.h"
 #include "app/unused_options.h"
 #include "app/vector_layers.h"
 #include "core/error.h"
@@ -50,11 +52,20 @@ ShapeWishes wishes_of(const EncodeOptions& options, const FrameSource& frames) {
     return wishes;
 }
 
+/// Refuses outputs that would take the place of an input or of each other. Writes nothing.
+void check_outputs(const EncodeOptions& options, const FrameRange& frames) {
+    const auto files = [&](const std::filesystem::path& name) {
+        return is_numbered(name) ? Files(name, frames) : Files(name);
+    };
+    check_apart(
+        {files(options.input), files(options.motion.value_or("")), Files(options.coding.keyframes.value_or(""))},
+        {Files(options.output), Files(options.stats.value_or(""))});
+}
+
 Job prepare(const EncodeOptions& options) {
     if (kind_of(options.output) != OutputKind::film)
         throw core::Error("writing", options.output.string(), "a film is coded: .mpg, .vob, .ts, .m2v, .mkv or .mp4");
-    check_apart({options.input}, {options.output, options.stats.value_or("")});
-
+    check_apart({Files(options.input)}, {Files(options.output), Files(options.stats.value_or(""))});
     Job job;
     const auto wanted = options.frames ? std::optional(frames_from(*options.frames)) : std::nullopt;
     job.frames = open_frames(options.input, options.exposure, wanted);
@@ -71,6 +82,7 @@ Job prepare(const EncodeOptions& options) {
     if (!options.motion) coding.b_pictures = 0;
     encoder::check(coding);
     job.film.source = options.input.string();
+    check_outputs(options, job.film.frames);
 
     if (options.motion) {
         if (!is_numbered(*options.motion))
@@ -221,26 +233,28 @@ int encode(const EncodeOptions& options, const std::string& command) {
     if (two_passes(options.coding))
         job.allotments = timed(ledger, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
     if (InterruptGuard::requested()) {
-        std::fputs("interrupted before the first frame: nothing was written\n", stderr);
+        if (!options.quiet) std::fputs("interrupted before the first frame: nothing was written\n", stderr);
         return InterruptGuard::status();
     }
 
     // Encode; publish what is whole, leave what is not beside the target.
     const std::vector<ChunkFile> chunks = encode_chunks(job, options, work, ledger);
     const bool complete = static_cast<std::int64_t>(ledger.frames.size()) == job.film.frame_count();
-    const std::filesystem::path target = complete ? options.output : partial_film_of(options.output);
-    RunFacts facts{command, options.input.string(), target.string(), 0, complete};
-    facts.bytes = publish(chunks, job.film, work, target);
-    if (complete) clear_away(options.output, work);
+    const Published published = publish(chunks, job.film, work, options.output, complete);
+    const RunFacts facts{command, options.input.string(), published.name.string(), published.bytes, complete};
     ledger.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     ledger.rendering.non_finite = job.frames->non_finite();
 
-    if (options.stats) write_encode_statistics(*options.stats, job.film, job.motion.has_value(), ledger, facts);
-    if (!options.quiet) std::fputs(encode_summary(job.film, ledger, facts).c_str(), stdout);
+    Attempts attempts;  // the film is there: what fails of the rest costs no more than itself
+    if (options.stats)
+        attempts.attempt(
+            [&] { write_encode_statistics(*options.stats, job.film, job.motion.has_value(), ledger, facts); });
+    if (!options.quiet) attempts.attempt([&] { print(encode_summary(job.film, ledger, facts)); });
     if (!complete && !options.quiet)
         std::fputs(
             fmt::format("interrupted after {} of {} frames\n", ledger.frames.size(), job.film.frame_count()).c_str(),
             stderr);
+    attempts.rethrow();
     return complete ? 0 : InterruptGuard::status();
 }
 

@@ -22,16 +22,27 @@ std::string figure(double value) {
     return value >= 1e4 ? count_text(value) : fmt::format("{:.4g}", value);
 }
 
+/// Values of a layer under one bar.
+struct Part {
+    double sum = 0;
+    std::size_t count = 0;
+    double mean() const { return core::divide_or(sum, static_cast<double>(count), 0.0); }
+};
+
 /// Frames that share a bar.
 struct Bars {
     std::size_t frames = 0, per_bar = 1;
     std::size_t count() const { return (frames + per_bar - 1) / per_bar; }
-    /// Mean of a layer over a bar.
-    double value(const PlotLayer& layer, std::size_t bar) const {
-        const std::size_t begin = bar * per_bar, end = std::min(frames, begin + per_bar);
-        double sum = 0;
-        for (std::size_t i = begin; i < end; ++i) sum += layer.values[i];
-        return core::divide_or(sum, static_cast<double>(end - begin), 0.0);
+    std::size_t frames_of(std::size_t bar) const { return std::min(frames, (bar + 1) * per_bar) - bar * per_bar; }
+    Part part(const PlotLayer& layer, std::size_t bar) const {
+        Part part;
+        for (std::size_t i = bar * per_bar; i < bar * per_bar + frames_of(bar); ++i)
+            if (std::isfinite(layer.values[i])) part = {part.sum + layer.values[i], part.count + 1};
+        return part;
+    }
+    /// What a layer adds to the mean over all frames of a bar.
+    double share(const PlotLayer& layer, std::size_t bar) const {
+        return core::divide_or(part(layer, bar).sum, static_cast<double>(frames_of(bar)), 0.0);
     }
 };
 
@@ -42,11 +53,14 @@ Bars bars_of(const FramePlot& plot) {
     return bars;
 }
 
-/// All layers of a bar.
-double total(const FramePlot& plot, const Bars& bars, std::size_t bar) {
-    double sum = 0;
-    for (const PlotLayer& layer : plot.layers) sum += bars.value(layer, bar);
-    return sum;
+/// What a bar comes to: the mean over its frames of all layers together. Of marks, over the frames that have one.
+Part total(const FramePlot& plot, const Bars& bars, std::size_t bar) {
+    Part all;
+    for (const PlotLayer& layer : plot.layers) {
+        const Part part = bars.part(layer, bar);
+        all = {all.sum + part.sum, all.count + part.count};
+    }
+    return plot.marks ? all : Part{all.sum, bars.frames_of(bar)};
 }
 
 /// The values that the vertical axis spans, in four steps.
@@ -58,10 +72,12 @@ struct Scale {
 Scale scale_of(const FramePlot& plot, const Bars& bars) {
     double least = std::numeric_limits<double>::infinity(), most = 0;
     for (std::size_t bar = 0; bar < bars.count(); ++bar) {
-        const double sum = total(plot, bars, bar);
-        most = std::max(most, sum);
-        least = std::min(least, sum);
+        const Part all = total(plot, bars, bar);
+        if (all.count == 0) continue;
+        most = std::max(most, all.mean());
+        least = std::min(least, all.mean());
     }
+    least = std::min(least, most);
     if (!plot.marks) return {0, round_up(most) / 4};
     Scale scale{0, round_up(std::max(1e-3 * most, (most - least) / 4))};
     scale.low = scale.step * std::floor(least / scale.step);
@@ -95,10 +111,9 @@ std::string hint(const FramePlot& plot, const Bars& bars, std::size_t bar) {
         1;
     std::string text = from == to ? fmt::format("frame {}", from) : fmt::format("frames {} to {}, mean", from, to);
     const std::string unit = plot.unit.empty() ? "" : " " + plot.unit;
-    if (plot.marks) return escaped(text + ", " + figure(total(plot, bars, bar)) + unit);
     for (const PlotLayer& layer : plot.layers)
-        if (const double value = bars.value(layer, bar); value > 0)
-            text += fmt::format(", {} {}{}", layer.name, figure(value), unit);
+        if (const Part part = bars.part(layer, bar); part.count > 0)
+            text += fmt::format(", {} {}{}", layer.name, figure(part.mean()), unit);
     return escaped(text);
 }
 
@@ -107,12 +122,14 @@ std::string rectangle(const std::string& style, double x, double y, double width
                        tall);
 }
 
-/// A mark at what a bar comes to, in the colour of its largest layer.
+/// A mark at what a bar comes to, in the colour of the layer that most of its frames have.
 std::string mark(const FramePlot& plot, const Bars& bars, std::size_t bar, const Scale& scale, double x, double width) {
-    const auto largest = std::max_element(
+    const Part all = total(plot, bars, bar);
+    if (all.count == 0) return {};
+    const auto most = std::max_element(
         plot.layers.begin(), plot.layers.end(),
-        [&](const PlotLayer& a, const PlotLayer& b) { return bars.value(a, bar) < bars.value(b, bar); });
-    return rectangle(largest->style, x, scale.y(total(plot, bars, bar)) - 1.5, width, 3);
+        [&](const PlotLayer& a, const PlotLayer& b) { return bars.part(a, bar).count < bars.part(b, bar).count; });
+    return rectangle(most->style, x, scale.y(all.mean()) - 1.5, width, 3);
 }
 
 std::string stack(const FramePlot& plot, const Bars& bars, std::size_t bar, const Scale& scale, double x,
@@ -120,7 +137,7 @@ std::string stack(const FramePlot& plot, const Bars& bars, std::size_t bar, cons
     std::string text;
     double sum = 0;
     for (const PlotLayer& layer : plot.layers) {
-        const double value = bars.value(layer, bar);
+        const double value = bars.share(layer, bar);
         if (!(value > 0)) continue;
         sum += value;
         text += rectangle(layer.style, x, scale.y(sum), width, scale.y(sum - value) - scale.y(sum));

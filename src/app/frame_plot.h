@@ -1,25 +1,31 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
 namespace render2mpeg::app {
 
-/// Values of one kind, one per frame.
+/// A frame that a layer says nothing of.
+inline constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
+
+/// Values of one kind, one per frame, or no_value.
 struct PlotLayer {
     std::string name;
     std::string style;  ///< CSS class of its colour: "i", "p", "b", "one", "two"
     std::vector<double> values;
 };
 
-/// Bars over the frames of a film, layers upon each other; or a mark at each value, where zero says nothing.
+/// Bars over the frames of a film, layers upon each other; or a mark at each value, where zero says nothing. Frames
+/// that share a bar are shown by the mean over them of all layers together, and told by each layer's mean over the
+/// frames that it has.
 struct FramePlot {
     std::string title;
     std::string unit;
     std::int64_t first = 0;  ///< number of the first frame
     std::vector<PlotLayer> layers;
-    bool marks = false;  ///< each frame's value is in one layer, and 0 in the others
+    bool marks = false;  ///< each frame's value is in one layer at most
 };
 
 /// The plot as an SVG element for a page with the styles of report_style(). Films longer than the plot is wide are

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include "app/output_kind.h"
+#include "app/publish.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
@@ -117,10 +117,12 @@ HeatSubject heat_subject_from(const std::string& name) {
     throw core::Error("heatmap " + name + ": expected tolerance, cut, error or quantiser");
 }
 
-HeatmapFilm::HeatmapFilm(HeatSubject subject, std::filesystem::path output, const Production& film)
+HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const Production& film,
+                         const std::string& command)
     : subject_(subject),
-      output_(std::move(output)),
-      unfinished_(output_.string() + ".unfinished"),
+      output_(output),
+      work_(output, film.film(), command),
+      unfinished_(work_.place("film" + output.extension().string())),
       settings_(heatmap_settings(film)),
       matrix_(perceptual::matrix_for(film.format.height)),
       scale_(scale_of(subject)),
@@ -129,11 +131,7 @@ HeatmapFilm::HeatmapFilm(HeatSubject subject, std::filesystem::path output, cons
       encoder_(std::make_unique<encoder::Encoder>(settings_)),
       muxer_(std::make_unique<av::Muxer>(unfinished_, output_, settings_)) {}
 
-HeatmapFilm::~HeatmapFilm() {
-    muxer_.reset();
-    std::error_code ignored;
-    std::filesystem::remove(unfinished_, ignored);
-}
+HeatmapFilm::~HeatmapFilm() = default;
 
 void HeatmapFilm::lit(const LitFrame& frame) {
     if (subject_ != HeatSubject::quantiser) show(frame.world.frame, values_of(subject_, frame));
@@ -172,9 +170,7 @@ void HeatmapFilm::finish() {
     write();
     muxer_->finish();
     muxer_.reset();
-    std::error_code error;
-    std::filesystem::rename(unfinished_, output_, error);
-    if (error) throw core::Error("writing", output_.string(), error.message());
+    give_name(unfinished_, work_, output_, true);
 }
 
 void check_heatmaps(const RenderOptions& options, const Production& film) {
@@ -193,11 +189,13 @@ void check_heatmaps(const RenderOptions& options, const Production& film) {
                               std::to_string(perceptual::legend_height) +
                               " lines below cannot be coded: " + error.what());
         }
+        WorkFolder::check(output);
     }
 }
 
-HeatmapFilms::HeatmapFilms(const RenderOptions& options, const Production& film) {
-    for (const auto& [name, output] : options.heatmaps) films_.emplace_back(heat_subject_from(name), output, film);
+HeatmapFilms::HeatmapFilms(const RenderOptions& options, const Production& film, const std::string& command) {
+    for (const auto& [name, output] : options.heatmaps)
+        films_.push_back(std::make_unique<HeatmapFilm>(heat_subject_from(name), output, film, command));
 }
 
 }  // namespace render2mpeg::app

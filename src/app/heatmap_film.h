@@ -1,14 +1,16 @@
 #pragma once
 
 #include <filesystem>
-#include <list>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "app/attempts.h"
 #include "app/pipeline.h"
 #include "app/production.h"
+#include "app/work_folder.h"
 #include "core/plane.h"
 #include "encoder/av/av.h"
 #include "perceptual/heatmap.h"
@@ -27,22 +29,21 @@ enum class HeatSubject {
 HeatSubject heat_subject_from(const std::string& name);
 
 /// Refuses what --heatmap asks for where it has nothing to show, or its film cannot be coded. Writes nothing. Throws
-/// core::Error that names the heatmap.
+/// core::Error that names the heatmap or its file.
 void check_heatmaps(const RenderOptions& options, const Production& film);
 
 /// A false-colour film of a render with a legend below, as long as the render and in square pixels. It has its name
-/// once it is whole.
+/// once it is whole; until then it lies in a work folder of its own.
 class HeatmapFilm : public Watcher {
   public:
-    HeatmapFilm(HeatSubject subject, std::filesystem::path output, const Production& film);
+    HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const Production& film,
+                const std::string& command);
     ~HeatmapFilm() override;
 
     void lit(const LitFrame& frame) override;
     void coded(const encoder::CodedPicture& coded) override;
     /// After the film's last picture; without it no file is left.
     void finish();
-
-    const std::filesystem::path& output() const { return output_; }
 
   private:
     /// Coded pictures come in another order.
@@ -51,7 +52,9 @@ class HeatmapFilm : public Watcher {
     void write();
 
     HeatSubject subject_;
-    std::filesystem::path output_, unfinished_;
+    std::filesystem::path output_;
+    WorkFolder work_;
+    std::filesystem::path unfinished_;
     encoder::Settings settings_;
     perceptual::ColorMatrix matrix_;
     perceptual::HeatScale scale_;
@@ -62,25 +65,41 @@ class HeatmapFilm : public Watcher {
     std::optional<encoder::CodedPicture> waiting_;
 };
 
-/// All that --heatmap asks for.
+/// All that --heatmap asks for. One that fails ends; the render and the others go on.
 class HeatmapFilms : public Watcher {
   public:
     /// Creates every file. Throws core::Error where one cannot be written; check_heatmaps() comes before.
-    HeatmapFilms(const RenderOptions& options, const Production& film);
+    HeatmapFilms(const RenderOptions& options, const Production& film, const std::string& command);
 
     bool empty() const { return films_.empty(); }
     void lit(const LitFrame& frame) override {
-        for (HeatmapFilm& film : films_) film.lit(frame);
+        each([&](HeatmapFilm& film) { film.lit(frame); });
     }
     void coded(const encoder::CodedPicture& coded) override {
-        for (HeatmapFilm& film : films_) film.coded(coded);
+        each([&](HeatmapFilm& film) { film.coded(coded); });
     }
+    /// After the film's last picture. Throws what went wrong first, be it while the film was made.
     void finish() {
-        for (HeatmapFilm& film : films_) film.finish();
+        each([](HeatmapFilm& film) { film.finish(); });
+        failures_.rethrow();
     }
 
   private:
-    std::list<HeatmapFilm> films_;
+    template <class Step>
+    void each(Step&& step) {
+        for (std::unique_ptr<HeatmapFilm>& film : films_) {
+            bool done = film == nullptr;
+            if (!done)
+                failures_.attempt([&] {
+                    step(*film);
+                    done = true;
+                });
+            if (!done) film.reset();
+        }
+    }
+
+    std::vector<std::unique_ptr<HeatmapFilm>> films_;
+    Attempts failures_;
 };
 
 }  // namespace render2mpeg::app

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "app/coded_types.h"
 #include "app/figures.h"
+#include "app/text_file.h"
 #include "core/numeric.h"
 #include "encoder/av/inspect.h"
 
@@ -170,6 +172,21 @@ json json_of(const std::string& name, const av::Inspection& film, bool summary) 
     return result;
 }
 
+/// Pictures that are not shown although what they refer to should be there. Those before the first picture shown, and B
+/// pictures right behind it, may refer to what was cut away.
+std::int64_t missing(const av::Inspection& film) {
+    std::set<std::int64_t> shown;
+    for (const av::PictureFacts& picture : film.pictures) shown.insert(picture.coded);
+    if (shown.empty()) return 0;
+    const auto all = static_cast<std::int64_t>(film.pictures.size()) + film.unshown;
+    std::int64_t begin = *shown.begin() + 1;
+    while (begin < all && !shown.contains(begin)) ++begin;
+    if (begin == all) begin = *shown.begin() + 1;
+    std::int64_t count = 0;
+    for (std::int64_t n = begin; n < all; ++n) count += shown.contains(n) ? 0 : 1;
+    return count;
+}
+
 /// One line that says what is broken; empty where nothing is.
 std::string damage_line(const std::string& name, const av::Inspection& film) {
     if (film.pictures.empty()) return fmt::format("{}: not one picture can be decoded", name);
@@ -179,7 +196,9 @@ std::string damage_line(const std::string& name, const av::Inspection& film) {
     if (first != film.pictures.end())
         return fmt::format("{}: {} {} damaged, the first is number {}: {}", name, pictures_text(count),
                            count == 1 ? "is" : "are", first->number, first->damage);
-    return film.damage.empty() ? "" : fmt::format("{}: {}", name, film.damage.front());
+    if (!film.damage.empty()) return fmt::format("{}: {}", name, film.damage.front());
+    const std::int64_t lost = missing(film);
+    return lost == 0 ? "" : fmt::format("{}: {} cannot be shown", name, pictures_text(lost));
 }
 
 }  // namespace
@@ -189,15 +208,13 @@ int info(const InfoOptions& options) {
     const av::Inspection film = av::inspect(options.input);
     std::string text;
     if (options.json) {
-        // Names of files are bytes, which JSON's text need not hold.
-        text = json_of(name, film, options.summary).dump(1, ' ', false, json::error_handler_t::replace) + "\n";
+        text = json_text(json_of(name, film, options.summary));
     } else {
         text = stream_lines(name, film);
         if (!options.summary) text += picture_table(film);
         text += type_table(film);
     }
-    std::fputs(text.c_str(), stdout);
-    std::fflush(stdout);
+    print(text);
     const std::string damage = damage_line(name, film);
     if (damage.empty()) return 0;
     std::fputs(("render2mpeg: " + damage + "\n").c_str(), stderr);

@@ -221,6 +221,15 @@ std::string commands_of(const CLI::App& app) {
     return names;
 }
 
+/// A word of a command line as a shell takes it.
+std::string quoted(const std::string& word) {
+    constexpr const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_@%+=:,./-";
+    if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
+    std::string text = "'";
+    for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return text + "'";
+}
+
 /// Long names of the options that were given.
 std::vector<std::string> given_of(const CLI::App& command) {
     std::vector<std::string> names;
@@ -233,16 +242,16 @@ std::vector<std::string> given_of(const CLI::App& command) {
 
 CommandLine parse(int argc, char** argv) {
     CommandLine line;
-    for (int i = 0; i < argc; ++i) line.text += (i == 0 ? "" : " ") + std::string(argv[i]);
+    for (int i = 0; i < argc; ++i) line.text += (i == 0 ? "" : " ") + quoted(argv[i]);
 
     CLI::App app("Renders a 3D animation with global illumination straight into an MPEG-2 file.", "render2mpeg");
     app.set_version_flag("--version", "render2mpeg " RENDER2MPEG_VERSION);
     app.require_subcommand(1);
     app.failure_message(mistake_text);
     app.footer(
-        "Exit status: 0 done; 1 refused or failed, with one line that says why; 130 interrupted (143 by SIGTERM), "
-        "with "
-        "what there is of the film beside its name. `render2mpeg COMMAND --help` shows a command's options.");
+        "Exit status: 0 done; 1 refused or failed, with one line that says why; 130 interrupted (143 by SIGTERM, 129 "
+        "where the terminal was closed), with what there is of the film beside its name. `render2mpeg COMMAND --help` "
+        "shows a command's options.");
     app.formatter(help_format());
 
     CLI::App* render = app.add_subcommand("render", "Render a film");

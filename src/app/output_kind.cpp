@@ -52,26 +52,32 @@ bool is_numbered(const std::filesystem::path& pattern) {
 }
 
 std::vector<std::int64_t> numbers_on_disk(const std::filesystem::path& pattern) {
-    const std::string name = pattern.filename().string();
-    const auto field = number_field(name);
-    EXPECTS(field.has_value());
-    const std::string before = name.substr(0, field->begin), after = name.substr(field->begin + field->length);
     const std::filesystem::path folder = pattern.has_parent_path() ? pattern.parent_path() : ".";
     std::vector<std::int64_t> numbers;
     std::error_code error;
-    for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-        const std::string found = entry.path().filename().string();
-        if (found.size() <= before.size() + after.size() || !found.starts_with(before) || !found.ends_with(after))
-            continue;
-        // Take only what `numbered` would write: "7" is no name of %04d.
-        const char* end = found.data() + found.size() - after.size();
-        std::int64_t number = -1;
-        const auto [stop, failure] = std::from_chars(found.data() + before.size(), end, number);
-        if (failure == std::errc{} && stop == end && number >= 0 && numbered(pattern, number).filename() == found)
-            numbers.push_back(number);
-    }
+    for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+        if (const auto number = number_in(pattern, entry.path())) numbers.push_back(*number);
     std::sort(numbers.begin(), numbers.end());
     return numbers;
+}
+
+std::optional<std::int64_t> number_in(const std::filesystem::path& pattern, const std::filesystem::path& file) {
+    const std::string name = pattern.filename().string(), found = file.filename().string();
+    const auto field = number_field(name);
+    EXPECTS(field.has_value());
+    const std::string before = name.substr(0, field->begin), after = name.substr(field->begin + field->length);
+    if (found.size() <= before.size() + after.size() || !found.starts_with(before) || !found.ends_with(after))
+        return {};
+    // Take only what `numbered` would write: "7" is no name of %04d.
+    const char* end = found.data() + found.size() - after.size();
+    std::int64_t number = -1;
+    const auto [stop, failure] = std::from_chars(found.data() + before.size(), end, number);
+    if (failure != std::errc{} || stop != end || number < 0 || numbered(pattern, number).filename() != found) return {};
+    return number;
+}
+
+std::filesystem::path layers_in(const std::filesystem::path& folder) {
+    return folder / "frame_%04d.exr";
 }
 
 std::filesystem::path numbered(const std::filesystem::path& pattern, std::int64_t frame) {
@@ -86,8 +92,9 @@ std::filesystem::path work_folder_of(const std::filesystem::path& output) {
     return std::filesystem::path(output) += ".partial";
 }
 
-std::filesystem::path partial_film_of(const std::filesystem::path& output) {
-    return std::filesystem::path(output).replace_extension(".partial" + output.extension().string());
+std::filesystem::path partial_film_of(const std::filesystem::path& output, int which) {
+    const std::string number = which > 1 ? "-" + std::to_string(which) : "";
+    return std::filesystem::path(output).replace_extension(".partial" + number + output.extension().string());
 }
 
 }  // namespace render2mpeg::app

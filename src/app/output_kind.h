@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 namespace render2mpeg::app {
@@ -21,8 +22,15 @@ std::vector<std::int64_t> numbers_on_disk(const std::filesystem::path& pattern);
 /// The name of frame n of an image sequence: its `%0Nd` (or `%d`) replaced.
 std::filesystem::path numbered(const std::filesystem::path& pattern, std::int64_t frame);
 
-/// Where unfinished work lies: `film.mpg` has `film.mpg.partial/` and, after an interruption, `film.partial.mpg`.
+/// The number in the name of a file of an image sequence; none where the name is none that numbered() would give.
+std::optional<std::int64_t> number_in(const std::filesystem::path& pattern, const std::filesystem::path& file);
+
+/// The image sequence that --aov writes into a folder.
+std::filesystem::path layers_in(const std::filesystem::path& folder);
+
+/// Where unfinished work lies: `film.mpg` has `film.mpg.partial/` and, after an interruption, `film.partial.mpg`, or
+/// `film.partial-2.mpg` and so on.
 std::filesystem::path work_folder_of(const std::filesystem::path& output);
-std::filesystem::path partial_film_of(const std::filesystem::path& output);
+std::filesystem::path partial_film_of(const std::filesystem::path& output, int which = 1);
 
 }  // namespace render2mpeg::app

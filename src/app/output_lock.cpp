@@ -6,10 +6,12 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <fstream>
 #include <string>
 #include <system_error>
+#include <thread>
 
 #include "core/error.h"
 
@@ -34,22 +36,25 @@ bool is_current(int descriptor, const std::filesystem::path& file) {
 }  // namespace
 
 OutputLock::OutputLock(const std::filesystem::path& file, const std::filesystem::path& output) {
-    while (true) {
+    // chosen: a dry run looks at the lock for some microseconds, and a run that ends removes its folder in
+    // milliseconds; tries for 0.2 s bridge both.
+    constexpr int tries = 20;
+    constexpr auto pause = std::chrono::milliseconds(10);
+    for (int left = tries; descriptor_ < 0; --left) {
+        if (left < tries) std::this_thread::sleep_for(pause);
         std::error_code error;
         std::filesystem::create_directories(file.parent_path(), error);
         if (error) throw core::Error("writing", output.string(), error.message());
         descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-        if (descriptor_ < 0 && errno == ENOENT) continue;  // the folder went with the run before
-        if (descriptor_ < 0) throw core::Error("writing", output.string(), std::strerror(errno));
-        if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-            const bool held = errno == EWOULDBLOCK;
-            const std::string cause = std::strerror(errno);
-            close(descriptor_);
-            if (held) refuse(file, output);
-            throw core::Error("writing", output.string(), "it cannot be locked: " + cause);
-        }
-        if (is_current(descriptor_, file)) break;
+        if (descriptor_ < 0 && errno == ENOENT && left > 0) continue;  // the folder went with the run before
+        if (descriptor_ < 0) throw core::Error("writing", file.string(), std::strerror(errno));
+        const int failure = flock(descriptor_, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
+        if (failure == 0 && is_current(descriptor_, file)) break;
         close(descriptor_);
+        descriptor_ = -1;
+        if (left > 0 && (failure == 0 || failure == EWOULDBLOCK)) continue;
+        if (failure == 0 || failure == EWOULDBLOCK) refuse(file, output);
+        throw core::Error("writing", output.string(), std::string("it cannot be locked: ") + std::strerror(failure));
     }
 
     // Say who holds it; a lock that does not say so is one all the same.

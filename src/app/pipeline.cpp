@@ -31,7 +31,7 @@ void write_frame_layers(const Production& film, const std::filesystem::path& fol
     const core::MotionField before =
         scene::motion_between(visible, world, film.snapshot(std::max<std::int64_t>(0, world.frame - 1)));
     const core::MotionField after = scene::motion_between(visible, world, film.snapshot(world.frame + 1));
-    image::write_layers(folder / fmt::format("frame_{:04}.exr", world.frame), visible, radiance, &before, &after,
+    image::write_layers(numbered(layers_in(folder), world.frame), visible, radiance, &before, &after,
                         film.format.pixel_aspect, &tolerance);
 }
 

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "app/attempts.h"
 #include "app/first_pass.h"
 #include "app/heatmap_film.h"
 #include "app/interrupt.h"
@@ -14,6 +15,7 @@
 #include "app/publish.h"
 #include "app/report.h"
 #include "app/statistics.h"
+#include "app/text_file.h"
 #include "app/unused_options.h"
 #include "core/error.h"
 #include "parallel/loops.h"
@@ -48,19 +50,29 @@ bool is_one_file(const Production& film) {
     return film.kind == OutputKind::film || film.kind == OutputKind::y4m;
 }
 
+/// The files that the film is made from, as far as they are known.
+std::vector<Files> inputs_of(const Production& film, const RenderOptions& options) {
+    std::vector<Files> inputs{Files(options.input), Files(options.coding.keyframes.value_or(""))};
+    std::error_code error;
+    if (std::filesystem::is_directory(options.input, error)) inputs.emplace_back(options.input / "film.json");
+    for (const scene::ImageSource& image : film.animation->images) inputs.emplace_back(image.path);
+    return inputs;
+}
+
 /// Refuses outputs that would take the place of other files, or show what there is none of. Writes nothing.
 void check_outputs(const Production& film, const RenderOptions& options) {
-    std::vector<std::filesystem::path> outputs{options.output, options.stats.value_or("")};
+    std::vector<Files> outputs{is_one_file(film) ? Files(options.output) : Files(options.output, film.frames),
+                               options.stats.value_or("")};
     for (const auto& [subject, file] : options.heatmaps) outputs.emplace_back(file);
     if (options.report) {
-        check_report_name(*options.report);
-        outputs.push_back(*options.report);
-        outputs.push_back(report_json_of(*options.report));
+        outputs.emplace_back(*options.report);
+        outputs.emplace_back(report_json_of(*options.report));
     }
-    check_apart({options.input, film.animation->source, options.animation.value_or("")}, outputs);
-    if (options.layers) outputs.push_back(*options.layers / "frame.exr");
-    for (const std::filesystem::path& output : outputs)
-        if (!output.empty()) check_reachable(output);
+    if (options.layers) outputs.emplace_back(layers_in(*options.layers), film.frames);
+    check_apart(inputs_of(film, options), outputs);
+    for (const Files& output : outputs)
+        if (!output.name.empty()) check_reachable(output.name);
+    if (options.report) check_report(*options.report);
     check_heatmaps(options, film);
     if (is_one_file(film)) WorkFolder::check(options.output);
 }
@@ -69,7 +81,7 @@ void check_outputs(const Production& film, const RenderOptions& options) {
 std::unique_ptr<WorkFolder> open_outputs(const Production& film, const RenderOptions& options,
                                          const std::string& command) {
     check_writable(options.output);
-    if (options.layers) check_writable(*options.layers / "frame.exr");
+    if (options.layers) check_writable(layers_in(*options.layers));
     if (options.stats) check_writable(*options.stats);
     if (options.report) check_writable(*options.report);
     if (options.report) check_writable(report_json_of(*options.report));
@@ -121,24 +133,24 @@ int render(const RenderOptions& options, const std::string& command) {
     say_notes(film, options);
     check_outputs(film, options);
     if (options.dry_run) {
-        if (!options.quiet) std::fputs(dry_run_text(film, options).c_str(), stdout);
+        if (!options.quiet) print(dry_run_text(film, options));
         return 0;
     }
     const std::unique_ptr<WorkFolder> work = open_outputs(film, options, command);
+    HeatmapFilms heatmaps(options, film, command);
     if (!film.exposure) film.exposure = timed(ledger, Stage::load, [&] { return measure_exposure(film); });
 
     // Find out what the film's pictures need, where a rate is to be shared out among them.
     if (film.two_passes)
         film.allotments = timed(ledger, Stage::first_pass, [&] { return first_pass(film, options.quiet); });
     if (InterruptGuard::requested()) {
-        std::fputs("interrupted before the first frame: nothing was written\n", stderr);
+        if (!options.quiet) std::fputs("interrupted before the first frame: nothing was written\n", stderr);
         return InterruptGuard::status();
     }
 
     // Render.
     const std::unique_ptr<Sink> sink =
         make_sink(film, film.kind == OutputKind::y4m ? work->begin("film.y4m") : options.output);
-    HeatmapFilms heatmaps(options, film);
     const std::vector<ChunkFile> chunks =
         render_chunks(film, options, film.kind == OutputKind::film ? work.get() : nullptr, sink.get(),
                       heatmaps.empty() ? nullptr : &heatmaps, ledger);
@@ -148,28 +160,31 @@ int render(const RenderOptions& options, const std::string& command) {
     RunFacts facts{command, options.input.string(), options.output.string(), 0, complete};
     if (sink) sink->finish();
     if (work) {
-        const std::filesystem::path target = complete ? options.output : partial_film_of(options.output);
-        facts.bytes = film.kind == OutputKind::y4m ? give_name(work->begin("film.y4m"), target)
-                                                   : publish(chunks, film.film(), *work, target);
-        facts.output = target.string();
-        if (complete) clear_away(options.output, *work);
+        const Published published = film.kind == OutputKind::y4m
+                                        ? give_name(work->begin("film.y4m"), *work, options.output, complete)
+                                        : publish(chunks, film.film(), *work, options.output, complete);
+        facts.bytes = published.bytes;
+        facts.output = published.name.string();
     }
-    if (complete) heatmaps.finish();  // after the film: what goes wrong with them costs no more than themselves
-    ledger.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-    if (options.stats) write_statistics(*options.stats, film, ledger, facts);
-    if (options.report) write_report(*options.report, film, ledger, facts);
-    if (!options.quiet) std::fputs(summary(film, ledger, facts).c_str(), stdout);
+    // The film is there: what fails of the rest costs no more than itself.
+    Attempts attempts;
+    if (complete) attempts.attempt([&] { heatmaps.finish(); });
+    ledger.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (options.stats) attempts.attempt([&] { write_statistics(*options.stats, film, ledger, facts); });
+    if (options.report) attempts.attempt([&] { write_report(*options.report, film, ledger, facts); });
+    if (!options.quiet) attempts.attempt([&] { print(summary(film, ledger, facts)); });
     if (!complete && !options.quiet)
         std::fputs(fmt::format("interrupted after {} of {} frames\n", ledger.frames.size(), film.frame_count()).c_str(),
                    stderr);
+    attempts.rethrow();
     return complete ? 0 : InterruptGuard::status();
 }
 
 int plan(const PlanOptions& options) {
     const Production film = prepare(options.render);
     say_notes(film, options.render);
-    std::fputs(plan_table(film, options.statistics.value_or("")).c_str(), stdout);
+    print(plan_table(film, options.statistics.value_or("")));
     return 0;
 }
 

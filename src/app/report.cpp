@@ -13,6 +13,7 @@
 #include "app/progress.h"
 #include "app/report_style.h"
 #include "app/statistics_json.h"
+#include "app/text_file.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "perceptual/metrics.h"
@@ -97,7 +98,7 @@ std::vector<PlotLayer> by_type(const json& s, Value&& value) {
     for (const auto& named : {std::pair{"I", "i"}, {"P", "p"}, {"B", "b"}}) {
         const char* type = named.first;
         layers.push_back(layer(s, type, named.second,
-                               [&](const json& frame) { return frame.at("type") == type ? value(frame) : 0.0; }));
+                               [&](const json& frame) { return frame.at("type") == type ? value(frame) : no_value; }));
     }
     return layers;
 }
@@ -192,15 +193,36 @@ std::string settings_table(const json& s) {
            "(docs/report.md).</p>\n";
 }
 
+constexpr const char* generator = "<meta name=\"generator\" content=\"render2mpeg";
+
+bool is_page_of_ours(const std::filesystem::path& file) {
+    std::string start(4096, '\0');
+    std::ifstream stream(file, std::ios::binary);
+    stream.read(start.data(), static_cast<std::streamsize>(start.size()));
+    start.resize(static_cast<std::size_t>(stream.gcount()));
+    return start.starts_with("<!DOCTYPE html>") && start.find(generator) != std::string::npos;
+}
+
+bool is_json_of_ours(const std::filesystem::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    const json value = json::parse(stream, nullptr, false);
+    return value.is_object() && value.contains("per_frame") && value.contains("summary") && value.contains("plan");
+}
+
 }  // namespace
 
 std::filesystem::path report_json_of(const std::filesystem::path& html) {
-    return std::filesystem::path(html).replace_extension(".json");
+    return std::filesystem::path(html).replace_extension(".report.json");
 }
 
-void check_report_name(const std::filesystem::path& html) {
+void check_report(const std::filesystem::path& html) {
     if (html.extension() != ".html" && html.extension() != ".htm")
         throw core::Error("report " + html.string() + ": expected a name that ends in .html");
+    for (const auto& [file, ours] : {std::pair{html, &is_page_of_ours}, {report_json_of(html), &is_json_of_ours}}) {
+        std::error_code error;
+        if (std::filesystem::is_regular_file(file, error) && !std::filesystem::is_empty(file, error) && !ours(file))
+            throw core::Error("writing", file.string(), "what has this name is no earlier report, and is left alone");
+    }
 }
 
 void write_report(const std::filesystem::path& html, const Production& film, const Ledger& ledger,
@@ -209,15 +231,14 @@ void write_report(const std::filesystem::path& html, const Production& film, con
     s["summary"] = sentence_of(s);
     s["plan"] = plan_of(film, s);
     const std::string title = escaped(std::filesystem::path(facts.output).filename().string());
-    std::ofstream stream(html, std::ios::binary | std::ios::trunc);
-    stream << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\n"
-           << "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>" << title
-           << " - render2mpeg</title>\n<style>" << report_style << "</style></head>\n<body><main>\n<h1>" << title
-           << "</h1>\n<p class=\"lead\">" << escaped(s.at("summary").get<std::string>()) << "</p>\n"
-           << cards(s) << plots(s) << time_table(s) << plan_rows(s.at("plan")) << settings_table(s)
-           << "</main></body></html>\n";
-    stream.close();
-    if (!stream) throw core::Error("writing", html.string(), "the file cannot be written");
+    std::string page = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\n";
+    page += generator;
+    page += " " RENDER2MPEG_VERSION "\"/>\n";
+    page += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>" + title +
+            " - render2mpeg</title>\n<style>" + report_style + "</style></head>\n<body><main>\n<h1>" + title +
+            "</h1>\n<p class=\"lead\">" + escaped(s.at("summary").get<std::string>()) + "</p>\n";
+    page += cards(s) + plots(s) + time_table(s) + plan_rows(s.at("plan")) + settings_table(s);
+    write_whole(html, page + "</main></body></html>\n");
     write_json(report_json_of(html), s);
 }
 

@@ -6,11 +6,12 @@
 
 namespace render2mpeg::app {
 
-/// The JSON file that a report has beside it: `film.html` has `film.json`.
+/// The JSON file that a report has beside it: `film.html` has `film.report.json`.
 std::filesystem::path report_json_of(const std::filesystem::path& html);
 
-/// Throws core::Error for a name that does not end in .html.
-void check_report_name(const std::filesystem::path& html);
+/// Throws core::Error for a name that does not end in .html, and where one of the two files would replace one that is
+/// no earlier report.
+void check_report(const std::filesystem::path& html);
 
 /// Writes a render's report as one HTML page that needs nothing else, and report_json_of() it (docs/report.md).
 void write_report(const std::filesystem::path& html, const Production& film, const Ledger& ledger,

@@ -3,11 +3,10 @@
 #include <sys/resource.h>
 
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "app/statistics_json.h"
-#include "core/error.h"
+#include "app/text_file.h"
 #include "core/numeric.h"
 
 namespace render2mpeg::app {
@@ -150,11 +149,7 @@ json common_of(const Film& film, const Ledger& ledger, const RunFacts& facts) {
 }  // namespace
 
 void write_json(const std::filesystem::path& file, const json& value) {
-    std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-    // Names of files are bytes, which JSON's text need not hold.
-    stream << value.dump(1, ' ', false, json::error_handler_t::replace) << "\n";
-    stream.close();
-    if (!stream) throw core::Error("writing", file.string(), "the file cannot be written");
+    write_whole(file, json_text(value));
 }
 
 double peak_memory_mib() {

@@ -31,8 +31,10 @@ std::vector<std::string> unused_options(const RenderOptions& options, OutputKind
              {"--quantiser", "--quality", "--bitrate", "--cbr", "--maxrate", "--vbv", "--passes", "--gop",
               "--b-pictures", "--tune", "--encoder", "--keyframes"},
              output + " is not coded");
-    if (kind == OutputKind::exr)
-        note(lines, options.given, {"--exposure"}, output + " holds the scene's own light; exposing it comes later");
+    // With a tolerance, the exposure says how dark a pixel is too dark to matter.
+    if (kind == OutputKind::exr && (tolerance.reference || tolerance.relative == 0))
+        note(lines, options.given, {"--exposure"},
+             output + " holds the scene's own light, and no light is too dark for this tolerance");
     if (!tolerance.coupled)
         note(lines, options.given, {"--masking"}, "the tolerance is not coupled to the film's coding");
     if (tolerance.reference)

@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "app/output_kind.h"
+#include "app/text_file.h"
 #include "core/error.h"
 #include "encoder/av/av.h"
 
@@ -15,16 +16,33 @@ namespace {
 
 constexpr const char *lock_name = "lock", *manifest_name = "manifest.json";
 
-/// Writes a small text file so that it is there whole or not at all.
-void write_whole(const std::filesystem::path& path, const std::string& text) {
-    const std::filesystem::path temporary = path.string() + ".tmp";
-    {
-        std::ofstream stream(temporary, std::ios::binary);
-        stream << text;
-        stream.close();
-        if (!stream) throw core::Error("writing", path.string(), "the disk is full or the folder cannot be written");
-    }
-    std::filesystem::rename(temporary, path);
+/// A file as it was left: another size or time is another file.
+nlohmann::json leftover_of(const std::filesystem::path& file) {
+    std::error_code error;
+    const auto bytes = std::filesystem::file_size(file, error);
+    if (error) return nullptr;
+    const auto written = std::filesystem::last_write_time(file, error).time_since_epoch().count();
+    if (error) return nullptr;
+    return {{"file", file.filename().string()}, {"bytes", bytes}, {"written", static_cast<std::int64_t>(written)}};
+}
+
+/// What says which film it is: the command, where it was given, and what it came to.
+nlohmann::json identity_of(const Film& film, const std::string& command) {
+    std::error_code error;
+    return {{"version", RENDER2MPEG_VERSION},
+            {"command", command},
+            {"folder", std::filesystem::current_path(error).string()},
+            {"input", film.source},
+            {"frames", {film.frames.first, film.frames.last}},
+            {"isa", film.isa}};
+}
+
+/// What is in a folder, as a list that may be worked off.
+std::vector<std::filesystem::path> entries_of(const std::filesystem::path& folder) {
+    std::error_code ignored;
+    std::vector<std::filesystem::path> entries;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) entries.push_back(entry.path());
+    return entries;
 }
 
 nlohmann::json record_of(const PictureRecord& picture) {
@@ -84,7 +102,7 @@ void ChunkFile::finish(const std::vector<FrameEntry>& frames) {
     record["bits"] = bits;
     record["vbv_in"] = vbv_in_;
     record["vbv_out"] = vbv_out_;
-    write_whole(std::filesystem::path(file_).replace_extension(".json"), record.dump(1) + "\n");
+    write_whole(std::filesystem::path(file_).replace_extension(".json"), json_text(record));
 }
 
 void ChunkFile::abandon() {
@@ -93,23 +111,41 @@ void ChunkFile::abandon() {
 }
 
 WorkFolder::WorkFolder(const std::filesystem::path& output, const Film& film, const std::string& command)
-    : folder_((check(output), work_folder_of(output))), lock_(folder_ / lock_name, output) {
-    std::error_code error;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_, error))
-        if (entry.path().filename() != lock_name) std::filesystem::remove_all(entry.path(), error);
-    if (error) throw core::Error("writing", folder_.string(), error.message());
-
-    write_whole(folder_ / manifest_name, nlohmann::json{{"version", RENDER2MPEG_VERSION},
-                                                        {"command", command},
-                                                        {"input", film.source},
-                                                        {"frames", {film.frames.first, film.frames.last}},
-                                                        {"isa", film.isa}}
-                                                 .dump(1) +
-                                             "\n");
+    : output_(output),
+      folder_((check(output), work_folder_of(output))),
+      lock_(folder_ / lock_name, output),
+      // As it will be read again: what is no UTF-8 is replaced.
+      manifest_(std::make_unique<nlohmann::json>(nlohmann::json::parse(json_text(identity_of(film, command))))) {
+    try {
+        nlohmann::json leftovers = earlier_leftovers();
+        (*manifest_)["leftovers"] = std::move(leftovers);
+        for (const std::filesystem::path& entry : entries_of(folder_))
+            if (entry.filename() != lock_name && entry.filename() != manifest_name) std::filesystem::remove_all(entry);
+        write_manifest();
+    } catch (const std::filesystem::filesystem_error& error) {
+        remove();
+        throw core::Error("writing", folder_.string(), error.code().message());
+    } catch (...) {
+        remove();
+        throw;
+    }
 }
 
 WorkFolder::~WorkFolder() {
-    if (!begun_) remove();
+    if (!begun_ && (*manifest_)["leftovers"].empty()) remove();
+}
+
+nlohmann::json WorkFolder::earlier_leftovers() const {
+    std::ifstream stream(folder_ / manifest_name);
+    nlohmann::json earlier = nlohmann::json::parse(stream, nullptr, false);
+    if (!earlier.is_object()) return nlohmann::json::array();
+    nlohmann::json leftovers = earlier.value("leftovers", nlohmann::json::array());
+    earlier.erase("leftovers");
+    return earlier == *manifest_ && leftovers.is_array() ? leftovers : nlohmann::json::array();
+}
+
+void WorkFolder::write_manifest() {
+    write_whole(folder_ / manifest_name, json_text(*manifest_));
 }
 
 void WorkFolder::check(const std::filesystem::path& output) {
@@ -129,16 +165,49 @@ void WorkFolder::check(const std::filesystem::path& output) {
 
 std::filesystem::path WorkFolder::begin(const std::string& name) {
     begun_ = true;
-    return folder_ / name;
+    return place(name);
 }
 
 ChunkFile WorkFolder::open(const Chunk& chunk) {
     return {begin(fmt::format("chunk_{:05}.m2v", chunk.index)), chunk};
 }
 
+std::filesystem::path WorkFolder::leave(const std::filesystem::path& file) {
+    std::error_code error;
+    std::filesystem::path name = partial_film_of(output_);
+    for (int i = 2; std::filesystem::exists(std::filesystem::symlink_status(name, error)); ++i)
+        name = partial_film_of(output_, i);
+    std::filesystem::rename(file, name, error);
+    if (error) throw core::Error("writing", name.string(), error.message());
+    (*manifest_)["leftovers"].push_back(leftover_of(name));
+    write_manifest();
+    return name;
+}
+
+void WorkFolder::clear_away() {
+    const std::filesystem::path folder = output_.parent_path();
+    for (const nlohmann::json& leftover : (*manifest_)["leftovers"]) {
+        if (!leftover.is_object() || !leftover.contains("file") || !leftover["file"].is_string()) continue;
+        // Only a name, whatever the record says.
+        const std::filesystem::path name = std::filesystem::path(leftover["file"].get<std::string>()).filename();
+        std::error_code ignored;
+        if (leftover == leftover_of(folder / name)) std::filesystem::remove(folder / name, ignored);
+    }
+    remove();
+}
+
 void WorkFolder::remove() {
-    std::error_code ignored;  // the film is whole; a leftover folder harms nobody
-    std::filesystem::remove_all(folder_, ignored);
+    if (removed_) return;  // what is there now is the next run's
+    // The lock comes last: without it, what is there may be the next run's. The manifest until then says that the
+    // folder is ours. The film is whole; a leftover folder harms nobody.
+    std::error_code ignored;
+    for (const std::filesystem::path& entry : entries_of(folder_))
+        if (entry.filename() != lock_name && entry.filename() != manifest_name)
+            std::filesystem::remove_all(entry, ignored);
+    std::filesystem::remove(folder_ / manifest_name, ignored);
+    std::filesystem::remove(folder_ / lock_name, ignored);
+    std::filesystem::remove(folder_, ignored);
+    removed_ = true;
 }
 
 void assemble(const std::vector<ChunkFile>& chunks, const Film& film, const std::filesystem::path& file,

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -57,7 +59,7 @@ class WorkFolder {
     /// Creates the folder, empty but for manifest and lock; what an earlier run left there is removed. Throws
     /// core::Error where another run is at work in it, or where it is not ours to empty.
     WorkFolder(const std::filesystem::path& output, const Film& film, const std::string& command);
-    /// A folder in which nothing was begun goes; all else is left as it is.
+    /// A folder in which nothing was begun goes, unless it knows of leftovers. All else is left as it is.
     ~WorkFolder();
     WorkFolder(const WorkFolder&) = delete;
     WorkFolder& operator=(const WorkFolder&) = delete;
@@ -68,13 +70,26 @@ class WorkFolder {
     ChunkFile open(const Chunk& chunk);
     /// A file of that name in the folder, which is begun now.
     std::filesystem::path begin(const std::string& name);
+    /// The same for a file that is of no use alone: the folder goes with the object all the same.
+    std::filesystem::path place(const std::string& name) const { return folder_ / name; }
+    /// Gives a file with a part of the film a name beside the film that nobody has, and remembers it as a leftover.
+    /// Returns the name. Throws core::Error.
+    std::filesystem::path leave(const std::filesystem::path& file);
+    /// When the film is whole: removes what interrupted runs of the same command left of it, where nobody has changed
+    /// that since, and the folder.
+    void clear_away();
     /// Removes the folder with all that it holds.
     void remove();
 
   private:
-    std::filesystem::path folder_;
+    /// Leftovers that an earlier run of the same film recorded.
+    nlohmann::json earlier_leftovers() const;
+    void write_manifest();
+
+    std::filesystem::path output_, folder_;
     OutputLock lock_;
-    bool begun_ = false;
+    std::unique_ptr<nlohmann::json> manifest_;
+    bool begun_ = false, removed_ = false;
 };
 
 /// Joins chunks to one film `file`, whose format the ending of `name` tells.

@@ -181,6 +181,29 @@ TEST(Contracts, AFilmThatEndsEarlyTakesWhatWasPlannedWithIt) {
     EXPECT_NO_THROW(encoder.plan(40, left(6), true));
 }
 
+TEST(Contracts, AFilmThatEndsBeforeItsPromiseGoesOnWithAChunkAlone) {
+    Settings s = rated(RateMode::variable);
+    s.b_pictures = 0;  // nothing waits when it ends
+    for (const bool one_is_planned : {false, true}) {
+        Encoder encoder(s);
+        encoder.push(picture_of(s, 0), encoder.plan(0, left(5), true), {});
+        PicturePlan second;
+        if (one_is_planned) second = encoder.plan(1, left(4), false);
+        EXPECT_TRUE(encoder.flush().empty());
+        if (one_is_planned) {
+            EXPECT_THROW(encoder.push(picture_of(s, 1), second, {}), core::ContractViolation) << "it was forgotten";
+        }
+        const std::int64_t next = one_is_planned ? 2 : 1;
+        EXPECT_THROW(encoder.plan(next, left(4), false), core::ContractViolation);
+        EXPECT_TRUE(encoder.plan(next, left(3), true).starts_gop);
+    }
+    // What was promised is there: the next chunk follows as ever.
+    Encoder encoder(s);
+    encoder.push(picture_of(s, 0), encoder.plan(0, left(0), true), {});
+    EXPECT_TRUE(encoder.flush().empty());
+    EXPECT_NO_THROW(encoder.plan(1, left(3), true));
+}
+
 std::string refusal(const Settings& s) {
     try {
         check(s);

@@ -39,7 +39,7 @@ TEST(Documents, NameEveryKeyOfStatisticsReportsAndInformation) {
                   path(folder, "f.mpg") + " --report " + path(folder, "r.html"))
                   .status,
               0);
-    const json report = json::parse(contents(folder / "r.json"));
+    const json report = json::parse(contents(folder / "r.report.json"));
     expect_keys(report, page("stats.md") + page("report.md"), "passes");
 
     test::write_frames(path(folder, "in.y4m"), 64, 48, "25:1", "1:1", 3);

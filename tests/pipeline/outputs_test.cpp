@@ -54,7 +54,7 @@ TEST(WorkFolder, IsNoOtherRunsMeanwhile) {
     // The one who was there first was not disturbed, and who comes later is free to begin anew.
     EXPECT_TRUE(std::filesystem::exists(folder / "a.partial.mpg"));
     EXPECT_EQ(run(again).status, 0);
-    EXPECT_FALSE(std::filesystem::exists(folder / "a.partial.mpg")) << "of no use any more";
+    EXPECT_TRUE(std::filesystem::exists(folder / "a.partial.mpg")) << "of another film";
     EXPECT_FALSE(std::filesystem::exists(folder / "a.mpg.partial"));
 }
 
@@ -103,13 +103,14 @@ TEST(Interruption, LeavesTheFirstFramesOfUncompressedFilmsUnderAnotherName) {
     EXPECT_EQ(decoded.output, "");
 }
 
-TEST(Encode, ClearsAwayWhatAnInterruptedRunLeft) {
+TEST(Encode, LeavesAFilmAloneThatIsNoLeftoverOfItsOwn) {
     const Folder folder;
     test::write_frames(path(folder, "in.y4m"), 64, 48, "25:1", "1:1", 4);
     std::ofstream(folder / "e.partial.mpg") << "two frames of it";
     ASSERT_EQ(run(program() + " encode " + path(folder, "in.y4m") + " --quiet -o " + path(folder, "e.mpg")).status, 0);
     EXPECT_TRUE(std::filesystem::exists(folder / "e.mpg"));
-    EXPECT_EQ(folder.entries(), 2u);
+    EXPECT_EQ(contents(folder / "e.partial.mpg"), "two frames of it");
+    EXPECT_EQ(folder.entries(), 3u);
 }
 
 }  // namespace

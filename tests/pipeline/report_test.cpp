@@ -59,7 +59,7 @@ TEST(Report, IsOnePageThatStandsAloneAndItsFiguresAreTheStatistics) {
     const std::string html = contents(folder / "r.html");
 
     // The sentence comes first, and names are text.
-    const json report = json::parse(contents(folder / "r.json"));
+    const json report = json::parse(contents(folder / "r.report.json"));
     const std::size_t heading = html.find("</h1>"), lead = html.find("<p class=\"lead\">");
     ASSERT_NE(lead, std::string::npos);
     EXPECT_LT(lead - heading, 10u);
@@ -114,7 +114,7 @@ TEST(Report, IsRefusedUnderNamesThatWouldNotDo) {
         EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
     };
     refused(" --report " + path(folder, "r.pdf"), ".html");
-    refused(" --report " + path(folder, "r.html") + " --stats " + path(folder, "r.json"), "two outputs");
+    refused(" --report " + path(folder, "r.html") + " --stats " + path(folder, "r.report.json"), "two outputs");
 }
 
 TEST(FramePlot, HasABarForEveryFrameUntilTheyGetTooThin) {
@@ -131,6 +131,31 @@ TEST(FramePlot, HasABarForEveryFrameUntilTheyGetTooThin) {
     EXPECT_EQ(svg_of({"t", "s", 0, {}, false}), "");
     EXPECT_EQ(svg_of({"t", "s", 0, {{"x", "one", {}}}, false}), "");
     EXPECT_NE(svg_of({"t", "s", 0, {{"x", "one", {0, 0}}}, false}), "") << "nothing is a value, too";
+}
+
+TEST(FramePlot, OfManyFramesTellsEachTypesMeanOverItsOwnPictures) {
+    // Two frames to a bar, I P B B over and over.
+    FramePlot plot{"t", "s", 0, {{"I", "i", {}}, {"P", "p", {}}, {"B", "b", {}}}};
+    for (int n = 0; n < 1440; ++n)
+        for (std::size_t i = 0; i < 3; ++i)
+            plot.layers[i].values.push_back(std::min(n % 4, 2) == static_cast<int>(i) ? 1000.0 - 300.0 * i
+                                                                                      : app::no_value);
+    for (const bool marks : {false, true}) {
+        plot.marks = marks;
+        const std::string svg = svg_of(plot);
+        EXPECT_EQ(count(svg, "mean, I 1000 s, P 700 s</title>"), 360u) << marks;
+        EXPECT_EQ(count(svg, "mean, B 400 s</title>"), 360u) << marks;
+        EXPECT_EQ(count(svg, "<rect "), marks ? 720u : 1080u);
+    }
+    // A mark is at the mean of the frames that have a value: all alike, all marks in one line.
+    for (app::PlotLayer& layer : plot.layers)
+        for (double& value : layer.values)
+            if (value > 0) value = 40;
+    plot.layers[2].values.assign(1440, app::no_value);
+    const std::string svg = svg_of(plot);
+    const std::size_t first = svg.find("<rect "), y = svg.find(" y=", first);
+    EXPECT_EQ(count(svg, svg.substr(y, svg.find(" width", y) - y)), 360u);
+    EXPECT_EQ(count(svg, "<rect "), 360u) << "frames without a value have no mark";
 }
 
 TEST(FramePlot, KeepsAllInsideItsFrame) {

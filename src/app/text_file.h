@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+namespace render2mpeg::app {
+
+/// Writes a file that is there whole or not at all, in place of what has its name. What is no ordinary file, such as a
+/// pipe, is written to. Throws core::Error.
+void write_whole(const std::filesystem::path& file, const std::string& text);
+
+/// JSON as lines of text. Names of files are bytes, which JSON need not hold: what is no UTF-8 is replaced.
+std::string json_text(const nlohmann::json& value);
+
+/// Writes to standard output. Throws core::Error where that fails.
+void print(const std::string& text);
+
+}  // namespace render2mpeg::app

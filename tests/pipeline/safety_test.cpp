@@ -1,0 +1,345 @@
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "app/output_lock.h"
+#include "app/work_folder.h"
+#include "core/error.h"
+#include "pipeline/foreign.h"
+
+/// Nothing of a user's is replaced or removed unseen, and no output that fails costs another.
+namespace render2mpeg {
+namespace {
+
+using nlohmann::json;
+using support::contents;
+using support::film;
+using support::Folder;
+using support::program;
+using support::run;
+using test::path;
+
+const std::string plain = " --samples 1 --vpls 16 --exposure 0 --tolerance fixed=10% ";
+const std::string tiny = plain + "--size 32x32 --frames 0:1 ";
+
+std::string render_to(const Folder& folder, const std::string& output, const std::string& options) {
+    const auto unless = [&](const std::string& name, const char* value) {
+        return options.find(name) == std::string::npos ? name + value : std::string();
+    };
+    return program() + " render " + film("cornell") + plain + unless("--size", " 32x32 ") +
+           unless("--frames", " 0:1 ") + options + " -o " + path(folder, output);
+}
+
+void write(const std::filesystem::path& file, const std::string& text) {
+    std::ofstream(file, std::ios::binary) << text;
+}
+
+bool has(const support::Outcome& outcome, const std::string& words) {
+    return outcome.output.find(words) != std::string::npos;
+}
+
+TEST(Inputs, AreNoOutputsByWhateverName) {
+    const Folder folder;
+    std::filesystem::copy(film("cornell"), folder / "scene", std::filesystem::copy_options::recursive);
+    const std::string scene = contents(folder / "scene" / "film.json");
+    ASSERT_FALSE(scene.empty());
+    write(folder / "keys.txt", "0\n");
+    const std::string start =
+        "cd " + path(folder, "scene") + " && " + program() + " render . -o film.mpg --quiet" + tiny;
+
+    // The report of a film in the scene's own folder lies beside the scene's file.
+    auto outcome = run(start + "--report film.html");
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_EQ(contents(folder / "scene" / "film.json"), scene);
+    EXPECT_TRUE(json::parse(contents(folder / "scene" / "film.report.json")).contains("plan"));
+
+    for (const char* options :
+         {"--stats film.json", "--stats ../scene/film.json", "--keyframes ../keys.txt --stats ../keys.txt"}) {
+        outcome = run(start + options);
+        EXPECT_EQ(outcome.status, 1) << options;
+        EXPECT_TRUE(has(outcome, "it is an input")) << outcome.output;
+    }
+    EXPECT_EQ(contents(folder / "scene" / "film.json"), scene);
+    EXPECT_EQ(contents(folder / "keys.txt"), "0\n");
+}
+
+TEST(Inputs, OfEncodingAreNoOutputsFrameByFrame) {
+    const Folder folder;
+    ASSERT_EQ(run(render_to(folder, "f.%03d.exr", "--quiet --aov " + path(folder, "v"))).status, 0);
+    const std::string start = program() + " encode " + path(folder, "f.%03d.exr") + " -o " + path(folder, "e.mpg") +
+                              " --motion " + path(folder, "v/frame_%04d.exr") + " --quiet --stats ";
+    for (const char* taken : {"f.001.exr", "v/frame_0001.exr"}) {
+        const std::string before = contents(folder / taken);
+        const auto outcome = run(start + path(folder, taken));
+        EXPECT_EQ(outcome.status, 1) << taken;
+        EXPECT_TRUE(has(outcome, "it is an input")) << outcome.output;
+        EXPECT_EQ(contents(folder / taken), before);
+    }
+    EXPECT_EQ(run(start + path(folder, "f.002.exr")).status, 0) << "no frame of this film";
+}
+
+TEST(Outputs, OfOneNameAreRefusedFrameByFrame) {
+    const Folder folder;
+    std::filesystem::create_directory(folder / "v");
+    const std::string layers = "--dry-run --aov " + path(folder, "v");
+    EXPECT_TRUE(has(run(render_to(folder, "v/frame_%04d.exr", layers)), "two outputs have this name"));
+    EXPECT_EQ(run(render_to(folder, "v/f_%04d.exr", layers)).status, 0);
+    EXPECT_EQ(run(render_to(folder, "v/frame_%05d.exr", layers)).status, 0) << "00001 is not 0001";
+    EXPECT_EQ(run(render_to(folder, "v/frame_0%d.exr", layers + " --frames 0:99")).status, 0);
+    EXPECT_EQ(run(render_to(folder, "v/frame_0%d.exr", layers + " --frames 0:100")).status, 1) << "0100 is";
+    EXPECT_EQ(run(render_to(folder, "x.%d.png", layers + " --stats " + path(folder, "v/frame_0001.exr"))).status, 1);
+    EXPECT_EQ(run(render_to(folder, "x.%d.png", layers + " --stats " + path(folder, "x.1.png"))).status, 1);
+}
+
+TEST(Report, ReplacesNothingButAnEarlierReport) {
+    const Folder folder;
+    const std::string render = render_to(folder, "f.mpg", "--quiet --report " + path(folder, "r.html"));
+    for (const char* name : {"r.html", "r.report.json"}) {
+        write(folder / name, R"(<!DOCTYPE html><title>my page</title>)");
+        for (const char* more : {" --dry-run", ""}) {
+            const auto outcome = run(render + more);
+            EXPECT_EQ(outcome.status, 1) << name;
+            EXPECT_TRUE(has(outcome, std::string(name) + ": what has this name is no earlier report"))
+                << outcome.output;
+        }
+        EXPECT_EQ(contents(folder / name), R"(<!DOCTYPE html><title>my page</title>)");
+        EXPECT_EQ(folder.entries(), 1u);
+        std::filesystem::remove(folder / name);
+    }
+    EXPECT_EQ(run(render).status, 0);
+    const std::string first = contents(folder / "r.report.json");
+    EXPECT_EQ(run(render).status, 0) << "its own it replaces";
+    EXPECT_NE(contents(folder / "r.report.json"), first);
+    EXPECT_EQ(folder.entries(), 3u);
+}
+
+TEST(Outputs, ThatFailCostNoOthers) {
+    const Folder folder;
+    const auto outcome = run(render_to(folder, "f.mpg", "--stats /dev/full --report " + path(folder, "r.html")));
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_TRUE(has(outcome, "render2mpeg: writing /dev/full: No space left")) << outcome.output;
+    EXPECT_TRUE(has(outcome, "f.mpg: ")) << "the summary: " << outcome.output;
+    for (const char* there : {"f.mpg", "r.html", "r.report.json"}) EXPECT_TRUE(std::filesystem::exists(folder / there));
+    EXPECT_EQ(folder.entries(), 3u);
+
+    test::write_frames(path(folder, "in.y4m"), 64, 48, "25:1", "1:1", 2);
+    const auto encoded =
+        run(program() + " encode " + path(folder, "in.y4m") + " --stats /dev/full -o " + path(folder, "e.mpg"));
+    EXPECT_EQ(encoded.status, 1);
+    EXPECT_TRUE(has(encoded, "e.mpg: ")) << encoded.output;
+}
+
+TEST(Outputs, AreWrittenWholeOrNotAtAll) {
+    const Folder folder;
+    write(folder / "s.json", "{\"before\": 1}");
+    // Blocks of 512 bytes: the film fits, its statistics do not.
+    const auto outcome =
+        run("trap '' XFSZ; ulimit -f 7; " +
+            render_to(folder, "f.m2v", "--quiet --frames 0:8 --quantiser 31 --stats " + path(folder, "s.json")));
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_TRUE(has(outcome, "s.json: File too large")) << outcome.output;
+    EXPECT_TRUE(std::filesystem::exists(folder / "f.m2v"));
+    EXPECT_EQ(contents(folder / "s.json"), "{\"before\": 1}");
+    EXPECT_EQ(folder.entries(), 2u);
+}
+
+TEST(Outputs, AreSeenToBeProtectedBeforeAnythingIsDone) {
+    const Folder folder;
+    write(folder / "s.json", "{}");
+    chmod((folder / "s.json").c_str(), 0444);
+    chmod(folder.path().c_str(), 0777);
+    // For root nothing is protected.
+    const std::string as_user = geteuid() == 0 ? "setpriv --reuid=65534 --clear-groups " : "";
+    for (const char* more : {"--dry-run ", ""}) {
+        const auto outcome = run(as_user + render_to(folder, "f.mpg", more + ("--stats " + path(folder, "s.json"))));
+        EXPECT_EQ(outcome.status, 1);
+        EXPECT_TRUE(has(outcome, "s.json: Permission denied")) << outcome.output;
+        EXPECT_EQ(folder.entries(), 1u);
+    }
+}
+
+TEST(Heatmap, ThatFailsCostsNoFilm) {
+    const Folder folder;
+    // Blocks of 512 bytes: the film and its statistics fit; the heatmap fails after some frames.
+    const auto outcome =
+        run("trap '' XFSZ; ulimit -f 100; " +
+            render_to(folder, "f.mpg",
+                      "--quantiser 31 --frames 0:24 --size 96x64 --heatmap cut " + path(folder, "h.m2v") +
+                          " --heatmap quantiser " + path(folder, "q.m2v") + " --stats " + path(folder, "s.json")));
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_TRUE(has(outcome, "File too large")) << outcome.output;
+    EXPECT_TRUE(has(outcome, "f.mpg: ")) << "the summary: " << outcome.output;
+    EXPECT_TRUE(std::filesystem::exists(folder / "f.mpg"));
+    EXPECT_EQ(json::parse(contents(folder / "s.json")).at("frames"), 25);
+    EXPECT_FALSE(std::filesystem::exists(folder / "h.m2v"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "h.m2v.partial"));
+}
+
+TEST(Heatmap, LeavesFilesOfEveryNameAlone) {
+    const Folder folder;
+    write(folder / "h.mpg.unfinished", "mine");
+    EXPECT_EQ(run(render_to(folder, "f.mpg", "--quiet --heatmap cut " + path(folder, "h.mpg"))).status, 0);
+    EXPECT_EQ(contents(folder / "h.mpg.unfinished"), "mine");
+    EXPECT_EQ(folder.entries(), 3u);
+}
+
+TEST(Names, ThatAreNoUtf8AreNamesAllTheSame) {
+    const Folder folder;
+    const std::string name = "caf\xe9";
+    const auto outcome =
+        run(render_to(folder, name + ".mpg",
+                      "--quiet --stats " + path(folder, name + ".json") + " --report " + path(folder, name + ".html")));
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_TRUE(std::filesystem::exists(folder / (name + ".mpg")));
+    EXPECT_TRUE(json::parse(contents(folder / (name + ".json"))).contains("command"));
+    EXPECT_EQ(folder.entries(), 4u) << "no work folder is left";
+}
+
+/// Begins a film and interrupts it once it has bytes.
+support::Outcome interrupt(const std::string& render, const std::string& file) {
+    return run(render + " & job=$!; while [ ! -s " + file +
+               " ]; do kill -0 $job || exit 99; sleep 0.05; done; kill -INT $job; wait $job");
+}
+
+TEST(Leftovers, AreRemovedByTheSameFilmAloneAndReplacedByNone) {
+    const Folder folder;
+    const std::string endless = program() + " render " + film("cornell") +
+                                " --size 128x128 --frames 0:9999 --exposure 0 --quiet -o " + path(folder, "a.mpg");
+    const std::string chunk = path(folder, "a.mpg.partial/chunk_00000.m2v");
+    write(folder / "a.partial.mpg", "a diary");
+    for (int i = 0; i < 2; ++i) EXPECT_EQ(interrupt("rm -f " + chunk + "; " + endless, chunk).status, 130);
+    EXPECT_EQ(contents(folder / "a.partial.mpg"), "a diary");
+    EXPECT_TRUE(std::filesystem::exists(folder / "a.partial-2.mpg"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "a.partial-3.mpg")) << "no part takes another's place";
+
+    // Another film of the name leaves them alone.
+    ASSERT_EQ(run(render_to(folder, "a.mpg", "--quiet")).status, 0);
+    EXPECT_TRUE(std::filesystem::exists(folder / "a.partial-2.mpg"));
+    EXPECT_EQ(folder.entries(), 4u);
+}
+
+app::Film film_of(const std::string& source) {
+    app::Film made;
+    made.source = source;
+    made.frames = {0, 9};
+    return made;
+}
+
+TEST(Leftovers, GoWhenTheirFilmIsWholeUnlessTheyWereChanged) {
+    const Folder folder;
+    const auto leave = [&](const app::Film& made, const char* command, const char* text) {
+        app::WorkFolder work(folder / "a.mpg", made, command);
+        write(work.begin("film.mpg"), text);
+        return work.leave(work.place("film.mpg"));
+    };
+    const auto first = leave(film_of("s"), "render", "one"), second = leave(film_of("s"), "render", "two");
+    const auto third = leave(film_of("s"), "render", "three");
+    EXPECT_EQ(third.filename(), "a.partial-3.mpg");
+    write(second, "somebody wrote here since");
+    app::WorkFolder work(folder / "a.mpg", film_of("s"), "render");
+    work.begin("film.mpg");
+    work.clear_away();
+    EXPECT_FALSE(std::filesystem::exists(first));
+    EXPECT_TRUE(std::filesystem::exists(second));
+    EXPECT_FALSE(std::filesystem::exists(third));
+    EXPECT_EQ(folder.entries(), 1u);
+
+    const auto other = leave(film_of("s"), "render", "one");
+    app::WorkFolder(folder / "a.mpg", film_of("another"), "render").clear_away();
+    EXPECT_TRUE(std::filesystem::exists(other));
+}
+
+TEST(WorkFolder, IsItsRunsAloneWhileOthersEndAndBegin) {
+    const Folder folder;
+    std::atomic<int> had{0}, lost{0};
+    const auto runs = [&] {
+        for (int i = 0; i < 150; ++i) {
+            try {
+                app::WorkFolder work(folder / "a.mpg", film_of("s"), "render");
+                const std::filesystem::path file = work.begin("film.mpg");
+                write(file, "pictures");
+                ++had;
+                std::this_thread::yield();
+                if (contents(file) != "pictures" || !std::filesystem::exists(work.place("manifest.json"))) ++lost;
+                work.remove();
+            } catch (const core::Error&) {
+                // Another has it.
+            }
+        }
+    };
+    std::vector<std::thread> threads;
+    for (int i = 0; i < 3; ++i) threads.emplace_back(runs);
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_GT(had, 100);
+    EXPECT_EQ(lost, 0);
+    EXPECT_EQ(folder.entries(), 0u);
+}
+
+TEST(Lock, WaitsForALookAndGivesUpAtWhatLeadsNowhere) {
+    const Folder folder;
+    const app::OutputLock holder(folder / "lock", "film");
+    EXPECT_THROW(app::OutputLock(folder / "lock", "film"), core::Error);
+    std::filesystem::create_symlink(folder / "nowhere" / "lock", folder / "dangling");
+    EXPECT_THROW(app::OutputLock(folder / "dangling", "film"), core::Error);
+
+    // Dry runs look all the time, each for an instant.
+    std::atomic<bool> enough{false};
+    std::thread looker([&] {
+        while (!enough) {
+            try {
+                app::OutputLock::check(folder / "free", "film");
+            } catch (const core::Error&) {
+                // It is held just now.
+            }
+        }
+    });
+    for (int i = 0; i < 50; ++i) EXPECT_NO_THROW(app::OutputLock(folder / "free", "film"));
+    enough = true;
+    looker.join();
+}
+
+TEST(Exposure, OfFramesWithAToleranceIsNotSaidToDoNothing) {
+    const Folder folder;
+    const auto said = [&](const char* tolerance) {
+        return run(program() + " render " + film("cornell") + " --size 32x32 --exposure 1 --dry-run --tolerance " +
+                   tolerance + " -o " + path(folder, "f.%d.exr"))
+            .output;
+    };
+    for (const char* tolerance : {"reference", "fixed=0%"})
+        EXPECT_NE(said(tolerance).find("--exposure does nothing here"), std::string::npos) << tolerance;
+    EXPECT_EQ(said("fixed=2%").find("--exposure"), std::string::npos) << "it sets the least tolerance";
+}
+
+TEST(CommandLine, OfStatisticsCanBeGivenToAShellAgain) {
+    const Folder folder;
+    const std::string odd = path(folder, "it's a $film (1).mpg"),
+                      quoted = "\"" + path(folder, "it's a \\$film (1).mpg") + "\"";
+    const std::string statistics = path(folder, "s.json");
+    ASSERT_EQ(
+        run(program() + " render " + film("cornell") + tiny + "--quiet -o " + quoted + " --stats " + statistics).status,
+        0);
+    const std::string again = json::parse(contents(statistics)).at("command").get<std::string>();
+    std::filesystem::remove(odd);
+    EXPECT_EQ(run(again).status, 0) << again;
+    EXPECT_TRUE(std::filesystem::exists(odd)) << again;
+}
+
+TEST(StandardOutput, ThatIsFullIsAnError) {
+    const Folder folder;
+    ASSERT_EQ(run(render_to(folder, "f.mpg", "--quiet")).status, 0);
+    for (const std::string& command : {" info " + path(folder, "f.mpg"), " plan " + film("cornell")}) {
+        const auto outcome = run(program() + command + " > /dev/full");
+        EXPECT_EQ(outcome.status, 1) << command;
+        EXPECT_EQ(outcome.output, "render2mpeg: writing standard output: No space left on device\n");
+    }
+}
+
+}  // namespace
+}  // namespace render2mpeg
