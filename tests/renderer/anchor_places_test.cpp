@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -105,6 +106,45 @@ TEST(AnchorPlaces, GiveEveryObjectThatMovesOneAtLeast) {
     }
     for (std::size_t g = 1; g <= 20; ++g) EXPECT_EQ(of_group[g], 1);
     EXPECT_NEAR(of_group[0], 100, 2);
+}
+
+TEST(AnchorPlaces, GiveEachWayInWhichLightMeetsAMoverOneAtLeast) {
+    auto all = candidates(square(2000));
+    const glm::vec3 ways[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+    for (std::uint32_t object = 1; object <= 3; ++object)
+        for (const glm::vec3& way : ways) {
+            AnchorCandidate c = all.front();
+            c.group = object;
+            c.rest.normal = way;
+            c.flux = way.x < 0 ? 0.0f : 1e-9f;
+            c.area_scale = 1e-9f;
+            all.push_back(c);
+        }
+    std::vector<int> of_way(18, 0);
+    for (const AnchorPlace& p : choose_places(all, 100)) {
+        if (p.group == 0) continue;
+        for (std::size_t w = 0; w < 6; ++w)
+            if (p.rest.normal == ways[w]) ++of_way[6 * (p.group - 1) + w];
+    }
+    // The dark way needs none.
+    for (std::size_t i = 0; i < of_way.size(); ++i) EXPECT_EQ(of_way[i], i % 6 == 1 ? 0 : 1) << i;
+    // Where half of all anchors would not do, every object gets one.
+    const std::vector<AnchorPlace> few = choose_places(all, 20);
+    EXPECT_EQ(std::count_if(few.begin(), few.end(), [](const AnchorPlace& p) { return p.group != 0; }), 3);
+}
+
+TEST(AnchorPlaces, GiveAFewToPlacesThatNoLightWasSeenToReach) {
+    // Light meets the left half of a square only; even places lie all over it.
+    auto all = candidates(square(4000));
+    std::erase_if(all, [](const AnchorCandidate& c) { return c.rest.position.x > 5.0f; });
+    for (AnchorCandidate c : candidates(square(500))) {
+        c.flux = 0;
+        c.even = true;
+        all.push_back(c);
+    }
+    int right = 0;
+    for (const AnchorPlace& p : choose_places(all, 800)) right += p.rest.position.x > 5.0f ? 1 : 0;
+    EXPECT_NEAR(right, 800 / 16 / 2, 8);
 }
 
 TEST(AnchorPlaces, AreAtMostAsManyAsCandidates) {
