@@ -167,7 +167,7 @@ TEST(Outputs, AreSeenToBeProtectedBeforeAnythingIsDone) {
 
 TEST(Heatmap, ThatFailsCostsNoFilm) {
     const Folder folder;
-    // Blocks of 512 bytes: the film and its statistics fit; the heatmap fails after some frames.
+    // Blocks of 512 bytes: the film and its statistics fit, heatmaps do not.
     const auto outcome =
         run("trap '' XFSZ; ulimit -f 100; " +
             render_to(folder, "f.mpg",
