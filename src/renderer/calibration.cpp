@@ -64,6 +64,7 @@ std::size_t calibrate(Caution& caution, const LightForest& forest, const RayTrac
 std::size_t watch(Caution& caution, const LightForest& forest, const RayTracer& tracer, const Seen& seen,
                   const core::ToleranceMap& tolerance, const ShadeSettings& settings, const core::Radiance& radiance,
                   std::uint64_t rays) {
+    if (!caution.knows()) return 0;
     const double lights = std::max(static_cast<double>(light_count(forest)), 1.0);
     const auto affordable = static_cast<std::size_t>(watched_share * static_cast<double>(rays) / lights);
     const std::vector<LitPixel> pixels =

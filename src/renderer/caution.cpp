@@ -36,7 +36,7 @@ void Caution::learn(std::span<const AuditedPixel> pixels, float caution) {
         next_ = (next_ + 1) % window;
     }
     value_ = 1.0f;
-    if (needed_.size() < least_pixels) return;
+    if (!knows()) return;
     // The ceil((n + 1)(1 - a))-th smallest.
     std::vector<float> sorted = needed_;
     const auto n = static_cast<double>(sorted.size());

@@ -30,6 +30,7 @@ class Caution {
     /// What multiplies the law, > 0; 1 while too few pixels are known.
     float value() const { return value_; }
     std::size_t pixels() const { return needed_.size(); }
+    bool knows() const { return pixels() >= least_pixels; }
 
   private:
     std::vector<float> needed_;  ///< ring of the newest

@@ -100,7 +100,6 @@ struct Renderer::Impl {
         }
         lit.reset();
         caution.forget();
-        calibrated = false;
         started = true;
     }
 
@@ -161,7 +160,6 @@ struct Renderer::Impl {
         const Stopwatch watch(statistics.calibration_seconds);
         statistics.calibrated_pixels +=
             renderer::calibrate(caution, forest, scenery.tracer(), seen, snapshot.camera.position(), tolerance, s);
-        calibrated = true;
     }
 
     /// Learns from a frame that was lit.
@@ -207,7 +205,6 @@ struct Renderer::Impl {
     bool started = false;
     std::int64_t first_frame = 0;  ///< of the chunk
     Caution caution;
-    bool calibrated = false;             ///< `caution` knows this shot
     std::optional<float> given_caution;  ///< instead of it
     Statistics statistics;
     double gathered = 0, clamped = 0;
@@ -241,7 +238,7 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     ShadeSettings settings = i.shade_settings();
     const bool learns =
         i.settings.calibrate && !i.given_caution && i.settings.stop == Stop::honest && !tolerance.is_reference();
-    if (learns && (!i.calibrated || snapshot.cut_before)) i.calibrate(snapshot, seen, tolerance, settings);
+    if (learns && (!i.caution.knows() || snapshot.cut_before)) i.calibrate(snapshot, seen, tolerance, settings);
     settings.limits.caution = i.given_caution.value_or(learns ? i.caution.value() : 1.0f);
     ShadeCounts counts;
     core::Radiance radiance =
