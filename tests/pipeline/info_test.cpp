@@ -114,7 +114,8 @@ TEST(Information, OfForeignFilmsAgreesWithFfprobe) {
     }
     // A fixed quantiser is told as it is; of B pictures it is 1.25 times as coarse and a little.
     make_foreign(file, "-g 12 -bf 0 -qmin 7 -qmax 7 -q:v 7");
-    for (const json& picture : info(file).at("per_picture")) EXPECT_EQ(picture.at("quantiser").at("mean"), 7.0);
+    const json fixed = info(file);
+    for (const json& picture : fixed.at("per_picture")) EXPECT_EQ(picture.at("quantiser").at("mean"), 7.0);
 }
 
 TEST(Information, IsATableWithoutJson) {
