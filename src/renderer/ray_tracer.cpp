@@ -43,6 +43,15 @@ RTCRay ray_of(glm::vec3 origin, glm::vec3 direction, float near, float far) {
     return ray;
 }
 
+/// The ray, and a hit that says nothing was met.
+RTCRayHit unanswered(glm::vec3 origin, glm::vec3 direction, float near, float far) {
+    RTCRayHit query{};
+    query.ray = ray_of(origin, direction, near, far);
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    return query;
+}
+
 /// 1 or 0, without a branch; 0 for NaN.
 RENDER2MPEG_ALWAYS_INLINED int fits(float v) {
     return inlined::abs(v) <= largest_component ? 1 : 0;
@@ -223,10 +232,7 @@ Hit RayTracer::nearest(glm::vec3 origin, glm::vec3 direction, float far) const {
     const FlushDenormals flushed;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    RTCRayHit found{};
-    found.ray = ray_of(origin, direction, 0.0f, far);
-    found.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    found.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RTCRayHit found = unanswered(origin, direction, 0.0f, far);
     rtcIntersect1(impl_->scene.root(), &context, &found);
     if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
 
@@ -239,10 +245,7 @@ Hit RayTracer::nearest(glm::vec3 origin, glm::vec3 direction, float far) const {
                  found.ray.tfar,
                  {found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z}};
     const float t = found.ray.tfar;
-    RTCRayHit again{};
-    again.ray = ray_of(origin, direction, t * (1.0f - coplanar), std::min(far, t * (1.0f + coplanar)));
-    again.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    again.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RTCRayHit again = unanswered(origin, direction, t * (1.0f - coplanar), std::min(far, t * (1.0f + coplanar)));
     rtcIntersect1(impl_->scene.root(), &ties.embree, &again);
 
     Hit& hit = ties.best;
@@ -255,10 +258,7 @@ bool RayTracer::meets_still(glm::vec3 origin, glm::vec3 direction, float far) co
     const FlushDenormals flushed;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    RTCRayHit found{};
-    found.ray = ray_of(origin, direction, 0.0f, far);
-    found.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    found.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RTCRayHit found = unanswered(origin, direction, 0.0f, far);
     rtcIntersect1(impl_->scene.still(), &context, &found);
     return found.hit.geomID != RTC_INVALID_GEOMETRY_ID;
 }
