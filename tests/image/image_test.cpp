@@ -1,7 +1,6 @@
 #include "image/image.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <cmath>
@@ -11,43 +10,18 @@
 
 #include "core/error.h"
 #include "core/sampling.h"
-#include "encoded.h"
 #include "image/channels.h"
-#include "image/png_chunks.h"
+#include "reading.h"
+#include "tests/support/program.h"
 
 namespace render2mpeg::image {
 namespace {
 
 namespace fs = std::filesystem;
 using encoded::Bytes;
-
-Image read(const Bytes& bytes, const std::string& name = "test") {
-    return read_image({}, std::as_bytes(std::span(bytes)), name);
-}
-
-/// What is said of a file that cannot be read; empty where it can.
-std::string refusal(const Bytes& bytes, const std::string& name = "test.png") {
-    try {
-        read(bytes, name);
-    } catch (const core::Error& error) {
-        return error.what();
-    }
-    return "";
-}
-
-/// A folder of this test's own.
-class Folder {
-  public:
-    Folder() : path_(fs::temp_directory_path() / ("render2mpeg_image_" + std::to_string(::getpid()))) {
-        fs::create_directories(path_);
-    }
-    ~Folder() { fs::remove_all(path_); }
-    fs::path operator/(const char* name) const { return path_ / name; }
-    const fs::path& path() const { return path_; }
-
-  private:
-    fs::path path_;
-};
+using support::Folder;
+using test::read;
+using test::refusal;
 
 Bytes bytes_of(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
@@ -195,16 +169,6 @@ TEST(PixelAspect, StandsInTheFilesThatAreWritten) {
         EXPECT_EQ(bytes[at + 12], 0);
         EXPECT_NEAR(read_image(folder / "a.png", {}, "a.png").pixel_aspect, aspect, 1e-4);
     }
-}
-
-TEST(PixelAspect, OfAPngIsLeftOutWhereItIsBroken) {
-    const Folder folder;
-    // Too short, twice (then the first counts), and no number of pixels.
-    const Bytes wide{0, 0, 0, 1, 0, 0, 0, 2, 0}, tall{0, 0, 0, 2, 0, 0, 0, 1, 0}, none{0, 0, 0, 0, 0, 0, 0, 0, 0};
-    EXPECT_EQ(read(encoded::png(1, 1, 8, 2, {{1, 2, 3}}, {{"pHYs", wide}})).pixel_aspect, 2.0f);
-    EXPECT_EQ(read(encoded::png(1, 1, 8, 2, {{1, 2, 3}}, {{"pHYs", wide}, {"pHYs", tall}})).pixel_aspect, 2.0f);
-    EXPECT_EQ(read(encoded::png(1, 1, 8, 2, {{1, 2, 3}}, {{"pHYs", {0, 0, 0, 1}}})).pixel_aspect, 1.0f);
-    EXPECT_EQ(read(encoded::png(1, 1, 8, 2, {{1, 2, 3}}, {{"pHYs", none}})).pixel_aspect, 1.0f);
 }
 
 TEST(ReadImage, TakesColoursOfAnExrUnderAnyName) {
@@ -356,18 +320,6 @@ TEST(Module, IsNotOpenedBeforeAnImageIs) {
     EXPECT_FALSE(is_loaded("render2mpeg_image_module"));
     read(encoded::grey_jpeg());
     EXPECT_TRUE(is_loaded("libOpenImageIO"));
-}
-
-TEST(Png, KeepsItsPixelsAndTheirShapeAlone) {
-    const Bytes plain = encoded::png(1, 1, 8, 2, {{1, 2, 3}}),
-                chatty = encoded::png(1, 1, 8, 2, {{1, 2, 3}}, {{"iCCP", {'x', 0, 0, 1}}, {"tEXt", {'a'}}});
-    const std::vector<std::byte> kept = essential_png(std::as_bytes(std::span(chatty)), "a.png");
-    EXPECT_TRUE(std::equal(kept.begin(), kept.end(), std::as_bytes(std::span(plain)).begin(),
-                           std::as_bytes(std::span(plain)).end()));
-    EXPECT_NE(refusal(encoded::png(1, 1, 8, 2, {{1, 2, 3}}, {{"CgBI", {0}}})).find("not known"), std::string::npos);
-    Bytes damaged = plain;
-    damaged[damaged.size() - 20] ^= 1;
-    EXPECT_NE(refusal(damaged).find("IDAT"), std::string::npos);
 }
 
 TEST(ChannelChoice, FallsBackToTheOrderOfUnknownNames) {

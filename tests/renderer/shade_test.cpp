@@ -291,26 +291,6 @@ TEST(Shade, LayersAddUpToThePicture) {
     EXPECT_GT(specular, 0);
 }
 
-TEST(Shade, LosesLittleToTheClampAndLessWithMoreVpls) {
-    double lost[2];
-    for (const int more : {0, 1}) {
-        Settings settings = test::small_frame();
-        settings.vpls = more != 0 ? 8000 : 500;
-        settings.direct_points = more != 0 ? 2048 : 128;
-        FilmStage stage(furnished_room(), settings);
-        stage.reference();
-        lost[more] = stage.statistics().clamped_energy;
-    }
-    EXPECT_GT(lost[0], 0.0);
-    EXPECT_LT(lost[0], 0.25);
-    EXPECT_LT(lost[1], 0.6 * lost[0]);
-    Settings none = test::small_frame();
-    none.clamp = Clamp::none;
-    FilmStage stage(furnished_room(), none);
-    stage.reference();
-    EXPECT_EQ(stage.statistics().clamped_energy, 0.0);
-}
-
 TEST(Shade, ClustersManyLampsAndGathersFewExactly) {
     for (const int lamps : {16, 200}) {
         SceneBuilder b;
