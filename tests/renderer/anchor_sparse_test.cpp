@@ -14,17 +14,6 @@ namespace {
 using test::AnchorStage;
 using test::SceneBuilder;
 
-void add_track(SceneBuilder& b, scene::TrackTarget target, int index, int width, std::vector<float> times,
-               std::vector<float> values) {
-    scene::Track track;
-    track.target = target;
-    track.index = index;
-    track.width = width;
-    track.times = std::move(times);
-    track.values = std::move(values);
-    b.film().tracks.push_back(track);
-}
-
 double sum_of(const std::vector<LightPoint>& lights) {
     double sum = 0;
     for (const LightPoint& l : lights) sum += core::luminance(l.intensity);
@@ -91,8 +80,8 @@ TEST(SparseAnchors, FollowALampOnAPathOf500Metres) {
     SceneBuilder b;
     b.add_quad({-4, 0, 0}, {0, 0, 520}, {8, 0, 0}, b.add_material(glm::vec3(0.6f)));
     const int light = b.add_point_light({0, 2, 10}, 20.0f);
-    add_track(b, scene::TrackTarget::translation, b.film().lights[static_cast<std::size_t>(light)].node, 3, {0, 10},
-              {0, 2, 10, 0, 2, 510});
+    b.add_track(scene::TrackTarget::translation, b.film().lights[static_cast<std::size_t>(light)].node, 3, {0, 10},
+                {0, 2, 10, 0, 2, 510});
     AnchorStage stage(b, {2048, 4});
     for (const double seconds : {0.0, 0.16, 3.34, 7.77, 10.0}) {
         stage.pose(seconds);
@@ -112,8 +101,8 @@ TEST(SparseAnchors, KeepLightThatComesForAMomentNearWhereItLands) {
     b.add_box({4.9f, 0, 2.5f}, {5.1f, 3, 4}, grey);
     const int door = b.add_box({-0.15f, 0, -0.6f}, {0.15f, 3, 0.6f}, grey);
     const int node = b.film().objects[static_cast<std::size_t>(door)].node;
-    add_track(b, scene::TrackTarget::translation, node, 3, {0, 50.05f, 50.1f, 50.2f, 50.25f, 100},
-              {5, 0, 2, 5, 0, 2, 5, 8, 2, 5, 8, 2, 5, 0, 2, 5, 0, 2});
+    b.add_track(scene::TrackTarget::translation, node, 3, {0, 50.05f, 50.1f, 50.2f, 50.25f, 100},
+                {5, 0, 2, 5, 0, 2, 5, 8, 2, 5, 8, 2, 5, 0, 2, 5, 0, 2});
     b.add_point_light({2, 1.5f, 2}, 20.0f);
     AnchorStage stage(b, {2048, 4});
     const auto beyond = [&] {
@@ -144,8 +133,8 @@ TEST(SparseAnchors, HoldLightOfTheFirstFramesOfALongFilm) {
     b.add_quad({-2, 0, -2}, {0, 0, 4}, {4, 0, 0}, grey);
     b.add_box({-6, -7, -6}, {6, -6, 6}, grey);  // what the lamp lights later, from below the tile
     const int light = b.add_point_light({0, 1, 0}, 20.0f);
-    add_track(b, scene::TrackTarget::translation, b.film().lights[static_cast<std::size_t>(light)].node, 3,
-              {0, 2, 2.1f, 600}, {0, 1, 0, 0, 1, 0, 0, -3, 0, 0, -3, 0});
+    b.add_track(scene::TrackTarget::translation, b.film().lights[static_cast<std::size_t>(light)].node, 3,
+                {0, 2, 2.1f, 600}, {0, 1, 0, 0, 1, 0, 0, -3, 0, 0, -3, 0});
     AnchorStage stage(b, {1024, 4});
     for (const double seconds : {0.04, 1.0, 1.96}) {
         stage.pose(seconds);
@@ -170,8 +159,8 @@ TEST(SparseAnchors, LeaveAMoverInFrontOfAWallNoHoleInIt) {
         b.move_object(panel, {{x, 1.5f, 1.5f}, {x, 1.51f, 1.5f}});
     }
     for (const bool left : {true, false})
-        add_track(b, scene::TrackTarget::light_intensity, b.add_point_light({left ? 1.5f : 4.5f, 1.5f, 1.5f}, 10.0f), 1,
-                  {0, 1}, {left ? 1.0f : 0.0f, left ? 0.0f : 1.0f});
+        b.add_track(scene::TrackTarget::light_intensity, b.add_point_light({left ? 1.5f : 4.5f, 1.5f, 1.5f}, 10.0f), 1,
+                    {0, 1}, {left ? 1.0f : 0.0f, left ? 0.0f : 1.0f});
     AnchorStage stage(b);
     for (const bool left : {true, false}) {
         stage.pose(left ? 0.0 : 1.0);
@@ -205,7 +194,7 @@ TEST(SparseAnchors, OfAThingThatUnrollsFromALineLieOverAllOfIt) {
     mesh.morph_targets.push_back(target);
     const int slab = b.add_object(b.add_mesh(mesh), grey);
     b.film().objects[static_cast<std::size_t>(slab)].morph_weights = {0};
-    add_track(b, scene::TrackTarget::weights, b.film().objects[static_cast<std::size_t>(slab)].node, 1, {0, 1}, {0, 1});
+    b.add_track(scene::TrackTarget::weights, b.film().objects[static_cast<std::size_t>(slab)].node, 1, {0, 1}, {0, 1});
     b.add_point_light({0, 2, 0}, 20.0f);
     AnchorStage stage(b, {1200, 4});
     stage.pose(1.0);

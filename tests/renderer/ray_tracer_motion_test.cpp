@@ -13,17 +13,6 @@ using renderer::Hit;
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-void add_track(SceneBuilder& builder, scene::TrackTarget target, int index, int width, std::vector<float> times,
-               std::vector<float> values) {
-    scene::Track track;
-    track.target = target;
-    track.index = index;
-    track.width = width;
-    track.times = std::move(times);
-    track.values = std::move(values);
-    builder.film().tracks.push_back(track);
-}
-
 /// A still floor, a box that travels and turns, two instanced crowds of still spheres, and a sheet that morphs into a
 /// hill.
 SceneBuilder everything_that_moves() {
@@ -33,7 +22,7 @@ SceneBuilder everything_that_moves() {
     const int box = builder.add_box({-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}, white);
     builder.move_object(box, {{-3, 1, 0}, {-1, 2, 1}, {4, 1, -2}});
     const int node = builder.film().objects[static_cast<std::size_t>(box)].node;
-    add_track(builder, scene::TrackTarget::rotation, node, 4, {0, 2}, {0, 0, 0, 1, 0, 0.70710678f, 0, 0.70710678f});
+    builder.add_track(scene::TrackTarget::rotation, node, 4, {0, 2}, {0, 0, 0, 1, 0, 0.70710678f, 0, 0.70710678f});
 
     // More triangles in copies than are worth copying.
     const int ball = builder.add_mesh(SceneBuilder::sphere(0.3f, 64));
@@ -55,8 +44,8 @@ SceneBuilder everything_that_moves() {
     sheet.morph_targets.push_back(hill);
     const int object = builder.add_object(builder.add_mesh(sheet), white, {-2, 4, 5});
     builder.film().objects[static_cast<std::size_t>(object)].morph_weights = {0};
-    add_track(builder, scene::TrackTarget::weights, builder.film().objects[static_cast<std::size_t>(object)].node, 1,
-              {0, 2}, {0, 1});
+    builder.add_track(scene::TrackTarget::weights, builder.film().objects[static_cast<std::size_t>(object)].node, 1,
+                      {0, 2}, {0, 1});
     return builder;
 }
 
@@ -144,10 +133,10 @@ TEST(AbsentObjects, AreNotHit) {
     const auto node = [&](int object) { return builder.film().objects[static_cast<std::size_t>(object)].node; };
     builder.move_object(moving, {{0, 0, 0}, {0, 0, 0.5f}, {0, 0, 1}});
     for (const int object : {still, moving})
-        add_track(builder, scene::TrackTarget::visibility, node(object), 1, {0, 1, 2}, {1, 0, 1});
+        builder.add_track(scene::TrackTarget::visibility, node(object), 1, {0, 1, 2}, {1, 0, 1});
     for (scene::Track& track : builder.film().tracks)
         if (track.target == scene::TrackTarget::visibility) track.interpolation = scene::Interpolation::step;
-    add_track(builder, scene::TrackTarget::scale, node(shrinking), 3, {0, 1, 2}, {1, 1, 1, 0, 0, 0, 1, 1, 1});
+    builder.add_track(scene::TrackTarget::scale, node(shrinking), 3, {0, 1, 2}, {1, 1, 1, 0, 0, 0, 1, 1, 1});
     Stage stage(builder);
     const auto first_hit = [&] { return stage.tracer().nearest({0.3f, 9, 0.2f}, {0, -1, 0}, infinity); };
     const auto sees_light = [&] { return stage.tracer().passes({0.3f, 9, 0.2f}, {0, -1, 0}, infinity).x == 1.0f; };
@@ -166,8 +155,8 @@ TEST(AbsentObjects, ThatNeverWereCanAppear) {
     SceneBuilder builder;
     const int white = builder.add_material();
     const int sheet = builder.add_quad({-5, 3, 5}, {10, 0, 0}, {0, 0, -10}, white);
-    add_track(builder, scene::TrackTarget::visibility, builder.film().objects[static_cast<std::size_t>(sheet)].node, 1,
-              {0, 1}, {0, 1});
+    builder.add_track(scene::TrackTarget::visibility, builder.film().objects[static_cast<std::size_t>(sheet)].node, 1,
+                      {0, 1}, {0, 1});
     builder.film().tracks.back().interpolation = scene::Interpolation::step;
     Stage stage(builder);
     EXPECT_FALSE(stage.tracer().nearest({0.3f, 9, 0.2f}, {0, -1, 0}, infinity).found());

@@ -102,17 +102,27 @@ class SceneBuilder {
         return static_cast<int>(film_.cameras.size()) - 1;
     }
 
+    /// A linear track of `width` values at each of the times (seconds).
+    void add_track(scene::TrackTarget target, int index, int width, std::vector<float> times,
+                   std::vector<float> values) {
+        scene::Track track;
+        track.target = target;
+        track.index = index;
+        track.width = width;
+        track.times = std::move(times);
+        track.values = std::move(values);
+        film_.tracks.push_back(std::move(track));
+    }
+
     /// The node of an object moves through these places, one second apart.
     void move_object(int object, const std::vector<glm::vec3>& places) {
-        scene::Track track;
-        track.target = scene::TrackTarget::translation;
-        track.index = film_.objects.at(static_cast<std::size_t>(object)).node;
-        track.width = 3;
+        std::vector<float> times, values;
         for (std::size_t k = 0; k < places.size(); ++k) {
-            track.times.push_back(static_cast<float>(k));
-            for (int i = 0; i < 3; ++i) track.values.push_back(places[k][i]);
+            times.push_back(static_cast<float>(k));
+            for (int i = 0; i < 3; ++i) values.push_back(places[k][i]);
         }
-        film_.tracks.push_back(track);
+        add_track(scene::TrackTarget::translation, film_.objects.at(static_cast<std::size_t>(object)).node, 3,
+                  std::move(times), std::move(values));
     }
 
     /// The film so far, not completed, for whatever has no function here.
