@@ -36,22 +36,25 @@ class LumaLight {
     /// Planes of one size; `picture` was developed from `radiance`, and has its unrounded luma.
     PixelLight light_of(const core::Picture& picture, const core::Radiance& radiance) const;
 
-    /// |Y^ - Y| for a pixel's luma, luminance and exponent, and Y^ of a luma that is `distance` > 0 code values away,
-    /// on the side where that is the lesser change: a tolerance is used for both signs, and next to white the other
-    /// side holds any light at all. Where black is nearer than that, the distance is taken inward; colours whose luma
-    /// ends early (blue: 31.8) are allowed no more there than grey, or their own light. > 0 and finite.
+    /// |Y^ - Y| for a pixel's luma, luminance and exponent, and Y^ of a luma that is `distance` > 0 code values below:
+    /// a tolerance is used for both signs, and the curve from luma to light is bent upwards, so that this is the lesser
+    /// change; next to white the other side holds any light at all. A pixel nearer to black than `distance` may change
+    /// by as much as its own colour has at that distance from black, which is no more than `distance` code values
+    /// either way, and joins what is farther from black without a step. Colours whose luma ends early (blue: 31.8) are
+    /// allowed no more there than grey, or their own light. > 0 and finite.
     float difference(float luma, float luminance, float exponent, float distance) const {
-        // The curve from luma to light is bent upwards: downward is nearer, where it is not cut off by black.
         const float from = std::clamp(luma - black, darkest, range);
-        const float to = from - distance < darkest ? from + distance : from - distance;
         const float here = at(log_light_, from);
+        if (from - distance >= darkest)
+            return luminance * (1.0f - power_of_two(exponent * (at(log_light_, from - distance) - here)));
+        const float to = std::min(distance + darkest, range);
+        const float upper = at(log_light_, to), lower = at(log_light_, darkest);
         // What is black has no light to multiply, and is taken for grey.
-        const float least = from > darkest ? 0.0f : darkest_light_;
-        const float ratio = power_of_two(exponent * (at(log_light_, std::min(to, range)) - here));
-        const float change = std::max(luminance, least) * std::abs(ratio - 1.0f);
-        if (to < from || from <= darkest) return change;
-        const float grey = (power_of_two(at(log_light_, std::min(to, range))) - power_of_two(here)) / gain_;
-        return std::min(change, std::max(luminance, grey));
+        const float light = from > darkest ? luminance : std::max(luminance, darkest_light_);
+        const float change =
+            light * (power_of_two(exponent * (upper - here)) - power_of_two(exponent * (lower - here)));
+        if (from <= darkest) return change;
+        return std::min(change, std::max(luminance, (power_of_two(upper) - power_of_two(lower)) / gain_));
     }
 
     /// Luminance of a grey pixel half a code value above black: below this no film shows anything.

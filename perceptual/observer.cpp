@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "core/error.h"
 #include "core/numeric.h"
@@ -20,6 +21,21 @@ int macroblocks(int size) {
 /// How far a map may be brought from one quantiser to another by the ratio of their errors. chosen: no two quantisers
 /// are further apart in code values (31 : 1, 63 equal signs against none: 1000); it only keeps nonsense out.
 constexpr float largest_ratio = 1024.0f;
+
+/// Share of its luminance that a pixel of the remembered picture may be off by: a low quantile over the picture, of one
+/// pixel in so many. 0 for a black picture.
+float typical_share(const core::Plane<float>& tolerances, const core::Plane<float>& luminance) {
+    constexpr float quantile = 0.25f;
+    constexpr std::size_t stride = 13;
+    std::vector<float> shares;
+    shares.reserve(tolerances.size() / stride + 1);
+    for (std::size_t i = 0; i < tolerances.size(); i += stride)
+        if (luminance.values()[i] > 0.0f) shares.push_back(tolerances.values()[i] / luminance.values()[i]);
+    if (shares.empty()) return 0.0f;
+    const auto place = static_cast<std::ptrdiff_t>(quantile * static_cast<float>(shares.size() - 1));
+    std::nth_element(shares.begin(), shares.begin() + place, shares.end());
+    return shares[static_cast<std::size_t>(place)];
+}
 
 core::Picture difference(const core::Plane<float>& luma, const core::Plane<std::uint8_t>& prediction) {
     core::Picture picture;
@@ -143,6 +159,9 @@ Tolerated Observer::tolerate(const core::Visible& visible, const CodingPlan& pla
 
     Tolerated tolerated;
     const bool carries = settings_.strategy == Strategy::carried;
+    // What nobody saw before is as likely to hide errors as the rest: held to 2 % it would stand out as bands.
+    const float unseen =
+        std::max(least_relative, share * (carries ? typical_share(values, memory.light.luminance) : 0.0f));
     if (carries)
         tolerated.carried = carry(values, *memory.visible, visible, motion);
     else
@@ -151,7 +170,9 @@ Tolerated Observer::tolerate(const core::Visible& visible, const CodingPlan& pla
     const float darkest = light_.darkest_step();
     for (std::size_t i = 0; i < tolerated.carried.size(); ++i) {
         const float value = tolerated.carried.values()[i];
-        tolerated.map.pixels.values()[i] = {std::max(value > 0.0f ? share * value : 0.0f, darkest), least_relative};
+        tolerated.map.pixels.values()[i] = value > 0.0f
+                                               ? core::Tolerance{std::max(share * value, darkest), least_relative}
+                                               : core::Tolerance{darkest, unseen};
     }
     return tolerated;
 }

@@ -22,7 +22,7 @@ void Bookkeeper::rendered(std::int64_t frame, const renderer::Statistics& before
 void Bookkeeper::audited(const std::vector<renderer::AuditedPixel>& pixels, const core::ToleranceMap& tolerance) {
     for (const renderer::AuditedPixel& p : pixels) {
         const float absolute = tolerance.is_reference() ? 0.0f : tolerance.pixels.at(p.x, p.y).absolute;
-        ledger_.audit.errors.push_back(core::divide_or(p.error, std::max(p.luminance, absolute), 0.0f));
+        ledger_.audit.errors.add(core::divide_or(p.error, std::max(p.luminance, absolute), 0.0f));
         ledger_.audit.over += p.over() ? 1 : 0;
     }
 }

@@ -34,7 +34,7 @@ Coupling::Coupling(const perceptual::Display& display, const CouplingSettings& s
 
 perceptual::CodingPlan Coupling::eye_plan(encoder::PictureType type, int quantiser) const {
     perceptual::CodingPlan eye;
-    eye.intra = type == encoder::PictureType::intra;
+    eye.intra = type == encoder::PictureType::intra || settings_.always_intra;
     eye.scale = scale_of(quantiser);
     eye.quantisation = matrices_;
     // 8, 4 or 2 for 8, 9 or 10 bits. [H262, 7.4.1]
@@ -51,7 +51,7 @@ perceptual::CodedFacts Coupling::facts_of(const encoder::CodedPicture& coded) co
     facts.scale = core::Plane<float>(coded.macroblocks.width(), coded.macroblocks.height());
     for (std::size_t i = 0; i < coded.macroblocks.size(); ++i) {
         const encoder::MacroblockRecord& record = coded.macroblocks.values()[i];
-        facts.intra.values()[i] = record.intra ? 1 : 0;
+        facts.intra.values()[i] = record.intra || settings_.always_intra ? 1 : 0;
         facts.scale.values()[i] = scale_of(record.quantiser);
     }
     facts.reconstruction = coded.reconstruction.y;

@@ -24,6 +24,7 @@ struct CouplingSettings {
     perceptual::ObserverSettings observer;
     ErrorMaps maps = ErrorMaps::references;
     std::optional<float> share;  ///< of what coding hides; none: by the quantiser (perceptual::default_share)
+    bool always_intra = false;   ///< take every picture for an intra one, as [Render2MPEG] does: for comparison
 };
 
 /// The way back of the loop, from what was coded to what the next frames may err by: the eye's memory over one chunk.

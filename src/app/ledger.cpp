@@ -21,15 +21,7 @@ double Ledger::total_seconds() const {
 }
 
 double Audit::share_over() const {
-    return core::divide_or(static_cast<double>(over), static_cast<double>(errors.size()), 0.0);
-}
-
-double Audit::error_at(double q) const {
-    if (errors.empty()) return 0.0;
-    std::vector<float> sorted = errors;
-    std::sort(sorted.begin(), sorted.end());
-    const double place = std::ceil(q * static_cast<double>(sorted.size())) - 1.0;
-    return sorted[static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(sorted.size()) - 1.0))];
+    return core::divide_or(static_cast<double>(over), static_cast<double>(errors.count()), 0.0);
 }
 
 double Ledger::psnr_y() const {

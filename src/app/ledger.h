@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/error_histogram.h"
 #include "renderer/renderer.h"
 
 namespace render2mpeg::app {
@@ -54,15 +55,13 @@ struct QuantiserRange {
 
 /// How well tolerances were kept, from pixels that were gathered again without clustering.
 struct Audit {
-    /// By pixel: luminance's error over the luminance it should have, or over its absolute tolerance where that is
+    /// Of pixels: luminance's error over the luminance it should have, or over its absolute tolerance where that is
     /// larger.
-    std::vector<float> errors;
+    ErrorHistogram errors;
     std::uint64_t over = 0;  ///< pixels whose error exceeds their tolerance
     double seconds = 0;      ///< CPU
 
     double share_over() const;
-    /// The error that a share `q` of all pixels does not exceed; 0 without any pixels.
-    double error_at(double q) const;
 };
 
 /// What a run spent, where, and what came of it.

@@ -38,9 +38,9 @@ json passes_of(const Production& film, const Ledger& ledger) {
 
 json audit_of(const Production& film, const Audit& audit) {
     if (film.audit == 0) return nullptr;
-    return {{"pixels", audit.errors.size()},     {"over_tolerance", audit.share_over()},
-            {"error_p50", audit.error_at(0.5)},  {"error_p95", audit.error_at(0.95)},
-            {"error_p99", audit.error_at(0.99)}, {"seconds", audit.seconds}};
+    return {{"pixels", audit.errors.count()},           {"over_tolerance", audit.share_over()},
+            {"error_p50", audit.errors.quantile(0.5)},  {"error_p95", audit.errors.quantile(0.95)},
+            {"error_p99", audit.errors.quantile(0.99)}, {"seconds", audit.seconds}};
 }
 
 /// Null where no caution was learnt.

@@ -154,8 +154,8 @@ std::string audit_lines(const Audit& audit) {
     return fmt::format(
         "  audit      {:.2f} % of {} pixels, gathered again from every light point, are\n"
         "             beyond their tolerance; errors {:.2f} % (median), {:.2f} % (95 %), {:.2f} % (99 %)\n",
-        100 * audit.share_over(), audit.errors.size(), 100 * audit.error_at(0.5), 100 * audit.error_at(0.95),
-        100 * audit.error_at(0.99));
+        100 * audit.share_over(), audit.errors.count(), 100 * audit.errors.quantile(0.5),
+        100 * audit.errors.quantile(0.95), 100 * audit.errors.quantile(0.99));
 }
 
 }  // namespace

@@ -8,6 +8,8 @@ namespace render2mpeg::core {
 struct Tolerance {
     float absolute = 0;  ///< scene-linear luminance, >= 0
     float relative = 0;  ///< share of the pixel's own luminance, >= 0
+
+    bool operator==(const Tolerance&) const = default;
 };
 
 /// A tolerance for every pixel of a frame. An empty map means: gather every light point without clustering.

@@ -10,7 +10,7 @@ namespace render2mpeg::renderer {
 namespace {
 
 /// fit: docs/fits/caution
-constexpr std::size_t largest_sample = 512;
+constexpr std::size_t largest_sample = 1024;
 constexpr std::size_t blocks_per_sample = 4;  ///< so that lighting a sample costs a fourth of a frame at most
 constexpr int rounds = 2;
 constexpr double watched_share = 0.02;  ///< of a frame's rays
@@ -57,6 +57,7 @@ std::size_t calibrate(Caution& caution, const LightForest& forest, const RayTrac
         ShadeCounts uncounted;
         const core::Radiance radiance = shade(forest, tracer, blocks, eye, tolerance, settings, uncounted);
         caution.learn(compare(seen, sample, truth, tolerance, radiance), settings.limits.caution);
+        caution.settle();
     }
     return sample.size();
 }

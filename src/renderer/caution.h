@@ -27,14 +27,21 @@ class Caution {
     /// nor do black ones: their light may come on.
     void learn(std::span<const AuditedPixel> pixels, float caution);
 
-    /// What multiplies the law, > 0; 1 while too few pixels are known.
+    /// What multiplies the law, > 0; 1 while too few pixels are known. In steps, and held while what is learnt scatters
+    /// about it, so that a film's cuts do not change from frame to frame for the sake of the audit's dice.
     float value() const { return value_; }
+    /// Lets go of what is held: what is known now counts.
+    void settle();
     std::size_t pixels() const { return needed_.size(); }
     bool knows() const { return pixels() >= least_pixels; }
 
   private:
+    /// The quantile, before steps; 0 while too few pixels are known.
+    float needed() const;
+
     std::vector<float> needed_;  ///< ring of the newest
     std::size_t next_ = 0;
+    bool holds_ = false;
     float value_ = 1.0f;
 };
 

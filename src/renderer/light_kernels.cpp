@@ -173,10 +173,10 @@ RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes,
             float lit = lobe_bound.cosine * reach;
             if constexpr (family == LightFamily::oriented) lit = inlined::min(lit, lobe_bound.value * clamp);
             lit = cosine > 0.0f ? lit : 0.0f;
-            bound += lit * (dot(lanes.f0_weight, i, red, green, blue) +
-                            lobe_bound.schlick * inlined::max(dot(lanes.schlick_weight, i, red, green, blue) -
-                                                                  dot(lanes.f0_weight, i, red, green, blue),
-                                                              0.0f));
+            // The lobe's colour lies between f0 and white; what is noticed of a mixture is no more than the mixture.
+            const float f0 = noticed(lanes.f0_weight, i, red, green, blue);
+            const float grazing = noticed(lanes.schlick_weight, i, red, green, blue);
+            bound += lit * (f0 + lobe_bound.schlick * inlined::max(grazing - f0, 0.0f));
         }
         out[i] = bound;
     }

@@ -66,6 +66,16 @@ bool same_light(const scene::Snapshot& a, const scene::Snapshot& b) {
            a.emission_factor == b.emission_factor;
 }
 
+/// All that decides which pixels a frame shows, how they are lit and how well. `lit_frame` stands for its light.
+struct Sight {
+    glm::mat4 camera;
+    float fov, magnification;
+    std::int64_t lit_frame;
+    core::Plane<core::Tolerance> tolerance;
+
+    bool operator==(const Sight&) const = default;
+};
+
 }  // namespace
 
 struct Renderer::Impl {
@@ -99,6 +109,7 @@ struct Renderer::Impl {
             lasting = LastingForest({light_points.usual(), still, moving}, settings.seed);
         }
         lit.reset();
+        watched.reset();
         caution.forget();
         started = true;
     }
@@ -160,14 +171,25 @@ struct Renderer::Impl {
         const Stopwatch watch(statistics.calibration_seconds);
         statistics.calibrated_pixels +=
             renderer::calibrate(caution, forest, scenery.tracer(), seen, snapshot.camera.position(), tolerance, s);
+        watched = sight_of(snapshot, tolerance);
     }
 
-    /// Learns from a frame that was lit.
-    void watch(const Seen& seen, const core::ToleranceMap& tolerance, const ShadeSettings& s,
-               const core::Radiance& radiance, const ShadeCounts& counts) {
+    Sight sight_of(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance) const {
+        const scene::Camera& camera = snapshot.camera;
+        return {camera.to_world(), camera.lens().vertical_fov, camera.lens().y_magnification, lit->frame,
+                tolerance.pixels};
+    }
+
+    /// Learns from a frame that was lit. One that repeats the frame before teaches nothing, so that still films stay as
+    /// they are to the last bit.
+    void watch(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance,
+               const ShadeSettings& s, const core::Radiance& radiance, const ShadeCounts& counts) {
         const Stopwatch watch(statistics.calibration_seconds);
-        statistics.calibrated_pixels +=
-            renderer::watch(caution, forest, scenery.tracer(), seen, tolerance, s, radiance, counts.shadow_rays);
+        Sight sight = sight_of(snapshot, tolerance);
+        if (watched != sight)
+            statistics.calibrated_pixels +=
+                renderer::watch(caution, forest, scenery.tracer(), seen, tolerance, s, radiance, counts.shadow_rays);
+        watched = std::move(sight);
         const double value = s.limits.caution;
         statistics.least_caution = frames == 0 ? value : std::min(statistics.least_caution, value);
         statistics.largest_caution = std::max(statistics.largest_caution, value);
@@ -205,6 +227,7 @@ struct Renderer::Impl {
     bool started = false;
     std::int64_t first_frame = 0;  ///< of the chunk
     Caution caution;
+    std::optional<Sight> watched;        ///< the frame that caution was told of last
     std::optional<float> given_caution;  ///< instead of it
     Statistics statistics;
     double gathered = 0, clamped = 0;
@@ -244,7 +267,7 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     core::Radiance radiance =
         renderer::shade(i.forest, i.scenery.tracer(), seen, snapshot.camera.position(), tolerance, settings, counts);
     i.count(counts, seen.visible);
-    if (learns) i.watch(seen, tolerance, settings, radiance, counts);
+    if (learns) i.watch(snapshot, seen, tolerance, settings, radiance, counts);
     i.share_time(cpu_seconds() - start, counts);
     return radiance;
 }

@@ -37,9 +37,12 @@ float mean_fresnel(float f0) {
     return f0 > 0.0f ? f0 + (1.0f - f0) / 21.0f : 0.0f;
 }
 
-/// What a coat with reflectance f0 leaves for the part below, seen from this angle: together they never exceed 1. Light that
-/// enters at another angle loses a little more or less, which is neglected, so that what lies below stays a Lambert surface.
-float below_coat(glm::vec3 f0, float cosine) { return 1.0f - fresnel(glm::vec3{largest(f0)}, cosine).x; }
+/// What a coat with reflectance f0 leaves for the part below, seen from this angle: together they never exceed 1. Light
+/// that enters at another angle loses a little more or less, which is neglected, so that what lies below stays a
+/// Lambert surface.
+float below_coat(glm::vec3 f0, float cosine) {
+    return 1.0f - fresnel(glm::vec3{largest(f0)}, cosine).x;
+}
 
 /// A shading normal that `outgoing` and the geometric normal both see: below the horizon it would be black.
 glm::vec3 turned_to_viewer(glm::vec3 normal, glm::vec3 geometric, glm::vec3 outgoing) {

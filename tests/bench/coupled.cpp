@@ -1,7 +1,7 @@
 // What the coupled loop saves and costs, against a fixed tolerance of 2 % at the same quantiser and stopping rule.
 //
-//   bench_coupled [--pairs N] [--quantisers 1,8,24] [--shares default,1,0.3] [--cache DIR] [--name NAME] SCENE [render
-//   options]
+//   bench_coupled [--pairs N] [--quantisers 1,8,24] [--shares default,1,0.3] [--cache DIR] [--name NAME]
+//                 [--always-intra] SCENE [render options]
 //
 // One line of JSON per film. Quality is of the decoded film against frames lit without clustering and not coded: pairs
 // of adjacent frames, lit once and kept in the cache. `loss` is what the coupled film has less than the fixed one.
@@ -33,20 +33,24 @@ void print(const std::string& name, int quantiser, const std::string& tolerance,
     const auto per_frame = [&](double seconds) { return seconds / static_cast<double>(frames); };
     fmt::print(
         R"({{"scene":"{}","q":{},"tolerance":"{}","shade_s":{:.4f},"speedup":{:.3f},"ray_ratio":{:.3f},"preview_share":{:.4f},)"
-        R"("tolerate_ms":{:.3f},"cut":{:.5f},"capped":{:.5f},"tol_rel":{:.4f},"over":{:.5f},"kbytes":{:.1f},"bytes_ratio":{:.4f},)"
-        R"("psnr_y":{:.3f},"loss_db":{:.4f},"ssim_loss":{:.5f},"hvsm":{:.3f},"hvsm_loss":{:.4f},"light_mse":{:.4f},)"
-        R"("fixed_light_mse":{:.4f},"flicker":{:.4f},"fixed_flicker":{:.4f}}})"
-        "\n",
+        R"("tolerate_ms":{:.3f},"cut":{:.5f},"capped":{:.5f},"caution":{:.3f},"tol_rel":{:.4f},"tol_luma":{:.3f},"over":{:.5f},)"
+        R"("kbytes":{:.1f},"bytes_ratio":{:.4f},)",
         name, quantiser, tolerance, per_frame(o.shade_seconds), fixed.shade_seconds / o.shade_seconds,
         fixed.rays / o.rays, o.preview_seconds / o.shade_seconds, 1e3 * per_frame(o.tolerate_seconds), o.cut, o.capped,
-        o.tolerance, o.over, o.bytes / 1024, o.bytes / fixed.bytes, o.psnr_y, fixed.psnr_y - o.psnr_y,
-        fixed.ssim - o.ssim, o.hvs_m, fixed.hvs_m - o.hvs_m, o.light_mse, fixed.light_mse, o.flicker, fixed.flicker);
+        o.caution, o.tolerance, o.tolerance_luma, o.over, o.bytes / 1024, o.bytes / fixed.bytes);
+    fmt::print(
+        R"("psnr_y":{:.3f},"loss_db":{:.4f},"chroma_loss":{:.4f},"ssim_loss":{:.5f},"hvsm":{:.3f},"hvsm_loss":{:.4f},)"
+        R"("light_mse":{:.4f},"flicker":{:.4f},"fixed_flicker":{:.4f},"pumping":{:.4f},"fixed_pumping":{:.4f}}})"
+        "\n",
+        o.psnr_y, fixed.psnr_y - o.psnr_y, fixed.psnr_c - o.psnr_c, fixed.ssim - o.ssim, o.hvs_m, fixed.hvs_m - o.hvs_m,
+        o.light_mse, o.flicker, fixed.flicker, o.pumping, fixed.pumping);
     std::fflush(stdout);
 }
 
 int run(int argc, char** argv) {
     // Take our own options out; the rest is a command line of `render`.
     int pairs = 2;
+    bool always_intra = false;
     std::string quantisers = "2,8,16", shares = "default,1", cache = "bench_cache", name;
     std::vector<std::string> rest{"render2mpeg", "render"};
     for (int i = 1; i < argc; ++i) {
@@ -58,6 +62,8 @@ int run(int argc, char** argv) {
                                                     : nullptr;
         if (word == "--pairs" && i + 1 < argc)
             pairs = std::max(1, std::atoi(argv[++i]));
+        else if (word == "--always-intra")
+            always_intra = true;
         else if (value != nullptr && i + 1 < argc)
             *value = argv[++i];
         else
@@ -75,8 +81,8 @@ int run(int argc, char** argv) {
     app::Production film = app::prepare(options);
     if (!film.exposure) film.exposure = app::measure_exposure(film);
     if (name.empty()) name = options.input.stem().string();
-    const Reference reference = reference_of(film, pairs, cache);
-    const LitFilm fixed(film, reference);
+    const Stage stage = stage_of(film, pairs, cache);
+    const LitFilm fixed(film, stage);
     for (const std::string& quantiser : parts_of(quantisers)) {
         const int q = std::atoi(quantiser.c_str());
         const Outcome base = fixed.coded(q);
@@ -87,7 +93,8 @@ int run(int argc, char** argv) {
             coupled.coding.quantiser = q;
             app::Production loop = app::prepare(coupled);
             loop.exposure = film.exposure;
-            print(name, q, share, made(loop, reference), base, film.frame_count());
+            loop.coupling.always_intra = always_intra;
+            print(name, q, share, made(loop, stage), base, film.frame_count());
         }
     }
     return 0;

@@ -1,157 +1,146 @@
 #include "tests/bench/coupled_films.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <map>
 
 #include "core/color.h"
-#include "core/error.h"
 #include "perceptual/hvs.h"
 #include "perceptual/metrics.h"
-#include "scene/motion.h"
 
 namespace render2mpeg::bench {
 namespace {
 
 using app::Production;
 
-std::uint64_t hash_of(std::uint64_t hash, const char* bytes, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) hash = (hash ^ static_cast<unsigned char>(bytes[i])) * 0x100000001b3u;
-    return hash;
-}
-template <class T>
-std::uint64_t hash_of(std::uint64_t hash, const T& value) {
-    return hash_of(hash, reinterpret_cast<const char*>(&value), sizeof value);
-}
-
-/// What a reference depends on: where things are in this frame, and the settings. Textures are not in it.
-std::uint64_t key_of(const Production& film, std::int64_t frame) {
-    std::uint64_t hash = 0xcbf29ce484222325u;
-    const scene::Snapshot world = film.snapshot(frame);
-    hash = hash_of(hash, film.animation->source.data(), film.animation->source.size());
-    for (const scene::ObjectState& object : world.objects) hash = hash_of(hash, object.to_world);
-    for (const scene::DeformedMesh& mesh : world.deformed)
-        hash = hash_of(hash, reinterpret_cast<const char*>(mesh.positions.data()),
-                       mesh.positions.size() * sizeof(glm::vec3));
-    for (const scene::LightState& light : world.lights) hash = hash_of(hash, light.intensity);
-    hash = hash_of(hash_of(hash, world.camera.to_world()), world.camera.lens().vertical_fov);
-    const renderer::Settings& s = film.rendering;
-    for (const std::int64_t value : {frame, std::int64_t{s.format.width}, std::int64_t{s.format.height},
-                                     std::int64_t{s.samples}, std::int64_t{s.vpls}, std::int64_t{s.direct_points}})
-        hash = hash_of(hash, value);
-    return hash;
+/// Mean absolute difference along motion, bilinear.
+double difference(const core::Plane<std::uint8_t>& now, const core::Plane<std::uint8_t>& before,
+                  const core::MotionField& motion) {
+    double sum = 0, count = 0;
+    for (int y = 0; y < now.height(); ++y)
+        for (int x = 0; x < now.width(); ++x) {
+            if (motion.kind.at(x, y) == core::PixelClass::none) continue;
+            const glm::vec2 v = motion.vector.at(x, y);
+            const float px = static_cast<float>(x) + v.x, py = static_cast<float>(y) + v.y;
+            if (!(px >= 0 && py >= 0)) continue;
+            const int x0 = static_cast<int>(px), y0 = static_cast<int>(py);
+            const int x1 = std::min(x0 + 1, now.width() - 1), y1 = std::min(y0 + 1, now.height() - 1);
+            if (px > static_cast<float>(x1) || py > static_cast<float>(y1)) continue;
+            const float s = px - static_cast<float>(x0), t = py - static_cast<float>(y0);
+            const float there = (1 - t) * ((1 - s) * before.at(x0, y0) + s * before.at(x1, y0)) +
+                                t * ((1 - s) * before.at(x0, y1) + s * before.at(x1, y1));
+            sum += std::abs(static_cast<double>(now.at(x, y)) - static_cast<double>(there));
+            count += 1;
+        }
+    return count > 0 ? sum / count : 0.0;
 }
 
-bool read(const std::filesystem::path& file, core::Plane<glm::vec3>& plane) {
-    std::ifstream stream(file, std::ios::binary);
-    const auto size = static_cast<std::streamsize>(plane.size() * sizeof(glm::vec3));
-    return stream.read(reinterpret_cast<char*>(plane.values().data()), size).gcount() == size;
-}
-
-core::Picture develop(const Production& film, core::Plane<glm::vec3> light, std::int64_t frame) {
-    const perceptual::Display display(film.exposure.value_or(0), perceptual::matrix_for(film.format.height));
-    core::Radiance radiance;
-    radiance.combined = std::move(light);
-    core::Picture picture = display.develop(radiance);
-    picture.number = frame;
-    return picture;
-}
-
-/// Sums over the reference's frames.
-class Judge {
+/// Takes the light of the reference's frames.
+class LightJudge {
   public:
-    Judge(const Production& film, const Reference& reference) : film_(film), reference_(reference) {}
+    LightJudge(const Production& film, const Stage& stage)
+        : stage_(stage), display_(film.exposure.value_or(0), perceptual::matrix_for(film.format.height)) {}
 
     void lit(const app::LitFrame& frame) {
-        const auto truth = reference_.light.find(frame.world.frame);
-        if (truth == reference_.light.end()) return;
-        const bool exact = frame.tolerance.is_reference();
-        for (std::size_t i = 0; i < truth->second.size(); ++i) {
-            const float y = core::luminance(truth->second.values()[i]);
-            const core::Tolerance t = exact ? core::Tolerance{} : frame.tolerance.pixels.values()[i];
-            const float allowed = std::max(t.absolute, t.relative * y);
-            over_ += std::abs(core::luminance(frame.radiance.combined.values()[i]) - y) > allowed * 1.0001f + 1e-12f;
-            if (y > 0) relative_ += static_cast<double>(std::min(allowed / y, 1.0f)), bright_ += 1;
+        const auto known = stage_.reference.find(frame.world.frame);
+        if (known == stage_.reference.end()) return;
+        const ReferenceFrame& truth = known->second;
+        for (std::size_t i = 0; i < truth.light.size(); ++i) {
             const double d = static_cast<double>(frame.picture.luma.values()[i]) -
-                             static_cast<double>(reference_.pictures.at(frame.world.frame).luma.values()[i]);
+                             static_cast<double>(truth.picture.luma.values()[i]);
             light_ += d * d;
             pixels_ += 1;
+            if (truth.gathers.values()[i] == 0) continue;
+            const glm::vec3 light = truth.light.values()[i];
+            const float y = core::luminance(light);
+            const core::Tolerance t = frame.tolerance.pixels.values()[i];
+            const float allowed = std::max(t.absolute, t.relative * y);
+            over_ += std::abs(core::luminance(frame.radiance.combined.values()[i]) - y) > allowed * 1.0001f + 1e-12f;
+            gathering_ += 1;
+            if (!(y > 0)) continue;
+            relative_ += static_cast<double>(std::min(allowed / y, 1.0f)), bright_ += 1;
+            const double codes =
+                static_cast<double>(display_.luma_of(light * (1 + allowed / y)) - display_.luma_of(light));
+            luma_ += codes * codes;
         }
-        visible_[frame.world.frame] = frame.visible;
     }
+    void add_to(Outcome& out) const {
+        out.over = over_ / std::max(gathering_, 1.0);
+        out.tolerance = relative_ / std::max(bright_, 1.0);
+        out.tolerance_luma = std::sqrt(luma_ / std::max(bright_, 1.0));
+        out.light_mse = light_ / pixels_;
+    }
+
+  private:
+    const Stage& stage_;
+    perceptual::Display display_;
+    double over_ = 0, gathering_ = 0, relative_ = 0, luma_ = 0, bright_ = 0, light_ = 0, pixels_ = 0;
+};
+
+/// Takes all decoded pictures.
+class CodingJudge {
+  public:
+    CodingJudge(const Production& film, const Stage& stage) : first_(film.frames.first), stage_(stage) {}
+
     void coded(const encoder::CodedPicture& picture) {
+        const std::int64_t n = picture.plan.number;
         bytes_ += static_cast<double>(picture.bytes.size());
-        const auto truth = reference_.pictures.find(picture.plan.number);
-        if (truth == reference_.pictures.end()) return;
-        mse_ += perceptual::mean_squared_error(picture.reconstruction.y, truth->second.y);
-        ssim_ += perceptual::ssim(picture.reconstruction.y, truth->second.y);
-        hvs_ += perceptual::masked_error(picture.reconstruction.y, truth->second.y);
-        decoded_[picture.plan.number] = picture.reconstruction.y;
+        decoded_[n] = picture.reconstruction.y;
+        intra_[n] = picture.plan.type == encoder::PictureType::intra;
+        const auto known = stage_.reference.find(n);
+        if (known == stage_.reference.end()) return;
+        const core::Picture &truth = known->second.picture, &made = picture.reconstruction;
+        mse_ += perceptual::mean_squared_error(made.y, truth.y);
+        chroma_ += 0.5 * (perceptual::mean_squared_error(made.cb, truth.cb) +
+                          perceptual::mean_squared_error(made.cr, truth.cr));
+        ssim_ += perceptual::ssim(made.y, truth.y);
+        hvs_ += perceptual::masked_error(made.y, truth.y);
         count_ += 1;
     }
     void add_to(Outcome& out) const {
-        out.over = over_ / pixels_;
-        out.tolerance = relative_ / bright_;
-        out.light_mse = light_ / pixels_;
         out.bytes = bytes_;
         out.psnr_y = perceptual::psnr(mse_ / count_);
+        out.psnr_c = perceptual::psnr(chroma_ / count_);
         out.ssim = ssim_ / count_;
         out.hvs_m = perceptual::psnr(hvs_ / count_);
-        for (const std::int64_t a : reference_.firsts) {
-            const core::MotionField motion =
-                scene::motion_between(visible_.at(a + 1), film_.snapshot(a + 1), film_.snapshot(a));
-            out.flicker += (difference(decoded_.at(a + 1), decoded_.at(a), motion) -
-                            difference(reference_.pictures.at(a + 1).y, reference_.pictures.at(a).y, motion)) /
-                           static_cast<double>(reference_.firsts.size());
-        }
+        out.flicker = 0;
+        for (const std::int64_t a : stage_.firsts)
+            out.flicker += (step(a + 1) - difference(stage_.reference.at(a + 1).picture.y,
+                                                     stage_.reference.at(a).picture.y, motion(a + 1))) /
+                           static_cast<double>(stage_.firsts.size());
+        double sum[2] = {}, frames[2] = {};
+        for (std::int64_t n = first_ + 1; decoded_.contains(n); ++n)
+            sum[intra_.at(n)] += step(n), frames[intra_.at(n)] += 1;
+        out.pumping = frames[1] > 0 && frames[0] > 0 ? sum[1] / frames[1] - sum[0] / frames[0] : 0.0;
     }
-    void see(std::int64_t frame, const core::Visible& visible) { visible_[frame] = visible; }
 
   private:
-    /// Mean absolute difference along motion, bilinear.
-    static double difference(const core::Plane<std::uint8_t>& now, const core::Plane<std::uint8_t>& before,
-                             const core::MotionField& motion) {
-        double sum = 0, count = 0;
-        for (int y = 0; y < now.height(); ++y)
-            for (int x = 0; x < now.width(); ++x) {
-                if (motion.kind.at(x, y) == core::PixelClass::none) continue;
-                const glm::vec2 v = motion.vector.at(x, y);
-                const float px = static_cast<float>(x) + v.x, py = static_cast<float>(y) + v.y;
-                const int x0 = static_cast<int>(std::floor(px)), y0 = static_cast<int>(std::floor(py));
-                if (!(px >= 0 && py >= 0) || x0 + 1 >= now.width() || y0 + 1 >= now.height()) continue;
-                const float s = px - static_cast<float>(x0), t = py - static_cast<float>(y0);
-                const float there = (1 - t) * ((1 - s) * before.at(x0, y0) + s * before.at(x0 + 1, y0)) +
-                                    t * ((1 - s) * before.at(x0, y0 + 1) + s * before.at(x0 + 1, y0 + 1));
-                sum += std::abs(static_cast<double>(now.at(x, y)) - static_cast<double>(there));
-                count += 1;
-            }
-        return count > 0 ? sum / count : 0.0;
+    const core::MotionField& motion(std::int64_t n) const {
+        return stage_.motion[static_cast<std::size_t>(n - first_)];
     }
+    double step(std::int64_t n) const { return difference(decoded_.at(n), decoded_.at(n - 1), motion(n)); }
 
-    const Production& film_;
-    const Reference& reference_;
-    double over_ = 0, relative_ = 0, bright_ = 0, light_ = 0, pixels_ = 0, bytes_ = 0, mse_ = 0, ssim_ = 0, hvs_ = 0,
-           count_ = 0;
-    std::map<std::int64_t, core::Visible> visible_;
+    std::int64_t first_;
+    const Stage& stage_;
+    double bytes_ = 0, mse_ = 0, chroma_ = 0, ssim_ = 0, hvs_ = 0, count_ = 0;
     std::map<std::int64_t, core::Plane<std::uint8_t>> decoded_;
+    std::map<std::int64_t, bool> intra_;
 };
 
 class Watching : public app::Watcher {
   public:
-    explicit Watching(Judge& judge) : judge_(judge) {}
+    Watching(LightJudge& light, CodingJudge& coding) : light_(light), coding_(coding) {}
     void lit(const app::LitFrame& frame) override {
-        judge_.lit(frame);
-        if (visible != nullptr) visible->push_back(frame.visible), pictures->push_back(frame.picture);
+        light_.lit(frame);
+        if (pictures != nullptr) pictures->push_back(frame.picture);
     }
-    void coded(const encoder::CodedPicture& picture) override { judge_.coded(picture); }
+    void coded(const encoder::CodedPicture& picture) override { coding_.coded(picture); }
 
-    std::vector<core::Visible>* visible = nullptr;
     std::vector<core::Picture>* pictures = nullptr;
 
   private:
-    Judge& judge_;
+    LightJudge& light_;
+    CodingJudge& coding_;
 };
 
 Outcome cost_of(const app::Ledger& ledger) {
@@ -165,68 +154,40 @@ Outcome cost_of(const app::Ledger& ledger) {
     out.cut = static_cast<double>(s.direct_clusters + s.indirect_clusters) / points /
               static_cast<double>(std::max<std::size_t>(1, s.direct_points + s.indirect_points));
     out.capped = static_cast<double>(s.capped_points) / points;
+    out.caution = s.mean_caution;
     return out;
 }
 
-app::Ledger run(const Production& film, app::Watcher& watcher) {
+Outcome run(const Production& film, const Stage& stage, std::vector<core::Picture>* pictures) {
+    LightJudge light(film, stage);
+    CodingJudge coding(film, stage);
+    Watching watching(light, coding);
+    watching.pictures = pictures;
     renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
     app::Ledger ledger;
     app::Destination destination;
-    destination.watcher = &watcher;
+    destination.watcher = &watching;
     for (const app::Chunk& chunk : app::chunks_of(film.frames, film.coding.gop))
         app::render_chunk(film, renderer, chunk, destination, ledger, [] { return true; });
     ledger.rendering = renderer.statistics();
-    return ledger;
+    Outcome out = cost_of(ledger);
+    light.add_to(out);
+    coding.add_to(out);
+    return out;
 }
 
 }  // namespace
 
-Reference reference_of(const Production& film, int pairs, const std::filesystem::path& cache) {
-    Reference reference;
-    std::filesystem::create_directories(cache);
-    for (int i = 0; i < pairs; ++i)
-        reference.firsts.push_back(film.frames.first + (film.frame_count() - 2) * (2 * i + 1) / (2 * pairs));
-    std::optional<renderer::Renderer> renderer;
-    for (const std::int64_t first : reference.firsts)
-        for (const std::int64_t n : {first, first + 1}) {
-            const std::filesystem::path file = cache / fmt::format("{:016x}.light", key_of(film, n));
-            core::Plane<glm::vec3> light(film.format.width, film.format.height);
-            if (!read(file, light)) {
-                if (!renderer) {
-                    renderer.emplace(*film.animation, film.rendering, film.plan);
-                    renderer->start_chunk(film.snapshot(film.frames.first));
-                }
-                const scene::Snapshot world = film.snapshot(n);
-                light = renderer->shade(world, renderer->see(world), core::ToleranceMap::reference()).combined;
-                std::ofstream(file, std::ios::binary)
-                    .write(reinterpret_cast<const char*>(light.values().data()),
-                           static_cast<std::streamsize>(light.size() * sizeof(glm::vec3)));
-            }
-            reference.pictures[n] = develop(film, light, n);
-            reference.light[n] = std::move(light);
-        }
-    return reference;
+Outcome made(const Production& film, const Stage& stage) {
+    return run(film, stage, nullptr);
 }
 
-Outcome made(const Production& film, const Reference& reference) {
-    Judge judge(film, reference);
-    Watching watching(judge);
-    Outcome out = cost_of(run(film, watching));
-    judge.add_to(out);
-    return out;
-}
-
-LitFilm::LitFilm(const Production& film, const Reference& reference) : film_(film), reference_(reference) {
-    Judge judge(film, reference);
-    Watching watching(judge);
-    watching.visible = &visible_;
-    watching.pictures = &pictures_;
-    lit_ = cost_of(run(film, watching));
-    judge.add_to(lit_);
+LitFilm::LitFilm(const Production& film, const Stage& stage) : film_(film), stage_(stage) {
+    lit_ = run(film, stage, &pictures_);
 }
 
 Outcome LitFilm::coded(int quantiser) const {
-    Judge judge(film_, reference_);
+    CodingJudge judge(film_, stage_);
     Production film = film_;
     film.coding.quantiser = quantiser;
     for (const app::Chunk& chunk : app::chunks_of(film.frames, film.coding.gop)) {
@@ -238,20 +199,15 @@ Outcome LitFilm::coded(int quantiser) const {
             const auto i = static_cast<std::size_t>(n - film.frames.first);
             const scene::Snapshot world = film.snapshot(n);
             const encoder::PicturePlan plan = encoder.plan(n, app::facts_of(film, world, chunk), n == chunk.first);
-            judge.see(n, visible_[i]);
-            const auto onward = app::onward_motion(film, plan, visible_[i], world);
-            take(encoder.push(pictures_[i], plan, app::motion_of(film, plan, visible_[i], world),
+            const core::Visible& visible = stage_.visible[i];
+            const auto onward = app::onward_motion(film, plan, visible, world);
+            take(encoder.push(pictures_[i], plan, app::motion_of(film, plan, visible, world),
                               {onward ? &*onward : nullptr}));
         }
         take(encoder.flush());
     }
-    Outcome out = lit_, sums;
-    judge.add_to(sums);
-    out.bytes = sums.bytes;
-    out.psnr_y = sums.psnr_y;
-    out.ssim = sums.ssim;
-    out.hvs_m = sums.hvs_m;
-    out.flicker = sums.flicker;
+    Outcome out = lit_;
+    judge.add_to(out);
     return out;
 }
 

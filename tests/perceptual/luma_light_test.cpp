@@ -19,22 +19,22 @@ PixelLight light_of(const Display& display, const std::vector<glm::vec3>& colors
     return LumaLight(display).light_of(display.develop(radiance), radiance);
 }
 
-/// The luma that is so far away on the side where it changes light least: down, unless that ends in black.
-float nearer(float luma, float distance) {
-    return luma - distance < 16.25f ? luma + distance : luma - distance;
-}
-
 double luminance_of_grey(const Display& display, float luma) {
     return static_cast<double>(core::luminance(display.with_luma(glm::vec3(1.0f), luma)));
 }
 
-/// By how much light differs from luma `from` to luma `to`: the pixel's light scaled at its own chromaticity, upward by
-/// no more than grey, or than all of its light.
-double exact_difference(const Display& display, glm::vec3 color, float from, float to) {
+/// What a quarter of a code value above black counts as.
+constexpr float darkest = 16.25f;
+
+/// By how much light differs from luma `from` to the one `distance` below, scaled at its own chromaticity; nearer to
+/// black than that, what it has at that distance from black, but no more than grey has, or than all of its own light.
+double exact_difference(const Display& display, glm::vec3 color, float from, float distance) {
+    const auto at = [&](float luma) { return static_cast<double>(core::luminance(display.with_luma(color, luma))); };
     const double light = static_cast<double>(core::luminance(color));
-    const double change = std::abs(static_cast<double>(core::luminance(display.with_luma(color, to))) - light);
-    if (to < from) return change;
-    return std::min(change, std::max(light, luminance_of_grey(display, to) - luminance_of_grey(display, from)));
+    if (from - distance >= darkest) return light - at(from - distance);
+    const float to = std::min(darkest + distance, 235.0f);
+    return std::min(at(to) - at(darkest),
+                    std::max(light, luminance_of_grey(display, to) - luminance_of_grey(display, darkest)));
 }
 
 TEST(LumaLight, IsTheInverseOfTheDisplayForGrey) {
@@ -44,7 +44,7 @@ TEST(LumaLight, IsTheInverseOfTheDisplayForGrey) {
         for (float luma = 17.0f; luma < 220.0f; luma += 3.7f)
             for (const float distance : {0.5f, 1.0f, 12.0f}) {
                 const glm::vec3 grey = display.with_luma(glm::vec3(1.0f), luma);
-                const double exact = exact_difference(display, grey, luma, nearer(luma, distance));
+                const double exact = exact_difference(display, grey, luma, distance);
                 const double ours = light.difference(luma, core::luminance(grey), 1.0f, distance);
                 EXPECT_NEAR(ours, exact, 0.02 * exact) << luma << " " << distance;
             }
@@ -64,7 +64,7 @@ TEST(LumaLight, IsNearlyTheInverseForColours) {
         for (const float distance : {20.0f, 5.0f, 1.0f}) {
             const float luma = pixels.luma.values()[i];
             if (luma < 17.0f) continue;
-            const double exact = exact_difference(display, colors[i], luma, nearer(luma, distance));
+            const double exact = exact_difference(display, colors[i], luma, distance);
             const double ours =
                 light.difference(luma, pixels.luminance.values()[i], pixels.exponent.values()[i], distance);
             errors.push_back(std::abs(ours / exact - 1.0));
@@ -83,6 +83,29 @@ TEST(LumaLight, GrowsWithTheDistanceOnEitherSideOfWhereBlackCutsItOff) {
             const float now = light.difference(luma, 0.3f, 1.0f, distance);
             EXPECT_GE(now, 0.99f * before) << luma << " " << distance;
             before = now;
+        }
+    }
+}
+
+TEST(LumaLight, HasNoStepNextToBlackAndNeverExceedsTheDistanceUpward) {
+    const Display display(0.7f, ColorMatrix::bt709);
+    const LumaLight light(display);
+    for (const glm::vec3 hue : {glm::vec3(1.0f), glm::vec3(0.9f, 0.6f, 0.3f), glm::vec3(0.2f, 0.5f, 0.9f)}) {
+        std::vector<glm::vec3> colors;
+        for (float luma = 16.3f; luma < 140.0f; luma += 0.05f) colors.push_back(display.with_luma(hue, luma));
+        const PixelLight p = light_of(display, colors);
+        for (const float distance : {0.5f, 8.0f, 24.0f, 60.0f}) {
+            float before = 0;
+            for (std::size_t i = 0; i < colors.size(); ++i) {
+                const float luma = p.luma.values()[i], luminance = p.luminance.values()[i];
+                const float now = light.difference(luma, luminance, p.exponent.values()[i], distance);
+                if (before > 0) {
+                    EXPECT_NEAR(now / before, 1.0f, 0.05f) << luma << " " << distance;
+                }
+                before = now;
+                EXPECT_LT(display.luma_of(colors[i] * (1.0f + now / luminance)), luma + 1.05f * distance + 0.3f)
+                    << luma << " " << distance;
+            }
         }
     }
 }

@@ -80,10 +80,11 @@ TEST(Tolerances, AreWhatTheDisplayInvertsTo) {
         for (std::size_t i = 0; i < plane.size(); ++i) {
             const float luma = pixels.luma.values()[i], luminance = pixels.luminance.values()[i];
             if (luma < 17.0f) continue;
-            // The nearer side: downward, unless that ends in black.
-            const float to = luma - 6.0f < 16.25f ? luma + 6.0f : luma - 6.0f;
-            const float distorted = core::luminance(display.with_luma(glm::vec3(luminance), to));
-            const float exact = std::max(0.02f * luminance, std::abs(distorted - luminance));
+            // Downward; what is nearer to black counts as so far from it.
+            const float from = std::max(luma, 16.25f + 6.0f);
+            const float light = core::luminance(display.with_luma(glm::vec3(luminance), from)),
+                        distorted = core::luminance(display.with_luma(glm::vec3(luminance), from - 6.0f));
+            const float exact = std::max(0.02f * luminance, light - distorted);
             EXPECT_NEAR(plane.values()[i], exact, 0.02f * exact) << luma;
         }
     }

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "app/ledger.h"
@@ -49,13 +50,33 @@ TEST(Audit, SaysHowWellTolerancesWereKept) {
 TEST(Audit, OfNoPixelsIsOfNoError) {
     Audit audit;
     EXPECT_EQ(audit.share_over(), 0.0);
-    EXPECT_EQ(audit.error_at(0.99), 0.0);
-    for (int i = 100; i > 0; --i) audit.errors.push_back(static_cast<float>(i));
+    EXPECT_EQ(audit.errors.quantile(0.99), 0.0);
+    for (int i = 100; i > 0; --i) audit.errors.add(static_cast<float>(i));
     audit.over = 3;
     EXPECT_EQ(audit.share_over(), 0.03);
-    EXPECT_EQ(audit.error_at(0.5), 50.0);
-    EXPECT_EQ(audit.error_at(0.99), 99.0);
-    EXPECT_EQ(audit.error_at(1.0), 100.0);
+}
+
+TEST(ErrorHistogram, KnowsQuantilesToOnePercentOnTheSafeSide) {
+    ErrorHistogram errors;
+    for (int i = 100000; i > 0; --i) errors.add(1e-6f * static_cast<float>(i));
+    EXPECT_EQ(errors.count(), 100000u);
+    for (const double q : {0.01, 0.5, 0.95, 0.99, 1.0}) {
+        EXPECT_GE(errors.quantile(q), 0.1 * q * (1 - 1e-5));
+        EXPECT_LE(errors.quantile(q), 0.1 * q * 1.011);
+    }
+}
+
+TEST(ErrorHistogram, TakesNothingAtAllAndWhatIsBeyondAllMeasure) {
+    ErrorHistogram errors;
+    errors.add(0.0f);
+    EXPECT_EQ(errors.quantile(1.0), 0.0);
+    errors.add(1e-30f);
+    EXPECT_EQ(errors.quantile(1.0), 0.0);
+    for (const float large : {1e30f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()})
+        errors.add(large);
+    EXPECT_EQ(errors.quantile(0.4), 0.0);
+    EXPECT_EQ(errors.quantile(0.41), 256.0);
+    EXPECT_EQ(errors.count(), 5u);
 }
 
 TEST(FixedTolerance, LetsBlackBeOffByHalfACodeValue) {

@@ -35,7 +35,7 @@ TEST(Caution, IsTheLawsOwnWhileLittleIsKnown) {
     caution.learn(pixels_of(Caution::least_pixels - 1, 1, [](float) { return 0.2f; }), 1.0f);
     EXPECT_EQ(caution.value(), 1.0f);
     caution.learn(pixels_of(1, 1, [](float) { return 0.2f; }), 1.0f);
-    EXPECT_NEAR(caution.value(), 0.3f, 1e-5f);  // and half as much again for so few
+    EXPECT_NEAR(caution.value(), 0.3f, 0.3f * 0.016f);  // half as much again for so few; in steps
     caution.forget();
     EXPECT_EQ(caution.value(), 1.0f);
 }
@@ -72,12 +72,35 @@ TEST(Caution, IsToldInTheMeasureOfTheCautionThatPixelsWereLitWith) {
     EXPECT_NEAR(at_one.value(), at_half.value(), 1e-5f);
 }
 
+TEST(Caution, IsHeldWhileWhatIsLearntScatters) {
+    // Frame after frame of the same light, audited by other dice.
+    Caution caution;
+    const auto error = [](float u) { return -0.1f * std::log(1.0f - u); };
+    caution.learn(pixels_of(2048, 1, error), 1.0f);
+    int changes = 0;
+    for (std::uint64_t frame = 0; frame < 300; ++frame) {
+        const float before = caution.value();
+        caution.learn(pixels_of(32, 2 + frame, error), caution.value());
+        changes += caution.value() != before ? 1 : 0;
+        // A step is large enough to be worth it.
+        if (caution.value() != before) {
+            EXPECT_GT(std::abs(std::log(caution.value() / before)), 0.05f);
+        }
+    }
+    EXPECT_LE(changes, 8);
+    // Let go, what is known counts again, in steps of 3 %.
+    caution.settle();
+    const float step = std::log(caution.value()) / std::log(1.03f);
+    EXPECT_NEAR(step, std::round(step), 1e-3f);
+}
+
 TEST(Caution, RisesWithTheFirstPixelsOfAnotherLightAndForgetsItInTime) {
     Caution caution;
     caution.learn(pixels_of(1000, 1, [](float u) { return 0.3f * u; }), 1.0f);
     const float before = caution.value();
     caution.learn(pixels_of(64, 2, [](float u) { return u < 0.7f ? 0.3f * u : 1.5f; }), 1.0f);
-    EXPECT_NEAR(caution.value(), 1.5f, 0.1f);
+    EXPECT_GT(caution.value(), 1.5f);
+    EXPECT_LT(caution.value(), 1.65f);
     for (std::uint64_t i = 0; i < 100; ++i) caution.learn(pixels_of(64, 3 + i, [](float u) { return 0.3f * u; }), 1.0f);
     EXPECT_NEAR(caution.value(), before, 0.01f);
 }
@@ -101,7 +124,8 @@ TEST(Caution, CountsColour) {
     auto pixels = pixels_of(500, 1, [](float) { return 0.1f; });
     for (AuditedPixel& p : pixels) p.chroma = p.tolerance;
     caution.learn(pixels, 1.0f);
-    EXPECT_NEAR(caution.value(), 0.5f, 0.07f);
+    EXPECT_GT(caution.value(), 0.5f);
+    EXPECT_LT(caution.value(), 0.58f);
 }
 
 TEST(Caution, StaysWithinItsBounds) {
@@ -171,6 +195,20 @@ TEST(Calibration, IsTheSameForAnyNumberOfThreads) {
     for (int i = 0; i < 2; ++i) EXPECT_TRUE(test::same_bytes(frames[0][i], frames[1][i]));
     EXPECT_EQ(cautions[0], cautions[1]);
     EXPECT_NE(cautions[0], 1.0);
+}
+
+TEST(Calibration, StillFilmsStayAsTheyAreToTheLastBit) {
+    Settings settings = room_settings(true);
+    settings.vpls = 200;
+    FilmStage stage(test::furnished_room(), settings);
+    const core::Radiance first = stage.cut(0.2f, 0);
+    const Statistics after_one = stage.statistics();
+    for (int i = 1; i < 6; ++i) EXPECT_TRUE(test::same_bytes(first, stage.cut(0.2f, i))) << i;
+    EXPECT_EQ(stage.statistics().calibrated_pixels, after_one.calibrated_pixels);
+    EXPECT_NE(stage.statistics().mean_caution, 1.0);
+    // Another tolerance is learnt from.
+    stage.cut(0.1f, 6);
+    EXPECT_GT(stage.statistics().calibrated_pixels, after_one.calibrated_pixels);
 }
 
 TEST(Calibration, LeavesSmallFramesAlone) {

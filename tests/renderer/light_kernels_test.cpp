@@ -118,6 +118,26 @@ TEST(NodeBound, IsNeverBelowTheSumOfItsLights) {
     }
 }
 
+TEST(NodeBound, CountsColourOfLobesAsOfDiffuseLight) {
+    // The luminance of a blue lamp is a fourteenth of its light; half of its Cb is more, in a lobe as on a wall.
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        std::vector<LightPoint> lights = lights_at_random(LightFamily::oriented, 12, seed);
+        for (LightPoint& p : lights) p.intensity = {0, 0, p.intensity.z};
+        const LightTree tree = build_light_tree(LightFamily::oriented, lights, seed);
+        auto points = points_at_random(seed + 5000, true);
+        for (GatherPoint& p : points) p.point.bsdf.diffuse = glm::vec3(0);  // the lobe alone
+        GatherLanes lanes;
+        fill_from(points, lanes);
+        Lanes bound, sum = {};
+        bound_node(lanes, LightFamily::oriented, tree.nodes[tree.root.index()], GeometryClamp::none(), bound);
+        sum_below(lanes, tree, tree.root, GeometryClamp::none(), sum);
+        // [BT709, 3.3]: Cb is the rest of blue over 1.8556; half of it counts.
+        const float blue = core::luminance_weights.z, noticed = 0.5f * (1.0f / blue - 1.0f) / 1.8556f;
+        for (int i = 0; i < lane_count; ++i)
+            EXPECT_GE(bound[i] * 1.0005f + 1e-7f, noticed * sum[i]) << seed << " " << i;
+    }
+}
+
 TEST(LightKernel, AgreesWithTheBsdfAndTheInverseSquareLaw) {
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
         const auto points = points_at_random(seed, true);
