@@ -16,6 +16,7 @@ namespace {
 using support::contents;
 using support::film;
 using support::Folder;
+using support::plain_film;
 using support::program;
 using support::run;
 
@@ -84,7 +85,7 @@ TEST(Refusal, NamesTheFileAndTheCause) {
 
 TEST(Refusal, NamesTheOptionAndWhatWouldBeRight) {
     const Folder folder;
-    const std::string start = "render " + film("cornell");
+    const std::string start = "render " + plain_film();
     const std::string out = " -o " + (folder / "x.mpg").string();
     const auto refused = [&](const std::string& arguments, const std::string& words) {
         const auto outcome = run(program() + " " + arguments);
@@ -109,12 +110,12 @@ TEST(Refusal, NamesTheOptionAndWhatWouldBeRight) {
 
 TEST(Refusal, IsOneLineOfTheProgramsOwnFormWhateverIsWrong) {
     const Folder folder;
-    const std::string start = film("cornell") + " -o " + (folder / "x.mpg").string();
+    const std::string start = plain_film() + " -o " + (folder / "x.mpg").string();
     for (const std::string& arguments :
          {std::string(), std::string("rendr x"), std::string("render"), "render " + start + " --bogus",
           "render " + start + " --quantiser 77", "render " + start + " --size", "render " + start + " --size 640",
           "render " + start + " --display-aspect 4:3 --pixel-aspect 1:1", "render " + start + " --motion m.%d.exr",
-          "render " + start + " --heatmap cut", "encode " + start, std::string("plan --bitrate abc ") + film("cornell"),
+          "render " + start + " --heatmap cut", "encode " + start, std::string("plan --bitrate abc ") + plain_film(),
           std::string("info")}) {
         const auto outcome = run(program() + " " + arguments);
         EXPECT_EQ(outcome.status, 1) << arguments;
@@ -128,7 +129,7 @@ TEST(Refusal, IsOneLineOfTheProgramsOwnFormWhateverIsWrong) {
 
 TEST(Notes, TellWhichOptionsDoNothing) {
     const Folder folder;
-    const std::string start = program() + " render " + film("cornell") + " --dry-run ";
+    const std::string start = program() + " render " + plain_film() + " --dry-run ";
     const std::string film_out = "-o " + (folder / "x.mpg").string(), frames = "-o " + (folder / "f.%d.exr").string();
     const auto noted = [](const std::string& command, const char* words) {
         const auto outcome = run(command);
@@ -150,7 +151,7 @@ TEST(Notes, TellWhichOptionsDoNothing) {
 
 TEST(Refusal, NoOutputTakesThePlaceOfAnInputOrOfAnotherOutput) {
     const Folder folder;
-    const std::string start = "render " + film("cornell") + " --dry-run", o = (folder / "x.mpg").string(),
+    const std::string start = "render " + plain_film() + " --dry-run", o = (folder / "x.mpg").string(),
                       out = " -o " + o;
     expect_refusal(folder, start + out + " --stats " + o, "x.mpg");
     expect_refusal(folder, start + out + " --heatmap cut " + o, "x.mpg");
@@ -164,7 +165,7 @@ TEST(DryRun, SeesThatOutputsCannotBeMade) {
     const Folder folder;
     write(folder / "file", "");
     std::filesystem::create_directory(folder / "f.mpg");
-    const std::string start = "render " + film("cornell") + " --dry-run -o ";
+    const std::string start = "render " + plain_film() + " --dry-run -o ";
     const auto name = [&](const char* file) { return (folder / file).string(); };
     expect_refusal(folder, start + name("file/deep/x.mpg"), "file is not a folder");
     expect_refusal(folder, start + name("f.mpg"), "it is a folder");
@@ -177,7 +178,7 @@ TEST(DryRun, SeesThatOutputsCannotBeMade) {
 TEST(DryRun, ChecksAllAndWritesNothing) {
     const Folder folder;
     const auto outcome =
-        run(program() + " render " + film("cornell") + " --dry-run --frames 0:99 -o " + (folder / "x.mpg").string());
+        run(program() + " render " + plain_film() + " --dry-run --frames 0:99 -o " + (folder / "x.mpg").string());
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     EXPECT_NE(outcome.output.find("2 chunks"), std::string::npos) << outcome.output;
     EXPECT_EQ(folder.entries(), 0u);
@@ -216,7 +217,7 @@ TEST(Statistics, HaveEveryDocumentedKey) {
     const Folder folder;
     const auto file = folder / "s.json";
     ASSERT_EQ(
-        run(program() + " render " + film("cornell") + " --size 32x32 --samples 1 --vpls 16 --frames 0:1 --quiet -o " +
+        run(program() + " render " + plain_film() + " --size 32x32 --samples 1 --vpls 16 --frames 0:1 --quiet -o " +
             (folder / "x.mpg").string() + " --stats " + file.string())
             .status,
         0);
@@ -241,7 +242,7 @@ TEST(Statistics, HaveEveryDocumentedKey) {
 TEST(Statistics, TellTheRealQuantisersWhereNoneWasAskedFor) {
     const Folder folder;
     const auto file = folder / "s.json";
-    ASSERT_EQ(run(program() + " render " + film("cornell") +
+    ASSERT_EQ(run(program() + " render " + plain_film() +
                   " --size 32x32 --samples 1 --vpls 16 --frames 0:5 --exposure 0 --quiet --quality 40 --tolerance "
                   "fixed=5% -o " +
                   (folder / "x.mpg").string() + " --stats " + file.string())
@@ -268,7 +269,7 @@ TEST(Interruption, LeavesAPlayablePartialFilmAndNoFinalOne) {
     const Folder folder;
     const auto output = folder / "film.mpg";
     const auto outcome =
-        run(program() + " render " + film("cornell") + " --size 128x128 --frames 0:999 --exposure 0 --quiet -o " +
+        run(program() + " render " + plain_film() + " --size 64x64 --vpls 16 --frames 0:999 --exposure 0 --quiet -o " +
             output.string() + " & job=$!; while [ ! -s " + (folder / "film.mpg.partial").string() +
             "/chunk_00000.m2v ]; do sleep 0.05; done; sleep 0.3; " + "kill -INT $job; wait $job");
     EXPECT_EQ(outcome.status, 130) << outcome.output;

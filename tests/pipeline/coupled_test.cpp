@@ -123,12 +123,12 @@ TEST(Coupled, EveryWayOfMaskingMakesAFilm) {
 
 TEST(Coupled, OnlyFilmsHaveACodingToCoupleTo) {
     const Folder folder;
-    const auto outcome = run(support::program() + " render " + film("cornell") + " -o " +
+    const auto outcome = run(support::program() + " render " + support::plain_film() + " -o " +
                              (folder / "f.%04d.png").string() + small + " --frames 0:0 --tolerance coupled");
     EXPECT_EQ(outcome.status, 1);
     EXPECT_NE(outcome.output.find("fixed=P%"), std::string::npos) << outcome.output;
     for (const char* wrong : {"coupled=0", "coupled=-1", "coupled=x", "coupled=1e9", "coupled="})
-        EXPECT_NE(run(support::program() + " render " + film("cornell") + " -o " + (folder / "a.mpg").string() +
+        EXPECT_NE(run(support::program() + " render " + support::plain_film() + " -o " + (folder / "a.mpg").string() +
                       " --tolerance " + wrong)
                       .status,
                   0)

@@ -13,6 +13,7 @@ namespace {
 using support::contents;
 using support::film;
 using support::Folder;
+using support::plain_film;
 using support::run;
 
 const std::string small = " --size 64x48 --samples 1 --vpls 64 --exposure 0 --quiet";
@@ -120,7 +121,7 @@ TEST(OutputKind, EveryFilmEndingGivesItsContainerWithAllPictures) {
                                          {"mkv", "matroska,webm"},
                                          {"mp4", "mov,mp4,m4a,3gp,3g2,mj2"}}) {
         const auto output = folder / (std::string("film.") + ending);
-        ASSERT_EQ(run(render(film("cornell"), output, small + " --frames 0:3 --gop 2")).status, 0) << ending;
+        ASSERT_EQ(run(render(plain_film(), output, small + " --frames 0:3 --gop 2")).status, 0) << ending;
         EXPECT_EQ(frames_by_ffmpeg(output), 4) << ending;
         EXPECT_EQ(run("ffprobe -v error -show_entries format=format_name -of csv=p=0 " + output.string()).output,
                   std::string(format).find(',') == std::string::npos ? format + std::string("\n")
@@ -133,13 +134,13 @@ TEST(OutputKind, EveryFilmEndingGivesItsContainerWithAllPictures) {
 
 TEST(OutputKind, ImagesAndRawVideoAreWrittenFrameByFrame) {
     const Folder folder;
-    ASSERT_EQ(run(render(film("cornell"), folder / "film.y4m", small + " --frames 0:2")).status, 0);
+    ASSERT_EQ(run(render(plain_film(), folder / "film.y4m", small + " --frames 0:2")).status, 0);
     EXPECT_EQ(frames_by_ffmpeg(folder / "film.y4m"), 3);
-    ASSERT_EQ(run(render(film("cornell"), folder / "f.%04d.png", small + " --frames 5:6")).status, 0);
+    ASSERT_EQ(run(render(plain_film(), folder / "f.%04d.png", small + " --frames 5:6")).status, 0);
     EXPECT_TRUE(std::filesystem::exists(folder / "f.0005.png"));
     EXPECT_TRUE(std::filesystem::exists(folder / "f.0006.png"));
     EXPECT_FALSE(std::filesystem::exists(folder / "f.0007.png"));
-    ASSERT_EQ(run(render(film("cornell"), folder / "f.%d.exr", small + " --frames 5:5")).status, 0);
+    ASSERT_EQ(run(render(plain_film(), folder / "f.%d.exr", small + " --frames 5:5")).status, 0);
     EXPECT_EQ(
         run("ffprobe -v error -show_entries stream=width,height -of csv=p=0 " + (folder / "f.5.exr").string()).output,
         "64,48\n");
@@ -150,7 +151,7 @@ TEST(Size, AnySizeIsCodedAndShownAsItIs) {
     for (const std::string size : {"1x1", "17x33", "50x16", "16x50"}) {
         const auto output = folder / ("s" + size + ".m2v");
         const auto outcome = run(
-            render(film("cornell"), output, " --samples 1 --vpls 16 --exposure 0 --quiet --frames 0:2 --size " + size));
+            render(plain_film(), output, " --samples 1 --vpls 16 --exposure 0 --quiet --frames 0:2 --size " + size));
         ASSERT_EQ(outcome.status, 0) << outcome.output;
         EXPECT_EQ(frames_by_ffmpeg(output), 3) << size;
         const auto shown = run("ffprobe -v error -show_entries stream=width,height -of csv=p=0:s=x " + output.string());
@@ -160,8 +161,8 @@ TEST(Size, AnySizeIsCodedAndShownAsItIs) {
 
 TEST(Determinism, TheFilmDoesNotDependOnThreads) {
     const Folder folder;
-    ASSERT_EQ(run(render(film("cornell"), folder / "one.m2v", small + " --frames 0:3 --threads 1")).status, 0);
-    ASSERT_EQ(run(render(film("cornell"), folder / "four.m2v", small + " --frames 0:3 --threads 4")).status, 0);
+    ASSERT_EQ(run(render(plain_film(), folder / "one.m2v", small + " --frames 0:3 --threads 1")).status, 0);
+    ASSERT_EQ(run(render(plain_film(), folder / "four.m2v", small + " --frames 0:3 --threads 4")).status, 0);
     EXPECT_EQ(contents(folder / "one.m2v"), contents(folder / "four.m2v"));
 }
 
@@ -184,11 +185,11 @@ TEST(Determinism, LayersAndStatisticsChangeNoBitOfTheFilm) {
 TEST(Quality, StatisticsAgreeWithTheFiltersOfFfmpegToFourDigits) {
     const Folder folder;
     const auto stats = folder / "s.json";
-    ASSERT_EQ(run(render(film("cornell"), folder / "f.mpg",
+    ASSERT_EQ(run(render(plain_film(), folder / "f.mpg",
                          small + " --tolerance fixed=2% --quantiser 12 --frames 0:4 --stats " + stats.string()))
                   .status,
               0);
-    ASSERT_EQ(run(render(film("cornell"), folder / "f.y4m", small + " --frames 0:4")).status, 0);
+    ASSERT_EQ(run(render(plain_film(), folder / "f.y4m", small + " --frames 0:4")).status, 0);
     const auto filters = run("ffmpeg -v info -idct simple -i " + (folder / "f.mpg").string() + " -i " +
                              (folder / "f.y4m").string() + " -lavfi '[0][1]psnr;[0][1]ssim' -f null -");
     const auto value_after = [&](const std::string& key, std::size_t from) {

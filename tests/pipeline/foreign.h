@@ -16,6 +16,7 @@ using nlohmann::json;
 using support::contents;
 using support::film;
 using support::Folder;
+using support::plain_film;
 using support::program;
 using support::run;
 

@@ -7,8 +7,8 @@ namespace render2mpeg {
 namespace {
 
 using support::contents;
-using support::film;
 using support::Folder;
+using support::plain_film;
 using support::run;
 
 const std::string small = " --size 64x48 --samples 1 --vpls 64 --exposure 0 --quiet --frames 0:6 --gop 4";
@@ -16,7 +16,7 @@ const std::string small = " --size 64x48 --samples 1 --vpls 64 --exposure 0 --qu
 TEST(Heatmap, OfEverySubjectIsAFilmAsLongAsTheRender) {
     const Folder folder;
     const auto of = [&](const char* subject) { return (folder / (std::string(subject) + ".mpg")).string(); };
-    const std::string render = support::program() + " render " + film("cornell") + " -o ";
+    const std::string render = support::program() + " render " + plain_film() + " -o ";
     std::string heatmaps;
     for (const char* subject : {"tolerance", "cut", "error", "quantiser"})
         heatmaps += " --heatmap " + std::string(subject) + " " + of(subject);
@@ -40,7 +40,7 @@ TEST(Heatmap, RefusesWhatThereIsNoneOfBeforeAnythingIsDone) {
     const Folder folder;
     const auto refused = [&](const std::string& output, const std::string& options, const char* words) {
         for (const char* more : {" --dry-run", ""}) {
-            const auto outcome = run(support::program() + " render " + film("cornell") + " -o " +
+            const auto outcome = run(support::program() + " render " + plain_film() + " -o " +
                                      (folder / output).string() + small + options + more);
             EXPECT_EQ(outcome.status, 1) << options;
             EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
@@ -53,7 +53,7 @@ TEST(Heatmap, RefusesWhatThereIsNoneOfBeforeAnythingIsDone) {
     refused("f.%04d.png", " --heatmap quantiser " + heat, "only films");
     refused("film.mpg", " --tolerance reference --heatmap tolerance " + heat, "reference");
     // 1152 lines are the most there are; the legend comes on top.
-    const auto outcome = run(support::program() + " render " + film("cornell") + " --size 1440x1152 -o " +
+    const auto outcome = run(support::program() + " render " + plain_film() + " --size 1440x1152 -o " +
                              (folder / "film.mpg").string() + " --heatmap cut " + heat);
     EXPECT_EQ(outcome.status, 1) << outcome.output;
     EXPECT_TRUE(outcome.output.starts_with("render2mpeg: heatmap cut: ")) << outcome.output;
@@ -63,10 +63,10 @@ TEST(Heatmap, RefusesWhatThereIsNoneOfBeforeAnythingIsDone) {
 TEST(Heatmap, TakesItsTwoWordsAndNoMore) {
     const Folder folder;
     const std::string heat = (folder / "h.mpg").string();
-    const auto outcome = run(support::program() + " render" + small + " --heatmap cut " + heat + " " + film("cornell") +
+    const auto outcome = run(support::program() + " render" + small + " --heatmap cut " + heat + " " + plain_film() +
                              " --dry-run -o " + (folder / "film.mpg").string());
     EXPECT_EQ(outcome.status, 0) << outcome.output;
-    const auto alone = run(support::program() + " render " + film("cornell") + " --dry-run -o " +
+    const auto alone = run(support::program() + " render " + plain_film() + " --dry-run -o " +
                            (folder / "film.mpg").string() + " --heatmap cut");
     EXPECT_EQ(alone.status, 1) << alone.output;
 }
@@ -75,7 +75,7 @@ TEST(Heatmap, HasSquarePixelsWhateverTheFilmHas) {
     const Folder folder;
     const std::string heat = (folder / "h.mpg").string();
     const auto outcome = run(
-        support::program() + " render " + film("cornell") + " -o " + (folder / "film.mpg").string() +
+        support::program() + " render " + plain_film() + " -o " + (folder / "film.mpg").string() +
         " --size 72x64 --display-aspect 16:9 --samples 1 --vpls 16 --exposure 0 --quiet --frames 0:0 --heatmap cut " +
         heat);
     ASSERT_EQ(outcome.status, 0) << outcome.output;

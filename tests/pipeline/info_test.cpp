@@ -14,8 +14,8 @@ namespace {
 
 using nlohmann::json;
 using support::contents;
-using support::film;
 using support::Folder;
+using support::plain_film;
 using support::program;
 using support::run;
 using test::path;
@@ -45,7 +45,7 @@ std::vector<std::string> by_us(const json& info) {
 }
 
 void make_film(const Folder& folder, const std::string& name, const std::string& options) {
-    const auto outcome = run(program() + " render " + film("cornell") +
+    const auto outcome = run(program() + " render " + plain_film() +
                              " --size 64x48 --samples 1 --vpls 16 --exposure 0 --frames 0:10 --quiet -o " +
                              path(folder, name) + " --stats " + path(folder, "s.json") + options);
     ASSERT_EQ(outcome.status, 0) << outcome.output;

@@ -10,15 +10,15 @@ namespace render2mpeg {
 namespace {
 
 using support::contents;
-using support::film;
 using support::Folder;
+using support::plain_film;
 using support::program;
 using support::run;
 using test::path;
 
 const std::string tiny = " --size 32x32 --samples 1 --vpls 16 --exposure 0 --frames 0:1 ";
 /// Never done before it is interrupted.
-const std::string endless = " --size 128x128 --frames 0:9999 --exposure 0 --quiet ";
+const std::string endless = " --size 64x64 --vpls 16 --frames 0:9999 --exposure 0 --quiet ";
 
 /// Runs a render until `file` is there and not empty, then does `then`, then sends the signal and waits.
 support::Outcome interrupted(const std::string& render, const std::string& file, const std::string& signal,
@@ -29,8 +29,8 @@ support::Outcome interrupted(const std::string& render, const std::string& file,
 
 TEST(WorkFolder, IsAnotherForFilmsOfOneStem) {
     const Folder folder;
-    const std::string start = program() + " render " + film("cornell") + endless + "-o ";
-    const std::string second = program() + " render " + film("cornell") + tiny + "--quiet -o " + path(folder, "a.mkv");
+    const std::string start = program() + " render " + plain_film() + endless + "-o ";
+    const std::string second = program() + " render " + plain_film() + tiny + "--quiet -o " + path(folder, "a.mkv");
     const auto outcome = interrupted(start + path(folder, "a.mpg"), path(folder, "a.mpg.partial/chunk_00000.m2v"),
                                      "INT", second + " || echo the second failed");
     EXPECT_EQ(outcome.status, 130) << outcome.output;
@@ -42,8 +42,8 @@ TEST(WorkFolder, IsAnotherForFilmsOfOneStem) {
 TEST(WorkFolder, IsNoOtherRunsMeanwhile) {
     const Folder folder;
     const std::string out = "-o " + path(folder, "a.mpg");
-    const std::string again = program() + " render " + film("cornell") + tiny + "--quiet " + out;
-    const auto outcome = interrupted(program() + " render " + film("cornell") + endless + out,
+    const std::string again = program() + " render " + plain_film() + tiny + "--quiet " + out;
+    const auto outcome = interrupted(program() + " render " + plain_film() + endless + out,
                                      path(folder, "a.mpg.partial/chunk_00000.m2v"), "TERM",
                                      again + "; echo status $?; " + again + " --dry-run; echo status $?");
     EXPECT_EQ(outcome.status, 143) << "128 + SIGTERM: " << outcome.output;
@@ -62,7 +62,7 @@ TEST(WorkFolder, ThatIsForeignIsRefusedBeforeAnythingIsDone) {
     const Folder folder;
     std::filesystem::create_directory(folder / "a.mpg.partial");
     std::ofstream(folder / "a.mpg.partial" / "diary.txt") << "dear diary";
-    const std::string start = program() + " render " + film("cornell") + tiny + " -o " + path(folder, "a.mpg");
+    const std::string start = program() + " render " + plain_film() + tiny + " -o " + path(folder, "a.mpg");
     for (const char* more : {" --dry-run", " --bitrate 1M"}) {
         const auto outcome = run(start + more);
         EXPECT_EQ(outcome.status, 1) << outcome.output;
@@ -84,17 +84,17 @@ TEST(WorkFolder, LeavesNoTraceOfWhatFailsBeforeTheFirstFrame) {
 TEST(WritableCheck, LeavesFilesOfEveryNameAlone) {
     const Folder folder;
     std::ofstream(folder / "x.mpg.probe") << "mine";
-    ASSERT_EQ(run(program() + " render " + film("cornell") + tiny + "--quiet -o " + path(folder, "x.mpg")).status, 0);
+    ASSERT_EQ(run(program() + " render " + plain_film() + tiny + "--quiet -o " + path(folder, "x.mpg")).status, 0);
     EXPECT_EQ(contents(folder / "x.mpg.probe"), "mine");
     EXPECT_EQ(folder.entries(), 2u);
 }
 
 TEST(Interruption, LeavesTheFirstFramesOfUncompressedFilmsUnderAnotherName) {
     const Folder folder;
-    const auto outcome =
-        interrupted(program() + " render " + film("cornell") +
-                        " --size 64x48 --frames 0:9999 --exposure 0 --tolerance fixed=10% -o " + path(folder, "f.y4m"),
-                    path(folder, "f.y4m.partial/film.y4m.tmp"), "INT");
+    const auto outcome = interrupted(
+        program() + " render " + plain_film() +
+            " --size 64x48 --vpls 16 --frames 0:9999 --exposure 0 --tolerance fixed=10% -o " + path(folder, "f.y4m"),
+        path(folder, "f.y4m.partial/film.y4m.tmp"), "INT");
     EXPECT_EQ(outcome.status, 130) << outcome.output;
     EXPECT_NE(outcome.output.find("f.partial.y4m: "), std::string::npos) << outcome.output;
     EXPECT_FALSE(std::filesystem::exists(folder / "f.y4m"));

@@ -21,10 +21,10 @@ TEST(Preset, WhatContradictsItIsRefusedBeforeAnythingIsWritten) {
     };
     const std::string in = path(folder, "in.y4m"), out = " -o " + path(folder, "a.mpg");
     refused("encode " + in + out + " --for dvd-pal", {"96x64", "--for dvd-pal"});
-    refused("render " + film("cornell") + out + " --for dvd-pal --gop 16", {"--gop 16", "--for dvd-pal", "15"});
-    refused("render " + film("cornell") + " --for dvd-pal -o " + path(folder, "a.mkv"), {"a.mkv", "--for dvd-pal"});
-    refused("render " + film("cornell") + out + " --for atsc", {"a.mpg", "--for atsc"});
-    refused("render " + film("cornell") + out + " --pixel-aspect 1:1 --display-aspect 4:3", {"--pixel-aspect"});
+    refused("render " + plain_film() + out + " --for dvd-pal --gop 16", {"--gop 16", "--for dvd-pal", "15"});
+    refused("render " + plain_film() + " --for dvd-pal -o " + path(folder, "a.mkv"), {"a.mkv", "--for dvd-pal"});
+    refused("render " + plain_film() + out + " --for atsc", {"a.mpg", "--for atsc"});
+    refused("render " + plain_film() + out + " --pixel-aspect 1:1 --display-aspect 4:3", {"--pixel-aspect"});
     EXPECT_EQ(folder.entries(), 1u) << "only the frames that the test wrote";
 }
 
@@ -44,7 +44,7 @@ TEST(Keyframes, BeginGopsInFilms) {
 
     // A render's B pictures keep away from them.
     const auto render =
-        run(program() + " render " + film("cornell") + " --size 64x48 --samples 1 --vpls 16 --frames 0:9" +
+        run(program() + " render " + plain_film() + " --size 64x48 --samples 1 --vpls 16 --frames 0:9" +
             " --exposure 0 --quiet --keyframes 4 -o " + path(folder, "b.m2v") + " --stats " + path(folder, "s.json"));
     ASSERT_EQ(render.status, 0) << render.output;
     EXPECT_EQ(types_in(folder / "s.json"), "IBBPIBBPBP");
@@ -98,8 +98,8 @@ TEST(Shape, ABallIsRoundAsShownAndMovesByWhatItsVectorsSay) {
 
 TEST(Shape, ReachesEveryKindOfOutput) {
     const Folder folder;
-    const std::string render = program() + " render " + film("cornell") +
-                               " --size 144x128 --display-aspect 16:9 --samples 1 --vpls 16 --frames 0:5 --exposure 0 "
+    const std::string render = program() + " render " + plain_film() +
+                               " --size 72x64 --display-aspect 16:9 --samples 1 --vpls 16 --frames 0:4 --exposure 0 "
                                "--quiet -o ";
     for (const char* name : {"a.mpg", "a.ts", "a.m2v", "a.mkv", "a.mp4", "a.y4m"}) {
         ASSERT_EQ(run(render + path(folder, name)).status, 0);

@@ -15,13 +15,14 @@ namespace {
 using support::contents;
 using support::film;
 using support::Folder;
+using support::plain_film;
 using support::program;
 using support::run;
 
 /// Renders the room with moving boxes small, 65 frames in two chunks, and gives its statistics. So few and small
 /// pictures do not come as near to a rate as films do (bench_encoder_rates).
 nlohmann::json rendered(const Folder& folder, const std::string& options, const std::string& name = "f.m2v") {
-    const auto outcome = run(program() + " render " + film("cornell") +
+    const auto outcome = run(program() + " render " + plain_film() +
                              " --size 96x80 --samples 1 --vpls 0 --exposure 0.5 --frames 0:64 --quiet --stats " +
                              (folder / "s.json").string() + " -o " + (folder / name).string() + " " + options);
     EXPECT_EQ(outcome.status, 0) << outcome.output;
@@ -88,7 +89,7 @@ TEST(Rates, ContradictionsAreRefusedByOneLine) {
                                          {"--bitrate 1M --cbr --maxrate 2M", "must be equal"},
                                          {"--bitrate 1k", "even pictures without detail need"},
                                          {"--bitrate 100M", "at most 80000000"}}) {
-        const auto outcome = run(program() + " render " + film("cornell") + " -o " + (folder / "x.mpg").string() + " " +
+        const auto outcome = run(program() + " render " + plain_film() + " -o " + (folder / "x.mpg").string() + " " +
                                  std::string(options));
         EXPECT_EQ(outcome.status, 1) << options;
         EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;

@@ -19,6 +19,7 @@ using nlohmann::json;
 using support::contents;
 using support::film;
 using support::Folder;
+using support::plain_film;
 using support::program;
 using support::run;
 using test::path;
@@ -52,7 +53,7 @@ std::vector<std::string> unbalanced(const std::string& html) {
 TEST(Report, IsOnePageThatStandsAloneAndItsFiguresAreTheStatistics) {
     const Folder folder;
     const std::string output = "'" + path(folder, "a&b<i>.mpg") + "'";
-    const auto outcome = run(program() + " render " + film("cornell") +
+    const auto outcome = run(program() + " render " + plain_film() +
                              " --size 48x32 --samples 1 --vpls 16 --frames 3:13 --quiet --audit 5 -o " + output +
                              " --report " + path(folder, "r.html") + " --stats " + path(folder, "s.json"));
     ASSERT_EQ(outcome.status, 0) << outcome.output;
@@ -107,7 +108,7 @@ TEST(Report, OfFramesThatAreNotCodedSpeaksOfLightAlone) {
 
 TEST(Report, IsRefusedUnderNamesThatWouldNotDo) {
     const Folder folder;
-    const std::string start = program() + " render " + film("cornell") + " --dry-run -o " + path(folder, "x.mpg");
+    const std::string start = program() + " render " + plain_film() + " --dry-run -o " + path(folder, "x.mpg");
     const auto refused = [&](const std::string& options, const char* words) {
         const auto outcome = run(start + options);
         EXPECT_EQ(outcome.status, 1) << outcome.output;

@@ -22,6 +22,7 @@ using nlohmann::json;
 using support::contents;
 using support::film;
 using support::Folder;
+using support::plain_film;
 using support::program;
 using support::run;
 using test::path;
@@ -33,8 +34,8 @@ std::string render_to(const Folder& folder, const std::string& output, const std
     const auto unless = [&](const std::string& name, const char* value) {
         return options.find(name) == std::string::npos ? name + value : std::string();
     };
-    return program() + " render " + film("cornell") + plain + unless("--size", " 32x32 ") +
-           unless("--frames", " 0:1 ") + options + " -o " + path(folder, output);
+    return program() + " render " + plain_film() + plain + unless("--size", " 32x32 ") + unless("--frames", " 0:1 ") +
+           options + " -o " + path(folder, output);
 }
 
 void write(const std::filesystem::path& file, const std::string& text) {
@@ -210,8 +211,9 @@ support::Outcome interrupt(const std::string& render, const std::string& file) {
 
 TEST(Leftovers, AreRemovedByTheSameFilmAloneAndReplacedByNone) {
     const Folder folder;
-    const std::string endless = program() + " render " + film("cornell") +
-                                " --size 128x128 --frames 0:9999 --exposure 0 --quiet -o " + path(folder, "a.mpg");
+    const std::string endless = program() + " render " + plain_film() +
+                                " --size 64x64 --vpls 16 --frames 0:9999 --exposure 0 --quiet -o " +
+                                path(folder, "a.mpg");
     const std::string chunk = path(folder, "a.mpg.partial/chunk_00000.m2v");
     write(folder / "a.partial.mpg", "a diary");
     for (int i = 0; i < 2; ++i) EXPECT_EQ(interrupt("rm -f " + chunk + "; " + endless, chunk).status, 130);
@@ -309,7 +311,7 @@ TEST(Lock, WaitsForALookAndGivesUpAtWhatLeadsNowhere) {
 TEST(Exposure, OfFramesWithAToleranceIsNotSaidToDoNothing) {
     const Folder folder;
     const auto said = [&](const char* tolerance) {
-        return run(program() + " render " + film("cornell") + " --size 32x32 --exposure 1 --dry-run --tolerance " +
+        return run(program() + " render " + plain_film() + " --size 32x32 --exposure 1 --dry-run --tolerance " +
                    tolerance + " -o " + path(folder, "f.%d.exr"))
             .output;
     };
@@ -324,7 +326,7 @@ TEST(CommandLine, OfStatisticsCanBeGivenToAShellAgain) {
                       quoted = "\"" + path(folder, "it's a \\$film (1).mpg") + "\"";
     const std::string statistics = path(folder, "s.json");
     ASSERT_EQ(
-        run(program() + " render " + film("cornell") + tiny + "--quiet -o " + quoted + " --stats " + statistics).status,
+        run(program() + " render " + plain_film() + tiny + "--quiet -o " + quoted + " --stats " + statistics).status,
         0);
     const std::string again = json::parse(contents(statistics)).at("command").get<std::string>();
     std::filesystem::remove(odd);
@@ -335,7 +337,7 @@ TEST(CommandLine, OfStatisticsCanBeGivenToAShellAgain) {
 TEST(StandardOutput, ThatIsFullIsAnError) {
     const Folder folder;
     ASSERT_EQ(run(render_to(folder, "f.mpg", "--quiet")).status, 0);
-    for (const std::string& command : {" info " + path(folder, "f.mpg"), " plan " + film("cornell")}) {
+    for (const std::string& command : {" info " + path(folder, "f.mpg"), " plan " + plain_film()}) {
         const auto outcome = run(program() + command + " > /dev/full");
         EXPECT_EQ(outcome.status, 1) << command;
         EXPECT_EQ(outcome.output, "render2mpeg: writing standard output: No space left on device\n");

@@ -69,5 +69,10 @@ inline std::string program() {
 inline std::string film(const std::string& name) {
     return (source_folder() / "animations" / name).string();
 }
+/// A box with light, colour and motion but no textures: for tests that need some film, this one starts in a third of
+/// the time.
+inline std::string plain_film() {
+    return (source_folder() / "tests/support/plain_box").string();
+}
 
 }  // namespace render2mpeg::support
