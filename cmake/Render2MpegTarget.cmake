@@ -14,8 +14,14 @@ if(RENDER2MPEG_WERROR)
 endif()
 if(RENDER2MPEG_SANITIZE)
   # What a sanitizer finds ends the program: a report that a test survives is a report nobody reads.
-  target_compile_options(render2mpeg_options INTERFACE -fsanitize=${RENDER2MPEG_SANITIZE} -fno-sanitize-recover=all
-                         -fno-omit-frame-pointer)
+  set(instrumented -fsanitize=${RENDER2MPEG_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  if(RENDER2MPEG_SANITIZE MATCHES "address")
+    # What these look for the address sanitizer meets too, when the memory is touched; they are a fifth of the build's time.
+    list(APPEND instrumented -fno-sanitize=null,vptr,object-size)
+  endif()
+  # Targets with the property RENDER2MPEG_NOT_INSTRUMENTED are only linked with the sanitizers.
+  target_compile_options(
+    render2mpeg_options INTERFACE "$<$<NOT:$<BOOL:$<TARGET_PROPERTY:RENDER2MPEG_NOT_INSTRUMENTED>>>:${instrumented}>")
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # The sanitizers' own code makes g++ doubt what std::regex has set (its manual says that this happens).
     target_compile_options(render2mpeg_options INTERFACE -Wno-maybe-uninitialized)
