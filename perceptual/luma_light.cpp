@@ -14,6 +14,7 @@ namespace {
 /// Colours whose channels all lie at the ends of the curve have no slope. chosen: of 200000 colours of every saturation
 /// 99 of 100 come within 31 % of with_luma; with limits of 1/5 and 5 within a factor of 2.6, with 1/2 and 2 of 6.
 constexpr float least_exponent = 0.05f, largest_exponent = 20.0f;
+constexpr float least_slope = 1e-30f;
 
 }  // namespace
 
@@ -36,25 +37,64 @@ LumaLight::LumaLight(const Display& display)
     darkest_light_ = power_of_two(at(log_light_, darkest)) / gain_;
 }
 
+RENDER2MPEG_CLONES
+void LumaLight::weigh(const glm::vec3* colors, const float* luma, float* luminance, float* exponent, int count) const {
+    const SignalCurve& curve = SignalCurve::instance();
+    const float* const slopes = grey_slope_.data();
+    const float red = weights_.x, green = weights_.y, blue = weights_.z, gain = gain_;
+    const float red_light = core::luminance_weights.x, green_light = core::luminance_weights.y,
+                blue_light = core::luminance_weights.z;
+    for (int i = 0; i < count; ++i) {
+        const float r = colors[i].x, g = colors[i].y, b = colors[i].z;
+        luminance[i] = core::inlined::max(red_light * r + green_light * g + blue_light * b, 0.0f);
+        const float own =
+            red * curve.log_slope(r * gain) + green * curve.log_slope(g * gain) + blue * curve.log_slope(b * gain);
+        const float above = luma[i] - black;
+        const float grey = at(slopes, core::inlined::min(core::inlined::max(above, darkest), range));
+        const float ratio = grey / core::inlined::max(own, least_slope);
+        const float bounded = core::inlined::min(core::inlined::max(ratio, least_exponent), largest_exponent);
+        // What is that dark, or has no slope at all, is taken for grey.
+        const bool has_colour = (above > darkest) & (own > 0.0f);
+        exponent[i] = has_colour ? bounded : 1.0f;
+    }
+}
+
 PixelLight LumaLight::light_of(const core::Picture& picture, const core::Radiance& radiance) const {
     EXPECTS(picture.luma.width() == radiance.combined.width() && picture.luma.height() == radiance.combined.height());
-    const SignalCurve& curve = SignalCurve::instance();
     PixelLight light;
     light.luma = picture.luma;
-    light.luminance = light.exponent = core::Plane<float>(picture.luma.width(), picture.luma.height(), 0.0f);
-    for (std::size_t i = 0; i < light.luma.size(); ++i) {
-        const glm::vec3 c = radiance.combined.values()[i];
-        light.luminance.values()[i] = std::max(core::luminance(c), 0.0f);
-        light.exponent.values()[i] = 1.0f;
-        if (!(light.luma.values()[i] - black > darkest)) continue;  // taken for grey
-        const float above = std::clamp(light.luma.values()[i] - black, darkest, range);
-        const float own = weights_.x * curve.point(c.x * gain_).log_slope +
-                          weights_.y * curve.point(c.y * gain_).log_slope +
-                          weights_.z * curve.point(c.z * gain_).log_slope;
-        const float grey = at(grey_slope_, above);
-        light.exponent.values()[i] = std::clamp(core::divide_or(grey, own, 1.0f), least_exponent, largest_exponent);
-    }
+    light.luminance = light.exponent = core::Plane<float>(picture.luma.width(), picture.luma.height());
+    for (int y = 0; y < light.height(); ++y)
+        weigh(radiance.combined.row(y), light.luma.row(y), light.luminance.row(y), light.exponent.row(y),
+              light.width());
     return light;
+}
+
+RENDER2MPEG_CLONES
+void LumaLight::differences(const float* luma, const float* luminance, const float* exponent, float least,
+                            float* distance, int count) const {
+    // Most pixels are farther from black than their distance: go down for all of them, in steps that the compiler makes
+    // vector code of; reading tables is the only one that it does not.
+    constexpr int block = 64;
+    const float* const table = log_light_.data();
+    float from[block], away[block], change[block];
+    for (int first = 0; first < count; first += block) {
+        const int size = count - first < block ? count - first : block;
+        for (int i = 0; i < size; ++i) {
+            from[i] = core::inlined::min(core::inlined::max(luma[first + i] - black, darkest), range);
+            away[i] = from[i] - distance[first + i];
+        }
+        for (int i = 0; i < size; ++i)
+            change[i] = at(table, core::inlined::max(away[i], darkest)) - at(table, from[i]);
+        for (int i = 0; i < size; ++i)
+            change[i] = luminance[first + i] * (1.0f - power_of_two(exponent[first + i] * change[i]));
+    // Then see to those next to black.
+        for (int i = 0; i < size; ++i)
+            if (away[i] < darkest)
+                change[i] = difference(luma[first + i], luminance[first + i], exponent[first + i], distance[first + i]);
+        for (int i = 0; i < size; ++i)
+            distance[first + i] = core::inlined::max(least * luminance[first + i], change[i]);
+    }
 }
 
 float LumaLight::darkest_step() const {

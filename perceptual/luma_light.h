@@ -1,11 +1,11 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
+#include "core/isa_clones.h"
 #include "core/picture.h"
 #include "core/plane.h"
 #include "core/radiance.h"
@@ -57,6 +57,10 @@ class LumaLight {
         return std::min(change, std::max(luminance, (power_of_two(upper) - power_of_two(lower)) / gain_));
     }
 
+    /// difference() for a row of pixels, in place of their distances; at least `least` of their luminance.
+    void differences(const float* luma, const float* luminance, const float* exponent, float least, float* distance,
+                     int count) const;
+
     /// Luminance of a grey pixel half a code value above black: below this no film shows anything.
     float darkest_step() const;
 
@@ -72,24 +76,27 @@ class LumaLight {
     static constexpr auto entries = static_cast<std::size_t>(range * entries_per_code) + 1;
 
     /// Reads one of the tables below.
-    static float at(const std::vector<float>& table, float above_black) {
+    RENDER2MPEG_ALWAYS_INLINED static float at(const float* table, float above_black) {
         const float place = above_black * entries_per_code;
         const auto i = static_cast<std::int32_t>(place);
         const float t = place - static_cast<float>(i);
-        const float* const entry = table.data() + i;
-        return entry[0] + t * (entry[1] - entry[0]);
+        return table[i] + t * (table[i + 1] - table[i]);
     }
+    static float at(const std::vector<float>& table, float above_black) { return at(table.data(), above_black); }
 
     /// 2^x by its exponent and a polynomial for the rest, right to 3e-7: std::exp2 costs five times as much.
     /// chosen: the polynomial that meets (2^t - 1) / t in five Chebyshev points of [0, 1].
-    static float power_of_two(float x) {
-        const float clamped = std::clamp(x, -120.0f, 120.0f);
+    RENDER2MPEG_ALWAYS_INLINED static float power_of_two(float x) {
+        const float clamped = core::inlined::min(core::inlined::max(x, -120.0f), 120.0f);
         const auto whole = static_cast<std::int32_t>(clamped + 128.0f) - 128;
         const float t = clamped - static_cast<float>(whole);
         const float p =
             1.0f + t * (0.69314757f + t * (0.24020719f + t * (0.055657054f + t * (0.0091993876f + t * 0.0017883687f))));
-        return p * std::bit_cast<float>((whole + 127) << 23);
+        return p * __builtin_bit_cast(float, (whole + 127) << 23);
     }
+
+    /// Luminance and exponent of a row of pixels.
+    void weigh(const glm::vec3* colors, const float* luma, float* luminance, float* exponent, int count) const;
 
     glm::vec3 weights_;
     float gain_;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/numeric.h"
+#include "core/isa_clones.h"
 #include "perceptual/carry.h"
 #include "perceptual/masking.h"
 
@@ -22,19 +22,27 @@ int macroblocks(int size) {
 /// are further apart in code values (31 : 1, 63 equal signs against none: 1000); it only keeps nonsense out.
 constexpr float largest_ratio = 1024.0f;
 
-/// Share of its luminance that a pixel of the remembered picture may be off by: a low quantile over the picture, of one
-/// pixel in so many. 0 for a black picture.
-float typical_share(const core::Plane<float>& tolerances, const core::Plane<float>& luminance) {
-    constexpr float quantile = 0.25f;
-    constexpr std::size_t stride = 13;
+/// values *= after / before, all > 0.
+RENDER2MPEG_CLONES
+void scale_by_ratio(const float* __restrict after, const float* __restrict before, float* __restrict values,
+                    std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i)
+        values[i] *= core::inlined::min(core::inlined::max(after[i] / before[i], 1.0f / largest_ratio), largest_ratio);
+}
+
+/// The share of its luminance that a quarter of the remembered pixels stay below, from one pixel in so many; 0 for a
+/// black picture.
+float low_share(const core::Plane<float>& tolerances, const core::Plane<float>& luminance) {
+    constexpr float quantile = 0.25f;   // chosen: docs/model.md, "Tolerance", against the median and 2 %
+    constexpr std::size_t stride = 61;  // a prime, so that no pattern of the picture is met in step
     std::vector<float> shares;
     shares.reserve(tolerances.size() / stride + 1);
     for (std::size_t i = 0; i < tolerances.size(); i += stride)
         if (luminance.values()[i] > 0.0f) shares.push_back(tolerances.values()[i] / luminance.values()[i]);
     if (shares.empty()) return 0.0f;
-    const auto place = static_cast<std::ptrdiff_t>(quantile * static_cast<float>(shares.size() - 1));
-    std::nth_element(shares.begin(), shares.begin() + place, shares.end());
-    return shares[static_cast<std::size_t>(place)];
+    const auto place = static_cast<std::size_t>(quantile * static_cast<float>(shares.size() - 1));
+    std::nth_element(shares.begin(), shares.begin() + static_cast<std::ptrdiff_t>(place), shares.end());
+    return shares[place];
 }
 
 core::Picture difference(const core::Plane<float>& luma, const core::Plane<std::uint8_t>& prediction) {
@@ -141,33 +149,38 @@ core::Plane<float> Observer::errors(const Memory& memory, const CodingPlan& plan
 void Observer::restate(core::Plane<float>& values, const Memory& memory, const CodingPlan& from,
                        const CodingPlan& to) const {
     if (from == to) return;
-    const core::Plane<float> before = from == memory.plan ? memory.errors : errors(memory, from),
-                             after = to == memory.plan ? memory.errors : errors(memory, to);
-    for (std::size_t i = 0; i < values.size(); ++i)
-        values.values()[i] *= std::clamp(core::divide_or(after.values()[i], before.values()[i], 1.0f),
-                                         1.0f / largest_ratio, largest_ratio);
+    const core::Plane<float> told = from == memory.plan ? core::Plane<float>() : errors(memory, from),
+                             wanted = to == memory.plan ? core::Plane<float>() : errors(memory, to);
+    scale_by_ratio((wanted.empty() ? memory.errors : wanted).values().data(),
+                   (told.empty() ? memory.errors : told).values().data(), values.values().data(), values.size());
+}
+
+Restated Observer::restate(const Memory& memory, const CodingPlan& plan) const {
+    Restated restated;
+    restated.plan = plan;
+    restated.tolerances = memory.tolerances;
+    restate(restated.tolerances, memory, memory.plan, plan);
+    restated.low_share = low_share(restated.tolerances, memory.light.luminance);
+    return restated;
 }
 
 Tolerated Observer::tolerate(const core::Visible& visible, const CodingPlan& plan, const Memory& memory,
                              const core::MotionField* motion, float share) const {
+    return tolerate(visible, restate(memory, plan), memory, motion, share);
+}
+
+Tolerated Observer::tolerate(const core::Visible& visible, const Restated& restated, const Memory& memory,
+                             const core::MotionField* motion, float share) const {
     EXPECTS(share > 0.0f);
     EXPECTS(motion == nullptr || motion->reference == memory.number);
-
-    // Bring what is remembered to the quantiser and type of the picture to come.
-    core::Plane<float> values = memory.tolerances;
-    restate(values, memory, memory.plan, plan);
-
     Tolerated tolerated;
-    const bool carries = settings_.strategy == Strategy::carried;
-    // What nobody saw before is as likely to hide errors as the rest: held to 2 % it would stand out as bands.
-    const float unseen =
-        std::max(least_relative, share * (carries ? typical_share(values, memory.light.luminance) : 0.0f));
-    if (carries)
-        tolerated.carried = carry(values, *memory.visible, visible, motion);
-    else
-        tolerated.carried = std::move(values);
+    tolerated.carried = settings_.strategy == Strategy::carried
+                            ? carry(restated.tolerances, *memory.visible, visible, motion)
+                            : restated.tolerances;
     tolerated.map.pixels = core::Plane<core::Tolerance>(visible.width(), visible.height());
     const float darkest = light_.darkest_step();
+    // What nobody saw before is as likely to hide errors as the rest: held to 2 % it would stand out as bands.
+    const float unseen = std::max(least_relative, share * restated.low_share);
     for (std::size_t i = 0; i < tolerated.carried.size(); ++i) {
         const float value = tolerated.carried.values()[i];
         tolerated.map.pixels.values()[i] = value > 0.0f

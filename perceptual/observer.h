@@ -76,6 +76,13 @@ struct Memory {
     core::Plane<float> tolerances;  ///< dY_xy(t) (7.5), likewise
 };
 
+/// What a remembered picture hides of a picture to come: the same for all that are coded alike.
+struct Restated {
+    CodingPlan plan;
+    core::Plane<float> tolerances;  ///< dY at the memory's pixels, > 0
+    float low_share = 0;            ///< of its luminance, that a quarter of the pixels stay below
+};
+
 /// A frame's tolerances before it is lit.
 struct Tolerated {
     core::ToleranceMap map;
@@ -102,8 +109,14 @@ class Observer {
 
     /// Tolerances of a frame that is going to be coded by `plan`: what `memory` hides, times `share`, carried along
     /// `motion` (from the frame to the memory's picture; null: nothing moves), never below 2 % of the pixel's luminance
-    /// nor below half a code value. 2 % where nothing fits. share > 0.
+    /// nor below half a code value. Where nothing fits, what a quarter of the memory's pixels stay below, as a share of
+    /// their luminance. share > 0.
     Tolerated tolerate(const core::Visible& visible, const CodingPlan& plan, const Memory& memory,
+                       const core::MotionField* motion, float share) const;
+
+    /// The two halves of it, for who lights several frames from one memory.
+    Restated restate(const Memory& memory, const CodingPlan& plan) const;
+    Tolerated tolerate(const core::Visible& visible, const Restated& restated, const Memory& memory,
                        const core::MotionField* motion, float share) const;
 
     /// e_xy of the remembered picture if it were coded by `plan`.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/isa_clones.h"
 
 namespace render2mpeg::perceptual {
 namespace {
@@ -74,13 +75,13 @@ core::Plane<float> distances(int width, int height, Spread spread, const BlockEr
 
 void to_tolerances(core::Plane<float>& distances, const PixelLight& light, const LumaLight& display) {
     EXPECTS(distances.width() == light.width() && distances.height() == light.height());
-    for (std::size_t i = 0; i < distances.size(); ++i) {
-        const float luminance = light.luminance.values()[i],
-                    distance = std::max(std::abs(distances.values()[i]), half_a_code_value);
-        distances.values()[i] =
-            std::max(least_relative * luminance,
-                     display.difference(light.luma.values()[i], luminance, light.exponent.values()[i], distance));
+    for (float& d : distances.values()) {
+        const float size = core::inlined::abs(d);
+        d = size < half_a_code_value ? half_a_code_value : size;
     }
+    for (int y = 0; y < distances.height(); ++y)
+        display.differences(light.luma.row(y), light.luminance.row(y), light.exponent.row(y), least_relative,
+                            distances.row(y), distances.width());
 }
 
 void blend(core::Plane<float>& errors, const core::Plane<float>& before) {

@@ -65,6 +65,7 @@ bool Coupling::counts(encoder::PictureType type) const {
 
 void Coupling::forget() {
     memory_.reset();
+    restated_.reset();
     carried_ = {};
     kept_.clear();
 }
@@ -73,14 +74,16 @@ void Coupling::imagine(const core::Picture& picture, const core::Radiance& radia
                        const encoder::PicturePlan& plan) {
     memory_ = observer_.presume(observer_.observe(picture, radiance, std::make_shared<const core::Visible>(visible)),
                                 eye_plan(plan.type, plan.quantiser));
+    restated_.reset();
 }
 
 core::ToleranceMap Coupling::tolerate(const core::Visible& visible, const encoder::PicturePlan& plan,
                                       const core::MotionField* motion) {
     EXPECTS(memory_.has_value());
     const float share = settings_.share.value_or(perceptual::default_share(scale_of(plan.quantiser)));
-    perceptual::Tolerated tolerated =
-        observer_.tolerate(visible, eye_plan(plan.type, plan.quantiser), *memory_, motion, share);
+    const perceptual::CodingPlan eye = eye_plan(plan.type, plan.quantiser);
+    if (!restated_ || !(restated_->plan == eye)) restated_ = observer_.restate(*memory_, eye);
+    perceptual::Tolerated tolerated = observer_.tolerate(visible, *restated_, *memory_, motion, share);
     // What stands in for a picture before is no picture: there is nothing to blend with.
     carried_ = memory_->number == plan.number ? core::Plane<float>() : std::move(tolerated.carried);
     return std::move(tolerated.map);
@@ -102,6 +105,7 @@ void Coupling::judge(const encoder::CodedPicture& coded) {
     perceptual::CodedFacts facts = facts_of(coded);
     if (coded.plan.type == encoder::PictureType::predicted) facts.prediction = prediction_of(coded, reference);
     memory_ = observer_.judge(std::move(kept->second), facts);
+    restated_.reset();
     kept_.erase(kept);
 }
 

@@ -64,7 +64,8 @@ class Coupling {
     CouplingSettings settings_;
     perceptual::Quantisation matrices_;
     std::optional<perceptual::Memory> memory_;
-    core::Plane<float> carried_;  ///< to the frame being lit
+    std::optional<perceptual::Restated> restated_;  ///< memory_, for the frame lit last: B pictures share it
+    core::Plane<float> carried_;                    ///< to the frame being lit
     std::map<std::int64_t, perceptual::Observation> kept_;
     core::Plane<std::uint8_t> decoded_;  ///< luma of the newest I or P picture that is coded
 };
