@@ -22,16 +22,16 @@ class BitWriter {
         EXPECTS_DEBUG(count >= 0 && count <= 32 && (count == 32 || (value >> count) == 0));
         held_ = (held_ << count) | value;
         held_count_ += count;
-        while (held_count_ >= 8) {
-            held_count_ -= 8;
-            bytes_.push_back(static_cast<std::uint8_t>(held_ >> held_count_));
-        }
+        if (held_count_ >= 32) write_word();
     }
     void put(Code code) { put(code.bits, code.length); }
 
     /// Appends zero bits up to the next whole byte.
     void align() {
-        if (held_count_ > 0) put(0, 8 - held_count_);
+        if (held_count_ % 8 > 0) put(0, 8 - held_count_ % 8);
+        make_room();
+        for (; held_count_ > 0; held_count_ -= 8)
+            bytes_[size_++] = static_cast<std::uint8_t>(held_ >> (held_count_ - 8));
     }
 
     /// A start code: aligned, prefix 00 00 01, then its value. [H262, 6.2.1]
@@ -41,16 +41,31 @@ class BitWriter {
         put(value, 8);
     }
 
-    std::size_t bit_count() const { return bytes_.size() * 8 + static_cast<std::size_t>(held_count_); }
-    /// What was written; only after align().
-    const std::vector<std::uint8_t>& bytes() const { return bytes_; }
-    std::vector<std::uint8_t> take() { return std::move(bytes_); }
-    void reserve(std::size_t byte_count) { bytes_.reserve(byte_count); }
+    std::size_t bit_count() const { return size_ * 8 + static_cast<std::size_t>(held_count_); }
+    /// What was written; only after align(), and the last thing that is asked for.
+    std::vector<std::uint8_t> take() {
+        bytes_.resize(size_);
+        return std::move(bytes_);
+    }
 
   private:
-    std::vector<std::uint8_t> bytes_;
+    /// For four bytes.
+    void make_room() {
+        if (size_ + 4 > bytes_.size()) bytes_.resize(2 * size_ + 64);
+    }
+    /// Moves the 32 bits held longest to the bytes.
+    void write_word() {
+        make_room();
+        held_count_ -= 32;
+        const auto word = static_cast<std::uint32_t>(held_ >> held_count_);
+        for (std::size_t i = 0; i < 4; ++i) bytes_[size_ + i] = static_cast<std::uint8_t>(word >> (24 - 8 * i));
+        size_ += 4;
+    }
+
+    std::vector<std::uint8_t> bytes_;  ///< the first size_ are written
+    std::size_t size_ = 0;
     std::uint64_t held_ = 0;  ///< the `held_count_` lowest bits are not in bytes_ yet; higher ones are stale
-    int held_count_ = 0;      ///< 0..7 between calls
+    int held_count_ = 0;      ///< 0..31 between calls
 };
 
 }  // namespace render2mpeg::encoder::mpeg2

@@ -80,10 +80,16 @@ void quantise_intra(Block& block, const QuantTable& table, int dc_bits) {
     block.distortion += loss_of(block, 0, error);
 }
 
-void economise(Block& block, const QuantTable& table, const CoefficientLengths& lengths, bool intra, float lambda) {
+int economise(Block& block, const QuantTable& table, const CoefficientLengths& lengths, bool intra, float lambda) {
     // Start past DC in intra blocks: a run counts from the coefficient before.
     const int start = intra ? 0 : -1;
-    int after = -1;  // the next coefficient still there
+    int after = -1, after_magnitude = 0;  // the next coefficient still there
+    int bits = lengths.end_of_block();
+    const auto keep = [&](int scan, int magnitude) {
+        if (after >= 0) bits += bits_after(lengths, scan, after, after_magnitude, intra);
+        after = scan;
+        after_magnitude = magnitude;
+    };
     for (std::uint64_t left = block.scan_mask; left != 0;) {
         const int scan = 63 - std::countl_zero(left);
         left &= ~(std::uint64_t{1} << scan);
@@ -96,29 +102,32 @@ void economise(Block& block, const QuantTable& table, const CoefficientLengths& 
         if (magnitude > 1) {
             saved -= bits_after(lengths, before, scan, magnitude - 1, intra);
         } else if (after >= 0) {
-            const int next = magnitude_at(block, after);
-            saved += bits_after(lengths, scan, after, next, intra) - bits_after(lengths, before, after, next, intra);
+            saved += bits_after(lengths, scan, after, after_magnitude, intra) -
+                     bits_after(lengths, before, after, after_magnitude, intra);
         }
-        const int lower = ((2 * (magnitude - 1) + table.reconstruction) * table.weight[place]) >> 4;
-        const float target = std::abs(block.coefficients[place]);
-        const float error = target - static_cast<float>(std::abs(block.dequantised[place]));
-        const float lower_error = target - (magnitude > 1 ? static_cast<float>(lower) : 0.0f);
-        const float loss = loss_of(block, place, lower_error) - loss_of(block, place, error);
+        const int value = std::abs(block.dequantised[place]);
+        const int lower = magnitude > 1 ? ((2 * (magnitude - 1) + table.reconstruction) * table.weight[place]) >> 4 : 0;
+        // (c - lower)^2 - (c - value)^2
+        float loss = static_cast<float>(value - lower) *
+                     (2 * std::abs(block.coefficients[place]) - static_cast<float>(value + lower));
+        if (block.weights) loss *= block.weights->of[place];
 
         if (loss >= lambda * static_cast<float>(saved)) {
-            after = scan;
+            keep(scan, magnitude);
             continue;
         }
         const int sign = block.levels[place] < 0 ? -1 : 1;
         block.distortion += loss;
         block.levels[place] = static_cast<std::int16_t>(sign * (magnitude - 1));
-        block.dequantised[place] = static_cast<std::int16_t>(magnitude > 1 ? sign * lower : 0);
+        block.dequantised[place] = static_cast<std::int16_t>(sign * lower);
         if (magnitude > 1) {
-            after = scan;
+            keep(scan, magnitude - 1);
         } else {
             block.scan_mask &= ~(std::uint64_t{1} << scan);
         }
     }
+    if (after >= 0) bits += bits_after(lengths, start, after, after_magnitude, intra);
+    return bits;
 }
 
 int coefficient_bits(const Block& block, const CoefficientLengths& lengths, bool intra) {

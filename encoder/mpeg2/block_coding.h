@@ -55,8 +55,8 @@ void quantise_non_intra(Block& block, const QuantTable& table);
 void quantise_intra(Block& block, const QuantTable& table, int dc_bits);
 
 /// Lowers levels by one where the bits saved are worth the distortion: J = distortion + lambda * bits, by real code
-/// lengths.
-void economise(Block& block, const QuantTable& table, const CoefficientLengths& lengths, bool intra, float lambda);
+/// lengths. Gives what coefficient_bits() then would.
+int economise(Block& block, const QuantTable& table, const CoefficientLengths& lengths, bool intra, float lambda);
 
 /// Bits of the coefficients and the end of the block; of the AC coefficients only for an intra block.
 int coefficient_bits(const Block& block, const CoefficientLengths& lengths, bool intra);

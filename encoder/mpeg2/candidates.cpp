@@ -9,13 +9,14 @@
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
-/// Every fourth pixel of every fourth row. chosen: every second one costs four times as much, a tenth of the time of
-/// Effort::fast, and saves 0.02 % of the bits.
-constexpr int sample_step = 4;
+/// Every fourth pixel of every eighth row.
+/// chosen: every fourth row takes a thirtieth of the time of Effort::fast more and saves 0.1 % of its bits, none of
+/// Effort::quality's.
+constexpr int sample_step = 4, row_step = 8, first_row = 2;
 
 /// Vectors of the macroblock's valid pixels.
 struct Samples {
-    std::array<glm::vec2, 16> vector;
+    std::array<glm::vec2, 16 / sample_step*(16 / row_step)> vector;
     int count = 0;
     glm::vec2 low{0.0f}, high{0.0f}, sum{0.0f};
 };
@@ -31,7 +32,7 @@ Samples gather(const core::MotionField& motion, int column, int row) {
     Samples samples;
     const int end_x = std::min(column * 16 + 16, motion.vector.width());
     const int end_y = std::min(row * 16 + 16, motion.vector.height());
-    for (int y = row * 16; y < end_y; y += sample_step) {
+    for (int y = std::min(row * 16 + first_row, end_y - 1); y >= row * 16 && y < end_y; y += row_step) {
         const glm::vec2* vectors = motion.vector.row(y);
         const core::PixelClass* kinds = motion.kind.row(y);
         for (int x = column * 16; x < end_x; x += sample_step)

@@ -205,7 +205,10 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
     coded.coding_order = coding_order++;
     coded.bytes = headers.take();
     coded.bytes.insert(coded.bytes.end(), result.bytes.begin(), result.bytes.end());
-    coded.reconstruction = mpeg2::crop(result.reconstruction, settings.width, settings.height, plan.number);
+    const auto shown = [&](auto&& frame) {
+        return mpeg2::crop(std::forward<decltype(frame)>(frame), settings.width, settings.height, plan.number);
+    };
+    coded.reconstruction = bidirectional ? shown(std::move(result.reconstruction)) : shown(result.reconstruction);
     coded.macroblocks = std::move(result.records);
     refresh.record(plan.type, coded.macroblocks);
     coded.block_evaluations = result.evaluations;

@@ -1,6 +1,7 @@
 #include "encoder/mpeg2/frame.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
@@ -36,6 +37,17 @@ core::Picture crop(const Frame& frame, int width, int height, std::int64_t numbe
     picture.y = crop_plane(frame.y, width, height);
     picture.cb = crop_plane(frame.cb, (width + 1) / 2, (height + 1) / 2);
     picture.cr = crop_plane(frame.cr, (width + 1) / 2, (height + 1) / 2);
+    return picture;
+}
+
+core::Picture crop(Frame&& frame, int width, int height, std::int64_t number) {
+    if (frame.y.width() != width || frame.y.height() != height)
+        return crop(std::as_const(frame), width, height, number);
+    core::Picture picture;
+    picture.number = number;
+    picture.y = std::move(frame.y);
+    picture.cb = std::move(frame.cb);
+    picture.cr = std::move(frame.cr);
     return picture;
 }
 

@@ -65,12 +65,19 @@ struct Kernels {
     void (*inverse_dct_add)(const std::int16_t* coefficients, std::uint8_t* out, std::ptrdiff_t stride);
 };
 
+namespace detail {
+/// From before main() on the best variant; while statics are made it may still be the first one.
+extern const Kernels* kernels_in_use;
+}  // namespace detail
+
 /// The variant for this processor.
-const Kernels& kernels();
+inline const Kernels& kernels() {
+    return *detail::kernels_in_use;
+}
 
 /// All variants that this processor can run, for tests; the first one needs nothing beyond the build's own target.
 struct KernelVariants {
-    const Kernels* variant[2];
+    const Kernels* variant[3];
     int count;
 };
 KernelVariants kernel_variants();

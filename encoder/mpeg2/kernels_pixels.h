@@ -59,6 +59,56 @@ R2M_INLINE std::int32_t satd_of_pair(I16x16 (&d)[8]) {
     return 2 * sum_lanes(sum);
 }
 
+#if defined(__AVX512BW__)
+
+/// All four blocks at once: eight vectors of a row of 16 in the upper and one in the lower half of the macroblock.
+R2M_INLINE void butterfly(__m512i& a, __m512i& b) {
+    const __m512i sum = _mm512_add_epi16(a, b);
+    b = _mm512_sub_epi16(a, b);
+    a = sum;
+}
+R2M_INLINE void hadamard_but_last(__m512i (&d)[8]) {
+    for (int i = 0; i < 4; ++i) butterfly(d[i], d[i + 4]);
+    for (int i = 0; i < 8; i += 4) {
+        butterfly(d[i], d[i + 2]);
+        butterfly(d[i + 1], d[i + 3]);
+    }
+}
+R2M_INLINE void interleave(const __m512i (&from)[8], __m512i (&to)[8]) {
+    for (int i = 0; i < 4; ++i) {
+        to[2 * i] = _mm512_unpacklo_epi16(from[i], from[i + 4]);
+        to[2 * i + 1] = _mm512_unpackhi_epi16(from[i], from[i + 4]);
+    }
+}
+R2M_INLINE __m512i load_rows(const u8* upper, Stride stride) {
+    const __m128i a = _mm_loadu_si128(reinterpret_cast<const __m128i*>(upper));
+    const __m128i b = _mm_loadu_si128(reinterpret_cast<const __m128i*>(upper + 8 * stride));
+    return _mm512_cvtepu8_epi16(_mm256_inserti128_si256(_mm256_castsi128_si256(a), b, 1));
+}
+std::uint32_t satd_16x16(const u8* a, Stride a_stride, const u8* b, Stride b_stride) {
+    __m512i d[8], t[8];
+    for (int y = 0; y < 8; ++y)
+        d[y] = _mm512_sub_epi16(load_rows(a + y * a_stride, a_stride), load_rows(b + y * b_stride, b_stride));
+    hadamard_but_last(d);
+    for (int i = 0; i < 8; i += 2) butterfly(d[i], d[i + 1]);
+    interleave(d, t);
+    interleave(t, d);
+    interleave(d, t);
+    hadamard_but_last(t);
+    __m512i sum = _mm512_setzero_si512();
+    for (int i = 0; i < 8; i += 2)
+        sum = _mm512_add_epi16(sum, _mm512_max_epi16(_mm512_abs_epi16(t[i]), _mm512_abs_epi16(t[i + 1])));
+    // Four of them reach 2^15: they have no sign.
+    const __m512i zero = _mm512_setzero_si512();
+    const __m512i wide = _mm512_add_epi32(_mm512_unpacklo_epi16(sum, zero), _mm512_unpackhi_epi16(sum, zero));
+    const auto lanes = reinterpret_cast<I32x16>(wide);
+    return static_cast<std::uint32_t>(2 *
+                                      sum_lanes(__builtin_shufflevector(lanes, lanes, 0, 1, 2, 3, 4, 5, 6, 7) +
+                                                __builtin_shufflevector(lanes, lanes, 8, 9, 10, 11, 12, 13, 14, 15)));
+}
+
+#else
+
 std::uint32_t satd_16x16(const u8* a, Stride a_stride, const u8* b, Stride b_stride) {
     std::int32_t total = 0;
     for (int half = 0; half < 2; ++half) {
@@ -73,6 +123,8 @@ std::uint32_t satd_16x16(const u8* a, Stride a_stride, const u8* b, Stride b_str
     }
     return static_cast<std::uint32_t>(total);
 }
+
+#endif
 
 /// The DC of a block's Hadamard transform is the sum of its samples; with 128 taken off first everything fits 16 bits.
 std::uint32_t activity_16x16(const u8* a, Stride stride) {
@@ -111,74 +163,98 @@ std::uint32_t ssd_8x8(const u8* a, Stride a_stride, const u8* b, Stride b_stride
     return ssd<8>(a, a_stride, b, b_stride);
 }
 
-std::uint32_t sad_8x8(const u8* a, Stride a_stride, const u8* b, Stride b_stride) {
-    I16x16 sum{};
-    for (int y = 0; y < 8; y += 2) {
-        I16x16 p, q;
-        load_two_rows_of_8(p, a + y * a_stride, a_stride);
-        load_two_rows_of_8(q, b + y * b_stride, b_stride);
-        sum += absolute(p - q);
-    }
-    return static_cast<std::uint32_t>(sum_lanes(sum));
-}
-
 // --- Prediction ------------------------------------------------------------------------------------------------------
 
-/// (a + b + 1) / 2 of two neighbours; a form that compilers turn into one instruction for 16 or 8 samples.
-template <int size>
-R2M_INLINE void predict_between_two(u8* out, Stride out_stride, const u8* r, Stride stride, Stride next) {
-    for (int y = 0; y < size; ++y)
-        for (int x = 0; x < size; ++x) {
-            const u8* s = r + y * stride + x;
-            out[y * out_stride + x] = static_cast<u8>((s[0] + s[next] + 1) >> 1);
-        }
-}
-
-R2M_INLINE void add_neighbour_16(I16x16& sum, const u8* from) {
-    I16x16 a, b;
-    load_row_16(a, from);
-    load_row_16(b, from + 1);
-    sum = a + b;
-}
-
-void predict_16x16(u8* __restrict out, Stride out_stride, const u8* __restrict r, Stride stride, int half) {
-    if (half == 0) {
-        for (int y = 0; y < 16; ++y) __builtin_memcpy(out + y * out_stride, r + y * stride, 16);
-    } else if (half < 3) {
-        predict_between_two<16>(out, out_stride, r, stride, half == 1 ? 1 : stride);
-    } else {
-        I16x16 above, below;
-        add_neighbour_16(above, r);
-        for (int y = 0; y < 16; ++y) {
-            add_neighbour_16(below, r + (y + 1) * stride);
-            store(out + y * out_stride, __builtin_convertvector((above + below + 2) >> 2, U8x16));
-            above = below;
-        }
+/// Sixteen samples of a prediction, row by row; `half` as in kernels.h. The mean of four rounds its halves up:
+/// (a + b + c + d + 2) / 4 is the mean of the two means, less one where those differ in their last bit and one of them
+/// was rounded.
+template <int half>
+class HalfPel {
+  public:
+    HalfPel(const u8* reference, Stride stride) : at_(reference), stride_(stride) {
+        if (half == 3) start();
     }
+    R2M_INLINE U8x16 next() {
+        const u8* here = at_;
+        at_ += stride_;
+        if (half == 0) return load_16(here);
+        if (half == 1) return mean_up(load_16(here), load_16(here + 1));
+        if (half == 2) return mean_up(load_16(here), load_16(at_));
+        const U8x16 above = mean_, above_rounded = rounded_;
+        start();
+        const U8x16 one = (above ^ above) + 1;
+        return mean_up(above, mean_) - ((above_rounded | rounded_) & (above ^ mean_) & one);
+    }
+
+  private:
+    R2M_INLINE void start() {
+        const U8x16 a = load_16(at_), b = load_16(at_ + 1);
+        mean_ = mean_up(a, b);
+        rounded_ = a ^ b;
+    }
+    const u8* at_;
+    Stride stride_;
+    U8x16 mean_{}, rounded_{};  ///< of the row above, half 3 only
+};
+
+template <int half>
+R2M_INLINE void predict_16_rows(u8* out, Stride out_stride, const u8* reference, Stride stride) {
+    HalfPel<half> rows(reference, stride);
+    for (int y = 0; y < 16; ++y) store(out + y * out_stride, rows.next());
+}
+void predict_16x16(u8* __restrict out, Stride out_stride, const u8* __restrict r, Stride stride, int half) {
+    if (half == 0) return predict_16_rows<0>(out, out_stride, r, stride);
+    if (half == 1) return predict_16_rows<1>(out, out_stride, r, stride);
+    if (half == 2) return predict_16_rows<2>(out, out_stride, r, stride);
+    predict_16_rows<3>(out, out_stride, r, stride);
+}
+
+/// Eight samples of a row and eight of the next one.
+R2M_INLINE U8x16 load_8_and_8(const u8* from, Stride stride) {
+    std::uint64_t rows[2];
+    __builtin_memcpy(&rows[0], from, 8);
+    __builtin_memcpy(&rows[1], from + stride, 8);
+    U8x16 v;
+    load(v, rows);
+    return v;
+}
+R2M_INLINE void store_8_and_8(u8* to, Stride stride, const U8x16& v) {
+    std::uint64_t rows[2];
+    store(rows, v);
+    __builtin_memcpy(to, &rows[0], 8);
+    __builtin_memcpy(to + stride, &rows[1], 8);
+}
+
+std::uint32_t sad_8x8(const u8* a, Stride a_stride, const u8* b, Stride b_stride) {
+    Sums sums{};
+    for (int y = 0; y < 8; y += 2)
+        sums +=
+            absolute_differences(load_8_and_8(a + y * a_stride, a_stride), load_8_and_8(b + y * b_stride, b_stride));
+    return add_lanes(sums);
 }
 
 void predict_8x8(u8* __restrict out, Stride out_stride, const u8* __restrict r, Stride stride, int half) {
     if (half == 0) {
         for (int y = 0; y < 8; ++y) __builtin_memcpy(out + y * out_stride, r + y * stride, 8);
     } else if (half < 3) {
-        predict_between_two<8>(out, out_stride, r, stride, half == 1 ? 1 : stride);
+        const Stride next = half == 1 ? 1 : stride;
+        for (int y = 0; y < 8; y += 2)
+            store_8_and_8(out + y * out_stride, out_stride,
+                          mean_up(load_8_and_8(r + y * stride, stride), load_8_and_8(r + y * stride + next, stride)));
     } else {
         for (int y = 0; y < 8; y += 2) {
-            I16x16 sum, more;
-            load_two_rows_of_8(sum, r + y * stride, stride);
-            const Stride nexts[] = {1, stride, stride + 1};
-            for (const Stride next : nexts) {
-                load_two_rows_of_8(more, r + y * stride + next, stride);
-                sum += more;
-            }
-            store_two_rows_of_8(out + y * out_stride, out_stride, (sum + 2) >> 2);
+            const u8* here = r + y * stride;
+            const U8x16 a = load_8_and_8(here, stride), b = load_8_and_8(here + 1, stride);
+            const U8x16 c = load_8_and_8(here + stride, stride), d = load_8_and_8(here + stride + 1, stride);
+            const U8x16 above = mean_up(a, b), below = mean_up(c, d), one = (a ^ a) + 1;
+            store_8_and_8(out + y * out_stride, out_stride,
+                          mean_up(above, below) - (((a ^ b) | (c ^ d)) & (above ^ below) & one));
         }
     }
 }
 
 void average(u8* __restrict a, const u8* __restrict b, int count) {
-    for (int at = 0; at < count; at += 32)
-        for (int i = 0; i < 32; ++i) a[at + i] = static_cast<u8>((a[at + i] + b[at + i] + 1) >> 1);
+    for (int at = 0; at < count; at += 16) store(a + at, mean_up(load_16(a + at), load_16(b + at)));
 }
 
 }  // namespace

@@ -4,6 +4,12 @@
 
 #include "encoder/mpeg2/kernels.h"
 
+#if defined(__AVX512BW__)
+#include <immintrin.h>
+#elif defined(__SSE2__)
+#include <emmintrin.h>  // functions of these headers are always inlined and never emitted
+#endif
+
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
@@ -14,6 +20,9 @@ using U8x16 = u8 __attribute__((vector_size(16)));
 using I16x8 = std::int16_t __attribute__((vector_size(16)));
 using I16x16 = std::int16_t __attribute__((vector_size(32)));
 using I32x8 = std::int32_t __attribute__((vector_size(32)));
+#if defined(__AVX512BW__)
+using I32x16 = std::int32_t __attribute__((vector_size(64)));
+#endif
 using F32x8 = float __attribute__((vector_size(32)));
 
 #define R2M_INLINE inline __attribute__((always_inline))
@@ -32,6 +41,35 @@ R2M_INLINE void load_row_16(I16x16& v, const u8* from) {
     load(bytes, from);
     v = __builtin_convertvector(bytes, I16x16);
 }
+/// Sixteen samples: the mean of two, rounded up, and the sum of absolute differences have instructions of their own.
+R2M_INLINE U8x16 load_16(const u8* from) {
+    U8x16 v;
+    load(v, from);
+    return v;
+}
+R2M_INLINE U8x16 mean_up(const U8x16& a, const U8x16& b) {
+#if defined(__SSE2__)
+    return reinterpret_cast<U8x16>(_mm_avg_epu8(reinterpret_cast<__m128i>(a), reinterpret_cast<__m128i>(b)));
+#else
+    return (a | b) - ((a ^ b) >> 1);
+#endif
+}
+/// Two partial sums, of which add_lanes() makes one.
+using Sums = std::uint64_t __attribute__((vector_size(16)));
+R2M_INLINE Sums absolute_differences(const U8x16& a, const U8x16& b) {
+#if defined(__SSE2__)
+    return reinterpret_cast<Sums>(_mm_sad_epu8(reinterpret_cast<__m128i>(a), reinterpret_cast<__m128i>(b)));
+#else
+    const U8x16 d = a > b ? a - b : b - a;
+    Sums sums{};
+    for (int i = 0; i < 16; ++i) sums[i / 8] += d[i];
+    return sums;
+#endif
+}
+R2M_INLINE std::uint32_t add_lanes(const Sums& s) {
+    return static_cast<std::uint32_t>(s[0] + s[1]);
+}
+
 /// Eight samples of a row and eight of the next one.
 R2M_INLINE void load_two_rows_of_8(I16x16& v, const u8* from, Stride stride) {
     std::uint64_t rows[2];

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "encoder/mpeg2/trellis.h"
+#include "encoder/mpeg2/tuning.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
@@ -37,10 +38,12 @@ float lambda_of(const PictureCoding& picture, int quantiser) {
     return picture.lambda_factor * static_cast<float>(quantiser * quantiser);
 }
 
-/// Lowers the levels of a quantised block where that is worth it.
-void lower_levels(const PictureCoding& picture, Block& block, const QuantTable& table, bool intra, float lambda) {
-    const auto lower = picture.effort == Effort::quality ? optimise : economise;
-    lower(block, table, CoefficientLengths::zero(), intra, lambda);
+/// Lowers the levels of a quantised block where that is worth it; gives its coefficients' bits with table B-14.
+int lower_levels(const PictureCoding& picture, Block& block, const QuantTable& table, bool intra, float lambda) {
+    const CoefficientLengths& lengths = CoefficientLengths::zero();
+    if (picture.effort == Effort::fast) return economise(block, table, lengths, intra, lambda);
+    optimise(block, table, lengths, intra, lambda);
+    return coefficient_bits(block, lengths, intra);
 }
 
 /// Null: all 1, as for chroma.
@@ -68,21 +71,20 @@ void code_difference(const PictureCoding& picture, int column, int row, int i, c
 
     block.weights = weights_of(picture, p);
 
-    // No basis function exceeds 1/4, hence no coefficient a quarter of the sum of absolute differences: below the step
-    // all vanish.
-    const float largest = 0.25f * static_cast<float>(k.sad_8x8(source, stride, predicted, prediction_stride(p)));
-    if (largest * table.largest_reciprocal < 1.0f) {
+    // No coefficient's square exceeds the sum of all, which is that of the samples: below the step all vanish.
+    const auto energy = static_cast<float>(k.ssd_8x8(source, stride, predicted, prediction_stride(p)));
+    const float least = picture.effort == Effort::fast ? energy_fast : 1.0f;
+    if (energy * table.largest_reciprocal * table.largest_reciprocal < least) {
         block.scan_mask = 0;
         block.energy = block.distortion =
             block.weights ? weighted_difference(source, stride, predicted, prediction_stride(p), *block.weights)
-                          : static_cast<float>(k.ssd_8x8(source, stride, predicted, prediction_stride(p)));
+                          : energy;
         return;
     }
     k.forward_dct_of_difference(block.coefficients, source, stride, predicted, prediction_stride(p));
     quantise_non_intra(block, table);
     if (block.scan_mask == 0) return;
-    lower_levels(picture, block, table, false, lambda);
-    block.bits = coefficient_bits(block, CoefficientLengths::zero(), false);
+    block.bits = lower_levels(picture, block, table, false, lambda);
     if (block.energy <= block.distortion + lambda * static_cast<float>(block.bits)) block.scan_mask = 0;
 }
 

@@ -8,6 +8,7 @@
 #include "encoder/mpeg2/frame.h"
 #include "encoder/mpeg2/motion.h"
 #include "encoder/mpeg2/quantiser.h"
+#include "encoder/mpeg2/quick_motion.h"
 #include "encoder/mpeg2/vector.h"
 
 namespace render2mpeg::encoder::mpeg2 {
@@ -42,6 +43,7 @@ struct PictureCoding {
     const Weights* weights = nullptr;                      ///< of errors of luma; null: all 1
     const core::Plane<std::uint8_t>* intra_due = nullptr;  ///< 1: intra or skipped; null: none
     const core::Plane<Force>* forced = nullptr;            ///< null: nothing
+    const QuickMotion* quick = nullptr;                    ///< null: vectors are chosen beforehand
 };
 
 /// How one macroblock is coded, ready to be written.

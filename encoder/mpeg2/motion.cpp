@@ -1,7 +1,6 @@
 #include "encoder/mpeg2/motion.h"
 
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 #include "encoder/mpeg2/kernels.h"
@@ -23,23 +22,18 @@ class Trials {
         Vector vector() const { return {x, y}; }
     };
 
-    Trials() : least_(std::numeric_limits<std::uint32_t>::max()), count_(0) {}  // and no word about the rest: dear
+    Trials() : count_(0) {}  // and no word about the rest: dear
 
     int count() const { return count_; }
-    std::uint32_t least_difference() const { return least_; }
     const Trial* begin() const { return trials_; }
     const Trial* end() const { return trials_ + count_; }
     bool holds(Vector v) const {
         return std::any_of(begin(), end(), [v](const Trial& trial) { return trial.x == v.x && trial.y == v.y; });
     }
-    void add(Vector v, std::uint32_t difference) {
-        trials_[count_++] = {v.x, v.y, difference};
-        least_ = std::min(least_, difference);
-    }
+    void add(Vector v, std::uint32_t difference) { trials_[count_++] = {v.x, v.y, difference}; }
 
   private:
     Trial trials_[evaluation_limit];
-    std::uint32_t least_;  ///< of all differences
     int count_;
 };
 
@@ -90,11 +84,9 @@ class Chooser {
                 const Candidates& exact = s_.exact->at(column, row);
                 for (int i = 0; i < exact.count; ++i) evaluate(column, row, exact.vector[static_cast<std::size_t>(i)]);
             }
-            if (!enough(column, row)) {
-                evaluate(column, row, Vector{});
-                if (s_.previous) evaluate(column, row, allowed.clamp(s_.previous->at(column, row)));
-                evaluate(column, row, allowed.clamp(left));
-            }
+            evaluate(column, row, Vector{});
+            if (s_.previous) evaluate(column, row, allowed.clamp(s_.previous->at(column, row)));
+            evaluate(column, row, allowed.clamp(left));
             if (s_.search_range > 0) search_about_best(column, row);
             const Trials& t = trials(column, row);
             left = std::min_element(t.begin(), t.end(), [](const auto& a, const auto& b) {
@@ -137,19 +129,14 @@ class Chooser {
             const VectorRange allowed = range(column, row);
             const Vector above = neighbour(column, row - 1), above_right = neighbour(column + 1, row - 1);
             const Vector middle{median(left.x, above.x, above_right.x), median(left.y, above.y, above_right.y)};
-            const bool thorough = s_.effort == Effort::quality;
-            if (!enough(column, row)) {
-                for (const Vector v : {left, above, middle}) evaluate(column, row, allowed.clamp(v));
-                if (thorough)
-                    for (const Vector v : {above_right, neighbour(column + 1, row), neighbour(column, row + 1)})
-                        evaluate(column, row, allowed.clamp(v));
-            }
+            for (const Vector v :
+                 {left, above, middle, above_right, neighbour(column + 1, row), neighbour(column, row + 1)})
+                evaluate(column, row, allowed.clamp(v));
 
             Vector best = cheapest(trials(column, row), left);
-            for (int round = 0; round < (thorough ? 2 : 1) && !enough(column, row); ++round) {
+            for (int round = 0; round < 2; ++round) {
                 for (int dy = -1; dy <= 1; ++dy)
                     for (int dx = -1; dx <= 1; ++dx) {
-                        if (!thorough && dx != 0 && dy != 0) continue;
                         const Vector v{static_cast<std::int16_t>(best.x + dx), static_cast<std::int16_t>(best.y + dy)};
                         if (allowed.contains(v)) evaluate(column, row, v);
                     }
@@ -161,9 +148,6 @@ class Chooser {
             left = best;
         }
     }
-
-    /// Whether a vector was found that leaves next to nothing to code.
-    bool enough(int column, int row) { return trials(column, row).least_difference() <= s_.enough; }
 
     /// What the first pass chose, zero outside the picture.
     Vector neighbour(int column, int row) const {

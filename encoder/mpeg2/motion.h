@@ -17,10 +17,9 @@ struct MotionSources {
     const core::Plane<Candidates>* exact;  ///< null: predictors and zero only
     const core::Plane<Vector>* previous;   ///< vectors of another picture, a predictor; null: none
     int horizontal_f_code_limit;
-    float cost_per_bit;   ///< Hadamard sum
-    bool zero_is_unsaid;  ///< a zero vector costs next to nothing: P pictures
-    Effort effort = Effort::quality;
-    std::uint32_t enough = 0;   ///< Hadamard sum at which no more vectors are tried
+    float cost_per_bit;         ///< Hadamard sum
+    bool zero_is_unsaid;        ///< a zero vector costs next to nothing: P pictures
+    std::uint32_t enough = 0;   ///< QuickMotion: Hadamard sum at which no more vectors are tried
     int evaluation_limit = 39;  ///< most 16x16 differences computed for one macroblock, 9..40
     int search_range = 0;       ///< encoder/mpeg2/search.h
 };
@@ -49,8 +48,7 @@ static_assert(2 * evaluation_limit_per_direction + evaluation_limit_of_means + e
 /// Chooses a vector for every macroblock by Hadamard difference plus the price of the vector's bits, among the
 /// renderer's exact vectors, predictors (left, above, above right, their median, the picture before) and zero, then
 /// among half-pel neighbours of the best in at most two rounds. No search: a vector is never more than two half pixels
-/// from one of these. Effort::fast has fewer predictors and one round of four neighbours, and none where `enough` is
-/// reached.
+/// from one of these.
 MotionChoice choose_vectors(const MotionSources& sources);
 
 /// Luma and chroma prediction of a macroblock: 16x16 samples, then 8x8 of Cb and Cr.

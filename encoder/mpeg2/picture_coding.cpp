@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "encoder/mpeg2/motion.h"
 #include "encoder/mpeg2/row_coding.h"
@@ -35,16 +36,28 @@ float lambda_factor(PictureType type) {
 /// Vectors of each direction to decide among; empty where the picture has no reference.
 using Vectors = std::array<core::Plane<VectorChoice>, 2>;
 
+std::optional<MotionSources> sources_of(const PictureTask& task, const Level& level, std::size_t d) {
+    if (!task.reference[d]) return std::nullopt;
+    const bool bidirectional = task.type == PictureType::bidirectional, fast = task.effort == Effort::fast;
+    const auto q = static_cast<float>(task.quantiser);
+    return MotionSources{task.source,
+                         *task.reference[d],
+                         task.exact[d],
+                         task.predictors[d],
+                         level.horizontal_f_code,
+                         lambda_motion * q,
+                         !bidirectional,
+                         fast ? static_cast<std::uint32_t>(enough_fast * task.quantiser) : 0,
+                         bidirectional ? evaluation_limit_per_direction : evaluation_limit_of_vectors,
+                         task.search_range};
+}
+
 Vectors choose(const PictureTask& task, const Level& level, std::uint64_t& evaluations) {
     Vectors vectors;
-    const bool bidirectional = task.type == PictureType::bidirectional;
-    const auto enough = static_cast<std::uint32_t>(task.effort == Effort::fast ? enough_fast * task.quantiser : 0);
     for (std::size_t d = 0; d < 2; ++d) {
-        if (!task.reference[d]) continue;
-        MotionChoice choice = choose_vectors(
-            {task.source, *task.reference[d], task.exact[d], task.predictors[d], level.horizontal_f_code,
-             lambda_motion * static_cast<float>(task.quantiser), !bidirectional, task.effort, enough,
-             bidirectional ? evaluation_limit_per_direction : evaluation_limit_of_vectors, task.search_range});
+        const std::optional<MotionSources> sources = sources_of(task, level, d);
+        if (!sources) continue;
+        MotionChoice choice = choose_vectors(*sources);
         vectors[d] = std::move(choice.vectors);
         evaluations += choice.evaluations;
     }
@@ -66,7 +79,8 @@ core::Plane<std::uint8_t> quantisers_of(const PictureTask& task) {
 }
 
 /// Decides all rows; the rows' own state starts anew in each, so that they can be taken in any order.
-std::vector<RowCode> decide(const PictureTask& task, const Vectors& vectors, Frame& reconstruction) {
+std::vector<RowCode> decide(const PictureTask& task, const Vectors& vectors, const QuickMotion* quick,
+                            Frame& reconstruction) {
     PictureCoding picture{task.source,
                           {task.reference[0], task.reference[1]},
                           reconstruction,
@@ -78,8 +92,13 @@ std::vector<RowCode> decide(const PictureTask& task, const Vectors& vectors, Fra
                           dc_bits_for(task.quantiser),
                           task.weights,
                           task.intra_due,
-                          task.forced};
+                          task.forced,
+                          quick};
     for (std::size_t d = 0; d < 2; ++d) {
+        if (quick) {
+            std::copy_n(quick->f_code(static_cast<int>(d)), 2, picture.f_code[d]);
+            continue;
+        }
         Extent extent;
         for (const VectorChoice& choice : vectors[d].values())
             for (int i = 0; i < choice.count; ++i) extent.include(choice.vector[i]);
@@ -167,8 +186,15 @@ PictureResult code_picture(const PictureTask& task, const Level& level) {
     result.reconstruction = Frame(columns, rows);
     result.records = core::Plane<MacroblockRecord>(columns, rows);
     if (task.type == PictureType::predicted) result.vectors = core::Plane<Vector>(columns, rows);
-    const Vectors vectors = choose(task, level, result.evaluations);
-    std::vector<RowCode> decided = decide(task, vectors, result.reconstruction);
+    Vectors vectors;
+    const std::optional<MotionSources> sources[2] = {sources_of(task, level, 0), sources_of(task, level, 1)};
+    std::optional<QuickMotion> quick;
+    if (task.effort == Effort::fast && task.search_range == 0) {
+        quick.emplace(sources[0] ? &*sources[0] : nullptr, sources[1] ? &*sources[1] : nullptr);
+    } else {
+        vectors = choose(task, level, result.evaluations);
+    }
+    std::vector<RowCode> decided = decide(task, vectors, quick ? &*quick : nullptr, result.reconstruction);
     for (const RowCode& row : decided) result.evaluations += row.evaluations;
     result.bytes = write(task, header_for(task, decided), decided);
     record(decided, result);

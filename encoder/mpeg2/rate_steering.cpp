@@ -61,12 +61,9 @@ int RateSteering::plan(const PicturePlan& picture, const PictureFacts& facts, bo
     if (picture.starts_gop) gop_start_ = picture.number;
     planned_end_ = picture.number + 1;
     allotted_rest_ = facts.allotment ? std::max(0.0, facts.allotment->bits_left - facts.allotment->bits) : 0;
-    Flying flying{picture.type,
-                  1,
-                  facts.allotment,
-                  facts.sensitivity.value_or(1.0),
-                  ratio_of(picture),
-                  !facts.allotment && !model_.knows(picture.type)};
+    Flying flying{picture.type,      1,
+                  facts.allotment,   facts.sensitivity.value_or(1.0),
+                  ratio_of(picture), !facts.allotment && !model_.knows(picture.type)};
     flying.quantiser = rounded(flying, nominal(picture.number, flying, schedule));
     flying_.insert_or_assign(picture.number, flying);
     return flying.quantiser;

@@ -42,7 +42,7 @@ class RateSteering {
         int quantiser;
         std::optional<Allotment> allotment;
         double sensitivity;
-        double ratio;  ///< of its quantiser to that of P pictures that nothing refers to
+        double ratio;          ///< of its quantiser to that of P pictures that nothing refers to
         bool guessed = false;  ///< planned before any picture of its type was coded
     };
 

@@ -38,6 +38,10 @@ class RowDecider {
             if (picture_.type == PictureType::intra) {
                 attempt_intra(picture_, column, row_, quantiser_, state_, *intra_);
                 keep(column, *intra_);
+            } else if (picture_.quick) {
+                if (skip_at_once(column, may_skip)) continue;
+                try_quickly(column);
+                settle(column, may_skip);
             } else if (picture_.type == PictureType::predicted) {
                 try_vectors(column, vectors[0][column]);
                 settle(column, may_skip);
@@ -61,9 +65,56 @@ class RowDecider {
         if (force == Force::none || !may_skip) return false;
         const std::optional<Movement> skipped = skipped_movement(picture_, column, row_, state_);
         if (!skipped) return false;
-        predict(picture_, column, row_, *skipped, prediction_);
+        distortion_if_skipped(column, *skipped);
         skip(column, *skipped);
         return true;
+    }
+
+    /// Effort::fast: skips a macroblock that this leaves next to nothing of.
+    bool skip_at_once(int column, bool may_skip) {
+        if (!may_skip || (picture_.intra_due && picture_.intra_due->at(column, row_) != 0)) return false;
+        const std::optional<Movement> skipped = skipped_movement(picture_, column, row_, state_);
+        if (!skipped) return false;
+        if (distortion_if_skipped(column, *skipped) > skip_fast * static_cast<float>(quantiser_ * quantiser_))
+            return false;
+        skip(column, *skipped);
+        return true;
+    }
+
+    /// Effort::fast: leaves in inter_ what Hadamard sums call the best movement.
+    void try_quickly(int column) {
+        const QuickMotion& quick = *picture_.quick;
+        const bool bidirectional = picture_.type == PictureType::bidirectional;
+        QuickMotion::Found found[2];
+        for (int d = 0; d < (bidirectional ? 2 : 1); ++d)
+            found[d] = quick.begin(d, column, row_, state_.movement.vector[d]);
+
+        // Of two directions the mean is most often the best; where it is good enough nothing more is tried.
+        std::uint32_t difference = 0;
+        const auto take_mean = [&] {
+            difference = quick.difference_of_mean(column, row_, found[0].vector, found[1].vector);
+            ++code_.evaluations;
+        };
+        if (bidirectional) take_mean();
+        if (!bidirectional || !quick.is_enough(difference)) {
+            const Vector before[2] = {found[0].vector, found[1].vector};
+            for (int d = 0; d < (bidirectional ? 2 : 1); ++d)
+                quick.go_on(found[d], d, column, row_, state_.movement.vector[d]);
+            if (bidirectional && (found[0].vector != before[0] || found[1].vector != before[1])) take_mean();
+        }
+
+        Movement movement{{found[0].vector, {}}, {true, false}};
+        if (bidirectional) {
+            const QuickMotion::Found &first = found[0], &second = found[1];
+            const float bits = first.cost + second.cost - static_cast<float>(first.difference + second.difference);
+            const float mean = static_cast<float>(difference) + bits;
+            if (mean <= first.cost && mean <= second.cost)
+                movement = {{first.vector, second.vector}, {true, true}};
+            else if (second.cost < first.cost)
+                movement = {{{}, second.vector}, {false, true}};
+        }
+        code_.evaluations += static_cast<std::uint64_t>(found[0].evaluations + found[1].evaluations);
+        attempt_inter(picture_, column, row_, movement, quantiser_, state_, *inter_);
     }
 
     /// Chooses between inter_, intra and skipping.
@@ -76,8 +127,7 @@ class RowDecider {
         const float best = intra ? intra_->totals.cost(lambda_) : inter;
         const std::optional<Movement> skipped =
             may_skip ? skipped_movement(picture_, column, row_, state_) : std::nullopt;
-        if (skipped) predict(picture_, column, row_, *skipped, prediction_);
-        if (skipped && skip_cost(column) <= best) {
+        if (skipped && skip_cost(column, *skipped) <= best) {
             skip(column, *skipped);
         } else {
             keep(column, intra ? *intra_ : *inter_);
@@ -108,9 +158,18 @@ class RowDecider {
     }
 
     /// Distortion, and the bits by which the next address increment grows.
-    float skip_cost(int column) const {
-        return skip_distortion(picture_, column, row_, prediction_) +
+    float skip_cost(int column, const Movement& movement) {
+        return distortion_if_skipped(column, movement) +
                lambda_ * static_cast<float>(address_increment_bits(state_.skipped + 1));
+    }
+
+    /// Leaves what is shown then in prediction_. A macroblock may ask twice.
+    float distortion_if_skipped(int column, const Movement& movement) {
+        if (predicted_column_ == column) return skip_distortion_;
+        predicted_column_ = column;
+        predict(picture_, column, row_, movement, prediction_);
+        skip_distortion_ = skip_distortion(picture_, column, row_, prediction_);
+        return skip_distortion_;
     }
 
     /// Intra costs at least its type, six DC sizes and six ends of block, and its distortion is hardly below what
@@ -191,7 +250,9 @@ class RowDecider {
     float lambda_ = 0;
     SliceState state_;
     std::unique_ptr<Attempt> inter_, other_, intra_;
-    Prediction prediction_;  ///< of the macroblock if it is skipped
+    Prediction prediction_;      ///< of the macroblock in predicted_column_ if it is skipped
+    int predicted_column_ = -1;  ///< -1: none yet
+    float skip_distortion_ = 0;
     RowCode code_;
 };
 

@@ -145,9 +145,13 @@ TEST(Evaluations, OfNoMacroblockExceedTheLimit) {
         EXPECT_LE(code_picture(task, level_for(settings(16, 16))).evaluations, 40u);
     }
     const Frame source = noisy(12, 12, 1), reference = noisy(12, 12, 2), other = noisy(12, 12, 3);
-    for (const PictureType type : {PictureType::predicted, PictureType::bidirectional}) {
+    for (const auto& [type, effort] : {std::pair{PictureType::predicted, Effort::quality},
+                                       {PictureType::bidirectional, Effort::quality},
+                                       {PictureType::predicted, Effort::fast},
+                                       {PictureType::bidirectional, Effort::fast}}) {
         PictureTask task = noise_task(source, reference);
         task.type = type;
+        task.effort = effort;
         core::Plane<Candidates> offered(12, 12);
         for (int row = 0; row < 12; ++row)
             for (int column = 0; column < 12; ++column)
@@ -158,8 +162,8 @@ TEST(Evaluations, OfNoMacroblockExceedTheLimit) {
         task.exact[0] = &offered;
         if (type == PictureType::bidirectional) task.reference[1] = &other, task.exact[1] = &offered;
         const std::uint64_t evaluations = code_picture(task, level_for(settings(192, 192))).evaluations;
-        EXPECT_LE(evaluations, 40u * 144u);
-        EXPECT_GE(evaluations, 15u * 144u);
+        EXPECT_LE(evaluations, (effort == Effort::fast ? 23u : 40u) * 144u);
+        EXPECT_GE(evaluations, (effort == Effort::fast ? 8u : 15u) * 144u);
     }
 }
 

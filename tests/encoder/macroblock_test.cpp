@@ -200,7 +200,7 @@ TEST(Candidates, PixelsWithoutMotionAreLeftOut) {
     core::MotionField field = uniform_motion(40, 20, 1, {2.0f, 2.0f});
     for (int y = 0; y < 16; ++y)
         for (int x = 0; x < 16; ++x)
-            if ((x + y / 2) % 4 != 0) {
+            if ((x + y / 4) % 4 != 0) {
                 field.vector.at(x, y) = {std::numeric_limits<float>::quiet_NaN(), 1e30f};
                 field.kind.at(x, y) = x % 2 ? core::PixelClass::none : core::PixelClass::surface;
             }

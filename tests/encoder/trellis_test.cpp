@@ -92,7 +92,8 @@ TEST(Trellis, NeverLosesToTakingLevelsOneByOneAndOftenWins) {
         const QuantTable& table = intra ? Quantiser::of(q).intra : Quantiser::of(q).non_intra;
         const float lambda = 2.0f * static_cast<float>(q * q);
         Block greedy = random_block(seed, intra, q, 50), whole = greedy;
-        economise(greedy, table, CoefficientLengths::zero(), intra, lambda);
+        const int bits = economise(greedy, table, CoefficientLengths::zero(), intra, lambda);
+        ASSERT_EQ(bits, coefficient_bits(greedy, CoefficientLengths::zero(), intra));
         optimise(whole, table, CoefficientLengths::zero(), intra, lambda);
         const float a = cost_of(greedy, CoefficientLengths::zero(), intra, lambda),
                     b = cost_of(whole, CoefficientLengths::zero(), intra, lambda);
