@@ -47,6 +47,7 @@ renderer::Settings rendering_settings(const RenderOptions& options, const scene:
     // (0.38 of them do at 1000, and 10 % of the pixels err by more; 0.12 at 2000) and in Sibenik (0.49 at 1000).
     settings.max_cut = 4000;
     settings.stop = options.stop == "classic" ? renderer::Stop::classic : renderer::Stop::honest;
+    settings.cache = options.cache == "on";
     settings.isa = options.isa ? core::isa_from(*options.isa) : core::detect_isa();
     return settings;
 }

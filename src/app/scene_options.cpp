@@ -94,6 +94,13 @@ void add_light_options(CLI::App& command, RenderOptions& options) {
         ->check(CLI::IsMember({"bounded", "none"}))
         ->capture_default_str()
         ->group(light);
+    command
+        .add_option("--cache", options.cache,
+                    "Where light comes from: `on` gathers it at places on surfaces, and keeps it there for other "
+                    "pixels and frames while it stays what it is; `off` gathers it for every pixel of every frame")
+        ->check(CLI::IsMember({"on", "off"}))
+        ->capture_default_str()
+        ->group(light);
 }
 
 void add_picture_options(CLI::App& command, RenderOptions& options) {

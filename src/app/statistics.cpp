@@ -43,6 +43,15 @@ json audit_of(const Production& film, const Audit& audit) {
             {"error_p99", audit.errors.quantile(0.99)}, {"seconds", audit.seconds}};
 }
 
+/// Null without --cache on.
+json records_of(const Production& film, const renderer::Statistics& r) {
+    if (!film.rendering.cache) return nullptr;
+    return {
+        {"created", r.records_created},
+        {"most", r.records_live},
+        {"served", core::divide_or(static_cast<double>(r.records_served), static_cast<double>(r.gather_points), 0.0)}};
+}
+
 /// Null where no caution was learnt.
 json caution_of(const renderer::Statistics& r) {
     if (r.calibrated_pixels == 0) return nullptr;
@@ -178,6 +187,7 @@ json statistics_of(const Production& film, const Ledger& ledger, const RunFacts&
         {"capped_points", r.capped_points},
         {"stop", film.rendering.stop == renderer::Stop::classic ? "classic" : "honest"},
         {"caution", caution_of(r)},
+        {"records", records_of(film, r)},
         {"audit", audit_of(film, ledger.audit)},
         {"first_non_finite", r.first_non_finite},
         {"clamped_energy", r.clamped_energy},

@@ -33,6 +33,13 @@ void fetch(const LightTree& tree, LightRef ref) {
     __builtin_prefetch(light + sizeof(TreeLight) - 1);
 }
 
+void clear_counts(GatheredLight& out) {
+    out.direct_clusters = out.indirect_clusters = 0;
+    out.capped = 0;
+    out.shadow_rays = 0;
+    std::fill(std::begin(out.error), std::end(out.error), 0.0f);
+}
+
 /// A ray from each lane that the light could reach towards it.
 RENDER2MPEG_ALWAYS_INLINED void aim(const GatherLanes& lanes, LightFamily family, const TreeLight& light,
                                     const LightLanes& unit, ShadowPacket& packet) {
@@ -239,13 +246,10 @@ void Gatherer::sum_finely(const GatherLanes& lanes, std::uint32_t index, const P
 
 void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance, const CutLimits& limits,
                       GatheredLight& out) {
-    out.direct_clusters = out.indirect_clusters = 0;
-    out.capped = 0;
-    out.shadow_rays = 0;
-    std::fill(std::begin(out.error), std::end(out.error), 0.0f);
+    clear_counts(out);
     CutSums sums(lanes);
     std::fill(std::begin(luminance_), std::end(luminance_), 0.0f);
-    gather_exact(lanes, sums, out);
+    if (limits.exact) gather_exact(lanes, sums, out);
     std::copy(std::begin(luminance_), std::end(luminance_), std::begin(exact_luminance_));
     rule_.start(limits.stop, limits.caution, tolerance.absolute, tolerance.relative, tolerance.base);
     start_cut(lanes, out);
@@ -277,11 +281,16 @@ void Gatherer::sum_slots(const GatherLanes& lanes, bool finely, CutSums& sums, G
     }
 }
 
+void Gatherer::gather_exact(const GatherLanes& lanes, GatheredLight& out) {
+    clear_counts(out);
+    CutSums sums(lanes);
+    std::fill(std::begin(luminance_), std::end(luminance_), 0.0f);
+    gather_exact(lanes, sums, out);
+    sums.store(out);
+}
+
 void Gatherer::gather_all(const GatherLanes& lanes, GatheredLight& out) {
-    out.direct_clusters = out.indirect_clusters = 0;
-    out.capped = 0;
-    out.shadow_rays = 0;
-    std::fill(std::begin(out.error), std::end(out.error), 0.0f);
+    clear_counts(out);
     CutSums sums(lanes);
     gather_exact(lanes, sums, out);
     Arrival arrival;

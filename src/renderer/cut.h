@@ -5,6 +5,7 @@
 
 #include "renderer/cut_rule.h"
 #include "renderer/light_forest.h"
+#include "renderer/point_light.h"
 #include "renderer/ray_tracer.h"
 #include "renderer/stop.h"
 
@@ -36,11 +37,17 @@ struct CutLimits {
     int most = 1000;
     Stop stop = Stop::honest;
     float caution = 1;  ///< multiplies what a cut is thought to err by: what fits vary
+    bool exact = true;  ///< gather the lights that are not clustered as well; else their light is known, as base
 };
 
 /// Tolerances of a group's lanes, in luminance of their pixels; see CutRule.
 struct alignas(64) GroupTolerance {
     Lanes absolute, relative, base;
+    void set(int lane, const PointTolerance& t) {
+        absolute[lane] = t.absolute;
+        relative[lane] = t.relative;
+        base[lane] = t.base;
+    }
 };
 
 /// Gathers the light of one group of points at a time. One per thread: it keeps memory between groups, no values.
@@ -50,6 +57,9 @@ class Gatherer {
 
     /// By a cut through all trees at once that every lane's tolerance accepts [Walter2005, 4].
     void gather(const GatherLanes& lanes, const GroupTolerance& tolerance, const CutLimits& limits, GatheredLight& out);
+
+    /// Only the lights that are not clustered, each by itself.
+    void gather_exact(const GatherLanes& lanes, GatheredLight& out);
 
     /// Every light point by itself, in the order of the trees: what all cuts are held against.
     void gather_all(const GatherLanes& lanes, GatheredLight& out);

@@ -10,6 +10,7 @@
 #include "renderer/calibration.h"
 #include "renderer/light_forest.h"
 #include "renderer/light_points.h"
+#include "renderer/record_cache.h"
 #include "renderer/see.h"
 #include "renderer/shade.h"
 
@@ -110,6 +111,7 @@ struct Renderer::Impl {
         }
         lit.reset();
         watched.reset();
+        records.forget();
         caution.forget();
         started = true;
     }
@@ -118,6 +120,7 @@ struct Renderer::Impl {
     /// frame.
     void update_light(const scene::Snapshot& snapshot) {
         if (lit && same_light(*lit, snapshot)) return;
+        records.forget();
         std::vector<LightPoint> direct;
         {
             const Stopwatch watch(row(Pass::emissive_lights));
@@ -216,6 +219,12 @@ struct Renderer::Impl {
         s.clamped_energy = all > 0 ? clamped / all : 0.0;
     }
 
+    void count(const RecordCounts& found) {
+        statistics.records_created += found.created;
+        statistics.records_served += found.served;
+        statistics.records_live = std::max<std::uint64_t>(statistics.records_live, found.live);
+    }
+
     Settings settings;
     Plan plan;
     Scenery scenery;
@@ -228,6 +237,7 @@ struct Renderer::Impl {
     std::int64_t first_frame = 0;  ///< of the chunk
     Caution caution;
     std::optional<Sight> watched;        ///< the frame that caution was told of last
+    RecordCache records;
     std::optional<float> given_caution;  ///< instead of it
     Statistics statistics;
     double gathered = 0, clamped = 0;
@@ -264,8 +274,16 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     if (learns && (!i.caution.knows() || snapshot.cut_before)) i.calibrate(snapshot, seen, tolerance, settings);
     settings.limits.caution = i.given_caution.value_or(learns ? i.caution.value() : 1.0f);
     ShadeCounts counts;
-    core::Radiance radiance =
-        renderer::shade(i.forest, i.scenery.tracer(), seen, snapshot.camera.position(), tolerance, settings, counts);
+    FrameLight known;
+    const bool by_records = i.settings.cache && !tolerance.is_reference();
+    if (by_records) {
+        RecordCounts found;
+        known =
+            i.records.light(i.forest, i.scenery.tracer(), seen, snapshot, tolerance, settings.limits, counts, found);
+        i.count(found);
+    }
+    core::Radiance radiance = renderer::shade(i.forest, i.scenery.tracer(), seen, snapshot.camera.position(), tolerance,
+                                              settings, counts, by_records ? &known : nullptr);
     i.count(counts, seen.visible);
     if (learns) i.watch(snapshot, seen, tolerance, settings, radiance, counts);
     i.share_time(cpu_seconds() - start, counts);

@@ -32,6 +32,7 @@ struct Settings {
     int specular_depth = 6;  ///< mirrors and glass after one another
     Clamp clamp = Clamp::bounded;
     bool calibrate = true;  ///< Stop::honest: let the film's own light decide the caution of its cuts (calibration.h)
+    bool cache = false;     ///< keep light on surfaces as records from which pixels are lit (record_cache.h)
     core::Isa isa = core::Isa::sse2;
     std::uint64_t seed = 1;  ///< of representatives and light samples; photons use a fixed Halton sequence
 };
@@ -48,6 +49,9 @@ struct Statistics {
     double least_caution = 0, largest_caution = 0, mean_caution = 0;  ///< over frames lit; 0: none was
     std::uint64_t calibrated_pixels = 0;  ///< gathered again for it; their rays count nowhere
     double calibration_seconds = 0;       ///< CPU, part of the time of shading
+    std::uint64_t records_created = 0;    ///< Settings::cache
+    std::uint64_t records_served = 0;     ///< gather points whose light came from records
+    std::uint64_t records_live = 0;       ///< most that were held at a time
 };
 
 /// See and shade. State that lives over frames is a function of the animation, the settings and the chunk's first

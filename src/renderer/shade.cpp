@@ -9,41 +9,28 @@
 #include "core/numeric.h"
 #include "parallel/loops.h"
 #include "renderer/gather_groups.h"
-#include "renderer/lobe.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
-/// Light of one gather point, textures not yet applied.
-struct PointLight {
-    glm::vec3 direct{0}, indirect{0};  ///< irradiance over pi
-    glm::vec3 glossy{0};               ///< radiance
-    float direct_cut = 0, indirect_cut = 0;
-    float error = 0;  ///< luminance of the pixel
-    bool capped = false;
-};
-
-/// What the pixels of a tile know before their light is gathered.
-struct PixelShares {
-    std::vector<float> weight = std::vector<float>(tile_size * tile_size, 0.0f);  ///< luminance of all weights
-};
-
 class TileShader {
   public:
     TileShader(const LightForest& forest, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
-               const core::ToleranceMap& tolerance, const ShadeSettings& settings, core::Radiance& radiance)
+               const core::ToleranceMap& tolerance, const ShadeSettings& settings, const FrameLight* known,
+               core::Radiance& radiance)
         : seen_(seen),
           eye_(eye),
           tolerance_(tolerance),
           settings_(settings),
+          known_(known),
           radiance_(radiance),
           gatherer_(forest, tracer) {}
 
     ShadeCounts shade(std::size_t tile_index);
 
   private:
-    void tolerances(std::span<const GatherPoint* const> points, const PixelShares& shares, GroupTolerance& out) const;
-    void gather(const GatherTile& tile, const GatherGroup& group, const PixelShares& shares);
+    void gather_groups(std::size_t tile_index);
+    void gather(const GatherTile& tile, const GatherGroup& group, const std::vector<PointTolerance>& tolerances);
     void add_to_pixels(const GatherTile& tile);
     void add_layers(const GatherTile& tile, std::size_t first, std::size_t last, int x, int y);
     void check(int x, int y);
@@ -54,6 +41,7 @@ class TileShader {
     glm::vec3 eye_;
     const core::ToleranceMap& tolerance_;
     const ShadeSettings& settings_;
+    const FrameLight* known_;
     core::Radiance& radiance_;
     Gatherer gatherer_;
     GatherLanes lanes_;
@@ -63,55 +51,33 @@ class TileShader {
     int tile_x_ = 0, tile_y_ = 0;
 };
 
-void TileShader::tolerances(std::span<const GatherPoint* const> points, const PixelShares& shares,
-                            GroupTolerance& out) const {
-    for (int i = 0; i < lane_count; ++i) {
-        const GatherPoint& p = *points[std::min<std::size_t>(static_cast<std::size_t>(i), points.size() - 1)];
-        // A pixel's tolerance is parted among its points by their weight; what the pixel shows without gathering counts
-        // as light.
-        const core::Tolerance& t = tolerance_.pixels.at(x_of(p), y_of(p));
-        const float part = core::divide_or(core::luminance(p.weight), shares.weight[p.pixel], 1.0f);
-        out.absolute[i] = std::max(t.absolute, 0.0f) * part;
-        out.relative[i] = std::max(t.relative, 0.0f);
-        out.base[i] = std::max(core::luminance(seen_.unscattered.at(x_of(p), y_of(p))), 0.0f) * part;
-    }
-}
-
-void TileShader::gather(const GatherTile& tile, const GatherGroup& group, const PixelShares& shares) {
+void TileShader::gather(const GatherTile& tile, const GatherGroup& group,
+                        const std::vector<PointTolerance>& tolerances) {
     const GatherPoint* points[lane_count] = {};
     for (std::size_t i = 0; i < group.points.size(); ++i) points[i] = &tile[group.points[i]];
-    const std::span<const GatherPoint* const> used(points, group.points.size());
-    fill(lanes_, used);
+    fill(lanes_, std::span<const GatherPoint* const>(points, group.points.size()));
     lanes_.set = group.set;
     if (tolerance_.is_reference()) {
         gatherer_.gather_all(lanes_, gathered_);
     } else {
         GroupTolerance tolerance;
-        tolerances(used, shares, tolerance);
+        for (int i = 0; i < lane_count; ++i)
+            tolerance.set(
+                i,
+                tolerances[group.points[std::min<std::size_t>(static_cast<std::size_t>(i), group.points.size() - 1)]]);
         gatherer_.gather(lanes_, tolerance, settings_.limits, gathered_);
     }
-    const auto size = static_cast<std::uint64_t>(group.points.size());
-    counts_.groups += 1;
-    counts_.gather_points += size;
-    counts_.shadow_rays += gathered_.shadow_rays;
-    counts_.capped_points +=
-        static_cast<std::uint64_t>(__builtin_popcount(gathered_.capped & ((1u << group.points.size()) - 1u)));
-    counts_.direct_clusters += size * static_cast<std::uint64_t>(gathered_.direct_clusters);
-    counts_.indirect_clusters += size * static_cast<std::uint64_t>(gathered_.indirect_clusters);
-    for (std::size_t i = 0; i < group.points.size(); ++i) {
-        const int lane = static_cast<int>(i);
-        const GatherPoint& p = *points[i];
-        PointLight& light = light_[group.points[i]];
-        light.direct = gathered_.direct.at(lane) * lobe::inverse_pi;
-        light.indirect = gathered_.indirect.at(lane) * lobe::inverse_pi;
-        if (p.point.bsdf.has_glossy())
-            light.glossy = p.point.bsdf.f0 * gathered_.f0.at(lane) + gathered_.schlick.at(lane);
-        light.direct_cut = static_cast<float>(gathered_.direct_clusters);
-        light.indirect_cut = static_cast<float>(gathered_.indirect_clusters);
-        light.error = gathered_.error[lane];
-        light.capped = (gathered_.capped >> i & 1u) != 0;
-        if (std::isfinite(gathered_.clamped[lane])) counts_.clamped += gathered_.clamped[lane];
-    }
+    counts_.add(gathered_, group.points.size());
+    for (std::size_t i = 0; i < group.points.size(); ++i)
+        light_[group.points[i]] = point_light(gathered_, static_cast<int>(i), *points[i]);
+}
+
+void TileShader::gather_groups(std::size_t tile_index) {
+    const GatherTile& tile = seen_.tiles[tile_index];
+    light_.assign(tile.size(), {});
+    std::vector<PointTolerance> tolerances;
+    if (!tolerance_.is_reference()) tolerances = point_tolerances(seen_, tile_index, tolerance_);
+    for (const GatherGroup& group : group_points(tile, eye_, representative_sets)) gather(tile, group, tolerances);
 }
 
 void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size_t last, int x, int y) {
@@ -121,12 +87,12 @@ void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size
     for (std::size_t i = first; i < last; ++i) {
         const GatherPoint& p = tile[i];
         const PointLight& l = light_[i];
-        const glm::vec3 scattered = p.point.bsdf.diffuse * (l.direct + l.indirect) + l.glossy;
+        const glm::vec3 scattered = l.scattered(p);
         direct_cut += l.direct_cut;
         indirect_cut += l.indirect_cut;
         error += l.error;
         if (p.reached_by_specular) {
-            specular += p.weight * scattered;
+            specular += scattered;
             continue;
         }
         const glm::vec3 reflects = p.weight * p.point.bsdf.diffuse;
@@ -163,7 +129,7 @@ void TileShader::add_to_pixels(const GatherTile& tile) {
         for (; last < tile.size() && tile[last].pixel == tile[first].pixel; ++last) {
             const GatherPoint& p = tile[last];
             const PointLight& l = light_[last];
-            sum += p.weight * (p.point.bsdf.diffuse * (l.direct + l.indirect) + l.glossy);
+            sum += l.scattered(p);
             if (l.capped) radiance_.capped.at(x, y) = 1;
         }
         radiance_.combined.at(x, y) += sum;
@@ -211,10 +177,10 @@ ShadeCounts TileShader::shade(std::size_t tile_index) {
             radiance_.specular.at(x, y) = specular;
         }
     }
-    PixelShares shares;
-    for (const GatherPoint& p : tile) shares.weight[p.pixel] += core::luminance(p.weight);
-    light_.assign(tile.size(), {});
-    for (const GatherGroup& group : group_points(tile, eye_, representative_sets)) gather(tile, group, shares);
+    if (known_ != nullptr)
+        light_ = (*known_)[tile_index];
+    else
+        gather_groups(tile_index);
     add_to_pixels(tile);
     for (int y = tile_y_; y < y_end; ++y)
         for (int x = tile_x_; x < x_end; ++x) check(x, y);
@@ -222,6 +188,18 @@ ShadeCounts TileShader::shade(std::size_t tile_index) {
 }
 
 }  // namespace
+
+void ShadeCounts::add(const GatheredLight& light, std::size_t points) {
+    const auto size = static_cast<std::uint64_t>(points);
+    groups += 1;
+    gather_points += size;
+    shadow_rays += light.shadow_rays;
+    capped_points += static_cast<std::uint64_t>(__builtin_popcount(light.capped & ((1u << points) - 1u)));
+    direct_clusters += size * static_cast<std::uint64_t>(light.direct_clusters);
+    indirect_clusters += size * static_cast<std::uint64_t>(light.indirect_clusters);
+    for (std::size_t i = 0; i < points; ++i)
+        if (std::isfinite(light.clamped[i])) clamped += light.clamped[i];
+}
 
 void ShadeCounts::add(const ShadeCounts& more) {
     if (non_finite == 0) first_non_finite = more.first_non_finite;
@@ -237,7 +215,9 @@ void ShadeCounts::add(const ShadeCounts& more) {
 }
 
 core::Radiance shade(const LightForest& forest, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
-                     const core::ToleranceMap& tolerance, const ShadeSettings& settings, ShadeCounts& counts) {
+                     const core::ToleranceMap& tolerance, const ShadeSettings& settings, ShadeCounts& counts,
+                     const FrameLight* known) {
+    EXPECTS(known == nullptr || known->size() == seen.tiles.size());
     const int width = seen.visible.width(), height = seen.visible.height();
     EXPECTS(tolerance.is_reference() || (tolerance.pixels.width() == width && tolerance.pixels.height() == height));
     core::Radiance radiance;
@@ -254,7 +234,7 @@ core::Radiance shade(const LightForest& forest, const RayTracer& tracer, const S
     }
     std::vector<ShadeCounts> of_tile(seen.tiles.size());
     parallel::for_each(seen.tiles.size(), [&](std::size_t i) {
-        TileShader shader(forest, tracer, seen, eye, tolerance, settings, radiance);
+        TileShader shader(forest, tracer, seen, eye, tolerance, settings, known, radiance);
         of_tile[i] = shader.shade(i);
     });
     for (const ShadeCounts& c : of_tile) counts.add(c);

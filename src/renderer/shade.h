@@ -8,6 +8,7 @@
 #include "renderer/cut.h"
 #include "renderer/gather_point.h"
 #include "renderer/light_forest.h"
+#include "renderer/point_light.h"
 #include "renderer/ray_tracer.h"
 
 namespace render2mpeg::renderer {
@@ -26,12 +27,16 @@ struct ShadeCounts {
     std::int64_t first_non_finite = -1;  ///< y * width + x of the first in raster order of tiles; -1: none
     double gathered = 0, clamped = 0;    ///< luminance summed over pixels: what arrived, what the clamp took
 
+    /// A group of so many points.
+    void add(const GatheredLight& gathered, std::size_t points);
     void add(const ShadeCounts& more);
 };
 
 /// Gathers the light of every gather point of a frame, multiplies it by its textures and adds it up in pixels
-/// (docs/model.md, "Lightcut"). The same bytes for any number of threads.
+/// (docs/model.md, "Lightcut"). Where all of it is `known` already, nothing is gathered. The same bytes for any number
+/// of threads.
 core::Radiance shade(const LightForest& forest, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
-                     const core::ToleranceMap& tolerance, const ShadeSettings& settings, ShadeCounts& counts);
+                     const core::ToleranceMap& tolerance, const ShadeSettings& settings, ShadeCounts& counts,
+                     const FrameLight* known = nullptr);
 
 }  // namespace render2mpeg::renderer

@@ -1,0 +1,271 @@
+#include "renderer/record_cache.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/color.h"
+#include "core/error.h"
+#include "core/numeric.h"
+#include "parallel/loops.h"
+#include "renderer/cut.h"
+#include "renderer/gather_groups.h"
+#include "renderer/lobe.h"
+#include "renderer/record_gather.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Lattices on which points that no record serves become records, the coarsest first.
+constexpr int lattices[] = {4, 2, 1};
+
+/// On the coarser lattices an area of 64 x 64 pixels gathers only so many requests or more: fewer fill no packets, and
+/// are asked again on the next. chosen: of 0, 24, 48, 64 and 128 that with which later frames of Sponza's walk take
+/// least time (a fifth less than 0).
+constexpr std::size_t least_dense = 128;
+
+/// Luminance that is known of a point's pixel before its cut.
+float known_luminance(const PointLight& light, const GatherPoint& p) {
+    const float known = core::luminance(light.scattered(p));
+    return std::isfinite(known) ? std::max(known, 0.0f) : 0.0f;
+}
+
+class FrameLighting {
+  public:
+    FrameLighting(const LightForest& forest, const RayTracer& tracer, const Seen& seen, const scene::Snapshot& snapshot,
+                  const CutLimits& limits, const RecordTrust& trust, Records& records)
+        : forest_(forest),
+          tracer_(tracer),
+          seen_(seen),
+          snapshot_(snapshot),
+          camera_(snapshot.camera),
+          limits_(limits),
+          trust_(trust),
+          records_(records),
+          map_(seen.visible.width(), seen.visible.height()),
+          exact_(seen.tiles.size()),
+          light_(seen.tiles.size()),
+          tolerances_(seen.tiles.size()),
+          gathered_(seen.tiles.size()),
+          served_(seen.tiles.size(), 0) {
+        limits_.exact = false;
+    }
+
+    void prepare(const core::ToleranceMap& tolerance, const RecordCache::LitTiles& last, ShadeCounts& counts);
+    void refine(int lattice, ShadeCounts& counts, RecordCounts& record_counts);
+    FrameLight take(RecordCache::LitTiles& last, ShadeCounts& counts, RecordCounts& record_counts);
+
+  private:
+    bool recall(std::size_t tile, const RecordCache::LitTiles& last);
+    void gather_exact(std::size_t tile, ShadeCounts& counts);
+    std::vector<PointRef> wanting(std::size_t tile, int lattice);
+    void keep(const PointRef& ref, const PointLight& light, const RecordLobe& lobe, RecordCounts& counts);
+    int x_of(std::size_t tile, const GatherPoint& p) const {
+        return static_cast<int>(tile) % seen_.tiles_across() * tile_size + p.pixel % tile_size;
+    }
+    int y_of(std::size_t tile, const GatherPoint& p) const {
+        return static_cast<int>(tile) / seen_.tiles_across() * tile_size + p.pixel / tile_size;
+    }
+    const GatherPoint& point(const PointRef& r) const { return seen_.tiles[r.tile][r.index]; }
+
+    const LightForest& forest_;
+    const RayTracer& tracer_;
+    const Seen& seen_;
+    const scene::Snapshot& snapshot_;
+    const scene::Camera& camera_;
+    CutLimits limits_;
+    RecordTrust trust_;
+    Records& records_;
+    RecordMap map_;
+    FrameLight exact_, light_;  ///< of lights gathered exactly; of trees
+    std::vector<std::vector<PointTolerance>> tolerances_;
+    std::vector<std::vector<std::uint8_t>> gathered_;  ///< 1: this frame, for this very point
+    std::vector<std::uint64_t> served_;                ///< by tile
+};
+
+void FrameLighting::gather_exact(std::size_t tile, ShadeCounts& counts) {
+    const GatherTile& points = seen_.tiles[tile];
+    Gatherer gatherer(forest_, tracer_);
+    GatherLanes lanes;
+    GatheredLight gathered;
+    for (const GatherGroup& group : group_points(points, camera_.position(), 1)) {
+        const GatherPoint* pointers[lane_count];
+        for (std::size_t i = 0; i < group.points.size(); ++i) pointers[i] = &points[group.points[i]];
+        fill(lanes, std::span<const GatherPoint* const>(pointers, group.points.size()));
+        lanes.set = 0;
+        gatherer.gather_exact(lanes, gathered);
+        counts.shadow_rays += gathered.shadow_rays;
+        counts.direct_clusters += group.points.size() * static_cast<std::uint64_t>(gathered.direct_clusters);
+        for (std::size_t i = 0; i < group.points.size(); ++i)
+            exact_[tile][group.points[i]] = point_light(gathered, static_cast<int>(i), *pointers[i]);
+    }
+}
+
+/// Takes the light of points that are the very same as in the last frame. Whether all exact light is known by that.
+bool FrameLighting::recall(std::size_t t, const RecordCache::LitTiles& last) {
+    const GatherTile& points = seen_.tiles[t];
+    if (last.size() != seen_.tiles.size() || last[t].size() != points.size()) return false;
+    bool all = true;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const GatherPoint& p = points[i];
+        const RecordCache::LitPoint& before = last[t][i];
+        if (before.address != p.point.address || before.outgoing != p.point.outgoing || before.weight != p.weight) {
+            all = false;
+            continue;
+        }
+        exact_[t][i] = before.exact;
+        // It was within its tolerance then.
+        PointTolerance now = tolerances_[t][i];
+        now.base += known_luminance(before.exact, p);
+        const bool finer = now.absolute < before.tolerance.absolute || now.relative < before.tolerance.relative;
+        if (finer && before.trees.error > now.allows(core::luminance(before.trees.scattered(p)))) continue;
+        light_[t][i] = before.trees;
+        light_[t][i].direct_cut = light_[t][i].indirect_cut = 0;
+        gathered_[t][i] = 1;
+        ++served_[t];
+        // Whoever may have served it is not forgotten.
+        const int x = x_of(t, p), y = y_of(t, p);
+        for (const RecordMark& m : map_.row(y, x, x)) records_.use(m.record, snapshot_.frame);
+    }
+    return all;
+}
+
+void FrameLighting::prepare(const core::ToleranceMap& tolerance, const RecordCache::LitTiles& last,
+                            ShadeCounts& counts) {
+    map_.build(records_.all(), camera_);
+    std::vector<ShadeCounts> of_tile(seen_.tiles.size());
+    parallel::for_each(seen_.tiles.size(), [&](std::size_t t) {
+        const GatherTile& points = seen_.tiles[t];
+        exact_[t].assign(points.size(), {});
+        light_[t].assign(points.size(), {});
+        gathered_[t].assign(points.size(), 0);
+        tolerances_[t] = point_tolerances(seen_, t, tolerance);
+        if (!recall(t, last) && !forest_.exact.empty()) gather_exact(t, of_tile[t]);
+        for (std::size_t i = 0; i < points.size(); ++i)
+            tolerances_[t][i].base += known_luminance(exact_[t][i], points[i]);
+    });
+    for (const ShadeCounts& c : of_tile) counts.add(c);
+}
+
+std::vector<PointRef> FrameLighting::wanting(std::size_t t, int lattice) {
+    const GatherTile& points = seen_.tiles[t];
+    std::vector<PointRef> requests;
+    std::uint64_t served = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const GatherPoint& p = points[i];
+        const int x = x_of(t, p), y = y_of(t, p);
+        if (gathered_[t][i] != 0 || x % lattice != 0 || y % lattice != 0) continue;
+        if (takes_records(p)) {
+            RecordQuery query{p, tolerances_[t][i], {}, 0, 0};
+            const auto on_picture = camera_.project(p.point.position);
+            if (on_picture) {
+                query.at = on_picture->position;
+                query.receives = receives(p);
+                query.extent = camera_.pixel_size() * (camera_.perspective() ? on_picture->depth : 1.0f);
+                const RecordEstimate found = estimate(query, map_, records_, trust_, snapshot_.frame);
+                if (found.holds) {
+                    light_[t][i] = found.light;
+                    ++served;
+                    continue;
+                }
+            }
+        } else if (lattice > 1) {
+            continue;
+        }
+        requests.push_back({static_cast<std::uint32_t>(t), static_cast<std::uint32_t>(i)});
+    }
+    if (lattice == 1) served_[t] += served;
+    return requests;
+}
+
+void FrameLighting::keep(const PointRef& ref, const PointLight& light, const RecordLobe& lobe, RecordCounts& counts) {
+    light_[ref.tile][ref.index] = light;
+    gathered_[ref.tile][ref.index] = 1;
+    const GatherPoint& p = point(ref);
+    if (!takes_records(p)) return;
+    Record record;
+    record.address = p.point.address;
+    record.back_side = p.point.back_side;
+    record.capped = light.capped;
+    record.position = p.point.position;
+    record.geometric_normal = p.point.geometric_normal;
+    record.shading_normal = p.point.shading_normal;
+    record.direct = light.direct;
+    record.indirect = light.indirect;
+    record.lobe = lobe;
+    record.error = core::divide_or(light.error, receives(p), 0.0f);
+    record.born = record.used = snapshot_.frame;
+    if (!core::is_finite(record.direct) || !core::is_finite(record.indirect) || !core::is_finite(lobe.f0) ||
+        !core::is_finite(lobe.schlick))
+        return;
+    records_.add(record);
+    ++counts.created;
+}
+
+void FrameLighting::refine(int lattice, ShadeCounts& counts, RecordCounts& record_counts) {
+    if (lattice != lattices[0]) map_.build(records_.all(), camera_);
+    std::vector<std::vector<PointRef>> of_tile(seen_.tiles.size());
+    parallel::for_each(seen_.tiles.size(), [&](std::size_t t) { of_tile[t] = wanting(t, lattice); });
+
+    // Let the requests of some tiles find each other.
+    const int across = seen_.tiles_across(), areas = (across + area_tiles - 1) / area_tiles;
+    const int down = (static_cast<int>(seen_.tiles.size()) + across - 1) / std::max(across, 1);
+    std::vector<std::vector<PointRef>> of_area(
+        static_cast<std::size_t>(areas * ((down + area_tiles - 1) / area_tiles)));
+    for (std::size_t t = 0; t < of_tile.size(); ++t) {
+        const int area = static_cast<int>(t) / across / area_tiles * areas + static_cast<int>(t) % across / area_tiles;
+        auto& list = of_area[static_cast<std::size_t>(area)];
+        list.insert(list.end(), of_tile[t].begin(), of_tile[t].end());
+    }
+    // A few scattered ones fill no packet: they wait for the finer lattice.
+    if (lattice > 1)
+        for (auto& list : of_area)
+            if (list.size() < least_dense) list.clear();
+    std::vector<GatheredRequests> found(of_area.size());
+    parallel::for_each(of_area.size(), [&](std::size_t a) {
+        gather_requests(forest_, tracer_, seen_, camera_.position(), tolerances_, limits_, of_area[a], found[a]);
+    });
+    for (const GatheredRequests& g : found) {
+        counts.add(g.counts);
+        for (std::size_t i = 0; i < g.points.size(); ++i) keep(g.points[i], g.light[i], g.lobes[i], record_counts);
+    }
+}
+
+FrameLight FrameLighting::take(RecordCache::LitTiles& last, ShadeCounts& counts, RecordCounts& record_counts) {
+    last.resize(light_.size());
+    for (std::size_t t = 0; t < light_.size(); ++t) {
+        last[t].clear();
+        record_counts.served += served_[t];
+        counts.gather_points += served_[t];
+        for (std::size_t i = 0; i < light_[t].size(); ++i) {
+            PointLight& light = light_[t][i];
+            const GatherPoint& p = seen_.tiles[t][i];
+            last[t].push_back({p.point.address, p.point.outgoing, p.weight, tolerances_[t][i], exact_[t][i], light});
+            light.direct += exact_[t][i].direct;
+            light.glossy += exact_[t][i].glossy;
+            light.direct_cut += exact_[t][i].direct_cut;
+        }
+    }
+    return std::move(light_);
+}
+
+}  // namespace
+
+FrameLight RecordCache::light(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
+                              const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance,
+                              const CutLimits& limits, ShadeCounts& shade_counts, RecordCounts& counts) {
+    EXPECTS(!tolerance.is_reference());
+    records_.thin(snapshot.frame);
+    FrameLighting frame(forest, tracer, seen, snapshot, limits, trust_, records_);
+    frame.prepare(tolerance, last_, shade_counts);
+    for (const int lattice : lattices) frame.refine(lattice, shade_counts, counts);
+    counts.live = records_.size();
+    return frame.take(last_, shade_counts, counts);
+}
+
+std::size_t RecordCache::bytes() const {
+    std::size_t sum = records_.bytes();
+    for (const auto& tile : last_) sum += tile.capacity() * sizeof(LitPoint);
+    return sum;
+}
+
+}  // namespace render2mpeg::renderer

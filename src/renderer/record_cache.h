@@ -1,0 +1,50 @@
+#pragma once
+
+#include "renderer/record_fit.h"
+#include "renderer/shade.h"
+
+namespace render2mpeg::renderer {
+
+/// What the records did for a frame.
+struct RecordCounts {
+    std::uint64_t served = 0;   ///< gather points whose light came from records, or from the very same point before
+    std::uint64_t created = 0;  ///< records
+    std::uint64_t live = 0;     ///< records held after the frame
+};
+
+/// Gathers light once, at places on surfaces, and keeps it there for as long as it stays what it is (docs/model.md,
+/// "Records"). A function of what it was shown since `forget`, for any number of threads.
+class RecordCache {
+  public:
+    /// A chunk begins, or the light is another.
+    void forget() {
+        records_.forget();
+        last_ = {};
+    }
+
+    /// Light of all points of a frame within their tolerances (not for the reference), gathered or from records.
+    FrameLight light(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
+                     const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, const CutLimits& limits,
+                     ShadeCounts& shade_counts, RecordCounts& counts);
+
+    void set_trust(const RecordTrust& trust) { trust_ = trust; }
+
+    /// Bytes held between frames.
+    std::size_t bytes() const;
+
+    /// What a frame's point was lit with; kept for a frame that shows the very same.
+    struct LitPoint {
+        core::SurfaceAddress address;
+        glm::vec3 outgoing{0}, weight{0};
+        PointTolerance tolerance;  ///< that it was within
+        PointLight exact, trees;
+    };
+    using LitTiles = std::vector<std::vector<LitPoint>>;
+
+  private:
+    Records records_;
+    LitTiles last_;
+    RecordTrust trust_;
+};
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "renderer/point_light.h"
+#include "renderer/records.h"
+
+namespace render2mpeg::renderer {
+
+/// A gather point that asks its neighbours' records.
+struct RecordQuery {
+    const GatherPoint& point;
+    PointTolerance tolerance;
+    glm::vec2 at{0};     ///< on the picture, pixels
+    float extent = 0;    ///< of a pixel at the point, across the line of sight; world
+    float receives = 0;  ///< luminance of the pixel by unit of light from all around
+};
+
+/// How far records are trusted.
+struct RecordTrust {
+    float residual = 1;  ///< multiplies what neighbours disagree by
+    float step = 0.5f;   ///< multiplies what light changes by up to the nearest record
+    float noise = 1;     ///< multiplies what their gathering may be off by
+};
+
+/// What records around a point say of it.
+struct RecordEstimate {
+    bool holds = false;  ///< within the point's tolerance, as far as they tell
+    PointLight light;    ///< of the forest's trees
+    int radius = 0;      ///< pixels that were looked at to each side
+};
+
+/// Light of a point by a weighted plane through its neighbours' records, the nearest that agree: radii of 1, 2 and 4
+/// pixels in turn (docs/model.md, "Records"). Notes the use of records where it holds.
+RecordEstimate estimate(const RecordQuery& query, const RecordMap& map, Records& records, const RecordTrust& trust,
+                        std::int64_t frame);
+
+}  // namespace render2mpeg::renderer

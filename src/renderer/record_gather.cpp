@@ -1,0 +1,74 @@
+#include "renderer/record_gather.h"
+
+#include <algorithm>
+
+#include "core/color.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Records are gathered for a receiver that is at least so bright, so that a black spot of a texture does not leave a
+/// record that serves nobody. chosen: 0.05, darker than any paint; not tuned.
+constexpr float least_albedo = 0.05f;
+
+/// Narrower lobes change too fast from place to place. chosen: 0.25, a roughness of a half, below which GGX has a peak
+/// that a few pixels show whole; not tuned.
+constexpr float least_alpha = 0.25f;
+
+void gather_group(const Seen& seen, const std::vector<std::vector<PointTolerance>>& tolerances, const CutLimits& limits,
+                  const RequestGroup& group, Gatherer& gatherer, GatheredRequests& out) {
+    GatherPoint receivers[lane_count];
+    const GatherPoint* pointers[lane_count];
+    GroupTolerance tolerance;
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        const PointRef& ref = group.points[std::min(i, group.points.size() - 1)];
+        tolerance.set(static_cast<int>(i), tolerances[ref.tile][ref.index]);
+        if (i >= group.points.size()) continue;
+        pointers[i] = &seen.tiles[ref.tile][ref.index];
+        if (!takes_records(*pointers[i])) continue;
+        // Light a grey receiver: a record is for all textures.
+        receivers[i] = *pointers[i];
+        glm::vec3& albedo = receivers[i].point.bsdf.diffuse;
+        albedo = glm::vec3(std::max(core::luminance(albedo), least_albedo));
+        receivers[i].weight = glm::vec3(core::luminance(receivers[i].weight));
+        pointers[i] = &receivers[i];
+    }
+    GatherLanes lanes;
+    fill(lanes, std::span<const GatherPoint* const>(pointers, group.points.size()));
+    lanes.set = group.set;
+    GatheredLight gathered;
+    gatherer.gather(lanes, tolerance, limits, gathered);
+    out.counts.add(gathered, group.points.size());
+    for (std::size_t i = 0; i < group.points.size(); ++i) {
+        out.points.push_back(group.points[i]);
+        const auto lane = static_cast<int>(i);
+        out.light.push_back(point_light(gathered, lane, *pointers[i]));
+        out.lobes.emplace_back();
+        const SurfacePoint& p = pointers[i]->point;
+        if (p.bsdf.has_glossy())
+            out.lobes.back() = {p.bsdf.alpha, p.outgoing, gathered.f0.at(lane), gathered.schlick.at(lane)};
+    }
+}
+
+}  // namespace
+
+bool takes_records(const GatherPoint& p) {
+    const Bsdf& bsdf = p.point.bsdf;
+    return !p.reached_by_specular && (!bsdf.has_glossy() || bsdf.alpha >= least_alpha);
+}
+
+float receives(const GatherPoint& p) {
+    const Bsdf& bsdf = p.point.bsdf;
+    const float glossy = bsdf.has_glossy() ? core::luminance(glossy_albedo(bsdf)) : 0.0f;
+    return core::luminance(p.weight) * (std::max(core::luminance(bsdf.diffuse), least_albedo) + glossy);
+}
+
+void gather_requests(const LightForest& forest, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
+                     const std::vector<std::vector<PointTolerance>>& tolerances, const CutLimits& limits,
+                     const std::vector<PointRef>& requests, GatheredRequests& out) {
+    Gatherer gatherer(forest, tracer);
+    for (const RequestGroup& group : group_requests(seen, requests, eye))
+        gather_group(seen, tolerances, limits, group, gatherer, out);
+}
+
+}  // namespace render2mpeg::renderer

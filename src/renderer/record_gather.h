@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "renderer/cut.h"
+#include "renderer/point_light.h"
+#include "renderer/record_groups.h"
+#include "renderer/records.h"
+#include "renderer/shade.h"
+
+namespace render2mpeg::renderer {
+
+/// Whether a point's light may come from records: dull surfaces, or of wide lobes, seen directly.
+bool takes_records(const GatherPoint& p);
+
+/// Luminance that a point's pixel gets of light 1 from all around; for records, which serve other textures as well, as
+/// if it were not quite black.
+float receives(const GatherPoint& p);
+
+/// What was found of some requests, in the order in which they were gathered.
+struct GatheredRequests {
+    std::vector<PointRef> points;
+    std::vector<PointLight> light;
+    std::vector<RecordLobe> lobes;
+    ShadeCounts counts;
+};
+
+/// Gathers the requests of one area in groups; `tolerances` are those of all points of all tiles.
+void gather_requests(const LightForest& forest, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
+                     const std::vector<std::vector<PointTolerance>>& tolerances, const CutLimits& limits,
+                     const std::vector<PointRef>& requests, GatheredRequests& out);
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,65 @@
+#include "renderer/records.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Frames after which a record that served no pixel is forgotten. chosen: 8, a third of a second: what an edge hides
+/// for a moment comes back; tried 4 to 16.
+constexpr std::int64_t keeps_unused = 8;
+
+constexpr std::uint32_t nowhere = std::numeric_limits<std::uint32_t>::max();
+
+}  // namespace
+
+void RecordMap::build(std::span<const Record> records, const scene::Camera& camera) {
+    const int across = width_ + 2 * border, down = height_ + 2 * border;
+    const auto pixels = static_cast<std::size_t>(across) * static_cast<std::size_t>(down);
+    // Count, then place: the order within a pixel stays.
+    std::vector<std::uint32_t> pixel(records.size(), nowhere);
+    std::vector<glm::vec2> at(records.size());
+    starts_.assign(pixels + 1, 0);
+    for (std::size_t i = 0; i < records.size(); ++i) {
+        const auto seen = camera.project(records[i].position);
+        if (!seen) continue;
+        const float x = std::floor(seen->position.x), y = std::floor(seen->position.y);
+        if (!(x >= -border && y >= -border && x < static_cast<float>(width_ + border) &&
+              y < static_cast<float>(height_ + border)))
+            continue;
+        at[i] = seen->position;
+        pixel[i] = static_cast<std::uint32_t>((static_cast<int>(y) + border) * across + static_cast<int>(x) + border);
+        ++starts_[pixel[i] + 1];
+    }
+    for (std::size_t p = 0; p < pixels; ++p) starts_[p + 1] += starts_[p];
+    marks_.resize(starts_[pixels]);
+    std::vector<std::uint32_t> next(starts_.begin(), starts_.end() - 1);
+    for (std::size_t i = 0; i < records.size(); ++i) {
+        if (pixel[i] == nowhere) continue;
+        const Record& r = records[i];
+        marks_[next[pixel[i]]++] = {at[i],
+                                    static_cast<std::uint32_t>(i),
+                                    surface_of(r.address, r.back_side),
+                                    r.position,
+                                    r.geometric_normal,
+                                    r.shading_normal};
+    }
+}
+
+std::uint32_t Records::add(const Record& record) {
+    records_.push_back(record);
+    return static_cast<std::uint32_t>(records_.size() - 1);
+}
+
+void Records::use(std::uint32_t index, std::int64_t frame) {
+    std::atomic_ref<std::int64_t>(records_[index].used).store(frame, std::memory_order_relaxed);
+}
+
+void Records::thin(std::int64_t frame) {
+    std::erase_if(records_, [&](const Record& r) { return frame - r.used > keeps_unused; });
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,133 @@
+#include "renderer/record_cache.h"
+
+#include <gtest/gtest.h>
+
+#include "core/color.h"
+#include "parallel/loops.h"
+#include "tests/renderer/film_stage.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+using test::FilmStage;
+constexpr int size = 64;
+
+Settings settings(bool cache) {
+    Settings s = test::small_frame(size, size);
+    s.cache = cache;
+    return s;
+}
+
+/// The furnished room from a camera that walks sideways, with a lamp that shines for itself.
+test::SceneBuilder walk(bool moves = true) {
+    test::SceneBuilder b = test::furnished_room();
+    b.add_point_light({0.6f, 2.4f, 3.0f}, 1.5f);
+    if (moves)
+        b.add_track(scene::TrackTarget::translation, b.film().cameras[0].node, 3, {0, 10},
+                    {2.0f, 1.6f, 3.8f, 2.4f, 1.6f, 3.8f});
+    return b;
+}
+
+double share_over(const core::Radiance& frame, const core::Radiance& truth, float relative) {
+    int over = 0;
+    for (std::size_t i = 0; i < truth.combined.size(); ++i) {
+        const float expected = core::luminance(truth.combined.values()[i]);
+        over += std::abs(core::luminance(frame.combined.values()[i]) - expected) > relative * expected ? 1 : 0;
+    }
+    return static_cast<double>(over) / static_cast<double>(truth.combined.size());
+}
+
+TEST(RecordCache, LightsAWalkWithinItsToleranceForAFractionOfTheRays) {
+    FilmStage plain(walk(), settings(false)), cached(walk(), settings(true));
+    double over = 0;
+    std::uint64_t rays = 0, all = 0;
+    for (int second = 0; second < 4; ++second) {
+        const std::uint64_t before = cached.statistics().shadow_rays, plain_before = plain.statistics().shadow_rays;
+        const core::Radiance frame = cached.cut(0.05f, second);
+        const core::Radiance cut = plain.cut(0.05f, second);
+        if (second > 0) {
+            rays += cached.statistics().shadow_rays - before;
+            all += plain.statistics().shadow_rays - plain_before;
+        }
+        over += share_over(frame, plain.reference(second), 0.05f) / 4;
+    }
+    EXPECT_LE(over, 0.02);
+    EXPECT_LE(rays, all / 2);
+    EXPECT_GT(rays, all / 50);
+}
+
+TEST(RecordCache, AStillFilmShootsNoSecondShadowRayAndStaysStill) {
+    FilmStage stage(walk(false), settings(true));
+    const core::Radiance first = stage.cut(0.05f, 0);
+    const std::uint64_t rays = stage.statistics().shadow_rays;
+    EXPECT_GT(rays, 0u);
+    for (int second = 1; second < 4; ++second) EXPECT_TRUE(test::same_bytes(first, stage.cut(0.05f, second)));
+    EXPECT_EQ(stage.statistics().shadow_rays, rays);
+    // A finer tolerance is another matter, but not for all.
+    stage.cut(0.02f, 4);
+    const std::uint64_t more = stage.statistics().shadow_rays - rays;
+    EXPECT_GT(more, 0u);
+}
+
+TEST(RecordCache, IsTheSameForAnyNumberOfThreads) {
+    FilmStage one(walk(), settings(true)), two(walk(), settings(true));
+    for (int second = 0; second < 3; ++second) {
+        core::Radiance a, b;
+        {
+            const parallel::ThreadLimit limit(1);
+            a = one.cut(0.05f, second);
+        }
+        {
+            const parallel::ThreadLimit limit(2);
+            b = two.cut(0.05f, second);
+        }
+        EXPECT_TRUE(test::same_bytes(a, b)) << second;
+    }
+    EXPECT_EQ(one.statistics().records_created, two.statistics().records_created);
+}
+
+TEST(RecordCache, StartsAnewWithAChunk) {
+    FilmStage long_run(walk(), settings(true)), fresh(walk(), settings(true));
+    long_run.cut(0.05f, 0);
+    long_run.cut(0.05f, 1);
+    long_run.renderer().start_chunk(long_run.at(2));
+    fresh.renderer().start_chunk(fresh.at(2));
+    EXPECT_TRUE(test::same_bytes(long_run.cut(0.05f, 2), fresh.cut(0.05f, 2)));
+}
+
+TEST(RecordCache, KeepsNothingOfLightThatIsAnother) {
+    test::SceneBuilder b = walk();
+    b.add_track(scene::TrackTarget::light_intensity, 0, 1, {0, 1, 2}, {1.5f, 1.5f, 0.2f});
+    FilmStage stage(b, settings(true));
+    stage.cut(0.05f, 0);
+    stage.cut(0.05f, 1);
+    const core::Radiance dim = stage.cut(0.05f, 2);
+    FilmStage plain(b, settings(false));
+    EXPECT_LE(share_over(dim, plain.reference(2), 0.05f), 0.02);
+}
+
+TEST(RecordCache, TakesNoPartInReferenceFrames) {
+    FilmStage plain(walk(), settings(false)), cached(walk(), settings(true));
+    EXPECT_TRUE(test::same_bytes(plain.reference(0), cached.reference(0)));
+    EXPECT_EQ(cached.statistics().records_created, 0u);
+}
+
+TEST(RecordCache, LightsWideLobesAndLeavesMirrorsAndPolishToThemselves) {
+    test::SceneBuilder b = walk();
+    const int matt = b.add_material({0.4f, 0.4f, 0.5f});
+    b.material(matt).roughness = 0.8f;
+    b.material(matt).ior = 1.5f;
+    b.add_quad({0.1f, 0.5f, 0.1f}, {1.5f, 0, 0}, {0, 2, 0}, matt);
+    const int polished = b.add_material({0.3f, 0.3f, 0.3f});
+    b.material(polished).roughness = 0.3f;
+    b.material(polished).ior = 1.5f;
+    b.add_quad({2.4f, 0.5f, 0.1f}, {1.5f, 0, 0}, {0, 2, 0}, polished);
+    FilmStage plain(b, settings(false)), cached(b, settings(true));
+    for (int second = 0; second < 3; ++second) {
+        const core::Radiance frame = cached.cut(0.05f, second);
+        EXPECT_LE(share_over(frame, plain.reference(second), 0.05f), 0.03) << second;
+    }
+}
+
+}  // namespace
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,203 @@
+#include "renderer/records.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "core/sampling.h"
+#include "renderer/record_fit.h"
+#include "renderer/record_groups.h"
+#include "tests/renderer/stage.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+constexpr int side = 24;
+
+/// A wall that fills the picture, seen head on.
+test::SceneBuilder wall() {
+    test::SceneBuilder b;
+    b.add_quad({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}, b.add_material({0.5f, 0.4f, 0.3f}));
+    b.add_camera({0, 0, 2}, {0, 0, 0});
+    return b;
+}
+
+/// The wall with records here and there, whose irradiance is a function of their place on the picture.
+class Wall : public ::testing::Test {
+  protected:
+    Wall() : stage_(wall(), side, side), seen_(stage_.see()), map_(side, side) {}
+
+    template <class Light>
+    void strew(int step, Light&& light) {
+        for (const GatherTile& tile : seen_.tiles) {
+            for (const GatherPoint& p : tile) {
+                const auto at = stage_.world().camera.project(p.point.position);
+                if (static_cast<int>(at->position.x) % step != 0 || static_cast<int>(at->position.y) % step != 0)
+                    continue;
+                Record r;
+                r.address = p.point.address;
+                r.position = p.point.position;
+                r.geometric_normal = p.point.geometric_normal;
+                r.shading_normal = p.point.shading_normal;
+                r.indirect = glm::vec3(light(at->position));
+                records_.add(r);
+            }
+        }
+        map_.build(records_.all(), stage_.world().camera);
+    }
+
+    const GatherPoint& point_at(int x, int y) const {
+        const int across = seen_.tiles_across();
+        const GatherTile& tile = seen_.tiles[static_cast<std::size_t>(y / tile_size * across + x / tile_size)];
+        for (const GatherPoint& p : tile)
+            if (p.pixel == y % tile_size * tile_size + x % tile_size) return p;
+        ADD_FAILURE();
+        return tile.front();
+    }
+
+    RecordEstimate estimate_at(const GatherPoint& p, float relative) {
+        const auto at = stage_.world().camera.project(p.point.position);
+        const RecordQuery query{
+            p, {0, relative, 0}, at->position, stage_.world().camera.pixel_size() * at->depth, 0.4f};
+        return estimate(query, map_, records_, {}, 0);
+    }
+    RecordEstimate estimate_at(int x, int y, float relative) { return estimate_at(point_at(x, y), relative); }
+
+    test::Stage stage_;
+    Seen seen_;
+    Records records_;
+    RecordMap map_;
+};
+
+TEST_F(Wall, LightThatChangesEvenlyIsFoundBetweenRecords) {
+    const auto light = [](glm::vec2 at) { return 1.0f + 0.05f * at.x - 0.03f * at.y; };
+    strew(4, light);
+    int found = 0;
+    for (int y = 5; y < 19; ++y) {
+        for (int x = 5; x < 19; ++x) {
+            const RecordEstimate e = estimate_at(x, y, 0.02f);
+            if (!e.holds) continue;
+            ++found;
+            const float expected = light({static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
+            EXPECT_NEAR(e.light.indirect.x, expected, 1e-3f * expected) << x << ", " << y;
+        }
+    }
+    EXPECT_GE(found, 14 * 14 * 9 / 10);
+}
+
+TEST_F(Wall, NobodyGuessesAcrossAnEdgeOfLight) {
+    const auto light = [](glm::vec2 at) { return at.x < 11.0f ? 1.0f : 1.3f; };
+    strew(2, light);
+    int found = 0;
+    for (int y = 4; y < 20; ++y) {
+        for (int x = 1; x < 23; ++x) {
+            const RecordEstimate e = estimate_at(x, y, 0.02f);
+            if (!e.holds) continue;
+            ++found;
+            const float expected = light({static_cast<float>(x) + 0.5f, 0.0f});
+            EXPECT_NEAR(e.light.indirect.x, expected, 0.05f * expected) << x << ", " << y;
+        }
+    }
+    EXPECT_GE(found, 100);
+    EXPECT_LE(found, 16 * 20);
+}
+
+TEST_F(Wall, RecordsOfAnotherSurfaceSayNothing) {
+    strew(1, [](glm::vec2) { return 1.0f; });
+    GatherPoint p = point_at(12, 12);
+    EXPECT_TRUE(estimate_at(p, 0.02f).holds);
+    GatherPoint other = p;
+    other.point.address.object = 7;
+    EXPECT_FALSE(estimate_at(other, 0.02f).holds);
+    other = p;
+    other.point.geometric_normal = other.point.shading_normal = glm::normalize(glm::vec3(1, 0, 1));
+    EXPECT_FALSE(estimate_at(other, 0.02f).holds);
+    // A step of the size of some pixels.
+    other = p;
+    other.point.position.z -= 0.5f;
+    EXPECT_FALSE(estimate_at(other, 0.02f).holds);
+}
+
+TEST_F(Wall, NobodyIsServedBeyondWhereRecordsLie) {
+    strew(1, [](glm::vec2 at) { return at.x < 12.0f ? 1.0f : 1.0f; });
+    Records half;
+    for (const Record& r : records_.all())
+        if (stage_.world().camera.project(r.position)->position.x < 12.0f) half.add(r);
+    records_ = half;
+    map_.build(records_.all(), stage_.world().camera);
+    EXPECT_TRUE(estimate_at(10, 12, 0.02f).holds);
+    for (int x = 14; x < side; ++x) EXPECT_FALSE(estimate_at(x, 12, 0.02f).holds) << x;
+}
+
+TEST_F(Wall, CoarselyGatheredRecordsServeNoFinePixel) {
+    strew(2, [](glm::vec2) { return 1.0f; });
+    Records coarse;
+    for (Record r : records_.all()) {
+        r.error = 0.2f;
+        coarse.add(r);
+    }
+    records_ = coarse;
+    map_.build(records_.all(), stage_.world().camera);
+    EXPECT_FALSE(estimate_at(12, 12, 0.02f).holds);
+    EXPECT_TRUE(estimate_at(12, 12, 0.4f).holds);
+}
+
+TEST_F(Wall, MapsFindEveryRecordWhereItIsSeen) {
+    strew(3, [](glm::vec2) { return 1.0f; });
+    std::size_t found = 0;
+    for (int y = 0; y < side; ++y) {
+        for (int x = 0; x < side; ++x) {
+            for (const RecordMark& m : map_.row(y, x, x)) {
+                ++found;
+                EXPECT_EQ(std::floor(m.at.x), static_cast<float>(x));
+                EXPECT_EQ(std::floor(m.at.y), static_cast<float>(y));
+                EXPECT_EQ(m.position, records_[m.record].position);
+            }
+        }
+    }
+    EXPECT_EQ(found, records_.size());
+    EXPECT_EQ(found, 64u);
+}
+
+TEST_F(Wall, WhatServesNobodyIsForgotten) {
+    strew(4, [](glm::vec2) { return 1.0f; });
+    const std::size_t all = records_.size();
+    records_.use(3, 6);
+    records_.thin(8);
+    EXPECT_EQ(records_.size(), all);
+    records_.thin(9);
+    EXPECT_EQ(records_.size(), 1u);
+    records_.thin(15);
+    EXPECT_EQ(records_.size(), 0u);
+}
+
+TEST_F(Wall, EveryRequestIsGatheredOnceInGroupsOfOneSet) {
+    std::vector<PointRef> requests;
+    for (std::uint32_t t = 0; t < seen_.tiles.size(); ++t)
+        for (std::uint32_t i = 0; i < seen_.tiles[t].size(); ++i)
+            if (core::uniform(3, t, i) < 0.4f) requests.push_back({t, i});
+    std::set<std::pair<std::uint32_t, std::uint32_t>> met;
+    std::size_t full = 0, points = 0;
+    const auto groups = group_requests(seen_, requests, stage_.world().camera.position());
+    for (const RequestGroup& group : groups) {
+        ASSERT_LE(group.points.size(), 16u);
+        full += group.points.size() == 16 ? 1 : 0;
+        points += group.points.size();
+        for (const PointRef& p : group.points) EXPECT_TRUE(met.insert({p.tile, p.index}).second);
+    }
+    EXPECT_EQ(points, requests.size());
+    EXPECT_GE(full, groups.size() * 3 / 4);
+}
+
+TEST(RecordSets, AreEvenlySpreadOnEveryLattice) {
+    for (const int step : {1, 2, 4}) {
+        int of_set[4] = {};
+        for (int y = 0; y < 32; y += step)
+            for (int x = 0; x < 32; x += step) ++of_set[record_set(x, y)];
+        for (const int count : of_set) EXPECT_EQ(count, 32 * 32 / step / step / 4) << step;
+    }
+}
+
+}  // namespace
+}  // namespace render2mpeg::renderer
