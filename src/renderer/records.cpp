@@ -9,7 +9,7 @@ namespace render2mpeg::renderer {
 namespace {
 
 /// Frames after which a record that served no pixel is forgotten. chosen: 8, a third of a second: what an edge hides
-/// for a moment comes back; tried 4 to 16.
+/// for a moment comes back; not tuned.
 constexpr std::int64_t keeps_unused = 8;
 
 constexpr std::uint32_t nowhere = std::numeric_limits<std::uint32_t>::max();
