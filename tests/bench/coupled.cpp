@@ -88,11 +88,10 @@ int run(int argc, char** argv) {
         const Outcome base = fixed.coded(q);
         print(name, q, "fixed", base, base, film.frame_count());
         for (const std::string& share : parts_of(shares)) {
-            app::RenderOptions coupled = options;
-            coupled.tolerance = share == "default" ? "coupled" : "coupled=" + share;
-            coupled.coding.quantiser = q;
-            app::Production loop = app::prepare(coupled);
-            loop.exposure = film.exposure;
+            app::Production loop = film;
+            loop.tolerance = app::tolerance_from(share == "default" ? "coupled" : "coupled=" + share);
+            loop.coupling.share = loop.tolerance.share;
+            loop.coding.quantiser = q;
             loop.coupling.always_intra = always_intra;
             print(name, q, share, made(loop, stage), base, film.frame_count());
         }

@@ -43,7 +43,7 @@ TEST(Coupled, CoarserQuantisersMakeSmallerCuts) {
     double before = 1e9;
     for (const char* quantiser : {"1", "6", "31"}) {
         const double now = mean_cut(
-            make(folder, "cornell", " --frames 0:5 --tolerance coupled=0.5 --quantiser " + std::string(quantiser)));
+            make(folder, "cornell", " --frames 0:3 --tolerance coupled=0.5 --quantiser " + std::string(quantiser)));
         EXPECT_LT(now, before) << quantiser;
         before = now;
     }
@@ -63,16 +63,6 @@ TEST(Coupled, ACutThatTheRateCannotAffordIsAPredictedPicture) {
     EXPECT_EQ(frames[8].at("type"), "P");
 }
 
-TEST(Coupled, CutsShrinkByAHalfWhileTheDecodedFilmStaysAsItWas) {
-    const Folder folder;
-    const std::string rest = " --frames 0:6 --quantiser 16 --tolerance ";
-    const Made fixed = make(folder, "cornell", rest + "fixed=2%"), coupled = make(folder, "cornell", rest + "coupled");
-    EXPECT_LT(mean_cut(coupled), 0.5 * mean_cut(fixed));
-    // Coding errors against what was rendered: light that errs more is no harder to code.
-    EXPECT_NEAR(coupled.statistics.at("psnr_y").get<double>(), fixed.statistics.at("psnr_y").get<double>(), 0.5);
-    EXPECT_LT(static_cast<double>(coupled.bytes.size()), 1.1 * static_cast<double>(fixed.bytes.size()));
-}
-
 TEST(Coupled, TheShareOfWhatIsHiddenSteersTheCut) {
     const Folder folder;
     const std::string rest = " --frames 0:3 --quantiser 8 --tolerance coupled=";
@@ -81,7 +71,7 @@ TEST(Coupled, TheShareOfWhatIsHiddenSteersTheCut) {
 
 TEST(Coupled, TheFilmDoesNotDependOnThreads) {
     const Folder folder;
-    const std::string rest = " --frames 0:7 --gop 4 --tolerance coupled=0.5 --threads ";
+    const std::string rest = " --frames 0:4 --gop 4 --tolerance coupled=0.5 --threads ";
     EXPECT_EQ(make(folder, "character", rest + "1").bytes, make(folder, "character", rest + "4").bytes);
 }
 
@@ -101,24 +91,6 @@ TEST(Coupled, CutsOfAStillFilmStayTheSame) {
     const Made made = make(folder, "still_room", " --frames 0:14 --gop 1 --tolerance coupled=0.5");
     const auto& frames = made.statistics.at("per_frame");
     for (std::size_t i = 11; i <= 14; ++i) EXPECT_NEAR(cut_of(frames.at(i)) / cut_of(frames.at(i - 1)), 1.0, 0.01) << i;
-}
-
-TEST(Coupled, AnotherShotBeginsWithARoughLookAtItself) {
-    const Folder folder;
-    const Made made = make(folder, "flash_cut", " --vpls 64 --tolerance coupled=0.5");
-    EXPECT_GT(made.statistics.at("seconds").at("preview").get<double>(), 0.0);
-    EXPECT_LT(made.statistics.at("seconds").at("preview").get<double>(),
-              made.statistics.at("seconds").at("shade").get<double>());
-    EXPECT_EQ(made.statistics.at("non_finite"), 0);
-}
-
-TEST(Coupled, EveryWayOfMaskingMakesAFilm) {
-    const Folder folder;
-    for (const char* way : {"--masking carried", "--masking quantised", "--error-maps intra", "--error-spread pixel"}) {
-        const Made made = make(folder, "cornell", " --frames 0:8 --gop 4 --tolerance coupled=0.5 " + std::string(way));
-        EXPECT_EQ(made.statistics.at("frames"), 9) << way;
-        EXPECT_GT(mean_cut(made), 1.0) << way;
-    }
 }
 
 TEST(Coupled, OnlyFilmsHaveACodingToCoupleTo) {
