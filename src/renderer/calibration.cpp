@@ -40,6 +40,19 @@ std::size_t light_count(const LightForest& forest) {
     return count;
 }
 
+/// Pixels that a frame can afford to have gathered again.
+std::size_t affordable(const LightForest& forest, std::uint64_t rays) {
+    const double lights = std::max(static_cast<double>(light_count(forest)), 1.0);
+    const auto count = static_cast<std::size_t>(watched_share * static_cast<double>(rays) / lights);
+    return std::clamp(count, least_watched, most_watched);
+}
+
+/// Whether records had a part in a pixel's light.
+bool is_served(const LitPixel& p, const FrameLight& known) {
+    const auto& tile = known[p.tile];
+    return std::any_of(tile.begin() + p.first, tile.begin() + p.last, [](const PointLight& l) { return l.served; });
+}
+
 }  // namespace
 
 std::size_t calibrate(Caution& caution, const LightForest& forest, const RayTracer& tracer, const Seen& seen,
@@ -64,12 +77,11 @@ std::size_t calibrate(Caution& caution, const LightForest& forest, const RayTrac
 
 std::size_t watch(Caution& caution, const LightForest& forest, const RayTracer& tracer, const Seen& seen,
                   const core::ToleranceMap& tolerance, const ShadeSettings& settings, const core::Radiance& radiance,
-                  std::uint64_t rays) {
+                  std::uint64_t rays, const FrameLight* known) {
     if (!caution.knows()) return 0;
-    const double lights = std::max(static_cast<double>(light_count(forest)), 1.0);
-    const auto affordable = static_cast<std::size_t>(watched_share * static_cast<double>(rays) / lights);
-    const std::vector<LitPixel> pixels =
-        spread(lit_pixels(seen), std::clamp(affordable, least_watched, most_watched), seen.visible.frame);
+    std::vector<LitPixel> lit = lit_pixels(seen);
+    if (known != nullptr) std::erase_if(lit, [&](const LitPixel& p) { return is_served(p, *known); });
+    const std::vector<LitPixel> pixels = spread(lit, affordable(forest, rays), seen.visible.frame);
     caution.learn(compare(seen, pixels, gather_exactly(forest, tracer, seen, pixels), tolerance, radiance),
                   settings.limits.caution);
     return pixels.size();

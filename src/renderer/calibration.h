@@ -17,10 +17,10 @@ std::size_t calibrate(Caution& caution, const LightForest& forest, const RayTrac
                       glm::vec3 eye, const core::ToleranceMap& tolerance, ShadeSettings settings);
 
 /// Goes on with some pixels of a frame that was lit with `settings` and traced `rays` for it: as many as cost about a
-/// fiftieth of it; none where nothing was learnt to begin with, so that no film changes its caution in its midst.
-/// Returns how many.
+/// fiftieth of it; none where nothing was learnt to begin with, so that no film changes its caution in its midst. Of
+/// a frame lit by records (`known`), those that none of them served. Returns how many.
 std::size_t watch(Caution& caution, const LightForest& forest, const RayTracer& tracer, const Seen& seen,
                   const core::ToleranceMap& tolerance, const ShadeSettings& settings, const core::Radiance& radiance,
-                  std::uint64_t rays);
+                  std::uint64_t rays, const FrameLight* known = nullptr);
 
 }  // namespace render2mpeg::renderer

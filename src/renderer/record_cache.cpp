@@ -52,6 +52,7 @@ class FrameLighting {
 
     void prepare(const core::ToleranceMap& tolerance, const RecordCache::LitTiles& last, ShadeCounts& counts);
     void refine(int lattice, ShadeCounts& counts, RecordCounts& record_counts);
+    void thin() { records_.thin(snapshot_.frame, map_); }
     FrameLight take(RecordCache::LitTiles& last, ShadeCounts& counts, RecordCounts& record_counts);
 
   private:
@@ -254,10 +255,10 @@ FrameLight RecordCache::light(const LightForest& forest, const RayTracer& tracer
                               const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance,
                               const CutLimits& limits, ShadeCounts& shade_counts, RecordCounts& counts) {
     EXPECTS(!tolerance.is_reference());
-    records_.thin(snapshot.frame);
     FrameLighting frame(forest, tracer, seen, snapshot, limits, trust_, records_);
     frame.prepare(tolerance, last_, shade_counts);
     for (const int lattice : lattices) frame.refine(lattice, shade_counts, counts);
+    frame.thin();
     counts.live = records_.size();
     return frame.take(last_, shade_counts, counts);
 }

@@ -258,6 +258,7 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
             if (off <= tolerance && noise <= tolerance && !steep) {
                 result.holds = true;
                 result.light = blend(near);
+                result.light.served = true;
                 result.light.error = std::max(off, noise);
                 for (int i = 0; i < near.count(); ++i) records.use(near[i].index, frame);
                 return result;
@@ -268,6 +269,7 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
         const float noise = trust.noise * (q.receives * own->record->error + own->turned);
         if (!own->record->capped && noise > q.tolerance.allows(core::luminance(own->light))) continue;
         result.holds = true;
+        result.light.served = true;
         result.light.direct = own->record->direct;
         result.light.indirect = own->record->indirect;
         result.light.glossy = own->glossy;

@@ -12,6 +12,9 @@ namespace {
 /// for a moment comes back; not tuned.
 constexpr std::int64_t keeps_unused = 8;
 
+/// Records of one surface in one pixel: more say no more. chosen: 4, one of each set of representatives; not tuned.
+constexpr std::size_t most_in_pixel = 4;
+
 constexpr std::uint32_t nowhere = std::numeric_limits<std::uint32_t>::max();
 
 }  // namespace
@@ -58,8 +61,25 @@ void Records::use(std::uint32_t index, std::int64_t frame) {
     std::atomic_ref<std::int64_t>(records_[index].used).store(frame, std::memory_order_relaxed);
 }
 
-void Records::thin(std::int64_t frame) {
-    std::erase_if(records_, [&](const Record& r) { return frame - r.used > keeps_unused; });
+void Records::thin(std::int64_t frame, const RecordMap& map) {
+    std::vector<std::uint8_t> crowds(records_.size(), 0);
+    const std::span<const RecordMark> marks = map.marks();
+    for (std::size_t first = 0, last = 0; first < marks.size(); first = last) {
+        const glm::vec2 pixel = glm::floor(marks[first].at);
+        while (last < marks.size() && glm::floor(marks[last].at) == pixel) ++last;
+        if (last - first <= most_in_pixel) continue;
+        // Count from the newest, which come last, surface by surface.
+        for (std::size_t i = last; i-- > first;) {
+            const auto newer = std::count_if(marks.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                                             marks.begin() + static_cast<std::ptrdiff_t>(last),
+                                             [&](const RecordMark& m) { return m.surface == marks[i].surface; });
+            if (static_cast<std::size_t>(newer) >= most_in_pixel) crowds[marks[i].record] = 1;
+        }
+    }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < records_.size(); ++i)
+        if (crowds[i] == 0 && frame - records_[i].used <= keeps_unused) records_[kept++] = records_[i];
+    records_.resize(kept);
 }
 
 }  // namespace render2mpeg::renderer

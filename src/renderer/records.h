@@ -69,6 +69,8 @@ class RecordMap {
         return std::span(marks_).subspan(starts_[first], starts_[last] - starts_[first]);
     }
     std::size_t size() const { return marks_.size(); }
+    /// All marks, pixel by pixel.
+    std::span<const RecordMark> marks() const { return marks_; }
     int width() const { return width_; }
     int height() const { return height_; }
 
@@ -84,8 +86,8 @@ class Records {
     /// None: a chunk begins, or light is another.
     void forget() { records_.clear(); }
 
-    /// Drops what was of no use for some frames.
-    void thin(std::int64_t frame);
+    /// Drops what was of no use for some frames, and the oldest of those that crowd one pixel of the frame's map.
+    void thin(std::int64_t frame, const RecordMap& map);
 
     std::uint32_t add(const Record& record);
     const Record& operator[](std::uint32_t index) const { return records_[index]; }

@@ -186,12 +186,13 @@ struct Renderer::Impl {
     /// Learns from a frame that was lit. One that repeats the frame before teaches nothing, so that still films stay as
     /// they are to the last bit.
     void watch(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance,
-               const ShadeSettings& s, const core::Radiance& radiance, const ShadeCounts& counts) {
+               const ShadeSettings& s, const core::Radiance& radiance, const ShadeCounts& counts,
+               const FrameLight* known) {
         const Stopwatch watch(statistics.calibration_seconds);
         Sight sight = sight_of(snapshot, tolerance);
         if (watched != sight)
-            statistics.calibrated_pixels +=
-                renderer::watch(caution, forest, scenery.tracer(), seen, tolerance, s, radiance, counts.shadow_rays);
+            statistics.calibrated_pixels += renderer::watch(caution, forest, scenery.tracer(), seen, tolerance, s,
+                                                            radiance, counts.shadow_rays, known);
         watched = std::move(sight);
         const double value = s.limits.caution;
         statistics.least_caution = frames == 0 ? value : std::min(statistics.least_caution, value);
@@ -236,7 +237,7 @@ struct Renderer::Impl {
     bool started = false;
     std::int64_t first_frame = 0;  ///< of the chunk
     Caution caution;
-    std::optional<Sight> watched;        ///< the frame that caution was told of last
+    std::optional<Sight> watched;  ///< the frame that caution was told of last
     RecordCache records;
     std::optional<float> given_caution;  ///< instead of it
     Statistics statistics;
@@ -285,7 +286,7 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     core::Radiance radiance = renderer::shade(i.forest, i.scenery.tracer(), seen, snapshot.camera.position(), tolerance,
                                               settings, counts, by_records ? &known : nullptr);
     i.count(counts, seen.visible);
-    if (learns) i.watch(snapshot, seen, tolerance, settings, radiance, counts);
+    if (learns) i.watch(snapshot, seen, tolerance, settings, radiance, counts, by_records ? &known : nullptr);
     i.share_time(cpu_seconds() - start, counts);
     return radiance;
 }

@@ -164,12 +164,21 @@ TEST_F(Wall, WhatServesNobodyIsForgotten) {
     strew(4, [](glm::vec2) { return 1.0f; });
     const std::size_t all = records_.size();
     records_.use(3, 6);
-    records_.thin(8);
+    records_.thin(8, map_);
     EXPECT_EQ(records_.size(), all);
-    records_.thin(9);
+    records_.thin(9, {});
     EXPECT_EQ(records_.size(), 1u);
-    records_.thin(15);
+    records_.thin(15, {});
     EXPECT_EQ(records_.size(), 0u);
+}
+
+TEST_F(Wall, NoPixelKeepsMoreRecordsThanSayMore) {
+    for (int i = 0; i < 7; ++i) strew(3, [&](glm::vec2) { return static_cast<float>(i); });
+    ASSERT_EQ(records_.size(), 7u * 64u);
+    records_.thin(0, map_);
+    ASSERT_EQ(records_.size(), 4u * 64u);
+    // The newest.
+    for (const Record& r : records_.all()) EXPECT_GE(r.indirect.x, 3.0f);
 }
 
 TEST_F(Wall, EveryRequestIsGatheredOnceInGroupsOfOneSet) {
