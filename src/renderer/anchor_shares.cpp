@@ -162,9 +162,19 @@ AnchorShares AnchorSharing::share_in_sight(const OrientedPoint& at, const RayTra
     return shares;
 }
 
+/// Whether two places that face alike can be parts of one surface: neither lies far behind the other, as the inside of
+/// a lantern does behind the outside of its far wall.
+bool may_be_one_surface(const OrientedPoint& a, const OrientedPoint& b) {
+    const glm::vec3 way = b.position - a.position;
+    // Places on a ball that face as little alike as least_facing allows lie half their distance behind each other.
+    // chosen: 0.6 of it, a little more.
+    const float behind = -0.6f * glm::length(way);
+    return glm::dot(way, a.normal) >= behind && -glm::dot(way, b.normal) >= behind;
+}
+
 /// Of a group without lists of neighbours.
 AnchorShares AnchorSharing::share_among_alike(const Group& group, const OrientedPoint& at) const {
-    std::array<Neighbour, Nearest::size> found;
+    std::array<Neighbour, looked_at> found;
     int count = group.tree.nearest(at, least_facing, found);
     if (count == 0) {
         // None faces that way: its light goes where the nearest of all does.
@@ -175,8 +185,10 @@ AnchorShares AnchorSharing::share_among_alike(const Group& group, const Oriented
     Nearest near;
     for (int k = 0; k < count; ++k) {
         const Neighbour& n = found[static_cast<std::size_t>(k)];
-        near.add({n.distance2, group.first + n.point});
+        if (may_be_one_surface(at, places_[group.first + n.point].rest)) near.add({n.distance2, group.first + n.point});
     }
+    // No light is lost: where none fits, the nearest takes it.
+    if (near.count() == 0) near.add({found[0].distance2, group.first + found[0].point});
     return shares_of(near, places_);
 }
 

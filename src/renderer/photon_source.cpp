@@ -14,6 +14,10 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
+/// Share of the photons that all lights have alike, whatever their power: a defensive mixture [Hesterberg1995].
+/// chosen: 0.1 of 0.03..0.3; no photon weighs more than 1 / 0.9 of what it would without.
+constexpr double alike = 0.1;
+
 /// Cosine of the half angle in which a spot shines.
 float outer_cosine(const LightPoint& l) {
     return std::clamp(core::divide_or(-l.spot_offset, l.spot_scale, -1.0f), -1.0f, 1.0f);
@@ -42,10 +46,17 @@ struct Shadow {
 }  // namespace
 
 PhotonSource::PhotonSource(std::span<const LightPoint> lights, const WorldBox& box) : lights_(lights), box_(box) {
-    running_.reserve(lights.size());
+    std::size_t shining = 0;
     for (const LightPoint& light : lights) {
-        total_ += power_of(light);
-        running_.push_back(total_);
+        power_.push_back(power_of(light));
+        total_ += power_.back();
+        shining += power_.back() > 0.0 ? 1 : 0;
+    }
+    double sum = 0;
+    running_.reserve(lights.size());
+    for (const double power : power_) {
+        if (power > 0.0) sum += (1.0 - alike) * (power / total_) + alike / static_cast<double>(shining);
+        running_.push_back(sum);
     }
 }
 
@@ -68,12 +79,15 @@ double PhotonSource::power_of(const LightPoint& light) const {
 Photon PhotonSource::emit(float choice, glm::vec2 place, glm::vec2 direction) const {
     Photon photon;
     if (empty()) return photon;
-    const auto found = std::upper_bound(running_.begin(), running_.end(), static_cast<double>(choice) * total_);
+    const auto found =
+        std::upper_bound(running_.begin(), running_.end(), static_cast<double>(choice) * running_.back());
     const auto index = std::min<std::size_t>(static_cast<std::size_t>(found - running_.begin()), lights_.size() - 1);
     const LightPoint& light = lights_[index];
-    // Power over probability: the colour of the light at the total's luminance.
+    // Power over probability, in the colour of the light.
+    const double probability = (running_[index] - (index > 0 ? running_[index - 1] : 0.0)) / running_.back();
+    const double power = core::divide_or(power_[index], probability, 0.0);
     const auto scale =
-        static_cast<float>(core::divide_or(total_, static_cast<double>(core::luminance(light.intensity)), 0.0));
+        static_cast<float>(core::divide_or(power, static_cast<double>(core::luminance(light.intensity)), 0.0));
     photon.flux = light.intensity * scale;
     photon.origin = light.position;
     switch (light.kind) {

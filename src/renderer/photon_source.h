@@ -17,10 +17,11 @@ struct WorldBox {
 struct Photon {
     glm::vec3 origin{0};
     glm::vec3 direction{0, 0, 1};  ///< unit
-    glm::vec3 flux{0};             ///< power over the density of its choice: the mean over photons is the lights' power
+    glm::vec3 flux{0};  ///< power over the density of its choice: the mean over photons is the lights' power
 };
 
-/// Chooses photons in proportion to the power of light points: cosine about oriented ones, the whole sphere or cone
+/// Chooses photons mostly in proportion to the power of light points, some of them alike for all, so that a dim lamp in
+/// the room that is seen has its photons beside the sun outside: cosine about oriented ones, the whole sphere or cone
 /// about punctual ones, and the rectangle that the scene's box throws as shadow for directional ones.
 class PhotonSource {
   public:
@@ -36,8 +37,9 @@ class PhotonSource {
 
     std::span<const LightPoint> lights_;
     WorldBox box_;
-    std::vector<double> running_;  ///< power of all lights up to each
-    double total_ = 0;
+    std::vector<double> power_;    ///< of each light, luminance
+    std::vector<double> running_;  ///< probability of all lights up to each
+    double total_ = 0;             ///< power
 };
 
 }  // namespace render2mpeg::renderer
