@@ -127,6 +127,7 @@ class SceneBuilder {
 
     /// The film so far, not completed, for whatever has no function here.
     scene::Animation& film() { return film_; }
+    const scene::Animation& unfinished() const { return film_; }
 
     /// Completed by scene::complete: adds a camera and a light where there is none.
     scene::Animation build() const {

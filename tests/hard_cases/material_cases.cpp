@@ -1,0 +1,134 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "tests/hard_cases/hard_case.h"
+
+namespace render2mpeg::test {
+namespace {
+
+/// A lit floor of another material than 0, whose look `change` decides.
+SceneBuilder floor_of(const std::function<void(scene::Material&)>& change) {
+    SceneBuilder b = floor_from_above();
+    change(b.material(0));
+    b.add_point_light({0, 2, 0}, 1);
+    return b;
+}
+
+/// Closed, all of reflectance `albedo`, with a lamp of radiance 1 in the ceiling.
+SceneBuilder closed_room(float albedo) {
+    SceneBuilder b;
+    b.add_box({-1, 0, -1}, {1, 2, 1}, b.add_material(glm::vec3(albedo)), true);
+    b.add_quad({-0.5f, 1.99f, -0.5f}, {1, 0, 0}, {0, 0, 1}, b.add_emitter(glm::vec3(1)));
+    b.add_camera({0, 1.9f, 0}, {0, 0, 0}, 0.9f);
+    return b;
+}
+
+/// Sheets of one material, one above the other, between the camera and the lit floor.
+SceneBuilder sheets(int count, const std::function<void(scene::Material&)>& change) {
+    SceneBuilder b = floor_from_above();
+    const int sheet = b.add_material(glm::vec3(1));
+    b.material(sheet).double_sided = true;
+    change(b.material(sheet));
+    for (int i = 0; i < count; ++i)
+        b.add_quad({-4, 0.5f + 0.003f * static_cast<float>(i), 4}, {8, 0, 0}, {0, 0, -8}, sheet);
+    b.add_point_light({0, 2, 0}, 1);
+    return b;
+}
+
+void expect_like(const Lit& film, const SceneBuilder& other, double tolerance) {
+    const HardCase plain;
+    const double expected = lit(plain, other, film.way).mean();
+    EXPECT_GT(expected, 0.0);
+    EXPECT_NEAR(film.mean() / expected, 1.0, tolerance);
+}
+
+}  // namespace
+
+std::vector<HardCase> material_cases() {
+    return {
+        {"a closed room that absorbs nothing", "paths never end, their sum has no bound",
+         "paths end after some bounces; on average no brighter than the lamp", [] { return closed_room(1); },
+         [](const Lit& film) {
+             EXPECT_GT(film.mean(), 0.1);
+             EXPECT_LT(film.mean(), 1.0);
+         }},
+        {"a surface that reflects more than it gets", "every bounce brightens",
+         "taken as reflecting all of it, which is said", [] { return closed_room(1.5f); },
+         [](const Lit& film) {
+             EXPECT_LT(film.mean(), 1.0);
+             ASSERT_FALSE(film.notes.empty());
+             EXPECT_NE(film.notes.front().find("clamped"), std::string::npos) << film.notes.front();
+         }},
+        {"a room that reflects nothing", "probabilities of reflection are 0/0", "the lamp is seen, all else is black",
+         [] { return closed_room(0); }, [](const Lit& film) { EXPECT_EQ(film.at(16, 16), glm::vec3(0)); }},
+        {"a polished metal floor below its lamp", "the lobe of roughness 0 is a delta: infinite values, no area",
+         "a mirror: it shows the black above it",
+         [] { return floor_of([](scene::Material& m) { m.metallic = 1, m.roughness = 0; }); }},
+        {"a gloss of roughness 0.01 below a lamp", "the lobe's peak is 1e8 and hides in no bound",
+         "finite, and cut as finely as its peak needs",
+         [] { return floor_of([](scene::Material& m) { m.ior = 1.5f, m.roughness = 0.01f; }); }},
+        {"emission that is no number",
+         "NaN in every light point",
+         "a line that names the material",
+         [] { return floor_of([](scene::Material& m) { m.emission.x = NAN; }); },
+         {},
+         {},
+         "material 0"},
+        {"emission of 1e38", "sums over light points overflow", "taken as 1e30, which is said; the film shows white",
+         [] { return floor_of([](scene::Material& m) { m.emission = glm::vec3(1e38f); }); },
+         [](const Lit& film) {
+             EXPECT_FALSE(film.notes.empty());
+             EXPECT_EQ(film.decoded.front().y.at(16, 16), 235);
+         }},
+        {"sheets that are wholly transparent", "each stops the ray it does not change", "the floor as without them",
+         [] {
+             return sheets(4, [](scene::Material& m) {
+                 m.alpha_mode = scene::AlphaMode::blend;
+                 m.base_color.w = 0;
+             });
+         },
+         [](const Lit& film) { expect_like(film, floor_of([](scene::Material&) {}), 0.02); }},
+        {"forty sheets that are nearly transparent", "rays never reach an end", "an end of paths and a finite picture",
+         [] {
+             return sheets(40, [](scene::Material& m) {
+                 m.alpha_mode = scene::AlphaMode::blend;
+                 m.base_color.w = 0.01f;
+             });
+         },
+         [](const Lit& film) { EXPECT_GT(film.mean(), 0.0); }, 1.0f},
+        {"sheets cut out at the threshold", "alpha equal to the cutoff flickers", "alpha at the cutoff is there",
+         [] {
+             return sheets(1, [](scene::Material& m) {
+                 m.alpha_mode = scene::AlphaMode::mask;
+                 m.base_color.w = m.alpha_cutoff = 0.5f;
+             });
+         },
+         [](const Lit& film) { EXPECT_GT(film.at(16, 16).y, 0.9f / std::numbers::pi_v<float> / 4); }},
+        {"glass without refraction", "Fresnel's terms of index 1 are 0/0", "the floor as without it",
+         [] { return sheets(1, [](scene::Material& m) { m.transmission = 1, m.roughness = 0, m.ior = 1; }); },
+         [](const Lit& film) { EXPECT_GT(film.mean(), 0.0); }},
+        {"glass of index 1e6", "reflectance rounds to 1, angles to 0", "taken as index 100, which is said",
+         [] { return sheets(1, [](scene::Material& m) { m.transmission = 1, m.roughness = 0, m.ior = 1e6f; }); },
+         [](const Lit& film) { EXPECT_FALSE(film.notes.empty()); }},
+        {"two mirrors that face each other",
+         "a path that never ends",
+         "it ends after some reflections",
+         [] {
+             SceneBuilder b;
+             const int mirror = b.add_material(glm::vec3(1));
+             b.material(mirror).metallic = 1;
+             b.material(mirror).roughness = 0;
+             b.add_quad({-1, -1, -1}, {2, 0, 0}, {0, 2, 0}, mirror);
+             b.add_quad({1, -1, 1}, {-2, 0, 0}, {0, 2, 0}, mirror);
+             b.film().sky.color = glm::vec3(1);
+             b.add_camera({0, 0, 0}, {0.05f, 0.02f, -1});
+             return b;
+         },
+         {},
+         1.01f},
+    };
+}
+
+}  // namespace render2mpeg::test
