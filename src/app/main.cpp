@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "app/cost.h"
 #include "app/encode.h"
 #include "app/info.h"
 #include "app/options.h"
@@ -21,6 +22,8 @@ int main(int argc, char** argv) {
                 return plan(line.plan);
             case Command::info:
                 return info(line.info);
+            case Command::cost:
+                return cost(line.cost, line.text);
             case Command::none:
                 break;
         }

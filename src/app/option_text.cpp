@@ -1,6 +1,9 @@
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
+#include <utility>
 
 #include "app/options.h"
 #include "core/error.h"
@@ -15,6 +18,25 @@ std::optional<std::int64_t> whole_number(std::string_view text) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (text.empty() || error != std::errc{} || end != text.data() + text.size() || value < 0) return {};
     return value;
+}
+
+/// The words between commas.
+std::vector<std::string> parts_of(const std::string& text) {
+    std::vector<std::string> parts{""};
+    for (const char c : text) {
+        if (c == ',')
+            parts.emplace_back();
+        else
+            parts.back() += c;
+    }
+    return parts;
+}
+
+template <class Value, class Order>
+std::vector<Value> in_order(std::vector<Value> values, Order order) {
+    std::sort(values.begin(), values.end(), order);
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+    return values;
 }
 
 }  // namespace
@@ -62,6 +84,40 @@ ToleranceRequest tolerance_from(const std::string& text) {
         "tolerance " + text +
         ": expected `coupled`, coupled=K with K above 0 and up to 100, fixed=P% with P from 0 to 100, e.g. "
         "fixed=2%, or `reference`");
+}
+
+Sample sample_from(const std::string& text) {
+    const std::size_t x = text.find('x');
+    const auto windows = x == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(0, x));
+    const auto frames = x == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(x + 1));
+    // chosen: more than a thousand windows or frames of each is a film, not a sample of one.
+    if (!windows || !frames || *windows < 1 || *frames < 1 || *windows > 1000 || *frames > 1000)
+        throw core::Error("sample " + text + ": expected WINDOWSxFRAMES from 1x1 to 1000x1000, e.g. 2x3");
+    return {static_cast<int>(*windows), static_cast<int>(*frames)};
+}
+
+std::vector<float> percents_from(const std::string& text) {
+    std::vector<float> shares;
+    for (const std::string& part : parts_of(text)) {
+        char* end = nullptr;
+        const double percent = std::strtod(part.c_str(), &end);
+        if (part.empty() || *end != '\0' || !(percent > 0) || percent > 100)
+            throw core::Error("tolerances " + text + ": expected per cent above 0 and up to 100, e.g. 8,4,2,1");
+        shares.push_back(static_cast<float>(percent / 100));
+    }
+    return in_order(std::move(shares), std::greater<>());
+}
+
+std::vector<int> quantisers_from(const std::string& text) {
+    if (text == "none") return {};
+    std::vector<int> quantisers;
+    for (const std::string& part : parts_of(text)) {
+        const auto value = whole_number(part);
+        if (!value || *value < 1 || *value > 31)
+            throw core::Error("quantisers " + text + ": expected numbers from 1 to 31, e.g. 2,8,31, or `none`");
+        quantisers.push_back(static_cast<int>(*value));
+    }
+    return in_order(std::move(quantisers), std::less<>());
 }
 
 }  // namespace render2mpeg::app

@@ -158,7 +158,8 @@ CommandLine parse(int argc, char** argv) {
 
     const CLI::App* encode = add_encode_command(app, line.encode);
     const CLI::App* plan = add_plan_command(app, line.plan);
-    add_info_command(app, line.info);
+    const CLI::App* info = add_info_command(app, line.info);
+    const CLI::App* cost = add_cost_command(app, line.cost);
 
     // CLI11 would only say that a command is missing.
     const auto named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
@@ -173,10 +174,12 @@ CommandLine parse(int argc, char** argv) {
     }
     line.render.given = given_of(*render);
     line.encode.given = given_of(*encode);
+    line.cost.render.given = given_of(*cost);
     line.command = render->parsed()   ? Command::render
                    : encode->parsed() ? Command::encode
                    : plan->parsed()   ? Command::plan
-                                      : Command::info;
+                   : info->parsed()   ? Command::info
+                                      : Command::cost;
     return line;
 }
 

@@ -97,7 +97,22 @@ struct InfoOptions {
     bool summary = false;  ///< without the pictures one by one
 };
 
-enum class Command { render, encode, plan, info, none };
+/// How much of a film is tried: windows of consecutive frames, spread over it; fewer where the film is too short.
+struct Sample {
+    int windows = 2, frames = 3;  ///< >= 1
+};
+
+/// Options of `cost`.
+struct CostOptions {
+    RenderOptions render;  ///< only what decides light and coding
+    std::string sample = "2x3";
+    std::string tolerances = "16,8,4,2,1,0.5,0.25";
+    std::string quantisers = "2,4,8,16,31";
+    std::optional<std::filesystem::path> json;
+    std::optional<std::filesystem::path> report;  ///< HTML
+};
+
+enum class Command { render, encode, plan, info, cost, none };
 
 /// One command line, read and checked for form. `exit_code` is set where there is nothing left to do (--help,
 /// --version, a mistake, which is one line): the text was printed already.
@@ -107,6 +122,7 @@ struct CommandLine {
     EncodeOptions encode;
     PlanOptions plan;
     InfoOptions info;
+    CostOptions cost;
     std::optional<int> exit_code;
     std::string text;  ///< as given, for the statistics
 };
@@ -123,5 +139,11 @@ struct FrameRange {
 };
 FrameRange frames_from(const std::string& text);
 ToleranceRequest tolerance_from(const std::string& text);
+/// "2x3": windows by frames of each.
+Sample sample_from(const std::string& text);
+/// "4,2,0.5": shares of 1, from the largest to the least, each once.
+std::vector<float> percents_from(const std::string& text);
+/// "2,4,8", ascending, each once; "none": none.
+std::vector<int> quantisers_from(const std::string& text);
 
 }  // namespace render2mpeg::app

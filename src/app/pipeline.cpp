@@ -51,8 +51,6 @@ class ChunkLoop {
     /// Rough light for the eye, where there is no picture before.
     void imagine(const scene::Snapshot& world, const renderer::Seen& seen, const encoder::PicturePlan& plan);
     void write(const std::vector<encoder::CodedPicture>& pictures);
-    /// The eye's, to what moves like this frame; none where nobody asks or nothing moves.
-    void tell_motion(const core::Visible& visible, const scene::Snapshot& world, encoder::PictureFacts& facts);
 
     const Production& film_;
     renderer::Renderer& renderer_;
@@ -126,17 +124,6 @@ core::ToleranceMap ChunkLoop::tolerances(const scene::Snapshot& world, const ren
     return timed(ledger_, Stage::tolerate, [&] { return coupling_->tolerate(seen.visible, plan, way); });
 }
 
-/// What motion against the picture before decides of types and quantisers.
-void ChunkLoop::tell_motion(const core::Visible& visible, const scene::Snapshot& world, encoder::PictureFacts& facts) {
-    if (world.frame == chunk_.first || world.cut_before || !film_.plan.runs(renderer::Pass::motion)) return;
-    timed(ledger_, renderer::Pass::motion, [&] {
-        const core::MotionField motion = scene::motion_between(visible, world, film_.snapshot(world.frame - 1));
-        facts.unevenness = encoder::unevenness(motion);
-        if (film_.coding.rate_control.mode == encoder::RateMode::constant_quality)
-            facts.sensitivity = perceptual::motion_sensitivity(motion, film_.rate.hertz.value());
-    });
-}
-
 void ChunkLoop::frame(std::int64_t n) {
     const double start = cpu_seconds();
     const scene::Snapshot world = film_.snapshot(n);
@@ -147,7 +134,7 @@ void ChunkLoop::frame(std::int64_t n) {
     std::vector<core::MotionField> motion;
     if (codes_) {
         encoder::PictureFacts facts = facts_of(film_, world, chunk_);
-        tell_motion(seen.visible, world, facts);
+        timed(ledger_, renderer::Pass::motion, [&] { tell_motion(film_, chunk_, seen.visible, world, facts); });
         coding = encoder_.plan(n, facts, n == chunk_.first);
         motion = timed(ledger_, renderer::Pass::motion, [&] { return motion_of(film_, coding, seen.visible, world); });
     }
@@ -197,6 +184,15 @@ encoder::PictureFacts facts_of(const Production& film, const scene::Snapshot& wo
     if (!film.allotments.empty())
         facts.allotment = film.allotments[static_cast<std::size_t>(world.frame - film.frames.first)];
     return facts;
+}
+
+void tell_motion(const Production& film, const Chunk& chunk, const core::Visible& visible, const scene::Snapshot& world,
+                 encoder::PictureFacts& facts) {
+    if (world.frame == chunk.first || world.cut_before || !film.plan.runs(renderer::Pass::motion)) return;
+    const core::MotionField motion = scene::motion_between(visible, world, film.snapshot(world.frame - 1));
+    facts.unevenness = encoder::unevenness(motion);
+    if (film.coding.rate_control.mode == encoder::RateMode::constant_quality)
+        facts.sensitivity = perceptual::motion_sensitivity(motion, film.rate.hertz.value());
 }
 
 std::vector<core::MotionField> motion_of(const Production& film, const encoder::PicturePlan& coding,

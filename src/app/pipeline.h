@@ -41,6 +41,11 @@ struct Destination {
 /// What the encoder is told of a frame before it is lit.
 encoder::PictureFacts facts_of(const Production& film, const scene::Snapshot& world, const Chunk& chunk);
 
+/// Adds what motion against the picture before decides of types and quantisers; nothing where a chunk or a shot begins,
+/// and where nothing moves.
+void tell_motion(const Production& film, const Chunk& chunk, const core::Visible& visible, const scene::Snapshot& world,
+                 encoder::PictureFacts& facts);
+
 /// Motion from a picture to each of its references: exact at any distance, since a snapshot of any frame can be had.
 /// None where nothing moves: then the encoder's zero vector is exact.
 std::vector<core::MotionField> motion_of(const Production& film, const encoder::PicturePlan& coding,

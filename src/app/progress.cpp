@@ -27,9 +27,9 @@ std::string progress_line(const Standing& s, int columns, bool with_bar) {
                                 ? "ETA " + clock_text(static_cast<double>(s.total - s.done) / s.per_second)
                                 : "ETA -";
     // Slow frames are told by their time.
-    const std::string rate = s.per_second <= 0    ? ""
-                             : s.per_second < 0.5 ? fmt::format("  {:.1f} s/frame", 1 / s.per_second)
-                                                  : fmt::format("  {:.2f} frames/s", s.per_second);
+    const std::string rate = s.per_second <= 0 || !s.frames ? ""
+                             : s.per_second < 0.5           ? fmt::format("  {:.1f} s/frame", 1 / s.per_second)
+                                                            : fmt::format("  {:.2f} frames/s", s.per_second);
     const std::string count = fmt::format("{} {}/{}", s.work, s.done, s.total);
     const std::string percent = fmt::format("  {:3.0f} %", 100 * share);
 
@@ -45,13 +45,17 @@ std::string progress_line(const Standing& s, int columns, bool with_bar) {
     return fmt::format("{}/{}", s.done, s.total).substr(0, static_cast<std::size_t>(columns));
 }
 
-Progress::Progress(std::int64_t total, bool quiet, const std::string& work)
-    : standing_{work, 0, total, 0, 0}, quiet_(quiet), terminal_(can_rewrite_errors()), start_(Clock::now()) {
+Progress::Progress(std::int64_t total, bool quiet, const std::string& work, Counted counted, double seconds_ago)
+    : standing_{work, 0, total, 0, 0, counted != Counted::parts_of_step},
+      quiet_(quiet),
+      terminal_(can_rewrite_errors()),
+      stays_(counted == Counted::frames),
+      start_(Clock::now() - std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds_ago))) {
     if (!quiet_ && terminal_) draw();
 }
 
 Progress::~Progress() {
-    if (drawn_) std::fputs("\n", stderr);
+    if (drawn_) std::fputs(stays_ ? "\n" : "\r\033[K", stderr);
 }
 
 void Progress::advance() {

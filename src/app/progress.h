@@ -12,22 +12,28 @@ struct Standing {
     std::int64_t done = 0, total = 0;
     double per_second = 0;  ///< 0: not known yet
     double seconds = 0;     ///< since the beginning
+    bool frames = true;     ///< they are counted: their rate is told
 };
 
 /// One line about it, at most `columns` characters (at least 20): what fits of a bar, counts, rate and time to go.
 std::string progress_line(const Standing& standing, int columns, bool with_bar);
 
+/// What is counted: frames, whose line stays; frames of a step on the way, or parts of one: a terminal's line goes with
+/// the object.
+enum class Counted { frames, frames_of_step, parts_of_step };
+
 /// How far a render is, on standard error: a bar that rewrites its line on a terminal, else a plain line every ten per
 /// cent.
 class Progress {
   public:
-    /// `total` frames. Silent when `quiet`. `work` names what is counted.
-    Progress(std::int64_t total, bool quiet, const std::string& work = "frame");
+    /// `total` frames or parts. Silent when `quiet`. `work` names what is counted; it began `seconds_ago`.
+    Progress(std::int64_t total, bool quiet, const std::string& work = "frame", Counted counted = Counted::frames,
+             double seconds_ago = 0);
     ~Progress();
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
-    /// One more frame is finished.
+    /// One more is finished.
     void advance();
 
   private:
@@ -35,7 +41,7 @@ class Progress {
 
     using Clock = std::chrono::steady_clock;
     Standing standing_;
-    bool quiet_, terminal_;
+    bool quiet_, terminal_, stays_;
     bool drawn_ = false;
     std::int64_t next_plain_ = 0;
     Clock::time_point start_, drawn_at_;

@@ -50,15 +50,6 @@ bool is_one_file(const Production& film) {
     return film.kind == OutputKind::film || film.kind == OutputKind::y4m;
 }
 
-/// The files that the film is made from, as far as they are known.
-std::vector<Files> inputs_of(const Production& film, const RenderOptions& options) {
-    std::vector<Files> inputs{Files(options.input), Files(options.coding.keyframes.value_or(""))};
-    std::error_code error;
-    if (std::filesystem::is_directory(options.input, error)) inputs.emplace_back(options.input / "film.json");
-    for (const scene::ImageSource& image : film.animation->images) inputs.emplace_back(image.path);
-    return inputs;
-}
-
 /// Refuses outputs that would take the place of other files, or show what there is none of. Writes nothing.
 void check_outputs(const Production& film, const RenderOptions& options) {
     std::vector<Files> outputs{is_one_file(film) ? Files(options.output) : Files(options.output, film.frames),
@@ -121,6 +112,14 @@ std::vector<ChunkFile> render_chunks(const Production& film, const RenderOptions
 }
 
 }  // namespace
+
+std::vector<Files> inputs_of(const Production& film, const RenderOptions& options) {
+    std::vector<Files> inputs{Files(options.input), Files(options.coding.keyframes.value_or(""))};
+    std::error_code error;
+    if (std::filesystem::is_directory(options.input, error)) inputs.emplace_back(options.input / "film.json");
+    for (const scene::ImageSource& image : film.animation->images) inputs.emplace_back(image.path);
+    return inputs;
+}
 
 int render(const RenderOptions& options, const std::string& command) {
     const auto start = std::chrono::steady_clock::now();

@@ -206,7 +206,9 @@ bool is_page_of_ours(const std::filesystem::path& file) {
 bool is_json_of_ours(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);
     const json value = json::parse(stream, nullptr, false);
-    return value.is_object() && value.contains("per_frame") && value.contains("summary") && value.contains("plan");
+    if (!value.is_object() || !value.contains("summary")) return false;
+    return (value.contains("per_frame") && value.contains("plan")) ||
+           (value.contains("fixed") && value.contains("coupled"));
 }
 
 }  // namespace
@@ -225,20 +227,23 @@ void check_report(const std::filesystem::path& html) {
     }
 }
 
+std::string report_page(const std::string& title, const std::string& lead, const std::string& body) {
+    std::string page = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\n";
+    page += generator;
+    page += " " RENDER2MPEG_VERSION "\"/>\n";
+    return page + "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>" +
+           escaped(title) + " - render2mpeg</title>\n<style>" + report_style + "</style></head>\n<body><main>\n<h1>" +
+           escaped(title) + "</h1>\n<p class=\"lead\">" + escaped(lead) + "</p>\n" + body + "</main></body></html>\n";
+}
+
 void write_report(const std::filesystem::path& html, const Production& film, const Ledger& ledger,
                   const RunFacts& facts) {
     json s = statistics_of(film, ledger, facts);
     s["summary"] = sentence_of(s);
     s["plan"] = plan_of(film, s);
-    const std::string title = escaped(std::filesystem::path(facts.output).filename().string());
-    std::string page = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\n";
-    page += generator;
-    page += " " RENDER2MPEG_VERSION "\"/>\n";
-    page += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>" + title +
-            " - render2mpeg</title>\n<style>" + report_style + "</style></head>\n<body><main>\n<h1>" + title +
-            "</h1>\n<p class=\"lead\">" + escaped(s.at("summary").get<std::string>()) + "</p>\n";
-    page += cards(s) + plots(s) + time_table(s) + plan_rows(s.at("plan")) + settings_table(s);
-    write_whole(html, page + "</main></body></html>\n");
+    write_whole(html,
+                report_page(std::filesystem::path(facts.output).filename().string(), s.at("summary").get<std::string>(),
+                            cards(s) + plots(s) + time_table(s) + plan_rows(s.at("plan")) + settings_table(s)));
     write_json(report_json_of(html), s);
 }
 

@@ -32,6 +32,11 @@ svg { display: block; width: 100%; min-width: 620px; height: auto; }
 svg text { font: 12px system-ui, sans-serif; fill: var(--soft); }
 svg .grid { stroke: var(--line); stroke-width: 1; }
 svg g:hover rect { opacity: .6; }
+.curves svg { min-width: 0; }
+.curves .line { fill: none; stroke: currentColor; stroke-width: 1.8; stroke-linejoin: round; }
+.curves svg g { fill: currentColor; } .curves .ring { fill: none; stroke: currentColor; stroke-width: 1.5; }
+.curves .narrow { display: none; }
+@media (max-width: 40rem) { .curves .broad { display: none; } .curves .narrow { display: block; } }
 .i { fill: var(--i); background: var(--i); } .p { fill: var(--p); background: var(--p); }
 .b { fill: var(--b); background: var(--b); }
 .one { fill: var(--one); background: var(--one); } .two { fill: var(--two); background: var(--two); }

@@ -15,6 +15,9 @@ void add_light_options(CLI::App& command, RenderOptions& options);
 /// Size, rate, length and exposure.
 void add_picture_options(CLI::App& command, RenderOptions& options);
 
+/// Commands that try a film instead of making it.
+CLI::App* add_cost_command(CLI::App& app, CostOptions& options);
+
 /// A CLI11 check of --exposure. Throws core::Error.
 std::string check_exposure(const std::string& text);
 

@@ -17,12 +17,6 @@ namespace {
 /// Keep the dice of each kind of choice apart from all others.
 constexpr std::uint64_t drawing_seed = 0xa0d17, spreading_seed = 0x5b3ead;
 
-glm::ivec2 place_of(const Seen& seen, const LitPixel& p) {
-    const int pixel = seen.tiles[p.tile][p.first].pixel, across = seen.tiles_across();
-    return {static_cast<int>(p.tile) % across * tile_size + pixel % tile_size,
-            static_cast<int>(p.tile) / across * tile_size + pixel / tile_size};
-}
-
 /// As in shade.cpp, to the last bit.
 glm::vec3 scattered(const GatherPoint& p, const GatheredLight& light, int lane) {
     const Bsdf& bsdf = p.point.bsdf;
@@ -39,6 +33,12 @@ float chroma_of(glm::vec3 light, float luminance) {
 }
 
 }  // namespace
+
+glm::ivec2 place_of(const Seen& seen, const LitPixel& p) {
+    const int pixel = seen.tiles[p.tile][p.first].pixel, across = seen.tiles_across();
+    return {static_cast<int>(p.tile) % across * tile_size + pixel % tile_size,
+            static_cast<int>(p.tile) / across * tile_size + pixel / tile_size};
+}
 
 std::vector<LitPixel> lit_pixels(const Seen& seen) {
     std::vector<LitPixel> pixels;
@@ -108,28 +108,31 @@ std::vector<glm::vec3> gather_exactly(const LightForest& forest, const RayTracer
     return sums;
 }
 
+AuditedPixel compare(glm::ivec2 place, glm::vec3 truth, const core::ToleranceMap& tolerance,
+                     const core::Radiance& radiance) {
+    AuditedPixel a;
+    a.x = place.x;
+    a.y = place.y;
+    a.luminance = core::luminance(truth);
+    const glm::vec3 difference = radiance.combined.at(a.x, a.y) - truth;
+    const float off = core::luminance(difference);
+    a.error = std::abs(off);
+    a.chroma = chroma_of(difference, off);
+    a.capped = radiance.capped.at(a.x, a.y) != 0;
+    if (!tolerance.is_reference()) {
+        const core::Tolerance& t = tolerance.pixels.at(a.x, a.y);
+        a.tolerance = std::max(t.absolute, t.relative * a.luminance);
+    }
+    return a;
+}
+
 std::vector<AuditedPixel> compare(const Seen& seen, const std::vector<LitPixel>& pixels,
                                   const std::vector<glm::vec3>& truth, const core::ToleranceMap& tolerance,
                                   const core::Radiance& radiance) {
     EXPECTS(truth.size() == pixels.size() && radiance.combined.width() == seen.visible.width());
     std::vector<AuditedPixel> audited;
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-        const glm::ivec2 place = place_of(seen, pixels[i]);
-        AuditedPixel a;
-        a.x = place.x;
-        a.y = place.y;
-        a.luminance = core::luminance(truth[i]);
-        const glm::vec3 difference = radiance.combined.at(a.x, a.y) - truth[i];
-        const float off = core::luminance(difference);
-        a.error = std::abs(off);
-        a.chroma = chroma_of(difference, off);
-        a.capped = radiance.capped.at(a.x, a.y) != 0;
-        if (!tolerance.is_reference()) {
-            const core::Tolerance& t = tolerance.pixels.at(a.x, a.y);
-            a.tolerance = std::max(t.absolute, t.relative * a.luminance);
-        }
-        audited.push_back(a);
-    }
+    for (std::size_t i = 0; i < pixels.size(); ++i)
+        audited.push_back(compare(place_of(seen, pixels[i]), truth[i], tolerance, radiance));
     return audited;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <vector>
 
 #include "core/radiance.h"
@@ -18,6 +19,9 @@ struct LitPixel {
     std::uint32_t first = 0, last = 0;  ///< gather points, `last` not included
 };
 
+/// Where in the frame it is.
+glm::ivec2 place_of(const Seen& seen, const LitPixel& pixel);
+
 /// In order of their tiles, then of their rows.
 std::vector<LitPixel> lit_pixels(const Seen& seen);
 
@@ -31,6 +35,10 @@ std::vector<LitPixel> spread(const std::vector<LitPixel>& pixels, std::size_t co
 /// same for any number of threads.
 std::vector<glm::vec3> gather_exactly(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
                                       const std::vector<LitPixel>& pixels);
+
+/// Holds one pixel of a frame, lit by `tolerance`, against the radiance that it should have.
+AuditedPixel compare(glm::ivec2 place, glm::vec3 truth, const core::ToleranceMap& tolerance,
+                     const core::Radiance& radiance);
 
 /// Holds the frame, lit by `tolerance`, against that.
 std::vector<AuditedPixel> compare(const Seen& seen, const std::vector<LitPixel>& pixels,

@@ -52,6 +52,13 @@ TEST(Documents, NameEveryKeyOfStatisticsReportsAndInformation) {
     const auto told = run(program() + " info --json " + path(folder, "f.mpg"));
     ASSERT_EQ(told.status, 0) << told.output;
     expect_keys(json::parse(told.output), page("info.md"), "types");
+
+    const auto tried =
+        run(program() + " cost " + support::plain_film() +
+            " --size 32x32 --samples 1 --vpls 16 --exposure 0 --sample 1x1 --tolerances 20 --quantisers 31" +
+            " --quiet --json " + path(folder, "c.json"));
+    ASSERT_EQ(tried.status, 0) << tried.output;
+    expect_keys(json::parse(contents(folder / "c.json")), page("cost.md"), "");
 }
 
 }  // namespace

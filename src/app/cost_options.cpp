@@ -1,0 +1,73 @@
+#include "app/coding_options.h"
+#include "app/scene_options.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// What a sweep sets itself, or what says nothing of a film's sample.
+constexpr const char* unwanted[] = {"--tolerance", "--quality", "--bitrate", "--cbr", "--maxrate", "--vbv", "--passes"};
+
+void add_sweep_options(CLI::App& command, CostOptions& options) {
+    const std::string sweep = "What is tried";
+    command
+        .add_option("--sample", options.sample,
+                    "Windows spread over the film, by consecutive frames of each; the last frame of each window is "
+                    "also lit by every light point, as the reference")
+        ->type_name("WINDOWSxFRAMES")
+        ->check(checked(sample_from, ""))
+        ->capture_default_str()
+        ->group(sweep);
+    command.add_option("--tolerances", options.tolerances, "Fixed tolerances, per cent of a pixel's luminance")
+        ->type_name("P,P,...")
+        ->check(checked(percents_from, ""))
+        ->capture_default_str()
+        ->group(sweep);
+    command
+        .add_option("--quantisers", options.quantisers,
+                    "Quantisers to couple light to, each beside a fixed 2 % coded with it; or `none`")
+        ->type_name("Q,Q,...|none")
+        ->check(checked(quantisers_from, ""))
+        ->capture_default_str()
+        ->group(sweep);
+}
+
+void add_run_options(CLI::App& command, CostOptions& options) {
+    const std::string run = "Run";
+    RenderOptions& render = options.render;
+    command.add_option("--threads", render.threads, "Threads; 0: one per core. Nothing but the clock depends on it")
+        ->check(CLI::Range(0, 1024))
+        ->capture_default_str()
+        ->group(run);
+    command.add_option("--isa", render.isa, "Instruction set (default: the best there is)")
+        ->type_name("sse2|sse4.2|avx|avx2|avx512")
+        ->group(run);
+    command.add_option("--json", options.json, "Write all figures as JSON (docs/cost.md)")
+        ->type_name("FILE.json")
+        ->group(run);
+    command
+        .add_option("--report", options.report, "Write a page with plots for any browser, and its figures beside it")
+        ->type_name("FILE.html")
+        ->group(run);
+    command.add_flag("--quiet", render.quiet, "Print nothing but errors")->group(run);
+}
+
+}  // namespace
+
+CLI::App* add_cost_command(CLI::App& app, CostOptions& options) {
+    CLI::App* command = app.add_subcommand("cost", "Show what accuracy costs in time, and what it buys");
+    command->footer(
+        "Lights a sample of the film with one tolerance after the other, and coupled to its coding; tells time, rays, "
+        "true errors, and what is left of them in the decoded film (docs/cost.md). The reference is dear: it comes "
+        "first, with an estimate.\n"
+        "Example: render2mpeg cost scene.glb --size 320x180 --vpls 1000 --report cost.html");
+    add_scene_options(*command, options.render);
+    add_sweep_options(*command, options);
+    add_picture_options(*command, options.render);
+    add_light_options(*command, options.render);
+    add_coding_options(*command, options.render.coding);
+    for (const char* name : unwanted) command->remove_option(command->get_option(name));
+    add_run_options(*command, options);
+    return command;
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "app/chunk.h"
+#include "app/error_histogram.h"
+#include "app/ledger.h"
+#include "app/production.h"
+#include "perceptual/metrics.h"
+
+namespace render2mpeg::app {
+
+/// Stretches of a film that stand for it: the middles of equal parts, as many as there is room for, each coded as a
+/// chunk of its own.
+std::vector<Chunk> windows_of(FrameRange film, const Sample& sample);
+
+/// A frame lit by every light point by itself, and what it looks like.
+struct Truth {
+    core::Plane<glm::vec3> light;  ///< radiance
+    core::Picture picture;
+    std::vector<glm::ivec2> gathering;  ///< pixels that have anything to gather
+};
+
+/// What one way to light and code the windows costs and comes to: light's cost and bytes over all their frames, errors
+/// and quality over the last frame of each, which a truth is known of.
+struct Trial {
+    ToleranceRequest tolerance;
+    int quantiser = 4;
+    int frames = 0;
+    double seconds = 0;        ///< CPU per frame for light, with what coupling it to its coding takes
+    double rays = 0;           ///< shadow rays per gather point
+    double cut = 0;            ///< clusters per gather point
+    double capped = 0;         ///< share of the gather points that the largest cut stopped
+    std::uint64_t points = 0;  ///< gathered for; 0: nothing is lit
+    ErrorHistogram errors;     ///< of luminance over what it should be, or over half a code value where that is more
+    std::uint64_t over = 0;    ///< pixels that err by more than their tolerance
+    std::uint64_t over_twice = 0;  ///< by more than twice of it
+    perceptual::FilmQuality lit;   ///< before coding, against the truth
+    perceptual::FilmQuality decoded;
+    double masked_error = 0;  ///< of the decoded pictures, mean; code values squared (perceptual/hvs.h)
+    double bytes = 0;         ///< per frame
+
+    double share_over() const;
+    double share_over_twice() const;
+    double psnr_hvs_m() const { return perceptual::psnr(masked_error); }
+};
+
+/// Frames as they were lit once, to be coded in several ways.
+struct LitWindows {
+    struct Frame {
+        core::Picture picture;
+        core::Visible visible;
+    };
+    Trial light;
+    std::map<std::int64_t, Frame> frames;
+};
+
+/// How far the references are.
+struct ReferenceStanding {
+    int done = 0, parts = 0;  ///< of all of them
+    double seconds = 0;       ///< that they took, by the clock
+
+    double seconds_left() const { return done > 0 ? seconds / done * (parts - done) : 0.0; }
+};
+
+/// Lights and codes a film's windows in one way after the other. All that it says but times follows from the film and
+/// the windows, for any number of threads.
+class Trials {
+  public:
+    /// The film's rate control, if any, gives way to plain quantisers.
+    Trials(const Production& film, std::vector<Chunk> windows);
+
+    /// Lights the last frame of every window by every light point, in parts that are alike. `part_done` is called
+    /// after each and ends it all by returning false; returns whether it went on to the end.
+    bool light_references(const std::function<bool(const ReferenceStanding&)>& part_done);
+
+    /// Only after light_references(). None where `frame_done` said false before the end. With `keep`, the frames are
+    /// kept there too.
+    std::optional<Trial> run(const ToleranceRequest& tolerance, int quantiser, const std::function<bool()>& frame_done,
+                             LitWindows* keep = nullptr);
+
+    /// The same light, coded with another quantiser: what run() would come to, since a fixed tolerance does not look at
+    /// coding.
+    Trial coded_again(const LitWindows& lit, int quantiser) const;
+
+    const std::vector<Chunk>& windows() const { return windows_; }
+    const Production& film() const { return film_; }
+    int frames() const;  ///< of all windows
+    int references() const { return static_cast<int>(truths_.size()); }
+    double reference_seconds() const;  ///< CPU per reference
+    const renderer::Statistics& statistics() const { return renderer_.statistics(); }
+
+  private:
+    class Judge;
+
+    Production film_;
+    std::vector<Chunk> windows_;
+    renderer::Renderer renderer_;
+    float half_code_ = 0;  ///< luminance
+    std::map<std::int64_t, Truth> truths_;
+    double reference_seconds_ = 0;
+};
+
+}  // namespace render2mpeg::app

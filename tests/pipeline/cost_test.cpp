@@ -1,0 +1,242 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "app/knee.h"
+#include "app/trial.h"
+#include "pipeline/foreign.h"
+
+/// `render2mpeg cost`: what accuracy costs, and what it buys.
+namespace render2mpeg {
+namespace {
+
+using nlohmann::json;
+using support::contents;
+using support::Folder;
+using support::plain_film;
+using support::program;
+using support::run;
+using test::path;
+
+/// Small enough for a test; the room's last second is dear to nobody.
+const std::string small = " --size 32x32 --vpls 16 --samples 1 --exposure 0 --sample 1x2";
+
+json cost_of(const std::string& scene, const std::string& options) {
+    const Folder folder;
+    const auto outcome = run(program() + " cost " + scene + options + " --quiet --json " + path(folder, "c.json"));
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_EQ(outcome.output, "");
+    return json::parse(contents(folder / "c.json"));
+}
+
+/// Without what a clock says.
+json timeless(json value) {
+    if (value.is_object())
+        for (const char* key : {"seconds", "time_ratio", "knee", "summary", "command"}) value.erase(key);
+    if (value.is_structured())
+        for (json& part : value) part = timeless(part);
+    return value;
+}
+
+TEST(Knee, IsWhereMoreCostBeginsToBuyLess) {
+    // Quality rises by 6 for each of two doublings, and then hardly.
+    const std::vector<app::Offer> bent{{1, 20}, {2, 26}, {4, 32}, {8, 32.5}, {16, 32.8}, {32, 33}};
+    EXPECT_EQ(app::knee_of(bent, 0.1), 2u);
+
+    // The order of offers says nothing, nor does the unit of their cost.
+    std::vector<app::Offer> turned(bent.rbegin(), bent.rend());
+    for (app::Offer& offer : turned) offer.cost *= 1000;
+    EXPECT_EQ(app::knee_of(turned, 0.1), 3u);
+
+    // An offer that costs more and is worse is none, however far above the chord it lies.
+    std::vector<app::Offer> with_bad = bent;
+    with_bad.insert(with_bad.begin() + 3, {6, 31.9});
+    EXPECT_EQ(app::knee_of(with_bad, 0.1), 2u);
+}
+
+TEST(Knee, IsNowhereInWhatHasNone) {
+    const std::vector<app::Offer> straight{{1, 20}, {2, 21}, {4, 22}, {8, 23}}, two{{1, 20}, {2, 30}},
+        flat{{1, 20}, {2, 20.06}, {4, 20.08}, {8, 20.09}}, hollow{{1, 20}, {2, 20.2}, {4, 21}, {8, 30}};
+    for (const auto& offers : {straight, two, flat, hollow}) EXPECT_FALSE(app::knee_of(offers, 0.1));
+    EXPECT_FALSE(app::knee_of({}, 0.1));
+    const double infinite = std::numeric_limits<double>::infinity();
+    EXPECT_FALSE(app::knee_of(std::vector<app::Offer>{{0, 1}, {0, 2}, {0, 3}}, 0.1)) << "nothing takes time";
+    EXPECT_FALSE(app::knee_of(std::vector<app::Offer>{{1, infinite}, {2, infinite}, {3, infinite}}, 0.1));
+}
+
+TEST(Windows, LieApartSpreadOverTheFilmAndInIt) {
+    for (const std::int64_t length : {1, 2, 5, 6, 7, 60, 1001})
+        for (const app::Sample sample : {app::Sample{2, 3}, {1, 1}, {7, 5}, {3, 400}}) {
+            const app::FrameRange film{10, 9 + length};
+            const std::vector<app::Chunk> windows = app::windows_of(film, sample);
+            ASSERT_FALSE(windows.empty());
+            const std::int64_t frames = std::min<std::int64_t>(sample.frames, length);
+            EXPECT_EQ(static_cast<std::int64_t>(windows.size()),
+                      std::min<std::int64_t>(sample.windows, length / frames));
+            std::int64_t free = film.first;
+            for (const app::Chunk& window : windows) {
+                EXPECT_GE(window.first, free);
+                EXPECT_EQ(window.frames(), frames);
+                free = window.last + 1;
+            }
+            EXPECT_LE(free, film.last + 1);
+            // As much is left before the first as behind the last, but for what does not divide.
+            EXPECT_NEAR(static_cast<double>(windows.front().first - film.first),
+                        static_cast<double>(film.last - windows.back().last), 2.0);
+        }
+}
+
+TEST(CostOptions, AreReadAndRefused) {
+    EXPECT_EQ(app::percents_from("2,16,0.5,2"), (std::vector<float>{0.16f, 0.02f, 0.005f}));
+    EXPECT_EQ(app::quantisers_from("31,2,2,8"), (std::vector<int>{2, 8, 31}));
+    EXPECT_TRUE(app::quantisers_from("none").empty());
+    for (const char* wrong : {"", "2,", "0", "101", "-1", "2%", "x", "nan"})
+        EXPECT_THROW(app::percents_from(wrong), core::Error) << wrong;
+    for (const char* wrong : {"", "2,", "0", "32", "4.5", "none,2"})
+        EXPECT_THROW(app::quantisers_from(wrong), core::Error) << wrong;
+    for (const char* wrong : {"", "2", "x3", "0x3", "2x0", "1001x1", "2x3x4"})
+        EXPECT_THROW(app::sample_from(wrong), core::Error) << wrong;
+
+    const Folder folder;
+    const auto refused = [&](const std::string& options, const char* words) {
+        const auto outcome = run(program() + " cost " + plain_film() + small + options);
+        EXPECT_EQ(outcome.status, 1) << outcome.output;
+        EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
+        EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
+    };
+    refused(" --sample 3", "WINDOWSxFRAMES");
+    refused(" --bitrate 6M", "--bitrate");
+    refused(" --json " + plain_film() + "/film.json", "it is an input");
+    refused(" --report " + path(folder, "r.pdf"), ".html");
+    refused(" --report " + path(folder, "r.html") + " --json " + path(folder, "r.report.json"), "two outputs");
+}
+
+TEST(Cost, RisesAndErrorsFallAsTolerancesTighten) {
+    const json found = cost_of(plain_film(), small + " --tolerances 0.001,2,40 --quantisers 4,31 --quantiser 4");
+    EXPECT_TRUE(found.at("complete").get<bool>());
+    EXPECT_EQ(found.at("windows"), (json{{29, 30}}));
+    EXPECT_EQ(found.at("reference").at("frames"), 1);
+    const json& fixed = found.at("fixed");
+    ASSERT_EQ(fixed.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_FLOAT_EQ(fixed[i].at("tolerance").get<float>(), (std::vector<float>{0.4f, 0.02f, 1e-5f})[i]);
+        EXPECT_GT(fixed[i].at("seconds").get<double>(), 0.0);
+        EXPECT_EQ(fixed[i].at("error").at("pixels"), 1008) << "all but the lamp's";
+        if (i == 0) continue;
+        EXPECT_GT(fixed[i].at("rays_per_point"), fixed[i - 1].at("rays_per_point"));
+        EXPECT_GT(fixed[i].at("cut"), fixed[i - 1].at("cut"));
+        EXPECT_LT(fixed[i].at("error").at("p95"), fixed[i - 1].at("error").at("p95"));
+        EXPECT_GT(fixed[i].at("lit").at("psnr_y"), fixed[i - 1].at("lit").at("psnr_y"));
+    }
+
+    // Almost no tolerance leaves almost no error: what is tried and what it is held against are lit by the same points.
+    EXPECT_LT(fixed[2].at("error").at("p95").get<double>(), 2e-4);
+    EXPECT_LT(fixed[2].at("error").at("p99").get<double>(), 2e-3) << "where it is nearly black";
+    EXPECT_GT(fixed[2].at("lit").at("psnr_y").get<double>(), 65.0) << "but for roundings of code values";
+    EXPECT_LT(fixed[2].at("cut").get<double>(), found.at("light_points").at("direct").get<double>() +
+                                                    found.at("light_points").at("indirect").get<double>() + 1);
+
+    // What is lit once and coded again comes to what is lit and coded at once.
+    const json& pairs = found.at("coupled");
+    ASSERT_EQ(pairs.size(), 2u);
+    EXPECT_EQ(pairs[0].at("fixed"), fixed[1]);
+    EXPECT_LT(pairs[1].at("fixed").at("bytes"), pairs[0].at("fixed").at("bytes"));
+    EXPECT_LT(pairs[1].at("coupled").at("rays_per_point").get<double>(),
+              0.7 * pairs[1].at("fixed").at("rays_per_point").get<double>())
+        << "coarse coding hides much";
+    EXPECT_NEAR(pairs[1].at("psnr_y_loss").get<double>(), 0.0, 0.3);
+}
+
+TEST(Cost, DependsOnThreadsInItsTimesAlone) {
+    const std::string options = small + " --tolerances 10 --quantisers 8 --b-pictures 0";
+    EXPECT_EQ(timeless(cost_of(plain_film(), options + " --threads 1")),
+              timeless(cost_of(plain_film(), options + " --threads 3")));
+}
+
+TEST(Cost, OfWhatIsBlackIsTold) {
+    const json found = cost_of(plain_film(),
+                               " --size 32x32 --vpls 16 --samples 1 --exposure -40 --sample 1x1"
+                               " --tolerances 16,8,4 --quantisers 4");
+    EXPECT_TRUE(found.at("fixed")[0].at("decoded").at("psnr_y").is_null()) << "the same to the last bit";
+    EXPECT_TRUE(found.at("knee").is_null());
+    EXPECT_TRUE(found.at("coupled")[0].at("psnr_y_loss").is_null());
+    EXPECT_NE(found.at("summary").get<std::string>().find("cannot be told from"), std::string::npos);
+}
+
+TEST(Cost, OfASceneWithoutAnythingToLightIsTold) {
+    const Folder folder;
+    std::ofstream(folder / "film.json") << R"({"camera": {"position": [0, 0, 5], "look_at": [0, 0, 0]},
+        "objects": [{"name": "away", "shape": "box", "position": [0, 0, 50], "material": "grey"}],
+        "materials": {"grey": {"base_color": 0.5}}})";
+    const auto outcome = run(program() + " cost " + path(folder, "film.json") + small + " --report " +
+                             path(folder, "c.html") + " --tolerances 4,2 --quantisers 4");
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("Nothing in these frames gathers light"), std::string::npos) << outcome.output;
+    const json found = json::parse(contents(folder / "c.report.json"));
+    EXPECT_EQ(found.at("fixed")[0].at("points"), 0);
+    EXPECT_EQ(found.at("fixed")[0].at("error").at("pixels"), 0);
+    EXPECT_TRUE(found.at("coupled")[0].at("time_ratio").is_null());
+}
+
+TEST(Cost, PrintsRowsThatFitATerminalAndAPageThatStandsAlone) {
+    const Folder folder;
+    const std::string command = program() + " cost " + plain_film() + small +
+                                " --tolerances 32,16,4,1 --quantisers 8 --report " + path(folder, "c.html");
+    const auto outcome = run(command);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    std::istringstream lines(outcome.output);
+    for (std::string line; std::getline(lines, line);)
+        if (!line.starts_with(plain_film())) {
+            EXPECT_LE(line.size(), 80u) << line;
+        }
+    for (const char* row : {"\n32 %  ", "\n4 %  ", "\n 8 coup."})
+        EXPECT_NE(outcome.output.find(row), std::string::npos) << outcome.output;
+
+    const std::string page = contents(folder / "c.html");
+    const json found = json::parse(contents(folder / "c.report.json"));
+    EXPECT_NE(page.find(found.at("summary").get<std::string>()), std::string::npos);
+    for (const char* outside : {"http", "src=", "@import", "url(", "<script", "<link"})
+        EXPECT_EQ(page.find(outside), std::string::npos) << outside;
+    for (const char* label : {">32 %<", ">16 %<", ">1 %<", ">q 8<"}) EXPECT_NE(page.find(label), std::string::npos);
+
+    // Such a page may be replaced, and nothing else.
+    const std::string again =
+        program() + " cost " + plain_film() + small + " --quantisers none --tolerances 50 --quiet";
+    EXPECT_EQ(run(again + " --report " + path(folder, "c.html")).status, 0);
+    EXPECT_EQ(contents(folder / "c.html").find(">q 8<"), std::string::npos);
+    std::ofstream(folder / "other.html") << "mine";
+    EXPECT_EQ(run(again + " --report " + path(folder, "other.html")).status, 1);
+    EXPECT_EQ(contents(folder / "other.html"), "mine");
+}
+
+TEST(Trials, EndWhenTheyAreToldTo) {
+    app::RenderOptions options;
+    options.input = plain_film();
+    options.size = "32x32";
+    options.vpls = 16;
+    options.samples = 1;
+    options.exposure = "0";
+    const app::Production film = app::prepare(options);
+    app::Trials trials(film, app::windows_of(film.frames, {2, 2}));
+    int parts = 0;
+    EXPECT_FALSE(trials.light_references([&](const app::ReferenceStanding& standing) {
+        EXPECT_EQ(standing.done, ++parts);
+        EXPECT_GE(standing.parts, 2);
+        EXPECT_GE(standing.seconds_left(), 0.0);
+        return false;
+    }));
+    EXPECT_EQ(parts, 1);
+    ASSERT_TRUE(trials.light_references([](const app::ReferenceStanding&) { return true; }));
+    EXPECT_EQ(trials.references(), 2);
+    int frames = 0;
+    EXPECT_FALSE(trials.run({false, 0.3f, false, {}}, 8, [&] { return ++frames < 2; })) << "in the midst";
+    EXPECT_EQ(frames, 2);
+    EXPECT_TRUE(trials.run({false, 0.3f, false, {}}, 8, [] { return true; })) << "nothing is left of it";
+}
+
+}  // namespace
+}  // namespace render2mpeg
