@@ -1,7 +1,10 @@
 #include "perceptual/carry.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include "core/error.h"
 #include "core/numeric.h"
@@ -55,17 +58,23 @@ float fetch(const core::Plane<float>& values, const core::Visible& there, int x,
     return weights > 0.0f ? sum / weights : no_partner;
 }
 
-/// Whether all four pixels about it show the triangle: the way most pixels go. Must lie inside.
-bool all_show(const core::Visible& there, int x, int y, const core::SurfaceAddress& address) {
-    const core::SurfaceAddress *upper = there.address.row(y) + x, *lower = there.address.row(y + 1) + x;
-    const auto same = [&](const core::SurfaceAddress& a) {
-        return a.primitive == address.primitive && a.object == address.object;
-    };
-    return address.is_surface() && same(upper[0]) && same(upper[1]) && same(lower[0]) && same(lower[1]);
+/// Hashes: two things have the same once in 10^9 comparisons, triangles of one object never. Not 0.
+std::uint32_t triangle_of(const core::SurfaceAddress& address) {
+    return (address.object * 0x9e3779b1u + 2 * address.primitive) | 1u;
+}
+std::uint32_t surface_of(const core::SurfaceAddress& address, std::uint32_t material, core::PackedNormal normal) {
+    return (address.object * 0x9e3779b1u ^ material * 0x85ebca6bu ^
+            std::bit_cast<std::uint32_t>(normal) * 0xc2b2ae35u) |
+           1u;
 }
 
-float bilinear(const core::Plane<float>& values, int x, int y, glm::vec2 within) {
-    const float *upper = values.row(y) + x, *lower = values.row(y + 1) + x;
+/// What all four have: pixels x and x + 1 of two rows.
+std::uint32_t common(const std::uint32_t* upper, const std::uint32_t* lower, int x) {
+    const std::uint32_t own = upper[x];
+    return ((upper[x + 1] ^ own) | (lower[x] ^ own) | (lower[x + 1] ^ own)) == 0 ? own : 0u;
+}
+
+float bilinear(const float* upper, const float* lower, glm::vec2 within) {
     const float above = upper[0] + within.x * (upper[1] - upper[0]),
                 below = lower[0] + within.x * (lower[1] - lower[0]);
     return above + within.y * (below - above);
@@ -73,32 +82,88 @@ float bilinear(const core::Plane<float>& values, int x, int y, glm::vec2 within)
 
 }  // namespace
 
+Quads quads_of(const core::Visible& picture) {
+    const int width = picture.width(), height = picture.height();
+    Quads quads{core::Plane<std::uint32_t>(width, height), core::Plane<std::uint32_t>(width, height),
+                core::Plane<float>(width, height), core::Plane<float>(width, height)};
+    // Name each row's pixels once, and hold it against the row above.
+    std::vector<std::uint32_t> triangles[2], surfaces[2];
+    for (auto* names : {triangles, surfaces})
+        for (int i = 0; i < 2; ++i) names[i].resize(static_cast<std::size_t>(width));
+    for (int y = 0; y < height; ++y) {
+        std::uint32_t *triangle = triangles[y % 2].data(), *surface = surfaces[y % 2].data();
+        const core::SurfaceAddress* address = picture.address.row(y);
+        const core::PackedNormal* normal = picture.geometric_normal.row(y);
+        const std::uint32_t* material = picture.material.row(y);
+        const core::PixelClass* kind = picture.kind.row(y);
+        for (int x = 0; x < width; ++x) {
+            const bool is_plain = address[x].is_surface() & (kind[x] == core::PixelClass::surface);
+            triangle[x] = address[x].is_surface() ? triangle_of(address[x]) : 0u;
+            surface[x] = is_plain ? surface_of(address[x], material[x], normal[x]) : 0u;
+        }
+        if (y == 0) continue;
+        const std::uint32_t *triangle_above = triangles[(y + 1) % 2].data(),
+                            *surface_above = surfaces[(y + 1) % 2].data();
+        const float *above = picture.depth.row(y - 1), *below = picture.depth.row(y);
+        for (int x = 0; x + 1 < width; ++x) {
+            quads.triangle.row(y - 1)[x] = common(triangle_above, triangle, x);
+            quads.surface.row(y - 1)[x] = common(surface_above, surface, x);
+        }
+        float *nearest = quads.nearest.row(y - 1), *farthest = quads.farthest.row(y - 1);
+        for (int x = 0; x + 1 < width; ++x) {
+            nearest[x] = std::min(std::min(above[x], above[x + 1]), std::min(below[x], below[x + 1]));
+            farthest[x] = std::max(std::max(above[x], above[x + 1]), std::max(below[x], below[x + 1]));
+        }
+    }
+    return quads;
+}
+
 core::Plane<float> carry(const core::Plane<float>& values, const core::Visible& there, const core::Visible& here,
                          const core::MotionField* motion) {
+    return carry(values, there, quads_of(there), here, motion);
+}
+
+core::Plane<float> carry(const core::Plane<float>& values, const core::Visible& there, const Quads& quads,
+                         const core::Visible& here, const core::MotionField* motion) {
     EXPECTS(values.width() == there.width() && values.height() == there.height());
+    EXPECTS(quads.triangle.width() == there.width() && quads.triangle.height() == there.height());
     EXPECTS(motion == nullptr || (motion->kind.width() == here.width() && motion->kind.height() == here.height() &&
                                   !motion->depth_in_reference.empty()));
     const auto right = static_cast<float>(values.width()), bottom = static_cast<float>(values.height());
+    const auto width = static_cast<std::size_t>(values.width());
     core::Plane<float> carried(here.width(), here.height(), no_partner);
-    for (int y = 0; y < here.height(); ++y)
+    for (int y = 0; y < here.height(); ++y) {
+        float* const out = carried.row(y);
         for (int x = 0; x < here.width(); ++x) {
-            if (motion != nullptr && motion->kind.at(x, y) == core::PixelClass::none) continue;
-            const glm::vec2 vector = motion == nullptr ? glm::vec2(0.0f) : motion->vector.at(x, y);
+            if (motion != nullptr && motion->kind.row(y)[x] == core::PixelClass::none) continue;
+            const glm::vec2 vector = motion == nullptr ? glm::vec2(0.0f) : motion->vector.row(y)[x];
             const glm::vec2 place = glm::vec2(static_cast<float>(x), static_cast<float>(y)) + vector;
             // Written so that a position that is not a number is outside, too.
             if (!(place.x > -0.5f && place.x < right - 0.5f && place.y > -0.5f && place.y < bottom - 0.5f)) continue;
             const int left = static_cast<int>(place.x + 1.0f) - 1, top = static_cast<int>(place.y + 1.0f) - 1;
             const glm::vec2 within = place - glm::vec2(static_cast<float>(left), static_cast<float>(top));
-            const bool inside = left >= 0 && top >= 0 && left + 1 < values.width() && top + 1 < values.height();
-            if (inside && all_show(there, left, top, here.address.at(x, y))) {
-                carried.at(x, y) = bilinear(values, left, top, within);
-                continue;
+            const core::SurfaceAddress& address = here.address.row(y)[x];
+            const core::PackedNormal normal = here.geometric_normal.row(y)[x];
+            const std::uint32_t material = here.material.row(y)[x];
+            const float depth = motion == nullptr ? here.depth.row(y)[x] : motion->depth_in_reference.row(y)[x];
+            if (left >= 0 && top >= 0) {
+                // Ask for both at once: which of them it is changes from pixel to pixel.
+                const std::size_t k = static_cast<std::size_t>(top) * width + static_cast<std::size_t>(left);
+                const float reach = depth_reach * depth;
+                const bool triangle = quads.triangle.values()[k] == triangle_of(address);
+                const bool surface = (quads.surface.values()[k] == surface_of(address, material, normal)) &
+                                     (quads.nearest.values()[k] >= depth - reach) &
+                                     (quads.farthest.values()[k] <= depth + reach) &
+                                     (here.kind.row(y)[x] == core::PixelClass::surface);
+                if (triangle | surface) {
+                    const float* const from = values.values().data() + k;
+                    out[x] = bilinear(from, from + width, within);
+                    continue;
+                }
             }
-            const float depth = motion == nullptr ? here.depth.at(x, y) : motion->depth_in_reference.at(x, y);
-            carried.at(x, y) = fetch(values, there, left, top, within,
-                                     {here.address.at(x, y), here.geometric_normal.at(x, y), here.material.at(x, y),
-                                      here.kind.at(x, y), depth});
+            out[x] = fetch(values, there, left, top, within, {address, normal, material, here.kind.row(y)[x], depth});
         }
+    }
     return carried;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "core/motion_field.h"
 #include "core/plane.h"
 #include "core/visible.h"
@@ -16,5 +18,18 @@ inline constexpr float no_partner = -1.0f;
 /// >= 0.
 core::Plane<float> carry(const core::Plane<float>& values, const core::Visible& there, const core::Visible& here,
                          const core::MotionField* motion);
+
+/// What each pixel of a picture has in common with the ones to its right, below and below to the right: most pixels
+/// that are fetched need to know no more. Made once of a picture that is asked for several others.
+struct Quads {
+    core::Plane<std::uint32_t> triangle;   ///< a hash of the one that all four show; 0 where they differ
+    core::Plane<std::uint32_t> surface;    ///< the same of their object, material and normal
+    core::Plane<float> nearest, farthest;  ///< of the four
+};
+Quads quads_of(const core::Visible& picture);
+
+/// The same with the quads of `there`.
+core::Plane<float> carry(const core::Plane<float>& values, const core::Visible& there, const Quads& quads,
+                         const core::Visible& here, const core::MotionField* motion);
 
 }  // namespace render2mpeg::perceptual

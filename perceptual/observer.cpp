@@ -101,6 +101,7 @@ Memory Observer::judge(Observation observation, const CodedFacts& coded) const {
         observation.thresholds = mask(observation.coefficients, observation.number);
     }
     memory.visible = std::move(observation.visible);
+    if (settings_.strategy == Strategy::carried) memory.quads = quads_of(*memory.visible);
     memory.coefficients = std::move(observation.coefficients);
     memory.thresholds = std::move(observation.thresholds);
     memory.light = std::move(observation.light);
@@ -123,6 +124,7 @@ Memory Observer::presume(Observation observation, const CodingPlan& plan) const 
                                              macroblocks(observation.light.height()), plan.intra ? 1 : 0);
     memory.emphasis = core::Plane<float>(memory.intra.width(), memory.intra.height(), 1.0f);
     memory.visible = std::move(observation.visible);
+    if (settings_.strategy == Strategy::carried) memory.quads = quads_of(*memory.visible);
     memory.coefficients = std::move(observation.coefficients);
     memory.thresholds = std::move(observation.thresholds);
     memory.light = std::move(observation.light);
@@ -175,7 +177,7 @@ Tolerated Observer::tolerate(const core::Visible& visible, const Restated& resta
     EXPECTS(motion == nullptr || motion->reference == memory.number);
     Tolerated tolerated;
     tolerated.carried = settings_.strategy == Strategy::carried
-                            ? carry(restated.tolerances, *memory.visible, visible, motion)
+                            ? carry(restated.tolerances, *memory.visible, memory.quads, visible, motion)
                             : restated.tolerances;
     tolerated.map.pixels = core::Plane<core::Tolerance>(visible.width(), visible.height());
     const float darkest = light_.darkest_step();

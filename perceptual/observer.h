@@ -10,6 +10,7 @@
 #include "core/threshold_map.h"
 #include "core/tolerance_map.h"
 #include "core/visible.h"
+#include "perceptual/carry.h"
 #include "perceptual/display.h"
 #include "perceptual/distortion.h"
 #include "perceptual/luma_light.h"
@@ -63,6 +64,7 @@ struct Observation {
 struct Memory {
     std::int64_t number = 0;
     std::shared_ptr<const core::Visible> visible;
+    Quads quads;                               ///< of `visible`; empty where nothing is carried
     core::Plane<core::Block8x8> coefficients;  ///< of what masks: the picture, or its decoded version
     core::Plane<core::Block8x8> residual;      ///< of the picture minus its prediction; empty: not known
     core::ThresholdMap thresholds;

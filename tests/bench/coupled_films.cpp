@@ -143,9 +143,12 @@ class Watching : public app::Watcher {
     CodingJudge& coding_;
 };
 
-Outcome cost_of(const app::Ledger& ledger) {
+Outcome cost_of(const app::Ledger& ledger, const renderer::Renderer& renderer) {
     const renderer::Statistics& s = ledger.rendering;
     Outcome out;
+    for (const renderer::Pass pass :
+         {renderer::Pass::punctual_lights, renderer::Pass::direct_tree, renderer::Pass::indirect_tree})
+        out.gather_seconds += renderer.seconds(pass);
     out.preview_seconds = ledger.stage_seconds(app::Stage::preview);
     out.shade_seconds = ledger.stage_seconds(app::Stage::shade) + out.preview_seconds;
     out.tolerate_seconds = ledger.stage_seconds(app::Stage::tolerate);
@@ -170,7 +173,7 @@ Outcome run(const Production& film, const Stage& stage, std::vector<core::Pictur
     for (const app::Chunk& chunk : app::chunks_of(film.frames, film.coding.gop))
         app::render_chunk(film, renderer, chunk, destination, ledger, [] { return true; });
     ledger.rendering = renderer.statistics();
-    Outcome out = cost_of(ledger);
+    Outcome out = cost_of(ledger, renderer);
     light.add_to(out);
     coding.add_to(out);
     return out;

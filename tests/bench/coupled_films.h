@@ -10,7 +10,8 @@ namespace render2mpeg::bench {
 
 /// One film's cost and what it came to, over all frames (cost, bytes, pumping) or the reference's (all else).
 struct Outcome {
-    double shade_seconds = 0;  ///< CPU, rough first looks included
+    double shade_seconds = 0;   ///< CPU, rough first looks included
+    double gather_seconds = 0;  ///< the part of it after photons are traced and trees are planned, which k cannot save
     double preview_seconds = 0;
     double tolerate_seconds = 0;
     double rays = 0;            ///< shadow rays
