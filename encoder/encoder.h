@@ -87,6 +87,8 @@ struct Allotment {
     /// Bits that there are over those allotted: 1 but where even quantiser 1 needs less, or 31 more. Chunks that share
     /// their bits have it in common.
     double affordable = 1;
+    /// PassPicture::ratio: where what follows from the picture is another number now, its quantiser follows.
+    std::optional<double> ratio = {};
 };
 
 /// What the renderer knows of a picture before anything is lit.

@@ -113,7 +113,7 @@ Settled settle(Items group, std::span<const Items> chunks, const mpeg2::Channel&
 
 PassPicture pass_picture(const CodedPicture& coded, bool starts_chunk) {
     return {coded.plan.number, coded.plan.type, coded.quantiser,
-            8.0 * static_cast<double>(coded.bytes.size() - coded.stuffing_bytes), starts_chunk};
+            8.0 * static_cast<double>(coded.bytes.size() - coded.stuffing_bytes), starts_chunk, mpeg2::ratio_of(coded.plan)};
 }
 
 std::vector<Allotment> allot(const Settings& settings, std::span<const PassPicture> film, double scale) {
@@ -125,7 +125,7 @@ std::vector<Allotment> allot(const Settings& settings, std::span<const PassPictu
         const PassPicture& p = film[i];
         const double seconds = field * mpeg2::fields_after(settings, static_cast<std::int64_t>(i));
         items.push_back({p.number, p.type, scale * p.bits * std::pow(p.quantiser, mpeg2::rate_slope(p.type)),
-                         mpeg2::usual_quantiser_ratio(p.type, settings.gop),
+                         p.ratio.value_or(mpeg2::usual_quantiser_ratio(p.type, settings.gop)),
                          seconds * static_cast<double>(channel.bit_rate), seconds});
     }
     const std::vector<Items> chunks = chunks_of(items, film);
@@ -147,7 +147,7 @@ std::vector<Allotment> allot(const Settings& settings, std::span<const PassPictu
         for (const Item* item : shown) {
             left += item->bits(base);
             allotted[static_cast<std::size_t>(item->number - first)] = {item->quantiser(base), item->bits(base), left,
-                                                                        item->type, affordable};
+                                                                        item->type, affordable, item->ratio};
         }
     }
     return allotted;

@@ -37,6 +37,10 @@ double quantiser_ratio(PictureType type, std::int64_t followers) {
     return std::pow(1.0 + static_cast<double>(followers), -inheritance_strength);
 }
 
+double ratio_of(const PicturePlan& picture) {
+    return quantiser_ratio(picture.type, picture.horizon.value_or(picture.number) - picture.number);
+}
+
 double usual_quantiser_ratio(PictureType type, int gop) {
     return quantiser_ratio(type, type == PictureType::intra ? gop - 1 : gop / 2);
 }

@@ -16,6 +16,9 @@ double quantiser_ratio(PictureType type, std::int64_t followers);
 /// The same where only the type and the length of GOPs are known.
 double usual_quantiser_ratio(PictureType type, int gop);
 
+/// Of a planned picture.
+double ratio_of(const PicturePlan& picture);
+
 /// How a picture's bits fall with its quantiser: overhead + complexity * quantiser^-slope.
 /// fit: docs/fits/rate-model
 double rate_slope(PictureType type);

@@ -24,10 +24,6 @@ int whole(double quantiser) {
 /// chosen: 0.85 (0.7..1).
 constexpr double expected_share = 0.85;
 
-double ratio_of(const PicturePlan& picture) {
-    return quantiser_ratio(picture.type, picture.horizon.value_or(picture.number) - picture.number);
-}
-
 /// Steers a quantiser to where falling `bits` meet `wanted`; both ends are beyond what is coded.
 template <class Bits>
 double solve(double wanted, const Bits& bits) {
@@ -152,7 +148,7 @@ double RateSteering::nominal(std::int64_t number, const Flying& picture, const V
         const double share = pass_.excess() * (picture.allotment->bits + allotted_rest_);
         const double correction = core::divide_or(share, std::max(0.0, left), 1e3);
         const double usual = usual_quantiser_ratio(picture.allotment->type.value_or(picture.type), settings_.gop);
-        quantiser = picture.allotment->quantiser * picture.ratio / usual *
+        quantiser = picture.allotment->quantiser * picture.ratio / picture.allotment->ratio.value_or(usual) *
                     calm(std::pow(std::max(correction, 1e-3), 1.0 / rate_slope(picture.type)));
     } else {
         const Counts rest = foreseen();
