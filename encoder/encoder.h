@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -89,6 +90,9 @@ struct Allotment {
     double affordable = 1;
     /// PassPicture::ratio: where what follows from the picture is another number now, its quantiser follows.
     std::optional<double> ratio = {};
+    /// `bits_left` of I, P and B pictures apart, since they differ in how far they are from what the pass found. All 0:
+    /// not known.
+    std::array<double, 3> left_by_type = {};
 };
 
 /// What the renderer knows of a picture before anything is lit.

@@ -141,13 +141,15 @@ std::vector<Allotment> allot(const Settings& settings, std::span<const PassPictu
         const auto [base, affordable] =
             channel.constant ? settle(chunk, {&chunks[c], 1}, channel, c + 1 == chunks.size()) : common;
         double left = 0;
+        std::array<double, 3> left_by_type{};
         std::vector<const Item*> shown;
         for (const Item& item : chunk) shown.push_back(&item);
         std::sort(shown.begin(), shown.end(), [](const Item* a, const Item* b) { return a->number > b->number; });
         for (const Item* item : shown) {
             left += item->bits(base);
+            left_by_type[static_cast<std::size_t>(item->type) - 1] += item->bits(base);
             allotted[static_cast<std::size_t>(item->number - first)] = {item->quantiser(base), item->bits(base), left,
-                                                                        item->type, affordable, item->ratio};
+                                                                        item->type, affordable, item->ratio, left_by_type};
         }
     }
     return allotted;

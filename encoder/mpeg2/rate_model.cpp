@@ -93,12 +93,17 @@ void PassModel::learn(PictureType type, const Allotment& allotment, int quantise
 
     // chosen: half forgotten after ten pictures, most of a GOP (5..40).
     constexpr double fading = 0.933;
-    real_ = fading * real_ + real;
-    expected_ = fading * expected_ + expected;
+    for (std::size_t i = 0; i < 3; ++i) real_[i] *= fading, expected_[i] *= fading;
+    real_[index_of(type)] += real;
+    expected_[index_of(type)] += expected;
+}
+
+double PassModel::excess(PictureType type) const {
+    return core::divide_or(real_[index_of(type)], expected_[index_of(type)], excess());
 }
 
 double PassModel::excess() const {
-    return core::divide_or(real_, expected_, 1.0);
+    return core::divide_or(real_[0] + real_[1] + real_[2], expected_[0] + expected_[1] + expected_[2], 1.0);
 }
 
 }  // namespace render2mpeg::encoder::mpeg2

@@ -51,12 +51,14 @@ class PassModel {
     /// Bits of a picture that was allotted so much, at another quantiser.
     double bits(PictureType type, const Allotment& allotment, double quantiser) const;
     void learn(PictureType type, const Allotment& allotment, int quantiser, std::int64_t bits);
-    /// Real over allotted bits where the allotted quantisers are used: mean over what was coded lately.
+    /// Real over allotted bits where the allotted quantisers are used: mean over what was coded lately, of one type (of
+    /// all where there was none of it) and of all.
+    double excess(PictureType type) const;
     double excess() const;
 
   private:
     std::array<std::optional<double>, 3> learned_;  ///< by type
-    double real_ = 0, expected_ = 0;                ///< bits, fading
+    std::array<double, 3> real_{}, expected_{};     ///< bits by type, fading
 };
 
 }  // namespace render2mpeg::encoder::mpeg2

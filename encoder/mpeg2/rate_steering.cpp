@@ -24,6 +24,17 @@ int whole(double quantiser) {
 /// chosen: 0.85 (0.7..1).
 constexpr double expected_share = 0.85;
 
+/// Bits allotted to the pictures after one, by type; where they are known as a whole only, they count as this one's.
+std::array<double, 3> rest_after(const std::optional<Allotment>& allotment, PictureType type) {
+    std::array<double, 3> rest{};
+    if (!allotment) return rest;
+    const std::size_t own = static_cast<std::size_t>(allotment->type.value_or(type)) - 1;
+    rest = allotment->left_by_type;
+    if (rest == std::array<double, 3>{}) rest[own] = allotment->bits_left;
+    rest[own] = std::max(0.0, rest[own] - allotment->bits);
+    return rest;
+}
+
 /// Steers a quantiser to where falling `bits` meet `wanted`; both ends are beyond what is coded.
 template <class Bits>
 double solve(double wanted, const Bits& bits) {
@@ -56,7 +67,7 @@ int RateSteering::plan(const PicturePlan& picture, const PictureFacts& facts, bo
     }
     if (picture.starts_gop) gop_start_ = picture.number;
     planned_end_ = picture.number + 1;
-    allotted_rest_ = facts.allotment ? std::max(0.0, facts.allotment->bits_left - facts.allotment->bits) : 0;
+    allotted_rest_ = rest_after(facts.allotment, picture.type);
     Flying flying{picture.type,      1,
                   facts.allotment,   facts.sensitivity.value_or(1.0),
                   ratio_of(picture), !facts.allotment && !model_.knows(picture.type)};
@@ -145,7 +156,7 @@ double RateSteering::nominal(std::int64_t number, const Flying& picture, const V
     const double left = bits_for_rest(number, schedule);
     double quantiser;
     if (picture.allotment) {
-        const double share = pass_.excess() * (picture.allotment->bits + allotted_rest_);
+        const double share = bits_as_allotted(picture);
         const double correction = core::divide_or(share, std::max(0.0, left), 1e3);
         const double usual = usual_quantiser_ratio(picture.allotment->type.value_or(picture.type), settings_.gop);
         quantiser = picture.allotment->quantiser * picture.ratio / picture.allotment->ratio.value_or(usual) *
@@ -170,6 +181,15 @@ double RateSteering::calm(double solved) {
 double RateSteering::bits(const Flying& picture, double quantiser) const {
     return picture.allotment ? pass_.bits(picture.type, *picture.allotment, quantiser)
                              : model_.bits(picture.type, quantiser);
+}
+
+double RateSteering::bits_as_allotted(const Flying& picture) const {
+    double sum = 0;
+    for (const PictureType type : {PictureType::intra, PictureType::predicted, PictureType::bidirectional}) {
+        const double own = type == picture.type ? picture.allotment->bits : 0.0;
+        sum += pass_.excess(type) * (own + allotted_rest_[static_cast<std::size_t>(type) - 1]);
+    }
+    return sum;
 }
 
 /// First number of which nothing need be foreseen: the chunk's end, or in an endless chunk two GOPs or seconds on.

@@ -52,6 +52,8 @@ class RateSteering {
     double calm(double solved);
     double nominal(std::int64_t number, const Flying& picture, const VbvSchedule& schedule);
     double bits(const Flying& picture, double quantiser) const;
+    /// What a picture and all not planned yet would come to as they were allotted.
+    double bits_as_allotted(const Flying& picture) const;
     /// Numbers of I, P and B pictures.
     using Counts = std::array<std::int64_t, 3>;
     /// Of the first pictures from gop_start_ on, in the regular pattern.
@@ -77,7 +79,7 @@ class RateSteering {
     std::int64_t planned_end_ = 0;  ///< first number not planned
     double spent_ = 0;              ///< bits of the chunk so far
     double allotted_ = 0;           ///< to the whole chunk, where there are allotments
-    double allotted_rest_ = 0;      ///< of it to pictures not planned yet
+    std::array<double, 3> allotted_rest_{};  ///< of it to pictures not planned yet, by type
     int reference_quantiser_ = 1;   ///< of the newest I or P picture planned
     double solved_ = 0;             ///< by the last call of nominal
     int settled_ = 0;               ///< pictures of the chunk
