@@ -17,7 +17,8 @@ struct PassPicture {
     int quantiser = 1;
     double bits = 0;
     bool starts_chunk = false;
-    /// Of its quantiser to that of a P picture that nothing refers to, before rounding; none: the usual one of its type.
+    /// Of its quantiser to that of a P picture that nothing refers to, before rounding; none: the usual one of its
+    /// type.
     std::optional<double> ratio = {};
 };
 PassPicture pass_picture(const CodedPicture& coded, bool starts_chunk);

@@ -112,8 +112,9 @@ Settled settle(Items group, std::span<const Items> chunks, const mpeg2::Channel&
 }  // namespace
 
 PassPicture pass_picture(const CodedPicture& coded, bool starts_chunk) {
-    return {coded.plan.number, coded.plan.type, coded.quantiser,
-            8.0 * static_cast<double>(coded.bytes.size() - coded.stuffing_bytes), starts_chunk, mpeg2::ratio_of(coded.plan)};
+    return {coded.plan.number, coded.plan.type,
+            coded.quantiser,   8.0 * static_cast<double>(coded.bytes.size() - coded.stuffing_bytes),
+            starts_chunk,      mpeg2::ratio_of(coded.plan)};
 }
 
 std::vector<Allotment> allot(const Settings& settings, std::span<const PassPicture> film, double scale) {
@@ -148,8 +149,8 @@ std::vector<Allotment> allot(const Settings& settings, std::span<const PassPictu
         for (const Item* item : shown) {
             left += item->bits(base);
             left_by_type[static_cast<std::size_t>(item->type) - 1] += item->bits(base);
-            allotted[static_cast<std::size_t>(item->number - first)] = {item->quantiser(base), item->bits(base), left,
-                                                                        item->type, affordable, item->ratio, left_by_type};
+            allotted[static_cast<std::size_t>(item->number - first)] = {
+                item->quantiser(base), item->bits(base), left, item->type, affordable, item->ratio, left_by_type};
         }
     }
     return allotted;

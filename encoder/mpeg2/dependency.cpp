@@ -49,9 +49,11 @@ bool stands_still(const core::MotionField& onward, int column, int row) {
 core::Plane<float> quantiser_factors(const core::MotionField& onward, int columns, int rows) {
     EXPECTS(onward.reference > onward.picture);
     core::Plane<float> factors(columns, rows, 1.0f);
-    const auto following = static_cast<float>(onward.reference - onward.picture);
+    const std::int64_t all = onward.reference - onward.picture;
+    const auto following = static_cast<float>(std::min(all, most_followers));
     constexpr auto inheritance = static_cast<float>(inheritance_strength);
-    const float finer = std::pow(1.0f + following, inheritance - dependency_strength);
+    const float finer =
+        std::pow(1.0f + following, inheritance) * std::pow(1.0f + static_cast<float>(all), -dependency_strength);
     parallel::for_each(static_cast<std::size_t>(rows), [&](std::size_t row) {
         for (int column = 0; column < columns; ++column)
             if (stands_still(onward, column, static_cast<int>(row))) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "core/numeric.h"
 #include "encoder/mpeg2/tuning.h"
@@ -34,7 +35,7 @@ double blended(const std::optional<double>& old, double now) {
 
 double quantiser_ratio(PictureType type, std::int64_t followers) {
     if (type == PictureType::bidirectional) return quantiser_ratio_bidirectional;
-    return std::pow(1.0 + static_cast<double>(followers), -inheritance_strength);
+    return std::pow(1.0 + static_cast<double>(std::min(followers, most_followers)), -inheritance_strength);
 }
 
 double ratio_of(const PicturePlan& picture) {

@@ -75,16 +75,16 @@ class RateSteering {
     std::int64_t chunk_start_ = 0;
     std::optional<std::int64_t> chunk_end_;  ///< first number after the chunk, if known
     bool hands_over_ = false;
-    std::int64_t gop_start_ = 0;    ///< of the picture planned last
-    std::int64_t planned_end_ = 0;  ///< first number not planned
-    double spent_ = 0;              ///< bits of the chunk so far
-    double allotted_ = 0;           ///< to the whole chunk, where there are allotments
+    std::int64_t gop_start_ = 0;             ///< of the picture planned last
+    std::int64_t planned_end_ = 0;           ///< first number not planned
+    double spent_ = 0;                       ///< bits of the chunk so far
+    double allotted_ = 0;                    ///< to the whole chunk, where there are allotments
     std::array<double, 3> allotted_rest_{};  ///< of it to pictures not planned yet, by type
-    int reference_quantiser_ = 1;   ///< of the newest I or P picture planned
-    double solved_ = 0;             ///< by the last call of nominal
-    int settled_ = 0;               ///< pictures of the chunk
-    double steady_ = 0;             ///< what the last picture settled at: base quantiser or correction; 0: too early
-    double rounding_ = 0;           ///< bits that rounding of quantisers has cost or saved lately
+    int reference_quantiser_ = 1;            ///< of the newest I or P picture planned
+    double solved_ = 0;                      ///< by the last call of nominal
+    int settled_ = 0;                        ///< pictures of the chunk
+    double steady_ = 0;    ///< what the last picture settled at: base quantiser or correction; 0: too early
+    double rounding_ = 0;  ///< bits that rounding of quantisers has cost or saved lately
 };
 
 }  // namespace render2mpeg::encoder::mpeg2
