@@ -4,14 +4,14 @@
 #include "app/cost.h"
 #include "app/encode.h"
 #include "app/info.h"
+#include "app/keep_memory.h"
 #include "app/options.h"
 #include "app/render.h"
-#include "core/keep_memory.h"
 
 /// Everything that goes wrong anywhere ends here as one line and exit status 1.
 int main(int argc, char** argv) {
     using namespace render2mpeg::app;
-    render2mpeg::core::keep_memory();
+    keep_memory();
     try {
         const CommandLine line = parse(argc, argv);
         if (line.exit_code) return *line.exit_code;

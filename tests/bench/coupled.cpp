@@ -13,9 +13,9 @@
 #include <optional>
 #include <sstream>
 
+#include "app/keep_memory.h"
 #include "app/options.h"
 #include "core/error.h"
-#include "core/keep_memory.h"
 #include "parallel/loops.h"
 #include "tests/bench/coupled_films.h"
 
@@ -105,7 +105,7 @@ int run(int argc, char** argv) {
 }  // namespace render2mpeg::bench
 
 int main(int argc, char** argv) {
-    render2mpeg::core::keep_memory();  // as the program does
+    render2mpeg::app::keep_memory();  // as the program does
     try {
         return render2mpeg::bench::run(argc, argv);
     } catch (const render2mpeg::core::Error& error) {

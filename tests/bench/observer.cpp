@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "core/keep_memory.h"
+#include "app/keep_memory.h"
 #include "core/sampling.h"
 #include "perceptual/carry.h"
 #include "perceptual/masking.h"
@@ -128,7 +128,7 @@ BENCHMARK(Carry)->Unit(benchmark::kMillisecond);
 }  // namespace render2mpeg::perceptual
 
 int main(int argc, char** argv) {
-    render2mpeg::core::keep_memory();  // as the program does
+    render2mpeg::app::keep_memory();  // as the program does
     benchmark::Initialize(&argc, argv);
     benchmark::RunSpecifiedBenchmarks();
     return 0;

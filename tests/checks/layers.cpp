@@ -54,7 +54,7 @@ const std::vector<Library>& libraries() {
         {"fmt", {"fmt/"}, "", any_number},
         {"nlohmann-json", {"nlohmann/"}, "", any_number},
         {"the processor's intrinsics", {"immintrin.h", "xmmintrin.h", "emmintrin.h"}, "", any_number},
-        {"the C library's heap", {"malloc.h"}, "src/core/", 1},
+        {"the C library's heap", {"malloc.h"}, "src/app/", 1},
         {"POSIX", {"unistd.h", "dlfcn.h", "fcntl.h", "signal.h", "sys/"}, "", any_number},
     };
     return all;

@@ -1,4 +1,4 @@
-#include "core/keep_memory.h"
+#include "app/keep_memory.h"
 
 #include <cstdlib>
 
@@ -6,7 +6,7 @@
 #include <malloc.h>
 #endif
 
-namespace render2mpeg::core {
+namespace render2mpeg::app {
 
 void keep_memory() {
 #ifdef __GLIBC__
@@ -16,4 +16,4 @@ void keep_memory() {
 #endif
 }
 
-}  // namespace render2mpeg::core
+}  // namespace render2mpeg::app
