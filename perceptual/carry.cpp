@@ -97,7 +97,7 @@ Quads quads_of(const core::Visible& picture) {
         const std::uint32_t* material = picture.material.row(y);
         const core::PixelClass* kind = picture.kind.row(y);
         for (int x = 0; x < width; ++x) {
-            const bool is_plain = address[x].is_surface() & (kind[x] == core::PixelClass::surface);
+            const bool is_plain = address[x].is_surface() && kind[x] == core::PixelClass::surface;
             triangle[x] = address[x].is_surface() ? triangle_of(address[x]) : 0u;
             surface[x] = is_plain ? surface_of(address[x], material[x], normal[x]) : 0u;
         }
@@ -150,12 +150,13 @@ core::Plane<float> carry(const core::Plane<float>& values, const core::Visible& 
                 // Ask for both at once: which of them it is changes from pixel to pixel.
                 const std::size_t k = static_cast<std::size_t>(top) * width + static_cast<std::size_t>(left);
                 const float reach = depth_reach * depth;
-                const bool triangle = quads.triangle.values()[k] == triangle_of(address);
-                const bool surface = (quads.surface.values()[k] == surface_of(address, material, normal)) &
-                                     (quads.nearest.values()[k] >= depth - reach) &
-                                     (quads.farthest.values()[k] <= depth + reach) &
-                                     (here.kind.row(y)[x] == core::PixelClass::surface);
-                if (triangle | surface) {
+                const int triangle = quads.triangle.values()[k] == triangle_of(address);
+                const int surface =
+                    static_cast<int>(quads.surface.values()[k] == surface_of(address, material, normal)) &
+                    static_cast<int>(quads.nearest.values()[k] >= depth - reach) &
+                    static_cast<int>(quads.farthest.values()[k] <= depth + reach) &
+                    static_cast<int>(here.kind.row(y)[x] == core::PixelClass::surface);
+                if ((triangle | surface) != 0) {
                     const float* const from = values.values().data() + k;
                     out[x] = bilinear(from, from + width, within);
                     continue;

@@ -54,8 +54,8 @@ void LumaLight::weigh(const glm::vec3* colors, const float* luma, float* luminan
         const float ratio = grey / core::inlined::max(own, least_slope);
         const float bounded = core::inlined::min(core::inlined::max(ratio, least_exponent), largest_exponent);
         // What is that dark, or has no slope at all, is taken for grey.
-        const bool has_colour = (above > darkest) & (own > 0.0f);
-        exponent[i] = has_colour ? bounded : 1.0f;
+        const int has_colour = static_cast<int>(above > darkest) & static_cast<int>(own > 0.0f);
+        exponent[i] = has_colour != 0 ? bounded : 1.0f;
     }
 }
 
@@ -84,11 +84,10 @@ void LumaLight::differences(const float* luma, const float* luminance, const flo
             from[i] = core::inlined::min(core::inlined::max(luma[first + i] - black, darkest), range);
             away[i] = from[i] - distance[first + i];
         }
-        for (int i = 0; i < size; ++i)
-            change[i] = at(table, core::inlined::max(away[i], darkest)) - at(table, from[i]);
+        for (int i = 0; i < size; ++i) change[i] = at(table, core::inlined::max(away[i], darkest)) - at(table, from[i]);
         for (int i = 0; i < size; ++i)
             change[i] = luminance[first + i] * (1.0f - power_of_two(exponent[first + i] * change[i]));
-    // Then see to those next to black.
+        // Then see to those next to black.
         for (int i = 0; i < size; ++i)
             if (away[i] < darkest)
                 change[i] = difference(luma[first + i], luminance[first + i], exponent[first + i], distance[first + i]);

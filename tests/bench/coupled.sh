@@ -6,7 +6,7 @@
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 bench=${BENCH_COUPLED:-$here/../../build/dev/bench_coupled}
-scenes= size=256x256 frames=12 quantisers=2,8,16 shares=default,1,0.5,0.25,0.12 pairs=2 cache=${TMPDIR:-/tmp}/render2mpeg_bench
+scenes= size=160x160 frames=18 quantisers=2,8,16,24 shares=default,0.65,1 pairs=3 cache=${TMPDIR:-/tmp}/render2mpeg_bench
 while getopts s:d:f:q:k:p:c: option; do
     case $option in
         s) scenes=$OPTARG ;; d) size=$OPTARG ;; f) frames=$OPTARG ;; q) quantisers=$OPTARG ;;
