@@ -48,6 +48,7 @@ json records_of(const Production& film, const renderer::Statistics& r) {
     if (!film.rendering.cache) return nullptr;
     return {
         {"created", r.records_created},
+        {"followed", r.records_followed},
         {"most", r.records_live},
         {"served", core::divide_or(static_cast<double>(r.records_served), static_cast<double>(r.gather_points), 0.0)}};
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/color.h"
 #include "core/error.h"
@@ -9,7 +10,7 @@
 #include "parallel/loops.h"
 #include "renderer/cut.h"
 #include "renderer/gather_groups.h"
-#include "renderer/lobe.h"
+#include "renderer/record_change.h"
 #include "renderer/record_gather.h"
 
 namespace render2mpeg::renderer {
@@ -28,6 +29,9 @@ float known_luminance(const PointLight& light, const GatherPoint& p) {
     const float known = core::luminance(light.scattered(p));
     return std::isfinite(known) ? std::max(known, 0.0f) : 0.0f;
 }
+
+/// In which order a square of 4 x 4 pixels is gathered afresh, far from each other.
+constexpr int renewal_order[16] = {0, 10, 2, 8, 5, 15, 7, 13, 1, 11, 3, 9, 4, 14, 6, 12};
 
 class FrameLighting {
   public:
@@ -51,6 +55,7 @@ class FrameLighting {
     }
 
     void prepare(const core::ToleranceMap& tolerance, const RecordCache::LitTiles& last, ShadeCounts& counts);
+    void renew(ShadeCounts& counts, RecordCounts& record_counts);
     void refine(int lattice, ShadeCounts& counts, RecordCounts& record_counts);
     void thin() { records_.thin(snapshot_.frame, map_); }
     FrameLight take(RecordCache::LitTiles& last, ShadeCounts& counts, RecordCounts& record_counts);
@@ -58,7 +63,10 @@ class FrameLighting {
   private:
     bool recall(std::size_t tile, const RecordCache::LitTiles& last);
     void gather_exact(std::size_t tile, ShadeCounts& counts);
+    std::optional<RecordQuery> query_of(std::size_t tile, std::size_t point) const;
     std::vector<PointRef> wanting(std::size_t tile, int lattice);
+    std::vector<GatheredRequests> gather(const std::vector<std::vector<PointRef>>& of_tile, std::size_t least,
+                                         ShadeCounts& counts) const;
     void keep(const PointRef& ref, const PointLight& light, const RecordLobe& lobe, RecordCounts& counts);
     int x_of(std::size_t tile, const GatherPoint& p) const {
         return static_cast<int>(tile) % seen_.tiles_across() * tile_size + p.pixel % tile_size;
@@ -147,6 +155,15 @@ void FrameLighting::prepare(const core::ToleranceMap& tolerance, const RecordCac
     for (const ShadeCounts& c : of_tile) counts.add(c);
 }
 
+/// None for points that no picture shows, which does not happen but by rounding.
+std::optional<RecordQuery> FrameLighting::query_of(std::size_t t, std::size_t i) const {
+    const GatherPoint& p = seen_.tiles[t][i];
+    const auto on_picture = camera_.project(p.point.position);
+    if (!on_picture) return std::nullopt;
+    const float extent = camera_.pixel_size() * (camera_.perspective() ? on_picture->depth : 1.0f);
+    return RecordQuery{p, tolerances_[t][i], on_picture->position, extent, receives(p)};
+}
+
 std::vector<PointRef> FrameLighting::wanting(std::size_t t, int lattice) {
     const GatherTile& points = seen_.tiles[t];
     std::vector<PointRef> requests;
@@ -156,13 +173,8 @@ std::vector<PointRef> FrameLighting::wanting(std::size_t t, int lattice) {
         const int x = x_of(t, p), y = y_of(t, p);
         if (gathered_[t][i] != 0 || x % lattice != 0 || y % lattice != 0) continue;
         if (takes_records(p)) {
-            RecordQuery query{p, tolerances_[t][i], {}, 0, 0};
-            const auto on_picture = camera_.project(p.point.position);
-            if (on_picture) {
-                query.at = on_picture->position;
-                query.receives = receives(p);
-                query.extent = camera_.pixel_size() * (camera_.perspective() ? on_picture->depth : 1.0f);
-                const RecordEstimate found = estimate(query, map_, records_, trust_, snapshot_.frame);
+            if (const auto query = query_of(t, i)) {
+                const RecordEstimate found = estimate(*query, map_, records_, trust_, snapshot_.frame);
                 if (found.holds) {
                     light_[t][i] = found.light;
                     ++served;
@@ -181,32 +193,16 @@ std::vector<PointRef> FrameLighting::wanting(std::size_t t, int lattice) {
 void FrameLighting::keep(const PointRef& ref, const PointLight& light, const RecordLobe& lobe, RecordCounts& counts) {
     light_[ref.tile][ref.index] = light;
     gathered_[ref.tile][ref.index] = 1;
-    const GatherPoint& p = point(ref);
-    if (!takes_records(p)) return;
-    Record record;
-    record.address = p.point.address;
-    record.back_side = p.point.back_side;
-    record.capped = light.capped;
-    record.position = p.point.position;
-    record.geometric_normal = p.point.geometric_normal;
-    record.shading_normal = p.point.shading_normal;
-    record.direct = light.direct;
-    record.indirect = light.indirect;
-    record.lobe = lobe;
-    record.error = core::divide_or(light.error, receives(p), 0.0f);
-    record.born = record.used = snapshot_.frame;
-    if (!core::is_finite(record.direct) || !core::is_finite(record.indirect) || !core::is_finite(lobe.f0) ||
-        !core::is_finite(lobe.schlick))
-        return;
-    records_.add(record);
-    ++counts.created;
+    if (!takes_records(point(ref))) return;
+    if (const auto record = record_of(point(ref), light, lobe, snapshot_.frame)) {
+        records_.add(*record);
+        ++counts.created;
+    }
 }
 
-void FrameLighting::refine(int lattice, ShadeCounts& counts, RecordCounts& record_counts) {
-    if (lattice != lattices[0]) map_.build(records_.all(), camera_);
-    std::vector<std::vector<PointRef>> of_tile(seen_.tiles.size());
-    parallel::for_each(seen_.tiles.size(), [&](std::size_t t) { of_tile[t] = wanting(t, lattice); });
-
+/// Gathers, of areas of at least so many requests.
+std::vector<GatheredRequests> FrameLighting::gather(const std::vector<std::vector<PointRef>>& of_tile,
+                                                    std::size_t least, ShadeCounts& counts) const {
     // Let the requests of some tiles find each other.
     const int across = seen_.tiles_across(), areas = (across + area_tiles - 1) / area_tiles;
     const int down = (static_cast<int>(seen_.tiles.size()) + across - 1) / std::max(across, 1);
@@ -218,17 +214,70 @@ void FrameLighting::refine(int lattice, ShadeCounts& counts, RecordCounts& recor
         list.insert(list.end(), of_tile[t].begin(), of_tile[t].end());
     }
     // A few scattered ones fill no packet: they wait for the finer lattice.
-    if (lattice > 1)
-        for (auto& list : of_area)
-            if (list.size() < least_dense) list.clear();
+    for (auto& list : of_area)
+        if (list.size() < least) list.clear();
     std::vector<GatheredRequests> found(of_area.size());
     parallel::for_each(of_area.size(), [&](std::size_t a) {
         gather_requests(forest_, tracer_, seen_, camera_.position(), tolerances_, limits_, of_area[a], found[a]);
     });
-    for (const GatheredRequests& g : found) {
-        counts.add(g.counts);
-        for (std::size_t i = 0; i < g.points.size(); ++i) keep(g.points[i], g.light[i], g.lobes[i], record_counts);
+    for (const GatheredRequests& g : found) counts.add(g.counts);
+    return found;
+}
+
+/// Light has changed: looks at a lattice what older records would say, gathers that anew, and lets the older records
+/// follow what they are off by.
+void FrameLighting::renew(ShadeCounts& counts, RecordCounts& record_counts) {
+    // Another place of the lattice with every frame, so that all is gathered afresh now and then.
+    const auto turn = static_cast<std::uint64_t>(snapshot_.frame) % 16;
+    const int x0 = renewal_order[turn] % 4, y0 = renewal_order[turn] / 4;
+    std::vector<std::vector<PointRef>> of_tile(seen_.tiles.size());
+    std::vector<std::vector<std::pair<std::uint32_t, PointLight>>> before(seen_.tiles.size());
+    parallel::for_each(seen_.tiles.size(), [&](std::size_t t) {
+        for (std::uint32_t i = 0; i < seen_.tiles[t].size(); ++i) {
+            const GatherPoint& p = seen_.tiles[t][i];
+            if (x_of(t, p) % 4 != x0 || y_of(t, p) % 4 != y0 || !takes_records(p) || p.point.bsdf.has_glossy())
+                continue;
+            const auto query = query_of(t, i);
+            if (!query) continue;
+            const RecordEstimate told = estimate(*query, map_, records_, trust_, snapshot_.frame);
+            if (!told.holds) continue;
+            of_tile[t].push_back({static_cast<std::uint32_t>(t), i});
+            before[t].emplace_back(i, told.light);
+        }
+    });
+
+    std::vector<LightChange> changes;
+    std::vector<Record> fresh;
+    for (const GatheredRequests& g : gather(of_tile, 0, counts)) {
+        for (std::size_t k = 0; k < g.points.size(); ++k) {
+            const PointRef& ref = g.points[k];
+            const auto& tile = before[ref.tile];
+            const auto told = std::lower_bound(tile.begin(), tile.end(), ref.index,
+                                               [](const auto& entry, std::uint32_t i) { return entry.first < i; });
+            light_[ref.tile][ref.index] = g.light[k];
+            gathered_[ref.tile][ref.index] = 1;
+            const auto record = record_of(point(ref), g.light[k], g.lobes[k], snapshot_.frame);
+            if (!record) continue;
+            const float allowed =
+                tolerances_[ref.tile][ref.index].allows(core::luminance(g.light[k].scattered(point(ref))));
+            changes.push_back({*record, told->second.direct, told->second.indirect,
+                               core::divide_or(allowed, receives(point(ref)), 0.0f)});
+            fresh.push_back(*record);
+        }
     }
+    record_counts.followed += follow(records_, map_, changes, camera_).changed;
+    for (const Record& r : fresh) records_.add(r);
+    record_counts.created += fresh.size();
+    map_.build(records_.all(), camera_);
+}
+
+void FrameLighting::refine(int lattice, ShadeCounts& counts, RecordCounts& record_counts) {
+    if (lattice != lattices[0]) map_.build(records_.all(), camera_);
+    std::vector<std::vector<PointRef>> of_tile(seen_.tiles.size());
+    parallel::for_each(seen_.tiles.size(), [&](std::size_t t) { of_tile[t] = wanting(t, lattice); });
+
+    for (const GatheredRequests& g : gather(of_tile, lattice > 1 ? least_dense : 0, counts))
+        for (std::size_t i = 0; i < g.points.size(); ++i) keep(g.points[i], g.light[i], g.lobes[i], record_counts);
 }
 
 FrameLight FrameLighting::take(RecordCache::LitTiles& last, ShadeCounts& counts, RecordCounts& record_counts) {
@@ -251,12 +300,20 @@ FrameLight FrameLighting::take(RecordCache::LitTiles& last, ShadeCounts& counts,
 
 }  // namespace
 
+void RecordCache::change(const scene::Snapshot& before, const scene::Snapshot& now) {
+    last_ = {};
+    changed_ = true;
+    drop_disturbed(records_, before, now);
+}
+
 FrameLight RecordCache::light(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
                               const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance,
                               const CutLimits& limits, ShadeCounts& shade_counts, RecordCounts& counts) {
     EXPECTS(!tolerance.is_reference());
     FrameLighting frame(forest, tracer, seen, snapshot, limits, trust_, records_);
     frame.prepare(tolerance, last_, shade_counts);
+    if (changed_ && records_.size() > 0) frame.renew(shade_counts, counts);
+    changed_ = false;
     for (const int lattice : lattices) frame.refine(lattice, shade_counts, counts);
     frame.thin();
     counts.live = records_.size();

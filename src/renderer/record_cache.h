@@ -7,20 +7,25 @@ namespace render2mpeg::renderer {
 
 /// What the records did for a frame.
 struct RecordCounts {
-    std::uint64_t served = 0;   ///< gather points whose light came from records, or from the very same point before
-    std::uint64_t created = 0;  ///< records
-    std::uint64_t live = 0;     ///< records held after the frame
+    std::uint64_t served = 0;    ///< gather points whose light came from records, or from the very same point before
+    std::uint64_t created = 0;   ///< records
+    std::uint64_t followed = 0;  ///< older records that changed as the light around them did
+    std::uint64_t live = 0;      ///< records held after the frame
 };
 
 /// Gathers light once, at places on surfaces, and keeps it there for as long as it stays what it is (docs/model.md,
 /// "Records"). A function of what it was shown since `forget`, for any number of threads.
 class RecordCache {
   public:
-    /// A chunk begins, or the light is another.
+    /// A chunk begins.
     void forget() {
         records_.forget();
         last_ = {};
+        changed_ = false;
     }
+
+    /// Light is another than at the frame before.
+    void change(const scene::Snapshot& before, const scene::Snapshot& now);
 
     /// Light of all points of a frame within their tolerances (not for the reference), gathered or from records.
     FrameLight light(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
@@ -44,6 +49,7 @@ class RecordCache {
   private:
     Records records_;
     LitTiles last_;
+    bool changed_ = false;  ///< light is another than what the records tell
     RecordTrust trust_;
 };
 

@@ -7,29 +7,17 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "renderer/lobe.h"
+#include "renderer/record_plane.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
-/// Records that one estimate may rest on. Where there are more within a radius and the nearer ones disagreed, more will
-/// not help.
-constexpr int most_records = 40;
 /// Pixels to each side that are looked at, in turn. The largest lets a lattice of 4 be interpolated.
 constexpr int radii[] = {1, 2, 4, 6};
 /// With fewer than this, records may lie in two columns, through which a plane always passes: a step between them is no
 /// slope.
 constexpr int tells_steps = 4;
 
-/// A plane takes three; the rest say how well it fits. chosen: 6 of 4 and 6: at 4 twice as many pixels err by more than
-/// they may.
-constexpr int least_records = 6;
-
-/// chosen: looser than where samples of one surface are told apart (see.cpp), since a plane follows normals that change
-/// evenly; not tuned.
-constexpr float least_normal = 0.95f;
-/// Off the surface's plane, in pixels' extents: near, and by pixel of distance. chosen: 0.3 and 0.09, lower than steps
-/// that are seen as steps (see.cpp); not tuned.
-constexpr float plane_near = 0.3f, plane_slope = 0.09f;
 /// Widths of lobes that count as one, and by how much, in units of the width, eyes may lie apart. chosen: what a
 /// pixel's neighbours and some frames of a walk turn by lies within.
 constexpr float alike_alpha = 0.1f, most_turn = 0.25f;
@@ -39,17 +27,11 @@ constexpr float turn_error = 0.3f;
 /// A record so near, in pixels, stands for the pixel by itself where neighbours disagree. chosen: of 0.1, 0.15 and 0.3,
 /// at which 3, 7 and 22 % of these pixels err by more than they may.
 constexpr float own_distance = 0.1f;
-/// Sum of the weights' sizes: 1 within the records' hull. chosen: 1.25, which lets
-/// the rim of the picture be served; not tuned.
-constexpr float most_stretch = 1.25f;
 
 struct Neighbour {
-    glm::vec2 offset;  ///< pixels
-    float closeness;   ///< weight in the fit
     const Record* record;
     std::uint32_t index;
     glm::vec3 glossy;  ///< radiance that its light gives the point's lobe
-    glm::vec3 light;   ///< that it would give the point: radiance in its pixel
     float turned;      ///< luminance by which that may be off, since the lobe was looked at from elsewhere
 };
 
@@ -70,56 +52,37 @@ class Neighbours {
     bool find(const RecordQuery& q, const RecordMap& map, const Records& records, int radius);
     /// The nearest, if it is the point's own.
     const Neighbour* own() const;
-    const Neighbour& nearest() const;
-    /// Fits the plane.
-    bool fit();
-    glm::vec3 mean() const { return plane_[0]; }
-    float weight(int i) const { return weights_[static_cast<std::size_t>(i)]; }
-    /// What neighbours are off the plane by, as it is noticed: root of the mean square, freedoms counted.
-    float residual() const;
-    /// What the plane rises by between the point and the nearest record.
-    float rise() const;
+    RecordPlane& plane() { return plane_; }
+    float weight(int i) const { return plane_.weight(i); }
     /// What gathering may be off by, given what the point makes of irradiance.
     float noise(float receives) const;
-    int count() const { return count_; }
+    int count() const { return plane_.count(); }
     const Neighbour& operator[](int i) const { return found_[static_cast<std::size_t>(i)]; }
 
   private:
-    std::array<Neighbour, most_records> found_;
-    std::array<float, most_records> weights_{};
-    glm::vec3 plane_[3]{};
-    int count_ = 0;
+    std::array<Neighbour, RecordPlane::most> found_;
+    RecordPlane plane_;
 };
 
-bool lies_on(const RecordQuery& q, const RecordMark& m, float distance) {
-    const SurfacePoint& p = q.point.point;
-    const float alike = glm::dot(p.shading_normal, m.shading_normal);
-    if (alike < least_normal || glm::dot(p.geometric_normal, m.geometric_normal) < least_normal) return false;
-    const glm::vec3 apart = m.position - p.position;
-    const float off =
-        std::max(std::abs(glm::dot(apart, p.geometric_normal)), std::abs(glm::dot(apart, m.geometric_normal)));
-    // A surface that bends by an angle over a distance leaves its plane by half of their product.
-    const float bend = 0.5f * glm::length(apart) * core::sqrt_or_zero(2.0f - 2.0f * alike);
-    return off <= q.extent * (plane_near + plane_slope * distance) + bend + p.position_error;
-}
-
 bool Neighbours::find(const RecordQuery& q, const RecordMap& map, const Records& records, int radius) {
-    count_ = 0;
+    plane_.clear();
     const auto reach = static_cast<float>(radius) + 0.5f;
     const int x = static_cast<int>(std::floor(q.at.x)), y = static_cast<int>(std::floor(q.at.y));
-    const std::uint32_t surface = surface_of(q.point.point.address, q.point.point.back_side);
+    const SurfacePoint& p = q.point.point;
+    const RecordMark here{
+        q.at, 0, surface_of(p.address, p.back_side), p.position, p.geometric_normal, p.shading_normal};
     const glm::vec3 reflects = q.point.weight * q.point.point.bsdf.diffuse;
     for (int row = std::max(y - radius, -RecordMap::border);
          row <= std::min(y + radius, map.height() + RecordMap::border - 1); ++row) {
         for (const RecordMark& m : map.row(row, std::max(x - radius, -RecordMap::border),
                                            std::min(x + radius, map.width() + RecordMap::border - 1))) {
-            if (m.surface != surface) continue;
             const glm::vec2 offset = m.at - q.at;
             const float distance2 = glm::dot(offset, offset);
-            if (distance2 > reach * reach || !lies_on(q, m, std::sqrt(distance2))) continue;
-            if (count_ == most_records) return false;
+            if (distance2 > reach * reach ||
+                !on_one_surface(here, m, q.extent * std::sqrt(distance2), q.extent, p.position_error))
+                continue;
+            if (plane_.is_full()) return false;
             const Record& r = records[m.record];
-            const SurfacePoint& p = q.point.point;
             glm::vec3 glossy(0);
             float turned = 0;
             if (p.bsdf.has_glossy()) {
@@ -133,91 +96,36 @@ bool Neighbours::find(const RecordQuery& q, const RecordMap& map, const Records&
                 continue;
             }
             const float falloff = 1.0f - distance2 / (reach * reach * 1.1f);
-            found_[static_cast<std::size_t>(count_++)] = {
-                offset, falloff * falloff / (0.25f + distance2),
-                &r,     m.record,
-                glossy, reflects * (r.direct + r.indirect) + q.point.weight * glossy,
-                turned};
+            found_[static_cast<std::size_t>(plane_.count())] = {&r, m.record, glossy, turned};
+            plane_.add(offset, falloff * falloff / (0.25f + distance2),
+                       reflects * (r.direct + r.indirect) + q.point.weight * glossy);
         }
     }
-    return count_ > 0;
-}
-
-const Neighbour& Neighbours::nearest() const {
-    return *std::min_element(found_.begin(), found_.begin() + count_, [](const auto& a, const auto& b) {
-        return glm::dot(a.offset, a.offset) < glm::dot(b.offset, b.offset);
-    });
+    return plane_.count() > 0;
 }
 
 const Neighbour* Neighbours::own() const {
-    const Neighbour& n = nearest();
-    return glm::dot(n.offset, n.offset) <= own_distance * own_distance ? &n : nullptr;
-}
-
-bool Neighbours::fit() {
-    if (count_ < least_records) return false;
-    // Normal equations of a plane about the point.
-    double s = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;
-    for (int i = 0; i < count_; ++i) {
-        const Neighbour& n = (*this)[i];
-        const double w = n.closeness, x = n.offset.x, y = n.offset.y;
-        s += w;
-        sx += w * x;
-        sy += w * y;
-        sxx += w * x * x;
-        sxy += w * x * y;
-        syy += w * y * y;
-    }
-    const glm::dmat3 moments(s, sx, sy, sx, sxx, sxy, sy, sxy, syy);
-    const double determinant = glm::determinant(moments);
-    // Records along a line carry no plane: compare with the determinant of records all around, s^3 r^4 / 4.
-    if (!(determinant > 1e-3 * s * s * s)) return false;
-    const glm::dmat3 inverse = glm::inverse(moments);
-    double stretch = 0;
-    glm::dvec3 plane[3]{};
-    for (int i = 0; i < count_; ++i) {
-        const Neighbour& n = (*this)[i];
-        const glm::dvec3 row = inverse * glm::dvec3(1.0, n.offset.x, n.offset.y) * static_cast<double>(n.closeness);
-        weights_[static_cast<std::size_t>(i)] = static_cast<float>(row.x);
-        stretch += std::abs(row.x);
-        for (int k = 0; k < 3; ++k) plane[k] += row[k] * glm::dvec3(n.light);
-    }
-    for (int k = 0; k < 3; ++k) plane_[k] = glm::vec3(plane[k]);
-    return stretch <= most_stretch && core::is_finite(plane_[0]);
-}
-
-float Neighbours::residual() const {
-    // The nearest count for more, but less so than in the plane: an edge just beyond them is near.
-    float sum = 0, luminance = 0, red = 0, blue = 0;
-    for (int i = 0; i < count_; ++i) {
-        const Neighbour& n = (*this)[i];
-        const glm::vec3 off = n.light - plane_[0] - n.offset.x * plane_[1] - n.offset.y * plane_[2];
-        const float y = core::luminance(off), cr = (off.x - y) / 1.5748f, cb = (off.z - y) / 1.8556f;
-        const float w = std::sqrt(n.closeness);
-        sum += w;
-        luminance += w * y * y;
-        red += w * cr * cr;
-        blue += w * cb * cb;
-    }
-    // Chroma counts for half, as everywhere [BT709, 3.3]; three freedoms went into the plane.
-    const float square = core::divide_or(std::max(luminance, 0.25f * std::max(red, blue)), sum, 0.0f);
-    const auto n = static_cast<float>(count_);
-    return std::sqrt(square * n / (n - 3.0f));
-}
-
-float Neighbours::rise() const {
-    const float slope = std::hypot(core::luminance(plane_[1]), core::luminance(plane_[2]));
-    return slope * std::sqrt(glm::dot(nearest().offset, nearest().offset));
+    const int n = plane_.nearest();
+    return plane_.distance(n) <= own_distance ? &(*this)[n] : nullptr;
 }
 
 float Neighbours::noise(float receives) const {
     float square = 0, turned = 0;
-    for (int i = 0; i < count_; ++i) {
+    for (int i = 0; i < count(); ++i) {
         turned += std::abs(weight(i)) * (*this)[i].turned;
         const float part = weight(i) * (*this)[i].record->error;
         if (!(*this)[i].record->capped) square += part * part;
     }
     return receives * std::sqrt(square) + turned;
+}
+
+/// What neighbours disagree by counts for more where the tolerance is fine, since light has many small edges and few
+/// large ones. chosen: 1.6 at 2 %, 1 at 8 % and 0.4 at 26 %, between which of Sponza's pixels that are served 1 % err
+/// by more than they may; at 1, 4 % do at 2 %, and at 0.7, 0.2 % at 26 %.
+float doubt(const PointTolerance& t, glm::vec3 light, float tolerance) {
+    constexpr float coarse = 0.32f, fine = 1.68f, turn2 = 0.08f * 0.08f;
+    const float relative = core::divide_or(tolerance, t.base + std::max(core::luminance(light), 0.0f), 1.0f);
+    return coarse + (fine - coarse) * turn2 / (turn2 + relative * relative);
 }
 
 PointLight blend(const Neighbours& n) {
@@ -251,10 +159,12 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
     for (const int radius : radii) {
         result.radius = radius;
         if (!near.find(q, map, records, radius)) continue;
-        if (near.fit()) {
-            const float tolerance = q.tolerance.allows(core::luminance(near.mean()));
-            const float off = trust.residual * near.residual(), noise = trust.noise * near.noise(q.receives);
-            const bool steep = radius < tells_steps && trust.step * near.rise() > tolerance;
+        if (near.plane().fit()) {
+            const float tolerance = q.tolerance.allows(core::luminance(near.plane().value()));
+            const float off = trust.residual * doubt(q.tolerance, near.plane().value(), tolerance) *
+                              near.plane().residual(),
+                        noise = trust.noise * near.noise(q.receives);
+            const bool steep = radius < tells_steps && trust.step * near.plane().rise() > tolerance;
             if (off <= tolerance && noise <= tolerance && !steep) {
                 result.holds = true;
                 result.light = blend(near);
@@ -266,15 +176,14 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
         }
         const Neighbour* own = near.own();
         if (own == nullptr) continue;
+        PointLight light{own->record->direct, own->record->indirect, own->glossy};
         const float noise = trust.noise * (q.receives * own->record->error + own->turned);
-        if (!own->record->capped && noise > q.tolerance.allows(core::luminance(own->light))) continue;
+        if (!own->record->capped && noise > q.tolerance.allows(core::luminance(light.scattered(q.point)))) continue;
+        light.served = true;
+        light.capped = own->record->capped;
+        light.error = noise;
         result.holds = true;
-        result.light.served = true;
-        result.light.direct = own->record->direct;
-        result.light.indirect = own->record->indirect;
-        result.light.glossy = own->glossy;
-        result.light.capped = own->record->capped;
-        result.light.error = noise;
+        result.light = light;
         records.use(own->index, frame);
         return result;
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/color.h"
+#include "core/numeric.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -61,6 +62,25 @@ float receives(const GatherPoint& p) {
     const Bsdf& bsdf = p.point.bsdf;
     const float glossy = bsdf.has_glossy() ? core::luminance(glossy_albedo(bsdf)) : 0.0f;
     return core::luminance(p.weight) * (std::max(core::luminance(bsdf.diffuse), least_albedo) + glossy);
+}
+
+std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, const RecordLobe& lobe,
+                                std::int64_t frame) {
+    Record record;
+    record.address = p.point.address;
+    record.back_side = p.point.back_side;
+    record.capped = light.capped;
+    record.position = p.point.position;
+    record.geometric_normal = p.point.geometric_normal;
+    record.shading_normal = p.point.shading_normal;
+    record.direct = light.direct;
+    record.indirect = light.indirect;
+    record.lobe = lobe;
+    record.error = core::divide_or(light.error, receives(p), 0.0f);
+    record.born = record.used = frame;
+    const bool finite = core::is_finite(record.direct) && core::is_finite(record.indirect) &&
+                        core::is_finite(lobe.f0) && core::is_finite(lobe.schlick);
+    return finite ? std::optional(record) : std::nullopt;
 }
 
 void gather_requests(const LightForest& forest, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "renderer/cut.h"
@@ -16,6 +17,10 @@ bool takes_records(const GatherPoint& p);
 /// Luminance that a point's pixel gets of light 1 from all around; for records, which serve other textures as well, as
 /// if it were not quite black.
 float receives(const GatherPoint& p);
+
+/// The record of what was gathered at a point; none where that is not finite.
+std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, const RecordLobe& lobe,
+                                std::int64_t frame);
 
 /// What was found of some requests, in the order in which they were gathered.
 struct GatheredRequests {

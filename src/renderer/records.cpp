@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/numeric.h"
+
 namespace render2mpeg::renderer {
 namespace {
 
@@ -15,9 +17,28 @@ constexpr std::int64_t keeps_unused = 8;
 /// Records of one surface in one pixel: more say no more. chosen: 4, one of each set of representatives; not tuned.
 constexpr std::size_t most_in_pixel = 4;
 
+/// chosen: looser than where samples of one surface are told apart (see.cpp), since a plane follows normals that change
+/// evenly; not tuned.
+constexpr float least_normal = 0.95f;
+/// Off the surface's plane, in pixels' extents: near, and by pixel of distance. chosen: 0.3 and 0.09, lower than steps
+/// that are seen as steps (see.cpp); not tuned.
+constexpr float plane_near = 0.3f, plane_slope = 0.09f;
+
 constexpr std::uint32_t nowhere = std::numeric_limits<std::uint32_t>::max();
 
 }  // namespace
+
+bool on_one_surface(const RecordMark& a, const RecordMark& b, float apart, float pixel, float error) {
+    if (a.surface != b.surface || glm::dot(a.geometric_normal, b.geometric_normal) < least_normal) return false;
+    const float alike = glm::dot(a.shading_normal, b.shading_normal);
+    if (alike < least_normal) return false;
+    const glm::vec3 between = b.position - a.position;
+    const float off =
+        std::max(std::abs(glm::dot(between, a.geometric_normal)), std::abs(glm::dot(between, b.geometric_normal)));
+    // A surface that bends by an angle over a distance leaves its plane by half of their product.
+    const float bend = 0.5f * glm::length(between) * core::sqrt_or_zero(2.0f - 2.0f * alike);
+    return off <= pixel * plane_near + apart * plane_slope + bend + error;
+}
 
 void RecordMap::build(std::span<const Record> records, const scene::Camera& camera) {
     const int across = width_ + 2 * border, down = height_ + 2 * border;
@@ -52,6 +73,13 @@ void RecordMap::build(std::span<const Record> records, const scene::Camera& came
     }
 }
 
+void Records::keep(const std::vector<std::uint8_t>& which) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < records_.size(); ++i)
+        if (which[i] != 0) records_[kept++] = records_[i];
+    records_.resize(kept);
+}
+
 std::uint32_t Records::add(const Record& record) {
     records_.push_back(record);
     return static_cast<std::uint32_t>(records_.size() - 1);
@@ -62,7 +90,7 @@ void Records::use(std::uint32_t index, std::int64_t frame) {
 }
 
 void Records::thin(std::int64_t frame, const RecordMap& map) {
-    std::vector<std::uint8_t> crowds(records_.size(), 0);
+    std::vector<std::uint8_t> keeps(records_.size(), 1);
     const std::span<const RecordMark> marks = map.marks();
     for (std::size_t first = 0, last = 0; first < marks.size(); first = last) {
         const glm::vec2 pixel = glm::floor(marks[first].at);
@@ -73,13 +101,12 @@ void Records::thin(std::int64_t frame, const RecordMap& map) {
             const auto newer = std::count_if(marks.begin() + static_cast<std::ptrdiff_t>(i) + 1,
                                              marks.begin() + static_cast<std::ptrdiff_t>(last),
                                              [&](const RecordMark& m) { return m.surface == marks[i].surface; });
-            if (static_cast<std::size_t>(newer) >= most_in_pixel) crowds[marks[i].record] = 1;
+            if (static_cast<std::size_t>(newer) >= most_in_pixel) keeps[marks[i].record] = 0;
         }
     }
-    std::size_t kept = 0;
     for (std::size_t i = 0; i < records_.size(); ++i)
-        if (crowds[i] == 0 && frame - records_[i].used <= keeps_unused) records_[kept++] = records_[i];
-    records_.resize(kept);
+        if (frame - records_[i].used > keeps_unused) keeps[i] = 0;
+    keep(keeps);
 }
 
 }  // namespace render2mpeg::renderer

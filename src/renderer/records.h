@@ -49,11 +49,15 @@ inline std::uint32_t surface_of(const core::SurfaceAddress& address, bool back_s
     return address.object * 2u + (back_side ? 1u : 0u);
 }
 
+/// Whether two places `apart` on the picture lie on one smooth surface; both in world units at their distance, where a
+/// pixel is so large. `error`: by how much either may lie off its surface.
+bool on_one_surface(const RecordMark& a, const RecordMark& b, float apart, float pixel, float error = 0);
+
 /// Where the records of a frame lie on its picture, pixel by pixel, and for some pixels around it.
 class RecordMap {
   public:
     /// Radius, in pixels, that look-ups may have, and width of the border.
-    static constexpr int border = 7;
+    static constexpr int border = 9;
 
     RecordMap() = default;
     RecordMap(int width, int height) : width_(width), height_(height) {}
@@ -83,13 +87,17 @@ class RecordMap {
 /// The records of a chunk.
 class Records {
   public:
-    /// None: a chunk begins, or light is another.
+    /// None: a chunk begins.
     void forget() { records_.clear(); }
 
     /// Drops what was of no use for some frames, and the oldest of those that crowd one pixel of the frame's map.
     void thin(std::int64_t frame, const RecordMap& map);
 
+    /// Keeps those for which it says 1.
+    void keep(const std::vector<std::uint8_t>& which);
+
     std::uint32_t add(const Record& record);
+    Record& change(std::uint32_t index) { return records_[index]; }
     const Record& operator[](std::uint32_t index) const { return records_[index]; }
     std::span<const Record> all() const { return records_; }
     std::size_t size() const { return records_.size(); }

@@ -120,7 +120,7 @@ struct Renderer::Impl {
     /// frame.
     void update_light(const scene::Snapshot& snapshot) {
         if (lit && same_light(*lit, snapshot)) return;
-        records.forget();
+        if (lit) records.change(*lit, snapshot);
         std::vector<LightPoint> direct;
         {
             const Stopwatch watch(row(Pass::emissive_lights));
@@ -223,6 +223,7 @@ struct Renderer::Impl {
     void count(const RecordCounts& found) {
         statistics.records_created += found.created;
         statistics.records_served += found.served;
+        statistics.records_followed += found.followed;
         statistics.records_live = std::max<std::uint64_t>(statistics.records_live, found.live);
     }
 

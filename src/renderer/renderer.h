@@ -51,6 +51,7 @@ struct Statistics {
     double calibration_seconds = 0;       ///< CPU, part of the time of shading
     std::uint64_t records_created = 0;    ///< Settings::cache
     std::uint64_t records_served = 0;     ///< gather points whose light came from records
+    std::uint64_t records_followed = 0;   ///< times that one changed as the light around it did
     std::uint64_t records_live = 0;       ///< most that were held at a time
 };
 

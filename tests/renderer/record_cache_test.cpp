@@ -95,15 +95,25 @@ TEST(RecordCache, StartsAnewWithAChunk) {
     EXPECT_TRUE(test::same_bytes(long_run.cut(0.05f, 2), fresh.cut(0.05f, 2)));
 }
 
-TEST(RecordCache, KeepsNothingOfLightThatIsAnother) {
-    test::SceneBuilder b = walk();
-    b.add_track(scene::TrackTarget::light_intensity, 0, 1, {0, 1, 2}, {1.5f, 1.5f, 0.2f});
-    FilmStage stage(b, settings(true));
+TEST(RecordCache, FollowsALampThatIsDimmedAtOnce) {
+    test::SceneBuilder b = walk(false);
+    b.add_track(scene::TrackTarget::light_intensity, 0, 1, {0, 1, 2}, {6.0f, 6.0f, 0.6f});
+    FilmStage stage(b, settings(true)), plain(b, settings(false));
+    stage.cut(0.05f, 0);
+    const std::uint64_t created = stage.statistics().records_created;
+    const core::Radiance dim = stage.cut(0.05f, 2);
+    EXPECT_LE(share_over(dim, plain.reference(2), 0.05f), 0.02);
+    EXPECT_GT(stage.statistics().records_followed, created / 4);
+}
+
+TEST(RecordCache, ShowsNoShadowOfWhatIsGone) {
+    test::SceneBuilder b = walk(false);
+    const int box = b.add_box({0.3f, 0.0f, 2.2f}, {0.9f, 0.5f, 2.8f}, b.add_material({0.5f, 0.5f, 0.5f}));
+    b.move_object(box, {{0, 0, 0}, {0, 0, 0}, {0, -9, 0}});
+    FilmStage stage(b, settings(true)), plain(b, settings(false));
     stage.cut(0.05f, 0);
     stage.cut(0.05f, 1);
-    const core::Radiance dim = stage.cut(0.05f, 2);
-    FilmStage plain(b, settings(false));
-    EXPECT_LE(share_over(dim, plain.reference(2), 0.05f), 0.02);
+    EXPECT_LE(share_over(stage.cut(0.05f, 2), plain.reference(2), 0.05f), 0.02);
 }
 
 TEST(RecordCache, TakesNoPartInReferenceFrames) {

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <glm/glm.hpp>
+
+namespace render2mpeg::renderer {
+
+/// A plane of least weighted squares through colours at places of the picture, about the place (0, 0).
+class RecordPlane {
+  public:
+    /// Samples that it may rest on. Where more lie within a radius and the nearer ones disagree, more will not help.
+    static constexpr int most = 40;
+
+    void clear() { count_ = 0; }
+    bool is_full() const { return count_ == most; }
+    /// `offset` in pixels, `closeness` > 0 its weight.
+    void add(glm::vec2 offset, float closeness, glm::vec3 value) {
+        samples_[static_cast<std::size_t>(count_++)] = {offset, closeness, value};
+    }
+    int count() const { return count_; }
+
+    /// Whether there are samples enough, on several sides, and the place hardly lies beyond them.
+    bool fit();
+
+    /// A level plane through three or more, for what changes little from place to place.
+    bool fit_level();
+
+    /// At the place: the sum of all values by these weights.
+    glm::vec3 value() const { return plane_[0]; }
+    float weight(int i) const { return weights_[static_cast<std::size_t>(i)]; }
+
+    /// What samples are off the plane by, as it is noticed: root of the mean square, freedoms counted.
+    float residual() const;
+    /// What its luminance rises by up to the nearest sample.
+    float rise() const;
+    /// Index of that.
+    int nearest() const;
+    float distance(int i) const;
+
+  private:
+    struct Sample {
+        glm::vec2 offset{0};
+        float closeness = 0;
+        glm::vec3 value{0};
+    };
+    std::array<Sample, most> samples_;
+    std::array<float, most> weights_{};
+    glm::vec3 plane_[3]{};  ///< at the place, and its slopes
+    int count_ = 0;
+    int freedoms_ = 3;  ///< that went into the plane
+};
+
+}  // namespace render2mpeg::renderer
