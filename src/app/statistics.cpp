@@ -63,6 +63,21 @@ json caution_of(const renderer::Statistics& r) {
             {"seconds", r.calibration_seconds}};
 }
 
+/// What light was spent on pixels that may be off by much or little.
+json bands_of(const renderer::ToleranceBands& bands) {
+    json all = json::array();
+    double points = 0, clusters = 0;
+    for (std::size_t i = 0; i < bands.count; ++i) {
+        points += static_cast<double>(bands.points[i]);
+        clusters += static_cast<double>(bands.clusters[i]);
+    }
+    for (std::size_t i = 0; i < bands.count; ++i)
+        all.push_back({{"below", i < bands.ends.size() ? json(bands.ends[i]) : json(nullptr)},
+                       {"points", core::divide_or(static_cast<double>(bands.points[i]), points, 0.0)},
+                       {"clusters", core::divide_or(static_cast<double>(bands.clusters[i]), clusters, 0.0)}});
+    return all;
+}
+
 void add_coding(json& entry, const FrameEntry& frame) {
     entry["type"] = std::string(1, frame.type);
     entry["quantiser"] = frame.quantiser;
@@ -186,6 +201,7 @@ json statistics_of(const Production& film, const Ledger& ledger, const RunFacts&
         {"mean_cut", {{"direct", ledger.mean_direct_cut()}, {"indirect", ledger.mean_indirect_cut()}}},
         {"gather_points", r.gather_points},
         {"capped_points", r.capped_points},
+        {"tolerance_bands", bands_of(r.bands)},
         {"stop", film.rendering.stop == renderer::Stop::classic ? "classic" : "honest"},
         {"caution", caution_of(r)},
         {"records", records_of(film, r)},

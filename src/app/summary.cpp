@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <string>
 
 #include "app/figures.h"
@@ -142,6 +143,22 @@ std::string light_lines(const Ledger& ledger) {
     return text;
 }
 
+/// Which tolerances the clusters were spent on, where there are several.
+std::string band_lines(const renderer::ToleranceBands& bands) {
+    const auto all =
+        static_cast<double>(std::accumulate(bands.clusters.begin(), bands.clusters.end(), std::uint64_t{0}));
+    std::string shares;
+    int kinds = 0;
+    for (std::size_t i = 0; i < bands.count; ++i) {
+        const double share = 100 * core::divide_or(static_cast<double>(bands.clusters[i]), all, 0.0);
+        if (share < 0.5) continue;
+        const std::string low = i == 0 ? "0" : fmt::format("{:g}", 100 * bands.ends[i - 1]);
+        const std::string high = i < bands.ends.size() ? fmt::format("-{:g}", 100 * bands.ends[i]) : "+";
+        shares += fmt::format("{}{:.0f} % at {}{}", kinds++ == 0 ? "" : ", ", share, low, high);
+    }
+    return kinds < 2 ? "" : "  spent      by tolerance in %: " + shares + "\n";
+}
+
 /// What the film's own light taught its cuts.
 std::string caution_lines(const renderer::Statistics& r) {
     return fmt::format(
@@ -162,6 +179,7 @@ std::string audit_lines(const Audit& audit) {
 
 std::string summary(const Production& film, const Ledger& ledger, const RunFacts& facts) {
     std::string text = opening_lines(film.film(), ledger, facts) + light_lines(ledger);
+    text += band_lines(ledger.rendering.bands);
     if (ledger.rendering.calibrated_pixels > 0) text += caution_lines(ledger.rendering);
     if (film.audit > 0) text += audit_lines(ledger.audit);
     if (film.kind == OutputKind::film) text += closing_lines(film.film(), ledger, "rendered");

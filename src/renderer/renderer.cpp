@@ -212,6 +212,7 @@ struct Renderer::Impl {
         s.shadow_rays += counts.shadow_rays;
         s.gather_points += counts.gather_points;
         s.capped_points += counts.capped_points;
+        s.bands.add(counts.bands);
         s.direct_clusters += counts.direct_clusters;
         s.indirect_clusters += counts.indirect_clusters;
         gathered += counts.gathered;

@@ -13,6 +13,7 @@
 #include "renderer/plan.h"
 #include "renderer/ray_tracer.h"
 #include "renderer/stop.h"
+#include "renderer/tolerance_bands.h"
 #include "scene/snapshot.h"
 
 namespace render2mpeg::renderer {
@@ -44,6 +45,7 @@ struct Statistics {
     std::uint64_t direct_clusters = 0, indirect_clusters = 0;
     std::uint64_t non_finite = 0;                        ///< pixel values replaced by 0
     std::string first_non_finite;                        ///< where: "frame 3, pixel (10, 20)"
+    ToleranceBands bands;                                ///< of gather points
     double clamped_energy = 0;                           ///< share of gathered luminance that clamping removed, 0..1
     std::size_t direct_points = 0, indirect_points = 0;  ///< light points of the last frame
     double least_caution = 0, largest_caution = 0, mean_caution = 0;  ///< over frames lit; 0: none was

@@ -34,6 +34,8 @@ class TileShader {
     void add_to_pixels(const GatherTile& tile);
     void add_layers(const GatherTile& tile, std::size_t first, std::size_t last, int x, int y);
     void check(int x, int y);
+    /// What a pixel that is lit was allowed to be off by, as a share of its luminance; 1 where it is black.
+    float allowed_share(int x, int y) const;
     int x_of(const GatherPoint& p) const { return tile_x_ + p.pixel % tile_size; }
     int y_of(const GatherPoint& p) const { return tile_y_ + p.pixel / tile_size; }
 
@@ -126,18 +128,27 @@ void TileShader::add_to_pixels(const GatherTile& tile) {
         std::size_t last = first;
         const int x = x_of(tile[first]), y = y_of(tile[first]);
         glm::vec3 sum(0);
+        float clusters = 0;
         for (; last < tile.size() && tile[last].pixel == tile[first].pixel; ++last) {
             const GatherPoint& p = tile[last];
             const PointLight& l = light_[last];
             sum += l.scattered(p);
+            clusters += l.direct_cut + l.indirect_cut;
             if (l.capped) radiance_.capped.at(x, y) = 1;
         }
         radiance_.combined.at(x, y) += sum;
         const float luminance = core::luminance(sum);
         if (std::isfinite(luminance)) counts_.gathered += luminance;
+        counts_.bands.add(allowed_share(x, y), last - first, static_cast<std::uint64_t>(clusters));
         if (settings_.layers) add_layers(tile, first, last, x, y);
         first = last;
     }
+}
+
+float TileShader::allowed_share(int x, int y) const {
+    if (tolerance_.is_reference()) return 0.0f;
+    const core::Tolerance& t = tolerance_.pixels.at(x, y);
+    return std::max(t.relative, core::divide_or(t.absolute, core::luminance(radiance_.combined.at(x, y)), 1.0f));
 }
 
 void TileShader::check(int x, int y) {
@@ -212,6 +223,7 @@ void ShadeCounts::add(const ShadeCounts& more) {
     non_finite += more.non_finite;
     gathered += more.gathered;
     clamped += more.clamped;
+    bands.add(more.bands);
 }
 
 core::Radiance shade(const LightForest& forest, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,

@@ -10,6 +10,7 @@
 #include "renderer/light_forest.h"
 #include "renderer/point_light.h"
 #include "renderer/ray_tracer.h"
+#include "renderer/tolerance_bands.h"
 
 namespace render2mpeg::renderer {
 
@@ -26,6 +27,7 @@ struct ShadeCounts {
     std::uint64_t non_finite = 0;
     std::int64_t first_non_finite = -1;  ///< y * width + x of the first in raster order of tiles; -1: none
     double gathered = 0, clamped = 0;    ///< luminance summed over pixels: what arrived, what the clamp took
+    ToleranceBands bands;
 
     /// A group of so many points.
     void add(const GatheredLight& gathered, std::size_t points);
