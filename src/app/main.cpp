@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "app/compare.h"
 #include "app/cost.h"
 #include "app/encode.h"
 #include "app/info.h"
@@ -26,6 +27,8 @@ int main(int argc, char** argv) {
                 return info(line.info);
             case Command::cost:
                 return cost(line.cost, line.text);
+            case Command::compare:
+                return compare(line.compare, line.text);
             case Command::none:
                 break;
         }

@@ -160,6 +160,7 @@ CommandLine parse(int argc, char** argv) {
     const CLI::App* plan = add_plan_command(app, line.plan);
     const CLI::App* info = add_info_command(app, line.info);
     const CLI::App* cost = add_cost_command(app, line.cost);
+    const CLI::App* compare = add_compare_command(app, line.compare);
 
     // CLI11 would only say that a command is missing.
     const auto named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
@@ -175,11 +176,13 @@ CommandLine parse(int argc, char** argv) {
     line.render.given = given_of(*render);
     line.encode.given = given_of(*encode);
     line.cost.render.given = given_of(*cost);
+    line.compare.render.given = given_of(*compare);
     line.command = render->parsed()   ? Command::render
                    : encode->parsed() ? Command::encode
                    : plan->parsed()   ? Command::plan
                    : info->parsed()   ? Command::info
-                                      : Command::cost;
+                   : cost->parsed()   ? Command::cost
+                                      : Command::compare;
     return line;
 }
 

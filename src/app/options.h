@@ -112,7 +112,17 @@ struct CostOptions {
     std::optional<std::filesystem::path> report;  ///< HTML
 };
 
-enum class Command { render, encode, plan, info, cost, none };
+/// Options of `compare`.
+struct CompareOptions {
+    RenderOptions render;  ///< only what decides light and coding
+    std::string sample = "1x15";
+    int references = 3;  ///< of every window
+    std::string quantisers = "2,4,8,16";
+    std::optional<std::filesystem::path> json;
+    std::optional<std::filesystem::path> report;  ///< HTML
+};
+
+enum class Command { render, encode, plan, info, cost, compare, none };
 
 /// One command line, read and checked for form. `exit_code` is set where there is nothing left to do (--help,
 /// --version, a mistake, which is one line): the text was printed already.
@@ -123,6 +133,7 @@ struct CommandLine {
     PlanOptions plan;
     InfoOptions info;
     CostOptions cost;
+    CompareOptions compare;
     std::optional<int> exit_code;
     std::string text;  ///< as given, for the statistics
 };

@@ -208,7 +208,8 @@ bool is_json_of_ours(const std::filesystem::path& file) {
     const json value = json::parse(stream, nullptr, false);
     if (!value.is_object() || !value.contains("summary")) return false;
     return (value.contains("per_frame") && value.contains("plan")) ||
-           (value.contains("fixed") && value.contains("coupled"));
+           (value.contains("fixed") && value.contains("coupled")) ||
+           (value.contains("ways") && value.contains("differences"));
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ void add_picture_options(CLI::App& command, RenderOptions& options);
 
 /// Commands that try a film instead of making it.
 CLI::App* add_cost_command(CLI::App& app, CostOptions& options);
+CLI::App* add_compare_command(CLI::App& app, CompareOptions& options);
 
 /// A CLI11 check of --exposure. Throws core::Error.
 std::string check_exposure(const std::string& text);

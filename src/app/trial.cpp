@@ -98,12 +98,15 @@ class Trials::Judge : public Watcher {
     }
 
     void coded(const encoder::CodedPicture& picture) override {
-        trial_.bytes += static_cast<double>(picture.bytes.size()) / trials_.frames();
-        const auto known = trials_.truths_.find(picture.plan.number);
+        trial_.bytes += static_cast<double>(picture.bytes.size());
+        decoded(picture.plan.number, picture.reconstruction);
+    }
+
+    void decoded(std::int64_t number, const core::Picture& picture) {
+        const auto known = trials_.truths_.find(number);
         if (known == trials_.truths_.end()) return;
-        trial_.decoded.add(picture.reconstruction, known->second.picture);
-        trial_.masked_error +=
-            perceptual::masked_error(picture.reconstruction.y, known->second.picture.y) / trials_.references();
+        trial_.decoded.add(picture, known->second.picture);
+        trial_.masked_error += perceptual::masked_error(picture.y, known->second.picture.y) / trials_.references();
     }
 
   private:
@@ -112,10 +115,11 @@ class Trials::Judge : public Watcher {
     LitWindows* keep_;
 };
 
-Trials::Trials(const Production& film, std::vector<Chunk> windows)
+Trials::Trials(const Production& film, std::vector<Chunk> windows, int references)
     : film_(plainly_coded(film)),
       windows_(std::move(windows)),
-      renderer_(*film_.animation, film_.rendering, film_.plan) {
+      renderer_(*film_.animation, film_.rendering, film_.plan),
+      references_(std::clamp(references, 1, static_cast<int>(windows_.front().frames()))) {
     Production fixed = film_;
     fixed.tolerance = {};
     half_code_ = fixed.tolerance_map().pixels.values()[0].absolute;
@@ -131,48 +135,57 @@ double Trials::reference_seconds() const {
 }
 
 bool Trials::light_references(const std::function<bool(const ReferenceStanding&)>& part_done) {
-    const perceptual::Display display(film_.exposure.value_or(0), perceptual::matrix_for(film_.format.height));
     ReferenceStanding standing;
-    for (std::size_t i = 0; i < windows_.size(); ++i) {
-        const Chunk& window = windows_[i];
-        const scene::Snapshot world = film_.snapshot(window.last);
+    int left = references_ * static_cast<int>(windows_.size());
+    for (const Chunk& window : windows_) {
         renderer_.start_chunk(film_.snapshot(window.first));
-        renderer::Seen seen = renderer_.see(world);
-        Truth truth;
-        for (const renderer::LitPixel& pixel : renderer::lit_pixels(seen))
-            truth.gathering.push_back(renderer::place_of(seen, pixel));
-
-        // Light some tiles at a time: a frame can take an hour.
-        const std::vector<std::size_t> tiles = lit_tiles(seen);
-        const int parts = parts_of(tiles.size());
-        standing.parts = standing.done + parts * static_cast<int>(windows_.size() - i);
-        renderer::Seen part{seen.visible, {}, seen.unscattered, seen.unscattered_specular};
-        part.tiles.resize(seen.tiles.size());
-        // Without anything to gather first: what it takes to have light at all is no measure of the rest.
-        const auto light = [&] {
-            return timed(reference_seconds_,
-                         [&] { return renderer_.sketch(world, part, core::ToleranceMap::reference()).combined; });
-        };
-        truth.light = light();
-        const double before = standing.seconds, start = clock_seconds();
-        for (int p = 0; p < parts; ++p) {
-            const std::size_t first = tiles.size() * static_cast<std::size_t>(p) / static_cast<std::size_t>(parts);
-            const std::size_t last = tiles.size() * static_cast<std::size_t>(p + 1) / static_cast<std::size_t>(parts);
-            part.tiles.assign(seen.tiles.size(), {});
-            for (std::size_t t = first; t < last; ++t) part.tiles[tiles[t]].swap(seen.tiles[tiles[t]]);
-            const core::Plane<glm::vec3> lit = light();
-            for (std::size_t t = first; t < last; ++t) copy_tile(lit, truth.light, tiles[t], seen.tiles_across());
-            ++standing.done;
-            standing.seconds = before + clock_seconds() - start;
-            if (!part_done(standing)) return false;
-        }
-
-        core::Radiance whole;
-        whole.combined = truth.light;
-        truth.picture = display.develop(whole);
-        truth.picture.number = window.last;
-        truths_.insert_or_assign(window.last, std::move(truth));
+        for (int i = 1; i <= references_; ++i, --left)
+            if (!light_reference(window.first + window.frames() * i / references_ - 1, left, standing, part_done))
+                return false;
     }
+    return true;
+}
+
+bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& standing,
+                             const std::function<bool(const ReferenceStanding&)>& part_done) {
+    const scene::Snapshot world = film_.snapshot(frame);
+    renderer::Seen seen = renderer_.see(world);
+    Truth truth;
+    for (const renderer::LitPixel& pixel : renderer::lit_pixels(seen))
+        truth.gathering.push_back(renderer::place_of(seen, pixel));
+
+    // Without anything to gather first: what it takes to have light at all is no measure of the rest.
+    renderer::Seen part{seen.visible, {}, seen.unscattered, seen.unscattered_specular};
+    part.tiles.resize(seen.tiles.size());
+    const auto light = [&] {
+        return timed(reference_seconds_,
+                     [&] { return renderer_.sketch(world, part, core::ToleranceMap::reference()).combined; });
+    };
+    truth.light = light();
+
+    // Light some tiles at a time: a frame can take an hour.
+    const std::vector<std::size_t> tiles = lit_tiles(seen);
+    const int parts = parts_of(tiles.size());
+    standing.parts = standing.done + parts * left;
+    const double before = standing.seconds, start = clock_seconds();
+    for (int p = 0; p < parts; ++p) {
+        const std::size_t first = tiles.size() * static_cast<std::size_t>(p) / static_cast<std::size_t>(parts);
+        const std::size_t last = tiles.size() * static_cast<std::size_t>(p + 1) / static_cast<std::size_t>(parts);
+        part.tiles.assign(seen.tiles.size(), {});
+        for (std::size_t t = first; t < last; ++t) part.tiles[tiles[t]].swap(seen.tiles[tiles[t]]);
+        const core::Plane<glm::vec3> lit = light();
+        for (std::size_t t = first; t < last; ++t) copy_tile(lit, truth.light, tiles[t], seen.tiles_across());
+        ++standing.done;
+        standing.seconds = before + clock_seconds() - start;
+        if (!part_done(standing)) return false;
+    }
+
+    core::Radiance whole;
+    whole.combined = truth.light;
+    truth.picture =
+        perceptual::Display(film_.exposure.value_or(0), perceptual::matrix_for(film_.format.height)).develop(whole);
+    truth.picture.number = frame;
+    truths_.insert_or_assign(frame, std::move(truth));
     return true;
 }
 
@@ -209,37 +222,67 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, int quantise
     trial.capped = per_point(after.capped_points - before.capped_points);
     trial.seconds = ledger.stage_seconds(Stage::shade) + ledger.stage_seconds(Stage::preview);
     if (tolerance.coupled) trial.seconds += ledger.stage_seconds(Stage::tolerate);
+    trial.bytes /= trial.frames;
     trial.seconds /= trial.frames;
+    trial.code_seconds =
+        (ledger.stage_seconds(Stage::encode) + ledger.pass_seconds[static_cast<std::size_t>(renderer::Pass::motion)]) /
+        trial.frames;
     if (keep != nullptr) keep->light = trial;
     return trial;
 }
 
 Trial Trials::coded_again(const LitWindows& lit, int quantiser) const {
+    Production film = film_;
+    film.coding.quantiser = quantiser;
+    return coded_by(
+        [&film, &lit](const Chunk& window, const std::vector<const core::Picture*>& pictures,
+                      const std::function<void(const core::Picture&)>& decoded) {
+            film.frames = {window.first, window.last};
+            Coded sum;
+            const auto take = [&](const std::vector<encoder::CodedPicture>& coded) {
+                for (const encoder::CodedPicture& picture : coded) {
+                    sum.bytes += static_cast<double>(picture.bytes.size());
+                    core::Picture shown = picture.reconstruction;
+                    shown.number = picture.plan.number - window.first;
+                    decoded(shown);
+                }
+            };
+            encoder::Encoder encoder(film.coding);
+            for (std::int64_t n = window.first; n <= window.last; ++n) {
+                const core::Visible& visible = lit.frames.at(n).visible;
+                const scene::Snapshot world = film.snapshot(n);
+                take(timed(sum.seconds, [&] {
+                    encoder::PictureFacts facts = facts_of(film, world, window);
+                    tell_motion(film, window, visible, world, facts);
+                    const encoder::PicturePlan plan = encoder.plan(n, facts, n == window.first);
+                    const auto onward = onward_motion(film, plan, visible, world);
+                    return encoder.push(*pictures[static_cast<std::size_t>(n - window.first)], plan,
+                                        motion_of(film, plan, visible, world), {onward ? &*onward : nullptr});
+                }));
+            }
+            take(timed(sum.seconds, [&] { return encoder.flush(); }));
+            return sum;
+        },
+        lit, quantiser);
+}
+
+Trial Trials::coded_by(const Codec& codec, const LitWindows& lit, int quantiser) const {
     Trial trial = lit.light;
     trial.quantiser = quantiser;
     trial.decoded = {};
-    trial.masked_error = trial.bytes = 0;
+    trial.masked_error = trial.bytes = trial.code_seconds = 0;
     Judge judge(*this, trial, nullptr);
-    Production film = film_;
-    film.coding.quantiser = quantiser;
     for (const Chunk& window : windows_) {
-        film.frames = {window.first, window.last};
-        encoder::Encoder encoder(film.coding);
-        const auto take = [&](const std::vector<encoder::CodedPicture>& pictures) {
-            for (const encoder::CodedPicture& picture : pictures) judge.coded(picture);
-        };
-        for (std::int64_t n = window.first; n <= window.last; ++n) {
-            const LitWindows::Frame& frame = lit.frames.at(n);
-            const scene::Snapshot world = film.snapshot(n);
-            encoder::PictureFacts facts = facts_of(film, world, window);
-            tell_motion(film, window, frame.visible, world, facts);
-            const encoder::PicturePlan plan = encoder.plan(n, facts, n == window.first);
-            const auto onward = onward_motion(film, plan, frame.visible, world);
-            take(encoder.push(frame.picture, plan, motion_of(film, plan, frame.visible, world),
-                              {onward ? &*onward : nullptr}));
-        }
-        take(encoder.flush());
+        std::vector<const core::Picture*> pictures;
+        for (std::int64_t n = window.first; n <= window.last; ++n) pictures.push_back(&lit.frames.at(n).picture);
+        const Coded coded = codec(window, pictures, [&](const core::Picture& picture) {
+            judge.decoded(window.first + picture.number, picture);
+        });
+        trial.bytes += coded.bytes;
+        trial.code_seconds += coded.seconds;
     }
+    trial.bytes /= trial.frames;
+    trial.code_seconds /= trial.frames;
     return trial;
 }
 

@@ -27,7 +27,7 @@ struct Truth {
 };
 
 /// What one way to light and code the windows costs and comes to: light's cost and bytes over all their frames, errors
-/// and quality over the last frame of each, which a truth is known of.
+/// and quality over those that a truth is known of.
 struct Trial {
     ToleranceRequest tolerance;
     int quantiser = 4;
@@ -44,6 +44,7 @@ struct Trial {
     perceptual::FilmQuality decoded;
     double masked_error = 0;  ///< of the decoded pictures, mean; code values squared (perceptual/hvs.h)
     double bytes = 0;         ///< per frame
+    double code_seconds = 0;  ///< CPU per frame for coding, and for motion where that is not searched for
 
     double share_over() const;
     double share_over_twice() const;
@@ -72,10 +73,11 @@ struct ReferenceStanding {
 /// the windows, for any number of threads.
 class Trials {
   public:
-    /// The film's rate control, if any, gives way to plain quantisers.
-    Trials(const Production& film, std::vector<Chunk> windows);
+    /// The film's rate control, if any, gives way to plain quantisers. Of every window the last frame is a reference,
+    /// and so many at even distances before it as make `references`.
+    Trials(const Production& film, std::vector<Chunk> windows, int references = 1);
 
-    /// Lights the last frame of every window by every light point, in parts that are alike. `part_done` is called
+    /// Lights the references by every light point, in parts that are alike. `part_done` is called
     /// after each and ends it all by returning false; returns whether it went on to the end.
     bool light_references(const std::function<bool(const ReferenceStanding&)>& part_done);
 
@@ -88,6 +90,16 @@ class Trials {
     /// coding.
     Trial coded_again(const LitWindows& lit, int quantiser) const;
 
+    /// Codes one window of frames, hands over the decoded pictures, numbered from 0 in display order, and returns their
+    /// size in bytes and the CPU seconds that coding took.
+    struct Coded {
+        double bytes = 0, seconds = 0;
+    };
+    using Codec = std::function<Coded(const Chunk& window, const std::vector<const core::Picture*>& pictures,
+                                      const std::function<void(const core::Picture&)>& decoded)>;
+    /// The same light, coded by another encoder.
+    Trial coded_by(const Codec& codec, const LitWindows& lit, int quantiser) const;
+
     const std::vector<Chunk>& windows() const { return windows_; }
     const Production& film() const { return film_; }
     int frames() const;  ///< of all windows
@@ -98,12 +110,17 @@ class Trials {
   private:
     class Judge;
 
+    /// One of them; `left` are to come with it.
+    bool light_reference(std::int64_t frame, int left, ReferenceStanding& standing,
+                         const std::function<bool(const ReferenceStanding&)>& part_done);
+
     Production film_;
     std::vector<Chunk> windows_;
     renderer::Renderer renderer_;
     float half_code_ = 0;  ///< luminance
     std::map<std::int64_t, Truth> truths_;
     double reference_seconds_ = 0;
+    int references_ = 1;  ///< of each window
 };
 
 }  // namespace render2mpeg::app

@@ -31,9 +31,9 @@ void add_sweep_options(CLI::App& command, CostOptions& options) {
         ->group(sweep);
 }
 
-void add_run_options(CLI::App& command, CostOptions& options) {
+void add_run_options(CLI::App& command, RenderOptions& render, std::optional<std::filesystem::path>& json,
+                     std::optional<std::filesystem::path>& report) {
     const std::string run = "Run";
-    RenderOptions& render = options.render;
     command.add_option("--threads", render.threads, "Threads; 0: one per core. Nothing but the clock depends on it")
         ->check(CLI::Range(0, 1024))
         ->capture_default_str()
@@ -41,11 +41,8 @@ void add_run_options(CLI::App& command, CostOptions& options) {
     command.add_option("--isa", render.isa, "Instruction set (default: the best there is)")
         ->type_name("sse2|sse4.2|avx|avx2|avx512")
         ->group(run);
-    command.add_option("--json", options.json, "Write all figures as JSON (docs/cost.md)")
-        ->type_name("FILE.json")
-        ->group(run);
-    command
-        .add_option("--report", options.report, "Write a page with plots for any browser, and its figures beside it")
+    command.add_option("--json", json, "Write all figures as JSON")->type_name("FILE.json")->group(run);
+    command.add_option("--report", report, "Write a page with plots for any browser, and its figures beside it")
         ->type_name("FILE.html")
         ->group(run);
     command.add_flag("--quiet", render.quiet, "Print nothing but errors")->group(run);
@@ -66,7 +63,43 @@ CLI::App* add_cost_command(CLI::App& app, CostOptions& options) {
     add_light_options(*command, options.render);
     add_coding_options(*command, options.render.coding);
     for (const char* name : unwanted) command->remove_option(command->get_option(name));
-    add_run_options(*command, options);
+    add_run_options(*command, options.render, options.json, options.report);
+    return command;
+}
+
+CLI::App* add_compare_command(CLI::App& app, CompareOptions& options) {
+    CLI::App* command = app.add_subcommand("compare", "Compare with rendering first and encoding with ffmpeg then");
+    command->footer(
+        "Lights a sample of the film coupled to its coding and by a fixed 2 %, codes the latter by this program, by "
+        "ffmpeg as people use it and by its strongest command, and holds all against light by every light point "
+        "(docs/compare.md). Needs the program ffmpeg. The references are dear: they come first, with an estimate.\n"
+        "Example: render2mpeg compare scene.glb --size 640x360 --report compare.html");
+    add_scene_options(*command, options.render);
+    const std::string tried = "What is tried";
+    command
+        ->add_option("--sample", options.sample,
+                     "Windows spread over the film, by consecutive frames of each; better whole GOPs")
+        ->type_name("WINDOWSxFRAMES")
+        ->check(checked(sample_from, ""))
+        ->capture_default_str()
+        ->group(tried);
+    command
+        ->add_option("--references", options.references,
+                     "Frames of each window that are also lit by every light point: quality is told of these")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str()
+        ->group(tried);
+    command->add_option("--quantisers", options.quantisers, "Quantisers to code with, two or more")
+        ->type_name("Q,Q,...")
+        ->check(checked(quantisers_from, ""))
+        ->capture_default_str()
+        ->group(tried);
+    add_picture_options(*command, options.render);
+    add_light_options(*command, options.render);
+    add_coding_options(*command, options.render.coding);
+    for (const char* name : unwanted) command->remove_option(command->get_option(name));
+    for (const char* name : {"--quantiser", "--for", "--keyframes"}) command->remove_option(command->get_option(name));
+    add_run_options(*command, options.render, options.json, options.report);
     return command;
 }
 

@@ -51,7 +51,7 @@ TEST(Wrapping, BreaksBetweenWordsAndKeepsLineEnds) {
 }
 
 TEST(Help, FitsEightyColumns) {
-    for (const char* command : {"", "render ", "encode ", "plan ", "info ", "cost "}) {
+    for (const char* command : {"", "render ", "encode ", "plan ", "info ", "cost ", "compare "}) {
         const auto help = run(program() + " " + command + "--help");
         EXPECT_EQ(help.status, 0);
         std::istringstream lines(help.output);
@@ -76,8 +76,8 @@ std::set<std::string> completions(const std::string& words) {
 
 TEST(Completion, OffersEveryCommandAndOption) {
     EXPECT_EQ(completions("\"\""),
-              (std::set<std::string>{"render", "encode", "plan", "info", "cost", "--help", "--version"}));
-    for (const char* command : {"render", "encode", "plan", "info", "cost"}) {
+              (std::set<std::string>{"render", "encode", "plan", "info", "cost", "compare", "--help", "--version"}));
+    for (const char* command : {"render", "encode", "plan", "info", "cost", "compare"}) {
         const std::set<std::string> offers = completions(std::string(command) + " --");
         std::istringstream help(run(program() + " " + command + " --help").output);
         int options = 0;

@@ -1,0 +1,112 @@
+#include "app/comparison.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/bd_rate.h"
+#include "app/figures.h"
+#include "app/sweep.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// SSIM as decibels, so that equal steps mean about as much everywhere.
+double in_decibels(double ssim) {
+    return -10 * std::log10(std::max(1 - ssim, 1e-9));
+}
+
+template <class Cost, class Quality>
+double change(const Way& way, const Way& from, Cost&& cost, Quality&& quality) {
+    const auto points = [&](const Way& w) {
+        std::vector<RatePoint> all;
+        for (const Trial& t : w.rows)
+            if (cost(t) > 0 && std::isfinite(quality(t))) all.push_back({cost(t), quality(t)});
+        return all;
+    };
+    return bd_rate(points(from), points(way));
+}
+
+double total_seconds(const Trial& t) {
+    return t.seconds + t.code_seconds;
+}
+
+/// "12.3 % fewer", "3 % more"
+std::string more_text(double per_cent) {
+    return fmt::format("{:.1f} % {}", std::abs(per_cent), per_cent < 0 ? "fewer" : "more");
+}
+
+std::string psnr_text(double psnr) {
+    return std::isfinite(psnr) ? fmt::format("{:.2f}", psnr) : "same";
+}
+
+}  // namespace
+
+Difference difference_of(const Way& way, const Way& from) {
+    const auto bytes = [](const Trial& t) { return t.bytes; };
+    const auto psnr = [](const Trial& t) { return t.decoded.psnr_y(); };
+    return {change(way, from, bytes, psnr),
+            change(way, from, bytes, [](const Trial& t) { return in_decibels(t.decoded.ssim_y()); }),
+            change(way, from, bytes, [](const Trial& t) { return t.psnr_hvs_m(); }),
+            change(way, from, total_seconds, psnr)};
+}
+
+std::string sentence_of(const Comparison& found) {
+    if (!found.complete) return {};
+    const Way& coupled = found.ways[coupled_way];
+    const Difference usual = difference_of(coupled, found.ways[usual_way]),
+                     strongest = difference_of(coupled, found.ways[strongest_way]);
+    if (!std::isfinite(usual.psnr_y) || !std::isfinite(strongest.psnr_y))
+        return "These films have no quality in common that they could be compared at.";
+    std::string text = fmt::format(
+        "At equal PSNR-Y the coupled film has {} bits than a fixed 2 % coded by ffmpeg, and {} than by its strongest "
+        "command",
+        more_text(usual.psnr_y), more_text(strongest.psnr_y));
+    if (std::isfinite(usual.seconds) && std::isfinite(strongest.seconds))
+        text += fmt::format("; light, motion and coding take {:.2f} and {:.2f} times their time",
+                            1 + usual.seconds / 100, 1 + strongest.seconds / 100);
+    return text + ".";
+}
+
+std::string compare_heading(const Production& film, const Comparison& found) {
+    std::int64_t frames = 0;
+    for (const Chunk& window : found.windows) frames += window.frames();
+    return fmt::format("{}: {} frames of {}x{} in {} window{}; {} by {} light points\n", film.animation->source, frames,
+                       film.format.width, film.format.height, found.windows.size(),
+                       found.windows.size() == 1 ? "" : "s", found.references, found.light_points) +
+           fmt::format("as reference, {} s of CPU each for light\n", short_figure(found.reference_seconds));
+}
+
+std::string way_heading() {
+    return fmt::format(
+        "\nCPU seconds and size per frame; decoded against every light point before coding.\n"
+        "{:<22}{:>3} {:>7} {:>7} {:>9} {:>7} {:>7} {:>7}\n",
+        "", "q", "light", "code", "size", "PSNR-Y", "SSIM", "HVS-M");
+}
+
+std::string way_row(const std::string& name, const Trial& t) {
+    return fmt::format("{:<22}{:>3} {:>7} {:>7} {:>9} {:>7} {:>7.4f} {:>7}\n", name, t.quantiser,
+                       short_figure(t.seconds), short_figure(t.code_seconds), size_text(t.bytes),
+                       psnr_text(t.decoded.psnr_y()), t.decoded.ssim_y(), psnr_text(t.psnr_hvs_m()));
+}
+
+std::string difference_table(const Comparison& found) {
+    std::string text = "\nBits at equal quality, and time at equal PSNR-Y, against a fixed 2 % coded by\n";
+    for (const std::size_t from : {usual_way, strongest_way}) {
+        text += fmt::format("{:<28}{:>10} {:>10} {:>10} {:>10}\n", found.ways[from].name, "PSNR-Y", "SSIM", "HVS-M",
+                            "time");
+        for (const std::size_t way : {coupled_way, fixed_way}) {
+            const Difference d = difference_of(found.ways[way], found.ways[from]);
+            text += fmt::format("  {:<26}{:>10} {:>10} {:>10} {:>10}\n", found.ways[way].name, change_text(d.psnr_y),
+                                change_text(d.ssim_y), change_text(d.psnr_hvs_m), change_text(d.seconds));
+        }
+    }
+    return text;
+}
+
+std::string change_text(double per_cent) {
+    return std::isfinite(per_cent) ? fmt::format("{:+.1f} %", per_cent) : "-";
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,74 @@
+#include "app/trial_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "app/help_format.h"
+#include "app/interrupt.h"
+#include "app/publish.h"
+#include "app/render.h"
+#include "app/report.h"
+#include "app/terminal.h"
+#include "app/text_file.h"
+
+namespace render2mpeg::app {
+
+void check_trial_outputs(const Production& film, const RenderOptions& options,
+                         const std::optional<std::filesystem::path>& json,
+                         const std::optional<std::filesystem::path>& report) {
+    std::vector<Files> outputs{json.value_or("")};
+    if (report) {
+        check_report(*report);
+        outputs.emplace_back(*report);
+        outputs.emplace_back(report_json_of(*report));
+    }
+    check_apart(inputs_of(film, options), outputs);
+    for (const Files& output : outputs)
+        if (!output.name.empty()) check_writable(output.name);
+}
+
+Production prepare_trials(const RenderOptions& options) {
+    Production film = prepare(options);
+    for (const std::string& note : film.animation->notes)
+        if (!options.quiet && !note.empty()) std::fputs((note + "\n").c_str(), stderr);
+    if (!film.exposure) film.exposure = measure_exposure(film);
+    return film;
+}
+
+bool light_references(Trials& trials, bool quiet) {
+    std::unique_ptr<Progress> progress;
+    return trials.light_references([&](const ReferenceStanding& standing) {
+        if (!progress) {
+            if (!quiet && standing.seconds_left() > 1)
+                std::fputs(fmt::format("lighting {} by every light point takes about {}; interrupt to leave it\n",
+                                       standing.parts == 1 ? "the reference" : "the references",
+                                       clock_text(standing.seconds + standing.seconds_left()))
+                               .c_str(),
+                           stderr);
+            progress = std::make_unique<Progress>(standing.parts, quiet, "reference", Counted::parts_of_step,
+                                                  standing.seconds);
+        }
+        progress->advance();
+        return !InterruptGuard::requested();
+    });
+}
+
+std::optional<Trial> run_trial(Trials& trials, const ToleranceRequest& tolerance, int quantiser,
+                               const std::string& name, bool quiet, LitWindows* keep) {
+    Progress progress(trials.frames(), quiet || !can_rewrite_errors(), name, Counted::frames_of_step);
+    return trials.run(
+        tolerance, quantiser,
+        [&] {
+            progress.advance();
+            return !InterruptGuard::requested();
+        },
+        keep);
+}
+
+void print_sentence(const std::string& text) {
+    if (!text.empty()) print("\n" + wrapped(text, std::clamp(columns_of_output(), 60, 110)) + "\n");
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,112 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <string>
+
+#include "app/comparison.h"
+#include "pipeline/foreign.h"
+
+/// `render2mpeg compare`: coupled light and our encoder against rendering first and ffmpeg.
+namespace render2mpeg {
+namespace {
+
+using nlohmann::json;
+using support::contents;
+using support::Folder;
+using support::plain_film;
+using support::program;
+using support::run;
+using test::path;
+
+const std::string small = " --size 48x32 --vpls 16 --samples 1 --exposure 0 --sample 1x4 --references 2";
+
+TEST(Compare, HoldsFourWaysAgainstOneReference) {
+    const Folder folder;
+    const auto outcome = run(program() + " compare " + plain_film() + small + " --quantisers 4,16 --report " +
+                             path(folder, "c.html") + " --json " + path(folder, "c.json"));
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const json found = json::parse(contents(folder / "c.json"));
+    EXPECT_EQ(json::parse(contents(folder / "c.report.json")), found);
+    const std::string document = contents(support::source_folder() / "docs/compare.md");
+    for (const auto& [key, value] : found.items()) EXPECT_NE(document.find("`" + key + "`"), std::string::npos) << key;
+    EXPECT_TRUE(found.at("complete").get<bool>());
+    EXPECT_TRUE(found.at("ffmpeg").get<std::string>().starts_with("ffmpeg version"));
+    EXPECT_EQ(found.at("reference").at("frames"), 2);
+    ASSERT_EQ(found.at("ways").size(), 4u);
+    for (const json& way : found.at("ways")) {
+        const json& rows = way.at("rows");
+        ASSERT_EQ(rows.size(), 2u) << way;
+        EXPECT_LT(1.2 * rows[1].at("bytes").get<double>(), rows[0].at("bytes").get<double>()) << way;
+        EXPECT_GT(rows[0].at("psnr_y").get<double>(), rows[1].at("psnr_y").get<double>() + 3) << way;
+        EXPECT_GT(rows[0].at("psnr_y").get<double>(), 33.0) << "pictures meet their own references: " << way;
+        EXPECT_GT(rows[0].at("ssim_y").get<double>(), 0.97) << way;
+        EXPECT_GT(rows[0].at("light_seconds").get<double>(), 0.0) << way;
+    }
+    // Light that is not coupled is lit once.
+    EXPECT_EQ(found.at("ways")[1].at("rows")[0].at("light_seconds"),
+              found.at("ways")[3].at("rows")[1].at("light_seconds"));
+    ASSERT_EQ(found.at("differences").size(), 4u);
+    EXPECT_TRUE(found.at("differences")[0].at("bits").at("psnr_y").is_number());
+
+    const std::string page = contents(folder / "c.html");
+    EXPECT_NE(page.find(found.at("summary").get<std::string>()), std::string::npos);
+    for (const char* outside : {"http", "src=", "@import", "url(", "<script", "<link"})
+        EXPECT_EQ(page.find(outside), std::string::npos) << outside;
+    std::istringstream lines(outcome.output);
+    for (std::string line; std::getline(lines, line);)
+        if (!line.starts_with(plain_film())) {
+            EXPECT_LE(line.size(), 80u) << line;
+        }
+}
+
+TEST(Compare, IsRefusedBeforeAnyWork) {
+    const auto refused = [&](const std::string& before, const std::string& options, const char* words) {
+        const auto outcome = run(before + program() + " compare " + plain_film() + small + options);
+        EXPECT_EQ(outcome.status, 1) << outcome.output;
+        EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
+        EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
+    };
+    refused("PATH=/nowhere ", "", "no such program");
+    refused("", " --quantisers 4", "two or more");
+    refused("", " --quantiser 4", "--quantiser");
+    refused("", " --json " + plain_film() + "/film.json", "it is an input");
+}
+
+/// A way whose films need `factor` times the bytes and `pace` times the seconds of others for the same quality.
+app::Way way_of(double factor, double pace) {
+    app::Way way;
+    for (int q = 1; q <= 16; q *= 2) {
+        app::Trial t;
+        t.quantiser = q;
+        t.bytes = factor * 1e5 / q;
+        t.seconds = pace * 0.75;
+        t.code_seconds = pace * 0.25 / q;
+        t.masked_error = q;
+        core::Picture made, truth;
+        made.y = core::Plane<std::uint8_t>(16, 16, 100);
+        truth.y = core::Plane<std::uint8_t>(16, 16, static_cast<std::uint8_t>(100 + q));
+        for (core::Picture* p : {&made, &truth}) p->cb = p->cr = core::Plane<std::uint8_t>(8, 8, 128);
+        t.decoded.add(made, truth);
+        way.rows.push_back(t);
+    }
+    return way;
+}
+
+TEST(Differences, AreThoseOfBitsAndOfAllTime) {
+    const app::Difference d = app::difference_of(way_of(0.8, 2), way_of(1, 1));
+    EXPECT_NEAR(d.psnr_y, -20, 1e-6);
+    EXPECT_NEAR(d.ssim_y, -20, 1e-6);
+    EXPECT_NEAR(d.psnr_hvs_m, -20, 1e-6);
+    EXPECT_NEAR(d.seconds, 100, 1e-6);
+
+    // Where there is nothing in common, nothing is claimed.
+    EXPECT_TRUE(std::isnan(app::difference_of(app::Way{}, way_of(1, 1)).psnr_y));
+    EXPECT_EQ(app::change_text(app::difference_of(app::Way{}, way_of(1, 1)).psnr_y), "-");
+    EXPECT_EQ(app::change_text(-12.34), "-12.3 %");
+    EXPECT_EQ(app::sentence_of(app::Comparison{}), "");
+}
+
+}  // namespace
+}  // namespace render2mpeg
