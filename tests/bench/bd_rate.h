@@ -5,6 +5,7 @@
 namespace render2mpeg::bench {
 
 using app::bd_rate;
+using app::Pchip;
 using app::RatePoint;
 
 }  // namespace render2mpeg::bench
