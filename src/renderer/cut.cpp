@@ -68,6 +68,7 @@ void Gatherer::trace(const GatherLanes& lanes, LightFamily family, const TreeLig
     evaluate_light(lanes, family, light, clamp, arrival.unit);
     ShadowPacket packet;
     aim(lanes, family, light, arrival.unit, packet);
+    arrival.is_blocked = false;
     if (packet.active == 0) return;
     std::uint32_t blocked = 0;
     if (forest_.translucent) {
@@ -82,6 +83,7 @@ void Gatherer::trace(const GatherLanes& lanes, LightFamily family, const TreeLig
     out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
     arrival.lit = static_cast<std::uint16_t>((arrival.lit | packet.active) & ~blocked);
     arrival.unknown = static_cast<std::uint16_t>(arrival.unknown & ~packet.active);
+    arrival.is_blocked = (packet.active & ~blocked) == 0;
     if (blocked == 0) return;
     for (int i = 0; i < lane_count; ++i) {
         const float visible = (blocked >> i & 1u) != 0 ? 0.0f : 1.0f;
@@ -115,11 +117,20 @@ void Gatherer::trace_slot(const GatherLanes& lanes, std::uint32_t index, Arrival
     const LightTree& tree = forest_.trees[slot.tree];
     slot.representative = tree.representative(slot.ref, lanes.set);
     slot.intensity = tree.intensity(slot.ref);
+    if (slot.is_dark && hide(lanes, index)) {
+        std::fill(std::begin(slot.diffuse), std::end(slot.diffuse), 0.0f);
+        if (lanes.glossy) lobes_[index] = {};
+        if (forest_.translucent) tints_[index] = arrival.tint;
+        slot.lit = slot.unknown = 0;
+        slot.any_clamped = false;
+        return;
+    }
     trace(lanes, tree.family, tree.lights[slot.representative], forest_.clamp(slot.tree), arrival, out);
     std::copy(std::begin(arrival.unit.diffuse), std::end(arrival.unit.diffuse), std::begin(slot.diffuse));
     slot.lit = arrival.lit;
     slot.unknown = arrival.unknown;
     slot.any_clamped = arrival.unit.any_clamped;
+    slot.is_dark = arrival.is_blocked;
     if (lanes.glossy) {
         std::copy(std::begin(arrival.unit.f0), std::end(arrival.unit.f0), std::begin(lobes_[index].f0));
         std::copy(std::begin(arrival.unit.schlick), std::end(arrival.unit.schlick), std::begin(lobes_[index].schlick));
@@ -145,6 +156,20 @@ void Gatherer::start_cut(const GatherLanes& lanes, GatheredLight& out) {
     }
     rule_.observe(luminance_);
     for (std::uint32_t i = 0; i < slots_.size(); ++i) push(lanes, i);
+}
+
+/// Whether nothing below a slot's node can be seen from any lane.
+bool Gatherer::hide(const GatherLanes& lanes, std::uint32_t index) {
+    Slot& slot = slots_[index];
+    if (slot.is_tested || slot.shields == 0) return slot.is_hidden;
+    slot.is_tested = true;
+    const LightTree& tree = forest_.trees[slot.tree];
+    const bool leaf = slot.ref.is_leaf();
+    if (leaf)
+        return slot.is_hidden = shields_.hide(lanes, tree.family, tree.lights[slot.ref.index()].position, glm::vec3(0),
+                                              slot.shields);
+    const LightNode& node = tree.nodes[slot.ref.index()];
+    return slot.is_hidden = shields_.hide(lanes, tree.family, node.middle, node.half, slot.shields);
 }
 
 std::uint32_t Gatherer::add_slot(const GatherLanes& lanes, int tree, LightRef ref) {
@@ -174,6 +199,8 @@ void Gatherer::split(const GatherLanes& lanes, std::uint32_t index, GatheredLigh
     const bool first_keeps = tree.first_represents(parent, lanes.set);
     const LightRef kept = node.child[first_keeps ? 0 : 1], adopted = node.child[first_keeps ? 1 : 0];
     const std::uint32_t added = add_slot(lanes, slots_[index].tree, adopted);
+    slots_[added].is_dark = slots_[index].is_dark;
+    slots_[added].shields = slots_[index].shields;
 
     Arrival arrival;
     arrival.lit = slots_[index].lit;
@@ -186,6 +213,7 @@ void Gatherer::split(const GatherLanes& lanes, std::uint32_t index, GatheredLigh
     const glm::vec3& rest = tree.intensity(kept);
     const glm::vec3 change{rest.x - old.intensity.x, rest.y - old.intensity.y, rest.z - old.intensity.z};
     old.ref = kept;
+    old.is_tested = false;
     old.intensity = rest;
     add_luminance(lanes, unit_of(index), change, luminance_);
     add_luminance(lanes, unit_of(added), slots_[added].intensity, luminance_);
@@ -251,6 +279,7 @@ void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance,
     std::fill(std::begin(luminance_), std::end(luminance_), 0.0f);
     if (limits.exact) gather_exact(lanes, sums, out);
     std::copy(std::begin(luminance_), std::end(luminance_), std::begin(exact_luminance_));
+    shields_.choose(lanes, tracer_.shields());
     rule_.start(limits.stop, limits.caution, tolerance.absolute, tolerance.relative, tolerance.base);
     start_cut(lanes, out);
     limits.stop == Stop::classic ? refine_classic(lanes, limits, out) : refine_honest(lanes, limits, out);

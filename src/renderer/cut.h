@@ -7,6 +7,7 @@
 #include "renderer/light_forest.h"
 #include "renderer/point_light.h"
 #include "renderer/ray_tracer.h"
+#include "renderer/shields.h"
 #include "renderer/stop.h"
 
 namespace render2mpeg::renderer {
@@ -78,8 +79,12 @@ class Gatherer {
         std::uint16_t lit = 0;
         std::uint16_t unknown = 0;  ///< bit i: nobody knows; counts as half lit
         std::uint8_t tree = 0;
-        bool is_open = false;      ///< may be split, and some lane could notice
-        bool any_clamped = false;  ///< of `unit`
+        bool is_open = false;                       ///< may be split, and some lane could notice
+        bool any_clamped = false;                   ///< of `unit`
+        bool is_dark = false;                       ///< all rays to the representative were blocked
+        bool is_tested = false;                     ///< by shields
+        bool is_hidden = false;                     ///< by shields: nothing of it reaches any lane
+        std::uint16_t shields = GroupShields::all;  ///< that may hide its lights
     };
     /// The same slots' GGX lobes, by unit intensity; only for glossy lanes.
     struct alignas(64) SlotLobe {
@@ -102,6 +107,7 @@ class Gatherer {
     struct Arrival {
         LightLanes unit;
         std::uint16_t lit = 0, unknown = 0;  ///< as of Slot
+        bool is_blocked = false;             ///< rays were traced, and none arrived
         Tint tint;                           ///< unset where nothing is translucent
     };
 
@@ -133,10 +139,12 @@ class Gatherer {
     void sum_finely(const GatherLanes& lanes, std::uint32_t slot, const Parts& parts, CutSums& sums) const;
     void sum_slots(const GatherLanes& lanes, bool finely, CutSums& sums, GatheredLight& out);
     void fetch_next() const;
+    bool hide(const GatherLanes& lanes, std::uint32_t slot);
 
     const LightForest& forest_;
     const RayTracer& tracer_;
     CutRule rule_;
+    GroupShields shields_;
     alignas(64) Lanes luminance_{}, exact_luminance_{};
     alignas(64) double squares_[lane_count]{};  ///< honest: sums of the squared bounds of all slots
     alignas(64) Lanes largest_{};               ///< honest: their largest bounds, as of the last fresh sum

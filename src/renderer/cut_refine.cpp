@@ -23,7 +23,7 @@ RENDER2MPEG_CLONES
 void Gatherer::push(const GatherLanes& lanes, std::uint32_t index) {
     Slot& slot = slots_[index];
     slot.is_open = false;
-    if (slot.ref.is_leaf()) {
+    if (slot.ref.is_leaf() || slot.is_hidden) {
         std::fill(std::begin(slot.bound), std::end(slot.bound), 0.0f);
         return;
     }
@@ -31,6 +31,11 @@ void Gatherer::push(const GatherLanes& lanes, std::uint32_t index) {
     bound_node(lanes, tree.family, tree.nodes[slot.ref.index()], forest_.clamp(slot.tree), slot.bound);
     const float urgency = rule_.urgency(slot.bound);
     if (!(urgency > 0.0f)) return;
+    // Ask shields about what is dark and would be refined.
+    if (slot.is_dark && rule_.matters(urgency) && hide(lanes, index)) {
+        std::fill(std::begin(slot.bound), std::end(slot.bound), 0.0f);
+        return;
+    }
     slot.is_open = true;
     heap_.push_back({urgency, index});
     std::push_heap(heap_.begin(), heap_.end(), LessUrgent{});

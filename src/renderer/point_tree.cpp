@@ -5,6 +5,12 @@
 #include <numeric>
 
 namespace render2mpeg::renderer {
+namespace {
+
+/// So few points are looked at one after another. chosen: 8.
+constexpr std::size_t few = 8;
+
+}  // namespace
 
 struct PointTree::Search {
     OrientedPoint at;
@@ -64,14 +70,20 @@ int PointTree::nearest(const OrientedPoint& at, float least_facing, std::span<Ne
 }
 
 void PointTree::visit(std::size_t first, std::size_t last, Search& search) const {
-    if (first >= last) return;
+    const auto look = [&](std::size_t i) {
+        const OrientedPoint& candidate = points_[i];
+        const glm::vec3 d = candidate.position - search.at.position;
+        const float distance2 = glm::dot(d, d);
+        if (distance2 <= search.reach() && glm::dot(candidate.normal, search.at.normal) > search.least_facing)
+            search.insert({distance2, index_[i]});
+        return d;
+    };
+    if (last - first <= few) {
+        for (std::size_t i = first; i < last; ++i) look(i);
+        return;
+    }
     const std::size_t middle = first + (last - first) / 2;
-    const OrientedPoint& candidate = points_[middle];
-    const glm::vec3 d = candidate.position - search.at.position;
-    const float distance2 = glm::dot(d, d);
-    if (distance2 <= search.reach() && glm::dot(candidate.normal, search.at.normal) > search.least_facing)
-        search.insert({distance2, index_[middle]});
-    if (last - first == 1) return;
+    const glm::vec3 d = look(middle);
     // The side that holds the place first, the other only where it can hold something nearer.
     const float split = -d[axis_[middle]];
     const bool left_first = split < 0.0f;

@@ -9,6 +9,7 @@
 
 #include "renderer/flush_denormals.h"
 #include "renderer/isa_clones.h"
+#include "renderer/shields.h"
 #include "renderer/traced_scene.h"
 
 namespace render2mpeg::renderer {
@@ -26,6 +27,9 @@ constexpr float coplanar = 0x1p-19f;
 /// 1e-6.
 constexpr float optical_steps = 0x1p20f;
 constexpr std::int64_t opaque_depth = std::int64_t{1} << 32;  ///< 2^-4096
+
+/// Of a scene. chosen: 256, which hold 70 to 76 % of all surface in Sponza and Sibenik.
+constexpr std::size_t most_shields = 256;
 
 bool is_traceable(glm::vec3 origin, glm::vec3 direction, float far) {
     const auto fits = [](float v) { return std::abs(v) <= largest_component; };  // false for NaN
@@ -105,6 +109,7 @@ struct RayTracer::Impl {
     TracedScene scene;
     Transmittance transmittance;
     std::vector<ShadowPacket>* recorded = nullptr;
+    ShieldList shields;
 
     struct Layer {
         std::uint32_t object;
@@ -214,13 +219,20 @@ void RayTracer::Impl::filter_ties(const RTCFilterFunctionNArguments* arguments) 
 RayTracer::RayTracer(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent,
                      Transmittance transmittance)
     : impl_(new Impl{TracedScene(animation, isa, std::move(translucent), &Impl::filter_shadow),
-                     std::move(transmittance), nullptr}) {}
+                     std::move(transmittance),
+                     nullptr,
+                     {}}) {}
 
 RayTracer::~RayTracer() = default;
 RayTracer::RayTracer(RayTracer&&) noexcept = default;
 
 void RayTracer::pose(const scene::Snapshot& snapshot) {
-    impl_->scene.pose(snapshot);
+    if (impl_->scene.pose(snapshot))
+        impl_->shields = ShieldList(shields_of(impl_->scene.opaque_still_triangles(), most_shields));
+}
+
+const ShieldList& RayTracer::shields() const {
+    return impl_->shields;
 }
 
 bool RayTracer::is_instanced(std::uint32_t object) const {

@@ -12,6 +12,8 @@
 
 namespace render2mpeg::renderer {
 
+class ShieldList;
+
 /// What a ray meets. The normal is that of the triangle as it is wound, not turned to the ray, not normalised.
 struct Hit {
     core::SurfaceAddress address;  ///< no surface: the ray left the scene
@@ -67,6 +69,9 @@ class RayTracer {
 
     /// The same for one ray: what passes of light, 0 where blocked.
     glm::vec3 passes(glm::vec3 origin, glm::vec3 direction, float far) const;
+
+    /// The largest pieces of what never moves and is opaque, as posed.
+    const ShieldList& shields() const;
 
     /// Whether rays meet this object through a transform of its own, which costs some digits.
     bool is_instanced(std::uint32_t object) const;

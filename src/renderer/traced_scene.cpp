@@ -149,7 +149,7 @@ RTCScene TracedScene::shared_mesh(std::uint32_t object) {
     return scene.get();
 }
 
-void TracedScene::pose(const scene::Snapshot& snapshot) {
+bool TracedScene::pose(const scene::Snapshot& snapshot) {
     EXPECTS(snapshot.animation == &animation_ && snapshot.objects.size() == placed_.size());
     const FlushDenormals flushed;
     bool still_changed = false, top_changed = false;
@@ -161,6 +161,21 @@ void TracedScene::pose(const scene::Snapshot& snapshot) {
     if (still_changed && still_instance_ != nullptr) rtcCommitGeometry(still_instance_);
     if (top_ && (still_changed || top_changed)) rtcCommitScene(top_.get());
     check("building the ray tracer's scene");
+    return still_changed;
+}
+
+std::vector<scene::Triangle> TracedScene::opaque_still_triangles() const {
+    std::vector<scene::Triangle> triangles;
+    for (std::uint32_t i = 0; i < placed_.size(); ++i) {
+        const Placed& placed = placed_[i];
+        if (placed.kind != Kind::baked || !placed.present || is_filtered(i)) continue;
+        const scene::Mesh& mesh = animation_.meshes[static_cast<std::size_t>(animation_.objects[i].mesh)];
+        const auto world = [&](std::uint32_t v) {
+            return glm::vec3(placed.to_world * glm::vec4(mesh.positions[v], 1.0f));
+        };
+        for (const glm::uvec3& t : mesh.triangles) triangles.push_back({world(t.x), world(t.y), world(t.z)});
+    }
+    return triangles;
 }
 
 /// Brings one object to where the snapshot has it; whether anything changed.

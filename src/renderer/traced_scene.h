@@ -31,7 +31,11 @@ class TracedScene {
     TracedScene(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent, Filter filter);
     ~TracedScene();
 
-    void pose(const scene::Snapshot& snapshot);
+    /// Returns whether what never moves was posed anew.
+    bool pose(const scene::Snapshot& snapshot);
+
+    /// World triangles of what is posed, never moves and lets no light through, as rays meet them.
+    std::vector<scene::Triangle> opaque_still_triangles() const;
 
     RTCSceneTy* root() const { return top_ ? top_.get() : still_.get(); }
 
