@@ -119,9 +119,11 @@ void Gatherer::trace_slot(const GatherLanes& lanes, std::uint32_t index, Arrival
     slot.intensity = tree.intensity(slot.ref);
     if (slot.is_dark && hide(lanes, index)) {
         std::fill(std::begin(slot.diffuse), std::end(slot.diffuse), 0.0f);
-        if (lanes.glossy) lobes_[index] = {};
+        if (lanes.glossy) {
+            std::fill(std::begin(lobes_[index].f0), std::end(lobes_[index].f0), 0.0f);
+            std::fill(std::begin(lobes_[index].schlick), std::end(lobes_[index].schlick), 0.0f);
+        }
         if (forest_.translucent) tints_[index] = arrival.tint;
-        slot.lit = slot.unknown = 0;
         slot.any_clamped = false;
         return;
     }
@@ -158,18 +160,18 @@ void Gatherer::start_cut(const GatherLanes& lanes, GatheredLight& out) {
     for (std::uint32_t i = 0; i < slots_.size(); ++i) push(lanes, i);
 }
 
-/// Whether nothing below a slot's node can be seen from any lane.
+/// Whether nothing below a slot's node can be seen from any lane; then it counts as dark for all of them.
 bool Gatherer::hide(const GatherLanes& lanes, std::uint32_t index) {
     Slot& slot = slots_[index];
     if (slot.is_tested || slot.shields == 0) return slot.is_hidden;
     slot.is_tested = true;
     const LightTree& tree = forest_.trees[slot.tree];
     const bool leaf = slot.ref.is_leaf();
-    if (leaf)
-        return slot.is_hidden = shields_.hide(lanes, tree.family, tree.lights[slot.ref.index()].position, glm::vec3(0),
-                                              slot.shields);
-    const LightNode& node = tree.nodes[slot.ref.index()];
-    return slot.is_hidden = shields_.hide(lanes, tree.family, node.middle, node.half, slot.shields);
+    const glm::vec3 middle = leaf ? tree.lights[slot.ref.index()].position : tree.nodes[slot.ref.index()].middle;
+    const glm::vec3 half = leaf ? glm::vec3(0) : tree.nodes[slot.ref.index()].half;
+    slot.is_hidden = shields_.hide(lanes, tree.family, middle, half, slot.shields);
+    if (slot.is_hidden) slot.lit = slot.unknown = 0;
+    return slot.is_hidden;
 }
 
 std::uint32_t Gatherer::add_slot(const GatherLanes& lanes, int tree, LightRef ref) {
