@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "app/curve_plot.h"
 #include "app/figures.h"
@@ -26,10 +27,15 @@ json quality_json(const perceptual::FilmQuality& quality) {
     return {{"psnr_y", finite_or_null(quality.psnr_y())}, {"ssim_y", quality.ssim_y()}};
 }
 
+/// A share as it was given: a float has digits that nobody wrote.
+double plain(float share) {
+    return std::stod(fmt::format("{:.6g}", share));
+}
+
 json trial_json(const Trial& t) {
     json decoded = quality_json(t.decoded);
     decoded["psnr_hvs_m"] = finite_or_null(t.psnr_hvs_m());
-    return {{"tolerance", t.tolerance.coupled ? json("coupled") : json(t.tolerance.relative)},
+    return {{"tolerance", t.tolerance.coupled ? json("coupled") : json(plain(t.tolerance.relative))},
             {"quantiser", t.quantiser},
             {"seconds", t.seconds},
             {"points", t.points},
@@ -203,7 +209,7 @@ json cost_json(const Production& film, const Sweep& sweep, const std::string& co
             {"reference", {{"frames", sweep.references}, {"seconds", sweep.reference_seconds}}},
             {"fixed", fixed},
             {"coupled", coupled},
-            {"knee", knee ? json(sweep.fixed[*knee].tolerance.relative) : json(nullptr)},
+            {"knee", knee ? json(plain(sweep.fixed[*knee].tolerance.relative)) : json(nullptr)},
             {"summary", sentence_of(sweep, film.coding.quantiser)},
             {"complete", sweep.complete}};
 }

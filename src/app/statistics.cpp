@@ -72,9 +72,11 @@ json bands_of(const renderer::ToleranceBands& bands) {
         clusters += static_cast<double>(bands.clusters[i]);
     }
     for (std::size_t i = 0; i < bands.count; ++i)
-        all.push_back({{"below", i < bands.ends.size() ? json(bands.ends[i]) : json(nullptr)},
-                       {"points", core::divide_or(static_cast<double>(bands.points[i]), points, 0.0)},
-                       {"clusters", core::divide_or(static_cast<double>(bands.clusters[i]), clusters, 0.0)}});
+        all.push_back(
+            {{"below",
+              i < bands.ends.size() ? json(std::round(1e4 * static_cast<double>(bands.ends[i])) / 1e4) : json(nullptr)},
+             {"points", core::divide_or(static_cast<double>(bands.points[i]), points, 0.0)},
+             {"clusters", core::divide_or(static_cast<double>(bands.clusters[i]), clusters, 0.0)}});
     return all;
 }
 
