@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "encoder/cadence.h"
+#include "encoder/mpeg2/checks.h"
 #include "encoder/mpeg2/levels.h"
 #include "encoder/mpeg2/rate_model.h"
 #include "encoder/mpeg2/vbv_buffer.h"
@@ -16,13 +17,13 @@ namespace {
 struct Item {
     std::int64_t number;
     PictureType type;
-    double complexity;   ///< bits at quantiser 1
-    double ratio;        ///< of its quantiser to the base
-    double arrivals;     ///< bits that the channel brings between this removal and the next
-    double seconds;      ///< of the same time
-    double coarser = 1;  ///< than the rest, for the buffer's sake
+    double complexity;  ///< bits at quantiser 1
+    double ratio;       ///< of its quantiser to the base
+    double arrivals;    ///< bits that the channel brings between this removal and the next
+    double seconds;     ///< of the same time
+    double least = 1;   ///< quantiser, for the buffer's sake
 
-    double quantiser(double base) const { return std::clamp(base * coarser * ratio, 1.0, 31.0); }
+    double quantiser(double base) const { return std::clamp(base * ratio, least, 31.0); }
     double bits(double base) const { return complexity * std::pow(quantiser(base), -mpeg2::rate_slope(type)); }
 };
 using Items = std::span<Item>;
@@ -43,36 +44,59 @@ double base_for(Items items, double wanted) {
     return std::exp2(high);
 }
 
-/// Follows the buffer through one chunk and makes the first stretch coarser that it cannot bring; false: there is none.
-/// A stretch begins where the buffer was full.
-bool relieve(Items chunk, double base, const mpeg2::Channel& channel, bool hands_over) {
+/// Makes a stretch coarser, so that it comes to this share of its bits; false: it is as coarse as can be.
+bool coarsen(Items stretch, double base, double share) {
+    bool changed = false;
+    for (Item& item : stretch) {
+        const double before = item.quantiser(base);
+        item.least = std::min(31.0, before * std::pow(share, -1.0 / mpeg2::rate_slope(item.type)));
+        changed = changed || before < 31;
+    }
+    return changed;
+}
+
+/// What the buffer lacks behind a place that it begins with: it is worst up to here.
+struct Lack {
+    std::size_t end;   ///< behind the stretch: where the share is the smallest, or where the buffer is full again
+    double share = 1;  ///< of the stretch's bits that the buffer can bring
+    double fullness;   ///< behind the stretch once it has no more
+};
+
+/// Follows the buffer from a place on, until it is full.
+Lack lack_from(Items chunk, std::size_t begin, double fullness, double base, const mpeg2::Channel& channel,
+               bool hands_over) {
     // chosen: a tenth of the buffer is left alone, since real sizes differ from those expected (0..0.2).
     const auto size = static_cast<double>(channel.usable_bits), border = static_cast<double>(channel.border_bits);
-    double fullness = border, stretch_bits = 0;
-    std::size_t begin = 0;
-    for (std::size_t i = 0; i < chunk.size(); ++i) {
-        const double bits = chunk[i].bits(base);
-        stretch_bits += bits;
-        fullness -= bits;
+    Lack lack{chunk.size(), 1, size};
+    double bits = 0;
+    for (std::size_t i = begin; i < chunk.size(); ++i) {
+        bits += chunk[i].bits(base);
+        fullness -= chunk[i].bits(base);
         const bool last = i + 1 == chunk.size();
         const double floor = std::max(0.1 * size, last && hands_over ? border - chunk[i].arrivals : 0.0);
-        if (fullness < floor - 1) {
-            const double share = std::clamp((stretch_bits - (floor - fullness)) / stretch_bits, 0.1, 1.0);
-            bool changed = false;
-            for (Item& item : chunk.subspan(begin, i + 1 - begin)) {
-                const double before = item.quantiser(base);
-                item.coarser *= std::pow(share, -1.0 / mpeg2::rate_slope(item.type));
-                changed = changed || item.quantiser(base) > before * 1.0001;
-            }
-            return changed;
-        }
+        const double share = std::max(0.1, 1 - core::divide_or(floor - fullness, bits, 0.0));
+        if (share < lack.share) lack = {i + 1, share, std::min(size, floor + chunk[i].arrivals)};
         fullness += chunk[i].arrivals;
         if (fullness < size) continue;
-        fullness = size;
-        begin = i + 1;
-        stretch_bits = 0;
+        if (lack.share == 1) lack.end = i + 1;
+        break;
     }
-    return false;
+    return lack;
+}
+
+/// Makes the stretches of one chunk coarser that the buffer cannot bring; false: there is none that this helps. Behind
+/// one that is as coarse as can be, the buffer is where it has to be: its pictures will be made to fit.
+bool relieve(Items chunk, double base, const mpeg2::Channel& channel, bool hands_over) {
+    bool helped = false;
+    auto fullness = static_cast<double>(channel.border_bits);
+    for (std::size_t begin = 0; begin < chunk.size();) {
+        const Lack lack = lack_from(chunk, begin, fullness, base, channel, hands_over);
+        // A ten-thousandth too much is what rounding leaves of a stretch that was relieved.
+        if (lack.share < 0.9999) helped |= coarsen(chunk.subspan(begin, lack.end - begin), base, lack.share);
+        fullness = lack.fullness;
+        begin = lack.end;
+    }
+    return helped;
 }
 
 /// Chunks of a film in coding order.
@@ -118,7 +142,8 @@ PassPicture pass_picture(const CodedPicture& coded, bool starts_chunk) {
 }
 
 std::vector<Allotment> allot(const Settings& settings, std::span<const PassPicture> film, double scale) {
-    EXPECTS(settings.rate_control.bit_rate > 0 && scale > 0);
+    EXPECTS(settings.rate_control.bit_rate > 0 && std::isfinite(scale) && scale > 0);
+    mpeg2::check_film(film);
     const mpeg2::Channel channel = mpeg2::channel_for(settings, mpeg2::level_for(settings));
     const double field = 0.5 / declared_rate(settings).hertz.value();
     std::vector<Item> items;
@@ -131,11 +156,17 @@ std::vector<Allotment> allot(const Settings& settings, std::span<const PassPictu
     }
     const std::vector<Items> chunks = chunks_of(items, film);
 
+    // Each has its place among the film's pictures as displayed, whatever its number.
+    std::vector<std::int64_t> numbers;
+    for (const Item& item : items) numbers.push_back(item.number);
+    std::sort(numbers.begin(), numbers.end());
+    const auto place_of = [&](const Item& item) {
+        return static_cast<std::size_t>(std::lower_bound(numbers.begin(), numbers.end(), item.number) -
+                                        numbers.begin());
+    };
+
     // A constant rate gives every chunk its own share; else all have one.
     std::vector<Allotment> allotted(items.size());
-    const std::int64_t first = items.empty() ? 0 : std::min_element(items.begin(), items.end(), [](auto& a, auto& b) {
-                                                       return a.number < b.number;
-                                                   })->number;
     const Settled common = channel.constant || items.empty() ? Settled{} : settle(items, chunks, channel, true);
     for (std::size_t c = 0; c < chunks.size(); ++c) {
         const Items chunk = chunks[c];
@@ -149,8 +180,8 @@ std::vector<Allotment> allot(const Settings& settings, std::span<const PassPictu
         for (const Item* item : shown) {
             left += item->bits(base);
             left_by_type[static_cast<std::size_t>(item->type) - 1] += item->bits(base);
-            allotted[static_cast<std::size_t>(item->number - first)] = {
-                item->quantiser(base), item->bits(base), left, item->type, affordable, item->ratio, left_by_type};
+            allotted[place_of(*item)] = {item->quantiser(base), item->bits(base), left, item->type, affordable,
+                                         item->ratio,           left_by_type};
         }
     }
     return allotted;

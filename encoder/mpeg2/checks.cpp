@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "core/error.h"
 
@@ -14,6 +15,14 @@ bool is_count(std::int64_t n) {
 
 bool is_amount(double value) {
     return std::isfinite(value) && value >= 0;
+}
+
+bool is_positive(double value) {
+    return std::isfinite(value) && value > 0;
+}
+
+bool is_type(PictureType type) {
+    return type >= PictureType::intra && type <= PictureType::bidirectional;
 }
 
 /// Of macroblocks.
@@ -39,6 +48,21 @@ void check_facts(std::int64_t number, const PictureFacts& facts) {
     EXPECTS(facts.allotment->quantiser >= 1 && facts.allotment->quantiser <= 31);
     EXPECTS(is_amount(facts.allotment->bits) && is_amount(facts.allotment->bits_left));
     EXPECTS(is_amount(facts.allotment->affordable));
+    EXPECTS(is_type(facts.allotment->type.value_or(PictureType::intra)));
+    EXPECTS(is_positive(facts.allotment->ratio.value_or(1.0)));
+    EXPECTS(std::all_of(facts.allotment->left_by_type.begin(), facts.allotment->left_by_type.end(), is_amount));
+}
+
+void check_film(std::span<const PassPicture> film) {
+    std::vector<std::int64_t> numbers;
+    for (const PassPicture& picture : film) {
+        numbers.push_back(picture.number);
+        EXPECTS(is_count(picture.number) && is_type(picture.type));
+        EXPECTS(picture.quantiser >= 1 && picture.quantiser <= 31);
+        EXPECTS(is_positive(picture.bits) && is_positive(picture.ratio.value_or(1.0)));
+    }
+    std::sort(numbers.begin(), numbers.end());
+    EXPECTS(std::adjacent_find(numbers.begin(), numbers.end()) == numbers.end());
 }
 
 void check_pushed(const Settings& settings, const core::Picture& picture, const PicturePlan& plan,

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 
+#include "encoder/allotment.h"
 #include "encoder/encoder.h"
 
 /// What callers of the encoder promise (encoder/encoder.h), checked at the door. All throw core::ContractViolation.
@@ -13,6 +14,9 @@ inline constexpr std::int64_t most_pictures = std::int64_t{1} << 40;
 
 /// Facts that no picture can have: counts below zero, no numbers, values out of range.
 void check_facts(std::int64_t number, const PictureFacts& facts);
+
+/// What a first pass cannot have found: a number twice, no numbers, values out of range.
+void check_film(std::span<const PassPicture> film);
 
 /// Sizes of the planes, and what motion and hints lead to. `plan` is as plan() made it.
 void check_pushed(const Settings& settings, const core::Picture& picture, const PicturePlan& plan,

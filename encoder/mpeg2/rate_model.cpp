@@ -83,24 +83,27 @@ void RateModel::learn(PictureType type, int quantiser, std::int64_t bits) {
 }
 
 double PassModel::bits(PictureType type, const Allotment& allotment, double quantiser) const {
-    const double ratio = learned_[index_of(type)].value_or(excess());
+    const PictureType then = allotment.type.value_or(type);
+    const double ratio = learned_[index_of(then)][index_of(type)].value_or(excess());
     return ratio * allotment.bits * std::pow(allotment.quantiser / quantiser, rate_slope(type));
 }
 
 void PassModel::learn(PictureType type, const Allotment& allotment, int quantiser, std::int64_t bits) {
+    const std::size_t then = index_of(allotment.type.value_or(type));
     const double expected = allotment.bits * std::pow(allotment.quantiser / quantiser, rate_slope(type));
     const double real = std::max(1.0, static_cast<double>(bits));
-    learned_[index_of(type)] = blended(learned_[index_of(type)], real / std::max(1.0, expected));
+    std::optional<double>& learned = learned_[then][index_of(type)];
+    learned = blended(learned, real / std::max(1.0, expected));
 
     // chosen: half forgotten after ten pictures, most of a GOP (5..40).
     constexpr double fading = 0.933;
     for (std::size_t i = 0; i < 3; ++i) real_[i] *= fading, expected_[i] *= fading;
-    real_[index_of(type)] += real;
-    expected_[index_of(type)] += expected;
+    real_[then] += real;
+    expected_[then] += expected;
 }
 
-double PassModel::excess(PictureType type) const {
-    return core::divide_or(real_[index_of(type)], expected_[index_of(type)], excess());
+double PassModel::excess(PictureType then) const {
+    return core::divide_or(real_[index_of(then)], expected_[index_of(then)], excess());
 }
 
 double PassModel::excess() const {

@@ -45,20 +45,21 @@ class RateModel {
     std::array<std::optional<double>, 3> learned_;
 };
 
-/// How far a film's real bits are from what an earlier pass found.
+/// How far a film's real bits are from what an earlier pass found. Pictures may be of another type now than they were
+/// then: what is allotted to those to come is known by their types then.
 class PassModel {
   public:
     /// Bits of a picture that was allotted so much, at another quantiser.
     double bits(PictureType type, const Allotment& allotment, double quantiser) const;
     void learn(PictureType type, const Allotment& allotment, int quantiser, std::int64_t bits);
-    /// Real over allotted bits where the allotted quantisers are used: mean over what was coded lately, of one type (of
-    /// all where there was none of it) and of all.
-    double excess(PictureType type) const;
+    /// Real over allotted bits where the allotted quantisers are used: mean over what was coded lately, of what was of
+    /// one type then (of all where there was none of it) and of all.
+    double excess(PictureType then) const;
     double excess() const;
 
   private:
-    std::array<std::optional<double>, 3> learned_;  ///< by type
-    std::array<double, 3> real_{}, expected_{};     ///< bits by type, fading
+    std::array<std::array<std::optional<double>, 3>, 3> learned_;  ///< by type then, and by type now
+    std::array<double, 3> real_{}, expected_{};                    ///< bits by type then, fading
 };
 
 }  // namespace render2mpeg::encoder::mpeg2

@@ -71,6 +71,7 @@ int RateSteering::plan(const PicturePlan& picture, const PictureFacts& facts, bo
     Flying flying{picture.type,      1,
                   facts.allotment,   facts.sensitivity.value_or(1.0),
                   ratio_of(picture), !facts.allotment && !model_.knows(picture.type)};
+    adapt(flying);
     flying.quantiser = rounded(flying, nominal(picture.number, flying, schedule));
     flying_.insert_or_assign(picture.number, flying);
     return flying.quantiser;
@@ -82,8 +83,11 @@ int RateSteering::settle(const PicturePlan& picture, const VbvSchedule& schedule
     Flying& flying = planned->second;
     const bool changed = flying.type != picture.type;
     flying.type = picture.type;
-    if (changed) flying.ratio = ratio_of(picture);
-    if (changed) return rounded(flying, nominal(picture.number, flying, schedule));
+    if (changed) {
+        flying.ratio = ratio_of(picture);
+        adapt(flying);
+        return rounded(flying, nominal(picture.number, flying, schedule));
+    }
     if (!rated()) return picture.quantiser;
 
     // What was planned holds unless what has been learned since asks for another step.
@@ -113,6 +117,17 @@ int RateSteering::reconsider(const PicturePlan& picture, int quantiser, std::int
     }
     steady_ = steady;
     return quantiser;
+}
+
+/// The allotted quantiser is that of what the picture was: makes it that of what it is. Its bits stay, so that what
+/// they are off by is learned together with what another type or other followers change.
+void RateSteering::adapt(Flying& picture) const {
+    if (!picture.allotment) return;
+    Allotment& allotment = *picture.allotment;
+    allotment.type = allotment.type.value_or(picture.type);
+    const double usual = usual_quantiser_ratio(*allotment.type, settings_.gop);
+    allotment.quantiser *= picture.ratio / allotment.ratio.value_or(usual);
+    allotment.ratio = picture.ratio;
 }
 
 /// The whole quantiser for a picture. Of the two next to what is wanted, rates take the one that keeps the bits lost to
@@ -158,9 +173,8 @@ double RateSteering::nominal(std::int64_t number, const Flying& picture, const V
     if (picture.allotment) {
         const double share = bits_as_allotted(picture);
         const double correction = core::divide_or(share, std::max(0.0, left), 1e3);
-        const double usual = usual_quantiser_ratio(picture.allotment->type.value_or(picture.type), settings_.gop);
-        quantiser = picture.allotment->quantiser * picture.ratio / picture.allotment->ratio.value_or(usual) *
-                    calm(std::pow(std::max(correction, 1e-3), 1.0 / rate_slope(picture.type)));
+        quantiser =
+            picture.allotment->quantiser * calm(std::pow(std::max(correction, 1e-3), 1.0 / rate_slope(picture.type)));
     } else {
         const Counts rest = foreseen();
         const double base = solve(
@@ -184,9 +198,10 @@ double RateSteering::bits(const Flying& picture, double quantiser) const {
 }
 
 double RateSteering::bits_as_allotted(const Flying& picture) const {
+    const PictureType then = picture.allotment->type.value_or(picture.type);
     double sum = 0;
     for (const PictureType type : {PictureType::intra, PictureType::predicted, PictureType::bidirectional}) {
-        const double own = type == picture.type ? picture.allotment->bits : 0.0;
+        const double own = type == then ? picture.allotment->bits : 0.0;
         sum += pass_.excess(type) * (own + allotted_rest_[static_cast<std::size_t>(type) - 1]);
     }
     return sum;

@@ -47,6 +47,7 @@ class RateSteering {
     };
 
     bool rated() const;
+    void adapt(Flying& picture) const;
     int rounded(const Flying& flying, double wanted);
     double steady_quantiser(const Flying& picture) const;
     double calm(double solved);

@@ -64,8 +64,9 @@ Coding code(const Settings& s, Content content, std::int64_t count, bool endless
     return coding;
 }
 
-Coding code_twice(const Settings& s, Content content, std::int64_t count) {
+Coding code_twice(const Settings& s, Content content, std::int64_t count, int first_b_pictures = 2) {
     Settings first = s;
+    first.b_pictures = first_b_pictures;
     first.effort = Effort::fast;
     first.rate_control = {};
     first.quantiser = 8;
@@ -98,7 +99,7 @@ TEST(RateErrorsSlow, OfRatesThatQuantisersReachAreWithinTwoPerCentInTwoPassesAnd
                                                      {RateMode::variable, Content::calm, 0.8, 65},
                                                      {RateMode::variable, Content::calm, 0.8, 33},
                                                      {RateMode::variable, Content::busy, 2, 65},
-                                                     {RateMode::variable, Content::changing, 0.8, 65},
+                                                     {RateMode::variable, Content::changing, 0.8, 120},
                                                      {RateMode::constant, Content::calm, 0.3, 33},
                                                      {RateMode::constant, Content::calm, 0.8, 65},
                                                      {RateMode::constant, Content::busy, 2, 33},
@@ -110,6 +111,19 @@ TEST(RateErrorsSlow, OfRatesThatQuantisersReachAreWithinTwoPerCentInTwoPassesAnd
         EXPECT_LT(std::abs(error_of(one)), 0.05) << name;
         EXPECT_LT(std::abs(error_of(two)), 0.02) << name;
         EXPECT_EQ(check_stream(read_stream(two.film.bytes()), mode == RateMode::constant), "") << name;
+    }
+}
+
+TEST(RateErrorsSlow, PicturesMayBeOfOtherTypesInTheSecondPass) {
+    for (const int now : {0, 3}) {
+        Settings s = rated(RateMode::variable, 0.8);
+        s.b_pictures = now;
+        const double alike = code_twice(s, Content::calm, 60, now).quantisers;
+        for (const int then : {0, 1, 3}) {
+            const Coding two = code_twice(s, Content::calm, 60, then);
+            EXPECT_LT(std::abs(error_of(two)), 0.015) << then << " then " << now;
+            EXPECT_NEAR(two.quantisers, alike, 0.06 * alike) << then << " then " << now;
+        }
     }
 }
 
