@@ -43,9 +43,9 @@ std::string tighter_text(const Trial& here, const Trial& next) {
 }
 
 std::string looser_text(const Trial& here, const Trial& next) {
-    const std::string saving = next.seconds < here.seconds
-                                   ? fmt::format("would save {:.0f} % of it", 100 * (1 - next.seconds / here.seconds))
-                                   : std::string("would save no time");
+    const std::string saving = next.seconds < here.seconds ? fmt::format("would save {:.0f} % of its time",
+                                                                         100 * (1 - next.seconds / here.seconds))
+                                                           : std::string("would save no time");
     return fmt::format("the next looser, {}, {} and lose {}", tolerance_text(next.tolerance.relative), saving,
                        decibels(here.decoded.psnr_y() - next.decoded.psnr_y()));
 }
