@@ -120,10 +120,10 @@ float Neighbours::noise(float receives) const {
 }
 
 /// What neighbours disagree by counts for more where the tolerance is fine, since light has many small edges and few
-/// large ones. chosen: 1.6 at 2 %, 1 at 8 % and 0.4 at 26 %, between which of Sponza's pixels that are served 1 % err
-/// by more than they may; at 1, 4 % do at 2 %, and at 0.7, 0.2 % at 26 %.
+/// large ones. chosen: about 2 at 2 %, 1.1 at 8 % and 0.7 at 26 %. Of Sponza's pixels 0.5 % err by more than they may
+/// at 2 and 2 %, 2.2 % at 1.6 and 2 %; 1.0 to 1.3 % at 1 and 8 %; 0.2 % at 0.7 and 26 %.
 float doubt(const PointTolerance& t, glm::vec3 light, float tolerance) {
-    constexpr float coarse = 0.32f, fine = 1.68f, turn2 = 0.08f * 0.08f;
+    constexpr float coarse = 0.62f, fine = 2.1f, turn2 = 0.06f * 0.06f;
     const float relative = core::divide_or(tolerance, t.base + std::max(core::luminance(light), 0.0f), 1.0f);
     return coarse + (fine - coarse) * turn2 / (turn2 + relative * relative);
 }
