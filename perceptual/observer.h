@@ -82,7 +82,7 @@ struct Memory {
 struct Restated {
     CodingPlan plan;
     core::Plane<float> tolerances;  ///< dY at the memory's pixels, > 0
-    float low_share = 0;            ///< of its luminance, that a quarter of the pixels stay below
+    float low_share = 0;            ///< of its luminance, that a quarter of the pixels stay below; 0..0.5, 0: unknown
 };
 
 /// A frame's tolerances before it is lit.
@@ -112,7 +112,8 @@ class Observer {
     /// Tolerances of a frame that is going to be coded by `plan`: what `memory` hides, times `share`, carried along
     /// `motion` (from the frame to the memory's picture; null: nothing moves), never below 2 % of the pixel's luminance
     /// nor below half a code value. Where nothing fits, what a quarter of the memory's pixels stay below, as a share of
-    /// their luminance. share > 0.
+    /// their luminance: pixels count by their luma, and those next to black, that may lose half their light, not at
+    /// all. share > 0.
     Tolerated tolerate(const core::Visible& visible, const CodingPlan& plan, const Memory& memory,
                        const core::MotionField* motion, float share) const;
 

@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace render2mpeg::app {
 
 void ErrorHistogram::add(float error) {
     const float above = (std::log2(error) - static_cast<float>(least_exponent)) * static_cast<float>(per_doubling);
-    // Written so that 0 lands in the first step and what is not a number in the last.
-    std::size_t step = steps;
-    if (above < static_cast<float>(steps)) step = static_cast<std::size_t>(std::max(std::ceil(above), 0.0f));
+    // Written so that 0 lands in the first step and what is not a number beyond the last.
+    std::size_t step = steps + 1;
+    if (above <= static_cast<float>(steps)) step = static_cast<std::size_t>(std::max(std::ceil(above), 0.0f));
     ++counts_[step];
     ++count_;
 }
@@ -20,6 +21,7 @@ double ErrorHistogram::quantile(double q) const {
     for (std::size_t step = 0; step < counts_.size(); ++step) {
         sum += counts_[step];
         if (static_cast<double>(sum) < wanted) continue;
+        if (step > steps) return std::numeric_limits<double>::infinity();
         return step == 0 ? 0.0 : std::exp2(static_cast<double>(step) / per_doubling + least_exponent);
     }
     return 0.0;

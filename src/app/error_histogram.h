@@ -9,13 +9,13 @@ namespace render2mpeg::app {
 /// Counts of errors by size, in even steps of their logarithm: as large for an hour of film as for a frame.
 class ErrorHistogram {
   public:
-    /// error >= 0; what is not finite counts as the largest.
+    /// error >= 0; what is not a number counts as infinite.
     void add(float error);
 
     std::uint64_t count() const { return count_; }
 
-    /// The error that a share `q` (0..1) of all does not exceed: rounded up by at most 1.1 %. 0 below 2^-24 of
-    /// anything, and without any errors.
+    /// The error that a share `q` (0..1) of all does not exceed: rounded up by at most 1.1 %. 0 up to 2^-24, and
+    /// without any errors; infinity above 256: how large is not known.
     double quantile(double q) const;
 
   private:
@@ -23,7 +23,7 @@ class ErrorHistogram {
     static constexpr int per_doubling = 64, least_exponent = -24, largest_exponent = 8;
     static constexpr std::size_t steps = per_doubling * (largest_exponent - least_exponent);
 
-    std::array<std::uint64_t, steps + 1> counts_{};  ///< [0]: below the least
+    std::array<std::uint64_t, steps + 2> counts_{};  ///< [0]: up to the least, [steps + 1]: above the largest
     std::uint64_t count_ = 0;
 };
 

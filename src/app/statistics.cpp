@@ -38,9 +38,12 @@ json passes_of(const Production& film, const Ledger& ledger) {
 
 json audit_of(const Production& film, const Audit& audit) {
     if (film.audit == 0) return nullptr;
-    return {{"pixels", audit.errors.count()},           {"over_tolerance", audit.share_over()},
-            {"error_p50", audit.errors.quantile(0.5)},  {"error_p95", audit.errors.quantile(0.95)},
-            {"error_p99", audit.errors.quantile(0.99)}, {"seconds", audit.seconds}};
+    return {{"pixels", audit.errors.count()},
+            {"over_tolerance", audit.share_over()},
+            {"error_p50", finite_or_null(audit.errors.quantile(0.5))},
+            {"error_p95", finite_or_null(audit.errors.quantile(0.95))},
+            {"error_p99", finite_or_null(audit.errors.quantile(0.99))},
+            {"seconds", audit.seconds}};
 }
 
 /// Null without --cache on.

@@ -116,13 +116,29 @@ TEST_P(EverySpread, TheShareScalesWhatIsHiddenDownToTheFloors) {
     }
 }
 
-/// The share of its luminance that a quarter of the remembered pixels may not be off by.
-float low_share(const Memory& memory) {
-    std::vector<float> shares;
-    for (std::size_t i = 0; i < memory.tolerances.size(); ++i)
-        shares.push_back(memory.tolerances.values()[i] / memory.light.luminance.values()[i]);
+/// The share of its luminance that a quarter of the pixels stay below, by their luma and without those next to black:
+/// of all pixels from column `from` on, one by one.
+float low_share(const Memory& memory, int from = 0) {
+    std::vector<std::pair<float, float>> shares;
+    float whole = 0, sum = 0;
+    for (int y = 0; y < memory.light.height(); ++y)
+        for (int x = from; x < memory.light.width(); ++x) {
+            const float share = memory.tolerances.at(x, y) / memory.light.luminance.at(x, y);
+            const float above = memory.light.luma.at(x, y) - 16.0f;
+            if (share < 0.5f && above >= 16.0f) shares.emplace_back(share, above);
+        }
     std::sort(shares.begin(), shares.end());
-    return shares[shares.size() / 4];
+    for (const auto& [share, weight] : shares) whole += weight;
+    for (const auto& [share, weight] : shares)
+        if ((sum += weight) >= 0.25f * whole) return share;
+    return 0;
+}
+
+/// What a pixel that nobody saw before may be off by.
+float unseen(const Observer& observer, const Memory& memory) {
+    core::Visible other = *memory.visible;
+    other.address.at(3, 3).object = 1;
+    return observer.tolerate(other, memory.plan, memory, nullptr, 1.0f).map.pixels.at(3, 3).relative;
 }
 
 TEST_P(EverySpread, WhatHasNoPartnerGetsALowShareOfThePicture) {
@@ -135,12 +151,67 @@ TEST_P(EverySpread, WhatHasNoPartnerGetsALowShareOfThePicture) {
         const Tolerated tolerated = observer.tolerate(other, plan, memory, nullptr, share);
         EXPECT_EQ(tolerated.carried.at(3, 3), no_partner);
         EXPECT_EQ(tolerated.map.pixels.at(3, 3).absolute, observer.light().darkest_step());
-        EXPECT_NEAR(tolerated.map.pixels.at(3, 3).relative / (share * low_share(memory)), 1.0f, 0.35f);
+        EXPECT_NEAR(tolerated.map.pixels.at(3, 3).relative / (share * low_share(memory)), 1.0f, 0.02f);
         EXPECT_GT(tolerated.map.pixels.at(width - 3, 3).absolute, observer.light().darkest_step());
         EXPECT_EQ(tolerated.map.pixels.at(width - 3, 3).relative, 0.02f);
     }
     // No less than 2 % in any case.
     EXPECT_EQ(observer.tolerate(other, plan, memory, nullptr, 1e-3f).map.pixels.at(3, 3).relative, 0.02f);
+}
+
+/// Rough light of one brightness left of a column, of another right of it.
+Memory stage_in_the_dark(const Observer& observer, int quantiser, float dark, float lit, int border) {
+    core::Radiance radiance;
+    radiance.combined = core::Plane<glm::vec3>(width, height);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            radiance.combined.at(x, y) =
+                glm::vec3((x < border ? dark : lit) *
+                          (0.6f + 0.8f * core::uniform(1, static_cast<std::uint64_t>(y * width + x))));
+    const CodingPlan plan = plan_of(true, quantiser);
+    return observer.judge(observer.observe(display.develop(radiance), radiance, seen()), coded_as(0, plan));
+}
+
+TEST_P(EverySpread, TheDarkDoesNotTellWhatTheLightHides) {
+    constexpr int border = 56;  // blocks of both are kept apart; the dark has nearly 80 % of the picture
+    for (const int quantiser : {4, 16, 31})
+        for (const float dark : {0.0f, 1.0f, 4.0f}) {  // black, a code value or two above it, some more
+            const float step = 2 * observer.light().darkest_step();
+            const Memory memory = stage_in_the_dark(observer, quantiser, dark * step, 0.3f, border);
+            const float told = unseen(observer, memory), lit = low_share(memory, border + 4);
+            EXPECT_GE(told, 0.02f) << quantiser << " " << dark;
+            EXPECT_LE(told, 1.5f * lit) << quantiser << " " << dark;
+            EXPECT_GE(told, 0.5f * lit) << quantiser << " " << dark;
+        }
+}
+
+TEST_P(EverySpread, APictureNextToBlackTellsNothingOfWhatIsNotSeenInIt) {
+    const float step = 2 * observer.light().darkest_step();
+    for (const int quantiser : {1, 4, 16, 31}) {
+        EXPECT_EQ(unseen(observer, stage_in_the_dark(observer, quantiser, step, step, 0)), 0.02f) << quantiser;
+        // A few lit pixels make no difference.
+        EXPECT_EQ(unseen(observer, stage_in_the_dark(observer, quantiser, 0.0f, 0.3f, width - 1)), 0.02f) << quantiser;
+    }
+}
+
+TEST(Unseen, IsToldByNoPatternOfThePictureInStep) {
+    // Bright columns at every `period`-th place, in a width that many a stride divides.
+    const Observer observer(display, {});
+    constexpr int wide = 16 * 61, high = 68;
+    const auto visible = std::make_shared<const core::Visible>(0, wide, high);
+    for (const int period : {16, 61}) {
+        core::Radiance radiance;
+        radiance.combined = core::Plane<glm::vec3>(wide, high);
+        for (int y = 0; y < high; ++y)
+            for (int x = 0; x < wide; ++x)
+                radiance.combined.at(x, y) =
+                    glm::vec3((x % period == 0 ? 0.9f : 0.1f) +
+                              0.05f * core::uniform(1, static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y)));
+        Memory memory =
+            observer.presume(observer.observe(display.develop(radiance), radiance, visible), plan_of(true, 8));
+        const float all = low_share(memory);
+        EXPECT_NEAR(observer.restate(memory, memory.plan).low_share / all, 1.0f, 0.05f) << period;
+    }
 }
 
 TEST_P(EverySpread, BlackAndWhitePicturesHaveFiniteTolerances) {

@@ -88,8 +88,18 @@ TEST(ErrorHistogram, TakesNothingAtAllAndWhatIsBeyondAllMeasure) {
     for (const float large : {1e30f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()})
         errors.add(large);
     EXPECT_EQ(errors.quantile(0.4), 0.0);
-    EXPECT_EQ(errors.quantile(0.41), 256.0);
+    EXPECT_EQ(errors.quantile(0.41), std::numeric_limits<double>::infinity());
     EXPECT_EQ(errors.count(), 5u);
+}
+
+TEST(ErrorHistogram, TellsTheLargestItKnowsFromWhatIsLarger) {
+    ErrorHistogram errors;
+    errors.add(255.9f);
+    errors.add(256.0f);
+    EXPECT_EQ(errors.quantile(1.0), 256.0);
+    errors.add(256.1f);
+    EXPECT_EQ(errors.quantile(0.6), 256.0);
+    EXPECT_EQ(errors.quantile(1.0), std::numeric_limits<double>::infinity());
 }
 
 TEST(FixedTolerance, LetsBlackBeOffByHalfACodeValue) {
