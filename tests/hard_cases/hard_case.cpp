@@ -48,6 +48,7 @@ app::Production production(const HardCase& hard_case, scene::Animation film, Way
     p.rendering.vpls = 100;
     p.rendering.isa = core::detect_isa();
     p.rendering.stop = way == Way::classic ? renderer::Stop::classic : renderer::Stop::honest;
+    p.rendering.cache = way == Way::records;
     p.plan = renderer::make_plan(scene::traits_of(film), {});
     p.coding.width = hard_case.size.x;
     p.coding.height = hard_case.size.y;
@@ -62,7 +63,7 @@ app::Production production(const HardCase& hard_case, scene::Animation film, Way
 }  // namespace
 
 const char* name_of(Way way) {
-    constexpr const char* names[] = {"reference", "classic", "honest", "coupled"};
+    constexpr const char* names[] = {"reference", "classic", "honest", "records", "coupled"};
     return names[static_cast<std::size_t>(way)];
 }
 

@@ -85,7 +85,7 @@ std::string page() {
     text << "# Hard cases\n\n"
             "Scenes in which careless arithmetic fails, and what comes of them here. Every one is lit without "
             "clustering, by both\n"
-            "stopping rules at 2 %, and coupled to its coding; in each, all radiance is finite and not negative, and "
+            "stopping rules at 2 %, from records on surfaces, and coupled to its coding; in each, all radiance is finite and not negative, and "
             "libavcodec decodes\n"
             "the film to what the encoder reconstructed, bit for bit. `tests/hard_cases` proves this page and writes "
             "it\n"
