@@ -148,7 +148,8 @@ std::vector<HardCase> motion_cases() {
              return b;
          },
          [](const Lit& film) {
-             if (film.way != Way::coupled) {
+             // Records and tolerances remember the first frame.
+             if (film.way != Way::coupled && film.way != Way::records) {
                  EXPECT_TRUE(same_values(film.frames[0].combined, film.frames[2].combined));
              }
              EXPECT_FALSE(same_values(film.frames[0].combined, film.frames[1].combined));
@@ -187,7 +188,7 @@ std::vector<HardCase> motion_cases() {
          },
          [](const Lit& film) {
              EXPECT_GT(film.mean(0), 0.0);
-             EXPECT_EQ(film.mean(1), 0.0);
+             EXPECT_LE(film.mean(1), film.way == Way::records ? 1e-3 * film.mean(0) : 0.0);
              EXPECT_GT(film.mean(2), 0.0);
          }},
     };
