@@ -16,10 +16,11 @@ std::optional<std::size_t> knee_of(std::span<const Offer> offers, double least_r
     std::vector<std::size_t> worth;
     for (const std::size_t i : order)
         if (worth.empty() || offers[i].quality > offers[worth.back()].quality) worth.push_back(i);
-    if (worth.size() < 3) return std::nullopt;
+    if (order.size() < 3) return std::nullopt;
 
-    const Offer &cheapest = offers[worth.front()], &best = offers[worth.back()];
-    const double height = best.quality - cheapest.quality, width = std::log(best.cost / cheapest.cost);
+    const Offer& cheapest = offers[worth.front()];
+    const double height = offers[worth.back()].quality - cheapest.quality;
+    const double width = std::log(offers[order.back()].cost / cheapest.cost);
     if (!(height >= least_range) || !(width > 0)) return std::nullopt;
     std::optional<std::size_t> knee;
     double farthest = least_height;

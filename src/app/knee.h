@@ -13,9 +13,10 @@ struct Offer {
 };
 
 /// The offer after which more cost buys least: of those that are better than all cheaper ones, the one farthest above
-/// the chord from the cheapest to the best, both axes scaled to 1, cost by its logarithm [Satopaa2011]. None where
-/// there are fewer than three such offers, where the best is not better than the cheapest by `least_range`, or where
-/// none is above the chord by `least_height`.
+/// the chord, both axes scaled to 1, cost by its logarithm [Satopaa2011]. The chord leads from the cheapest to the cost
+/// of the dearest and the quality of the best: what costs more and is no better has bought nothing, which is what a
+/// knee is looked for. None for fewer than three offers, where the best is not better than the cheapest by
+/// `least_range`, or where none is above the chord by `least_height`.
 std::optional<std::size_t> knee_of(std::span<const Offer> offers, double least_range);
 
 /// chosen: 0.1 of the chord's height; times scatter by some per cent from run to run, which moves points along a

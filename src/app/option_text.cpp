@@ -101,8 +101,9 @@ std::vector<float> percents_from(const std::string& text) {
     for (const std::string& part : parts_of(text)) {
         char* end = nullptr;
         const double percent = std::strtod(part.c_str(), &end);
-        if (part.empty() || *end != '\0' || !(percent > 0) || percent > 100)
-            throw core::Error("tolerances " + text + ": expected per cent above 0 and up to 100, e.g. 8,4,2,1");
+        // chosen: less than a hundred thousandth of a pixel's light is not to be told from none in floats (1e-4..1e-2).
+        if (part.empty() || *end != '\0' || !(percent >= 0.001) || percent > 100)
+            throw core::Error("tolerances " + text + ": expected per cent from 0.001 to 100, e.g. 8,4,2,1");
         shares.push_back(static_cast<float>(percent / 100));
     }
     return in_order(std::move(shares), std::greater<>());

@@ -20,7 +20,9 @@ std::string bar_text(double share, int cells) {
 }  // namespace
 
 std::string progress_line(const Standing& s, int columns, bool with_bar) {
-    const double share = s.total > 0 ? static_cast<double>(s.done) / static_cast<double>(s.total) : 1;
+    // A total can turn out to have been too small.
+    const double share =
+        s.total > 0 ? std::clamp(static_cast<double>(s.done) / static_cast<double>(s.total), 0.0, 1.0) : 1;
     const bool last = s.done >= s.total;
     const std::string eta = last ? "done in " + clock_text(s.seconds)
                             : s.per_second > 0
@@ -59,7 +61,12 @@ Progress::~Progress() {
 }
 
 void Progress::advance() {
-    ++standing_.done;
+    advance_to(standing_.done + 1, standing_.total);
+}
+
+void Progress::advance_to(std::int64_t done, std::int64_t total) {
+    standing_.done = done;
+    standing_.total = total;
     if (quiet_) return;
     standing_.seconds = std::chrono::duration<double>(Clock::now() - start_).count();
     standing_.per_second = standing_.seconds > 0 ? static_cast<double>(standing_.done) / standing_.seconds : 0;

@@ -35,6 +35,8 @@ class Progress {
 
     /// One more is finished.
     void advance();
+    /// `done` are finished, of what is now known to be `total`.
+    void advance_to(std::int64_t done, std::int64_t total);
 
   private:
     void draw();

@@ -32,8 +32,8 @@ std::string seconds_text(double seconds) {
     return short_figure(seconds) + " s";
 }
 
-bool measured(const Trial& t) {
-    return t.seconds > 0 && std::isfinite(t.decoded.psnr_y());
+bool differs(const Trial& t) {
+    return std::isfinite(t.decoded.psnr_y());
 }
 
 std::string tighter_text(const Trial& here, const Trial& next) {
@@ -52,7 +52,7 @@ std::string looser_text(const Trial& here, const Trial& next) {
 
 /// Why there is no knee.
 std::string no_knee_text(const Sweep& sweep) {
-    if (sweep.fixed.size() < 3) return {};
+    if (sweep.fixed.size() < 3 || !std::all_of(sweep.fixed.begin(), sweep.fixed.end(), differs)) return {};
     const Trial &loosest = sweep.fixed.front(), &tightest = sweep.fixed.back();
     double best = 0;
     for (const Trial& t : sweep.fixed) best = std::max(best, t.decoded.psnr_y() - loosest.decoded.psnr_y());
@@ -64,13 +64,18 @@ std::string no_knee_text(const Sweep& sweep) {
 std::string steps_sentence(const Sweep& sweep, int quantiser) {
     if (std::all_of(sweep.fixed.begin(), sweep.fixed.end(), [](const Trial& t) { return t.points == 0; }))
         return "Nothing in these frames gathers light: tolerances cost no time and change nothing. ";
-    if (!std::all_of(sweep.fixed.begin(), sweep.fixed.end(), measured))
+    // The sentence is about one row and those beside it.
+    const std::optional<std::size_t> knee = knee_of(sweep);
+    const std::size_t i = knee.value_or(usual(sweep));
+    const auto first = sweep.fixed.begin() + static_cast<std::ptrdiff_t>(i - std::min<std::size_t>(i, 1));
+    const auto end = sweep.fixed.begin() + static_cast<std::ptrdiff_t>(std::min(i + 2, sweep.fixed.size()));
+    if (!std::all_of(first, end, differs))
         return fmt::format(
             "Decoded, some of these tolerances cannot be told from light by every light point at quantiser {}. ",
             quantiser);
+    if (!std::all_of(first, end, [](const Trial& t) { return t.seconds > 0; }))
+        return "Some of these tolerances take too little time to be measured. ";
     if (sweep.fixed.size() < 2) return {};
-    const std::optional<std::size_t> knee = knee_of(sweep);
-    const std::size_t i = knee.value_or(usual(sweep));
     const Trial& here = sweep.fixed[i];
     std::string text = knee ? "" : no_knee_text(sweep);
     text += fmt::format("{} {} at quantiser {}", knee ? "The knee is at" : "From",

@@ -50,7 +50,7 @@ bool light_references(Trials& trials, bool quiet) {
             progress = std::make_unique<Progress>(standing.parts, quiet, "reference", Counted::parts_of_step,
                                                   standing.seconds);
         }
-        progress->advance();
+        progress->advance_to(standing.done, standing.parts);
         return !InterruptGuard::requested();
     });
 }

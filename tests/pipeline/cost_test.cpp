@@ -1,12 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <string>
 #include <vector>
 
 #include "app/knee.h"
+#include "app/sweep.h"
 #include "app/trial.h"
 #include "pipeline/foreign.h"
 
@@ -58,6 +60,17 @@ TEST(Knee, IsWhereMoreCostBeginsToBuyLess) {
     EXPECT_EQ(app::knee_of(with_bad, 0.1), 2u);
 }
 
+TEST(Knee, IsWhereAPlateauBegins) {
+    // What costs more is a little worse, as far as pictures scatter: two offers are worth their cost.
+    const std::vector<app::Offer> plateau{{1, 40}, {2, 42}, {4, 41.99}, {8, 41.98}, {16, 41.99}};
+    EXPECT_EQ(app::knee_of(plateau, 0.1), 1u);
+    // A hair decides little.
+    std::vector<app::Offer> rising = plateau;
+    rising.back().quality = 42.001;
+    EXPECT_EQ(app::knee_of(rising, 0.1), 1u);
+    EXPECT_FALSE(app::knee_of(std::vector<app::Offer>{{1, 42}, {2, 41}, {4, 40}}, 0.1)) << "nothing is bought";
+}
+
 TEST(Knee, IsNowhereInWhatHasNone) {
     const std::vector<app::Offer> straight{{1, 20}, {2, 21}, {4, 22}, {8, 23}}, two{{1, 20}, {2, 30}},
         flat{{1, 20}, {2, 20.06}, {4, 20.08}, {8, 20.09}}, hollow{{1, 20}, {2, 20.2}, {4, 21}, {8, 30}};
@@ -66,6 +79,38 @@ TEST(Knee, IsNowhereInWhatHasNone) {
     const double infinite = std::numeric_limits<double>::infinity();
     EXPECT_FALSE(app::knee_of(std::vector<app::Offer>{{0, 1}, {0, 2}, {0, 3}}, 0.1)) << "nothing takes time";
     EXPECT_FALSE(app::knee_of(std::vector<app::Offer>{{1, infinite}, {2, infinite}, {3, infinite}}, 0.1));
+}
+
+/// A sweep of made rows: seconds, and by how many code values the decoded picture is off.
+app::Sweep sweep_of(const std::vector<std::array<double, 3>>& rows) {
+    const auto grey = [](int luma) {
+        core::Picture picture;
+        picture.y = core::Plane<std::uint8_t>(16, 16, static_cast<std::uint8_t>(luma));
+        picture.cb = picture.cr = core::Plane<std::uint8_t>(8, 8, std::uint8_t{128});
+        return picture;
+    };
+    app::Sweep sweep;
+    for (const auto& [share, seconds, off] : rows) {
+        app::Trial& trial = sweep.fixed.emplace_back();
+        trial.tolerance.relative = static_cast<float>(share);
+        trial.seconds = seconds;
+        trial.points = 1;
+        trial.decoded.add(grey(100 + static_cast<int>(off)), grey(100));
+    }
+    return sweep;
+}
+
+TEST(Summary, SpeaksOfTheRowsThatItIsAbout) {
+    const auto says = [](const app::Sweep& sweep, const char* words) {
+        return app::sentence_of(sweep, 4).find(words) != std::string::npos;
+    };
+    // What is the same to the last bit far from the knee takes nothing from it; beside it there is no saying.
+    EXPECT_TRUE(says(sweep_of({{.16, 1, 12}, {.08, 2, 4}, {.04, 4, 3}, {.02, 9, 3}, {.01, 19, 0}}), "knee is at 8 %"));
+    EXPECT_TRUE(says(sweep_of({{.16, 1, 4}, {.04, 2, 3}, {.02, 4, 0}}), "cannot be told from"));
+    EXPECT_TRUE(says(sweep_of({{.02, 1, 0}}), "cannot be told from"));
+    // A plateau is no sweep in which each step buys as much as the one before.
+    EXPECT_TRUE(says(sweep_of({{.16, 1, 12}, {.08, 2, 2}, {.04, 4, 3}, {.02, 8, 3}, {.01, 16, 2}}), "knee is at 8 %"));
+    EXPECT_TRUE(says(sweep_of({{.04, 0, 4}, {.02, 0, 3}, {.01, 0, 2}}), "too little time"));
 }
 
 TEST(Windows, LieApartSpreadOverTheFilmAndInIt) {
@@ -92,9 +137,10 @@ TEST(Windows, LieApartSpreadOverTheFilmAndInIt) {
 
 TEST(CostOptions, AreReadAndRefused) {
     EXPECT_EQ(app::percents_from("2,16,0.5,2"), (std::vector<float>{0.16f, 0.02f, 0.005f}));
+    EXPECT_EQ(app::percents_from("0.001"), (std::vector<float>{1e-5f})) << "the least";
     EXPECT_EQ(app::quantisers_from("31,2,2,8"), (std::vector<int>{2, 8, 31}));
     EXPECT_TRUE(app::quantisers_from("none").empty());
-    for (const char* wrong : {"", "2,", "0", "101", "-1", "2%", "x", "nan"})
+    for (const char* wrong : {"", "2,", "0", "101", "-1", "2%", "x", "nan", "1e-50", "0.0009"})
         EXPECT_THROW(app::percents_from(wrong), core::Error) << wrong;
     for (const char* wrong : {"", "2,", "0", "32", "4.5", "none,2"})
         EXPECT_THROW(app::quantisers_from(wrong), core::Error) << wrong;

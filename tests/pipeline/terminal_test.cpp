@@ -43,6 +43,11 @@ TEST(ProgressLine, SaysWhatIsKnown) {
               "frame 250/250  100 %  2.00 frames/s  done in 2:05");
 }
 
+TEST(ProgressLine, OfMoreThanWasExpectedIsFull) {
+    EXPECT_EQ(progress_line({"reference", 3, 2, 0, 65, false}, 79, true),
+              "[########################] reference 3/2  100 %  done in 1:05");
+}
+
 TEST(Wrapping, BreaksBetweenWordsAndKeepsLineEnds) {
     EXPECT_EQ(app::wrapped("one two three", 7), "one two\nthree");
     EXPECT_EQ(app::wrapped("one\ntwo three", 20), "one\ntwo three");
