@@ -20,7 +20,7 @@ struct MotionSources {
     float cost_per_bit;         ///< Hadamard sum
     bool zero_is_unsaid;        ///< a zero vector costs next to nothing: P pictures
     std::uint32_t enough = 0;   ///< QuickMotion: Hadamard sum at which no more vectors are tried
-    int evaluation_limit = 39;  ///< most 16x16 differences computed for one macroblock, 9..40
+    int evaluation_limit = 38;  ///< most 16x16 differences computed for one macroblock, 9..40
     int search_range = 0;       ///< encoder/mpeg2/search.h
 };
 
@@ -38,11 +38,11 @@ struct MotionChoice {
 };
 
 /// Most 16x16 differences computed for one macroblock: in all; to choose a vector in a P picture, and in each direction
-/// of a B picture; of means of both there; to see whether intra coding may win.
-inline constexpr int evaluation_limit = 40, evaluation_limit_of_vectors = 39, evaluation_limit_per_direction = 17,
-                     evaluation_limit_of_means = 4, evaluation_limit_of_intra = 1;
-static_assert(evaluation_limit_of_vectors + evaluation_limit_of_intra <= evaluation_limit);
-static_assert(2 * evaluation_limit_per_direction + evaluation_limit_of_means + evaluation_limit_of_intra <=
+/// of a B picture; of means of both there; to see what skipping leaves, and whether intra coding may win.
+inline constexpr int evaluation_limit = 40, evaluation_limit_of_vectors = 38, evaluation_limit_per_direction = 17,
+                     evaluation_limit_of_means = 4, evaluation_limit_of_modes = 2;
+static_assert(evaluation_limit_of_vectors + evaluation_limit_of_modes <= evaluation_limit);
+static_assert(2 * evaluation_limit_per_direction + evaluation_limit_of_means + evaluation_limit_of_modes <=
               evaluation_limit);
 
 /// Chooses a vector for every macroblock by Hadamard difference plus the price of the vector's bits, among the

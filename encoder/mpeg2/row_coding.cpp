@@ -167,6 +167,7 @@ class RowDecider {
     float distortion_if_skipped(int column, const Movement& movement) {
         if (predicted_column_ == column) return skip_distortion_;
         predicted_column_ = column;
+        ++code_.evaluations;
         predict(picture_, column, row_, movement, prediction_);
         skip_distortion_ = skip_distortion(picture_, column, row_, prediction_);
         return skip_distortion_;

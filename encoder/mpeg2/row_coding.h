@@ -14,7 +14,7 @@ struct RowCode {
     int quantiser = 1;                ///< of the slice's header
     std::vector<RunLevel> runs;       ///< of all blocks, in their order
     std::int64_t table_one_gain = 0;  ///< bits saved by coding intra blocks with table B-15
-    std::uint64_t evaluations = 0;    ///< 16x16 differences computed to choose between movements, and against intra
+    std::uint64_t evaluations = 0;    ///< 16x16 differences computed to choose movements, skipping and intra
 };
 
 /// Decides every macroblock of a row by distortion + lambda * bits, and reconstructs it. `vectors` has one per

@@ -27,6 +27,8 @@ std::string read_file(const std::string& name) {
         throw core::Error("keyframes " + name + ": expected frame numbers such as 0,48,96, or a file with them");
     std::string text, line;
     while (std::getline(stream, line)) text += line.substr(0, line.find('#')) + "\n";
+    // Folders can be opened, but not read.
+    if (stream.bad()) throw core::Error("keyframes " + name + ": cannot be read");
     return text;
 }
 
@@ -53,6 +55,7 @@ Keyframes keyframes_from(const std::string& text) {
         keyframes.frames.push_back(frame);
         at = list.find_first_not_of(separators, end);
     }
+    if (keyframes.frames.empty()) throw core::Error("keyframes " + text + ": no frame numbers");
     std::sort(keyframes.frames.begin(), keyframes.frames.end());
     keyframes.frames.erase(std::unique(keyframes.frames.begin(), keyframes.frames.end()), keyframes.frames.end());
     return keyframes;

@@ -16,7 +16,8 @@ struct Keyframes {
 };
 
 /// Reads "0,48,96", or the name of a file with frame numbers between spaces, commas and line ends, where `#` begins a
-/// comment. Frames that a film does not have are allowed: a part of a film is cut as the whole. Throws core::Error.
+/// comment. Frames that a film does not have are allowed: a part of a film is cut as the whole. Throws core::Error,
+/// also where there is no number at all.
 Keyframes keyframes_from(const std::string& text);
 
 }  // namespace render2mpeg::app

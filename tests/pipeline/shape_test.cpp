@@ -190,8 +190,10 @@ TEST(Keyframes, AreReadFromListsAndFiles) {
     std::ofstream(folder / "k.txt") << "# chapters\n0 48,\n  96 # the door opens\n\n120";
     EXPECT_EQ(keyframes_from((folder / "k.txt").string()).frames, (Frames{0, 48, 96, 120}));
     std::ofstream(folder / "bad.txt") << "0 48 x96";
+    std::ofstream(folder / "none.txt") << "# 48\n \n";
     for (const std::string& wrong : {std::string("1,-2"), std::string("99999999999"), std::string("no such file"),
-                                     std::string(""), (folder / "bad.txt").string()})
+                                     std::string(""), std::string(","), (folder / "bad.txt").string(),
+                                     (folder / "none.txt").string(), (folder / ".").string()})
         EXPECT_THROW(keyframes_from(wrong), core::Error) << wrong;
 }
 
