@@ -184,8 +184,8 @@ struct CodedPicture {
 
 /// Pictures in display order to coded pictures in coding order. Never searches for motion. Bytes are a function of the
 /// chunk: of what was planned and pushed since the last chunk of promised length (PictureFacts::left_in_chunk) began,
-/// whatever came before, and for any number of threads. Of chunks without a promise they are a function of all since
-/// the first of those.
+/// and where there is a rate, of how these took turns; whatever came before, and for any number of threads. Of chunks
+/// without a promise they are a function of all since the first of those.
 class Encoder {
   public:
     /// Throws as check() does.
