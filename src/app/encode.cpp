@@ -240,6 +240,7 @@ std::vector<ChunkFile> encode_chunks(Job& job, const EncodeOptions& options, Wor
 void say_notes(const Job& job, const EncodeOptions& options) {
     std::vector<std::string> notes = unused_options(options);
     notes.push_back(unused_keyframes(job.film.keyframes, job.film.frames));
+    notes.push_back(keyframes_without_chapter(job.film));
     if (!job.motion)
         notes.emplace_back(
             "no --motion: vectors will be poor, since they are guessed from neighbours and never searched");

@@ -29,6 +29,7 @@ void say_notes(const Production& film, const RenderOptions& options) {
     std::vector<std::string> notes = film.animation->notes;
     for (const std::string& line : unused_options(options, film.kind, film.tolerance)) notes.push_back(line);
     notes.push_back(film.kind == OutputKind::film ? unused_keyframes(film.keyframes, film.frames) : "");
+    notes.push_back(film.kind == OutputKind::film ? keyframes_without_chapter(film.film()) : "");
     if (film.end && film.frames.last > *film.end)
         notes.push_back(fmt::format("--frames goes beyond the scene's own film, which ends with frame {}", *film.end));
     for (const std::string& note : notes)

@@ -4,6 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstdint>
+
+#include "app/chunk.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -58,6 +61,27 @@ std::string unused_keyframes(const Keyframes& keyframes, const FrameRange& frame
     return fmt::format("--keyframes: {} of {} {} no frame{} of the film, which has {} to {}", outside,
                        keyframes.frames.size(), outside == 1 ? "is" : "are", outside == 1 ? "" : "s", frames.first,
                        frames.last);
+}
+
+std::string keyframes_without_chapter(const Film& film) {
+    if (!film.disc) return {};
+    // libavformat begins a unit with a GOP this many seconds after the one before (docs/presets.md).
+    const double apart = 0.4 * film.coding.rate.hertz.value();
+    std::vector<std::int64_t> lost;
+    std::int64_t unit = film.frames.first, gop = film.frames.first;
+    for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop))
+        for (std::int64_t n = chunk.first; n <= chunk.last; ++n) {
+            const bool keyframe = film.keyframes.begins_at(n);
+            if (n != chunk.first && !keyframe && n - gop < film.coding.gop) continue;
+            gop = n;
+            if (n == film.frames.first) continue;
+            const bool begins_unit = static_cast<double>(n - unit) >= apart;
+            if (begins_unit) unit = n;
+            if (keyframe && !begins_unit) lost.push_back(n);
+        }
+    if (lost.empty()) return {};
+    return fmt::format("--keyframes: no chapter can begin at {}: a group of pictures begins less than 0.4 s before",
+                       fmt::join(lost, ", "));
 }
 
 }  // namespace render2mpeg::app

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "app/film.h"
 #include "app/keyframes.h"
 #include "app/options.h"
 #include "app/output_kind.h"
@@ -16,5 +17,9 @@ std::vector<std::string> unused_options(const EncodeOptions& options);
 
 /// A line about keyframes that are no frames of the film; empty where all are.
 std::string unused_keyframes(const Keyframes& keyframes, const FrameRange& frames);
+
+/// A line about keyframes of a DVD's film at which no chapter can begin, since a unit of its stream begins less than
+/// 0.4 s before; empty where there is none. Cuts, which are found while frames are made, are not looked at.
+std::string keyframes_without_chapter(const Film& film);
 
 }  // namespace render2mpeg::app

@@ -6,6 +6,7 @@
 
 #include "app/film.h"
 #include "app/keyframes.h"
+#include "app/unused_options.h"
 #include "core/error.h"
 #include "encoder/cadence.h"
 #include "support/program.h"
@@ -191,10 +192,25 @@ TEST(Keyframes, AreReadFromListsAndFiles) {
     EXPECT_EQ(keyframes_from((folder / "k.txt").string()).frames, (Frames{0, 48, 96, 120}));
     std::ofstream(folder / "bad.txt") << "0 48 x96";
     std::ofstream(folder / "none.txt") << "# 48\n \n";
-    for (const std::string& wrong : {std::string("1,-2"), std::string("99999999999"), std::string("no such file"),
-                                     std::string(""), std::string(","), (folder / "bad.txt").string(),
-                                     (folder / "none.txt").string(), (folder / ".").string()})
+    for (const std::string& wrong :
+         {std::string("1,-2"), std::string("99999999999"), std::string("no such file"), std::string(""),
+          std::string(","), (folder / "bad.txt").string(), (folder / "none.txt").string(), (folder / ".").string()})
         EXPECT_THROW(keyframes_from(wrong), core::Error) << wrong;
+}
+
+TEST(Keyframes, OfADvdThatAreTooCloseForAChapterAreTold) {
+    Film film;
+    film.frames = {0, 99};
+    film.coding.rate = core::frame_rate_from("25");
+    film.keyframes = {{5, 20, 29, 50, 60}};
+    film.coding.gop = 10;
+    EXPECT_EQ(keyframes_without_chapter(film), "") << "no DVD";
+    film.disc = true;
+    // Groups begin at 0, 5, 15, 20, 29, 39, 49, 50 and 60; units at 0, 15, 29, 39, 49 and 60.
+    EXPECT_NE(keyframes_without_chapter(film).find("begin at 5, 20, 50:"), std::string::npos)
+        << keyframes_without_chapter(film);
+    film.keyframes = {{0, 20, 30, 90}};
+    EXPECT_EQ(keyframes_without_chapter(film), "");
 }
 
 TEST(Keyframes, EndWhatIsPromised) {
