@@ -37,7 +37,7 @@ double error_of(const nlohmann::json& statistics) {
 TEST(RatesSlow, OnePassAndTwoComeNearAndStatisticsSayHow) {
     const Folder folder;
     const auto two = rendered(folder, "--bitrate 60k --maxrate 100k --vbv 200k");
-    EXPECT_LT(error_of(two), 0.06) << two.at("rate");
+    EXPECT_LT(error_of(two), 0.02) << two.at("rate");
     EXPECT_GT(two.at("seconds").at("first_pass").get<double>(), 0);
     EXPECT_EQ(two.at("rate").at("mode"), "variable");
     EXPECT_EQ(two.at("rate").at("max_rate"), 100'000);
@@ -49,7 +49,7 @@ TEST(RatesSlow, OnePassAndTwoComeNearAndStatisticsSayHow) {
         EXPECT_LE(frame.at("vbv")[0], 12 * 16'384);
     }
     const auto one = rendered(folder, "--bitrate 60k --passes 1");
-    EXPECT_LT(error_of(one), 0.09) << one.at("rate");
+    EXPECT_LT(error_of(one), 0.05) << one.at("rate");
     EXPECT_EQ(one.at("seconds").at("first_pass").get<double>(), 0);
 }
 
