@@ -19,6 +19,7 @@ PointLight point_light(const GatheredLight& gathered, int lane, const GatherPoin
     light.direct_cut = static_cast<float>(gathered.direct_clusters);
     light.indirect_cut = static_cast<float>(gathered.indirect_clusters);
     light.error = gathered.error[lane];
+    light.clamped = gathered.clamped[lane];
     light.capped = (gathered.capped >> lane & 1u) != 0;
     return light;
 }

@@ -15,8 +15,9 @@ struct PointLight {
     glm::vec3 glossy{0};                     ///< radiance
     float direct_cut = 0, indirect_cut = 0;  ///< clusters that were gathered for it; 0: for other points
     float error = 0;                         ///< luminance of the pixel
-    bool served = false;                     ///< by records, which may err otherwise than a cut
-    bool capped = false;                     ///< the largest cut came before the tolerance was kept
+    float clamped = 0;                       ///< likewise, what the clamp of near lights took
+    bool served = false;  ///< by records, or by an earlier frame: it may err otherwise than a cut with today's caution
+    bool capped = false;  ///< the largest cut came before the tolerance was kept
 
     /// What the point sends into its pixel.
     glm::vec3 scattered(const GatherPoint& p) const {

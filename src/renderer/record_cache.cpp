@@ -52,6 +52,8 @@ class FrameLighting {
           gathered_(seen.tiles.size()),
           served_(seen.tiles.size(), 0) {
         limits_.exact = false;
+        // Records keep their errors without caution, which is learnt anew at a cut.
+        trust_.noise *= limits.caution;
     }
 
     void prepare(const core::ToleranceMap& tolerance, const RecordCache::LitTiles& last, ShadeCounts& counts);
@@ -129,6 +131,7 @@ bool FrameLighting::recall(std::size_t t, const RecordCache::LitTiles& last) {
         if (finer && before.trees.error > now.allows(core::luminance(before.trees.scattered(p)))) continue;
         light_[t][i] = before.trees;
         light_[t][i].direct_cut = light_[t][i].indirect_cut = 0;
+        light_[t][i].served = true;
         gathered_[t][i] = 1;
         ++served_[t];
         // Whoever may have served it is not forgotten.
@@ -194,7 +197,7 @@ void FrameLighting::keep(const PointRef& ref, const PointLight& light, const Rec
     light_[ref.tile][ref.index] = light;
     gathered_[ref.tile][ref.index] = 1;
     if (!takes_records(point(ref))) return;
-    if (const auto record = record_of(point(ref), light, lobe, snapshot_.frame)) {
+    if (const auto record = record_of(point(ref), light, lobe, limits_.caution, snapshot_.frame)) {
         records_.add(*record);
         ++counts.created;
     }
@@ -256,7 +259,7 @@ void FrameLighting::renew(ShadeCounts& counts, RecordCounts& record_counts) {
                                                [](const auto& entry, std::uint32_t i) { return entry.first < i; });
             light_[ref.tile][ref.index] = g.light[k];
             gathered_[ref.tile][ref.index] = 1;
-            const auto record = record_of(point(ref), g.light[k], g.lobes[k], snapshot_.frame);
+            const auto record = record_of(point(ref), g.light[k], g.lobes[k], limits_.caution, snapshot_.frame);
             if (!record) continue;
             const float allowed =
                 tolerances_[ref.tile][ref.index].allows(core::luminance(g.light[k].scattered(point(ref))));
@@ -293,6 +296,7 @@ FrameLight FrameLighting::take(RecordCache::LitTiles& last, ShadeCounts& counts,
             light.direct += exact_[t][i].direct;
             light.glossy += exact_[t][i].glossy;
             light.direct_cut += exact_[t][i].direct_cut;
+            light.clamped += exact_[t][i].clamped;
         }
     }
     return std::move(light_);
@@ -306,10 +310,19 @@ void RecordCache::change(const scene::Snapshot& before, const scene::Snapshot& n
     drop_disturbed(records_, before, now);
 }
 
+void RecordCache::cut_to(const Seen& seen, const scene::Snapshot& snapshot) {
+    // Their errors are of another caution.
+    last_ = {};
+    RecordMap map(seen.visible.width(), seen.visible.height());
+    map.build(records_.all(), snapshot.camera);
+    records_.thin(snapshot.frame, map);
+}
+
 FrameLight RecordCache::light(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
                               const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance,
                               const CutLimits& limits, ShadeCounts& shade_counts, RecordCounts& counts) {
     EXPECTS(!tolerance.is_reference());
+    if (snapshot.cut_before) cut_to(seen, snapshot);
     FrameLighting frame(forest, tracer, seen, snapshot, limits, trust_, records_);
     frame.prepare(tolerance, last_, shade_counts);
     if (changed_ && records_.size() > 0) frame.renew(shade_counts, counts);

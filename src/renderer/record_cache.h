@@ -47,6 +47,9 @@ class RecordCache {
     using LitTiles = std::vector<std::vector<LitPoint>>;
 
   private:
+    /// Another shot: forgets the last frame, and records of surfaces that are so far now that they crowd its pixels.
+    void cut_to(const Seen& seen, const scene::Snapshot& snapshot);
+
     Records records_;
     LitTiles last_;
     bool changed_ = false;  ///< light is another than what the records tell

@@ -66,6 +66,7 @@ class Neighbours {
 
 bool Neighbours::find(const RecordQuery& q, const RecordMap& map, const Records& records, int radius) {
     plane_.clear();
+    if (!map.reaches(q.at, radius)) return false;
     const auto reach = static_cast<float>(radius) + 0.5f;
     const int x = static_cast<int>(std::floor(q.at.x)), y = static_cast<int>(std::floor(q.at.y));
     const SurfacePoint& p = q.point.point;
@@ -120,16 +121,18 @@ float Neighbours::noise(float receives) const {
 }
 
 /// What neighbours disagree by counts for more where the tolerance is fine, since light has many small edges and few
-/// large ones. chosen: about 2 at 2 %, 1.1 at 8 % and 0.7 at 26 %. Of Sponza's pixels 0.5 % err by more than they may
-/// at 2 and 2 %, 2.2 % at 1.6 and 2 %; 1.0 to 1.3 % at 1 and 8 %; 0.2 % at 0.7 and 26 %.
+/// large ones. chosen: about 2 at 2 %, which leaves 1.6 % of the pixels of Sponza's walk beyond what they may be off by
+/// (docs/decisions/0018; 1.6 at 2 % leaves four times as many in a frame as 2 does), 1.1 at 8 % (1.0 to 1.3 %) and 0.7
+/// at 26 % (0.2 %).
 float doubt(const PointTolerance& t, glm::vec3 light, float tolerance) {
     constexpr float coarse = 0.62f, fine = 2.1f, turn2 = 0.06f * 0.06f;
     const float relative = core::divide_or(tolerance, t.base + std::max(core::luminance(light), 0.0f), 1.0f);
     return coarse + (fine - coarse) * turn2 / (turn2 + relative * relative);
 }
 
-PointLight blend(const Neighbours& n) {
+PointLight blend(const Neighbours& n, const GatherPoint& p) {
     PointLight light;
+    float clamped = 0;
     glm::vec3 low[3]{glm::vec3(1e30f), glm::vec3(1e30f), glm::vec3(1e30f)}, high[3]{};
     for (int i = 0; i < n.count(); ++i) {
         const Record& r = *n[i].record;
@@ -137,6 +140,7 @@ PointLight blend(const Neighbours& n) {
         light.indirect += n.weight(i) * r.indirect;
         light.glossy += n.weight(i) * n[i].glossy;
         light.capped = light.capped || r.capped;
+        clamped += n.weight(i) * r.clamped;
         low[0] = glm::min(low[0], r.direct);
         high[0] = glm::max(high[0], r.direct);
         low[1] = glm::min(low[1], r.indirect);
@@ -147,6 +151,7 @@ PointLight blend(const Neighbours& n) {
     light.direct = glm::clamp(light.direct, low[0], high[0]);
     light.indirect = glm::clamp(light.indirect, low[1], high[1]);
     light.glossy = glm::clamp(light.glossy, low[2], high[2]);
+    light.clamped = std::max(clamped, 0.0f) * core::luminance(light.scattered(p));
     return light;
 }
 
@@ -167,7 +172,7 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
             const bool steep = radius < tells_steps && trust.step * near.plane().rise() > tolerance;
             if (off <= tolerance && noise <= tolerance && !steep) {
                 result.holds = true;
-                result.light = blend(near);
+                result.light = blend(near, q.point);
                 result.light.served = true;
                 result.light.error = std::max(off, noise);
                 for (int i = 0; i < near.count(); ++i) records.use(near[i].index, frame);
@@ -180,6 +185,7 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
         const float noise = trust.noise * (q.receives * own->record->error + own->turned);
         if (!own->record->capped && noise > q.tolerance.allows(core::luminance(light.scattered(q.point)))) continue;
         light.served = true;
+        light.clamped = own->record->clamped * core::luminance(light.scattered(q.point));
         light.capped = own->record->capped;
         light.error = noise;
         result.holds = true;

@@ -27,10 +27,11 @@ void gather_group(const Seen& seen, const std::vector<std::vector<PointTolerance
         if (i >= group.points.size()) continue;
         pointers[i] = &seen.tiles[ref.tile][ref.index];
         if (!takes_records(*pointers[i])) continue;
-        // Light a grey receiver: a record is for all textures.
+        // Light a receiver that is grey at least: a record is for all textures. What a texture reflects more of than
+        // its luminance says, as deep blue, counts in full, so that light of many colours is told well enough for it.
         receivers[i] = *pointers[i];
         glm::vec3& albedo = receivers[i].point.bsdf.diffuse;
-        albedo = glm::vec3(std::max(core::luminance(albedo), least_albedo));
+        albedo = glm::max(glm::vec3(std::max(core::luminance(albedo), least_albedo)), albedo);
         receivers[i].weight = glm::vec3(core::luminance(receivers[i].weight));
         pointers[i] = &receivers[i];
     }
@@ -43,7 +44,12 @@ void gather_group(const Seen& seen, const std::vector<std::vector<PointTolerance
     for (std::size_t i = 0; i < group.points.size(); ++i) {
         out.points.push_back(group.points[i]);
         const auto lane = static_cast<int>(i);
-        out.light.push_back(point_light(gathered, lane, *pointers[i]));
+        PointLight light = point_light(gathered, lane, *pointers[i]);
+        // The clamp took from the receiver what it is to have taken from the point, by share.
+        const GatherPoint& own = seen.tiles[group.points[i].tile][group.points[i].index];
+        light.clamped *= core::divide_or(core::luminance(light.scattered(own)),
+                                         core::luminance(light.scattered(*pointers[i])), 0.0f);
+        out.light.push_back(light);
         out.lobes.emplace_back();
         const SurfacePoint& p = pointers[i]->point;
         if (p.bsdf.has_glossy())
@@ -64,7 +70,7 @@ float receives(const GatherPoint& p) {
     return core::luminance(p.weight) * (std::max(core::luminance(bsdf.diffuse), least_albedo) + glossy);
 }
 
-std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, const RecordLobe& lobe,
+std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, const RecordLobe& lobe, float caution,
                                 std::int64_t frame) {
     Record record;
     record.address = p.point.address;
@@ -76,7 +82,8 @@ std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, c
     record.direct = light.direct;
     record.indirect = light.indirect;
     record.lobe = lobe;
-    record.error = core::divide_or(light.error, receives(p), 0.0f);
+    record.error = core::divide_or(light.error, receives(p) * caution, 0.0f);
+    record.clamped = core::divide_or(light.clamped, core::luminance(light.scattered(p)), 0.0f);
     record.born = record.used = frame;
     const bool finite = core::is_finite(record.direct) && core::is_finite(record.indirect) &&
                         core::is_finite(lobe.f0) && core::is_finite(lobe.schlick);

@@ -18,8 +18,8 @@ bool takes_records(const GatherPoint& p);
 /// if it were not quite black.
 float receives(const GatherPoint& p);
 
-/// The record of what was gathered at a point; none where that is not finite.
-std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, const RecordLobe& lobe,
+/// The record of what was gathered at a point with a caution; none where that is not finite.
+std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, const RecordLobe& lobe, float caution,
                                 std::int64_t frame);
 
 /// What was found of some requests, in the order in which they were gathered.

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/numeric.h"
 
@@ -92,17 +93,17 @@ void Records::use(std::uint32_t index, std::int64_t frame) {
 void Records::thin(std::int64_t frame, const RecordMap& map) {
     std::vector<std::uint8_t> keeps(records_.size(), 1);
     const std::span<const RecordMark> marks = map.marks();
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> of_pixel;  // surface, record
     for (std::size_t first = 0, last = 0; first < marks.size(); first = last) {
         const glm::vec2 pixel = glm::floor(marks[first].at);
         while (last < marks.size() && glm::floor(marks[last].at) == pixel) ++last;
         if (last - first <= most_in_pixel) continue;
-        // Count from the newest, which come last, surface by surface.
-        for (std::size_t i = last; i-- > first;) {
-            const auto newer = std::count_if(marks.begin() + static_cast<std::ptrdiff_t>(i) + 1,
-                                             marks.begin() + static_cast<std::ptrdiff_t>(last),
-                                             [&](const RecordMark& m) { return m.surface == marks[i].surface; });
-            if (static_cast<std::size_t>(newer) >= most_in_pixel) keeps[marks[i].record] = 0;
-        }
+        // Surface by surface, the oldest first: after a cut to a far view a pixel may hold thousands.
+        of_pixel.clear();
+        for (std::size_t i = first; i < last; ++i) of_pixel.emplace_back(marks[i].surface, marks[i].record);
+        std::sort(of_pixel.begin(), of_pixel.end());
+        for (std::size_t i = 0; i + most_in_pixel < of_pixel.size(); ++i)
+            if (of_pixel[i + most_in_pixel].first == of_pixel[i].first) keeps[of_pixel[i].second] = 0;
     }
     for (std::size_t i = 0; i < records_.size(); ++i)
         if (frame - records_[i].used > keeps_unused) keeps[i] = 0;

@@ -30,7 +30,8 @@ struct Record {
     glm::vec3 shading_normal{0};
     glm::vec3 direct{0}, indirect{0};  ///< irradiance over pi
     RecordLobe lobe;
-    float error = 0;  ///< luminance by which a white receiver of these may be off, as the cut's rule reckons
+    float error = 0;  ///< luminance by which a white receiver may be off, as the cut's rule reckons with a caution of 1
+    float clamped = 0;                ///< what the clamp of near lights took, as a share of what arrived
     std::int64_t born = 0, used = 0;  ///< frames
 };
 
@@ -65,8 +66,17 @@ class RecordMap {
     /// Sorts the records in. Their order within a pixel is their own.
     void build(std::span<const Record> records, const scene::Camera& camera);
 
-    /// The marks of pixels [x0, x1] of a row, one after the other; all within the border.
+    /// Whether a look-up of up to `radius` pixels about a place of the picture may find any; not where that is not
+    /// finite.
+    bool reaches(glm::vec2 at, int radius) const {
+        const auto margin = static_cast<float>(border + radius);
+        return at.x >= -margin && at.y >= -margin && at.x < static_cast<float>(width_) + margin &&
+               at.y < static_cast<float>(height_) + margin;
+    }
+
+    /// The marks of pixels [x0, x1] of a row, one after the other; all within the border. None where x0 > x1.
     std::span<const RecordMark> row(int y, int x0, int x1) const {
+        if (x0 > x1) return {};
         const std::size_t base = static_cast<std::size_t>(y + border) * static_cast<std::size_t>(width_ + 2 * border);
         const std::size_t first = base + static_cast<std::size_t>(x0 + border);
         const std::size_t last = base + static_cast<std::size_t>(x1 + border) + 1;

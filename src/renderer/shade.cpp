@@ -134,7 +134,11 @@ void TileShader::add_to_pixels(const GatherTile& tile) {
             const PointLight& l = light_[last];
             sum += l.scattered(p);
             clusters += l.direct_cut + l.indirect_cut;
-            if (l.capped) radiance_.capped.at(x, y) = 1;
+            if (std::isfinite(l.clamped)) counts_.clamped += l.clamped;
+            if (l.capped) {
+                radiance_.capped.at(x, y) = 1;
+                ++counts_.capped_points;
+            }
         }
         radiance_.combined.at(x, y) += sum;
         const float luminance = core::luminance(sum);
@@ -205,11 +209,8 @@ void ShadeCounts::add(const GatheredLight& light, std::size_t points) {
     groups += 1;
     gather_points += size;
     shadow_rays += light.shadow_rays;
-    capped_points += static_cast<std::uint64_t>(__builtin_popcount(light.capped & ((1u << points) - 1u)));
     direct_clusters += size * static_cast<std::uint64_t>(light.direct_clusters);
     indirect_clusters += size * static_cast<std::uint64_t>(light.indirect_clusters);
-    for (std::size_t i = 0; i < points; ++i)
-        if (std::isfinite(light.clamped[i])) clamped += light.clamped[i];
 }
 
 void ShadeCounts::add(const ShadeCounts& more) {

@@ -29,7 +29,7 @@ struct ShadeCounts {
     double gathered = 0, clamped = 0;    ///< luminance summed over pixels: what arrived, what the clamp took
     ToleranceBands bands;
 
-    /// A group of so many points.
+    /// What gathering a group of so many points took; what it found counts where it is added to pixels.
     void add(const GatheredLight& gathered, std::size_t points);
     void add(const ShadeCounts& more);
 };

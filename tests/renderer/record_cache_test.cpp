@@ -70,8 +70,14 @@ TEST(RecordCache, AStillFilmShootsNoSecondShadowRayAndStaysStill) {
 }
 
 TEST(RecordCache, IsTheSameForAnyNumberOfThreads) {
-    FilmStage one(walk(), settings(true)), two(walk(), settings(true));
-    for (int second = 0; second < 3; ++second) {
+    // Six areas whose records meet, two samples a pixel.
+    Settings s = settings(true);
+    s.format = {136, 80, 1.0f};
+    s.samples = 2;
+    s.direct_points = 32;
+    s.vpls = 50;
+    FilmStage one(walk(), s), two(walk(), s);
+    for (int second = 0; second < 2; ++second) {
         core::Radiance a, b;
         {
             const parallel::ThreadLimit limit(1);
@@ -114,6 +120,45 @@ TEST(RecordCache, ShowsNoShadowOfWhatIsGone) {
     stage.cut(0.05f, 0);
     stage.cut(0.05f, 1);
     EXPECT_LE(share_over(stage.cut(0.05f, 2), plain.reference(2), 0.05f), 0.02);
+}
+
+TEST(RecordCache, CountsWhatIsCappedForServedPointsToo) {
+    Settings s = settings(true);
+    s.max_cut = 24;
+    FilmStage stage(walk(false), s);
+    stage.cut(0.03f, 0);
+    const std::uint64_t once = stage.statistics().capped_points;
+    EXPECT_GT(once, 0u);
+    stage.cut(0.03f, 1);
+    EXPECT_EQ(stage.statistics().capped_points, 2 * once);
+}
+
+TEST(RecordCache, TellsTheShareOfClampedLightAsCutsDo) {
+    FilmStage plain(walk(), settings(false)), cached(walk(), settings(true));
+    for (int second = 0; second < 3; ++second) {
+        plain.cut(0.08f, second);
+        cached.cut(0.08f, second);
+    }
+    ASSERT_GT(cached.statistics().records_served, cached.statistics().gather_points / 3);
+    const double clamped = plain.statistics().clamped_energy;
+    EXPECT_GT(clamped, 0.0);
+    EXPECT_NEAR(cached.statistics().clamped_energy, clamped, 0.25 * clamped);
+}
+
+TEST(RecordCache, ACutKeepsRecordsButNoPointsLight) {
+    // The second camera is a twin of the first, so that only the cut tells them apart.
+    test::SceneBuilder b = walk(false);
+    b.add_camera({2.0f, 1.6f, 3.8f}, {2.0f, 1.0f, 0.0f}, 1.1f);
+    b.film().shots = {{0, 0}, {1, 1}};
+    FilmStage stage(b, settings(true));
+    ASSERT_TRUE(stage.at(1).cut_before);
+    stage.cut(0.05f, 0);
+    const std::uint64_t rays = stage.statistics().shadow_rays;
+    const core::Radiance after = stage.cut(0.05f, 1);
+    const std::uint64_t more = stage.statistics().shadow_rays - rays;
+    EXPECT_GT(more, 0u);
+    EXPECT_LT(more, rays);
+    EXPECT_LE(share_over(after, stage.reference(1), 0.05f), 0.02);
 }
 
 TEST(RecordCache, TakesNoPartInReferenceFrames) {

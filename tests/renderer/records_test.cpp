@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "core/sampling.h"
 #include "renderer/record_fit.h"
+#include "renderer/record_gather.h"
 #include "renderer/record_groups.h"
 #include "tests/renderer/stage.h"
 
@@ -179,6 +181,48 @@ TEST_F(Wall, NoPixelKeepsMoreRecordsThanSayMore) {
     ASSERT_EQ(records_.size(), 4u * 64u);
     // The newest.
     for (const Record& r : records_.all()) EXPECT_GE(r.indirect.x, 3.0f);
+}
+
+TEST_F(Wall, EverySurfaceOfAPixelKeepsItsNewestRecords) {
+    // As after a cut to a far view: many surfaces, each with some records, in one pixel.
+    for (std::uint32_t i = 0; i < 600; ++i) {
+        Record r;
+        r.address.object = i % 100;
+        r.position = point_at(12, 12).point.position;
+        r.indirect = glm::vec3(static_cast<float>(i));
+        records_.add(r);
+    }
+    map_.build(records_.all(), stage_.world().camera);
+    records_.thin(0, map_);
+    ASSERT_EQ(records_.size(), 4u * 100u);
+    for (const Record& r : records_.all()) EXPECT_GE(r.indirect.x, 200.0f);
+}
+
+TEST_F(Wall, NobodyIsServedWhereThePictureDoesNotReach) {
+    strew(1, [](glm::vec2) { return 1.0f; });
+    const GatherPoint p = point_at(12, 12);
+    const float extent = stage_.world().camera.pixel_size() * 2.0f, none = std::numeric_limits<float>::quiet_NaN();
+    const auto holds = [&](glm::vec2 at) {
+        return estimate({p, {0, 0.02f, 0}, at, extent, 0.4f}, map_, records_, {}, 0).holds;
+    };
+    EXPECT_TRUE(holds({12.5f, 12.5f}));
+    for (const float off : {-1e30f, -40.0f, -15.5f, -14.0f, -10.0f, 33.5f, 38.0f, 39.5f, 60.0f, 1e30f, none}) {
+        EXPECT_FALSE(holds({off, 12.5f})) << off;
+        EXPECT_FALSE(holds({12.5f, off})) << off;
+    }
+}
+
+TEST_F(Wall, RecordsKeepTheirErrorsWithoutCaution) {
+    const GatherPoint p = point_at(12, 12);
+    PointLight light;
+    light.direct = glm::vec3(1);
+    light.error = 0.03f;
+    const auto plain = record_of(p, light, {}, 1.0f, 0);
+    light.error *= 2.5f;
+    const auto cautious = record_of(p, light, {}, 2.5f, 0);
+    ASSERT_TRUE(plain && cautious);
+    EXPECT_GT(plain->error, 0.03f);
+    EXPECT_NEAR(cautious->error, plain->error, 1e-6f);
 }
 
 TEST_F(Wall, EveryRequestIsGatheredOnceInGroupsOfOneSet) {
