@@ -51,6 +51,7 @@ Comparing::Comparing(const CompareOptions& options, const Production& film, cons
       trials_(film, windows_of(film.frames, sample_from(options.sample)), options.references) {
     found_.windows = trials_.windows();
     found_.ffmpeg = ffmpeg;
+    tell_memory(trials_.bytes_held(true), options.render.quiet);
     const FfmpegWay usual = usual_ffmpeg(), strongest = strongest_ffmpeg();
     found_.ways = {{"coupled", "--tolerance coupled", {}},
                    {"fixed 2 %, our encoder", "--tolerance fixed=2%", {}},

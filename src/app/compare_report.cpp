@@ -25,6 +25,8 @@ json finite_or_null(double value) {
 json row_json(const Trial& t) {
     return {{"quantiser", t.quantiser},
             {"light_seconds", t.seconds},
+            {"light_window_seconds", t.window_seconds},
+            {"requantised", t.requantised},
             {"code_seconds", t.code_seconds},
             {"bytes", t.bytes},
             {"psnr_y", finite_or_null(t.decoded.psnr_y())},
@@ -127,6 +129,8 @@ json compare_json(const Production& film, const Comparison& found, const std::st
             {"gop", film.coding.gop},
             {"samples", film.rendering.samples},
             {"vpls", film.rendering.vpls},
+            {"masking", film.coupling.observer.strategy == perceptual::Strategy::quantised ? "quantised" : "carried"},
+            {"cache", film.rendering.cache ? "on" : "off"},
             {"light_points", found.light_points},
             {"windows", windows},
             {"reference", {{"frames", found.references}, {"seconds", found.reference_seconds}}},

@@ -21,8 +21,11 @@ namespace {
 class Cost {
   public:
     Cost(const CostOptions& options, const Production& film)
-        : options_(options), trials_(film, windows_of(film.frames, sample_from(options.sample))) {
+        : options_(options),
+          pairs_(!quantisers_from(options.quantisers).empty()),
+          trials_(film, windows_of(film.frames, sample_from(options.sample))) {
         sweep_.windows = trials_.windows();
+        tell_memory(trials_.bytes_held(pairs_), options.render.quiet);
     }
 
     /// Returns whether nobody interrupted.
@@ -45,6 +48,7 @@ class Cost {
     }
 
     const CostOptions& options_;
+    bool pairs_;  ///< coupled light is asked for: light of a fixed 2 % is kept to be coded beside it
     Trials trials_;
     Sweep sweep_;
     LitWindows usual_;  ///< lit by a fixed 2 %
@@ -65,7 +69,7 @@ bool Cost::try_fixed() {
     const int quantiser = film().coding.quantiser;
     say(fixed_heading(quantiser));
     for (const float share : percents_from(options_.tolerances)) {
-        const bool keep = share == 0.02f && usual_.frames.empty();
+        const bool keep = share == 0.02f && pairs_;
         const auto trial =
             run({false, share, false, {}}, quantiser, "fixed " + tolerance_text(share), keep ? &usual_ : nullptr);
         if (!trial) return false;
@@ -76,11 +80,10 @@ bool Cost::try_fixed() {
 }
 
 bool Cost::try_coupled() {
-    const std::vector<int> quantisers = quantisers_from(options_.quantisers);
-    if (quantisers.empty()) return true;
+    if (!pairs_) return true;
     if (usual_.frames.empty() && !run({}, film().coding.quantiser, "fixed 2 %", &usual_)) return false;
     say(pair_heading());
-    for (const int quantiser : quantisers) {
+    for (const int quantiser : quantisers_from(options_.quantisers)) {
         const auto coupled =
             run({false, 0, true, {}}, quantiser, fmt::format("coupled, quantiser {}", quantiser), nullptr);
         if (!coupled) return false;

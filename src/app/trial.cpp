@@ -99,6 +99,7 @@ class Trials::Judge : public Watcher {
 
     void coded(const encoder::CodedPicture& picture) override {
         trial_.bytes += static_cast<double>(picture.bytes.size());
+        trial_.requantised += picture.tries > 1 ? 1 : 0;
         decoded(picture.plan.number, picture.reconstruction);
     }
 
@@ -130,14 +131,43 @@ int Trials::frames() const {
                            [](int sum, const Chunk& window) { return sum + static_cast<int>(window.frames()); });
 }
 
+double Trials::bytes_held(bool keeps_frames) const {
+    const double pixels = static_cast<double>(film_.format.width) * film_.format.height;
+    constexpr double picture = 1.5 + sizeof(float);
+    constexpr double visible = sizeof(core::SurfaceAddress) + sizeof(float) + 2 * sizeof(core::PackedNormal) +
+                               sizeof(std::uint32_t) + sizeof(core::PixelClass);
+    constexpr double truth = sizeof(glm::vec3) + picture + sizeof(glm::ivec2);
+    return pixels * (truth * references_ * static_cast<double>(windows_.size()) +
+                     (keeps_frames ? (picture + visible) * frames() : 0.0));
+}
+
 double Trials::reference_seconds() const {
     return core::divide_or(reference_seconds_, static_cast<double>(truths_.size()), 0.0);
+}
+
+double Trials::share_of_chunk() const {
+    return static_cast<double>(windows_.front().frames()) /
+           static_cast<double>(chunks_of(film_.frames, film_.coding.gop).front().frames());
+}
+
+void Trials::measure_start(const Chunk& window) {
+    renderer_.start_chunk(film_.snapshot(window.first));
+    const auto light = [&](std::int64_t frame, double& seconds) {
+        const scene::Snapshot world = film_.snapshot(frame);
+        renderer::Seen nothing = renderer_.see(world);
+        for (renderer::GatherTile& tile : nothing.tiles) tile.clear();
+        timed(seconds, [&] { return renderer_.sketch(world, nothing, core::ToleranceMap::reference()).combined; });
+    };
+    light(window.first, first_light_seconds_);
+    const std::int64_t beside = window.first < film_.frames.last ? window.first + 1 : window.first - 1;
+    light(std::max(beside, film_.frames.first), next_light_seconds_);
 }
 
 bool Trials::light_references(const std::function<bool(const ReferenceStanding&)>& part_done) {
     ReferenceStanding standing;
     int left = references_ * static_cast<int>(windows_.size());
     for (const Chunk& window : windows_) {
+        measure_start(window);
         renderer_.start_chunk(film_.snapshot(window.first));
         for (int i = 1; i <= references_; ++i, --left)
             if (!light_reference(window.first + window.frames() * i / references_ - 1, left, standing, part_done))
@@ -201,12 +231,19 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, int quantise
     film.coding.quantiser = quantiser;
     Ledger ledger;
     const renderer::Statistics before = renderer_.statistics();
+    double once = 0;  // CPU for what a chunk takes once
     for (const Chunk& window : windows_) {
         // Each is a film of its own: it owes the next one nothing of the decoder's buffer.
         film.frames = {window.first, window.last};
-        bool goes_on = true;
-        render_chunk(film, renderer_, window, {nullptr, nullptr, nullptr, &judge}, ledger,
-                     [&] { return goes_on = frame_done(); });
+        bool goes_on = true, first = true;
+        const auto started = [&] {
+            return renderer_.statistics().calibration_seconds + ledger.stage_seconds(Stage::preview);
+        };
+        const double earlier = started();
+        render_chunk(film, renderer_, window, {nullptr, nullptr, nullptr, &judge}, ledger, [&] {
+            if (std::exchange(first, false)) once += started() - earlier;
+            return goes_on = frame_done();
+        });
         if (!goes_on) return std::nullopt;
     }
 
@@ -222,8 +259,12 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, int quantise
     trial.capped = per_point(after.capped_points - before.capped_points);
     trial.seconds = ledger.stage_seconds(Stage::shade) + ledger.stage_seconds(Stage::preview);
     if (tolerance.coupled) trial.seconds += ledger.stage_seconds(Stage::tolerate);
+    // The rough first look makes the first frame's lights; what frame after frame has to make is no start.
+    once += (tolerance.coupled ? 0.0 : first_light_seconds_) - next_light_seconds_;
+    once = std::clamp(once, 0.0, trial.seconds);
     trial.bytes /= trial.frames;
-    trial.seconds /= trial.frames;
+    trial.window_seconds = trial.seconds / trial.frames;
+    trial.seconds = (trial.seconds - once + once * share_of_chunk()) / trial.frames;
     trial.code_seconds =
         (ledger.stage_seconds(Stage::encode) + ledger.pass_seconds[static_cast<std::size_t>(renderer::Pass::motion)]) /
         trial.frames;
@@ -242,6 +283,7 @@ Trial Trials::coded_again(const LitWindows& lit, int quantiser) const {
             const auto take = [&](const std::vector<encoder::CodedPicture>& coded) {
                 for (const encoder::CodedPicture& picture : coded) {
                     sum.bytes += static_cast<double>(picture.bytes.size());
+                    sum.requantised += picture.tries > 1 ? 1 : 0;
                     core::Picture shown = picture.reconstruction;
                     shown.number = picture.plan.number - window.first;
                     decoded(shown);
@@ -271,6 +313,7 @@ Trial Trials::coded_by(const Codec& codec, const LitWindows& lit, int quantiser)
     trial.quantiser = quantiser;
     trial.decoded = {};
     trial.masked_error = trial.bytes = trial.code_seconds = 0;
+    trial.requantised = 0;
     Judge judge(*this, trial, nullptr);
     for (const Chunk& window : windows_) {
         std::vector<const core::Picture*> pictures;
@@ -279,6 +322,7 @@ Trial Trials::coded_by(const Codec& codec, const LitWindows& lit, int quantiser)
             judge.decoded(window.first + picture.number, picture);
         });
         trial.bytes += coded.bytes;
+        trial.requantised += coded.requantised;
         trial.code_seconds += coded.seconds;
     }
     trial.bytes /= trial.frames;

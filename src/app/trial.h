@@ -32,18 +32,22 @@ struct Trial {
     ToleranceRequest tolerance;
     int quantiser = 4;
     int frames = 0;
-    double seconds = 0;        ///< CPU per frame for light, with what coupling it to its coding takes
-    double rays = 0;           ///< shadow rays per gather point
-    double cut = 0;            ///< clusters per gather point
-    double capped = 0;         ///< share of the gather points that the largest cut stopped
-    std::uint64_t points = 0;  ///< gathered for; 0: nothing is lit
-    ErrorHistogram errors;     ///< of luminance over what it should be, or over half a code value where that is more
-    std::uint64_t over = 0;    ///< pixels that err by more than their tolerance
+    /// CPU per frame for light, with what coupling it to its coding takes: as in the film, which pays once in a chunk
+    /// for what every window pays for (caution's calibration, the rough first look, light that stands still).
+    double seconds = 0;
+    double window_seconds = 0;  ///< the same as it was measured in the windows
+    double rays = 0;            ///< shadow rays per gather point
+    double cut = 0;             ///< clusters per gather point
+    double capped = 0;          ///< share of the gather points that the largest cut stopped
+    std::uint64_t points = 0;   ///< gathered for; 0: nothing is lit
+    ErrorHistogram errors;      ///< of luminance over what it should be, or over half a code value where that is more
+    std::uint64_t over = 0;     ///< pixels that err by more than their tolerance
     std::uint64_t over_twice = 0;  ///< by more than twice of it
     perceptual::FilmQuality lit;   ///< before coding, against the truth
     perceptual::FilmQuality decoded;
     double masked_error = 0;  ///< of the decoded pictures, mean; code values squared (perceptual/hvs.h)
     double bytes = 0;         ///< per frame
+    int requantised = 0;      ///< pictures that the decoder's buffer had no room for at their quantiser
     double code_seconds = 0;  ///< CPU per frame for coding, and for motion where that is not searched for
 
     double share_over() const;
@@ -94,6 +98,7 @@ class Trials {
     /// size in bytes and the CPU seconds that coding took.
     struct Coded {
         double bytes = 0, seconds = 0;
+        int requantised = 0;  ///< pictures that a buffer had no room for at first
     };
     using Codec = std::function<Coded(const Chunk& window, const std::vector<const core::Picture*>& pictures,
                                       const std::function<void(const core::Picture&)>& decoded)>;
@@ -103,12 +108,19 @@ class Trials {
     const std::vector<Chunk>& windows() const { return windows_; }
     const Production& film() const { return film_; }
     int frames() const;  ///< of all windows
+    /// Of memory, for the references, and for the frames where they are kept to be coded again.
+    double bytes_held(bool keeps_frames) const;
     int references() const { return static_cast<int>(truths_.size()); }
     double reference_seconds() const;  ///< CPU per reference
     const renderer::Statistics& statistics() const { return renderer_.statistics(); }
 
   private:
     class Judge;
+
+    /// Notes what a window's light takes before anything is gathered.
+    void measure_start(const Chunk& window);
+    /// Windows' frames over those of the chunks that the film would be rendered in.
+    double share_of_chunk() const;
 
     /// One of them; `left` are to come with it.
     bool light_reference(std::int64_t frame, int left, ReferenceStanding& standing,
@@ -120,7 +132,9 @@ class Trials {
     float half_code_ = 0;  ///< luminance
     std::map<std::int64_t, Truth> truths_;
     double reference_seconds_ = 0;
-    int references_ = 1;  ///< of each window
+    double first_light_seconds_ = 0;  ///< CPU to make the lights of all windows' first frames
+    double next_light_seconds_ = 0;   ///< and of the frames beside them: next to nothing where light stands still
+    int references_ = 1;              ///< of each window
 };
 
 }  // namespace render2mpeg::app

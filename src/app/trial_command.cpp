@@ -1,6 +1,7 @@
 #include "app/trial_command.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -12,6 +13,7 @@
 #include "app/report.h"
 #include "app/terminal.h"
 #include "app/text_file.h"
+#include "core/error.h"
 
 namespace render2mpeg::app {
 
@@ -35,6 +37,21 @@ Production prepare_trials(const RenderOptions& options) {
         if (!options.quiet && !note.empty()) std::fputs((note + "\n").c_str(), stderr);
     if (!film.exposure) film.exposure = measure_exposure(film);
     return film;
+}
+
+std::string memory_note(double bytes, double machine) {
+    const std::string held = fmt::format("the sample's references and frames take {:.1f} GB of memory", bytes / 1e9);
+    if (bytes > machine)
+        throw core::Error(held +
+                          fmt::format(", of {:.1f} GB that there are: try less (--sample, --size)", machine / 1e9));
+    // chosen: what a machine that renders can spare without a word (0.5..4 GB).
+    return bytes > 1e9 ? held + "; a smaller --sample takes less" : "";
+}
+
+void tell_memory(double bytes, bool quiet) {
+    const double machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    const std::string note = memory_note(bytes, machine);
+    if (!quiet && !note.empty()) std::fputs((note + "\n").c_str(), stderr);
 }
 
 bool light_references(Trials& trials, bool quiet) {

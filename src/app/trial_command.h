@@ -20,6 +20,12 @@ void check_trial_outputs(const Production& film, const RenderOptions& options,
 /// Reads and settles everything, the exposure included; tells the scene's notes.
 Production prepare_trials(const RenderOptions& options);
 
+/// What to say of so many bytes of memory before any work: nothing where any machine has them. Throws core::Error where
+/// they are more than `machine` has.
+std::string memory_note(double bytes, double machine);
+/// Says it, of this machine.
+void tell_memory(double bytes, bool quiet);
+
 /// Lights the references and tells how far that is. Returns whether nobody interrupted.
 bool light_references(Trials& trials, bool quiet);
 

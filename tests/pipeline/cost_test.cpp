@@ -10,6 +10,7 @@
 #include "app/knee.h"
 #include "app/sweep.h"
 #include "app/trial.h"
+#include "app/trial_command.h"
 #include "pipeline/foreign.h"
 
 /// `render2mpeg cost`: what accuracy costs, and what it buys.
@@ -38,7 +39,8 @@ json cost_of(const std::string& scene, const std::string& options) {
 /// Without what a clock says.
 json timeless(json value) {
     if (value.is_object())
-        for (const char* key : {"seconds", "time_ratio", "knee", "summary", "command"}) value.erase(key);
+        for (const char* key : {"seconds", "window_seconds", "time_ratio", "knee", "summary", "command"})
+            value.erase(key);
     if (value.is_structured())
         for (json& part : value) part = timeless(part);
     return value;
@@ -166,11 +168,15 @@ TEST(Cost, RisesAndErrorsFallAsTolerancesTighten) {
     EXPECT_TRUE(found.at("complete").get<bool>());
     EXPECT_EQ(found.at("windows"), (json{{29, 30}}));
     EXPECT_EQ(found.at("reference").at("frames"), 1);
+    EXPECT_EQ(found.at("cache"), "off");
+    EXPECT_EQ(found.at("masking"), "carried");
     const json& fixed = found.at("fixed");
     ASSERT_EQ(fixed.size(), 3u);
     for (std::size_t i = 0; i < 3; ++i) {
         EXPECT_FLOAT_EQ(fixed[i].at("tolerance").get<float>(), (std::vector<float>{0.4f, 0.02f, 1e-5f})[i]);
         EXPECT_GT(fixed[i].at("seconds").get<double>(), 0.0);
+        EXPECT_LE(fixed[i].at("seconds"), fixed[i].at("window_seconds")) << "two frames of a chunk of 60";
+        EXPECT_EQ(fixed[i].at("requantised"), 0);
         EXPECT_EQ(fixed[i].at("error").at("pixels"), 1008) << "all but the lamp's";
         if (i == 0) continue;
         EXPECT_GT(fixed[i].at("rays_per_point"), fixed[i - 1].at("rays_per_point"));
@@ -259,14 +265,47 @@ TEST(Cost, PrintsRowsThatFitATerminalAndAPageThatStandsAlone) {
     EXPECT_EQ(contents(folder / "other.html"), "mine");
 }
 
-TEST(Trials, EndWhenTheyAreToldTo) {
+app::Production tiny_film() {
     app::RenderOptions options;
     options.input = plain_film();
     options.size = "32x32";
     options.vpls = 16;
     options.samples = 1;
     options.exposure = "0";
-    const app::Production film = app::prepare(options);
+    return app::prepare(options);
+}
+
+TEST(Trials, CountPicturesThatABufferHasNoRoomFor) {
+    app::Production film = tiny_film();
+    for (const bool tight : {false, true}) {
+        // The smallest buffer that a header can tell.
+        film.coding.rate_control.buffer_bits = tight ? 16384 : 0;
+        film.coding.rate_control.max_rate = tight ? 20000 : 0;
+        app::Trials trials(film, app::windows_of(film.frames, {1, 10}));
+        ASSERT_TRUE(trials.light_references([](const app::ReferenceStanding&) { return true; }));
+        app::LitWindows lit;
+        const auto trial = trials.run(
+            {false, 0.5f, false, {}}, 1, [] { return true; }, &lit);
+        ASSERT_TRUE(trial);
+        EXPECT_EQ(trial->requantised > 0, tight) << trial->bytes;
+        EXPECT_LE(trial->requantised, trial->frames);
+        EXPECT_EQ(trials.coded_again(lit, 1).requantised, trial->requantised);
+    }
+}
+
+TEST(Trials, TellTheirMemoryBeforeTheyTakeIt) {
+    const app::Production film = tiny_film();
+    const app::Trials few(film, app::windows_of(film.frames, {2, 3})),
+        many(film, app::windows_of(film.frames, {2, 30}));
+    EXPECT_EQ(few.bytes_held(false), many.bytes_held(false)) << "references alone";
+    EXPECT_NEAR((many.bytes_held(true) - few.bytes_held(true)) / (54 * 32 * 32), 40, 5);
+    EXPECT_EQ(app::memory_note(0.9e9, 8e9), "");
+    EXPECT_NE(app::memory_note(3.21e9, 8e9).find("3.2 GB"), std::string::npos);
+    EXPECT_THROW(app::memory_note(8.1e9, 8e9), core::Error);
+}
+
+TEST(Trials, EndWhenTheyAreToldTo) {
+    const app::Production film = tiny_film();
     app::Trials trials(film, app::windows_of(film.frames, {2, 2}));
     int parts = 0;
     EXPECT_FALSE(trials.light_references([&](const app::ReferenceStanding& standing) {
