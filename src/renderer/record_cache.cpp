@@ -69,7 +69,8 @@ class FrameLighting {
     std::vector<PointRef> wanting(std::size_t tile, int lattice);
     std::vector<GatheredRequests> gather(const std::vector<std::vector<PointRef>>& of_tile, std::size_t least,
                                          ShadeCounts& counts) const;
-    void keep(const PointRef& ref, const PointLight& light, const RecordLobe& lobe, RecordCounts& counts);
+    std::optional<Record> record(const GatheredRequests& gathered, std::size_t i) const;
+    void keep(const GatheredRequests& gathered, std::size_t i, RecordCounts& counts);
     int x_of(std::size_t tile, const GatherPoint& p) const {
         return static_cast<int>(tile) % seen_.tiles_across() * tile_size + p.pixel % tile_size;
     }
@@ -193,12 +194,19 @@ std::vector<PointRef> FrameLighting::wanting(std::size_t t, int lattice) {
     return requests;
 }
 
-void FrameLighting::keep(const PointRef& ref, const PointLight& light, const RecordLobe& lobe, RecordCounts& counts) {
-    light_[ref.tile][ref.index] = light;
+std::optional<Record> FrameLighting::record(const GatheredRequests& g, std::size_t i) const {
+    auto record = record_of(point(g.points[i]), g.light[i], g.lobes[i], limits_.caution, snapshot_.frame);
+    if (record) record->set = g.sets[i];
+    return record;
+}
+
+void FrameLighting::keep(const GatheredRequests& g, std::size_t i, RecordCounts& counts) {
+    const PointRef& ref = g.points[i];
+    light_[ref.tile][ref.index] = g.light[i];
     gathered_[ref.tile][ref.index] = 1;
     if (!takes_records(point(ref))) return;
-    if (const auto record = record_of(point(ref), light, lobe, limits_.caution, snapshot_.frame)) {
-        records_.add(*record);
+    if (const auto found = record(g, i)) {
+        records_.add(*found);
         ++counts.created;
     }
 }
@@ -259,13 +267,13 @@ void FrameLighting::renew(ShadeCounts& counts, RecordCounts& record_counts) {
                                                [](const auto& entry, std::uint32_t i) { return entry.first < i; });
             light_[ref.tile][ref.index] = g.light[k];
             gathered_[ref.tile][ref.index] = 1;
-            const auto record = record_of(point(ref), g.light[k], g.lobes[k], limits_.caution, snapshot_.frame);
-            if (!record) continue;
+            const auto found = record(g, k);
+            if (!found) continue;
             const float allowed =
                 tolerances_[ref.tile][ref.index].allows(core::luminance(g.light[k].scattered(point(ref))));
-            changes.push_back({*record, told->second.direct, told->second.indirect,
+            changes.push_back({*found, told->second.direct, told->second.indirect,
                                core::divide_or(allowed, receives(point(ref)), 0.0f)});
-            fresh.push_back(*record);
+            fresh.push_back(*found);
         }
     }
     record_counts.followed += follow(records_, map_, changes, camera_).changed;
@@ -280,7 +288,7 @@ void FrameLighting::refine(int lattice, ShadeCounts& counts, RecordCounts& recor
     parallel::for_each(seen_.tiles.size(), [&](std::size_t t) { of_tile[t] = wanting(t, lattice); });
 
     for (const GatheredRequests& g : gather(of_tile, lattice > 1 ? least_dense : 0, counts))
-        for (std::size_t i = 0; i < g.points.size(); ++i) keep(g.points[i], g.light[i], g.lobes[i], record_counts);
+        for (std::size_t i = 0; i < g.points.size(); ++i) keep(g, i, record_counts);
 }
 
 FrameLight FrameLighting::take(RecordCache::LitTiles& last, ShadeCounts& counts, RecordCounts& record_counts) {

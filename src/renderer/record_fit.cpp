@@ -6,6 +6,7 @@
 
 #include "core/color.h"
 #include "core/numeric.h"
+#include "renderer/gather_groups.h"
 #include "renderer/lobe.h"
 #include "renderer/record_plane.h"
 
@@ -111,12 +112,15 @@ const Neighbour* Neighbours::own() const {
 }
 
 float Neighbours::noise(float receives) const {
+    // Records of one set err alike, since the same lights stand for their clusters; those of different sets do not.
+    std::array<float, representative_sets> of_set{};
     float square = 0, turned = 0;
     for (int i = 0; i < count(); ++i) {
-        turned += std::abs(weight(i)) * (*this)[i].turned;
-        const float part = weight(i) * (*this)[i].record->error;
-        if (!(*this)[i].record->capped) square += part * part;
+        const Neighbour& n = (*this)[i];
+        turned += std::abs(weight(i)) * n.turned;
+        of_set[n.record->set % of_set.size()] += std::abs(weight(i)) * n.record->error;
     }
+    for (const float sum : of_set) square += sum * sum;
     return receives * std::sqrt(square) + turned;
 }
 

@@ -50,6 +50,7 @@ void gather_group(const Seen& seen, const std::vector<std::vector<PointTolerance
         light.clamped *= core::divide_or(core::luminance(light.scattered(own)),
                                          core::luminance(light.scattered(*pointers[i])), 0.0f);
         out.light.push_back(light);
+        out.sets.push_back(static_cast<std::uint8_t>(group.set));
         out.lobes.emplace_back();
         const SurfacePoint& p = pointers[i]->point;
         if (p.bsdf.has_glossy())

@@ -27,6 +27,7 @@ struct GatheredRequests {
     std::vector<PointRef> points;
     std::vector<PointLight> light;
     std::vector<RecordLobe> lobes;
+    std::vector<std::uint8_t> sets;  ///< of representatives
     ShadeCounts counts;
 };
 

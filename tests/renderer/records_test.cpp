@@ -145,6 +145,26 @@ TEST_F(Wall, CoarselyGatheredRecordsServeNoFinePixel) {
     EXPECT_TRUE(estimate_at(12, 12, 0.4f).holds);
 }
 
+TEST_F(Wall, RecordsOfOneSetErrAlikeAndThoseOfFourDoNot) {
+    // 0.4 x 0.03 is more than 2 % of the wall's 0.41, half of it is less.
+    strew(2, [](glm::vec2) { return 1.0f; });
+    const auto holds = [&](bool one_set, bool capped, float error) {
+        for (std::uint32_t i = 0; i < records_.size(); ++i) {
+            const glm::vec2 at = stage_.world().camera.project(records_[i].position)->position;
+            Record& r = records_.change(i);
+            r.set = static_cast<std::uint8_t>(one_set ? 0 : record_set(static_cast<int>(at.x), static_cast<int>(at.y)));
+            r.error = error;
+            r.capped = capped;
+        }
+        return estimate_at(13, 13, 0.02f).holds;
+    };
+    EXPECT_TRUE(holds(false, false, 0.03f));
+    EXPECT_FALSE(holds(true, false, 0.03f));
+    EXPECT_TRUE(holds(true, false, 0.01f));
+    // What the largest cut left counts as well.
+    EXPECT_FALSE(holds(true, true, 0.03f));
+}
+
 TEST_F(Wall, MapsFindEveryRecordWhereItIsSeen) {
     strew(3, [](glm::vec2) { return 1.0f; });
     std::size_t found = 0;
