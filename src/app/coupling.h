@@ -49,6 +49,13 @@ class Coupling {
     core::ToleranceMap tolerate(const core::Visible& visible, const encoder::PicturePlan& plan,
                                 const core::MotionField* motion);
 
+    /// Tolerances anew for a frame that turned out to be lit otherwise than what was remembered, as when a lamp went
+    /// out: errors that a bright picture hides show in a dark one. From now on this frame, as lit by `tolerance`, is
+    /// what is remembered. Nothing where `tolerance`, as of tolerate(), suits what it led to.
+    std::optional<core::ToleranceMap> reconsider(const core::ToleranceMap& tolerance, const core::Picture& picture,
+                                                 const core::Radiance& radiance, const core::Visible& visible,
+                                                 const encoder::PicturePlan& plan);
+
     /// Keeps what may be judged once the picture is coded. Only after tolerate() of the same frame.
     void keep(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
               const encoder::PicturePlan& plan);
@@ -57,6 +64,7 @@ class Coupling {
 
   private:
     bool counts(encoder::PictureType type) const;
+    float share_for(int quantiser) const;
     perceptual::CodingPlan eye_plan(encoder::PictureType type, int quantiser) const;
     perceptual::CodedFacts facts_of(const encoder::CodedPicture& coded) const;
 

@@ -48,6 +48,9 @@ class ChunkLoop {
     /// What the frame's light may be off by, before it is lit.
     core::ToleranceMap tolerances(const scene::Snapshot& world, const renderer::Seen& seen,
                                   const encoder::PicturePlan& plan, std::span<const core::MotionField> motion);
+    /// Lights the frame again if it is not what its tolerances were told for.
+    void reconsider(const scene::Snapshot& world, const renderer::Seen& seen, const encoder::PicturePlan& plan,
+                    core::ToleranceMap& tolerance, core::Radiance& radiance, core::Picture& picture);
     /// Rough light for the eye, where there is no picture before.
     void imagine(const scene::Snapshot& world, const renderer::Seen& seen, const encoder::PicturePlan& plan);
     void write(const std::vector<encoder::CodedPicture>& pictures);
@@ -124,6 +127,18 @@ core::ToleranceMap ChunkLoop::tolerances(const scene::Snapshot& world, const ren
     return timed(ledger_, Stage::tolerate, [&] { return coupling_->tolerate(seen.visible, plan, way); });
 }
 
+void ChunkLoop::reconsider(const scene::Snapshot& world, const renderer::Seen& seen, const encoder::PicturePlan& plan,
+                           core::ToleranceMap& tolerance, core::Radiance& radiance, core::Picture& picture) {
+    std::optional<core::ToleranceMap> other = timed(ledger_, Stage::tolerate, [&] {
+        return coupling_->reconsider(tolerance, picture, radiance, seen.visible, plan);
+    });
+    if (!other) return;
+    tolerance = std::move(*other);
+    radiance = timed(ledger_, Stage::shade, [&] { return renderer_.shade(world, seen, tolerance); });
+    picture = timed(ledger_, Stage::develop, [&] { return display_.develop(radiance); });
+    picture.number = plan.number;
+}
+
 void ChunkLoop::frame(std::int64_t n) {
     const double start = cpu_seconds();
     const scene::Snapshot world = film_.snapshot(n);
@@ -138,20 +153,19 @@ void ChunkLoop::frame(std::int64_t n) {
         coding = encoder_.plan(n, facts, n == chunk_.first);
         motion = timed(ledger_, renderer::Pass::motion, [&] { return motion_of(film_, coding, seen.visible, world); });
     }
-    const core::ToleranceMap coupled = coupling_ ? tolerances(world, seen, coding, motion) : core::ToleranceMap();
+    core::ToleranceMap coupled = coupling_ ? tolerances(world, seen, coding, motion) : core::ToleranceMap();
     const core::ToleranceMap& tolerance = coupling_ ? coupled : fixed_;
     const renderer::Statistics before = renderer_.statistics();  // what the first, rough look took is no frame's
-    const core::Radiance radiance =
-        timed(ledger_, Stage::shade, [&] { return renderer_.shade(world, seen, tolerance); });
+    core::Radiance radiance = timed(ledger_, Stage::shade, [&] { return renderer_.shade(world, seen, tolerance); });
+    core::Picture picture = timed(ledger_, Stage::develop, [&] { return display_.develop(radiance); });
+    picture.number = n;
+    if (coupling_) reconsider(world, seen, coding, coupled, radiance, picture);
     books_.rendered(n, before, renderer_.statistics());
     if (film_.audit > 0)
         books_.audited(timed(ledger_.audit.seconds,
                              [&] { return renderer_.audit(world, seen, tolerance, radiance, film_.audit); }),
                        tolerance);
 
-    // Develop it.
-    core::Picture picture = timed(ledger_, Stage::develop, [&] { return display_.develop(radiance); });
-    picture.number = n;
     for (const std::uint8_t luma : picture.y.values())
         ledger_.brightest_luma = std::max<int>(ledger_.brightest_luma, luma);
 

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <vector>
 
 #include "app/options.h"
 #include "app/pipeline.h"
@@ -137,6 +139,30 @@ TEST(CoupledLoop, AnotherShotIsLitAsIfTheFilmBeganThere) {
     EXPECT_LT(apart / static_cast<double>(pixels.size()), 0.1);
     // What the first shot said would have been something else.
     EXPECT_GT(std::abs(std::log(mean_absolute(both.tolerances.at(35)) / cut)), 0.1);
+}
+
+TEST(CoupledLoop, WhatABrightPictureHidesShowsOnceTheLampIsOut) {
+    // The lamp goes out at frame 12. Tolerances are those of a film that begins there, but for its first look's
+    // roughness.
+    RenderOptions options = options_of("animations/flash_cut", "11:13");
+    options.exposure = "3";
+    const Record film = made(options, "coupled");
+    options.frames = "12:13";
+    const Record begun = made(options, "coupled");
+    for (const std::int64_t n : {12, 13}) {
+        std::vector<float> ratios;
+        for (std::size_t i = 0; i < film.tolerances.at(n).pixels.size(); ++i)
+            ratios.push_back(film.tolerances.at(n).pixels.values()[i].absolute /
+                             begun.tolerances.at(n).pixels.values()[i].absolute);
+        std::sort(ratios.begin(), ratios.end());
+        EXPECT_NEAR(ratios[ratios.size() / 2], 1.0f, 0.25f) << n;
+        EXPECT_LT(ratios[ratios.size() * 9 / 10], 2.0f) << n;
+    }
+}
+
+TEST(CoupledLoop, FramesThatAreLitAlikeAreLitOnce) {
+    const RenderOptions options = options_of("animations/colonnade", "10:13");
+    EXPECT_EQ(made(options, "coupled").rendering.gather_points, made(options, "fixed=20%").rendering.gather_points);
 }
 
 TEST(CoupledLoop, EveryWayOfMaskingLightsTheFilmInAWayOfItsOwn) {
