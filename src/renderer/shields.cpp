@@ -52,7 +52,8 @@ bool join(const scene::Triangle& a, int k, const scene::Triangle& b, Shield& qua
     for (const glm::vec3 p : second)
         if (p != from && p != to) other = p;
     const glm::vec3 na = glm::cross(a.b - a.a, a.c - a.a), nb = glm::cross(b.b - b.a, b.c - b.a);
-    const float cosine = core::divide_or(glm::dot(na, nb), std::sqrt(glm::dot(na, na)) * std::sqrt(glm::dot(nb, nb)), 0.0f);
+    const float cosine =
+        core::divide_or(glm::dot(na, nb), std::sqrt(glm::dot(na, na)) * std::sqrt(glm::dot(nb, nb)), 0.0f);
     if (!(std::abs(cosine) > 1.0f - 1e-6f)) return false;
     quad = {{own, from, other, to}};
     return is_convex(quad, na);
