@@ -13,9 +13,16 @@
 #include "image/layers.h"
 #include "perceptual/motion_sensitivity.h"
 #include "scene/motion.h"
+#include "scene/traits.h"
 
 namespace render2mpeg::app {
 namespace {
+
+/// Whether surfaces may be lit otherwise from one frame to the next, not only seen from elsewhere.
+bool may_relight(const scene::Animation& animation) {
+    const scene::Traits traits = scene::traits_of(animation);
+    return traits.lights_change || traits.objects_move || traits.objects_deform;
+}
 
 /// Pictures after frame n before another shot begins, a keyframe comes or the chunk ends.
 std::int64_t frames_left(const Production& film, std::int64_t n, std::int64_t last) {
@@ -61,6 +68,7 @@ class ChunkLoop {
     const Destination& destination_;
     Ledger& ledger_;
     bool codes_;
+    bool may_relight_;
     perceptual::Display display_;
     encoder::Encoder encoder_;
     Bookkeeper books_;
@@ -76,6 +84,7 @@ ChunkLoop::ChunkLoop(const Production& film, renderer::Renderer& renderer, const
       destination_(destination),
       ledger_(ledger),
       codes_(film.kind == OutputKind::film),
+      may_relight_(may_relight(*film.animation)),
       display_(film.exposure.value_or(0), perceptual::matrix_for(film.format.height)),
       encoder_(film.coding),
       books_(ledger) {
@@ -159,7 +168,7 @@ void ChunkLoop::frame(std::int64_t n) {
     core::Radiance radiance = timed(ledger_, Stage::shade, [&] { return renderer_.shade(world, seen, tolerance); });
     core::Picture picture = timed(ledger_, Stage::develop, [&] { return display_.develop(radiance); });
     picture.number = n;
-    if (coupling_) reconsider(world, seen, coding, coupled, radiance, picture);
+    if (coupling_ && may_relight_) reconsider(world, seen, coding, coupled, radiance, picture);
     books_.rendered(n, before, renderer_.statistics());
     if (film_.audit > 0)
         books_.audited(timed(ledger_.audit.seconds,
