@@ -144,7 +144,7 @@ TEST(CoupledLoop, AnotherShotIsLitAsIfTheFilmBeganThere) {
 TEST(CoupledLoop, WhatABrightPictureHidesShowsOnceTheLampIsOut) {
     // The lamp goes out at frame 12. Tolerances are those of a film that begins there, but for its first look's
     // roughness.
-    RenderOptions options = options_of("animations/flash_cut", "11:13");
+    RenderOptions options = options_of(support::film("flash_cut"), "11:13");
     options.exposure = "3";
     const Record film = made(options, "coupled");
     options.frames = "12:13";
@@ -161,7 +161,7 @@ TEST(CoupledLoop, WhatABrightPictureHidesShowsOnceTheLampIsOut) {
 }
 
 TEST(CoupledLoop, FramesThatAreLitAlikeAreLitOnce) {
-    const RenderOptions options = options_of("animations/colonnade", "10:13");
+    const RenderOptions options = options_of(support::film("colonnade"), "10:13");
     EXPECT_EQ(made(options, "coupled").rendering.gather_points, made(options, "fixed=20%").rendering.gather_points);
 }
 
