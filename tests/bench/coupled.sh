@@ -5,6 +5,7 @@
 # In full: tests/bench/coupled.sh -s SCENES -d 512x512 -f 48 -q 1,2,4,8,16,24,31 -p 6   (a day on one core; frames without clustering are kept in CACHE)
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+. "$here/real_scenes/lay_out_film.sh"
 bench=${BENCH_COUPLED:-$here/../../build/dev/bench_coupled}
 scenes= size=160x160 frames=18 quantisers=2,8,16,24 shares=default,0.65,1 pairs=3 cache=${TMPDIR:-/tmp}/render2mpeg_bench
 while getopts s:d:f:q:k:p:c: option; do
@@ -25,13 +26,8 @@ film() { # NAME INPUT FIRST_FRAME VPLS
 film cornell "$here/../../animations/cornell" 0 2000
 film character "$here/../../animations/character" 0 4096
 film colonnade "$here/../../animations/colonnade" 0 4096
-for walk in sponza:sponza_dabrovic sibenik:sibenik; do
-    folder=$scenes/${walk##*:}
-    [[ -n $scenes && -d $folder ]] || continue
-    mkdir "$work/${walk%%:*}"
-    cp -r "$folder/." "$work/${walk%%:*}/"
-    chmod -R u+w "$work/${walk%%:*}"
-    cp "$here/real_scenes/${walk%%:*}.json" "$work/${walk%%:*}/film.json"
-    film "${walk%%:*}" "$work/${walk%%:*}" 0 9000
+for walk in sponza sibenik; do
+    [ -n "$scenes" ] && lay_out_film "$walk" "$scenes" "$work" || continue
+    film "$walk" "$work/$walk" 0 9000
 done
 python3 "$here/coupled_tables.py" "$work/films.jsonl"

@@ -5,6 +5,7 @@
 # SCENES_FOLDER holds sponza_dabrovic/, sibenik/ and bathroom/ (see README, "Speed").
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+. "$here/real_scenes/lay_out_film.sh"
 program=${RENDER2MPEG:-$here/../../build/release/render2mpeg}
 scenes=$1
 shift
@@ -33,12 +34,8 @@ PY
 
 echo '| scene | `--stop`, tolerance | mean cut, rays per point | light | caution | photons |'
 echo '|---|---|---|---|---|---|'
-for film in sponza:sponza_dabrovic sibenik:sibenik bathroom:bathroom; do
-    name=${film%%:*}
-    mkdir -p "$work/$name"
-    cp -r "$scenes/${film##*:}/." "$work/$name/"
-    cp "$here/real_scenes/$name.json" "$work/$name/film.json"
-    chmod -R u+w "$work/$name"
+for name in sponza sibenik bathroom; do
+    lay_out_film "$name" "$scenes" "$work"
     rows "$name" "$work/$name" "$@"
 done
 rows "animations/cornell" "$here/../../animations/cornell" "$@"

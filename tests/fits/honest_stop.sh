@@ -6,18 +6,15 @@
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 root=$here/../..
+. "$root/tests/bench/real_scenes/lay_out_film.sh"
 program=${FIT_HONEST_STOP:-$root/build/release/fit_honest_stop}
 subjects=()
 for name in cornell colonnade still_room; do subjects+=("$name=$root/animations/$name"); done
 if [ $# -ge 1 ]; then
     work=$(mktemp -d)
     trap 'rm -rf "$work"' EXIT
-    for film in sponza:sponza_dabrovic sibenik:sibenik bathroom:bathroom; do
-        name=${film%%:*}
-        mkdir -p "$work/$name"
-        cp -r "$1/${film##*:}/." "$work/$name/"
-        cp "$root/tests/bench/real_scenes/$name.json" "$work/$name/film.json"
-        chmod -R u+w "$work/$name"
+    for name in sponza sibenik bathroom; do
+        lay_out_film "$name" "$1" "$work"
         apart=
         [ "$name" = bathroom ] && apart=:apart
         subjects+=("$name=$work/$name$apart")

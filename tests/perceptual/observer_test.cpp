@@ -7,74 +7,11 @@
 #include <numeric>
 
 #include "core/color.h"
-#include "core/sampling.h"
 #include "perceptual/carry.h"
+#include "tests/perceptual/lit_wall.h"
 
 namespace render2mpeg::perceptual {
 namespace {
-
-constexpr int width = 72, height = 40;
-
-/// A lit wall: dark to bright from left to right, rough below.
-core::Radiance wall(std::int64_t frame, float noise = 0.0f) {
-    core::Radiance radiance;
-    radiance.frame = frame;
-    radiance.combined = core::Plane<glm::vec3>(width, height);
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-            const auto pixel = static_cast<std::uint64_t>(y * width + x);
-            const float rough = y < height / 2 ? 1.0f : 0.4f + 1.2f * core::uniform(1, pixel);
-            const float error =
-                1.0f + noise * (2.0f * core::uniform(2, pixel, static_cast<std::uint64_t>(frame)) - 1.0f);
-            radiance.combined.at(x, y) =
-                glm::vec3(1.0f, 0.8f, 0.5f) * (rough * error * std::exp2(8.0f * static_cast<float>(x) / width - 7.0f));
-        }
-    return radiance;
-}
-
-std::shared_ptr<const core::Visible> seen() {
-    core::Visible visible(0, width, height);
-    for (std::size_t i = 0; i < visible.kind.size(); ++i) {
-        visible.kind.values()[i] = core::PixelClass::surface;
-        visible.address.values()[i] = {0, 0, 0.2f, 0.2f};
-        visible.material.values()[i] = 0;
-        visible.depth.values()[i] = 2.0f;
-    }
-    return std::make_shared<const core::Visible>(std::move(visible));
-}
-
-CodedFacts coded_as(std::int64_t number, const CodingPlan& plan) {
-    CodedFacts facts;
-    facts.number = number;
-    facts.plan = plan;
-    facts.intra = core::Plane<std::uint8_t>((width + 15) / 16, (height + 15) / 16, plan.intra ? 1 : 0);
-    facts.scale = core::Plane<float>((width + 15) / 16, (height + 15) / 16, plan.scale);
-    return facts;
-}
-
-CodingPlan plan_of(bool intra, int quantiser) {
-    CodingPlan plan;
-    plan.intra = intra;
-    plan.scale = static_cast<float>(quantiser) / 8.0f;
-    return plan;
-}
-
-const Display display(0.0f, ColorMatrix::bt709);
-
-Memory memory_of(const Observer& observer, const CodingPlan& plan) {
-    const core::Radiance radiance = wall(0);
-    return observer.judge(observer.observe(display.develop(radiance), radiance, seen()), coded_as(0, plan));
-}
-
-double mean(const core::Plane<float>& plane) {
-    return std::accumulate(plane.values().begin(), plane.values().end(), 0.0) / static_cast<double>(plane.size());
-}
-
-double mean_absolute(const core::ToleranceMap& map) {
-    double sum = 0;
-    for (const core::Tolerance& t : map.pixels.values()) sum += static_cast<double>(t.absolute);
-    return sum / static_cast<double>(map.pixels.size());
-}
 
 class EverySpread : public testing::TestWithParam<Spread> {
   protected:
@@ -259,40 +196,6 @@ TEST_P(EverySpread, WhatMacroblocksReallyGotIsWhatCounts) {
     EXPECT_EQ(really.errors, coarser.errors);
 }
 
-TEST(FeedbackOfCoding, QuantisersOtherThanPlannedDoNotAddUp) {
-    // The encoder takes half the planned quantiser everywhere, picture after picture.
-    const Observer observer(display, {});
-    const CodingPlan plan = plan_of(false, 8);
-    CodedFacts facts = coded_as(0, plan);
-    for (float& scale : facts.scale.values()) scale *= 0.5f;
-    const core::Radiance radiance = wall(0);
-    Memory memory = observer.judge(observer.observe(display.develop(radiance), radiance, seen()), facts);
-    const double first = mean(memory.tolerances);
-    for (int frame = 1; frame <= 30; ++frame) {
-        Tolerated tolerated = observer.tolerate(*seen(), plan, memory, nullptr, 1.0f);
-        memory = observer.judge(
-            observer.observe(display.develop(radiance), radiance, seen(), std::move(tolerated.carried)), facts);
-        ASSERT_NEAR(mean(memory.tolerances) / first, 1.0, 1e-3) << frame;
-    }
-}
-
-TEST(FeedbackOfCoding, CodingFinerThanPlannedPictureAfterPictureDoesNotAddUp) {
-    // Lit for quantiser 2 and coded by 1, as rate control may: what is carried halves with it.
-    const Observer observer(display, {});
-    const CodingPlan planned = plan_of(true, 2);
-    CodedFacts facts = coded_as(0, plan_of(true, 1));
-    facts.lit_for = planned;
-    const core::Radiance radiance = wall(0);
-    Memory memory = observer.judge(observer.observe(display.develop(radiance), radiance, seen()), facts);
-    const double first = mean(memory.tolerances);
-    for (int frame = 1; frame <= 50; ++frame) {
-        Tolerated tolerated = observer.tolerate(*seen(), planned, memory, nullptr, 1.0f);
-        memory = observer.judge(
-            observer.observe(display.develop(radiance), radiance, seen(), std::move(tolerated.carried)), facts);
-        ASSERT_NEAR(mean(memory.tolerances) / first, 1.0, 0.01) << frame;
-    }
-}
-
 TEST(Observer, MaskingByTheDecodedPictureSeesItsErrors) {
     const Observer observer(display, {Strategy::quantised, Spread::block});
     const CodingPlan plan = plan_of(true, 16);
@@ -305,112 +208,6 @@ TEST(Observer, MaskingByTheDecodedPictureSeesItsErrors) {
     const Memory true_to_life = observer.judge(observation, facts);
     EXPECT_NE(flat.thresholds.blocks, true_to_life.thresholds.blocks);
     EXPECT_GT(mean(true_to_life.errors), 0.0);
-}
-
-/// A film that renders with errors as large as it is allowed: tolerances of frame n steer the noise of frame n.
-struct Kind {
-    const char* name;
-    CodingPlan plan;
-    float brightness;  ///< of the wall
-    int speed;         ///< pixels a frame, to the left
-};
-
-struct Film {
-    const Observer& observer;
-    Kind kind;
-    Memory memory = judged(0, wall_at(0), {});
-
-    /// The wall as frame `frame` shows it, without errors; it repeats beyond its sides.
-    core::Radiance wall_at(std::int64_t frame) const {
-        const core::Radiance whole = wall(0);
-        core::Radiance radiance = whole;
-        radiance.frame = frame;
-        for (int y = 0; y < height; ++y)
-            for (int x = 0; x < width; ++x)
-                radiance.combined.at(x, y) =
-                    kind.brightness * whole.combined.at(static_cast<int>((x + frame * kind.speed) % width), y);
-        return radiance;
-    }
-    Memory judged(std::int64_t frame, const core::Radiance& radiance, core::Plane<float> carried) const {
-        CodedFacts facts = coded_as(frame, kind.plan);
-        // Predicted pictures quantise what exact motion leaves of the frame before: errors of both.
-        if (!kind.plan.intra && frame > 0) facts.prediction = display.develop(wall_at(frame)).y;
-        core::Picture picture = display.develop(radiance);
-        picture.number = frame;
-        return observer.judge(observer.observe(picture, radiance, seen(), std::move(carried)), facts);
-    }
-
-    /// Renders, codes and judges the next frame; gives the mean tolerance that it was lit by.
-    double step(std::int64_t frame) {
-        core::MotionField motion;
-        motion.picture = frame;
-        motion.reference = memory.number;
-        motion.vector = core::Plane<glm::vec2>(width, height, glm::vec2(static_cast<float>(kind.speed), 0.0f));
-        motion.depth_in_reference = core::Plane<float>(width, height, 2.0f);
-        motion.kind = core::Plane<core::PixelClass>(width, height, core::PixelClass::surface);
-        Tolerated tolerated = observer.tolerate(*seen(), kind.plan, memory, &motion, 1.0f);
-        core::Radiance radiance = wall_at(frame);
-        for (std::size_t i = 0; i < radiance.combined.size(); ++i) {
-            glm::vec3& c = radiance.combined.values()[i];
-            const core::Tolerance t = tolerated.map.pixels.values()[i];
-            const float y = core::luminance(c), error = std::max(t.absolute, t.relative * y);
-            const float sign = 2.0f * core::uniform(7, i, static_cast<std::uint64_t>(frame)) - 1.0f;
-            // A third of the tolerance, as a calibrated stop leaves it.
-            c *= std::max(0.0f, 1.0f + sign * error / (3.0f * y));
-        }
-        const double now = mean_absolute(tolerated.map);
-        memory = judged(frame, radiance, std::move(tolerated.carried));
-        return now;
-    }
-};
-
-class Feedback : public testing::TestWithParam<Kind> {
-  protected:
-    Observer observer{display, {}};
-};
-INSTANTIATE_TEST_SUITE_P(Films, Feedback,
-                         testing::Values(Kind{"Still", plan_of(true, 8), 1.0f, 0},
-                                         Kind{"Moving", plan_of(true, 8), 1.0f, 1},
-                                         Kind{"Predicted", plan_of(false, 8), 1.0f, 0},
-                                         Kind{"PredictedMoving", plan_of(false, 24), 1.0f, 2},
-                                         Kind{"Dark", plan_of(true, 16), 0.02f, 0},
-                                         Kind{"DarkPredictedMoving", plan_of(false, 8), 0.02f, 1}),
-                         [](const auto& kind) { return std::string(kind.param.name); });
-
-TEST_P(Feedback, SettlesWithinTenFrames) {
-    Film film{observer, GetParam()};
-    std::vector<double> means;
-    for (int frame = 1; frame <= 20; ++frame) means.push_back(film.step(frame));
-    // What moves falls on the blocks otherwise in every frame: eight of them are one round. What stands scatters, too,
-    // in a picture of 45 blocks whose errors are drawn anew for every frame: two are taken together.
-    const int round = GetParam().speed == 0 ? 2 : 8;
-    const auto mean_from = [&](int frame) {
-        return std::accumulate(means.begin() + frame, means.begin() + frame + round, 0.0) / round;
-    };
-    for (int frame = 10; frame + round < 20; ++frame)
-        EXPECT_NEAR(mean_from(frame + 1) / mean_from(frame), 1.0, 0.01) << frame;
-}
-
-TEST_P(Feedback, ReturnsFromAPerturbation) {
-    for (const float factor : {0.5f, 2.0f}) {
-        Film film{observer, GetParam()}, undisturbed{observer, GetParam()};
-        for (float& t : film.memory.tolerances.values()) t *= factor;
-        double disturbed = 0, quiet = 0;
-        for (int frame = 1; frame <= 6; ++frame) disturbed = film.step(frame), quiet = undisturbed.step(frame);
-        EXPECT_NEAR(disturbed / quiet, 1.0, 0.1) << factor;
-    }
-}
-
-TEST_P(Feedback, DoesNotDriftInTwoHundredFrames) {
-    Film film{observer, GetParam()};
-    for (int frame = 1; frame <= 200; ++frame) film.step(frame);
-    // Against what the reference frames themselves would say, over a round of places on the blocks.
-    double last = 0, reference = 0;
-    for (int frame = 201; frame <= 208; ++frame) {
-        last += film.step(frame);
-        reference += mean(observer.errors(film.judged(frame, film.wall_at(frame), {}), film.kind.plan));
-    }
-    EXPECT_NEAR(last / reference, 1.0, 0.05);
 }
 
 }  // namespace
