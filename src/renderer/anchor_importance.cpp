@@ -53,7 +53,7 @@ Look look(const LightPoint& from, const SeenPoint& to, const RayTracer& tracer) 
     const glm::vec3 direction = way / distance;
     const float cosines =
         std::max(0.0f, glm::dot(direction, from.normal)) * std::max(0.0f, -glm::dot(direction, to.normal));
-    if (cosines <= 0.0f || tracer.nearest(from.position, direction, 0.999f * distance).found()) return {};
+    if (cosines <= 0.0f || tracer.meets(from.position, direction, 0.999f * distance)) return {};
     return {cosines, distance2};
 }
 

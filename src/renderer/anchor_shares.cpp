@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/numeric.h"
 #include "parallel/loops.h"
@@ -15,6 +16,7 @@ constexpr float least_facing = 0.5f;
 /// Neighbours that every anchor keeps, and how many are looked at for them: a photon's nearest seventeen are among
 /// those of the nearest. chosen: twice and three times as many as share.
 constexpr int kept = 2 * shared_among, looked_at = 3 * shared_among;
+static_assert(kept <= 32, "AnchorPartings has 32 bits");
 
 /// How far off its surface an anchor looks, in radii of its disc, the smaller of two: over bumps, mouldings and
 /// carpets, not over walls. chosen: 2; at 0.5 anchors on cobbles lose so many neighbours that light gathers in
@@ -48,13 +50,25 @@ class Nearest {
     int count_ = 0;
 };
 
-/// A ray between two places that are lifted off their surfaces as far as the smaller of their discs says.
-bool see_each_other(const OrientedPoint& a, const OrientedPoint& b, float lift, const RayTracer& scene) {
-    const glm::vec3 from = a.position + lift * a.normal, way = b.position + lift * b.normal - from;
-    const float distance = glm::length(way);
-    // What moves does not count: it would let light through, or keep it, as it passes.
-    return !(distance > 0.0f) || !scene.meets_still(from, way / distance, distance);
-}
+/// The way between two places that are lifted off their surfaces.
+struct Way {
+    glm::vec3 from, direction;
+    float length;
+
+    Way(const OrientedPoint& a, const OrientedPoint& b, float lift) : from(a.position + lift * a.normal) {
+        const glm::vec3 way = b.position + lift * b.normal - from;
+        length = glm::length(way);
+        direction = length > 0.0f ? way / length : a.normal;
+    }
+    /// Past all that never moves.
+    bool is_open(const RayTracer& scene) const {
+        return !(length > 0.0f) || !scene.meets_still(from, direction, length);
+    }
+    /// Past what moves.
+    bool is_free(const RayTracer& scene) const {
+        return !(length > 0.0f) || !scene.meets_instances(from, direction, length);
+    }
+};
 
 /// Parts 1 among the nearest by a kernel times the area that each stands for.
 AnchorShares shares_of(const Nearest& near, std::span<const AnchorPlace> places) {
@@ -104,9 +118,8 @@ void AnchorSharing::list_neighbours(const RayTracer& scene) {
                 const std::uint32_t other = found[static_cast<std::size_t>(k)].point;
                 if (other != i) {
                     ++rays[i];
-                    const float disc2 = std::min(places_[i].disc2, places_[other].disc2);
-                    if (!see_each_other(places_[i].rest, places_[other].rest, lift_radii * std::sqrt(disc2), scene))
-                        continue;
+                    const float lift = lift_between(static_cast<std::uint32_t>(i), other);
+                    if (!Way(places_[i].rest, places_[other].rest, lift).is_open(scene)) continue;
                 }
                 lists[i].push_back(static_cast<std::uint16_t>(other));
             }
@@ -124,36 +137,67 @@ void AnchorSharing::list_neighbours(const RayTracer& scene) {
     first_neighbour_.push_back(static_cast<std::uint32_t>(neighbours_.size()));
 }
 
+float AnchorSharing::lift_between(std::uint32_t a, std::uint32_t b) const {
+    return lift_radii * std::sqrt(std::min(places_[a].disc2, places_[b].disc2));
+}
+
+AnchorPartings AnchorSharing::partings(const RayTracer& scene) const {
+    AnchorPartings found;
+    if (!tested_ || !scene.has_instances()) return found;
+    found.parted.assign(first_neighbour_.size() - 1, 0);
+    parallel::for_ranges(found.parted.size(), 64, [&](std::size_t first, std::size_t last) {
+        for (auto i = static_cast<std::uint32_t>(first); i < last; ++i)
+            for (std::uint32_t n = first_neighbour_[i]; n < first_neighbour_[i + 1]; ++n) {
+                const std::uint32_t other = neighbours_[n];
+                if (other == i || Way(places_[i].rest, places_[other].rest, lift_between(i, other)).is_free(scene))
+                    continue;
+                found.parted[i] |= 1u << (n - first_neighbour_[i]);
+            }
+    });
+    found.rays = neighbours_.size() - found.parted.size();
+    return found;
+}
+
 std::size_t AnchorSharing::bytes() const {
     std::size_t sum = first_neighbour_.capacity() * sizeof(std::uint32_t) + neighbours_.capacity() * 2;
     for (const auto& [id, group] : groups_) sum += group.tree.bytes();
     return sum;
 }
 
-/// The nearest still anchor that sees the place, or the nearest of all where none of many does.
-std::uint32_t AnchorSharing::nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, int& rays) const {
+/// The nearest still anchor that sees the place, past what moves where that counts; where none of many does, one that
+/// nothing still hides, or the nearest of all.
+std::uint32_t AnchorSharing::nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, bool past_movers,
+                                              int& rays) const {
     const PointTree& tree = groups_.at(0).tree;
     std::array<Neighbour, asked_at_last> found;
+    std::optional<std::uint32_t> hidden;
     for (int most = asked, next = 0;; most = asked_at_last) {
         const std::span<Neighbour> some(found.data(), static_cast<std::size_t>(most));
         int count = tree.nearest(at, least_facing, some);
         if (count == 0) count = tree.nearest(at, -2.0f, some);
         for (; next < count; ++next) {
-            const AnchorPlace& anchor = places_[some[static_cast<std::size_t>(next)].point];
+            const std::uint32_t anchor = found[static_cast<std::size_t>(next)].point;
+            const Way way(at, places_[anchor].rest, lift_radii * std::sqrt(places_[anchor].disc2));
             ++rays;
-            if (see_each_other(at, anchor.rest, lift_radii * std::sqrt(anchor.disc2), scene))
-                return some[static_cast<std::size_t>(next)].point;
+            if (!way.is_open(scene)) continue;
+            if (!past_movers || way.is_free(scene)) return anchor;
+            if (!hidden) hidden = anchor;
         }
-        if (count < most || most == asked_at_last) return found[0].point;
+        if (count < most || most == asked_at_last) return hidden.value_or(found[0].point);
     }
 }
 
-AnchorShares AnchorSharing::share_in_sight(const OrientedPoint& at, const RayTracer& scene) const {
+AnchorShares AnchorSharing::share_in_sight(const OrientedPoint& at, const RayTracer& scene,
+                                           const AnchorPartings* partings) const {
     // Of the nearest anchor's neighbours take those nearest to the photon itself.
     int rays = 0;
-    const std::uint32_t anchor = nearest_in_sight(at, scene, rays);
+    const bool past_movers = partings != nullptr && !partings->parted.empty();
+    const std::uint32_t anchor = nearest_in_sight(at, scene, past_movers, rays);
+    const std::uint32_t parted = past_movers ? partings->parted[anchor] : 0;
+    const std::uint32_t begin = first_neighbour_[anchor];
     Nearest near;
-    for (std::uint32_t n = first_neighbour_[anchor]; n < first_neighbour_[anchor + 1]; ++n) {
+    for (std::uint32_t n = begin; n < first_neighbour_[anchor + 1]; ++n) {
+        if ((parted >> (n - begin) & 1u) != 0) continue;
         const glm::vec3 d = places_[neighbours_[n]].rest.position - at.position;
         near.add({glm::dot(d, d), neighbours_[n]});
     }
@@ -192,10 +236,11 @@ AnchorShares AnchorSharing::share_among_alike(const Group& group, const Oriented
     return shares_of(near, places_);
 }
 
-AnchorShares AnchorSharing::share(std::uint32_t group, const OrientedPoint& at, const RayTracer& scene) const {
+AnchorShares AnchorSharing::share(std::uint32_t group, const OrientedPoint& at, const RayTracer& scene,
+                                  const AnchorPartings* partings) const {
     const auto found = groups_.find(group);
     if (found == groups_.end()) return {};
-    return group == 0 && tested_ ? share_in_sight(at, scene) : share_among_alike(found->second, at);
+    return group == 0 && tested_ ? share_in_sight(at, scene, partings) : share_among_alike(found->second, at);
 }
 
 }  // namespace render2mpeg::renderer

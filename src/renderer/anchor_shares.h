@@ -23,6 +23,12 @@ struct AnchorShares {
     std::array<float, shared_among> weight;
 };
 
+/// What moves, where it stands between still anchors at one instant: a door that is shut. Empty where nothing moves.
+struct AnchorPartings {
+    std::vector<std::uint32_t> parted;  ///< of each still anchor; bit k: from the k-th of its neighbours
+    std::uint64_t rays = 0;             ///< that were traced to find them
+};
+
 /// Finds the anchors among which photons are shared (docs/model.md, "Anchor lights").
 class AnchorSharing {
   public:
@@ -32,8 +38,13 @@ class AnchorSharing {
     /// as see each other over what is still of `scene`: light stays on its side of a wall.
     AnchorSharing(std::span<const AnchorPlace> places, const RayTracer& scene);
 
-    /// Shares of a photon that landed at `at`, in the space of its group.
-    AnchorShares share(std::uint32_t group, const OrientedPoint& at, const RayTracer& scene) const;
+    /// Which neighbours what moves keeps apart, as `scene` is posed.
+    AnchorPartings partings(const RayTracer& scene) const;
+
+    /// Shares of a photon that landed at `at`, in the space of its group, while `scene` is posed as it was for
+    /// `partings`. Without those what moves does not count.
+    AnchorShares share(std::uint32_t group, const OrientedPoint& at, const RayTracer& scene,
+                       const AnchorPartings* partings = nullptr) const;
 
     /// Rays traced for neighbours.
     std::uint64_t rays() const { return rays_; }
@@ -49,9 +60,10 @@ class AnchorSharing {
     };
 
     void list_neighbours(const RayTracer& scene);
-    std::uint32_t nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, int& rays) const;
+    float lift_between(std::uint32_t a, std::uint32_t b) const;
+    std::uint32_t nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, bool past_movers, int& rays) const;
     AnchorShares share_among_alike(const Group& group, const OrientedPoint& at) const;
-    AnchorShares share_in_sight(const OrientedPoint& at, const RayTracer& scene) const;
+    AnchorShares share_in_sight(const OrientedPoint& at, const RayTracer& scene, const AnchorPartings* partings) const;
 
     std::span<const AnchorPlace> places_;
     std::map<std::uint32_t, Group> groups_;

@@ -292,6 +292,8 @@ Anchors::Lit Anchors::at(const Scenery& scenery, std::span<const LightPoint> lig
     const Impl& a = *impl_;
     std::vector<glm::dvec3> light(a.places.size(), glm::dvec3(0));
     Lit lit;
+    const AnchorPartings partings = a.sharing.partings(scenery.tracer());
+    lit.rays += partings.rays;
     std::vector<AnchorShares> shares;
     for (std::uint64_t done = 0; done < a.paths; done += batch) {
         const std::uint64_t count = std::min(batch, a.paths - done);
@@ -305,7 +307,7 @@ Anchors::Lit Anchors::at(const Scenery& scenery, std::span<const LightPoint> lig
                 const glm::vec3 front = scenery.front_normal(address.object, address.primitive);
                 const OrientedPoint rest =
                     a.rest_of(photons.vpls[i], address, glm::dot(front, photons.vpls[i].normal) >= 0.0f);
-                shares[i] = a.sharing.share(a.group_of(address.object), rest, scenery.tracer());
+                shares[i] = a.sharing.share(a.group_of(address.object), rest, scenery.tracer(), &partings);
             }
         });
         // In the order of photons, whatever thread found their shares.

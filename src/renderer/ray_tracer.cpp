@@ -169,6 +169,9 @@ struct RayTracer::Impl {
         return light;
     }
 
+    /// Whether a ray meets anything with a bit of the mask in a scene, translucent or not.
+    bool meets(RTCScene in, unsigned mask, glm::vec3 origin, glm::vec3 direction, float far) const;
+
     static void filter_shadow(const RTCFilterFunctionNArguments* arguments);
     static void filter_ties(const RTCFilterFunctionNArguments* arguments);
 };
@@ -265,14 +268,31 @@ Hit RayTracer::nearest(glm::vec3 origin, glm::vec3 direction, float far) const {
     return hit;
 }
 
-bool RayTracer::meets_still(glm::vec3 origin, glm::vec3 direction, float far) const {
+bool RayTracer::Impl::meets(RTCScene in, unsigned mask, glm::vec3 origin, glm::vec3 direction, float far) const {
     if (!is_traceable(origin, direction, far)) return false;
     const FlushDenormals flushed;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     RTCRayHit found = unanswered(origin, direction, 0.0f, far);
-    rtcIntersect1(impl_->scene.still(), &context, &found);
+    found.ray.mask = mask;
+    rtcIntersect1(in, &context, &found);
     return found.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+}
+
+bool RayTracer::meets(glm::vec3 origin, glm::vec3 direction, float far) const {
+    return impl_->meets(impl_->scene.root(), 0xffffffffu, origin, direction, far);
+}
+
+bool RayTracer::meets_still(glm::vec3 origin, glm::vec3 direction, float far) const {
+    return impl_->meets(impl_->scene.still(), 0xffffffffu, origin, direction, far);
+}
+
+bool RayTracer::meets_instances(glm::vec3 origin, glm::vec3 direction, float far) const {
+    return has_instances() && impl_->meets(impl_->scene.root(), TracedScene::moving_mask, origin, direction, far);
+}
+
+bool RayTracer::has_instances() const {
+    return impl_->scene.has_instances();
 }
 
 void RayTracer::record(std::vector<ShadowPacket>* packets) const {

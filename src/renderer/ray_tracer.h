@@ -55,8 +55,16 @@ class RayTracer {
     /// (within 2^-19 of the distance) the one with the lowest object, then primitive wins, so that they do not flicker.
     Hit nearest(glm::vec3 origin, glm::vec3 direction, float far) const;
 
+    /// Whether the ray meets anything at a distance in (0, far), translucent or not: whether `nearest` finds something,
+    /// for less.
+    bool meets(glm::vec3 origin, glm::vec3 direction, float far) const;
+
     /// Whether the ray meets anything that never moves at a distance in (0, far), translucent or not.
     bool meets_still(glm::vec3 origin, glm::vec3 direction, float far) const;
+
+    /// The same for what `meets_still` does not ask: what moves, and still objects that share a mesh as instances.
+    bool meets_instances(glm::vec3 origin, glm::vec3 direction, float far) const;
+    bool has_instances() const;
 
     /// Bit i: ray i of the packet is blocked by something opaque. Translucent surfaces do not block; where the packet
     /// met any, `light` (16 values, if given) is multiplied by what passes (at most `max_layers` surfaces; beyond them:

@@ -43,11 +43,12 @@ glm::dvec3 from_punctual(const renderer::Scenery& scenery, const renderer::Surfa
 }
 
 /// One path that starts at p: what it brings back to p's `outgoing`.
-glm::dvec3 follow(const renderer::Scenery& scenery, renderer::SurfacePoint p, int bounces, std::uint64_t seed,
-                  std::uint64_t path) {
+glm::dvec3 follow(const renderer::Scenery& scenery, renderer::SurfacePoint p, int bounces, int least_bounces,
+                  std::uint64_t seed, std::uint64_t path) {
     glm::dvec3 light(0), throughput(1);
     for (int bounce = 0; bounce <= bounces; ++bounce) {
-        light += throughput * from_punctual(scenery, p);
+        const bool counts = bounce >= least_bounces;
+        if (counts) light += throughput * from_punctual(scenery, p);
         const auto key = static_cast<std::uint64_t>(2 * bounce);
         const glm::vec3 d = core::sample_cosine_hemisphere(
             p.shading_normal, {core::uniform(seed, path, key), core::uniform(seed, path, key + 1)});
@@ -55,12 +56,11 @@ glm::dvec3 follow(const renderer::Scenery& scenery, renderer::SurfacePoint p, in
         throughput *= glm::dvec3(renderer::evaluate(p.bsdf, p.shading_normal, p.outgoing, d)) * std::numbers::pi;
         const renderer::Hit hit = scenery.tracer().nearest(renderer::offset_origin(p, d), d, infinity);
         if (!hit.found()) {
-            light +=
-                throughput * glm::dvec3(scenery.sky() != nullptr ? scenery.sky()->radiance(d, 0.0f) : glm::vec3(0));
+            if (counts && scenery.sky() != nullptr) light += throughput * glm::dvec3(scenery.sky()->radiance(d, 0.0f));
             break;
         }
         p = scenery.surface_at(hit.address, -d);
-        light += throughput * glm::dvec3(p.emission);
+        if (counts) light += throughput * glm::dvec3(p.emission);
     }
     return light;
 }
@@ -68,10 +68,10 @@ glm::dvec3 follow(const renderer::Scenery& scenery, renderer::SurfacePoint p, in
 }  // namespace
 
 Estimate scattered_light(const renderer::Scenery& scenery, const renderer::SurfacePoint& point, int bounces,
-                         std::uint64_t samples, std::uint64_t seed) {
+                         std::uint64_t samples, std::uint64_t seed, int least_bounces) {
     glm::dvec3 sum(0), squares(0);
     for (std::uint64_t i = 0; i < samples; ++i) {
-        const glm::dvec3 l = follow(scenery, point, bounces, seed, i);
+        const glm::dvec3 l = follow(scenery, point, bounces, least_bounces, seed, i);
         sum += l;
         squares += l * l;
     }

@@ -1,0 +1,58 @@
+// Light that a door lets through, against a path tracer.
+#include <gtest/gtest.h>
+
+#include "tests/reference/path_tracer.h"
+#include "tests/renderer/door_stage.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+constexpr int bounces = 4;
+
+/// Places of the far room: two on its floor, one on each of two walls, one on the ceiling; seen from its middle.
+const glm::vec3 places[] = {{5.5f, 0, 2}, {7, 0, 3.2f}, {8, 1.2f, 2}, {6, 1, 0}, {6, 3, 2.5f}};
+
+SurfacePoint surface(const Scenery& scenery, glm::vec3 place) {
+    const glm::vec3 eye{6, 1.5f, 2}, way = glm::normalize(place - eye);
+    const Hit hit = scenery.tracer().nearest(eye, way, 100.0f);
+    return scenery.surface_at(hit.address, -way);
+}
+
+/// Indirect light that the anchors make it scatter.
+double by_anchors(const Scenery& scenery, const Anchors::Lit& lit, const SurfacePoint& point) {
+    LightForest forest = plant({}, lit.still, 1);
+    forest.trees[LightForest::moving_tree] = build_light_tree(LightFamily::oriented, lit.moving, 1);
+    forest.indirect_clamp = {0.25f};
+    GatherPoint gathering;
+    gathering.point = point;
+    const GatherPoint* const points[] = {&gathering};
+    GatherLanes lanes;
+    fill(lanes, points);
+    GatheredLight light;
+    Gatherer(forest, scenery.tracer()).gather_all(lanes, light);
+    return core::luminance(point_light(light, 0, gathering).scattered(gathering));
+}
+
+TEST(DoorsSlow, LightTheNextRoomAsPathsDo) {
+    test::AnchorStage stage(test::rooms_with_a_door(), {2048, bounces});
+    double open = 0;
+    for (const double seconds : {2.0, 1.6, 1.3, 0.5}) {
+        stage.pose(seconds);
+        const Anchors::Lit lit = stage.light();
+        double anchors = 0, paths = 0;
+        for (const glm::vec3& place : places) {
+            const SurfacePoint point = surface(stage.scenery(), place);
+            const double found = by_anchors(stage.scenery(), lit, point);
+            const reference::Estimate e = reference::scattered_light(stage.scenery(), point, bounces, 30000, 1, 1);
+            const double truth = core::luminance(glm::vec3(e.mean)), error = core::luminance(glm::vec3(e.error));
+            anchors += found;
+            paths += truth;
+            EXPECT_NEAR(found, truth, 0.2 * truth + 4 * error + 1e-3 * open) << seconds << " s, x = " << place.x;
+        }
+        if (open == 0) open = anchors;
+        EXPECT_NEAR(anchors, paths, 0.08 * paths + 1e-4 * open) << seconds << " s";
+    }
+}
+
+}  // namespace
+}  // namespace render2mpeg::renderer
