@@ -100,6 +100,13 @@ void write_exr(const fs::path& path, int width, int height, std::span<const Chan
     replace_file(path, codec().encode_exr(width, height, channels, pixel_aspect, path.string()));
 }
 
+std::vector<unsigned char> png_bytes(int width, int height, std::span<const unsigned char> rgb,
+                                     const std::string& name) {
+    EXPECTS(width > 0 && height > 0);
+    EXPECTS(rgb.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
+    return codec().encode_png(width, height, rgb, 1, name);
+}
+
 void write_png(const fs::path& path, int width, int height, std::span<const unsigned char> rgb, float pixel_aspect) {
     EXPECTS(width > 0 && height > 0 && pixel_aspect > 0 && std::isfinite(pixel_aspect));
     EXPECTS(rgb.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);

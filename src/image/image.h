@@ -44,6 +44,10 @@ void write_exr(const std::filesystem::path& path, int width, int height, std::sp
 void write_png(const std::filesystem::path& path, int width, int height, std::span<const unsigned char> rgb,
                float pixel_aspect = 1);
 
+/// The bytes of such a PNG file with square pixels. `name` is for messages.
+std::vector<unsigned char> png_bytes(int width, int height, std::span<const unsigned char> rgb,
+                                     const std::string& name);
+
 /// Channels of an OpenEXR file.
 struct ExrChannels {
     int width = 0, height = 0;      ///< of the display window

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/color.h"
+#include "perceptual/flicker.h"
 #include "perceptual/hvs.h"
 #include "perceptual/metrics.h"
 
@@ -12,28 +13,6 @@ namespace render2mpeg::bench {
 namespace {
 
 using app::Production;
-
-/// Mean absolute difference along motion, bilinear.
-double difference(const core::Plane<std::uint8_t>& now, const core::Plane<std::uint8_t>& before,
-                  const core::MotionField& motion) {
-    double sum = 0, count = 0;
-    for (int y = 0; y < now.height(); ++y)
-        for (int x = 0; x < now.width(); ++x) {
-            if (motion.kind.at(x, y) == core::PixelClass::none) continue;
-            const glm::vec2 v = motion.vector.at(x, y);
-            const float px = static_cast<float>(x) + v.x, py = static_cast<float>(y) + v.y;
-            if (!(px >= 0 && py >= 0)) continue;
-            const int x0 = static_cast<int>(px), y0 = static_cast<int>(py);
-            const int x1 = std::min(x0 + 1, now.width() - 1), y1 = std::min(y0 + 1, now.height() - 1);
-            if (px > static_cast<float>(x1) || py > static_cast<float>(y1)) continue;
-            const float s = px - static_cast<float>(x0), t = py - static_cast<float>(y0);
-            const float there = (1 - t) * ((1 - s) * before.at(x0, y0) + s * before.at(x1, y0)) +
-                                t * ((1 - s) * before.at(x0, y1) + s * before.at(x1, y1));
-            sum += std::abs(static_cast<double>(now.at(x, y)) - static_cast<double>(there));
-            count += 1;
-        }
-    return count > 0 ? sum / count : 0.0;
-}
 
 /// Takes the light of the reference's frames.
 class LightJudge {
@@ -105,8 +84,8 @@ class CodingJudge {
         out.hvs_m = perceptual::psnr(hvs_ / count_);
         out.flicker = 0;
         for (const std::int64_t a : stage_.firsts)
-            out.flicker += (step(a + 1) - difference(stage_.reference.at(a + 1).picture.y,
-                                                     stage_.reference.at(a).picture.y, motion(a + 1))) /
+            out.flicker += (step(a + 1) - perceptual::change_along(motion(a + 1), stage_.reference.at(a + 1).picture.y,
+                                                                   stage_.reference.at(a).picture.y)) /
                            static_cast<double>(stage_.firsts.size());
         double sum[2] = {}, frames[2] = {};
         for (std::int64_t n = first_ + 1; decoded_.contains(n); ++n)
@@ -118,7 +97,9 @@ class CodingJudge {
     const core::MotionField& motion(std::int64_t n) const {
         return stage_.motion[static_cast<std::size_t>(n - first_)];
     }
-    double step(std::int64_t n) const { return difference(decoded_.at(n), decoded_.at(n - 1), motion(n)); }
+    double step(std::int64_t n) const {
+        return perceptual::change_along(motion(n), decoded_.at(n), decoded_.at(n - 1));
+    }
 
     std::int64_t first_;
     const Stage& stage_;
