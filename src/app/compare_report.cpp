@@ -2,15 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "app/curve_plot.h"
 #include "app/frame_plot.h"
+#include "app/portrait_view.h"
 #include "app/report.h"
 #include "app/statistics_json.h"
 #include "app/sweep.h"
 #include "app/text_file.h"
+#include "core/numeric.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -22,8 +25,11 @@ json finite_or_null(double value) {
     return std::isfinite(value) ? json(value) : json(nullptr);
 }
 
-json row_json(const Trial& t) {
+json row_json(const Trial& t, const Times& times) {
     return {{"quantiser", t.quantiser},
+            {"light_runs", times.light},
+            {"code_runs", times.code},
+            {"flicker", t.flicker},
             {"light_seconds", t.seconds},
             {"light_window_seconds", t.window_seconds},
             {"requantised", t.requantised},
@@ -48,15 +54,42 @@ json difference_json(const Way& way, const Way& from) {
 json differences_json(const Comparison& found) {
     json all = json::array();
     if (!found.complete) return all;
-    for (const std::size_t from : {usual_way, strongest_way})
-        for (const std::size_t way : {coupled_way, fixed_way})
-            all.push_back(difference_json(found.ways[way], found.ways[from]));
+    for (const auto& [way, from] : held_against) all.push_back(difference_json(found.ways[way], found.ways[from]));
     return all;
+}
+
+json foreign_json(const Comparison& found) {
+    if (!found.foreign) return nullptr;
+    const ForeignFilm& f = *found.foreign;
+    return {{"film", f.name},
+            {"width", f.width},
+            {"height", f.height},
+            {"pictures", f.pictures},
+            {"compared", f.compared},
+            {"bytes", f.bytes},
+            {"psnr_y", finite_or_null(f.psnr_y)},
+            {"ssim_y", f.ssim_y},
+            {"psnr_hvs_m", finite_or_null(f.psnr_hvs_m)},
+            {"bits_of_coupled", finite_or_null(bits_beside(found))}};
+}
+
+/// What the last reference shows at the coarsest quantiser, and what becomes of it.
+std::string views(const Production& film, const Comparison& found) {
+    const std::vector<Trial>& rows = found.ways[coupled_way].rows;
+    const perceptual::ColorMatrix matrix = perceptual::matrix_for(film.format.height);
+    const std::size_t row = rows.size() - 1;
+    std::string text = portrait_figures(fmt::format("coupled, quantiser {}", rows[row].quantiser), rows[row], matrix);
+    const Way& other = found.ways[strongest_way];
+    if (row < other.rows.size())
+        text += decoded_pair(fmt::format("The same frame by {}, whose film has {:.2f} times the bytes", other.name,
+                                         core::divide_or(other.rows[row].bytes, rows[row].bytes, 0.0)),
+                             "coupled", rows[row], other.name, other.rows[row], matrix);
+    return text.empty() ? "" : "<h2>Side by side</h2>\n" + text;
 }
 
 template <class X>
 std::string plot(const Comparison& found, const std::string& title, const std::string& axis, X&& x) {
-    constexpr const char* colors[] = {"i", "one", "two", "b"};
+    constexpr const char* colors[] = {"i", "one", "p", "two", "b", "b"};
     CurvePlot plot{title, {axis, true}, {"PSNR-Y, dB", false}, {}};
     for (std::size_t i = 0; i < found.ways.size(); ++i) {
         Curve curve{found.ways[i].name, colors[i], {}};
@@ -70,17 +103,22 @@ std::string plot(const Comparison& found, const std::string& title, const std::s
 
 std::string tables(const Comparison& found) {
     std::string text = "<h2>All figures</h2>\n<div class=\"wide\"><table>\n<tr><th>Way</th>";
-    for (const char* head : {"Quantiser", "Light, s", "Coding, s", "Bytes", "PSNR-Y", "SSIM", "HVS-M"})
+    for (const char* head : {"Quantiser", "Light, s", "Coding, s", "Bytes", "PSNR-Y", "SSIM", "HVS-M", "Flicker"})
         text += fmt::format("<th class=\"n\">{}</th>", head);
     text += "</tr>\n";
     const auto decibels = [](double v) { return std::isfinite(v) ? fmt::format("{:.2f}", v) : std::string("same"); };
+    const auto seconds = [](double middle, const std::vector<double>& runs) {
+        const std::string figure = short_figure(middle);
+        return runs.size() < 2 ? figure : fmt::format("{} &#177; {:.0f} %", figure, 50 * spread(runs));
+    };
     for (const Way& way : found.ways)
-        for (const Trial& t : way.rows) {
+        for (std::size_t i = 0; i < way.rows.size(); ++i) {
+            const Trial& t = way.rows[i];
             text += "<tr><td>" + escaped(way.name) + "</td>";
-            for (const std::string& cell :
-                 {fmt::format("{}", t.quantiser), short_figure(t.seconds), short_figure(t.code_seconds),
-                  fmt::format("{:.0f}", t.bytes), decibels(t.decoded.psnr_y()),
-                  fmt::format("{:.4f}", t.decoded.ssim_y()), decibels(t.psnr_hvs_m())})
+            for (const std::string& cell : {fmt::format("{}", t.quantiser), seconds(t.seconds, way.times[i].light),
+                                            seconds(t.code_seconds, way.times[i].code), fmt::format("{:.0f}", t.bytes),
+                                            decibels(t.decoded.psnr_y()), fmt::format("{:.4f}", t.decoded.ssim_y()),
+                                            decibels(t.psnr_hvs_m()), fmt::format("{:.3f}", t.flicker)})
                 text += "<td class=\"n\">" + cell + "</td>";
             text += "</tr>\n";
         }
@@ -90,15 +128,21 @@ std::string tables(const Comparison& found) {
     for (const char* head : {"Bits, PSNR-Y", "Bits, SSIM", "Bits, HVS-M", "Time, PSNR-Y"})
         text += fmt::format("<th class=\"n\">{}</th>", head);
     text += "</tr>\n";
-    for (const std::size_t from : {usual_way, strongest_way})
-        for (const std::size_t way : {coupled_way, fixed_way}) {
-            const Difference d = difference_of(found.ways[way], found.ways[from]);
-            text += "<tr><td>" + escaped(found.ways[way].name) + "</td><td>" + escaped(found.ways[from].name) + "</td>";
-            for (const double value : {d.psnr_y, d.ssim_y, d.psnr_hvs_m, d.seconds})
-                text += "<td class=\"n\">" + change_text(value) + "</td>";
-            text += "</tr>\n";
-        }
+    for (const auto& [way, from] : held_against) {
+        const Difference d = difference_of(found.ways[way], found.ways[from]);
+        text += "<tr><td>" + escaped(found.ways[way].name) + "</td><td>" + escaped(found.ways[from].name) + "</td>";
+        for (const double value : {d.psnr_y, d.ssim_y, d.psnr_hvs_m, d.seconds})
+            text += "<td class=\"n\">" + change_text(value) + "</td>";
+        text += "</tr>\n";
+    }
     return text + "</table></div>\n";
+}
+
+std::string foreign_paragraph(const Comparison& found) {
+    if (!found.foreign) return {};
+    std::string text = foreign_lines(found);
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return "<h2>A film by somebody else</h2>\n<p>" + escaped(text) + "</p>\n";
 }
 
 std::string commands(const Comparison& found) {
@@ -115,7 +159,7 @@ json compare_json(const Production& film, const Comparison& found, const std::st
     for (const Chunk& window : found.windows) windows.push_back({window.first, window.last});
     for (const Way& way : found.ways) {
         json rows = json::array();
-        for (const Trial& trial : way.rows) rows.push_back(row_json(trial));
+        for (std::size_t i = 0; i < way.rows.size(); ++i) rows.push_back(row_json(way.rows[i], way.times[i]));
         ways.push_back({{"name", way.name}, {"how", way.how}, {"rows", rows}});
     }
     return {{"command", command},
@@ -134,7 +178,9 @@ json compare_json(const Production& film, const Comparison& found, const std::st
             {"light_points", found.light_points},
             {"windows", windows},
             {"reference", {{"frames", found.references}, {"seconds", found.reference_seconds}}},
+            {"runs", found.runs},
             {"ways", ways},
+            {"foreign", foreign_json(found)},
             {"differences", differences_json(found)},
             {"summary", sentence_of(found)},
             {"complete", found.complete}};
@@ -149,7 +195,7 @@ void write_compare_report(const std::filesystem::path& html, const Production& f
     body += plot(found, "Quality over time for light, motion and coding", "CPU seconds per frame",
                  [](const Trial& t) { return t.seconds + t.code_seconds; });
     body +=
-        tables(found) +
+        views(film, found) + tables(found) + foreign_paragraph(found) +
         "<p class=\"soft\">Light: CPU seconds of all threads per frame; coding: with exact motion, or with ffmpeg's "
         "search for it on one thread. PSNR-Y, SSIM and PSNR-HVS-M (HVS-M): decoded pictures against pictures lit by "
         "every light point and not coded. At equal quality: mean differences over the qualities that both reach "

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "app/bd_rate.h"
 #include "app/figures.h"
 #include "app/sweep.h"
+#include "core/numeric.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -81,28 +83,79 @@ std::string compare_heading(const Production& film, const Comparison& found) {
 std::string way_heading() {
     return fmt::format(
         "\nCPU seconds and size per frame; decoded against every light point before coding.\n"
-        "{:<22}{:>3} {:>7} {:>7} {:>9} {:>7} {:>7} {:>7}\n",
-        "", "q", "light", "code", "size", "PSNR-Y", "SSIM", "HVS-M");
+        "{:<23}{:>2} {:>6} {:>6} {:>8} {:>6} {:>7} {:>6} {:>7}\n",
+        "", "q", "light", "code", "size", "PSNR-Y", "SSIM", "HVS-M", "flicker");
 }
 
 std::string way_row(const std::string& name, const Trial& t) {
-    return fmt::format("{:<22}{:>3} {:>7} {:>7} {:>9} {:>7} {:>7.4f} {:>7}\n", name, t.quantiser,
+    return fmt::format("{:<23}{:>2} {:>6} {:>6} {:>8} {:>6} {:>7.4f} {:>6} {:>7.3f}\n", name, t.quantiser,
                        short_figure(t.seconds), short_figure(t.code_seconds), size_text(t.bytes),
-                       psnr_text(t.decoded.psnr_y()), t.decoded.ssim_y(), psnr_text(t.psnr_hvs_m()));
+                       psnr_text(t.decoded.psnr_y()), t.decoded.ssim_y(), psnr_text(t.psnr_hvs_m()), t.flicker);
 }
 
 std::string difference_table(const Comparison& found) {
     std::string text = "\nBits at equal quality, and time at equal PSNR-Y, against a fixed 2 % coded by\n";
-    for (const std::size_t from : {usual_way, strongest_way}) {
-        text += fmt::format("{:<28}{:>10} {:>10} {:>10} {:>10}\n", found.ways[from].name, "PSNR-Y", "SSIM", "HVS-M",
-                            "time");
-        for (const std::size_t way : {coupled_way, fixed_way}) {
-            const Difference d = difference_of(found.ways[way], found.ways[from]);
-            text += fmt::format("  {:<26}{:>10} {:>10} {:>10} {:>10}\n", found.ways[way].name, change_text(d.psnr_y),
-                                change_text(d.ssim_y), change_text(d.psnr_hvs_m), change_text(d.seconds));
-        }
+    std::optional<std::size_t> last;
+    for (const auto& [way, from] : held_against) {
+        if (last != from)
+            text += fmt::format("{:<28}{:>10} {:>10} {:>10} {:>10}\n", found.ways[from].name, "PSNR-Y", "SSIM", "HVS-M",
+                                "time");
+        last = from;
+        const Difference d = difference_of(found.ways[way], found.ways[from]);
+        text += fmt::format("  {:<26}{:>10} {:>10} {:>10} {:>10}\n", found.ways[way].name, change_text(d.psnr_y),
+                            change_text(d.ssim_y), change_text(d.psnr_hvs_m), change_text(d.seconds));
     }
     return text;
+}
+
+std::string time_table(const Comparison& found) {
+    if (found.runs < 2) return {};
+    std::string text = fmt::format(
+        "\nTimes: medians of {} runs, and how far these are apart\n{:<23}{:>2} {:>8} {:>6} "
+        "{:>8} {:>6}\n",
+        found.runs, "", "q", "light", "", "code", "");
+    for (const Way& way : found.ways)
+        for (std::size_t i = 0; i < way.rows.size(); ++i)
+            text += fmt::format("{:<23}{:>2} {:>8} {:>4.0f} % {:>8} {:>4.0f} %\n", way.name, way.rows[i].quantiser,
+                                short_figure(way.rows[i].seconds), 100 * spread(way.times[i].light),
+                                short_figure(way.rows[i].code_seconds), 100 * spread(way.times[i].code));
+    return text;
+}
+
+double bits_beside(const Comparison& found) {
+    if (!found.foreign || found.ways.empty()) return std::numeric_limits<double>::quiet_NaN();
+    std::vector<RatePoint> ours;
+    for (const Trial& t : found.ways[coupled_way].rows)
+        if (std::isfinite(t.decoded.psnr_y())) ours.push_back({t.bytes, t.decoded.psnr_y()});
+    const RatePoint theirs{found.foreign->bytes, found.foreign->psnr_y};
+    if (!std::isfinite(theirs.psnr)) return std::numeric_limits<double>::quiet_NaN();
+    // A curve from that point alone: over next to nothing it has one rate.
+    return 1 + bd_rate({theirs, {theirs.bits, theirs.psnr + 1e-6}}, ours) / 100;
+}
+
+std::string foreign_lines(const Comparison& found) {
+    if (!found.foreign) return {};
+    const ForeignFilm& f = *found.foreign;
+    std::string text = fmt::format(
+        "\n{}: {} per picture; {} of {} pictures against their reference:\nPSNR-Y {}, SSIM {:.4f}, HVS-M {}\n", f.name,
+        size_text(f.bytes), f.compared, f.pictures, psnr_text(f.psnr_y), f.ssim_y, psnr_text(f.psnr_hvs_m));
+    const double ratio = bits_beside(found);
+    if (std::isfinite(ratio))
+        text += fmt::format("at that PSNR-Y the coupled film has {:.2f} times its bytes per picture\n", ratio);
+    return text;
+}
+
+double median(std::vector<double> seconds) {
+    if (seconds.empty()) return 0;
+    std::sort(seconds.begin(), seconds.end());
+    const std::size_t n = seconds.size();
+    return 0.5 * (seconds[(n - 1) / 2] + seconds[n / 2]);
+}
+
+double spread(const std::vector<double>& seconds) {
+    if (seconds.empty()) return 0;
+    const auto [least, most] = std::minmax_element(seconds.begin(), seconds.end());
+    return core::divide_or(*most - *least, median(seconds), 0.0);
 }
 
 std::string change_text(double per_cent) {

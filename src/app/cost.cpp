@@ -25,6 +25,7 @@ class Cost {
           pairs_(!quantisers_from(options.quantisers).empty()),
           trials_(film, windows_of(film.frames, sample_from(options.sample))) {
         sweep_.windows = trials_.windows();
+        if (options.kept_references) trials_.keep_references_in(ReferenceCache(*options.kept_references));
         tell_memory(trials_.bytes_held(pairs_), options.render.quiet);
     }
 

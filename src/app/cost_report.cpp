@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -9,6 +10,7 @@
 #include "app/curve_plot.h"
 #include "app/figures.h"
 #include "app/frame_plot.h"
+#include "app/portrait_view.h"
 #include "app/report.h"
 #include "app/statistics_json.h"
 #include "app/text_file.h"
@@ -173,6 +175,25 @@ std::string tables(const Sweep& sweep, int quantiser) {
            "point and not coded. Bytes per frame.</p>\n";
 }
 
+/// The frame that is looked at: as the film's own quantiser has it, or the nearest that was tried, and by the loosest
+/// fixed tolerance.
+std::string views(const Production& film, const Sweep& sweep) {
+    const perceptual::ColorMatrix matrix = perceptual::matrix_for(film.format.height);
+    const auto nearest =
+        std::min_element(sweep.pairs.begin(), sweep.pairs.end(), [&](const CoupledPair& a, const CoupledPair& b) {
+            return std::abs(a.coupled.quantiser - film.coding.quantiser) <
+                   std::abs(b.coupled.quantiser - film.coding.quantiser);
+        });
+    std::string text;
+    if (nearest != sweep.pairs.end())
+        text += portrait_figures(fmt::format("coupled, quantiser {}", nearest->coupled.quantiser), nearest->coupled,
+                                 matrix);
+    if (!sweep.fixed.empty())
+        text += portrait_figures("fixed " + tolerance_text(sweep.fixed.front().tolerance.relative), sweep.fixed.front(),
+                                 matrix);
+    return text.empty() ? "" : "<h2>Side by side</h2>\n" + text;
+}
+
 std::string cards(const Production& film, const Sweep& sweep) {
     const auto card = [](const std::string& name, const std::string& value) {
         return "<div><dt>" + name + "</dt><dd>" + escaped(value) + "</dd></div>\n";
@@ -223,7 +244,7 @@ void write_cost_report(const std::filesystem::path& html, const Production& film
     const int quantiser = film.coding.quantiser;
     const std::filesystem::path source = film.animation->source;
     const std::string name = (source.has_filename() ? source : source.parent_path()).filename().string();
-    std::string body = cards(film, sweep) + plots(sweep, quantiser) + tables(sweep, quantiser);
+    std::string body = cards(film, sweep) + plots(sweep, quantiser) + views(film, sweep) + tables(sweep, quantiser);
     body += "<h2>To find it out again</h2>\n<pre>" + escaped(command) +
             "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (docs/cost.md).</p>\n";
     const std::string lead =

@@ -123,6 +123,12 @@ double bytes_of(const av::Inspection& stream, int gop) {
     return bytes - std::max(0.0, sums[0] / counts[0] - sums[1] / counts[1]);
 }
 
+/// What the strongest commands have in common.
+constexpr const char* strongest =
+    "-b:v 400M -lmin {L} -lmax {L} -qmin 1 -qmax 31 -qcomp 0.6 -i_qfactor 0.8 -i_qoffset 0 -b_qfactor 1.5 "
+    "-b_qoffset 0 -mbd rd -trellis 2 -mpv_flags +skip_rd+mv0 -mbcmp rd -subcmp satd -dia_size 770 -pre_dia_size 4 "
+    "-mepre 2 -last_pred 3 -g {g} ";
+
 }  // namespace
 
 std::string ffmpeg_version() {
@@ -137,10 +143,11 @@ FfmpegWay usual_ffmpeg() {
 }
 
 FfmpegWay strongest_ffmpeg() {
-    return {"ffmpeg, strongest",
-            "-b:v 400M -lmin {L} -lmax {L} -qmin 1 -qmax 31 -qcomp 0.6 -i_qfactor 0.8 -i_qoffset 0 -b_qfactor 1.5 "
-            "-b_qoffset 0 -mbd rd -trellis 2 -mpv_flags +skip_rd+mv0 -mbcmp rd -subcmp satd -dia_size 770 "
-            "-pre_dia_size 4 -mepre 2 -last_pred 3 -g {g} -bf 2"};
+    return {"ffmpeg, strongest", std::string(strongest) + "-bf 2"};
+}
+
+FfmpegWay strongest_free_ffmpeg() {
+    return {"ffmpeg, free GOPs", std::string(strongest) + "-bf 3 -b_strategy 2"};
 }
 
 Trials::Codec ffmpeg_codec(const FfmpegWay& way, int quantiser, int gop, const core::FrameRate& rate) {

@@ -21,6 +21,8 @@ FfmpegWay usual_ffmpeg();
 /// The strongest command known for closed GOPs of so many pictures: rate-distortion decisions, trellis, and motion
 /// search by uneven hexagons (docs/encoder-benchmark.md).
 FfmpegWay strongest_ffmpeg();
+/// The strongest for free GOPs: longer ones, in which it chooses where B pictures pay.
+FfmpegWay strongest_free_ffmpeg();
 
 /// Runs it on one thread for one window. What only reading the pictures takes is no part of its seconds. Where the
 /// stream has one I picture more than GOPs of `gop` pictures ask for, what that costs more than a P picture does not

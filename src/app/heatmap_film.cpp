@@ -12,8 +12,6 @@
 #include "core/numeric.h"
 
 namespace render2mpeg::app {
-namespace {
-
 perceptual::HeatScale scale_of(HeatSubject subject) {
     switch (subject) {
         case HeatSubject::tolerance:
@@ -56,6 +54,8 @@ perceptual::HeatScale scale_of(HeatSubject subject) {
         true,
         {{1, "1"}, {2, "2"}, {3, "3"}, {4, "4"}, {6, "6"}, {8, "8"}, {12, "12"}, {16, "16"}, {24, "24"}, {31, "31"}}};
 }
+
+namespace {
 
 core::Plane<float> values_of(HeatSubject subject, const LitFrame& frame) {
     const core::Plane<glm::vec3>& light = frame.radiance.combined;

@@ -28,6 +28,9 @@ enum class HeatSubject {
 /// The subject of that name. Throws core::Error with the list of names.
 HeatSubject heat_subject_from(const std::string& name);
 
+/// What its colours mean.
+perceptual::HeatScale scale_of(HeatSubject subject);
+
 /// Refuses what --heatmap asks for where it has nothing to show, or its film cannot be coded. Writes nothing. Throws
 /// core::Error that names the heatmap or its file.
 void check_heatmaps(const RenderOptions& options, const Production& film);

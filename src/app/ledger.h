@@ -17,6 +17,8 @@ inline constexpr std::array stage_names{"load",     "first_pass", "see",     "pr
 
 /// CPU seconds of this process so far, summed over threads.
 double cpu_seconds();
+/// Seconds on a clock that never turns back.
+double clock_seconds();
 
 /// What became of one frame.
 struct FrameEntry {

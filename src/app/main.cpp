@@ -8,6 +8,7 @@
 #include "app/keep_memory.h"
 #include "app/options.h"
 #include "app/render.h"
+#include "app/tune.h"
 
 /// Everything that goes wrong anywhere ends here as one line and exit status 1.
 int main(int argc, char** argv) {
@@ -27,6 +28,8 @@ int main(int argc, char** argv) {
                 return info(line.info);
             case Command::cost:
                 return cost(line.cost, line.text);
+            case Command::tune:
+                return tune(line.tune, line.words);
             case Command::compare:
                 return compare(line.compare, line.text);
             case Command::none:

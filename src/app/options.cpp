@@ -108,15 +108,6 @@ std::string commands_of(const CLI::App& app) {
     return names;
 }
 
-/// A word of a command line as a shell takes it.
-std::string quoted(const std::string& word) {
-    constexpr const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_@%+=:,./-";
-    if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
-    std::string text = "'";
-    for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return text + "'";
-}
-
 /// Long names of the options that were given.
 std::vector<std::string> given_of(const CLI::App& command) {
     std::vector<std::string> names;
@@ -127,8 +118,17 @@ std::vector<std::string> given_of(const CLI::App& command) {
 
 }  // namespace
 
+std::string quoted(const std::string& word) {
+    constexpr const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_@%+=:,./-";
+    if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
+    std::string text = "'";
+    for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return text + "'";
+}
+
 CommandLine parse(int argc, char** argv) {
     CommandLine line;
+    line.words.assign(argv, argv + argc);
     for (int i = 0; i < argc; ++i) line.text += (i == 0 ? "" : " ") + quoted(argv[i]);
 
     CLI::App app("Renders a 3D animation with global illumination straight into an MPEG-2 file.", "render2mpeg");
@@ -160,6 +160,7 @@ CommandLine parse(int argc, char** argv) {
     const CLI::App* plan = add_plan_command(app, line.plan);
     const CLI::App* info = add_info_command(app, line.info);
     const CLI::App* cost = add_cost_command(app, line.cost);
+    const CLI::App* tune = add_tune_command(app, line.tune);
     const CLI::App* compare = add_compare_command(app, line.compare);
 
     // CLI11 would only say that a command is missing.
@@ -176,12 +177,14 @@ CommandLine parse(int argc, char** argv) {
     line.render.given = given_of(*render);
     line.encode.given = given_of(*encode);
     line.cost.render.given = given_of(*cost);
+    line.tune.render.given = given_of(*tune);
     line.compare.render.given = given_of(*compare);
     line.command = render->parsed()   ? Command::render
                    : encode->parsed() ? Command::encode
                    : plan->parsed()   ? Command::plan
                    : info->parsed()   ? Command::info
                    : cost->parsed()   ? Command::cost
+                   : tune->parsed()   ? Command::tune
                                       : Command::compare;
     return line;
 }

@@ -109,20 +109,40 @@ struct CostOptions {
     std::string tolerances = "16,8,4,2,1,0.5,0.25";
     std::string quantisers = "2,4,8,16,31";
     std::optional<std::filesystem::path> json;
-    std::optional<std::filesystem::path> report;  ///< HTML
+    std::optional<std::filesystem::path> report;           ///< HTML
+    std::optional<std::filesystem::path> kept_references;  ///< folder
 };
 
 /// Options of `compare`.
 struct CompareOptions {
     RenderOptions render;  ///< only what decides light and coding
     std::string sample = "1x15";
-    int references = 3;  ///< of every window
+    int references = 4;                              ///< of every window
+    int runs = 3;                                    ///< of everything that is timed
+    std::optional<std::filesystem::path> film;       ///< --film, with the next
+    std::optional<std::filesystem::path> reference;  ///< --reference: numbered images, or a folder of them
     std::string quantisers = "2,4,8,16";
     std::optional<std::filesystem::path> json;
-    std::optional<std::filesystem::path> report;  ///< HTML
+    std::optional<std::filesystem::path> report;           ///< HTML
+    std::optional<std::filesystem::path> kept_references;  ///< folder
 };
 
-enum class Command { render, encode, plan, info, cost, compare, none };
+/// Options of `tune`: exactly one of the targets.
+struct TuneOptions {
+    RenderOptions render;                ///< what to make; `output` may be empty in a dry run
+    std::optional<double> psnr;          ///< dB
+    std::optional<double> ssim;          ///< 0..1
+    std::optional<std::string> bitrate;  ///< as bits_from reads it
+    std::optional<std::string> size;     ///< as size_in_bytes reads it
+    std::optional<std::string> time;     ///< as time_in_seconds reads it
+    std::optional<std::string> sample;   ///< none: by the target
+    std::optional<int> references;       ///< of every window; none: by the target
+    std::optional<std::filesystem::path> json;
+    std::optional<std::filesystem::path> report;           ///< HTML
+    std::optional<std::filesystem::path> kept_references;  ///< folder
+};
+
+enum class Command { render, encode, plan, info, cost, tune, compare, none };
 
 /// One command line, read and checked for form. `exit_code` is set where there is nothing left to do (--help,
 /// --version, a mistake, which is one line): the text was printed already.
@@ -133,12 +153,17 @@ struct CommandLine {
     PlanOptions plan;
     InfoOptions info;
     CostOptions cost;
+    TuneOptions tune;
     CompareOptions compare;
     std::optional<int> exit_code;
-    std::string text;  ///< as given, for the statistics
+    std::string text;                ///< as given, for the statistics
+    std::vector<std::string> words;  ///< the same, one by one
 };
 
 CommandLine parse(int argc, char** argv);
+
+/// A word of a command line as a shell takes it.
+std::string quoted(const std::string& word);
 
 /// The parts of options that have a grammar. Each throws core::Error naming the option and what would be right.
 struct Size {

@@ -8,6 +8,7 @@
 
 #include "app/attempts.h"
 #include "app/first_pass.h"
+#include "app/frame_portrait.h"
 #include "app/heatmap_film.h"
 #include "app/interrupt.h"
 #include "app/pipeline.h"
@@ -122,7 +123,7 @@ std::vector<Files> inputs_of(const Production& film, const RenderOptions& option
     return inputs;
 }
 
-int render(const RenderOptions& options, const std::string& command) {
+int render(const RenderOptions& options, const std::string& command, Rendered* rendered) {
     const auto start = std::chrono::steady_clock::now();
     const parallel::ThreadLimit threads(options.threads);
     const InterruptGuard guard(options.quiet);
@@ -151,9 +152,13 @@ int render(const RenderOptions& options, const std::string& command) {
     // Render.
     const std::unique_ptr<Sink> sink =
         make_sink(film, film.kind == OutputKind::y4m ? work->begin("film.y4m") : options.output);
+    FramePortrait portrait(film);
+    Watchers watchers;
+    if (!heatmaps.empty()) watchers.add(heatmaps);
+    if (options.report) watchers.add(portrait);
     const std::vector<ChunkFile> chunks =
         render_chunks(film, options, film.kind == OutputKind::film ? work.get() : nullptr, sink.get(),
-                      heatmaps.empty() ? nullptr : &heatmaps, ledger);
+                      watchers.empty() ? nullptr : &watchers, ledger);
 
     // Publish what is whole; leave what is not beside the target.
     const bool complete = static_cast<std::int64_t>(ledger.frames.size()) == film.frame_count();
@@ -172,12 +177,14 @@ int render(const RenderOptions& options, const std::string& command) {
     if (complete) attempts.attempt([&] { heatmaps.finish(); });
     ledger.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (options.stats) attempts.attempt([&] { write_statistics(*options.stats, film, ledger, facts); });
-    if (options.report) attempts.attempt([&] { write_report(*options.report, film, ledger, facts); });
+    if (options.report)
+        attempts.attempt([&] { write_report(*options.report, film, ledger, facts, portrait.figures()); });
     if (!options.quiet) attempts.attempt([&] { print(summary(film, ledger, facts)); });
     if (!complete && !options.quiet)
         std::fputs(fmt::format("interrupted after {} of {} frames\n", ledger.frames.size(), film.frame_count()).c_str(),
                    stderr);
     attempts.rethrow();
+    if (rendered != nullptr) *rendered = {ledger, facts.output, facts.bytes};
     return complete ? 0 : InterruptGuard::status();
 }
 

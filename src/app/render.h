@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "app/ledger.h"
 #include "app/options.h"
 #include "app/production.h"
 #include "app/publish.h"
@@ -12,8 +15,16 @@ namespace render2mpeg::app {
 /// The files that a film is made from, as far as they are known.
 std::vector<Files> inputs_of(const Production& film, const RenderOptions& options);
 
-/// `render2mpeg render`. Returns the exit status: 0, or 130 after an interruption. Throws core::Error.
-int render(const RenderOptions& options, const std::string& command);
+/// What a render comes to, for commands that make a film of their own accord.
+struct Rendered {
+    Ledger ledger;
+    std::filesystem::path film;
+    std::uint64_t bytes = 0;
+};
+
+/// `render2mpeg render`. Returns the exit status: 0, or 130 after an interruption. Throws core::Error. `rendered` is
+/// filled where it is not null.
+int render(const RenderOptions& options, const std::string& command, Rendered* rendered = nullptr);
 
 /// `render2mpeg plan`.
 int plan(const PlanOptions& options);

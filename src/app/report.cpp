@@ -150,6 +150,21 @@ std::string time_table(const json& s) {
     return text + "</table></div>\n";
 }
 
+std::string effect_table(const json& s) {
+    if (!s.contains("effects")) return {};
+    const auto count = [](const json& value) { return value.is_number() ? count_text(value.get<double>()) : ""; };
+    std::string text =
+        "<h2>What the picture consists of</h2>\n<div class=\"wide\"><table>\n<tr><th>Effect</th><th class=\"n\">CPU, "
+        "s</th><th class=\"n\">Rays</th><th class=\"n\">Clusters</th><th></th></tr>\n";
+    for (const json& row : s.at("effects"))
+        text += fmt::format(
+            "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td></tr>\n",
+            escaped(row.at("effect").get<std::string>()),
+            row.at("seconds").is_number() ? fmt::format("{:.2f}", row.at("seconds").get<double>()) : "",
+            count(row.at("rays")), count(row.at("clusters")), escaped(row.at("note").get<std::string>()));
+    return text + "</table></div>\n";
+}
+
 std::string plan_rows(const json& plan) {
     std::string text =
         "<h2>What ran, and why</h2>\n<div class=\"wide\"><table>\n<tr><th>Pass</th><th>Runs</th><th class=\"n\">CPU, "
@@ -209,7 +224,8 @@ bool is_json_of_ours(const std::filesystem::path& file) {
     if (!value.is_object() || !value.contains("summary")) return false;
     return (value.contains("per_frame") && value.contains("plan")) ||
            (value.contains("fixed") && value.contains("coupled")) ||
-           (value.contains("ways") && value.contains("differences"));
+           (value.contains("ways") && value.contains("differences")) ||
+           (value.contains("probes") && value.contains("target"));
 }
 
 }  // namespace
@@ -238,13 +254,14 @@ std::string report_page(const std::string& title, const std::string& lead, const
 }
 
 void write_report(const std::filesystem::path& html, const Production& film, const Ledger& ledger,
-                  const RunFacts& facts) {
+                  const RunFacts& facts, const std::string& views) {
     json s = statistics_of(film, ledger, facts);
     s["summary"] = sentence_of(s);
     s["plan"] = plan_of(film, s);
     write_whole(html,
                 report_page(std::filesystem::path(facts.output).filename().string(), s.at("summary").get<std::string>(),
-                            cards(s) + plots(s) + time_table(s) + plan_rows(s.at("plan")) + settings_table(s)));
+                            cards(s) + plots(s) + views + time_table(s) + effect_table(s) + plan_rows(s.at("plan")) +
+                                settings_table(s)));
     write_json(report_json_of(html), s);
 }
 

@@ -25,7 +25,7 @@ h3 small, .soft { color: var(--soft); font-weight: normal; }
 .cards dd { margin: 0; font-size: 1.2rem; font-variant-numeric: tabular-nums; }
 figure { margin: 1.2rem 0; }
 figcaption { display: flex; flex-wrap: wrap; gap: .2rem 1rem; justify-content: space-between; }
-.key { margin-left: .9rem; font-size: .85rem; color: var(--soft); white-space: nowrap; }
+.key { display: inline-block; margin-right: .9rem; font-size: .85rem; color: var(--soft); white-space: nowrap; }
 .swatch { display: inline-block; width: .8em; height: .8em; margin-right: .35em; border-radius: 2px; }
 .wide { overflow-x: auto; }
 svg { display: block; width: 100%; min-width: 620px; height: auto; }
@@ -40,6 +40,15 @@ svg g:hover rect { opacity: .6; }
 .i { fill: var(--i); background: var(--i); } .p { fill: var(--p); background: var(--p); }
 .b { fill: var(--b); background: var(--b); }
 .one { fill: var(--one); background: var(--one); } .two { fill: var(--two); background: var(--two); }
+.pair { --at: 50%; }
+.two { position: relative; }
+.two img, .heat img { display: block; width: 100%; height: auto; image-rendering: pixelated; }
+.two img + img { position: absolute; inset: 0; clip-path: inset(0 0 0 var(--at)); }
+.heat { display: inline-block; width: min(100%, 28rem); margin: 1.2rem 1rem 0 0; vertical-align: top; }
+.heat img { width: auto; max-width: 100%; }
+.grip { display: flex; flex-wrap: wrap; justify-content: space-between; color: var(--soft); font-size: .85rem; }
+.grip input { width: 100%; margin: .3rem 0; height: 1.6rem; accent-color: var(--one); }
+@media print { .grip input { display: none; } }
 table { border-collapse: collapse; width: 100%; font-size: .92rem; }
 th, td { text-align: left; padding: .25rem .8rem .25rem 0; border-bottom: 1px solid var(--line); vertical-align: top; }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }

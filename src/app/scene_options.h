@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+#include <optional>
 #include <string>
 
 #include "app/coding_options.h"
@@ -17,7 +19,13 @@ void add_picture_options(CLI::App& command, RenderOptions& options);
 
 /// Commands that try a film instead of making it.
 CLI::App* add_cost_command(CLI::App& app, CostOptions& options);
+CLI::App* add_tune_command(CLI::App& app, TuneOptions& options);
 CLI::App* add_compare_command(CLI::App& app, CompareOptions& options);
+
+/// Threads, JSON, report, where references are kept, and silence of such a command (CostOptions, TuneOptions,
+/// CompareOptions).
+template <class Options>
+void add_trial_run_options(CLI::App& command, Options& options);
 
 /// A CLI11 check of --exposure. Throws core::Error.
 std::string check_exposure(const std::string& text);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/effects.h"
 #include "app/statistics_json.h"
 #include "app/text_file.h"
 #include "core/numeric.h"
@@ -34,6 +35,18 @@ json passes_of(const Production& film, const Ledger& ledger) {
         if (row.runs && seconds > 0) passes[row.name] = seconds;
     }
     return passes;
+}
+
+json effects_json(const Production& film, const Ledger& ledger) {
+    json all = json::array();
+    const auto or_null = [](const auto& value) { return value ? json(*value) : json(nullptr); };
+    for (const Effect& e : effects_of(film, ledger))
+        all.push_back({{"effect", e.name},
+                       {"seconds", or_null(e.seconds)},
+                       {"rays", or_null(e.rays)},
+                       {"clusters", or_null(e.clusters)},
+                       {"note", e.note}});
+    return all;
 }
 
 json audit_of(const Production& film, const Audit& audit) {
@@ -197,6 +210,7 @@ json statistics_of(const Production& film, const Ledger& ledger, const RunFacts&
         {"isa", core::name_of(film.rendering.isa)},
         {"tolerance", tolerance_of(film)},
         {"passes", passes_of(film, ledger)},
+        {"effects", effects_json(film, ledger)},
         {"rays",
          {{"primary", r.primary_rays},
           {"specular", r.specular_rays},

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <string>
 
+#include "app/effects.h"
 #include "app/figures.h"
 #include "app/progress.h"
 #include "app/statistics.h"
@@ -159,6 +160,21 @@ std::string band_lines(const renderer::ToleranceBands& bands) {
     return kinds < 2 ? "" : "  spent      by tolerance in %: " + shares + "\n";
 }
 
+/// What each part of the picture took, in lines that fit a terminal of 80 columns.
+std::string effect_lines(const Production& film, const Ledger& ledger) {
+    std::string text, line = "  effects   ";
+    for (const Effect& e : effects_of(film, ledger)) {
+        if (!e.seconds || *e.seconds < 0.005) continue;
+        const std::string part = fmt::format(" {} {:.2f} ", e.name, *e.seconds);
+        if (line.size() + part.size() > 80) {
+            text += line + "\n";
+            line = std::string(12, ' ');
+        }
+        line += part;
+    }
+    return text + line + "\n";
+}
+
 /// What the film's own light taught its cuts.
 std::string caution_lines(const renderer::Statistics& r) {
     return fmt::format(
@@ -179,7 +195,7 @@ std::string audit_lines(const Audit& audit) {
 
 std::string summary(const Production& film, const Ledger& ledger, const RunFacts& facts) {
     std::string text = opening_lines(film.film(), ledger, facts) + light_lines(ledger);
-    text += band_lines(ledger.rendering.bands);
+    text += effect_lines(film, ledger) + band_lines(ledger.rendering.bands);
     if (ledger.rendering.calibrated_pixels > 0) text += caution_lines(ledger.rendering);
     if (film.audit > 0) text += audit_lines(ledger.audit);
     if (film.kind == OutputKind::film) text += closing_lines(film.film(), ledger, "rendered");

@@ -2,57 +2,29 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <iterator>
 #include <numeric>
 #include <utility>
 
+#include "app/frame_view.h"
 #include "app/pipeline.h"
+#include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
+#include "perceptual/flicker.h"
 #include "perceptual/hvs.h"
 #include "renderer/audit.h"
 
 namespace render2mpeg::app {
 namespace {
 
-constexpr std::uint64_t parting_seed = 0x7a97;
-
 Production plainly_coded(Production film) {
     film.coding.rate_control.mode = encoder::RateMode::constant_quantiser;
     film.two_passes = false;
     film.audit = 0;
     return film;
-}
-
-/// Tiles that have anything to gather, in random order: any stretch of them is like all others.
-std::vector<std::size_t> lit_tiles(const renderer::Seen& seen) {
-    std::vector<std::pair<float, std::size_t>> dice;
-    for (std::size_t t = 0; t < seen.tiles.size(); ++t)
-        if (!seen.tiles[t].empty())
-            dice.emplace_back(core::uniform(parting_seed, static_cast<std::uint64_t>(seen.visible.frame), t), t);
-    std::sort(dice.begin(), dice.end());
-    std::vector<std::size_t> tiles;
-    for (const auto& [die, tile] : dice) tiles.push_back(tile);
-    return tiles;
-}
-
-/// chosen: parts of a frame's references: enough for a first estimate within seconds where a frame takes minutes
-/// (1/64), but never so small that threads run out of tiles (16..4096 tiles, of 256 pixels).
-int parts_of(std::size_t tiles) {
-    const auto least = static_cast<std::size_t>(std::max(16, 4 * parallel::thread_count()));
-    return static_cast<int>(std::clamp<std::size_t>(tiles / least, 1, 64));
-}
-
-void copy_tile(const core::Plane<glm::vec3>& from, core::Plane<glm::vec3>& to, std::size_t tile, int across) {
-    const int left = static_cast<int>(tile) % across * renderer::tile_size;
-    const int top = static_cast<int>(tile) / across * renderer::tile_size;
-    const int width = std::min(renderer::tile_size, to.width() - left);
-    for (int y = top; y < std::min(top + renderer::tile_size, to.height()); ++y)
-        std::copy_n(from.row(y) + left, width, to.row(y) + left);
-}
-
-double clock_seconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 }  // namespace
@@ -69,6 +41,13 @@ std::vector<Chunk> windows_of(FrameRange film, const Sample& sample) {
     return windows;
 }
 
+void Coarseness::apply_to(encoder::Settings& coding) const {
+    coding.quantiser = quantiser;
+    coding.rate_control.mode = quality ? encoder::RateMode::constant_quality : encoder::RateMode::constant_quantiser;
+    if (quality) coding.rate_control.quality = *quality;
+    if (gop) coding.gop = *gop;
+}
+
 double Trial::share_over() const {
     return core::divide_or(static_cast<double>(over), static_cast<double>(errors.count()), 0.0);
 }
@@ -82,6 +61,7 @@ class Trials::Judge : public Watcher {
     Judge(const Trials& trials, Trial& trial, LitWindows* keep) : trials_(trials), trial_(trial), keep_(keep) {}
 
     void lit(const LitFrame& frame) override {
+        waiting_.insert_or_assign(frame.world.frame, frame.picture);
         if (keep_ != nullptr)
             keep_->frames.insert_or_assign(frame.world.frame, LitWindows::Frame{frame.picture, frame.visible});
         const auto known = trials_.truths_.find(frame.world.frame);
@@ -95,32 +75,81 @@ class Trials::Judge : public Watcher {
             trial_.over_twice += p.noticed() > 2 * p.tolerance ? 1 : 0;
         }
         trial_.lit.add(frame.picture, truth.picture);
+        if (known == std::prev(trials_.truths_.end())) portray(frame, truth);
     }
 
     void coded(const encoder::CodedPicture& picture) override {
         trial_.bytes += static_cast<double>(picture.bytes.size());
         trial_.requantised += picture.tries > 1 ? 1 : 0;
-        decoded(picture.plan.number, picture.reconstruction);
+        const auto lit = waiting_.find(picture.plan.number);
+        decoded(picture.plan.number, picture.reconstruction, lit->second);
+        waiting_.erase(lit);
     }
 
-    void decoded(std::int64_t number, const core::Picture& picture) {
+    void decoded(std::int64_t number, const core::Picture& picture, const core::Picture& lit) {
+        trial_.shown.add(picture, lit);
         const auto known = trials_.truths_.find(number);
         if (known == trials_.truths_.end()) return;
         trial_.decoded.add(picture, known->second.picture);
+        if (trial_.portrait && trial_.portrait->frame == number) {
+            auto portrait = std::make_shared<Portrait>(*trial_.portrait);
+            portrait->decoded = part_of(picture, view_of(picture.width(), picture.height()));
+            trial_.portrait = std::move(portrait);
+        }
+        trial_.shown_there.add(picture, lit);
+        watch_change(number, picture.y);
         trial_.masked_error += perceptual::masked_error(picture.y, known->second.picture.y) / trials_.references();
     }
 
   private:
+    /// Keeps what the frame looks like, and what its light is and may be off by.
+    void portray(const LitFrame& frame, const Truth& truth) {
+        const ViewBox box = view_of(frame.picture.width(), frame.picture.height());
+        const core::Plane<glm::vec3>& light = frame.radiance.combined;
+        core::Plane<float> error(light.width(), light.height()), tolerance(light.width(), light.height());
+        for (std::size_t i = 0; i < light.size(); ++i) {
+            const float right = core::luminance(truth.light.values()[i]);
+            const float whole = std::max(right, trials_.half_code_);
+            error.values()[i] = core::divide_or(std::abs(core::luminance(light.values()[i]) - right), whole, 0.0f);
+            if (frame.tolerance.is_reference()) continue;
+            const core::Tolerance& t = frame.tolerance.pixels.values()[i];
+            tolerance.values()[i] = core::divide_or(std::max(t.absolute, t.relative * right), whole, 0.0f);
+        }
+        trial_.portrait = std::make_shared<Portrait>(Portrait{truth.picture.number,
+                                                              part_of(truth.picture, box),
+                                                              part_of(frame.picture, box),
+                                                              {},
+                                                              part_of(error, box),
+                                                              part_of(tolerance, box)});
+    }
+
+    /// Adds what a pair changes along motion, once both are decoded.
+    void watch_change(std::int64_t number, const core::Plane<std::uint8_t>& luma) {
+        decoded_.insert_or_assign(number, luma);
+        for (const std::int64_t later : {number, number + 1}) {
+            const auto now = decoded_.find(later), before = decoded_.find(later - 1);
+            const auto truth = trials_.truths_.find(later);
+            if (now == decoded_.end() || before == decoded_.end() || !truth->second.to_previous) continue;
+            change_ += perceptual::change_along(*truth->second.to_previous, now->second, before->second) -
+                       truth->second.change;
+            trial_.flicker = change_ / ++pairs_;
+        }
+    }
+
     const Trials& trials_;
     Trial& trial_;
     LitWindows* keep_;
+    std::map<std::int64_t, core::Picture> waiting_;              ///< lit, and not coded yet
+    std::map<std::int64_t, core::Plane<std::uint8_t>> decoded_;  ///< luma of references
+    double change_ = 0;
+    int pairs_ = 0;
 };
 
 Trials::Trials(const Production& film, std::vector<Chunk> windows, int references)
     : film_(plainly_coded(film)),
       windows_(std::move(windows)),
       renderer_(*film_.animation, film_.rendering, film_.plan),
-      references_(std::clamp(references, 1, static_cast<int>(windows_.front().frames()))) {
+      references_(std::clamp(references, 0, static_cast<int>(windows_.front().frames()))) {
     Production fixed = film_;
     fixed.tolerance = {};
     half_code_ = fixed.tolerance_map().pixels.values()[0].absolute;
@@ -136,13 +165,9 @@ double Trials::bytes_held(bool keeps_frames) const {
     constexpr double picture = 1.5 + sizeof(float);
     constexpr double visible = sizeof(core::SurfaceAddress) + sizeof(float) + 2 * sizeof(core::PackedNormal) +
                                sizeof(std::uint32_t) + sizeof(core::PixelClass);
-    constexpr double truth = sizeof(glm::vec3) + picture + sizeof(glm::ivec2);
+    constexpr double truth = sizeof(glm::vec3) + picture + sizeof(glm::ivec2) + sizeof(glm::vec2) + sizeof(float);
     return pixels * (truth * references_ * static_cast<double>(windows_.size()) +
                      (keeps_frames ? (picture + visible) * frames() : 0.0));
-}
-
-double Trials::reference_seconds() const {
-    return core::divide_or(reference_seconds_, static_cast<double>(truths_.size()), 0.0);
 }
 
 double Trials::share_of_chunk() const {
@@ -150,88 +175,21 @@ double Trials::share_of_chunk() const {
            static_cast<double>(chunks_of(film_.frames, film_.coding.gop).front().frames());
 }
 
-void Trials::measure_start(const Chunk& window) {
-    renderer_.start_chunk(film_.snapshot(window.first));
-    const auto light = [&](std::int64_t frame, double& seconds) {
-        const scene::Snapshot world = film_.snapshot(frame);
-        renderer::Seen nothing = renderer_.see(world);
-        for (renderer::GatherTile& tile : nothing.tiles) tile.clear();
-        timed(seconds, [&] { return renderer_.sketch(world, nothing, core::ToleranceMap::reference()).combined; });
-    };
-    light(window.first, first_light_seconds_);
-    const std::int64_t beside = window.first < film_.frames.last ? window.first + 1 : window.first - 1;
-    light(std::max(beside, film_.frames.first), next_light_seconds_);
-}
-
-bool Trials::light_references(const std::function<bool(const ReferenceStanding&)>& part_done) {
-    ReferenceStanding standing;
-    int left = references_ * static_cast<int>(windows_.size());
-    for (const Chunk& window : windows_) {
-        measure_start(window);
-        renderer_.start_chunk(film_.snapshot(window.first));
-        for (int i = 1; i <= references_; ++i, --left)
-            if (!light_reference(window.first + window.frames() * i / references_ - 1, left, standing, part_done))
-                return false;
-    }
-    return true;
-}
-
-bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& standing,
-                             const std::function<bool(const ReferenceStanding&)>& part_done) {
-    const scene::Snapshot world = film_.snapshot(frame);
-    renderer::Seen seen = renderer_.see(world);
-    Truth truth;
-    for (const renderer::LitPixel& pixel : renderer::lit_pixels(seen))
-        truth.gathering.push_back(renderer::place_of(seen, pixel));
-
-    // Without anything to gather first: what it takes to have light at all is no measure of the rest.
-    renderer::Seen part{seen.visible, {}, seen.unscattered, seen.unscattered_specular};
-    part.tiles.resize(seen.tiles.size());
-    const auto light = [&] {
-        return timed(reference_seconds_,
-                     [&] { return renderer_.sketch(world, part, core::ToleranceMap::reference()).combined; });
-    };
-    truth.light = light();
-
-    // Light some tiles at a time: a frame can take an hour.
-    const std::vector<std::size_t> tiles = lit_tiles(seen);
-    const int parts = parts_of(tiles.size());
-    standing.parts = standing.done + parts * left;
-    const double before = standing.seconds, start = clock_seconds();
-    for (int p = 0; p < parts; ++p) {
-        const std::size_t first = tiles.size() * static_cast<std::size_t>(p) / static_cast<std::size_t>(parts);
-        const std::size_t last = tiles.size() * static_cast<std::size_t>(p + 1) / static_cast<std::size_t>(parts);
-        part.tiles.assign(seen.tiles.size(), {});
-        for (std::size_t t = first; t < last; ++t) part.tiles[tiles[t]].swap(seen.tiles[tiles[t]]);
-        const core::Plane<glm::vec3> lit = light();
-        for (std::size_t t = first; t < last; ++t) copy_tile(lit, truth.light, tiles[t], seen.tiles_across());
-        ++standing.done;
-        standing.seconds = before + clock_seconds() - start;
-        if (!part_done(standing)) return false;
-    }
-
-    core::Radiance whole;
-    whole.combined = truth.light;
-    truth.picture =
-        perceptual::Display(film_.exposure.value_or(0), perceptual::matrix_for(film_.format.height)).develop(whole);
-    truth.picture.number = frame;
-    truths_.insert_or_assign(frame, std::move(truth));
-    return true;
-}
-
-std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, int quantiser,
+std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarseness& coarseness,
                                  const std::function<bool()>& frame_done, LitWindows* keep) {
     Trial trial;
     trial.tolerance = tolerance;
-    trial.quantiser = quantiser;
+    trial.quantiser = coarseness.quantiser;
+    trial.quality = coarseness.quality;
     trial.frames = frames();
     Judge judge(*this, trial, keep);
     Production film = film_;
     film.tolerance = tolerance;
-    film.coding.quantiser = quantiser;
+    coarseness.apply_to(film.coding);
     Ledger ledger;
     const renderer::Statistics before = renderer_.statistics();
     double once = 0;  // CPU for what a chunk takes once
+    const double began = clock_seconds(), cpu_began = cpu_seconds();
     for (const Chunk& window : windows_) {
         // Each is a film of its own: it owes the next one nothing of the decoder's buffer.
         film.frames = {window.first, window.last};
@@ -247,6 +205,7 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, int quantise
         if (!goes_on) return std::nullopt;
     }
 
+    const double clock = clock_seconds() - began, cpu = cpu_seconds() - cpu_began;
     const renderer::Statistics& after = renderer_.statistics();
     trial.points = after.gather_points - before.gather_points;
     const auto points = static_cast<double>(trial.points);
@@ -265,6 +224,7 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, int quantise
     trial.bytes /= trial.frames;
     trial.window_seconds = trial.seconds / trial.frames;
     trial.seconds = (trial.seconds - once + once * share_of_chunk()) / trial.frames;
+    trial.clock = clock * (1 - core::divide_or(once * (1 - share_of_chunk()), cpu, 0.0)) / trial.frames;
     trial.code_seconds =
         (ledger.stage_seconds(Stage::encode) + ledger.pass_seconds[static_cast<std::size_t>(renderer::Pass::motion)]) /
         trial.frames;
@@ -272,9 +232,9 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, int quantise
     return trial;
 }
 
-Trial Trials::coded_again(const LitWindows& lit, int quantiser) const {
+Trial Trials::coded_again(const LitWindows& lit, const Coarseness& coarseness) const {
     Production film = film_;
-    film.coding.quantiser = quantiser;
+    coarseness.apply_to(film.coding);
     return coded_by(
         [&film, &lit](const Chunk& window, const std::vector<const core::Picture*>& pictures,
                       const std::function<void(const core::Picture&)>& decoded) {
@@ -305,21 +265,22 @@ Trial Trials::coded_again(const LitWindows& lit, int quantiser) const {
             take(timed(sum.seconds, [&] { return encoder.flush(); }));
             return sum;
         },
-        lit, quantiser);
+        lit, coarseness);
 }
 
-Trial Trials::coded_by(const Codec& codec, const LitWindows& lit, int quantiser) const {
+Trial Trials::coded_by(const Codec& codec, const LitWindows& lit, const Coarseness& coarseness) const {
     Trial trial = lit.light;
-    trial.quantiser = quantiser;
-    trial.decoded = {};
-    trial.masked_error = trial.bytes = trial.code_seconds = 0;
+    trial.quantiser = coarseness.quantiser;
+    trial.quality = coarseness.quality;
+    trial.decoded = trial.shown = trial.shown_there = {};
+    trial.masked_error = trial.bytes = trial.code_seconds = trial.flicker = 0;
     trial.requantised = 0;
     Judge judge(*this, trial, nullptr);
     for (const Chunk& window : windows_) {
         std::vector<const core::Picture*> pictures;
         for (std::int64_t n = window.first; n <= window.last; ++n) pictures.push_back(&lit.frames.at(n).picture);
         const Coded coded = codec(window, pictures, [&](const core::Picture& picture) {
-            judge.decoded(window.first + picture.number, picture);
+            judge.decoded(window.first + picture.number, picture, *pictures[static_cast<std::size_t>(picture.number)]);
         });
         trial.bytes += coded.bytes;
         trial.requantised += coded.requantised;

@@ -72,11 +72,11 @@ bool light_references(Trials& trials, bool quiet) {
     });
 }
 
-std::optional<Trial> run_trial(Trials& trials, const ToleranceRequest& tolerance, int quantiser,
+std::optional<Trial> run_trial(Trials& trials, const ToleranceRequest& tolerance, const Coarseness& coarseness,
                                const std::string& name, bool quiet, LitWindows* keep) {
     Progress progress(trials.frames(), quiet || !can_rewrite_errors(), name, Counted::frames_of_step);
     return trials.run(
-        tolerance, quantiser,
+        tolerance, coarseness,
         [&] {
             progress.advance();
             return !InterruptGuard::requested();

@@ -31,7 +31,7 @@ bool light_references(Trials& trials, bool quiet);
 
 /// Lights and codes the windows, and tells how far that is on a terminal: a log has the rows themselves. None where
 /// somebody interrupted.
-std::optional<Trial> run_trial(Trials& trials, const ToleranceRequest& tolerance, int quantiser,
+std::optional<Trial> run_trial(Trials& trials, const ToleranceRequest& tolerance, const Coarseness& coarseness,
                                const std::string& name, bool quiet, LitWindows* keep = nullptr);
 
 /// Prints a text as wide as the terminal, after an empty line; nothing where there is none.

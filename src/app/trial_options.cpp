@@ -31,24 +31,54 @@ void add_sweep_options(CLI::App& command, CostOptions& options) {
         ->group(sweep);
 }
 
-void add_run_options(CLI::App& command, RenderOptions& render, std::optional<std::filesystem::path>& json,
-                     std::optional<std::filesystem::path>& report) {
-    const std::string run = "Run";
-    command.add_option("--threads", render.threads, "Threads; 0: one per core. Nothing but the clock depends on it")
-        ->check(CLI::Range(0, 1024))
-        ->capture_default_str()
-        ->group(run);
-    command.add_option("--isa", render.isa, "Instruction set (default: the best there is)")
-        ->type_name("sse2|sse4.2|avx|avx2|avx512")
-        ->group(run);
-    command.add_option("--json", json, "Write all figures as JSON")->type_name("FILE.json")->group(run);
-    command.add_option("--report", report, "Write a page with plots for any browser, and its figures beside it")
-        ->type_name("FILE.html")
-        ->group(run);
-    command.add_flag("--quiet", render.quiet, "Print nothing but errors")->group(run);
+void add_foreign_film(CLI::App& command, CompareOptions& options) {
+    const std::string tried = "What is tried";
+    CLI::Option* film = command
+                            .add_option("--film", options.film,
+                                        "Also tell the size and quality of this film, made by another renderer, "
+                                        "against its own --reference")
+                            ->type_name("FILE")
+                            ->group(tried);
+    command
+        .add_option("--reference", options.reference,
+                    "What --film should look like: a folder of numbered images (EXR as scene light, PNG as shown), or "
+                    "their pattern; their first is the film's first frame")
+        ->type_name("DIR|PATTERN")
+        ->needs(film)
+        ->group(tried);
+    film->needs("--reference");
 }
 
 }  // namespace
+
+template <class Options>
+void add_trial_run_options(CLI::App& command, Options& options) {
+    const std::string run = "Run";
+    command
+        .add_option("--threads", options.render.threads,
+                    "Threads; 0: one per core. Nothing but the clock depends on it")
+        ->check(CLI::Range(0, 1024))
+        ->capture_default_str()
+        ->group(run);
+    command.add_option("--isa", options.render.isa, "Instruction set (default: the best there is)")
+        ->type_name("sse2|sse4.2|avx|avx2|avx512")
+        ->group(run);
+    command
+        .add_option("--keep-references", options.kept_references,
+                    "Keep frames lit by every light point in this folder, and take them from there where nothing has "
+                    "changed")
+        ->type_name("DIR")
+        ->group(run);
+    command.add_option("--json", options.json, "Write all figures as JSON")->type_name("FILE.json")->group(run);
+    command
+        .add_option("--report", options.report, "Write a page with plots for any browser, and its figures beside it")
+        ->type_name("FILE.html")
+        ->group(run);
+    command.add_flag("--quiet", options.render.quiet, "Print nothing but errors")->group(run);
+}
+template void add_trial_run_options(CLI::App& command, CostOptions& options);
+template void add_trial_run_options(CLI::App& command, TuneOptions& options);
+template void add_trial_run_options(CLI::App& command, CompareOptions& options);
 
 CLI::App* add_cost_command(CLI::App& app, CostOptions& options) {
     CLI::App* command = app.add_subcommand("cost", "Show what accuracy costs in time, and what it buys");
@@ -63,7 +93,7 @@ CLI::App* add_cost_command(CLI::App& app, CostOptions& options) {
     add_light_options(*command, options.render);
     add_coding_options(*command, options.render.coding);
     for (const char* name : unwanted) command->remove_option(command->get_option(name));
-    add_run_options(*command, options.render, options.json, options.report);
+    add_trial_run_options(*command, options);
     return command;
 }
 
@@ -84,8 +114,9 @@ CLI::App* add_compare_command(CLI::App& app, CompareOptions& options) {
         ->capture_default_str()
         ->group(tried);
     command
-        ->add_option("--references", options.references,
-                     "Frames of each window that are also lit by every light point: quality is told of these")
+        ->add_option("--references,--reference-frames", options.references,
+                     "Frames of each window that are also lit by every light point, in adjacent pairs where there are "
+                     "several: quality is told of these, flicker of the pairs")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str()
         ->group(tried);
@@ -94,12 +125,20 @@ CLI::App* add_compare_command(CLI::App& app, CompareOptions& options) {
         ->check(checked(quantisers_from, ""))
         ->capture_default_str()
         ->group(tried);
+    command
+        ->add_option("--runs", options.runs,
+                     "Runs of everything that is timed, one way after the other and over again; times are their "
+                     "medians, told with their spread")
+        ->check(CLI::Range(1, 100))
+        ->capture_default_str()
+        ->group(tried);
+    add_foreign_film(*command, options);
     add_picture_options(*command, options.render);
     add_light_options(*command, options.render);
     add_coding_options(*command, options.render.coding);
     for (const char* name : unwanted) command->remove_option(command->get_option(name));
     for (const char* name : {"--quantiser", "--for", "--keyframes"}) command->remove_option(command->get_option(name));
-    add_run_options(*command, options.render, options.json, options.report);
+    add_trial_run_options(*command, options);
     return command;
 }
 

@@ -122,7 +122,8 @@ TEST(Refusal, IsOneLineOfTheProgramsOwnFormWhateverIsWrong) {
         EXPECT_TRUE(outcome.output.starts_with("render2mpeg: ")) << outcome.output;
         EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
     }
-    EXPECT_NE(run(program() + " rendr x").output.find("render, encode, plan, info, cost, compare"), std::string::npos);
+    EXPECT_NE(run(program() + " rendr x").output.find("render, encode, plan, info, cost, tune, compare"),
+              std::string::npos);
     EXPECT_NE(run(program() + " render").output.find("render2mpeg render --help"), std::string::npos);
     EXPECT_EQ(folder.entries(), 0u);
 }

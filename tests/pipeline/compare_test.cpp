@@ -2,10 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "app/comparison.h"
+#include "app/foreign_film.h"
+#include "app/reference_cache.h"
+#include "image/image.h"
 #include "pipeline/foreign.h"
 
 /// `render2mpeg compare`: coupled light and our encoder against rendering first and ffmpeg.
@@ -20,9 +26,9 @@ using support::program;
 using support::run;
 using test::path;
 
-const std::string small = " --size 48x32 --vpls 16 --samples 1 --exposure 0 --sample 1x4 --references 2";
+const std::string small = " --size 48x32 --vpls 16 --samples 1 --exposure 0 --sample 1x4 --references 2 --runs 1";
 
-TEST(Compare, HoldsFourWaysAgainstOneReference) {
+TEST(Compare, HoldsSixWaysAgainstOneReference) {
     const Folder folder;
     const auto outcome = run(program() + " compare " + plain_film() + small + " --quantisers 4,16 --report " +
                              path(folder, "c.html") + " --json " + path(folder, "c.json"));
@@ -34,7 +40,7 @@ TEST(Compare, HoldsFourWaysAgainstOneReference) {
     EXPECT_TRUE(found.at("complete").get<bool>());
     EXPECT_TRUE(found.at("ffmpeg").get<std::string>().starts_with("ffmpeg version"));
     EXPECT_EQ(found.at("reference").at("frames"), 2);
-    ASSERT_EQ(found.at("ways").size(), 4u);
+    ASSERT_EQ(found.at("ways").size(), 6u);
     for (const json& way : found.at("ways")) {
         const json& rows = way.at("rows");
         ASSERT_EQ(rows.size(), 2u) << way;
@@ -43,22 +49,124 @@ TEST(Compare, HoldsFourWaysAgainstOneReference) {
         EXPECT_GT(rows[0].at("psnr_y").get<double>(), 33.0) << "pictures meet their own references: " << way;
         EXPECT_GT(rows[0].at("ssim_y").get<double>(), 0.97) << way;
         EXPECT_GT(rows[0].at("light_seconds").get<double>(), 0.0) << way;
+        EXPECT_EQ(rows[0].at("light_runs").size(), 1u);
+        EXPECT_LT(std::abs(rows[0].at("flicker").get<double>()), 3.0) << "a pair of references tells it";
+        EXPECT_NE(rows[0].at("flicker"), rows[1].at("flicker"));
     }
     // Light that is not coupled is lit once.
     EXPECT_EQ(found.at("ways")[1].at("rows")[0].at("light_seconds"),
-              found.at("ways")[3].at("rows")[1].at("light_seconds"));
-    ASSERT_EQ(found.at("differences").size(), 4u);
+              found.at("ways")[4].at("rows")[1].at("light_seconds"));
+    ASSERT_EQ(found.at("differences").size(), 6u);
     EXPECT_TRUE(found.at("differences")[0].at("bits").at("psnr_y").is_number());
 
     const std::string page = contents(folder / "c.html");
     EXPECT_NE(page.find(found.at("summary").get<std::string>()), std::string::npos);
-    for (const char* outside : {"http", "src=", "@import", "url(", "<script", "<link"})
-        EXPECT_EQ(page.find(outside), std::string::npos) << outside;
+    test::expect_alone(page);
     std::istringstream lines(outcome.output);
     for (std::string line; std::getline(lines, line);)
         if (!line.starts_with(plain_film())) {
             EXPECT_LE(line.size(), 80u) << line;
         }
+}
+
+TEST(Compare, TakesMediansOfRunsAndKeepsItsReferences) {
+    const Folder folder;
+    const std::string command =
+        program() + " compare " + plain_film() +
+        " --size 32x32 --vpls 16 --samples 1 --exposure 0 --sample 1x2 --references 1 --runs 2" +
+        " --quantisers 8,31 --keep-references " + path(folder, "kept") + " --json " + path(folder, "c.json");
+    const auto outcome = run(command);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("medians of 2 runs"), std::string::npos) << outcome.output;
+    const json first = json::parse(contents(folder / "c.json"));
+    EXPECT_EQ(first.at("runs"), 2);
+    for (const json& way : first.at("ways"))
+        for (const json& row : way.at("rows")) {
+            ASSERT_EQ(row.at("light_runs").size(), 2u);
+            ASSERT_EQ(row.at("code_runs").size(), 2u);
+            EXPECT_NEAR(row.at("light_seconds").get<double>(),
+                        0.5 * (row.at("light_runs")[0].get<double>() + row.at("light_runs")[1].get<double>()), 1e-9);
+        }
+
+    // The next time nothing is lit that is known, and all is the same.
+    ASSERT_EQ(run(command + " --quiet").status, 0);
+    const json second = json::parse(contents(folder / "c.json"));
+    EXPECT_EQ(second.at("reference"), first.at("reference")) << "with the seconds that it took then";
+    EXPECT_EQ(second.at("ways")[1].at("rows")[0].at("psnr_y"), first.at("ways")[1].at("rows")[0].at("psnr_y"));
+}
+
+TEST(Medians, AreTheMiddleAndSpreadsTheWidth) {
+    EXPECT_EQ(app::median({3, 1, 2}), 2);
+    EXPECT_EQ(app::median({4, 1, 2, 3}), 2.5);
+    EXPECT_EQ(app::median({}), 0);
+    EXPECT_NEAR(app::spread({1.1, 0.9, 1.0}), 0.2, 1e-12);
+    EXPECT_EQ(app::spread({0, 0}), 0);
+}
+
+TEST(KeptReferences, AreWholeOrNotThere) {
+    const Folder folder;
+    const app::ReferenceCache cache(folder / "kept");
+    app::KeptReference reference{core::Plane<glm::vec3>(5, 4, glm::vec3(1, 2, 3)), 7.5};
+    reference.light.at(3, 2) = {9, 8, 7};
+    EXPECT_FALSE(cache.find(1, 5, 4));
+    cache.keep(1, reference);
+    const auto found = cache.find(1, 5, 4);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->light, reference.light);
+    EXPECT_EQ(found->seconds, 7.5);
+    EXPECT_FALSE(cache.find(2, 5, 4)) << "another name";
+    EXPECT_FALSE(cache.find(1, 4, 5)) << "another size";
+    ASSERT_EQ(std::distance(std::filesystem::directory_iterator(folder / "kept"), {}), 1) << "nothing unfinished";
+
+    // Cut off, damaged, too long: none is a reference.
+    const std::filesystem::path file = std::filesystem::directory_iterator(folder / "kept")->path();
+    const std::string whole = contents(file);
+    std::string flipped = whole;
+    flipped[whole.size() / 2] ^= 1;
+    for (const std::string& bad : {whole.substr(0, whole.size() - 1), whole.substr(0, 10), flipped, whole + "x"}) {
+        std::ofstream(file, std::ios::binary) << bad;
+        EXPECT_FALSE(cache.find(1, 5, 4));
+    }
+    std::ofstream(file, std::ios::binary) << whole;
+    EXPECT_TRUE(cache.find(1, 5, 4));
+    EXPECT_FALSE(app::ReferenceCache().find(1, 5, 4)) << "keeps nothing";
+    EXPECT_THROW(app::ReferenceCache{file}, core::Error) << "no folder";
+}
+
+TEST(ForeignFilm, IsHeldAgainstItsOwnFrames) {
+    const Folder folder;
+    const std::string render =
+        program() + " render " + plain_film() +
+        " --size 32x32 --vpls 16 --samples 1 --exposure 0 --frames 8:12 --tolerance fixed=20% --quiet -o ";
+    ASSERT_EQ(run(render + path(folder, "f.mpg") + " --stats " + path(folder, "s.json")).status, 0);
+    std::filesystem::create_directory(folder / "frames");
+    ASSERT_EQ(run(render + path(folder, "frames/f.%04d.png")).status, 0);
+
+    const app::ForeignFilm found = app::look_at_foreign(folder / "f.mpg", folder / "frames", 0);
+    const json statistics = json::parse(contents(folder / "s.json"));
+    EXPECT_EQ(found.pictures, 5);
+    EXPECT_EQ(found.compared, 5);
+    EXPECT_NEAR(found.psnr_y, statistics.at("psnr_y").get<double>(), 0.2) << "but for roundings of PNG";
+    EXPECT_NEAR(found.ssim_y, statistics.at("ssim_y").get<double>(), 0.002);
+    double bytes = 0;
+    for (const json& frame : statistics.at("per_frame")) bytes += frame.at("bytes").get<double>() / 5;
+    EXPECT_NEAR(found.bytes, bytes, 0.02 * bytes) << "but for headers";
+
+    // A pattern does as well; frames of another size or none at all do not.
+    EXPECT_EQ(app::look_at_foreign(folder / "f.mpg", folder / "frames/f.%04d.png", 0).psnr_y, found.psnr_y);
+    EXPECT_THROW(app::look_at_foreign(folder / "f.mpg", folder.path(), 0), core::Error);
+    for (const char* name : {"frames/g.0000.png", "frames/g.0001.png"})
+        image::write_png(folder / name, 16, 16, std::vector<unsigned char>(16 * 16 * 3, 99));
+    EXPECT_THROW(app::look_at_foreign(folder / "f.mpg", folder / "frames", 0), core::Error) << "two sequences";
+    EXPECT_THROW(app::look_at_foreign(folder / "f.mpg", folder / "frames/g.%04d.png", 0), core::Error) << "size";
+}
+
+TEST(ImageSequence, IsFoundInAFolderWhateverItsNumbers) {
+    const Folder folder;
+    for (const char* name : {"shot.0998.exr", "shot.0999.exr", "shot.1000.exr", "notes.txt", "cover.png"})
+        std::ofstream(folder / name) << "x";
+    EXPECT_EQ(app::image_sequence_in(folder.path()), folder / "shot.%04d.exr");
+    EXPECT_EQ(app::image_sequence_in(folder / "a.%d.png"), folder / "a.%d.png") << "a pattern is its own";
 }
 
 TEST(Compare, IsRefusedBeforeAnyWork) {
@@ -71,6 +179,7 @@ TEST(Compare, IsRefusedBeforeAnyWork) {
     refused("PATH=/nowhere ", "", "no such program");
     refused("", " --quantisers 4", "two or more");
     refused("", " --quantiser 4", "--quantiser");
+    refused("", " --film x.mpg", "--reference");
     refused("", " --json " + plain_film() + "/film.json", "it is an input");
 }
 

@@ -64,6 +64,14 @@ inline json mediainfo(const std::string& file) {
     return {};
 }
 
+/// Expects a page to need nothing but itself: no network, no script of its own file; pictures are in it.
+inline void expect_alone(const std::string& page) {
+    for (const char* outside : {"http:", "https:", "@import", "url(", "<script", "<link"})
+        EXPECT_EQ(page.find(outside), std::string::npos) << outside;
+    for (std::size_t at = page.find("src="); at != std::string::npos; at = page.find("src=", at + 1))
+        EXPECT_EQ(page.substr(at, 15), "src=\"data:image") << "at " << at;
+}
+
 inline json ffprobe(const std::string& file) {
     const auto outcome = run("ffprobe -v error -of json -show_streams -count_frames -select_streams v " + file);
     EXPECT_EQ(outcome.status, 0) << outcome.output;

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+namespace render2mpeg::app {
+
+/// Bytes that the pictures of a film may have so that a file of `bytes` with so many of them is surely large enough,
+/// by what its container, which its ending names, takes for itself (more for a DVD's `disc`); at least 1.
+double pictures_in_file(double bytes, std::int64_t pictures, const std::filesystem::path& file, bool disc);
+
+}  // namespace render2mpeg::app

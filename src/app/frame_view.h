@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+
+#include "core/picture.h"
+#include "core/plane.h"
+#include "perceptual/display.h"
+#include "perceptual/heatmap.h"
+
+namespace render2mpeg::app {
+
+/// The middle of pictures of this size as far as a report shows it: pixel for pixel, since what is made smaller hides
+/// what coding does to it.
+struct ViewBox {
+    int left = 0, top = 0, width = 0, height = 0;  ///< left and top are even
+};
+ViewBox view_of(int width, int height);
+
+/// The part of a plane or picture that a box shows. The picture's planes keep their siting.
+core::Picture part_of(const core::Picture& picture, const ViewBox& box);
+core::Plane<float> part_of(const core::Plane<float>& plane, const ViewBox& box);
+
+/// A picture in a page, and what it is called.
+struct ShownPicture {
+    std::string name;
+    core::Picture picture;
+};
+
+/// Two pictures of one size upon each other, with a slider that shows more of the one or of the other: by mouse, finger
+/// or arrow keys; on paper half of each. Pictures are PNG files within the page. `title` is plain text.
+std::string slider_figure(const std::string& title, const ShownPicture& left, const ShownPicture& right,
+                          perceptual::ColorMatrix matrix);
+
+/// Values in false colours with their legend. `title` is plain text.
+std::string heat_figure(const std::string& title, const core::Plane<float>& values, const perceptual::HeatScale& scale);
+
+}  // namespace render2mpeg::app

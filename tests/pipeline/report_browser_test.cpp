@@ -1,0 +1,148 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "pipeline/foreign.h"
+
+/// Reports as a browser shows them, at a phone's and a desktop's width.
+namespace render2mpeg {
+namespace {
+
+using nlohmann::json;
+using support::contents;
+using support::Folder;
+using support::plain_film;
+using support::program;
+using support::run;
+using test::path;
+
+constexpr int phone = 390, desktop = 1280;
+
+/// The browser's command; empty: there is none.
+std::string browser() {
+    const auto found = run("command -v chromium || command -v chromium-browser || command -v google-chrome");
+    return found.status == 0 ? found.output.substr(0, found.output.find('\n')) : "";
+}
+
+/// Looks at the page from within: whether anything is wider than the window, whether pictures are there, and what
+/// moving a slider does. Says it to the page around it.
+constexpr const char* probe = R"(<script>
+addEventListener('load', () => {
+  const at = (s) => getComputedStyle(s.closest('figure').querySelector('.two img + img')).clipPath;
+  const sliders = [...document.querySelectorAll('input[type=range]')].map((s) => {
+    const before = at(s);
+    s.value = 20;
+    s.dispatchEvent(new Event('input', {bubbles: true}));
+    return {before, after: at(s), wide: s.getBoundingClientRect().width};
+  });
+  const images = [...document.images].map((i) => i.complete && i.naturalWidth > 0);
+  const outside = [...document.querySelectorAll('body *')].filter(
+    (e) => !e.closest('.wide') && e.getBoundingClientRect().right > innerWidth + 0.5).map((e) => e.tagName);
+  parent.postMessage({width: innerWidth, across: document.documentElement.scrollWidth, sliders, images, outside,
+                      charts: document.querySelectorAll('svg').length}, '*');
+});
+</script>)";
+
+/// What a page says of itself at both widths; pages are shown in frames, since a window is never as narrow as a phone.
+std::vector<json> looked_at(const Folder& folder, const std::string& html, std::string& console) {
+    std::string page = contents(folder / html);
+    page.insert(page.find("</head>"), probe);
+    std::ofstream(folder / "probed.html") << page;
+    std::ofstream(folder / "around.html")
+        << "<!DOCTYPE html><html><body><script>const all = [];\n"
+           "addEventListener('message', (m) => { all.push(m.data);\n"
+           "  document.body.setAttribute('data-found', JSON.stringify(all)); });</script>\n"
+        << "<iframe src=\"probed.html\" width=\"" << phone << "\" height=\"800\" style=\"border:0\"></iframe>\n"
+        << "<iframe src=\"probed.html\" width=\"" << desktop << "\" height=\"800\" style=\"border:0\"></iframe>\n"
+        << "</body></html>\n";
+    const auto outcome = run(browser() +
+                             " --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1800,900"
+                             " --enable-logging=stderr --virtual-time-budget=3000 --user-data-dir=" +
+                             path(folder, "profile") + " --dump-dom file://" + path(folder, "around.html") + " 2> " +
+                             path(folder, "console"));
+    for (const std::string& log = contents(folder / "console"); const char* word : {":CONSOLE", "Uncaught"})
+        if (log.find(word) != std::string::npos) console += log;
+    std::string found = outcome.output;
+    const std::size_t begin = found.find("data-found=\"");
+    if (begin == std::string::npos) {
+        ADD_FAILURE() << "the browser said nothing: " << outcome.output.substr(0, 2000);
+        return {};
+    }
+    found = found.substr(begin + 12, found.find('"', begin + 12) - begin - 12);
+    for (std::size_t at = 0; (at = found.find("&quot;", at)) != std::string::npos;) found.replace(at, 6, "\"");
+    return json::parse(found).get<std::vector<json>>();
+}
+
+/// Expects a page to fit both widths and its sliders to work.
+void expect_sound(const Folder& folder, const std::string& html, std::size_t sliders) {
+    std::string console;
+    const std::vector<json> found = looked_at(folder, html, console);
+    EXPECT_EQ(console, "");
+    ASSERT_EQ(found.size(), 2u);
+    std::vector<int> widths;
+    for (const json& look : found) {
+        widths.push_back(look.at("width").get<int>());
+        EXPECT_LE(look.at("across"), look.at("width")) << html << ": nothing scrolls sideways as a whole";
+        EXPECT_EQ(look.at("outside"), json::array()) << html << " at " << look.at("width");
+        EXPECT_GT(look.at("charts"), 0) << html;
+        EXPECT_EQ(look.at("sliders").size(), sliders) << html;
+        for (const json& slider : look.at("sliders")) {
+            EXPECT_EQ(slider.at("before"), "inset(0px 0px 0px 50%)");
+            EXPECT_EQ(slider.at("after"), "inset(0px 0px 0px 20%)");
+            EXPECT_GT(slider.at("wide"), 40) << "wide enough for a finger";
+        }
+        for (const json& image : look.at("images")) EXPECT_TRUE(image.get<bool>()) << html;
+    }
+    std::sort(widths.begin(), widths.end());
+    EXPECT_EQ(widths, (std::vector<int>{phone, desktop}));
+}
+
+class ReportInABrowserSlow : public testing::Test {
+  protected:
+    void SetUp() override {
+        if (browser().empty())
+            GTEST_SKIP() << "no chromium or google-chrome is installed: reports were not looked at in a browser";
+    }
+    const Folder folder_;
+};
+
+const std::string small = " --vpls 16 --samples 1 --exposure 0 --quiet";
+
+TEST_F(ReportInABrowserSlow, OfARenderFitsAPhoneAndADesktop) {
+    ASSERT_EQ(run(program() + " render " + plain_film() + small + " --size 640x96 --frames 0:4 --aov " +
+                  path(folder_, "layers") + " -o " + path(folder_, "f.mpg") + " --report " + path(folder_, "r.html"))
+                  .status,
+              0);
+    expect_sound(folder_, "r.html", 1);
+}
+
+TEST_F(ReportInABrowserSlow, OfCostFitsAPhoneAndADesktop) {
+    ASSERT_EQ(
+        run(program() + " cost " + plain_film() + small +
+            " --size 48x32 --sample 1x2 --tolerances 32,8,2 --quantisers 4,16 --report " + path(folder_, "c.html"))
+            .status,
+        0);
+    expect_sound(folder_, "c.html", 2);
+}
+
+TEST_F(ReportInABrowserSlow, OfCompareFitsAPhoneAndADesktop) {
+    ASSERT_EQ(
+        run(program() + " compare " + plain_film() + small +
+            " --size 48x32 --sample 1x3 --runs 2 --references 1 --quantisers 4,16 --report " + path(folder_, "v.html"))
+            .status,
+        0);
+    expect_sound(folder_, "v.html", 2);
+}
+
+TEST_F(ReportInABrowserSlow, OfTuneFitsAPhoneAndADesktop) {
+    ASSERT_EQ(run(program() + " tune " + plain_film() + small +
+                  " --size 48x32 --sample 1x3 --target-psnr 36 --dry-run --report " + path(folder_, "t.html"))
+                  .status,
+              0);
+    expect_sound(folder_, "t.html", 1);
+}
+
+}  // namespace
+}  // namespace render2mpeg

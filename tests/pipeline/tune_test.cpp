@@ -1,0 +1,239 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "app/command_words.h"
+#include "app/container_share.h"
+#include "app/quality_search.h"
+#include "app/target.h"
+#include "pipeline/foreign.h"
+
+/// `render2mpeg tune`: from a quality, a rate, a size or a time to a setting, and to the film.
+namespace render2mpeg {
+namespace {
+
+using app::QualitySearch;
+using app::Target;
+using nlohmann::json;
+using support::contents;
+using support::Folder;
+using support::plain_film;
+using support::program;
+using support::run;
+using test::path;
+
+const std::string small = " --size 32x32 --vpls 16 --samples 1 --exposure 0";
+
+/// Probes until nothing is left to be tried or the figure is within `near` of the target; counts them.
+int probes_until(QualitySearch& search, double target, double near, double first,
+                 const std::function<double(double)>& figure) {
+    search.add(first, figure(first));
+    int probes = 1;
+    while (std::abs(search.nearest().figure - target) > near) {
+        const auto next = search.next();
+        if (!next) break;
+        EXPECT_GE(*next, 0.0);
+        EXPECT_LE(*next, 100.0);
+        for (const QualitySearch::Known& k : search.known())
+            EXPECT_GT(std::abs(k.quality - *next), 0.5 * QualitySearch::step) << "probed twice";
+        search.add(*next, figure(*next));
+        if (++probes > 30) break;
+    }
+    return probes;
+}
+
+TEST(QualitySearch, MeetsATargetOnSmoothCurvesInFewProbes) {
+    const auto bent = [](double q) { return 25 + 0.12 * q + 0.0012 * q * q; };
+    const auto straight = [](double q) { return 20 + 0.3 * q; };
+    const auto flattening = [](double q) { return 48 - 25 * std::exp(-q / 40); };
+    for (const auto& film : {std::function<double(double)>(bent), std::function<double(double)>(straight),
+                             std::function<double(double)>(flattening)})
+        for (const double share : {0.05, 0.3, 0.6, 0.9}) {
+            const double target = film(0) + share * (film(100) - film(0));
+            QualitySearch search(target, 0.25);
+            EXPECT_LE(probes_until(search, target, 0.04, 60, film), 6) << target;
+            EXPECT_NEAR(search.nearest().figure, target, 0.04);
+        }
+}
+
+TEST(QualitySearch, FindsTheStepsBesideATargetThatLiesBetween) {
+    const auto steps = [](double q) { return 30 + 4.0 * std::floor((q + 3) / 20); };
+    QualitySearch search(40, 0.25);
+    EXPECT_LE(probes_until(search, 40, 0.1, 60, steps), 16);
+    ASSERT_TRUE(search.coarsest_above() && search.finest_below());
+    EXPECT_NEAR(search.coarsest_above()->quality, 57, 0.2);
+    EXPECT_EQ(search.coarsest_above()->figure, 42);
+    EXPECT_EQ(search.finest_below()->figure, 38);
+    EXPECT_FALSE(search.next()) << "they are neighbours";
+}
+
+TEST(QualitySearch, EndsAtTheFinestAndAtTheCoarsest) {
+    const auto film = [](double q) { return 30 + 0.1 * q; };
+    for (const double target : {50.0, 20.0}) {
+        QualitySearch search(target, 0.25);
+        EXPECT_LE(probes_until(search, target, 0.01, 60, film), 6);
+        EXPECT_FALSE(search.next());
+        EXPECT_EQ(search.nearest().quality, target > 40 ? 100 : 0);
+    }
+    EXPECT_FALSE(QualitySearch(40, 0.25).next()) << "nothing is known";
+}
+
+TEST(TuneTargets, AreReadAndRefused) {
+    EXPECT_EQ(app::size_in_bytes("700M"), 700e6);
+    EXPECT_EQ(app::size_in_bytes("4.7GB"), 4.7e9);
+    EXPECT_EQ(app::size_in_bytes("25k"), 25e3);
+    EXPECT_EQ(app::size_in_bytes("1234"), 1234);
+    for (const char* wrong : {"", "M", "-3", "1T", "3 MB", "0", "nan", "1e30"})
+        EXPECT_THROW(app::size_in_bytes(wrong), core::Error) << wrong;
+    EXPECT_EQ(app::time_in_seconds("2h"), 7200);
+    EXPECT_EQ(app::time_in_seconds("1h30m"), 5400);
+    EXPECT_EQ(app::time_in_seconds("1h30m10"), 5410);
+    EXPECT_EQ(app::time_in_seconds("45s"), 45);
+    EXPECT_EQ(app::time_in_seconds("0.5h"), 1800);
+    for (const char* wrong : {"", "h", "1m2h", "-1h", "0s", "3d", "1h1h", "nan"})
+        EXPECT_THROW(app::time_in_seconds(wrong), core::Error) << wrong;
+
+    const auto refused = [&](const std::string& options, const char* words) {
+        const auto outcome = run(program() + " tune " + plain_film() + small + options);
+        EXPECT_EQ(outcome.status, 1) << outcome.output;
+        EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
+        EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
+    };
+    refused(" --dry-run", "Give one of");
+    refused(" --target-psnr 40 --target-ssim 0.9 --dry-run", "Give one of");
+    refused(" --target-psnr 40", "which film");
+    refused(" --target-psnr 40 --quality 50 --dry-run", "it is what is looked for");
+    refused(" --target-psnr 40 -o /tmp/x.y4m", "is not coded");
+    refused(" --max-size 0 --dry-run", "max-size");
+    refused(" --target-psnr 40 --dry-run --json " + plain_film() + "/film.json", "it is an input");
+}
+
+TEST(TuneTargets, AreNearWithinWhatIsPromised) {
+    EXPECT_TRUE(app::is_near({Target::Kind::psnr, 40}, 40.1 - 1e-9));
+    EXPECT_FALSE(app::is_near({Target::Kind::psnr, 40}, 39.89));
+    EXPECT_FALSE(app::is_near({Target::Kind::psnr, 40}, 40.05, 0.4));
+    EXPECT_TRUE(app::is_near({Target::Kind::ssim, 0.95}, 0.9481));
+    EXPECT_FALSE(app::is_near({Target::Kind::ssim, 0.95}, 0.9479));
+    EXPECT_TRUE(app::is_near({Target::Kind::bitrate, 1e6}, 1.019e6));
+    EXPECT_FALSE(app::is_near({Target::Kind::bitrate, 1e6}, 0.979e6));
+    EXPECT_TRUE(std::isfinite(app::even_figure({Target::Kind::ssim, 0.9}, 1.0)));
+    EXPECT_TRUE(std::isfinite(app::even_figure({Target::Kind::bitrate, 1}, 0.0)));
+}
+
+TEST(CommandWords, BecomeThoseOfTheRender) {
+    const std::vector<std::string> words{"./r",    "tune",         "a b.glb",      "--target-psnr",
+                                         "40",     "--size=32x32", "--sample=1x3", "--dry-run",
+                                         "--json", "x.json",       "--vpls",       "16"};
+    EXPECT_EQ(app::line_of(app::changed_command(words, "render", {"--target-psnr", "--sample", "--json"}, {"--dry-run"},
+                                                {{"--quality", "63.4"}, {"-o", "f.mpg"}})),
+              "./r render 'a b.glb' --size=32x32 --vpls 16 --quality 63.4 -o f.mpg");
+}
+
+json tuned(const std::string& options, int status = 0) {
+    const Folder folder;
+    const auto outcome =
+        run(program() + " tune " + plain_film() + small + options + " --quiet --json " + path(folder, "t.json"));
+    EXPECT_EQ(outcome.status, status) << outcome.output;
+    return json::parse(contents(folder / "t.json"));
+}
+
+TEST(Tune, FindsAQualityAndPrintsTheRenderThatHasIt) {
+    const Folder folder;
+    const std::string options = small + " --sample 2x6 --target-psnr 38 --dry-run";
+    const auto outcome = run(program() + " tune " + plain_film() + options + " --report " + path(folder, "t.html") +
+                             " --json " + path(folder, "t.json"));
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const json found = json::parse(contents(folder / "t.json"));
+    EXPECT_EQ(json::parse(contents(folder / "t.report.json")), found);
+    const json& chosen = found.at("probes").at(found.at("chosen").get<std::size_t>());
+    EXPECT_TRUE(chosen.at("lit").get<bool>()) << "light is coupled to the very coding that is taken";
+    EXPECT_EQ(chosen.at("referenced").at("psnr_y"), chosen.at("value"));
+    if (found.at("found") == "near") {
+        EXPECT_NEAR(chosen.at("value").get<double>(), 38, 0.1);
+    } else {
+        EXPECT_EQ(found.at("found"), "between");
+        EXPECT_GT(chosen.at("value").get<double>(), 38);
+    }
+    const std::string command = found.at("render").get<std::string>();
+    EXPECT_NE(command.find(" render "), std::string::npos);
+    EXPECT_NE(command.find("--quality " + chosen.at("setting").get<std::string>()), std::string::npos) << command;
+    EXPECT_EQ(command.find("--target"), std::string::npos) << command;
+    EXPECT_TRUE(found.at("film").is_null());
+    EXPECT_NE(outcome.output.find("\n" + command + "\n"), std::string::npos) << "a line to paste";
+
+    // A row for every probe, as wide as a terminal.
+    std::istringstream lines(outcome.output);
+    std::size_t rows = 0;
+    for (std::string line; std::getline(lines, line);) {
+        if (!line.starts_with(plain_film()) && line != command) {
+            EXPECT_LE(line.size(), 80u) << line;
+        }
+        for (const json& probe : found.at("probes"))
+            if (line.find(" " + probe.at("setting").get<std::string>() + " ") ==
+                8u - probe.at("setting").get<std::string>().size() - 1)
+                ++rows;
+    }
+    EXPECT_GE(rows, found.at("probes").size());
+    const std::string page = contents(folder / "t.html");
+    EXPECT_NE(page.find(app::line_of({"--quality", chosen.at("setting").get<std::string>()})), std::string::npos);
+    EXPECT_NE(page.find(found.at("summary").get<std::string>()), std::string::npos);
+    const std::string document = contents(support::source_folder() / "docs/tune.md");
+    for (const auto& [key, value] : found.items()) EXPECT_NE(document.find("`" + key + "`"), std::string::npos) << key;
+    for (const auto& [key, value] : chosen.items()) EXPECT_NE(document.find("`" + key + "`"), std::string::npos) << key;
+}
+
+TEST(Tune, SaysWhatIsOutOfReach) {
+    const json fine = tuned(" --sample 1x2 --target-psnr 90 --dry-run", 1);
+    EXPECT_EQ(fine.at("found"), "beyond");
+    EXPECT_EQ(fine.at("probes").at(fine.at("chosen").get<std::size_t>()).at("quality"), 100);
+    EXPECT_TRUE(fine.at("render").is_null());
+    const json much = tuned(" --sample 1x2 --tolerance fixed=20% --target-bitrate 90M --dry-run", 1);
+    EXPECT_EQ(much.at("found"), "beyond");
+    const json late = tuned(" --sample 1x1 --max-time 0.001s --dry-run", 1);
+    EXPECT_EQ(late.at("found"), "beyond");
+    EXPECT_EQ(late.at("probes").size(), 2u) << "as asked for, and the least";
+}
+
+TEST(Tune, MakesAFilmOfItsRateAndLooksAtIt) {
+    const Folder folder;
+    const json found =
+        tuned(" --sample 1x6 --frames 0:29 --tolerance fixed=10% --target-bitrate 25k -o " + path(folder, "f.mpg"));
+    EXPECT_EQ(found.at("reference").at("frames"), 0) << "a rate needs none";
+    EXPECT_EQ(found.at("options").at("bitrate"), "25000");
+    const json& film = found.at("film");
+    EXPECT_EQ(film.at("frames"), 30);
+    EXPECT_EQ(film.at("bytes"), static_cast<double>(std::filesystem::file_size(folder / "f.mpg")));
+    EXPECT_NEAR(film.at("bit_rate").get<double>(), 25e3, 0.02 * 25e3);
+    EXPECT_TRUE(film.at("near").get<bool>());
+}
+
+TEST(Tune, KeepsAFileBelowItsSize) {
+    for (const char* ending : {"mpg", "ts", "m2v"}) {
+        const double most = ending[0] == 't' ? 12e3 : 6e3;
+        const Folder folder;
+        const std::string name = std::string("f.") + ending;
+        const json found = tuned(" --sample 1x3 --frames 0:29 --tolerance fixed=20% --max-size " +
+                                 std::to_string(most) + " -o " + path(folder, name));
+        const auto size = static_cast<double>(std::filesystem::file_size(folder / name));
+        EXPECT_LE(size, most) << name;
+        EXPECT_GT(size, 0.6 * most) << name;
+        EXPECT_EQ(found.at("film").at("bytes"), size);
+    }
+}
+
+TEST(Tune, LoosensLightUntilItIsInTime) {
+    const json easy = tuned(" --sample 1x1 --max-time 10h --quantiser 8 --dry-run");
+    EXPECT_EQ(easy.at("probes").size(), 1u);
+    EXPECT_TRUE(easy.at("options").empty()) << "nothing need be loosened";
+    EXPECT_LT(easy.at("probes")[0].at("value").get<double>(), 36000);
+    EXPECT_GT(easy.at("probes")[0].at("value").get<double>(), 0);
+    EXPECT_NE(easy.at("render").get<std::string>().find("--quantiser 8"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace render2mpeg
