@@ -20,11 +20,6 @@ namespace {
 
 using nlohmann::json;
 
-/// JSON has neither infinity nor what is no number.
-json finite_or_null(double value) {
-    return std::isfinite(value) ? json(value) : json(nullptr);
-}
-
 json row_json(const Trial& t, const Times& times) {
     return {{"quantiser", t.quantiser},
             {"light_runs", times.light},

@@ -15,11 +15,6 @@ namespace {
 
 using nlohmann::json;
 
-/// JSON has no infinity: a lossless film has no PSNR.
-json finite_or_null(double value) {
-    return std::isfinite(value) ? json(value) : json(nullptr);
-}
-
 json seconds_of(const Ledger& ledger) {
     json seconds;
     for (std::size_t i = 0; i < ledger.seconds.size(); ++i) seconds[stage_names[i]] = ledger.seconds[i];
@@ -190,6 +185,10 @@ json common_of(const Film& film, const Ledger& ledger, const RunFacts& facts) {
 }
 
 }  // namespace
+
+json finite_or_null(double value) {
+    return std::isfinite(value) ? json(value) : json(nullptr);
+}
 
 void write_json(const std::filesystem::path& file, const json& value) {
     write_whole(file, json_text(value));

@@ -6,6 +6,9 @@
 
 namespace render2mpeg::app {
 
+/// JSON has neither infinity, the PSNR of a film that lost nothing, nor what is no number.
+nlohmann::json finite_or_null(double value);
+
 /// What write_statistics() writes.
 nlohmann::json statistics_of(const Production& film, const Ledger& ledger, const RunFacts& facts);
 
