@@ -23,11 +23,6 @@ namespace {
 using nlohmann::json;
 using Kind = Target::Kind;
 
-/// JSON has no infinity.
-json finite_or_null(double value) {
-    return std::isfinite(value) ? json(value) : json(nullptr);
-}
-
 json quality_json(const Quality& quality) {
     return {{"psnr_y", finite_or_null(quality.psnr_y)}, {"ssim_y", quality.ssim_y}};
 }
