@@ -81,6 +81,7 @@ struct Trial {
     perceptual::FilmQuality lit;   ///< before coding, against the truth
     perceptual::FilmQuality decoded;
     double flicker = 0;       ///< what decoded pairs change along motion more than the truth; code values, mean
+    double shown_masked = 0, shown_masked_there = 0;  ///< as `shown` and `shown_there`, of masked errors
     double masked_error = 0;  ///< of the decoded pictures, mean; code values squared (perceptual/hvs.h)
     double bytes = 0;         ///< per frame
     int requantised = 0;      ///< pictures that the decoder's buffer had no room for at their quantiser

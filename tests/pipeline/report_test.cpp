@@ -85,6 +85,20 @@ TEST(Report, IsOnePageThatStandsAloneAndItsFiguresAreTheStatistics) {
             EXPECT_EQ(report.at(key), value) << key;
         }
     }
+    // What the picture consists of: each effect once, and together no more than there was.
+    std::string effects;
+    double seconds = 0;
+    for (const json& row : statistics.at("effects")) {
+        effects += row.at("effect").get<std::string>() + ", ";
+        if (row.at("seconds").is_number()) seconds += row.at("seconds").get<double>();
+    }
+    EXPECT_EQ(effects, "seeing, direct light, photons, bounced light, what the eye misses, motion, coding, ")
+        << "the box has neither mirrors nor glass";
+    EXPECT_GT(seconds, 0.2 * statistics.at("seconds").at("cpu").get<double>());
+    EXPECT_LT(seconds, statistics.at("seconds").at("cpu").get<double>());
+    EXPECT_NE(html.find("<h2>What the picture consists of</h2>"), std::string::npos);
+    EXPECT_EQ(count(html, "<img "), 3u) << "decoded, as lit, tolerances";
+
     const auto exposure = std::find_if(report.at("plan").begin(), report.at("plan").end(),
                                        [](const json& row) { return row.at("pass") == "exposure"; });
     ASSERT_NE(exposure, report.at("plan").end());

@@ -81,7 +81,7 @@ std::set<std::string> completions(const std::string& words) {
 
 TEST(Completion, OffersEveryCommandAndOption) {
     EXPECT_EQ(completions("\"\""),
-              (std::set<std::string>{"render", "encode", "plan", "info", "cost", "compare", "--help", "--version"}));
+              (std::set<std::string>{"render", "encode", "plan", "info", "cost", "tune", "compare", "--help", "--version"}));
     for (const char* command : {"render", "encode", "plan", "info", "cost", "compare"}) {
         const std::set<std::string> offers = completions(std::string(command) + " --");
         std::istringstream help(run(program() + " " + command + " --help").output);
