@@ -10,28 +10,13 @@
 
 #include "core/color.h"
 #include "renderer/cut_sums.h"
+#include "renderer/flush_denormals.h"
 #include "renderer/isa_clones.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
-/// Where a shadow ray ends, as a share of the way to its light: Embree's distance to the light's own surface errs, and
-/// surfaces in planes through the origin have hardly any offset of their own. chosen: 1 - 2^-18; at 1 five of six
-/// pixels of the Cornell box err by more than 2 % (grains of false shadow), at 1 - 2^-24 still many, from 1 - 2^-22 to
-/// 1 - 2^-14 no pixel changes.
-constexpr float ray_end = 1.0f - 0x1p-18f;
-
 constexpr std::uint16_t all_lanes = 0xffff;
-
-void fetch(const LightTree& tree, LightRef ref) {
-    if (!ref.is_leaf()) {
-        __builtin_prefetch(&tree.nodes[ref.index()]);
-        return;
-    }
-    const auto* light = reinterpret_cast<const char*>(&tree.lights[ref.index()]);
-    __builtin_prefetch(light);
-    __builtin_prefetch(light + sizeof(TreeLight) - 1);
-}
 
 void clear_counts(GatheredLight& out) {
     out.direct_clusters = out.indirect_clusters = 0;
@@ -45,7 +30,7 @@ RENDER2MPEG_ALWAYS_INLINED void aim(const GatherLanes& lanes, LightFamily family
                                     const LightLanes& unit, ShadowPacket& packet) {
     const bool far_away = family == LightFamily::directional;
     const float keep = far_away ? 0.0f : 1.0f;
-    const float far = far_away ? std::numeric_limits<float>::infinity() : ray_end;
+    const float far = far_away ? std::numeric_limits<float>::infinity() : shadow_ray_end;
     std::uint32_t active = 0;
     for (int i = 0; i < lane_count; ++i) {
         packet.origin_x[i] = lanes.origin.x[i];
@@ -115,7 +100,6 @@ void Gatherer::gather_exact(const GatherLanes& lanes, CutSums& sums, GatheredLig
 void Gatherer::trace_slot(const GatherLanes& lanes, std::uint32_t index, Arrival& arrival, GatheredLight& out) {
     Slot& slot = slots_[index];
     const LightTree& tree = forest_.trees[slot.tree];
-    slot.representative = tree.representative(slot.ref, lanes.set);
     slot.intensity = tree.intensity(slot.ref);
     if (slot.is_dark && hide(lanes, index)) {
         std::fill(std::begin(slot.diffuse), std::end(slot.diffuse), 0.0f);
@@ -140,23 +124,28 @@ void Gatherer::trace_slot(const GatherLanes& lanes, std::uint32_t index, Arrival
     if (forest_.translucent) tints_[index] = arrival.tint;
 }
 
-void Gatherer::start_cut(const GatherLanes& lanes, GatheredLight& out) {
+void Gatherer::start_cut(const GatherLanes& lanes, const CutLimits& limits, const CutOutline* begin_with,
+                         GatheredLight& out) {
     slots_.clear();
     lobes_.clear();
     tints_.clear();
-    heap_.clear();
+    queue_.clear();
     settled_.clear();
+    history_.clear();
     for (int t = 0; t < LightForest::tree_count; ++t) {
         const LightTree& tree = forest_.trees[t];
         if (tree.empty()) continue;
         const std::uint32_t index = add_slot(lanes, t, tree.root);
+        slots_[index].part = CutOutline::of_root + static_cast<std::uint32_t>(t);
+        slots_[index].representative = tree.representative(tree.root, lanes.set);
+        root_slot_[t] = index;
         Arrival arrival;
         arrival.lit = arrival.unknown = all_lanes;
         std::fill(&arrival.tint.passes[0][0], &arrival.tint.passes[0][0] + lane_count * 3, 1.0f);
         trace_slot(lanes, index, arrival, out);
-        add_luminance(lanes, unit_of(index), slots_[index].intensity, luminance_);
     }
-    rule_.observe(luminance_);
+    if (begin_with != nullptr) replay(lanes, *begin_with, limits, out);
+    sum_luminance(lanes);
     for (std::uint32_t i = 0; i < slots_.size(); ++i) push(lanes, i);
 }
 
@@ -184,16 +173,22 @@ std::uint32_t Gatherer::add_slot(const GatherLanes& lanes, int tree, LightRef re
     return index;
 }
 
-/// Has the memory ready, while rays are traced, that the next split will most likely want.
-void Gatherer::fetch_next() const {
-    if (heap_.empty()) return;
-    const Slot& next = slots_[heap_.front().slot];
-    const LightTree& tree = forest_.trees[next.tree];
-    for (const LightRef child : tree.nodes[next.ref.index()].child) fetch(tree, child);
+/// Has on its way what splitting a slot asks for first: its node's children, and who stands for them.
+void Gatherer::fetch_split(std::uint32_t index) const {
+    const Slot& slot = slots_[index];
+    const LightTree& tree = forest_.trees[slot.tree];
+    __builtin_prefetch(&tree.adopted[slot.ref.index()]);
+    for (const LightRef child : tree.nodes[slot.ref.index()].child) fetch(tree, child);
 }
 
-RENDER2MPEG_CLONES
-void Gatherer::split(const GatherLanes& lanes, std::uint32_t index, GatheredLight& out) {
+/// And the light, once that is known.
+void Gatherer::fetch_light(const GatherLanes& lanes, std::uint32_t index) const {
+    const Slot& slot = slots_[index];
+    const LightTree& tree = forest_.trees[slot.tree];
+    fetch(tree, LightRef::leaf(tree.adopted_representative(slot.ref, lanes.set)));
+}
+
+Gatherer::Divided Gatherer::divide(const GatherLanes& lanes, std::uint32_t index, GatheredLight& out) {
     const LightTree& tree = forest_.trees[slots_[index].tree];
     const LightRef parent = slots_[index].ref;
     const LightNode& node = tree.nodes[parent.index()];
@@ -201,81 +196,48 @@ void Gatherer::split(const GatherLanes& lanes, std::uint32_t index, GatheredLigh
     const bool first_keeps = tree.first_represents(parent, lanes.set);
     const LightRef kept = node.child[first_keeps ? 0 : 1], adopted = node.child[first_keeps ? 1 : 0];
     const std::uint32_t added = add_slot(lanes, slots_[index].tree, adopted);
-    slots_[added].is_dark = slots_[index].is_dark;
-    slots_[added].shields = slots_[index].shields;
+    Slot& old = slots_[index];
+    slots_[added].representative = tree.adopted_representative(parent, lanes.set);
+    slots_[added].is_dark = old.is_dark;
+    slots_[added].shields = old.shields;
 
     Arrival arrival;
-    arrival.lit = slots_[index].lit;
-    arrival.unknown = slots_[index].unknown;
+    arrival.lit = old.lit;
+    arrival.unknown = old.unknown;
     if (forest_.translucent) arrival.tint = tints_[index];
-    fetch_next();
     trace_slot(lanes, added, arrival, out);
 
-    Slot& old = slots_[index];
-    const glm::vec3& rest = tree.intensity(kept);
-    const glm::vec3 change{rest.x - old.intensity.x, rest.y - old.intensity.y, rest.z - old.intensity.z};
     old.ref = kept;
     old.is_tested = false;
-    old.intensity = rest;
-    add_luminance(lanes, unit_of(index), change, luminance_);
-    add_luminance(lanes, unit_of(added), slots_[added].intensity, luminance_);
-    rule_.observe(luminance_);
-    push(lanes, index);
-    push(lanes, added);
-}
-
-Gatherer::Parts Gatherer::parts_of(const GatherLanes& lanes, const Slot& slot) const {
-    Parts parts;
-    if (slot.ref.is_leaf() || slot.lit == 0) return parts;
-    const LightTree& tree = forest_.trees[slot.tree];
-    const auto take = [&](LightRef part) {
-        parts.light[parts.count] = tree.representative(part, lanes.set);
-        parts.intensity[parts.count] = tree.intensity(part);
-        fetch(tree, LightRef::leaf(parts.light[parts.count++]));
-    };
-    // Of the children those that are lights stay as they are.
-    for (const LightRef child : tree.nodes[slot.ref.index()].child) {
-        if (child.is_leaf()) {
-            take(child);
-            continue;
-        }
-        for (const LightRef part : tree.nodes[child.index()].child) take(part);
-    }
-    return parts;
+    old.intensity = tree.intensity(kept);
+    return {added, first_keeps};
 }
 
 RENDER2MPEG_CLONES
-void Gatherer::sum_finely(const GatherLanes& lanes, std::uint32_t index, const Parts& parts, CutSums& sums) const {
-    const Slot& slot = slots_[index];
-    const LightTree& tree = forest_.trees[slot.tree];
-    const bool direct = LightForest::is_direct(slot.tree);
-    alignas(64) Lanes visible;
-    for (int i = 0; i < lane_count; ++i) {
-        const float lit = (slot.unknown >> i & 1) != 0 ? 0.5f : 1.0f;
-        visible[i] = (slot.lit >> i & 1) != 0 ? lit : 0.0f;
-    }
-    const UnitLight own = unit_of(index);
-    for (int p = 0; p < parts.count; ++p) {
-        if (parts.light[p] == slot.representative) {
-            sums.add(own, parts.intensity[p], direct);
-            continue;
-        }
-        LightLanes unit;
-        evaluate_light(lanes, tree.family, tree.lights[parts.light[p]], forest_.clamp(slot.tree), unit);
-        for (int i = 0; i < lane_count; ++i) {
-            unit.diffuse[i] *= visible[i];
-            if (!lanes.glossy) continue;
-            unit.f0[i] *= visible[i];
-            unit.schlick[i] *= visible[i];
-        }
-        sums.add({unit.diffuse, own.f0 != nullptr ? &unit.f0 : nullptr, own.f0 != nullptr ? &unit.schlick : nullptr,
-                  own.passes},
-                 parts.intensity[p], direct);
-    }
+void Gatherer::split(const GatherLanes& lanes, std::uint32_t index, float urgency, GatheredLight& out) {
+    const glm::vec3 whole = slots_[index].intensity;
+    // Fetch, while rays are traced, what the next split will most likely want.
+    if (!queue_.empty()) fetch_split(queue_.front());
+    const Divided parts = divide(lanes, index, out);
+    if (!queue_.empty()) fetch_light(lanes, queue_.front());
+    const auto n = static_cast<std::uint32_t>(history_.size());
+    history_.push_back({slots_[index].part, urgency, rule_.tolerance(0, luminance_[0])});
+    slots_[index].part = 2 * n + (parts.first_keeps ? 0u : 1u);
+    slots_[parts.added].part = 2 * n + (parts.first_keeps ? 1u : 0u);
+
+    const glm::vec3& rest = slots_[index].intensity;
+    const glm::vec3 change{rest.x - whole.x, rest.y - whole.y, rest.z - whole.z};
+    add_luminance(lanes, unit_of(index), change, luminance_);
+    add_luminance(lanes, unit_of(parts.added), slots_[parts.added].intensity, luminance_);
+    for (int i = 0; i < lane_count; ++i) peak_[i] = inlined::max(peak_[i], luminance_[i]);
+    rule_.observe(luminance_);
+    push(lanes, index);
+    push(lanes, parts.added);
 }
 
 void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance, const CutLimits& limits,
-                      GatheredLight& out) {
+                      GatheredLight& out, const CutOutline* begin_with) {
+    const FlushDenormals flushed;
     clear_counts(out);
     CutSums sums(lanes);
     std::fill(std::begin(luminance_), std::end(luminance_), 0.0f);
@@ -283,36 +245,16 @@ void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance,
     std::copy(std::begin(luminance_), std::end(luminance_), std::begin(exact_luminance_));
     shields_.choose(lanes, tracer_.shields());
     rule_.start(limits.stop, limits.caution, tolerance.absolute, tolerance.relative, tolerance.base);
-    start_cut(lanes, out);
+    least_ = static_cast<std::size_t>(std::max(limits.least, 0));
+    start_cut(lanes, limits, begin_with, out);
     limits.stop == Stop::classic ? refine_classic(lanes, limits, out) : refine_honest(lanes, limits, out);
 
     sum_slots(lanes, limits.stop == Stop::honest, sums, out);
     sums.store(out);
 }
 
-void Gatherer::sum_slots(const GatherLanes& lanes, bool finely, CutSums& sums, GatheredLight& out) {
-    const auto count = static_cast<std::uint32_t>(slots_.size());
-    // Look ahead, so that memory is there when it is wanted.
-    Parts next;
-    if (finely && count > 0) next = parts_of(lanes, slots_[0]);
-    for (std::uint32_t s = 0; s < count; ++s) {
-        const Parts parts = next;
-        if (finely && s + 1 < count) next = parts_of(lanes, slots_[s + 1]);
-        if (finely && s + 2 < count) fetch(forest_.trees[slots_[s + 2].tree], slots_[s + 2].ref);
-        const Slot& slot = slots_[s];
-        const LightTree& tree = forest_.trees[slot.tree];
-        const bool direct = LightForest::is_direct(slot.tree);
-        if (slot.ref.is_leaf() || !finely)
-            sums.add(unit_of(s), slot.intensity, direct);
-        else if (slot.lit != 0)
-            sum_finely(lanes, s, parts, sums);
-        if (slot.any_clamped)
-            sums.add_clamped(tree.family, tree.lights[slot.representative], unit_of(s), slot.intensity);
-        ++(direct ? out.direct_clusters : out.indirect_clusters);
-    }
-}
-
 void Gatherer::gather_exact(const GatherLanes& lanes, GatheredLight& out) {
+    const FlushDenormals flushed;
     clear_counts(out);
     CutSums sums(lanes);
     std::fill(std::begin(luminance_), std::end(luminance_), 0.0f);
@@ -321,6 +263,7 @@ void Gatherer::gather_exact(const GatherLanes& lanes, GatheredLight& out) {
 }
 
 void Gatherer::gather_all(const GatherLanes& lanes, GatheredLight& out) {
+    const FlushDenormals flushed;
     clear_counts(out);
     CutSums sums(lanes);
     gather_exact(lanes, sums, out);

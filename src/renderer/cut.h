@@ -3,20 +3,22 @@
 #include <cstdint>
 #include <vector>
 
+#include "renderer/cut_outline.h"
 #include "renderer/cut_rule.h"
 #include "renderer/light_forest.h"
 #include "renderer/point_light.h"
 #include "renderer/ray_tracer.h"
 #include "renderer/shields.h"
 #include "renderer/stop.h"
+#include "renderer/urgency_queue.h"
 
 namespace render2mpeg::renderer {
 
-/// One colour per lane.
-struct alignas(64) RgbLanes {
-    Lanes r, g, b;
-    glm::vec3 at(int lane) const { return {r[lane], g[lane], b[lane]}; }
-};
+/// Where a shadow ray ends, as a share of the way to its light: Embree's distance to the light's own surface errs, and
+/// surfaces in planes through the origin have hardly any offset of their own. chosen: 1 - 2^-18; at 1 five of six
+/// pixels of the Cornell box err by more than 2 % (grains of false shadow), at 1 - 2^-24 still many, from 1 - 2^-22 to
+/// 1 - 2^-14 no pixel changes.
+inline constexpr float shadow_ray_end = 1.0f - 0x1p-18f;
 
 /// Light that reaches each lane. The lobe's radiance is f0 x `f0` + `schlick`.
 struct GatheredLight {
@@ -57,7 +59,12 @@ class Gatherer {
     Gatherer(const LightForest& forest, const RayTracer& tracer) : forest_(forest), tracer_(tracer) {}
 
     /// By a cut through all trees at once that every lane's tolerance accepts [Walter2005, 4].
-    void gather(const GatherLanes& lanes, const GroupTolerance& tolerance, const CutLimits& limits, GatheredLight& out);
+    /// Where it may, it begins with the splits of a neighbour's cut through the same forest.
+    void gather(const GatherLanes& lanes, const GroupTolerance& tolerance, const CutLimits& limits, GatheredLight& out,
+                const CutOutline* begin_with = nullptr);
+
+    /// What neighbours may begin with: the last cut that `gather` made, of these lanes, which began with nothing.
+    void outline(const GatherLanes& lanes, CutOutline& out) const;
 
     /// Only the lights that are not clustered, each by itself.
     void gather_exact(const GatherLanes& lanes, GatheredLight& out);
@@ -75,6 +82,7 @@ class Gatherer {
         glm::vec3 intensity;
         LightRef ref;
         std::uint32_t representative = 0;
+        std::uint32_t part = 0;  ///< which it is of the cut (CutOutline::Split)
         /// Bit i: lane i is lit, or not known to be in shadow: as its ray found, where none was needed as its parent.
         std::uint16_t lit = 0;
         std::uint16_t unknown = 0;  ///< bit i: nobody knows; counts as half lit
@@ -95,12 +103,10 @@ class Gatherer {
     struct Tint {
         float passes[lane_count][3];
     };
-    struct Entry {
-        float urgency;
+
+    struct Settled {
+        float urgency;  ///< when last asked for
         std::uint32_t slot;
-    };
-    struct LessUrgent {
-        bool operator()(const Entry& a, const Entry& b) const { return a.urgency < b.urgency; }
     };
 
     /// What a light sends to the lanes, visibility included. Before it is traced: what is known of its parent's.
@@ -118,13 +124,22 @@ class Gatherer {
     inline UnitLight unit_of(std::uint32_t slot) const;
     UnitLight unit_of(const GatherLanes& lanes, const Arrival& arrival) const;
     void gather_exact(const GatherLanes& lanes, CutSums& sums, GatheredLight& out);
-    void start_cut(const GatherLanes& lanes, GatheredLight& out);
+    void start_cut(const GatherLanes& lanes, const CutLimits& limits, const CutOutline* begin_with, GatheredLight& out);
+    float in_bounds(float urgency, float factor) const;
+    float strictness(const GatherLanes& lanes, const Lanes& luminance) const;
+    float least_urgency(const GatherLanes& lanes, const CutOutline& outline) const;
+    void replay(const GatherLanes& lanes, const CutOutline& outline, const CutLimits& limits, GatheredLight& out);
     void refine_classic(const GatherLanes& lanes, const CutLimits& limits, GatheredLight& out);
     void refine_honest(const GatherLanes& lanes, const CutLimits& limits, GatheredLight& out);
-    void split(const GatherLanes& lanes, std::uint32_t slot, GatheredLight& out);
+    /// A slot's node replaced by the child that keeps its representative; the other child is a new slot.
+    struct Divided {
+        std::uint32_t added;
+        bool first_keeps;
+    };
+    Divided divide(const GatherLanes& lanes, std::uint32_t slot, GatheredLight& out);
+    void split(const GatherLanes& lanes, std::uint32_t slot, float urgency, GatheredLight& out);
     void push(const GatherLanes& lanes, std::uint32_t slot);
     bool reopen(const GatherLanes& lanes);
-    std::uint32_t pop();
     void add_square(std::uint32_t slot, double sign);
     void sum_afresh(const GatherLanes& lanes);
     bool is_safe(const GatherLanes& lanes);
@@ -138,7 +153,8 @@ class Gatherer {
     Parts parts_of(const GatherLanes& lanes, const Slot& slot) const;
     void sum_finely(const GatherLanes& lanes, std::uint32_t slot, const Parts& parts, CutSums& sums) const;
     void sum_slots(const GatherLanes& lanes, bool finely, CutSums& sums, GatheredLight& out);
-    void fetch_next() const;
+    void fetch_split(std::uint32_t slot) const;
+    void fetch_light(const GatherLanes& lanes, std::uint32_t slot) const;
     bool hide(const GatherLanes& lanes, std::uint32_t slot);
 
     const LightForest& forest_;
@@ -146,12 +162,18 @@ class Gatherer {
     CutRule rule_;
     GroupShields shields_;
     alignas(64) Lanes luminance_{}, exact_luminance_{};
+    alignas(64) Lanes peak_{};                  ///< largest luminance since it was last summed afresh
     alignas(64) double squares_[lane_count]{};  ///< honest: sums of the squared bounds of all slots
     alignas(64) Lanes largest_{};               ///< honest: their largest bounds, as of the last fresh sum
     std::vector<Slot> slots_;
     std::vector<SlotLobe> lobes_;
     std::vector<Tint> tints_;
-    std::vector<Entry> heap_, settled_;
+    UrgencyQueue queue_;
+    std::vector<Settled> settled_;            ///< classic: what is fine enough, as far as is known
+    std::vector<CutOutline::Split> history_;  ///< of the cut, where it began with nothing
+    std::uint32_t root_slot_[LightForest::tree_count]{};
+    std::vector<std::uint32_t> slot_of_;  ///< of each part, while a cut is replayed
+    std::size_t least_ = 0;               ///< clusters of a cut
 };
 
 }  // namespace render2mpeg::renderer

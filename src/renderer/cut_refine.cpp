@@ -13,6 +13,10 @@ namespace {
 /// sum. chosen: 1e8, which leaves half of a double's; clusters that hold the point itself reach 1e30.
 constexpr float drowning_urgency = 1e8f;
 
+/// A luminance that was once this many times what it is now has lost digits in a running sum. chosen: 64, which leaves
+/// errors of about 1e-4 after a thousand clusters, a hundredth of any tolerance in use.
+constexpr float drowning_peak = 64.0f;
+
 RENDER2MPEG_ALWAYS_INLINED float finite(float bound) {
     return bound < std::numeric_limits<float>::max() ? bound : std::numeric_limits<float>::max();
 }
@@ -37,15 +41,11 @@ void Gatherer::push(const GatherLanes& lanes, std::uint32_t index) {
         return;
     }
     slot.is_open = true;
-    heap_.push_back({urgency, index});
-    std::push_heap(heap_.begin(), heap_.end(), LessUrgent{});
-}
-
-std::uint32_t Gatherer::pop() {
-    std::pop_heap(heap_.begin(), heap_.end(), LessUrgent{});
-    const std::uint32_t slot = heap_.back().slot;
-    heap_.pop_back();
-    return slot;
+    // Classic: what is fine enough waits until all light is known.
+    if (rule_.stop() == Stop::classic && CutRule::accepts(urgency) && slots_.size() >= least_)
+        settled_.push_back({urgency, index});
+    else
+        queue_.push(urgency, index);
 }
 
 RENDER2MPEG_CLONES
@@ -54,33 +54,39 @@ void Gatherer::sum_luminance(const GatherLanes& lanes) {
     for (int i = 0; i < lane_count; ++i) sum[i] = exact_luminance_[i];
     const auto count = static_cast<std::uint32_t>(slots_.size());
     for (std::uint32_t s = 0; s < count; ++s) add_luminance(lanes, unit_of(s), slots_.data()[s].intensity, sum);
-    for (int i = 0; i < lane_count; ++i) luminance_[i] = sum[i];
+    for (int i = 0; i < lane_count; ++i) luminance_[i] = peak_[i] = sum[i];
     rule_.observe(luminance_);
 }
 
 bool Gatherer::reopen(const GatherLanes& lanes) {
-    // Sum the luminance afresh, since running differences lose digits, and hold every cluster against it.
-    sum_luminance(lanes);
-    std::vector<Entry> still;
-    heap_.clear();
-    for (const Entry& entry : settled_) {
-        const float urgency = rule_.urgency(slots_[entry.slot].bound);
-        (CutRule::accepts(urgency) ? still : heap_).push_back({urgency, entry.slot});
+    // Sum the luminance afresh where running differences have lost digits.
+    for (int i = 0; i < lane_count; ++i) {
+        if (!(peak_[i] > drowning_peak * luminance_[i])) continue;
+        sum_luminance(lanes);
+        break;
     }
-    settled_.swap(still);
-    std::make_heap(heap_.begin(), heap_.end(), LessUrgent{});
-    return !heap_.empty();
+    // Hold every cluster against it that may have become too coarse.
+    const float risen = rule_.risen();
+    std::size_t still = 0;
+    for (Settled s : settled_) {
+        if (s.urgency * risen > 1.0f) s.urgency = rule_.urgency(slots_[s.slot].bound);
+        if (CutRule::accepts(s.urgency))
+            settled_[still++] = s;
+        else
+            queue_.push(s.urgency, s.slot);
+    }
+    settled_.resize(still);
+    return !queue_.empty();
 }
 
 void Gatherer::refine_classic(const GatherLanes& lanes, const CutLimits& limits, GatheredLight& out) {
-    const auto least = static_cast<std::size_t>(std::max(limits.least, 0));
     const auto most = static_cast<std::size_t>(std::max(limits.most, 1));
-    while (!heap_.empty() || reopen(lanes)) {
+    while (!queue_.empty() || reopen(lanes)) {
         // The tolerance has moved since the entry was made.
-        Entry entry{0.0f, pop()};
-        entry.urgency = rule_.urgency(slots_[entry.slot].bound);
-        if (CutRule::accepts(entry.urgency) && slots_.size() >= least) {
-            settled_.push_back(entry);
+        const std::uint32_t index = queue_.pop();
+        const float urgency = rule_.urgency(slots_[index].bound);
+        if (CutRule::accepts(urgency) && slots_.size() >= least_) {
+            settled_.push_back({urgency, index});
             continue;
         }
         if (slots_.size() >= most) {
@@ -88,7 +94,7 @@ void Gatherer::refine_classic(const GatherLanes& lanes, const CutLimits& limits,
                 if (slot.is_open) out.capped |= rule_.broken(slot.bound);
             break;
         }
-        split(lanes, entry.slot, out);
+        split(lanes, index, urgency, out);
     }
     for (const Slot& slot : slots_)
         for (int i = 0; i < lane_count; ++i) out.error[i] = std::max(out.error[i], slot.bound[i]);
@@ -125,33 +131,36 @@ bool Gatherer::is_safe(const GatherLanes& lanes) {
     sum_afresh(lanes);
     if (rule_.broken(squares_, largest_) == 0) return true;
     // Tolerances have moved since the clusters were ranked.
-    for (Entry& entry : heap_) entry.urgency = rule_.urgency(slots_[entry.slot].bound);
-    std::make_heap(heap_.begin(), heap_.end(), LessUrgent{});
+    queue_.clear();
+    for (std::uint32_t i = 0; i < slots_.size(); ++i)
+        if (slots_[i].is_open) queue_.push(rule_.urgency(slots_[i].bound), i);
     return false;
 }
 
 void Gatherer::refine_honest(const GatherLanes& lanes, const CutLimits& limits, GatheredLight& out) {
-    const auto least = static_cast<std::size_t>(std::max(limits.least, 0));
     const auto most = static_cast<std::size_t>(std::max(limits.most, 1));
     const float safe_urgency = CutRule::safe_urgency(lanes.count);
     bool summed = false, accepted = false;
-    std::size_t next_look = least;  // at all clusters, which takes as long as some splits
-    while (!heap_.empty() && slots_.size() < most) {
+    std::size_t next_look = least_;  // at all clusters, which takes as long as some splits
+    while (!queue_.empty() && slots_.size() < most) {
         // Keep a running sum once its largest parts are gone; what it says is checked against a fresh one.
-        if (!summed && heap_.front().urgency < drowning_urgency) {
+        if (!summed && queue_.urgency() < drowning_urgency) {
             sum_afresh(lanes);
             summed = true;
         }
-        const bool seems_fine = rule_.satisfied(squares_) || heap_.front().urgency <= safe_urgency;
+        const bool seems_fine =
+            rule_.satisfied(squares_) ||
+            (queue_.urgency() <= safe_urgency && !rule_.is_in_the_way(slots_[queue_.front()].bound, squares_));
         if (summed && slots_.size() >= next_look && seems_fine) {
             accepted = is_safe(lanes);
             if (accepted) break;
             next_look = slots_.size() + 1 + slots_.size() / 32;
         }
-        const std::uint32_t index = pop();
+        const float urgency = queue_.urgency();
+        const std::uint32_t index = queue_.pop();
         const auto added = static_cast<std::uint32_t>(slots_.size());
         if (summed) add_square(index, -1.0);
-        split(lanes, index, out);
+        split(lanes, index, urgency, out);
         if (!summed) continue;
         add_square(index, 1.0);
         add_square(added, 1.0);

@@ -36,6 +36,7 @@ class CutRule {
             absolute_[i] = absolute[i];
             relative_[i] = relative[i];
             base_[i] = base[i];
+            lowest_[i] = largest_share;
         }
     }
 
@@ -47,7 +48,20 @@ class CutRule {
             light_[i] = inlined::max(luminance[i], 0.0f) + base_[i];
             tolerance_[i] = inlined::max(absolute_[i], relative_[i] * light_[i]);
             inverse_[i] = caution_ / inlined::max(tolerance_[i], least_tolerance);
+            lowest_[i] = inlined::min(lowest_[i], inverse_[i]);
         }
+    }
+
+    /// By what the urgency of any cluster may have risen, at most, since it was asked for in this cut.
+    float risen() const {
+        float most = 1.0f;
+        for (int i = 0; i < lane_count; ++i) most = std::max(most, inverse_[i] / lowest_[i]);
+        return most;
+    }
+
+    /// What a lane tolerates where this is all that it receives.
+    float tolerance(int lane, float luminance) const {
+        return std::max(absolute_[lane], relative_[lane] * (std::max(luminance, 0.0f) + base_[lane]));
     }
 
     /// How urgently a cluster with these bounds wants to be refined. Classic: the largest bound in units of the point's
@@ -86,6 +100,13 @@ class CutRule {
             return false;
         }
         return true;
+    }
+
+    /// Honest: whether a cluster with these bounds is in the way of a lane that its sum of squares does not satisfy.
+    bool is_in_the_way(const Lanes& bound, const double (&squares)[lane_count]) const {
+        for (int i = 0; i < lane_count; ++i)
+            if (safe_part * bound[i] * inverse_[i] > 1.0f && exceeds(squares[i], i)) return true;
+        return false;
     }
 
     /// Honest: marks the lanes whose estimated error exceeds their tolerance; `largest` are their largest bounds.
@@ -130,7 +151,7 @@ class CutRule {
     Stop stop_ = Stop::honest;
     float caution_ = 1;
     int strictest_ = 0;
-    alignas(64) Lanes absolute_{}, relative_{}, base_{}, light_{}, tolerance_{}, inverse_{};
+    alignas(64) Lanes absolute_{}, relative_{}, base_{}, light_{}, tolerance_{}, inverse_{}, lowest_{};
 };
 
 }  // namespace render2mpeg::renderer

@@ -25,6 +25,15 @@ RENDER2MPEG_ALWAYS_INLINED void add_to(RgbLanes& __restrict sum, const Lanes& __
     }
 }
 
+RENDER2MPEG_ALWAYS_INLINED void add_to(RgbLanes& __restrict sum, const Lanes& __restrict unit,
+                                       const Vec3Lanes& __restrict intensity) {
+    for (int i = 0; i < lane_count; ++i) {
+        sum.r[i] += unit[i] * intensity.x[i];
+        sum.g[i] += unit[i] * intensity.y[i];
+        sum.b[i] += unit[i] * intensity.z[i];
+    }
+}
+
 void add_to(RgbLanes& sum, const RgbLanes& part) {
     for (int i = 0; i < lane_count; ++i) {
         sum.r[i] += part.r[i];
@@ -44,6 +53,27 @@ void CutSums::add(const UnitLight& unit, const glm::vec3& intensity, bool direct
     if (unit.f0 != nullptr) {
         add_to(part_.f0, *unit.f0, unit.passes, intensity);
         add_to(part_.schlick, *unit.schlick, unit.passes, intensity);
+    }
+    if (++in_part_ == part_length) flush();
+}
+
+RENDER2MPEG_CLONES
+void CutSums::add(const RgbLanes& irradiance, const Lanes& share, bool direct) {
+    RgbLanes& sum = direct ? part_.direct : part_.indirect;
+    for (int i = 0; i < lane_count; ++i) {
+        sum.r[i] += irradiance.r[i] * share[i];
+        sum.g[i] += irradiance.g[i] * share[i];
+        sum.b[i] += irradiance.b[i] * share[i];
+    }
+    if (++in_part_ == part_length) flush();
+}
+
+RENDER2MPEG_CLONES
+void CutSums::add(const UnitLight& unit, const Vec3Lanes& intensity, bool direct) {
+    add_to(direct ? part_.direct : part_.indirect, unit.diffuse, intensity);
+    if (unit.f0 != nullptr) {
+        add_to(part_.f0, *unit.f0, intensity);
+        add_to(part_.schlick, *unit.schlick, intensity);
     }
     if (++in_part_ == part_length) flush();
 }

@@ -14,6 +14,12 @@ class CutSums {
     /// Adds a cluster's light.
     void add(const UnitLight& unit, const glm::vec3& intensity, bool direct);
 
+    /// Adds irradiance, a share of it in each lane.
+    void add(const RgbLanes& irradiance, const Lanes& share, bool direct);
+
+    /// Adds a light of its own in each lane; nothing translucent.
+    void add(const UnitLight& unit, const Vec3Lanes& intensity, bool direct);
+
     /// Counts what the clamp took from a cluster: the difference to what its light sends when only the form factor of a
     /// whole sky bounds it, G <= 1 / disc2; the unclamped sum has no finite variance to be measured.
     void add_clamped(LightFamily family, const TreeLight& light, const UnitLight& visible, const glm::vec3& intensity);

@@ -22,10 +22,8 @@ constexpr Likeness within_block{0.9f, 0.02f, 0.1f};
 /// and 29.3, no faster.
 constexpr Likeness left_over{0.5f, 0.05f, 0.2f};
 
-/// Smaller groups of a block look for others in the tile. chosen: 13 of 8, 11, 13, 16, which make 40.8, 36.6, 35.7 and
-/// 35.4 packets per point in Sponza, 29.7, 27.3, 26.5 and 26.3 in Sibenik; 16 is no faster. (Measured before points
-/// preferred groups of their own set.)
-constexpr std::size_t large_group = 13;
+/// Groups of a tile that begin with one another's splits.
+constexpr Likeness within_tile{0.9f, 0.02f, 0.2f};
 
 bool belongs(const GatherPoint& first, const GatherPoint& other, glm::vec3 eye, const Likeness& likeness) {
     const SurfacePoint& a = first.point;
@@ -108,6 +106,10 @@ struct Pattern {
 };
 
 }  // namespace
+
+bool share_surface(const GatherPoint& a, const GatherPoint& b, glm::vec3 eye) {
+    return belongs(a, b, eye, within_tile);
+}
 
 int block_of(int pixel, int sets) {
     return static_cast<int>(Pattern(sets).block(pixel % tile_size, pixel / tile_size));

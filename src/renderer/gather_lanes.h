@@ -17,6 +17,12 @@ struct alignas(64) Vec3Lanes {
     Lanes x, y, z;
 };
 
+/// One colour per lane.
+struct alignas(64) RgbLanes {
+    Lanes r, g, b;
+    glm::vec3 at(int lane) const { return {r[lane], g[lane], b[lane]}; }
+};
+
 /// Directions across an axis, so that a box can be bounded about it.
 struct FrameLanes {
     Vec3Lanes axis, tangent, bitangent;

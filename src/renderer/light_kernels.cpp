@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "core/color.h"
-#include "core/sampling.h"
+#include "core/error.h"
 #include "renderer/isa_clones.h"
 #include "renderer/lobe.h"
 
@@ -44,53 +44,103 @@ RENDER2MPEG_ALWAYS_INLINED void glossy_value(const GatherLanes& lanes, int i, fl
     out.schlick[i] = dv * s;
 }
 
+/// The clamp of G, 1 / (disc2 / scale), with one division.
+RENDER2MPEG_ALWAYS_INLINED float largest_g(float disc2, float scale) {
+    return scale / inlined::max(disc2, lobe::tiny * scale);
+}
+
+/// A light as one lane sees it.
+struct LaneLight {
+    float x, y, z, nx, ny, nz;
+    float blur2, clamp;  ///< GeometryClamp
+    float range2, spot_scale, spot_offset;
+};
+
+RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(float x, float y, float z, float nx, float ny, float nz, float disc2,
+                                                float spot_scale, float spot_offset, float scale) {
+    return {x, y, z, nx, ny, nz, disc2 / scale, largest_g(disc2, scale), disc2, spot_scale, spot_offset};
+}
+
+/// Writes lane i of `out`; returns G before the clamp.
 template <LightFamily family, bool glossy>
-RENDER2MPEG_ALWAYS_INLINED void evaluate_lanes(const GatherLanes& __restrict lanes, const TreeLight& light, float scale,
-                                               LightLanes& __restrict out) {
-    const float lx = light.position.x, ly = light.position.y, lz = light.position.z;
-    const float mx = light.normal.x, my = light.normal.y, mz = light.normal.z;
-    const float range2 = light.disc2, spot_scale = light.spot_scale, spot_offset = light.spot_offset;
-    const float blur2 = light.disc2 / scale, clamp = 1.0f / inlined::max(blur2, lobe::tiny);
-    Lanes unclamped;
-    for (int i = 0; i < lane_count; ++i) {
-        float x = lx, y = ly, z = lz, inverse2 = 1.0f, emit = 1.0f;
-        if constexpr (family != LightFamily::directional) {
-            x -= lanes.position.x[i];
-            y -= lanes.position.y[i];
-            z -= lanes.position.z[i];
-            const float distance2 = x * x + y * y + z * z;
-            inverse2 = 1.0f / inlined::max(distance2, lobe::tiny);
+RENDER2MPEG_ALWAYS_INLINED float evaluate_lane(const GatherLanes& lanes, int i, const LaneLight& l, LightLanes& out) {
+    float x = l.x, y = l.y, z = l.z, inverse2 = 1.0f, emit = 1.0f;
+    if constexpr (family != LightFamily::directional) {
+        x -= lanes.position.x[i];
+        y -= lanes.position.y[i];
+        z -= lanes.position.z[i];
+        const float distance2 = x * x + y * y + z * z;
+        inverse2 = 1.0f / inlined::max(distance2, lobe::tiny);
+        if constexpr (family == LightFamily::punctual || glossy) {
             const float inverse = inlined::sqrt(inverse2);
             x *= inverse;
             y *= inverse;
             z *= inverse;
-            const float cosine = -(mx * x + my * y + mz * z);
-            if constexpr (family == LightFamily::oriented) {
-                emit = inlined::max(cosine, 0.0f);
-            } else {
-                // Window of the range [KHR_lights_punctual] and the spot's falloff.
-                const float reach2 = distance2 / range2;
-                const float window = inlined::min(inlined::max(1.0f - reach2 * reach2, 0.0f), 1.0f);
-                const float spot = inlined::min(inlined::max(cosine * spot_scale + spot_offset, 0.0f), 1.0f);
-                emit = window * spot * spot;
-            }
         }
-        const float front = dot(lanes.geometric, i, x, y, z);
-        const float facing = inlined::max(dot(lanes.normal.axis, i, x, y, z), 0.0f);
-        const float cosine = front > 0.0f ? facing : 0.0f;
-        float g = cosine * emit * inverse2;
+        const float cosine = -(l.nx * x + l.ny * y + l.nz * z);
         if constexpr (family == LightFamily::oriented) {
-            unclamped[i] = g;
-            g = inlined::min(g, clamp);
+            emit = inlined::max(cosine, 0.0f) * inverse2;
+        } else {
+            // Window of the range [KHR_lights_punctual] and the spot's falloff.
+            const float reach2 = distance2 / l.range2;
+            const float window = inlined::min(inlined::max(1.0f - reach2 * reach2, 0.0f), 1.0f);
+            const float spot = inlined::min(inlined::max(cosine * l.spot_scale + l.spot_offset, 0.0f), 1.0f);
+            emit = window * spot * spot * inverse2;
         }
-        out.diffuse[i] = g;
-        if constexpr (glossy)
-            glossy_value(lanes, i, x, y, z, family == LightFamily::punctual ? 0.0f : blur2 * inverse2, g, out);
     }
+    const float front = dot(lanes.geometric, i, x, y, z);
+    const float facing = inlined::max(dot(lanes.normal.axis, i, x, y, z), 0.0f);
+    const float cosine = front > 0.0f ? facing : 0.0f;
+    // Without a lobe nobody wants unit directions: cosines times the distance, each over its square.
+    constexpr bool plain = family == LightFamily::oriented && !glossy;
+    float g = plain ? cosine * inverse2 * emit : cosine * emit;
+    const float unclamped = g;
+    if constexpr (family == LightFamily::oriented) g = inlined::min(g, l.clamp);
+    out.diffuse[i] = g;
+    if constexpr (glossy)
+        glossy_value(lanes, i, x, y, z, family == LightFamily::punctual ? 0.0f : l.blur2 * inverse2, g, out);
+    return unclamped;
+}
+
+template <LightFamily family, bool glossy>
+RENDER2MPEG_ALWAYS_INLINED void evaluate_lanes(const GatherLanes& __restrict lanes, const TreeLight& light, float scale,
+                                               LightLanes& __restrict out) {
+    const LaneLight l = lane_light(light.position.x, light.position.y, light.position.z, light.normal.x, light.normal.y,
+                                   light.normal.z, light.disc2, light.spot_scale, light.spot_offset, scale);
+    Lanes unclamped;
+    for (int i = 0; i < lane_count; ++i) unclamped[i] = evaluate_lane<family, glossy>(lanes, i, l, out);
     int clamped = 0;
     if constexpr (family == LightFamily::oriented)
-        for (int i = 0; i < lane_count; ++i) clamped |= unclamped[i] > clamp ? 1 : 0;
+        for (int i = 0; i < lane_count; ++i) clamped |= unclamped[i] > l.clamp ? 1 : 0;
     out.any_clamped = clamped != 0;
+}
+
+template <LightFamily family, bool glossy>
+RENDER2MPEG_ALWAYS_INLINED void evaluate_each(const GatherLanes& __restrict lanes, const LightPacket& __restrict p,
+                                              float scale, LightLanes& __restrict out) {
+    for (int i = 0; i < lane_count; ++i) {
+        const LaneLight l = lane_light(p.position.x[i], p.position.y[i], p.position.z[i], p.normal.x[i], p.normal.y[i],
+                                       p.normal.z[i], p.disc2[i], p.spot_scale[i], p.spot_offset[i], scale);
+        evaluate_lane<family, glossy>(lanes, i, l, out);
+    }
+    out.any_clamped = false;
+}
+
+template <LightFamily family>
+RENDER2MPEG_ALWAYS_INLINED void add_lanes(const GatherLanes& __restrict lanes, const StandIn& stand_in, float scale,
+                                          RgbLanes& __restrict out) {
+    const TreeLight& light = *stand_in.light;
+    const float red = stand_in.intensity.x, green = stand_in.intensity.y, blue = stand_in.intensity.z;
+    const LaneLight l = lane_light(light.position.x, light.position.y, light.position.z, light.normal.x, light.normal.y,
+                                   light.normal.z, light.disc2, light.spot_scale, light.spot_offset, scale);
+    LightLanes unit;
+    for (int i = 0; i < lane_count; ++i) {
+        evaluate_lane<family, false>(lanes, i, l, unit);
+        const float g = unit.diffuse[i];
+        out.r[i] += g * red;
+        out.g[i] += g * green;
+        out.b[i] += g * blue;
+    }
 }
 
 /// Box of a node about the axes of `frame`, as seen from the lane whose difference to the middle is (x, y, z).
@@ -103,13 +153,30 @@ RENDER2MPEG_ALWAYS_INLINED float box_cosine(const FrameLanes& frame, int i, floa
 
 /// A node's cone axis with two directions across it, and the box's half extents along the three.
 struct NodeFrame {
-    glm::vec3 axis, tangent, bitangent, half;
-    explicit NodeFrame(const LightNode& node) : axis(node.axis.unpack()) {
-        core::make_frame(axis, tangent, bitangent);
-        half = {glm::dot(glm::abs(axis), node.half), glm::dot(glm::abs(tangent), node.half),
-                glm::dot(glm::abs(bitangent), node.half)};
-    }
+    float ax, ay, az, tx, ty, tz, bx, by, bz;
+    float along_axis, along_tangent, along_bitangent;
 };
+
+/// As core::PackedNormal::unpack and core::make_frame, with fewer divisions and, in the caller's instruction set.
+RENDER2MPEG_ALWAYS_INLINED NodeFrame frame_of(const LightNode& node) {
+    std::int16_t packed[2];
+    static_assert(sizeof(packed) == sizeof(node.axis));
+    __builtin_memcpy(packed, &node.axis, sizeof(packed));
+    const float px = packed[0] * (1.0f / 32767.0f), py = packed[1] * (1.0f / 32767.0f);
+    const float z = 1.0f - inlined::abs(px) - inlined::abs(py), fold = inlined::max(-z, 0.0f);
+    const float x = px < 0.0f ? px + fold : px - fold, y = py < 0.0f ? py + fold : py - fold;
+    const float inverse = 1.0f / inlined::sqrt(x * x + y * y + z * z);
+    NodeFrame f;
+    f.ax = x * inverse, f.ay = y * inverse, f.az = z * inverse;
+    const float sign = f.az < 0.0f ? -1.0f : 1.0f, a = -1.0f / (sign + f.az), b = f.ax * f.ay * a;
+    f.tx = 1.0f + sign * f.ax * f.ax * a, f.ty = sign * b, f.tz = -sign * f.ax;
+    f.bx = b, f.by = sign + f.ay * f.ay * a, f.bz = -f.ay;
+    const float hx = node.half.x, hy = node.half.y, hz = node.half.z;
+    f.along_axis = inlined::abs(f.ax) * hx + inlined::abs(f.ay) * hy + inlined::abs(f.az) * hz;
+    f.along_tangent = inlined::abs(f.tx) * hx + inlined::abs(f.ty) * hy + inlined::abs(f.tz) * hz;
+    f.along_bitangent = inlined::abs(f.bx) * hx + inlined::abs(f.by) * hy + inlined::abs(f.bz) * hz;
+    return f;
+}
 
 /// How much of light in this colour an eye notices, in luminance: its luminance, or its Cr or Cb [BT709, 3.3] at
 /// `chroma_share` of that. Without chroma the light of a blue lamp would count a fourteenth of a white one's, and may
@@ -124,15 +191,15 @@ RENDER2MPEG_ALWAYS_INLINED float noticed(const Vec3Lanes& weight, int i, float r
 }
 
 template <LightFamily family, bool glossy>
-RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes, const LightNode& node,
-                                            const NodeFrame& frame, float scale, float* __restrict out) {
+RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes, const LightNode& node, float scale,
+                                            float* __restrict out) {
     const float cx = node.middle.x, cy = node.middle.y, cz = node.middle.z;
     const float hx = node.half.x, hy = node.half.y, hz = node.half.z;
     const float red = node.intensity.x * outward, green = node.intensity.y * outward, blue = node.intensity.z * outward;
     const float cone = node.cone_cosine, range2 = node.largest_disc2;
     const float least_blur2 = node.least_disc2 / scale, largest_blur2 = node.largest_disc2 / scale;
-    const float clamp = 1.0f / inlined::max(least_blur2, lobe::tiny);
-    const glm::vec3 &a = frame.axis, &t = frame.tangent, &b = frame.bitangent, &across = frame.half;
+    const float clamp = largest_g(node.least_disc2, scale);
+    const NodeFrame f = frame_of(node);
     for (int i = 0; i < lane_count; ++i) {
         float x = cx, y = cy, z = cz, inverse2 = 1.0f, emit = 1.0f, spread2_low = 0.0f, spread2_high = 0.0f;
         if constexpr (family != LightFamily::directional) {
@@ -144,8 +211,8 @@ RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes,
             const float near2 = nx * nx + ny * ny + nz * nz;
             inverse2 = 1.0f / inlined::max(near2, lobe::tiny);
             const float theta =
-                lobe::cosine_bound(-(a.x * x + a.y * y + a.z * z), across.x, t.x * x + t.y * y + t.z * z, across.y,
-                                   b.x * x + b.y * y + b.z * z, across.z);
+                lobe::cosine_bound(-(f.ax * x + f.ay * y + f.az * z), f.along_axis, f.tx * x + f.ty * y + f.tz * z,
+                                   f.along_tangent, f.bx * x + f.by * y + f.bz * z, f.along_bitangent);
             emit = lobe::cone_bound(theta, cone);
             if constexpr (family == LightFamily::punctual)
                 emit = near2 <= range2 && theta * outward >= cone ? 1.0f : 0.0f;
@@ -158,7 +225,11 @@ RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes,
             spread2_low = least_blur2;
             spread2_high = largest_blur2;
         }
-        const float cosine = inlined::max(box_cosine(lanes.normal, i, x, y, z, hx, hy, hz), 0.0f);
+        const FrameLanes& normal = lanes.normal;
+        const float cosine =
+            lobe::positive_cosine_bound(dot(normal.axis, i, x, y, z), dot_abs(normal.axis, i, hx, hy, hz),
+                                        dot(normal.tangent, i, x, y, z), dot_abs(normal.tangent, i, hx, hy, hz),
+                                        dot(normal.bitangent, i, x, y, z), dot_abs(normal.bitangent, i, hx, hy, hz));
         const float reach = emit * inverse2;
         float g = cosine * reach;
         if constexpr (family == LightFamily::oriented) g = inlined::min(g, clamp);
@@ -182,21 +253,6 @@ RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes,
     }
 }
 
-RENDER2MPEG_CLONES
-void bound_framed(const GatherLanes& lanes, LightFamily family, const LightNode& node, const NodeFrame& frame,
-                  float scale, Lanes& out) {
-    if (family == LightFamily::oriented) {
-        lanes.glossy ? bound_lanes<LightFamily::oriented, true>(lanes, node, frame, scale, out)
-                     : bound_lanes<LightFamily::oriented, false>(lanes, node, frame, scale, out);
-    } else if (family == LightFamily::punctual) {
-        lanes.glossy ? bound_lanes<LightFamily::punctual, true>(lanes, node, frame, scale, out)
-                     : bound_lanes<LightFamily::punctual, false>(lanes, node, frame, scale, out);
-    } else {
-        lanes.glossy ? bound_lanes<LightFamily::directional, true>(lanes, node, frame, scale, out)
-                     : bound_lanes<LightFamily::directional, false>(lanes, node, frame, scale, out);
-    }
-}
-
 }  // namespace
 
 RENDER2MPEG_CLONES
@@ -214,8 +270,65 @@ void evaluate_light(const GatherLanes& lanes, LightFamily family, const TreeLigh
     }
 }
 
+RENDER2MPEG_CLONES
+void evaluate_lights(const GatherLanes& lanes, LightFamily family, const LightPacket& lights, GeometryClamp clamp,
+                     LightLanes& out) {
+    if (family == LightFamily::oriented) {
+        lanes.glossy ? evaluate_each<LightFamily::oriented, true>(lanes, lights, clamp.scale, out)
+                     : evaluate_each<LightFamily::oriented, false>(lanes, lights, clamp.scale, out);
+    } else if (family == LightFamily::punctual) {
+        lanes.glossy ? evaluate_each<LightFamily::punctual, true>(lanes, lights, clamp.scale, out)
+                     : evaluate_each<LightFamily::punctual, false>(lanes, lights, clamp.scale, out);
+    } else {
+        lanes.glossy ? evaluate_each<LightFamily::directional, true>(lanes, lights, clamp.scale, out)
+                     : evaluate_each<LightFamily::directional, false>(lanes, lights, clamp.scale, out);
+    }
+}
+
+RENDER2MPEG_CLONES
+void add_irradiance(const GatherLanes& lanes, LightFamily family, const StandIn* lights, int count, GeometryClamp clamp,
+                    RgbLanes& out) {
+    for (int k = 0; k < count; ++k) {
+        const StandIn& light = lights[k];
+        if (family == LightFamily::oriented)
+            add_lanes<LightFamily::oriented>(lanes, light, clamp.scale, out);
+        else if (family == LightFamily::punctual)
+            add_lanes<LightFamily::punctual>(lanes, light, clamp.scale, out);
+        else
+            add_lanes<LightFamily::directional>(lanes, light, clamp.scale, out);
+    }
+}
+
+void fill_lights(LightPacket& packet, std::span<const TreeLight> lights) {
+    EXPECTS(!lights.empty() && lights.size() <= lane_count);
+    const auto set = [](Vec3Lanes& lanes, std::size_t i, const glm::vec3& v) {
+        lanes.x[i] = v.x;
+        lanes.y[i] = v.y;
+        lanes.z[i] = v.z;
+    };
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        const TreeLight& light = lights[std::min(i, lights.size() - 1)];
+        set(packet.position, i, light.position);
+        set(packet.normal, i, light.normal);
+        set(packet.intensity, i, i < lights.size() ? light.intensity : glm::vec3(0));
+        packet.disc2[i] = light.disc2;
+        packet.spot_scale[i] = light.spot_scale;
+        packet.spot_offset[i] = light.spot_offset;
+    }
+}
+
+RENDER2MPEG_CLONES
 void bound_node(const GatherLanes& lanes, LightFamily family, const LightNode& node, GeometryClamp clamp, Lanes& out) {
-    bound_framed(lanes, family, node, NodeFrame(node), clamp.scale, out);
+    if (family == LightFamily::oriented) {
+        lanes.glossy ? bound_lanes<LightFamily::oriented, true>(lanes, node, clamp.scale, out)
+                     : bound_lanes<LightFamily::oriented, false>(lanes, node, clamp.scale, out);
+    } else if (family == LightFamily::punctual) {
+        lanes.glossy ? bound_lanes<LightFamily::punctual, true>(lanes, node, clamp.scale, out)
+                     : bound_lanes<LightFamily::punctual, false>(lanes, node, clamp.scale, out);
+    } else {
+        lanes.glossy ? bound_lanes<LightFamily::directional, true>(lanes, node, clamp.scale, out)
+                     : bound_lanes<LightFamily::directional, false>(lanes, node, clamp.scale, out);
+    }
 }
 
 }  // namespace render2mpeg::renderer

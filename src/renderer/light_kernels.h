@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "renderer/gather_lanes.h"
 #include "renderer/isa_clones.h"
 #include "renderer/light_tree.h"
@@ -19,6 +21,27 @@ struct GeometryClamp {
 /// What unit intensity of `light` sends to the lanes, without visibility.
 void evaluate_light(const GatherLanes& lanes, LightFamily family, const TreeLight& light, GeometryClamp clamp,
                     LightLanes& out);
+
+/// Sixteen lights as arrays. `fill_lights` repeats the last where there are fewer, with no intensity.
+struct alignas(64) LightPacket {
+    Vec3Lanes position, normal, intensity;
+    Lanes disc2, spot_scale, spot_offset;
+};
+void fill_lights(LightPacket& packet, std::span<const TreeLight> lights);
+
+/// The same for a light of its own in every lane.
+void evaluate_lights(const GatherLanes& lanes, LightFamily family, const LightPacket& lights, GeometryClamp clamp,
+                     LightLanes& out);
+
+/// A light that shines with another intensity than its own: that of all lights it stands for.
+struct StandIn {
+    const TreeLight* light;
+    glm::vec3 intensity;
+};
+
+/// Adds the irradiance that some lights send to the lanes together, without visibility; for lanes without a lobe.
+void add_irradiance(const GatherLanes& lanes, LightFamily family, const StandIn* lights, int count, GeometryClamp clamp,
+                    RgbLanes& out);
 
 /// An upper bound, for each lane, of the luminance that the lights below `node` can add to its pixel, all of them
 /// visible.

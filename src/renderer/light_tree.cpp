@@ -176,10 +176,27 @@ LightTree build(LightFamily family, std::span<const LightPoint> points, std::uin
     sort_and_merge(tree.lights, family, keep_all);
     cluster(tree, seed);
     reorder(tree);
+    seat_representatives(tree);
     return tree;
 }
 
 }  // namespace
+
+void seat_representatives(LightTree& tree) {
+    std::vector<std::array<std::uint32_t, seated_sets>> own(tree.nodes.size());
+    tree.adopted.resize(tree.nodes.size());
+    for (std::size_t i = tree.nodes.size(); i-- > 0;) {
+        const LightNode& node = tree.nodes[i];
+        for (std::size_t set = 0; set < seated_sets; ++set) {
+            const auto seat_of = [&](LightRef child) {
+                return child.is_leaf() ? child.index() : own[child.index()][set];
+            };
+            const bool first = (node.first_represents >> set & 1u) != 0;
+            own[i][set] = seat_of(node.child[first ? 0 : 1]);
+            tree.adopted[i][set] = seat_of(node.child[first ? 1 : 0]);
+        }
+    }
+}
 
 LightTree build_light_tree(LightFamily family, std::span<const LightPoint> points, std::uint64_t seed) {
     return build(family, points, seed, false);
@@ -202,6 +219,7 @@ void update_light_tree(LightTree& tree, std::span<const LightPoint> points, std:
             light = dark_light(light.id);
     }
     refit(tree, seed);
+    seat_representatives(tree);
 }
 
 TreePlan plan_of(const LightTree& tree) {

@@ -62,6 +62,8 @@ static_assert(sizeof(TreeLight) <= 56 && sizeof(LightNode) == 64);
 /// Sets of representatives: in each, every node has one of its lights, one of its children's. Whoever gathers takes one
 /// set; neighbouring pixels take different ones, so that their errors are not alike (docs/model.md, "Lightcut").
 inline constexpr int most_representative_sets = 16;
+/// Of these, as many as pictures are lit by (representative_sets).
+inline constexpr int seated_sets = 4;
 
 /// A binary tree over light points of one family [Walter2005, 4.1], clustered bottom up. Plain data, fixed once built.
 struct LightTree {
@@ -69,6 +71,9 @@ struct LightTree {
     std::vector<LightNode> nodes;
     std::vector<TreeLight> lights;  ///< in an order of the tree's own
     LightRef root;                  ///< meaningless where there are no lights
+    /// Of each node, what stands in the first sets for the child that does not keep the node's own representative:
+    /// what a cut asks for when it splits the node. Looked up where walking down would wait for memory at each step.
+    std::vector<std::array<std::uint32_t, seated_sets>> adopted;
 
     bool empty() const { return lights.empty(); }
     glm::vec3 intensity(LightRef ref) const {
@@ -79,13 +84,35 @@ struct LightTree {
         while (!ref.is_leaf()) ref = nodes[ref.index()].child[first_represents(ref, set) ? 0 : 1];
         return ref.index();
     }
+    /// The light that stands for an inner node's other child, which does not keep its representative.
+    std::uint32_t adopted_representative(LightRef inner, int set) const {
+        if (set < seated_sets) return adopted[inner.index()][static_cast<std::size_t>(set)];
+        return representative(nodes[inner.index()].child[first_represents(inner, set) ? 1 : 0], set);
+    }
     /// Whether an inner node's representative is its first child's.
     bool first_represents(LightRef inner, int set) const {
         return (nodes[inner.index()].first_represents >> set & 1u) != 0;
     }
     /// Bytes held, for the budget per light.
-    std::size_t bytes() const { return nodes.capacity() * sizeof(LightNode) + lights.capacity() * sizeof(TreeLight); }
+    std::size_t bytes() const {
+        return nodes.capacity() * sizeof(LightNode) + lights.capacity() * sizeof(TreeLight) +
+               adopted.capacity() * sizeof(adopted[0]);
+    }
 };
+
+/// Fills `adopted` from the nodes' bits; children come after their parents.
+void seat_representatives(LightTree& tree);
+
+/// Has a node, or a light, on its way from memory before it is wanted.
+inline void fetch(const LightTree& tree, LightRef ref) {
+    if (!ref.is_leaf()) {
+        __builtin_prefetch(&tree.nodes[ref.index()]);
+        return;
+    }
+    const auto* light = reinterpret_cast<const char*>(&tree.lights[ref.index()]);
+    __builtin_prefetch(light);
+    __builtin_prefetch(light + sizeof(TreeLight) - 1);
+}
 
 /// Builds a tree over `points`, which are all of `family`; lights without intensity are left out, and coincident ones
 /// that shine alike become one. The result is a function of the arguments alone. O(n log n).

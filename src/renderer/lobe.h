@@ -47,6 +47,15 @@ RENDER2MPEG_ALWAYS_INLINED float cosine_bound(float axis_middle, float axis_half
     return top / inlined::sqrt(inlined::max(x * x + y * y + top * top, tiny));
 }
 
+/// The same where it is positive, else 0: what a receiver wants to know, which no far corner tells.
+RENDER2MPEG_ALWAYS_INLINED float positive_cosine_bound(float axis_middle, float axis_half, float x_middle, float x_half,
+                                                       float y_middle, float y_half) {
+    const float top = inlined::max(axis_middle + axis_half, 0.0f);
+    const float x = inlined::max(inlined::abs(x_middle) - x_half, 0.0f);
+    const float y = inlined::max(inlined::abs(y_middle) - y_half, 0.0f);
+    return top / inlined::sqrt(inlined::max(x * x + y * y + top * top, tiny));
+}
+
 /// Upper bound of an emitter's cosine whose normal lies within a cone: cos(max(0, theta - beta)), not below 0.
 RENDER2MPEG_ALWAYS_INLINED float cone_bound(float cos_theta, float cos_beta) {
     const float c = inlined::min(inlined::max(cos_theta, -1.0f), 1.0f);

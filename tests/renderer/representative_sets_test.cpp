@@ -62,6 +62,31 @@ TEST(RepresentativeSets, DifferAndKeepTheirRepresentativeInOneChild) {
     EXPECT_GE(of_root.size(), 12u);
 }
 
+TEST(RepresentativeSets, AreAdoptedWhereWalkingDownEnds) {
+    std::vector<LightPoint> lights(300);
+    for (std::uint32_t i = 0; i < lights.size(); ++i) {
+        lights[i].position = {core::uniform(1, i, 0), core::uniform(1, i, 1), core::uniform(1, i, 2)};
+        lights[i].intensity = glm::vec3(0.1f + core::uniform(1, i, 3));
+        lights[i].id = i;
+    }
+    LightTree tree = build_lasting_tree(LightFamily::oriented, lights, 3);
+    const auto expect_seats = [&tree] {
+        for (int k = 0; k < most_representative_sets; ++k) {
+            for (std::uint32_t n = 0; n < tree.nodes.size(); ++n) {
+                const LightRef node = LightRef::inner(n);
+                const LightRef other = tree.nodes[n].child[tree.first_represents(node, k) ? 1 : 0];
+                ASSERT_EQ(tree.adopted_representative(node, k), tree.representative(other, k)) << n << " in " << k;
+            }
+        }
+    };
+    expect_seats();
+    const std::uint32_t before = tree.representative(tree.root, 0);
+    for (LightPoint& l : lights) l.intensity = glm::vec3(l.id == tree.lights[before].id ? 0.0f : 1.0f);
+    update_light_tree(tree, lights, 3);
+    expect_seats();
+    EXPECT_NE(tree.representative(tree.root, 0), before);
+}
+
 /// Points on a floor under many lamps, some of them behind a wall.
 struct WalledFloor {
     WalledFloor() : stage(room()), lamps(stage.direct_points(16, 1)) {

@@ -1,0 +1,98 @@
+// What a finished cut sends: each cluster's light, its geometry summed over four lights of it where the stopping rule
+// is honest (docs/model.md, "Lightcut").
+#include "renderer/cut.h"
+#include "renderer/cut_sums.h"
+#include "renderer/isa_clones.h"
+
+namespace render2mpeg::renderer {
+
+Gatherer::Parts Gatherer::parts_of(const GatherLanes& lanes, const Slot& slot) const {
+    Parts parts;
+    if (slot.ref.is_leaf() || slot.lit == 0) return parts;
+    const LightTree& tree = forest_.trees[slot.tree];
+    const auto take = [&](LightRef part, std::uint32_t light) {
+        parts.light[parts.count] = light;
+        parts.intensity[parts.count] = tree.intensity(part);
+        fetch(tree, LightRef::leaf(light));
+        ++parts.count;
+    };
+    // Calls `use` with both children of a node and their representatives.
+    const auto both = [&](LightRef inner, std::uint32_t own, const auto& use) {
+        const bool first = tree.first_represents(inner, lanes.set);
+        const std::uint32_t other = tree.adopted_representative(inner, lanes.set);
+        const LightRef* child = tree.nodes[inner.index()].child;
+        use(child[0], first ? own : other);
+        use(child[1], first ? other : own);
+    };
+    // Of the children those that are lights stay as they are.
+    both(slot.ref, slot.representative, [&](LightRef child, std::uint32_t light) {
+        if (child.is_leaf())
+            take(child, light);
+        else
+            both(child, light, take);
+    });
+    return parts;
+}
+
+RENDER2MPEG_CLONES
+void Gatherer::sum_finely(const GatherLanes& lanes, std::uint32_t index, const Parts& parts, CutSums& sums) const {
+    const Slot& slot = slots_[index];
+    const LightTree& tree = forest_.trees[slot.tree];
+    const bool direct = LightForest::is_direct(slot.tree);
+    alignas(64) Lanes visible;
+    for (int i = 0; i < lane_count; ++i) {
+        const float lit = (slot.unknown >> i & 1) != 0 ? 0.5f : 1.0f;
+        visible[i] = (slot.lit >> i & 1) != 0 ? lit : 0.0f;
+    }
+    if (!lanes.glossy && !forest_.translucent) {
+        // The representative's own light is what its rays let through of what it sends.
+        StandIn lights[4];
+        for (int p = 0; p < parts.count; ++p) lights[p] = {&tree.lights[parts.light[p]], parts.intensity[p]};
+        alignas(64) RgbLanes irradiance{};
+        add_irradiance(lanes, tree.family, lights, parts.count, forest_.clamp(slot.tree), irradiance);
+        sums.add(irradiance, visible, direct);
+        return;
+    }
+    const UnitLight own = unit_of(index);
+    for (int p = 0; p < parts.count; ++p) {
+        if (parts.light[p] == slot.representative) {
+            sums.add(own, parts.intensity[p], direct);
+            continue;
+        }
+        LightLanes unit;
+        evaluate_light(lanes, tree.family, tree.lights[parts.light[p]], forest_.clamp(slot.tree), unit);
+        for (int i = 0; i < lane_count; ++i) {
+            unit.diffuse[i] *= visible[i];
+            if (!lanes.glossy) continue;
+            unit.f0[i] *= visible[i];
+            unit.schlick[i] *= visible[i];
+        }
+        sums.add({unit.diffuse, own.f0 != nullptr ? &unit.f0 : nullptr, own.f0 != nullptr ? &unit.schlick : nullptr,
+                  own.passes},
+                 parts.intensity[p], direct);
+    }
+}
+
+void Gatherer::sum_slots(const GatherLanes& lanes, bool finely, CutSums& sums, GatheredLight& out) {
+    const auto count = static_cast<std::uint32_t>(slots_.size());
+    // Look ahead, so that memory is there when it is wanted.
+    Parts next;
+    if (finely && count > 0) next = parts_of(lanes, slots_[0]);
+    for (std::uint32_t s = 0; s < count; ++s) {
+        const Parts parts = next;
+        if (finely && s + 1 < count) next = parts_of(lanes, slots_[s + 1]);
+        if (finely && s + 2 < count) fetch(forest_.trees[slots_[s + 2].tree], slots_[s + 2].ref);
+        const Slot& slot = slots_[s];
+        const LightTree& tree = forest_.trees[slot.tree];
+        const bool direct = LightForest::is_direct(slot.tree);
+        if (slot.ref.is_leaf() || !finely)
+            sums.add(unit_of(s), slot.intensity, direct);
+        else if (slot.lit != 0)
+            sum_finely(lanes, s, parts, sums);
+        if (slot.any_clamped)
+            sums.add_clamped(tree.family, tree.lights[slot.representative], unit_of(s), slot.intensity);
+        ++(direct ? out.direct_clusters : out.indirect_clusters);
+    }
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,103 @@
+#include "renderer/lone_point.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "renderer/cut_sums.h"
+#include "renderer/flush_denormals.h"
+#include "renderer/isa_clones.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// A ray from the point, which all lanes are, to each light that shines and could reach it.
+RENDER2MPEG_CLONES
+void aim(const GatherLanes& lanes, LightFamily family, const LightPacket& lights, const LightLanes& unit,
+         ShadowPacket& packet) {
+    const bool far_away = family == LightFamily::directional;
+    const float keep = far_away ? 0.0f : 1.0f;
+    const float far = far_away ? std::numeric_limits<float>::infinity() : shadow_ray_end;
+    std::uint32_t active = 0;
+    for (int i = 0; i < lane_count; ++i) {
+        packet.origin_x[i] = lanes.origin.x[i];
+        packet.origin_y[i] = lanes.origin.y[i];
+        packet.origin_z[i] = lanes.origin.z[i];
+        packet.direction_x[i] = lights.position.x[i] - keep * lanes.origin.x[i];
+        packet.direction_y[i] = lights.position.y[i] - keep * lanes.origin.y[i];
+        packet.direction_z[i] = lights.position.z[i] - keep * lanes.origin.z[i];
+        packet.far[i] = far;
+        const float shines = lights.intensity.x[i] + lights.intensity.y[i] + lights.intensity.z[i];
+        active |= unit.diffuse[i] > 0.0f && shines > 0.0f ? 1u << i : 0u;
+    }
+    packet.active = active;
+}
+
+RENDER2MPEG_CLONES
+void darken(const GatherLanes& lanes, std::uint32_t lit, LightLanes& unit) {
+    for (int i = 0; i < lane_count; ++i) {
+        const float visible = (lit >> i & 1u) != 0 ? 1.0f : 0.0f;
+        unit.diffuse[i] *= visible;
+        if (!lanes.glossy) continue;
+        unit.f0[i] *= visible;
+        unit.schlick[i] *= visible;
+    }
+}
+
+glm::vec3 total(const RgbLanes& lanes) {
+    glm::vec3 sum(0);
+    for (int i = 0; i < lane_count; ++i) sum += lanes.at(i);
+    return sum;
+}
+
+void set_first(RgbLanes& lanes, glm::vec3 v) {
+    lanes.r[0] = v.x;
+    lanes.g[0] = v.y;
+    lanes.b[0] = v.z;
+}
+
+}  // namespace
+
+void gather_all(const LightForest& forest, const RayTracer& tracer, const GatherPoint& point, GatheredLight& out) {
+    const FlushDenormals flushed;
+    const GatherPoint* copies[lane_count];
+    std::fill(std::begin(copies), std::end(copies), &point);
+    GatherLanes lanes, alone;
+    fill(lanes, copies);
+    fill(alone, std::span(copies).first(1));
+    GatheredLight exact;
+    Gatherer(forest, tracer).gather_exact(alone, exact);
+
+    CutSums sums(lanes);
+    LightPacket lights;
+    LightLanes unit;
+    ShadowPacket packet;
+    glm::vec3 passes[lane_count];
+    for (int t = 0; t < LightForest::tree_count; ++t) {
+        const LightTree& tree = forest.trees[t];
+        for (std::size_t first = 0; first < tree.lights.size(); first += lane_count) {
+            const std::size_t count = std::min<std::size_t>(lane_count, tree.lights.size() - first);
+            fill_lights(lights, std::span(tree.lights).subspan(first, count));
+            evaluate_lights(lanes, tree.family, lights, forest.clamp(t), unit);
+            aim(lanes, tree.family, lights, unit, packet);
+            if (packet.active == 0) continue;
+            std::fill(std::begin(passes), std::end(passes), glm::vec3(1));
+            const std::uint32_t blocked = tracer.occluded(packet, forest.translucent ? passes : nullptr);
+            darken(lanes, packet.active & ~blocked, unit);
+            if (forest.translucent)
+                for (int i = 0; i < lane_count; ++i) {
+                    lights.intensity.x[i] *= passes[i].x;
+                    lights.intensity.y[i] *= passes[i].y;
+                    lights.intensity.z[i] *= passes[i].z;
+                }
+            sums.add(unit_light(lanes, unit), lights.intensity, LightForest::is_direct(t));
+        }
+    }
+    sums.store(out);
+    set_first(out.direct, exact.direct.at(0) + total(out.direct));
+    set_first(out.indirect, exact.indirect.at(0) + total(out.indirect));
+    if (!lanes.glossy) return;
+    set_first(out.f0, exact.f0.at(0) + total(out.f0));
+    set_first(out.schlick, exact.schlick.at(0) + total(out.schlick));
+}
+
+}  // namespace render2mpeg::renderer
