@@ -59,6 +59,7 @@ Comparing::Comparing(const CompareOptions& options, const Production& film, cons
       trials_(film, windows_of(film.frames, sample_from(options.sample)), options.references) {
     found_.windows = trials_.windows();
     if (options.kept_references) trials_.keep_references_in(ReferenceCache(*options.kept_references));
+    trials_.mask_all();
     found_.ffmpeg = ffmpeg;
     tell_memory(trials_.bytes_held(true), options.render.quiet);
     const FfmpegWay usual = usual_ffmpeg(), strongest = strongest_ffmpeg(), free = strongest_free_ffmpeg();

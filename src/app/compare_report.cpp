@@ -9,6 +9,7 @@
 #include "app/curve_plot.h"
 #include "app/frame_plot.h"
 #include "app/portrait_view.h"
+#include "app/quality.h"
 #include "app/report.h"
 #include "app/statistics_json.h"
 #include "app/sweep.h"
@@ -21,6 +22,7 @@ namespace {
 using nlohmann::json;
 
 json row_json(const Trial& t, const Times& times) {
+    const Quality q = quality_of(t, true);
     return {{"quantiser", t.quantiser},
             {"light_runs", times.light},
             {"code_runs", times.code},
@@ -30,9 +32,13 @@ json row_json(const Trial& t, const Times& times) {
             {"requantised", t.requantised},
             {"code_seconds", t.code_seconds},
             {"bytes", t.bytes},
-            {"psnr_y", finite_or_null(t.decoded.psnr_y())},
-            {"ssim_y", t.decoded.ssim_y()},
-            {"psnr_hvs_m", finite_or_null(t.psnr_hvs_m())}};
+            {"psnr_y", finite_or_null(q.psnr_y)},
+            {"ssim_y", q.ssim_y},
+            {"psnr_hvs_m", finite_or_null(q.psnr_hvs_m)},
+            {"at_references",
+             {{"psnr_y", finite_or_null(t.decoded.psnr_y())},
+              {"ssim_y", t.decoded.ssim_y()},
+              {"psnr_hvs_m", finite_or_null(t.psnr_hvs_m())}}}};
 }
 
 json difference_json(const Way& way, const Way& from) {
@@ -90,7 +96,7 @@ std::string plot(const Comparison& found, const std::string& title, const std::s
         Curve curve{found.ways[i].name, colors[i], {}};
         for (const Trial& t : found.ways[i].rows)
             curve.points.push_back(
-                {x(t), t.decoded.psnr_y(), i == coupled_way ? fmt::format("q {}", t.quantiser) : "", false});
+                {x(t), quality_of(t, true).psnr_y, i == coupled_way ? fmt::format("q {}", t.quantiser) : "", false});
         plot.curves.push_back(std::move(curve));
     }
     return figure_of(plot);
@@ -109,11 +115,12 @@ std::string tables(const Comparison& found) {
     for (const Way& way : found.ways)
         for (std::size_t i = 0; i < way.rows.size(); ++i) {
             const Trial& t = way.rows[i];
+            const Quality q = quality_of(t, true);
             text += "<tr><td>" + escaped(way.name) + "</td>";
-            for (const std::string& cell : {fmt::format("{}", t.quantiser), seconds(t.seconds, way.times[i].light),
-                                            seconds(t.code_seconds, way.times[i].code), fmt::format("{:.0f}", t.bytes),
-                                            decibels(t.decoded.psnr_y()), fmt::format("{:.4f}", t.decoded.ssim_y()),
-                                            decibels(t.psnr_hvs_m()), fmt::format("{:.3f}", t.flicker)})
+            for (const std::string& cell :
+                 {fmt::format("{}", t.quantiser), seconds(t.seconds, way.times[i].light),
+                  seconds(t.code_seconds, way.times[i].code), fmt::format("{:.0f}", t.bytes), decibels(q.psnr_y),
+                  fmt::format("{:.4f}", q.ssim_y), decibels(q.psnr_hvs_m), fmt::format("{:.3f}", t.flicker)})
                 text += "<td class=\"n\">" + cell + "</td>";
             text += "</tr>\n";
         }
@@ -192,8 +199,10 @@ void write_compare_report(const std::filesystem::path& html, const Production& f
     body +=
         views(film, found) + tables(found) + foreign_paragraph(found) +
         "<p class=\"soft\">Light: CPU seconds of all threads per frame; coding: with exact motion, or with ffmpeg's "
-        "search for it on one thread. PSNR-Y, SSIM and PSNR-HVS-M (HVS-M): decoded pictures against pictures lit by "
-        "every light point and not coded. At equal quality: mean differences over the qualities that both reach "
+        "search for it on one thread. PSNR-Y, SSIM and PSNR-HVS-M (HVS-M): all decoded pictures against themselves as "
+        "lit, with what light adds on those that were also lit by every light point. Flicker: what adjacent ones "
+        "change "
+        "along motion more than they should. At equal quality: mean differences over the qualities that both reach "
         "(Bjontegaard).</p>\n" +
         commands(found) + "<h2>To find it out again</h2>\n<pre>" + escaped(command) +
         "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (docs/compare.md).</p>\n";

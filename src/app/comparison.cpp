@@ -8,6 +8,7 @@
 
 #include "app/bd_rate.h"
 #include "app/figures.h"
+#include "app/quality.h"
 #include "app/sweep.h"
 #include "core/numeric.h"
 
@@ -47,10 +48,10 @@ std::string psnr_text(double psnr) {
 
 Difference difference_of(const Way& way, const Way& from) {
     const auto bytes = [](const Trial& t) { return t.bytes; };
-    const auto psnr = [](const Trial& t) { return t.decoded.psnr_y(); };
+    const auto psnr = [](const Trial& t) { return quality_of(t, true).psnr_y; };
     return {change(way, from, bytes, psnr),
-            change(way, from, bytes, [](const Trial& t) { return in_decibels(t.decoded.ssim_y()); }),
-            change(way, from, bytes, [](const Trial& t) { return t.psnr_hvs_m(); }),
+            change(way, from, bytes, [](const Trial& t) { return in_decibels(quality_of(t, true).ssim_y); }),
+            change(way, from, bytes, [](const Trial& t) { return quality_of(t, true).psnr_hvs_m; }),
             change(way, from, total_seconds, psnr)};
 }
 
@@ -88,9 +89,10 @@ std::string way_heading() {
 }
 
 std::string way_row(const std::string& name, const Trial& t) {
+    const Quality q = quality_of(t, true);
     return fmt::format("{:<23}{:>2} {:>6} {:>6} {:>8} {:>6} {:>7.4f} {:>6} {:>7.3f}\n", name, t.quantiser,
-                       short_figure(t.seconds), short_figure(t.code_seconds), size_text(t.bytes),
-                       psnr_text(t.decoded.psnr_y()), t.decoded.ssim_y(), psnr_text(t.psnr_hvs_m()), t.flicker);
+                       short_figure(t.seconds), short_figure(t.code_seconds), size_text(t.bytes), psnr_text(q.psnr_y),
+                       q.ssim_y, psnr_text(q.psnr_hvs_m), t.flicker);
 }
 
 std::string difference_table(const Comparison& found) {
@@ -126,7 +128,7 @@ double bits_beside(const Comparison& found) {
     if (!found.foreign || found.ways.empty()) return std::numeric_limits<double>::quiet_NaN();
     std::vector<RatePoint> ours;
     for (const Trial& t : found.ways[coupled_way].rows)
-        if (std::isfinite(t.decoded.psnr_y())) ours.push_back({t.bytes, t.decoded.psnr_y()});
+        if (const double psnr = quality_of(t, true).psnr_y; std::isfinite(psnr)) ours.push_back({t.bytes, psnr});
     const RatePoint theirs{found.foreign->bytes, found.foreign->psnr_y};
     if (!std::isfinite(theirs.psnr)) return std::numeric_limits<double>::quiet_NaN();
     // A curve from that point alone: over next to nothing it has one rate.

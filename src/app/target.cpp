@@ -6,7 +6,6 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 
 #include "app/figures.h"
 #include "app/progress.h"
@@ -19,19 +18,6 @@ namespace {
 constexpr double same = 100;
 
 }  // namespace
-
-Quality with_light(const Quality& shown, const Quality& there, const Quality& decoded) {
-    // Mean squared errors add up, as far as coding and light err independently.
-    const auto error = [](double psnr) { return std::isfinite(psnr) ? std::pow(10.0, -0.1 * psnr) : 0.0; };
-    const double sum = std::max(0.0, error(shown.psnr_y) + error(decoded.psnr_y) - error(there.psnr_y));
-    return {sum > 0 ? -10 * std::log10(sum) : std::numeric_limits<double>::infinity(),
-            std::clamp(shown.ssim_y + decoded.ssim_y - there.ssim_y, -1.0, 1.0)};
-}
-
-Quality quality_of(const Trial& trial, bool against_references) {
-    const auto of = [](const perceptual::FilmQuality& q) { return Quality{q.psnr_y(), q.ssim_y()}; };
-    return against_references ? with_light(of(trial.shown), of(trial.shown_there), of(trial.decoded)) : of(trial.shown);
-}
 
 double size_in_bytes(const std::string& text) {
     char* end = nullptr;

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "app/trial.h"
+#include "app/quality.h"
 
 namespace render2mpeg::app {
 
@@ -35,18 +35,6 @@ double time_in_seconds(const std::string& text);
 std::string target_text(const Target& target);
 /// A value of the target's kind as people read it; none: "-".
 std::string figure_text(Target::Kind kind, double value);
-
-/// What decoded pictures come to.
-struct Quality {
-    double psnr_y = 0, ssim_y = 0;  ///< dB, +infinity where nothing differs; 1 likewise
-};
-
-/// Quality against light by every light point of pictures that are known against themselves as lit (`shown`), by how
-/// much light adds on those few that both are known of (`there`, `decoded`): coding's error is that of all pictures, so
-/// that neither the choice of the few nor the quantiser of one of them decides.
-Quality with_light(const Quality& shown, const Quality& there, const Quality& decoded);
-/// The sample's, by its references where there are any; else against its pictures as lit.
-Quality quality_of(const Trial& trial, bool against_references);
 
 /// What a film's pictures come to in the target's kind. Of a size: bits per second, too.
 double value_of(const Target& target, const Trial& trial, double pictures_per_second, bool against_references);

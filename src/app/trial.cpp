@@ -88,6 +88,8 @@ class Trials::Judge : public Watcher {
 
     void decoded(std::int64_t number, const core::Picture& picture, const core::Picture& lit) {
         trial_.shown.add(picture, lit);
+        const double masked = trials_.masks_all_ ? perceptual::masked_error(picture.y, lit.y) : 0.0;
+        trial_.shown_masked += masked / trials_.frames();
         const auto known = trials_.truths_.find(number);
         if (known == trials_.truths_.end()) return;
         trial_.decoded.add(picture, known->second.picture);
@@ -97,6 +99,7 @@ class Trials::Judge : public Watcher {
             trial_.portrait = std::move(portrait);
         }
         trial_.shown_there.add(picture, lit);
+        trial_.shown_masked_there += masked / trials_.references();
         watch_change(number, picture.y);
         trial_.masked_error += perceptual::masked_error(picture.y, known->second.picture.y) / trials_.references();
     }
@@ -185,6 +188,7 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
     Judge judge(*this, trial, keep);
     Production film = film_;
     film.tolerance = tolerance;
+    film.coupling.share = tolerance.share;
     coarseness.apply_to(film.coding);
     Ledger ledger;
     const renderer::Statistics before = renderer_.statistics();
@@ -273,6 +277,7 @@ Trial Trials::coded_by(const Codec& codec, const LitWindows& lit, const Coarsene
     trial.quantiser = coarseness.quantiser;
     trial.quality = coarseness.quality;
     trial.decoded = trial.shown = trial.shown_there = {};
+    trial.shown_masked = trial.shown_masked_there = 0;
     trial.masked_error = trial.bytes = trial.code_seconds = trial.flicker = 0;
     trial.requantised = 0;
     Judge judge(*this, trial, nullptr);

@@ -80,8 +80,8 @@ struct Trial {
     std::uint64_t over_twice = 0;  ///< by more than twice of it
     perceptual::FilmQuality lit;   ///< before coding, against the truth
     perceptual::FilmQuality decoded;
-    double flicker = 0;       ///< what decoded pairs change along motion more than the truth; code values, mean
-    double shown_masked = 0, shown_masked_there = 0;  ///< as `shown` and `shown_there`, of masked errors
+    double flicker = 0;  ///< what decoded pairs change along motion more than the truth; code values, mean
+    double shown_masked = 0, shown_masked_there = 0;  ///< mean, as `shown` and `shown_there`; 0 where nobody asked
     double masked_error = 0;  ///< of the decoded pictures, mean; code values squared (perceptual/hvs.h)
     double bytes = 0;         ///< per frame
     int requantised = 0;      ///< pictures that the decoder's buffer had no room for at their quantiser
@@ -122,6 +122,8 @@ class Trials {
     /// 0: none, and no error is known.
     Trials(const Production& film, std::vector<Chunk> windows, int references = 1);
 
+    /// From now on masked errors are told of all frames, which takes its time (Trial::shown_masked).
+    void mask_all() { masks_all_ = true; }
     /// From now on references are taken from there where they are, and kept there.
     void keep_references_in(const ReferenceCache& cache) { cache_ = cache; }
 
@@ -188,6 +190,7 @@ class Trials {
     double next_light_seconds_ = 0;   ///< and of the frames beside them: next to nothing where light stands still
     int references_ = 1;              ///< of each window
     ReferenceCache cache_;
+    bool masks_all_ = false;
 };
 
 }  // namespace render2mpeg::app

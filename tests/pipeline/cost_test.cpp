@@ -298,6 +298,17 @@ TEST(Trials, CountPicturesThatABufferHasNoRoomFor) {
     }
 }
 
+TEST(Trials, GiveCoupledLightTheShareThatTheyAreAskedFor) {
+    const app::Production film = tiny_film();
+    app::Trials trials(film, app::windows_of(film.frames, {1, 2}), 0);
+    ASSERT_TRUE(trials.light_references([](const app::ReferenceStanding&) { return true; }));
+    EXPECT_EQ(trials.references(), 0);
+    const auto rays = [&](std::optional<float> share) {
+        return trials.run({false, 0, true, share}, 8, [] { return true; })->rays;
+    };
+    EXPECT_LT(rays(8.0f), 0.7 * rays({})) << "the usual share is less than a tenth of it";
+}
+
 TEST(Trials, TellTheirMemoryBeforeTheyTakeIt) {
     const app::Production film = tiny_film();
     const app::Trials few(film, app::windows_of(film.frames, {2, 3})),

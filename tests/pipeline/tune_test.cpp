@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "app/command_words.h"
 #include "app/container_share.h"
+#include "app/quality.h"
 #include "app/quality_search.h"
 #include "app/target.h"
+#include "perceptual/metrics.h"
 #include "pipeline/foreign.h"
 
 /// `render2mpeg tune`: from a quality, a rate, a size or a time to a setting, and to the film.
@@ -123,6 +126,24 @@ TEST(TuneTargets, AreNearWithinWhatIsPromised) {
     EXPECT_FALSE(app::is_near({Target::Kind::bitrate, 1e6}, 0.979e6));
     EXPECT_TRUE(std::isfinite(app::even_figure({Target::Kind::ssim, 0.9}, 1.0)));
     EXPECT_TRUE(std::isfinite(app::even_figure({Target::Kind::bitrate, 1}, 0.0)));
+}
+
+TEST(QualityWithLight, IsThatOfAllPicturesWhateverTheFewAre) {
+    const double infinite = std::numeric_limits<double>::infinity();
+    // Light adds an error of 1 to pictures whose coding errs by 4 on average, and by 1 or 16 in those that are known.
+    const auto psnr = [](double error) { return perceptual::psnr(error); };
+    for (const double there : {1.0, 4.0, 16.0}) {
+        const app::Quality q = app::with_light({psnr(4), 0.9, psnr(4)}, {psnr(there), 0.9 + 0.001 * there, psnr(there)},
+                                               {psnr(there + 1), 0.88 + 0.001 * there, psnr(there + 1)});
+        EXPECT_NEAR(q.psnr_y, psnr(5), 1e-9);
+        EXPECT_NEAR(q.ssim_y, 0.88, 1e-12);
+        EXPECT_NEAR(q.psnr_hvs_m, psnr(5), 1e-9);
+    }
+    // Nothing lost is nothing lost, and light alone is light alone.
+    EXPECT_EQ(app::with_light({infinite, 1, infinite}, {infinite, 1, infinite}, {infinite, 1, infinite}).psnr_y,
+              infinite);
+    EXPECT_NEAR(app::with_light({infinite, 1, infinite}, {infinite, 1, infinite}, {40, 0.9, 41}).psnr_y, 40, 1e-9);
+    EXPECT_EQ(app::with_light({50, 1, 50}, {40, 1, 40}, {infinite, 1, infinite}).psnr_y, infinite) << "never below 0";
 }
 
 TEST(CommandWords, BecomeThoseOfTheRender) {
