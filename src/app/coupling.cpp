@@ -87,6 +87,7 @@ void Coupling::forget() {
     restated_.reset();
     carried_ = {};
     kept_.clear();
+    observed_.reset();
 }
 
 void Coupling::imagine(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
@@ -101,9 +102,10 @@ std::optional<core::ToleranceMap> Coupling::reconsider(const core::ToleranceMap&
                                                        const core::Visible& visible, const encoder::PicturePlan& plan) {
     EXPECTS(memory_.has_value());
     if (memory_->number == plan.number) return std::nullopt;
-    perceptual::Memory own =
-        observer_.presume(observer_.observe(picture, radiance, std::make_shared<const core::Visible>(visible)),
-                          eye_plan(plan.type, plan.quantiser));
+    perceptual::Observation observed =
+        observer_.observe(picture, radiance, std::make_shared<const core::Visible>(visible));
+    if (counts(plan.type)) observed_ = observed;
+    perceptual::Memory own = observer_.presume(std::move(observed), eye_plan(plan.type, plan.quantiser));
     const float loose = share_loose(tolerance, own, share_for(plan.quantiser), observer_.light().darkest_step());
     if (loose < most_loose) return std::nullopt;
     forget();
@@ -130,6 +132,11 @@ core::ToleranceMap Coupling::tolerate(const core::Visible& visible, const encode
 void Coupling::keep(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
                     const encoder::PicturePlan& plan) {
     if (!counts(plan.type)) return;
+    if (observed_ && observed_->number == picture.number) {
+        observed_->carried = std::exchange(carried_, {});
+        kept_.insert_or_assign(picture.number, *std::exchange(observed_, std::nullopt));
+        return;
+    }
     kept_.insert_or_assign(picture.number,
                            observer_.observe(picture, radiance, std::make_shared<const core::Visible>(visible),
                                              std::exchange(carried_, {})));

@@ -56,7 +56,8 @@ class Coupling {
                                                  const core::Radiance& radiance, const core::Visible& visible,
                                                  const encoder::PicturePlan& plan);
 
-    /// Keeps what may be judged once the picture is coded. Only after tolerate() of the same frame.
+    /// Keeps what may be judged once the picture is coded. Only after tolerate() of the same frame, and as reconsider()
+    /// saw it, if it was asked and had nothing to say.
     void keep(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
               const encoder::PicturePlan& plan);
     /// Learns how a picture was coded.
@@ -75,6 +76,7 @@ class Coupling {
     std::optional<perceptual::Restated> restated_;  ///< memory_, for the frame lit last: B pictures share it
     core::Plane<float> carried_;                    ///< to the frame being lit
     std::map<std::int64_t, perceptual::Observation> kept_;
+    std::optional<perceptual::Observation> observed_;  ///< of the frame that reconsider() found suited
     core::Plane<std::uint8_t> decoded_;  ///< luma of the newest I or P picture that is coded
 };
 
