@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <optional>
@@ -54,6 +55,7 @@ struct Shot {
 /// A scene with everything that moves in it: plain data, the same for every frame, never changed after loading.
 struct Animation {
     std::string source;                ///< the file the user named
+    std::vector<std::filesystem::path> files;   ///< every file that was read for it, in that order; images are in `images`
     std::vector<Node> nodes;
     std::vector<Mesh> meshes;
     std::vector<Object> objects;

@@ -111,6 +111,7 @@ Animation load_animation_file(const fs::path& given, const LoadOptions& options)
     // What changes the scene goes by the names that the scene has, so it comes before the film's own things.
     Animation film = base_scene(value, folder, options);
     film.source = file.string();
+    film.files.insert(film.files.begin(), file);
     const FilmClock clock = read_format(value, film);
     read_shape(value, film);
     Looks looks(film, folder, clock);

@@ -26,12 +26,15 @@ namespace fs = std::filesystem;
 /// Lets an importer open what lies in the scene's folder, and nothing else.
 class FolderOnly : public Assimp::DefaultIOSystem {
   public:
-    FolderOnly(const fs::path& folder, std::vector<std::string>& notes)
-        : folder_(fs::weakly_canonical(folder)), notes_(notes) {}
+    FolderOnly(const fs::path& folder, Animation& into)
+        : folder_(fs::weakly_canonical(folder)), notes_(into.notes), files_(into.files) {}
 
     bool Exists(const char* file) const override { return inside(file) && DefaultIOSystem::Exists(file); }
     Assimp::IOStream* Open(const char* file, const char* mode) override {
-        if (inside(file)) return DefaultIOSystem::Open(file, mode);
+        if (inside(file)) {
+            if (std::find(files_.begin(), files_.end(), file) == files_.end()) files_.emplace_back(file);
+            return DefaultIOSystem::Open(file, mode);
+        }
         notes_.push_back(
             std::string(1, '"').append(file).append("\" lies outside of the scene's folder and was not read"));
         return nullptr;
@@ -47,6 +50,7 @@ class FolderOnly : public Assimp::DefaultIOSystem {
 
     fs::path folder_;
     std::vector<std::string>& notes_;
+    std::vector<fs::path>& files_;
 };
 
 glm::dvec3 dvec3_of(const aiVector3D& v) {
@@ -320,7 +324,7 @@ Animation load_with_assimp(const fs::path& file, const LoadOptions& options) {
     const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
 
     Assimp::Importer importer;
-    importer.SetIOHandler(new FolderOnly(folder, animation.notes));  // the importer owns it
+    importer.SetIOHandler(new FolderOnly(folder, animation));  // the importer owns it
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
     importer.SetPropertyInteger(AI_CONFIG_PP_LBW_MAX_WEIGHTS, 8);
     // chosen: 45 degrees keeps boxes flat and makes scanned and turned shapes smooth where a file has no normals.

@@ -9,6 +9,7 @@ Animation load_gltf(const std::filesystem::path& file, const LoadOptions& option
     const gltf::Document document(file);
     Animation animation;
     animation.source = file.string();
+    animation.files = document.files();
     animation.notes = document.notes();
     gltf::read_materials(document, animation);
     gltf::MeshReader meshes(document, animation);

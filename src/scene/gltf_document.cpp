@@ -71,7 +71,7 @@ std::string message_of(const nlohmann::json::exception& error) {
 
 }  // namespace
 
-Document::Document(const fs::path& file) : file_(file) {
+Document::Document(const fs::path& file) : file_(file), files_{file} {
     const std::vector<std::byte> bytes = read_scene_file(file);
     if (bytes.empty()) throw core::Error("reading", file.string(), "the file is empty");
     if (bytes.size() >= 4 && little_endian(bytes.data()) == glb_magic)
@@ -173,10 +173,12 @@ void Document::read_buffers() {
         if (buffer.has("uri")) {
             const std::string uri = buffer.string("uri", "");
             try {
-                if (std::optional<std::vector<std::byte>> data = bytes_of_data_uri(uri))
+                if (std::optional<std::vector<std::byte>> data = bytes_of_data_uri(uri)) {
                     bytes = std::move(*data);
-                else
-                    bytes = read_file(path_of_uri(uri, folder()), length);
+                } else {
+                    files_.push_back(path_of_uri(uri, folder()));
+                    bytes = read_file(files_.back(), length);
+                }
             } catch (const std::invalid_argument& error) {
                 buffer.refuse(error.what());
             }

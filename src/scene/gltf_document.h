@@ -108,6 +108,8 @@ class Document {
     };
     Integers integers(int accessor, int components, std::size_t expected_count, const std::string& user) const;
 
+    /// Every file that was read, itself first.
+    const std::vector<std::filesystem::path>& files() const { return files_; }
     /// What the file says that is not understood; one line each.
     const std::vector<std::string>& notes() const { return notes_; }
 
@@ -122,6 +124,7 @@ class Document {
     nlohmann::json json_;
     std::optional<std::vector<std::byte>> binary_chunk_;
     std::vector<std::vector<std::byte>> buffers_;
+    std::vector<std::filesystem::path> files_;
     std::vector<std::string> notes_;
 };
 

@@ -33,6 +33,14 @@ std::string range_text(const char* kind, int index, std::size_t count) {
            (count == 1 ? "is " : "are ") + std::to_string(count);
 }
 
+/// Whether a material shows nothing, whatever its textures and colours of corners say: they multiply its alpha. What
+/// shines is kept, since its light does not ask for alpha.
+bool is_invisible(const Material& material) {
+    const bool covers_nothing = material.alpha_mode == AlphaMode::blend ||
+                                (material.alpha_mode == AlphaMode::mask && material.alpha_cutoff > 0);
+    return covers_nothing && material.base_color.w <= 0 && !material.emits();
+}
+
 }  // namespace
 
 void validate_nodes(Animation& animation) {
@@ -171,8 +179,12 @@ void validate_objects(Animation& animation) {
     const auto is_empty = [&](const Object& o) {
         return animation.meshes[static_cast<std::size_t>(o.mesh)].triangles.empty();
     };
-    animation.objects.erase(std::remove_if(animation.objects.begin(), animation.objects.end(), is_empty),
-                            animation.objects.end());
+    std::erase_if(animation.objects, is_empty);
+    const std::size_t unseen = std::erase_if(animation.objects, [&](const Object& o) {
+        return is_invisible(animation.materials[static_cast<std::size_t>(o.material)]);
+    });
+    if (unseen > 0)
+        animation.notes.push_back(counted(unseen, "object") + " of alpha 0 throughout cannot be seen: left out");
 }
 
 }  // namespace render2mpeg::scene

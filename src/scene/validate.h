@@ -17,7 +17,8 @@ void validate_tracks(Animation& animation);
 /// dropped, normals made unit.
 void validate_meshes(Animation& animation);
 
-/// Objects and skins: what they refer to exists and fits. Objects without a triangle are removed.
+/// Objects and skins: what they refer to exists and fits. Objects without a triangle are removed, and those that nobody
+/// can see since their alpha is 0.
 void validate_objects(Animation& animation);
 
 /// Materials, images and sky: finite, in range.
