@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/module.h"
+#include "image/exr_attributes.h"
 #include "image/format.h"
 #include "image/module/codec.h"
 #include "image/png_chunks.h"
@@ -42,6 +43,33 @@ std::vector<std::byte> bytes_of_file(const fs::path& path, const std::string& na
     return bytes;
 }
 
+/// An encoded image that a decoder may see.
+struct Encoded {
+    /// Takes a path with nothing in memory as a file, and memory as it is. Throws core::Error.
+    Encoded(const fs::path& path, std::span<const std::byte> memory, const std::string& name) : bytes(memory) {
+        if (bytes.empty()) bytes = storage = bytes_of_file(path, name);
+        if (bytes.empty()) throw core::Error("reading", name, "the image is empty");
+
+        // Refuse what no decoder should see.
+        const std::optional<Format> known = format_of(bytes, name.empty() ? path.string() : name);
+        if (!known)
+            throw core::Error(
+                "reading", name,
+                "not an image of a known kind (PNG, JPEG, OpenEXR, HDR, TGA, BMP, TIFF, GIF, WebP, PSD, DDS, PNM)");
+        format = *known;
+        if (format == Format::jpeg && is_cut_off_jpeg(bytes))
+            throw core::Error("reading", name, "the JPEG file is cut off");
+        if (format == Format::exr) check_exr_attributes(bytes, name);
+        if (format == Format::png) bytes = storage = essential_png(bytes, name);
+    }
+    Encoded(const Encoded&) = delete;
+    Encoded& operator=(const Encoded&) = delete;
+
+    std::vector<std::byte> storage;  ///< of `bytes`, where these are no caller's
+    std::span<const std::byte> bytes;
+    Format format = Format::png;
+};
+
 /// Readers of a folder of frames must never see half a file: the name appears when the bytes are there.
 void replace_file(const fs::path& path, std::span<const unsigned char> bytes) {
     fs::path unfinished = path;
@@ -62,31 +90,20 @@ void replace_file(const fs::path& path, std::span<const unsigned char> bytes) {
 }  // namespace
 
 Image read_image(const fs::path& path, std::span<const std::byte> bytes, const std::string& name) {
-    // Take a path with nothing in memory as a file, and memory as it is.
-    std::vector<std::byte> from_file;
-    if (bytes.empty()) {
-        from_file = bytes_of_file(path, name);
-        bytes = from_file;
-    }
-    if (bytes.empty()) throw core::Error("reading", name, "the image is empty");
+    const Encoded file(path, bytes, name);
+    return codec().decode(file.bytes, file.format, name);
+}
 
-    // Refuse what no decoder should see.
-    const std::optional<Format> format = format_of(bytes, name.empty() ? path.string() : name);
-    if (!format)
-        throw core::Error(
-            "reading", name,
-            "not an image of a known kind (PNG, JPEG, OpenEXR, HDR, TGA, BMP, TIFF, GIF, WebP, PSD, DDS, PNM)");
-    if (*format == Format::jpeg && is_cut_off_jpeg(bytes))
-        throw core::Error("reading", name, "the JPEG file is cut off");
-
-    if (*format != Format::png) return codec().decode(bytes, *format, name);
-    return codec().decode(essential_png(bytes, name), *format, name);
+ImageHeader read_image_header(const fs::path& path, std::span<const std::byte> bytes, const std::string& name) {
+    const Encoded file(path, bytes, name);
+    return codec().header_of(file.bytes, file.format, name);
 }
 
 ExrChannels read_exr(const fs::path& path, const std::function<bool(const std::string&)>& wanted) {
     const std::string name = path.string();
     const std::vector<std::byte> bytes = bytes_of_file(path, name);
     if (format_of(bytes, name) != Format::exr) throw core::Error("reading", name, "not an OpenEXR file");
+    check_exr_attributes(bytes, name);
     return codec().decode_exr(bytes, wanted, name);
 }
 

@@ -28,6 +28,16 @@ Image read_image(const std::filesystem::path& path, std::span<const std::byte> b
 
 inline constexpr std::size_t max_pixels = std::size_t{16384} * 16384;
 
+/// What the header of an image says.
+struct ImageHeader {
+    int width = 0, height = 0;
+    bool bytes = false;  ///< 8 bits per channel at most: a texture keeps it so
+};
+
+/// The same without its pixels. Throws core::Error where read_image() would refuse it by its header.
+ImageHeader read_image_header(const std::filesystem::path& path, std::span<const std::byte> bytes,
+                              const std::string& name);
+
 /// One channel of a multilayer OpenEXR: "ViewLayer.Depth.Z".
 struct Channel {
     std::string name;

@@ -2,6 +2,7 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfOutputFile.h>
+#include <ImfStringAttribute.h>
 #include <ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
 
@@ -139,6 +140,46 @@ TEST(ExrInput, DamageIsToldInOneLine) {
     // A header that claims what no such file could hold.
     write(folder / "f.exr", header(1 << 15, 1 << 15, 0, 0, 3, 3), {{"Z", 0}});
     refused("pixels");
+}
+
+TEST(ExrInput, AttributesThatAreLargerThanTheFileAreRefusedBeforeThereIsRoomForThem) {
+    const Folder folder;
+    Imf::Header described = header(4, 3, 0, 0, 3, 2);
+    described.insert("comments", Imf::StringAttribute("who made it"));
+    write(folder / "f.exr", described, {{"Z", 0}});
+    std::string bytes = support::contents(folder / "f.exr");
+    const std::size_t size = bytes.find("string") + 7;
+    ASSERT_LT(size, bytes.size());
+    bytes.replace(size, 4, "\xff\xff\xff\x7f");
+    std::ofstream(folder / "f.exr", std::ios::binary) << bytes;
+    const auto expect_refused = [](const auto& read) {
+        try {
+            read();
+            FAIL();
+        } catch (const core::Error& error) {
+            EXPECT_NE(std::string(error.what()).find("\"comments\" says 2147483647 bytes"), std::string::npos)
+                << error.what();
+        }
+    };
+    expect_refused([&] { read_exr(folder / "f.exr", any); });
+    expect_refused([&] { read_image(folder / "f.exr", {}, "f.exr"); });
+    expect_refused([&] { read_image_header(folder / "f.exr", {}, "f.exr"); });
+}
+
+TEST(ExrInput, FilesThatAreTooShortForTheirPackingAreRefusedByTheirHeader) {
+    const Folder folder;
+    Imf::Header plain = header(64, 64, 0, 0, 63, 63);
+    plain.compression() = Imf::NO_COMPRESSION;
+    write(folder / "f.exr", plain, {{"Z", 0}});
+    EXPECT_EQ(read_exr(folder / "f.exr", any).width, 64);
+    const std::string bytes = support::contents(folder / "f.exr");
+    std::ofstream(folder / "f.exr", std::ios::binary) << bytes.substr(0, bytes.size() / 2);
+    try {
+        read_exr(folder / "f.exr", any);
+        FAIL();
+    } catch (const core::Error& error) {
+        EXPECT_NE(std::string(error.what()).find("too short"), std::string::npos) << error.what();
+    }
 }
 
 }  // namespace

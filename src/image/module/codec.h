@@ -20,6 +20,9 @@ class Codec {
     /// `format` is what the bytes claim to be; `name` is for messages.
     virtual Image decode(std::span<const std::byte> bytes, Format format, const std::string& name) const = 0;
 
+    /// The same as far as its header goes.
+    virtual ImageHeader header_of(std::span<const std::byte> bytes, Format format, const std::string& name) const = 0;
+
     /// image::read_exr of what certainly begins as an OpenEXR file.
     virtual ExrChannels decode_exr(std::span<const std::byte> bytes,
                                    const std::function<bool(const std::string&)>& wanted,
@@ -30,6 +33,9 @@ class Codec {
     virtual std::vector<unsigned char> encode_png(int width, int height, std::span<const unsigned char> rgb,
                                                   float pixel_aspect, const std::string& name) const = 0;
 };
+
+/// Lets OpenEXR refuse windows that no image has before it makes room for their lines, whoever opens the file.
+void limit_exr_windows();
 
 /// In exr.cpp and exr_input.cpp, the only files that include OpenEXR.
 std::vector<unsigned char> encode_multilayer_exr(int width, int height, std::span<const Channel> channels,

@@ -1,4 +1,5 @@
 #include <ImfChannelList.h>
+#include <ImfCompression.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfIO.h>
@@ -44,15 +45,46 @@ struct Extent {
     std::uint64_t pixels() const { return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height); }
 };
 
+/// Bytes of pixels that a byte of a file can hold at most, by how the file is packed.
+std::uint64_t most_unpacked(Imf::Compression packing) {
+    switch (packing) {
+        case Imf::NO_COMPRESSION:
+            return 1;
+        case Imf::RLE_COMPRESSION:
+            return 64;  // runs of up to 128 bytes in two
+        case Imf::ZIPS_COMPRESSION:
+        case Imf::ZIP_COMPRESSION:
+            return 1032;  // [RFC1951]
+        case Imf::PXR24_COMPRESSION:
+            return 2 * 1032;  // floats lose a byte first
+        case Imf::B44_COMPRESSION:
+        case Imf::B44A_COMPRESSION:
+            return 1032;  // 16 halves in 3 bytes; what is no half is not packed
+        default:
+            return 4 * max_pixels_per_byte(Format::exr);
+    }
+}
+
+/// Bytes of one pixel of all channels.
+std::uint64_t bytes_of_pixel(const Imf::Header& header) {
+    std::uint64_t bytes = 0;
+    for (auto i = header.channels().begin(); i != header.channels().end(); ++i)
+        bytes += i.channel().type == Imf::HALF ? 2 : 4;
+    return bytes;
+}
+
+/// Longest side of a window.
+constexpr int longest = 1 << 20;
+
 /// Refuses files by their header, before any pixel has a place.
 void check_header(const Imf::Header& header, std::size_t file_bytes, const std::string& name) {
     const Extent display(header.displayWindow()), data(header.dataWindow());
     if (display.pixels() == 0 || data.pixels() == 0) throw core::Error("reading", name, "it has no pixels");
-    constexpr std::int64_t longest = 1 << 20;
     if (std::max({display.width, display.height, data.width, data.height}) > longest ||
         std::max(display.pixels(), data.pixels()) > max_pixels)
         throw core::Error("reading", name, "it has too many pixels: the limit is " + std::to_string(max_pixels));
-    if (std::max(display.pixels(), data.pixels()) > max_pixels_per_byte(Format::exr) * file_bytes)
+    if (std::max(display.pixels(), data.pixels()) > max_pixels_per_byte(Format::exr) * file_bytes ||
+        data.pixels() * bytes_of_pixel(header) > most_unpacked(header.compression()) * file_bytes)
         throw core::Error("reading", name, "the file is too short for its size in pixels");
 }
 
@@ -70,6 +102,11 @@ std::vector<float> placed(const std::vector<float>& values, const Imath::Box2i& 
 }
 
 }  // namespace
+
+void limit_exr_windows() {
+    Imf::Header::setMaxImageSize(longest, longest);
+    Imf::Header::setMaxTileSize(longest, longest);
+}
 
 ExrChannels decode_multilayer_exr(std::span<const std::byte> bytes,
                                   const std::function<bool(const std::string&)>& wanted, const std::string& name) try {

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <new>
 
 #include "core/error.h"
@@ -62,47 +63,75 @@ void fill_in(const ChannelChoice& choice, core::Plane<glm::vec4>& pixels) {
     }
 }
 
-class OiioCodec final : public Codec {
-  public:
-    OiioCodec() {
-        // Whoever reads many images does so in threads of his own.
-        OIIO::attribute("threads", 1);
-        OIIO::attribute("exr_threads", -1);
-    }
-
-    Image decode(std::span<const std::byte> bytes, Format format, const std::string& name) const override try {
-        const auto input = OIIO::ImageInput::create(name_of(format));
+/// An image whose header was read and found good.
+struct Opened {
+    Opened(std::span<const std::byte> bytes, Format format, const std::string& name)
+        : reader(const_cast<std::byte*>(bytes.data()), bytes.size()), input(OIIO::ImageInput::create(name_of(format))) {
         if (!input) throw core::Error("reading", name, one_line(OIIO::geterror()));
         EXPECTS(input->supports("ioproxy"));
-        OIIO::Filesystem::IOMemReader reader(const_cast<std::byte*>(bytes.data()), bytes.size());
         OIIO::Filesystem::IOProxy* source = &reader;
 
         // Ask for colours as they are stored; gamma, profiles and orientation in the file are ignored [glTF2, 3.8.3].
-        OIIO::ImageSpec wishes, spec;
+        OIIO::ImageSpec wishes;
         wishes.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &source);
         wishes.attribute("oiio:UnassociatedAlpha", 1);
         if (!input->open(name, spec, wishes)) throw core::Error("reading", name, one_line(input->geterror()));
         check_header(spec, bytes.size(), format, name);
+    }
 
-        const ChannelChoice choice = choose_channels(spec.channelnames, spec.alpha_channel);
-        Image image;
-        image.pixels = core::Plane<glm::vec4>(spec.width, spec.height);
-        image.has_alpha = choice.channel[3] >= 0;
-        image.high_range = spec.format.is_floating_point();
-        // OpenEXR's pixelAspectRatio, PNG's pHYs.
-        if (format == Format::exr || format == Format::png) {
-            const float aspect = spec.get_float_attribute("PixelAspectRatio", 1.0f);
-            if (std::isfinite(aspect) && aspect > 0) image.pixel_aspect = aspect;
-        }
-        read_channels(*input, choice, image.pixels, name);
-        fill_in(choice, image.pixels);
-        return image;
+    OIIO::Filesystem::IOMemReader reader;
+    std::unique_ptr<OIIO::ImageInput> input;  ///< reads from `reader`
+    OIIO::ImageSpec spec;
+};
+
+/// Calls `read`; what goes wrong in it is a core::Error of one line.
+template <class Read>
+auto told_in_one_line(const std::string& name, Read&& read) {
+    try {
+        return read();
     } catch (const core::Error&) {
         throw;
     } catch (const std::bad_alloc&) {
         throw core::Error("reading", name, "not enough memory for its pixels");
     } catch (const std::exception& failure) {
         throw core::Error("reading", name, one_line(failure.what()));
+    }
+}
+
+class OiioCodec final : public Codec {
+  public:
+    OiioCodec() {
+        // Whoever reads many images does so in threads of his own.
+        OIIO::attribute("threads", 1);
+        OIIO::attribute("exr_threads", -1);
+        limit_exr_windows();
+    }
+
+    Image decode(std::span<const std::byte> bytes, Format format, const std::string& name) const override {
+        return told_in_one_line(name, [&] {
+            const Opened file(bytes, format, name);
+            const OIIO::ImageSpec& spec = file.spec;
+            const ChannelChoice choice = choose_channels(spec.channelnames, spec.alpha_channel);
+            Image image;
+            image.pixels = core::Plane<glm::vec4>(spec.width, spec.height);
+            image.has_alpha = choice.channel[3] >= 0;
+            image.high_range = spec.format.is_floating_point();
+            // OpenEXR's pixelAspectRatio, PNG's pHYs.
+            if (format == Format::exr || format == Format::png) {
+                const float aspect = spec.get_float_attribute("PixelAspectRatio", 1.0f);
+                if (std::isfinite(aspect) && aspect > 0) image.pixel_aspect = aspect;
+            }
+            read_channels(*file.input, choice, image.pixels, name);
+            fill_in(choice, image.pixels);
+            return image;
+        });
+    }
+
+    ImageHeader header_of(std::span<const std::byte> bytes, Format format, const std::string& name) const override {
+        return told_in_one_line(name, [&] {
+            const Opened file(bytes, format, name);
+            return ImageHeader{file.spec.width, file.spec.height, file.spec.format.size() == 1};
+        });
     }
 
     ExrChannels decode_exr(std::span<const std::byte> bytes, const std::function<bool(const std::string&)>& wanted,
