@@ -7,12 +7,14 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "app/attempts.h"
 #include "app/bookkeeper.h"
+#include "app/film_identity.h"
 #include "app/first_pass.h"
 #include "app/frame_source.h"
 #include "app/interrupt.h"
@@ -212,7 +214,6 @@ std::vector<ChunkFile> encode_chunks(Job& job, const EncodeOptions& options, Wor
     std::vector<ChunkFile> files;
     for (const Chunk& chunk : chunks_of(job.film.frames, job.film.coding.gop)) {
         files.push_back(work.open(chunk));
-        const std::size_t first = ledger.frames.size();
         Bookkeeper books(ledger);
         const bool whole = encode_chunk(job, job.film.coding, chunk, ledger,
                                         {[&](const core::Picture& picture) {
@@ -228,7 +229,7 @@ std::vector<ChunkFile> encode_chunks(Job& job, const EncodeOptions& options, Wor
                                              progress.advance();
                                          }});
         if (whole)
-            files.back().finish({ledger.frames.begin() + static_cast<std::ptrdiff_t>(first), ledger.frames.end()});
+            files.back().finish({});
         else
             files.back().abandon();
         if (!whole || InterruptGuard::requested()) break;
@@ -261,7 +262,7 @@ int encode(const EncodeOptions& options, const std::string& command) {
     if (!options.quiet) say_notes(job, options);
     check_writable(options.output);
     if (options.stats) check_writable(*options.stats);
-    WorkFolder work(options.output, job.film, command);
+    WorkFolder work(options.output, identity_of(job.film, command));
 
     if (two_passes(options.coding))
         job.allotments = timed(ledger, Stage::first_pass, [&] { return first_pass(job, options.quiet); });

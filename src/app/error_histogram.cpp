@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace render2mpeg::app {
 
@@ -25,6 +26,12 @@ double ErrorHistogram::quantile(double q) const {
         return step == 0 ? 0.0 : std::exp2(static_cast<double>(step) / per_doubling + least_exponent);
     }
     return 0.0;
+}
+
+void ErrorHistogram::restore(const std::vector<std::uint64_t>& counts) {
+    counts_.fill(0);
+    if (counts.size() == counts_.size()) std::copy(counts.begin(), counts.end(), counts_.begin());
+    count_ = std::accumulate(counts_.begin(), counts_.end(), std::uint64_t{0});
 }
 
 }  // namespace render2mpeg::app

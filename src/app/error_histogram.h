@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace render2mpeg::app {
 
@@ -17,6 +18,11 @@ class ErrorHistogram {
     /// The error that a share `q` (0..1) of all does not exceed: rounded up by at most 1.1 %. 0 up to 2^-24, and
     /// without any errors; infinity above 256: how large is not known.
     double quantile(double q) const;
+
+    /// Counts by step, for who stores them.
+    std::vector<std::uint64_t> counts() const { return {counts_.begin(), counts_.end()}; }
+    /// Takes what counts() gave, and drops what it had. Another number of steps leaves it empty.
+    void restore(const std::vector<std::uint64_t>& counts);
 
   private:
     /// chosen: 64 steps per doubling, from 2^-24 (a float's last digit) to 2^8; beyond that, how large does not matter.

@@ -61,7 +61,7 @@ int usual_quantiser(const encoder::Settings& settings) {
 
 std::vector<encoder::Allotment> first_pass(const Production& film, bool quiet) {
     const Production pass = small(film);
-    renderer::Renderer renderer(*pass.animation, pass.rendering, pass.plan);
+    renderer::Renderer renderer = renderer_of(pass);
     Progress progress(film.frame_count(), quiet, "first pass");
     Collector collector;
     Ledger ledger;

@@ -42,6 +42,12 @@ class Watchers : public Watcher {
     void coded(const encoder::CodedPicture& picture) override {
         for (Watcher* watcher : all_) watcher->coded(picture);
     }
+    void begins(const Chunk& chunk) override {
+        for (Watcher* watcher : all_) watcher->begins(chunk);
+    }
+    void ends(const Chunk& chunk) override {
+        for (Watcher* watcher : all_) watcher->ends(chunk);
+    }
 
   private:
     std::vector<Watcher*> all_;

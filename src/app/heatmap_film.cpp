@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 
+#include "app/assembly.h"
 #include "app/output_kind.h"
 #include "app/publish.h"
 #include "core/color.h"
@@ -107,6 +109,12 @@ encoder::Settings heatmap_settings(const Production& film) {
     return settings;
 }
 
+/// A heatmap that an interrupted run left belongs to the same film and shows the same.
+nlohmann::json identity_of(HeatSubject subject, nlohmann::json film) {
+    film["options"]["--heatmap"] = std::to_string(static_cast<int>(subject));
+    return film;
+}
+
 }  // namespace
 
 HeatSubject heat_subject_from(const std::string& name) {
@@ -118,18 +126,17 @@ HeatSubject heat_subject_from(const std::string& name) {
 }
 
 HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const Production& film,
-                         const std::string& command)
+                         const nlohmann::json& identity, WorkFolder::Earlier earlier)
     : subject_(subject),
       output_(output),
-      work_(output, film.film(), command),
-      unfinished_(work_.place("film" + output.extension().string())),
-      settings_(heatmap_settings(film)),
+      work_(output, identity_of(subject, identity), earlier),
+      film_(film.film()),
+      grid_(chunks_of(film.frames, film.coding.gop)),
       matrix_(perceptual::matrix_for(film.format.height)),
-      scale_(scale_of(subject)),
-      first_(film.frames.first),
-      next_(film.frames.first),
-      encoder_(std::make_unique<encoder::Encoder>(settings_)),
-      muxer_(std::make_unique<av::Muxer>(unfinished_, output_, settings_)) {}
+      scale_(scale_of(subject)) {
+    film_.coding = heatmap_settings(film);
+    film_.disc = false;
+}
 
 HeatmapFilm::~HeatmapFilm() = default;
 
@@ -141,36 +148,50 @@ void HeatmapFilm::coded(const encoder::CodedPicture& coded) {
     if (subject_ == HeatSubject::quantiser) show(coded.plan.number, quantisers_of(coded));
 }
 
+void HeatmapFilm::take_up(std::size_t chunks) {
+    chunks_ = work_.finished(grid_);
+    if (chunks_.size() < chunks)
+        throw core::Error("resuming", output_.string(),
+                          "there is no heatmap of the frames that are there; leave out --heatmap, or begin the film "
+                          "anew without --resume");
+    while (chunks_.size() > chunks) chunks_.pop_back();
+    work_.drop_all_but(chunks_);
+}
+
+void HeatmapFilm::begins(const Chunk& chunk) {
+    chunks_.push_back(work_.open(chunk));
+    encoder_ = std::make_unique<encoder::Encoder>(film_.coding);
+    next_ = chunk.first;
+    early_.clear();
+}
+
+void HeatmapFilm::ends(const Chunk&) {
+    EXPECTS(early_.empty());
+    chunks_.back().finish({});
+}
+
 void HeatmapFilm::show(std::int64_t number, core::Plane<float> values) {
+    const Chunk& chunk = chunks_.back().chunk();
     early_.emplace(number, std::move(values));
     for (auto next = early_.find(next_); next != early_.end(); next = early_.find(next_)) {
         core::Picture picture = perceptual::heatmap(
-            next->second.width() == settings_.width ? next->second : widened(next->second, settings_.width), scale_,
-            matrix_);
+            next->second.width() == film_.coding.width ? next->second : widened(next->second, film_.coding.width),
+            scale_, matrix_);
         picture.number = next_;
-        const encoder::PicturePlan plan = encoder_->plan(next_, {}, next_ == first_);
-        for (encoder::CodedPicture& coded : encoder_->push(picture, plan, {})) {
-            write();
-            waiting_ = std::move(coded);
-        }
+        encoder::PictureFacts facts;
+        facts.left_in_chunk = chunk.last - next_;
+        facts.last_chunk = chunk.last == film_.frames.last;
+        const encoder::PicturePlan plan = encoder_->plan(next_, facts, next_ == chunk.first);
+        for (const encoder::CodedPicture& coded : encoder_->push(picture, plan, {})) chunks_.back().append(coded);
         early_.erase(next);
         ++next_;
     }
 }
 
-void HeatmapFilm::write() {
-    if (!waiting_) return;
-    muxer_->write(waiting_->bytes, waiting_->plan.number - first_, waiting_->coding_order, waiting_->plan.starts_gop);
-    waiting_.reset();
-}
-
 void HeatmapFilm::finish() {
-    if (!waiting_) return;
-    for (const std::uint8_t byte : encoder::sequence_end()) waiting_->bytes.push_back(byte);
-    write();
-    muxer_->finish();
-    muxer_.reset();
-    give_name(unfinished_, work_, output_, true);
+    const std::filesystem::path file = work_.begin("film" + output_.extension().string());
+    assemble(chunks_, film_, file, output_);
+    give_name(file, work_, output_, true);
 }
 
 void check_heatmaps(const RenderOptions& options, const Production& film) {
@@ -193,9 +214,11 @@ void check_heatmaps(const RenderOptions& options, const Production& film) {
     }
 }
 
-HeatmapFilms::HeatmapFilms(const RenderOptions& options, const Production& film, const std::string& command) {
+HeatmapFilms::HeatmapFilms(const RenderOptions& options, const Production& film, const nlohmann::json& identity) {
     for (const auto& [name, output] : options.heatmaps)
-        films_.push_back(std::make_unique<HeatmapFilm>(heat_subject_from(name), output, film, command));
+        films_.push_back(std::make_unique<HeatmapFilm>(
+            heat_subject_from(name), output, film, identity,
+            options.resume ? WorkFolder::Earlier::resumed : WorkFolder::Earlier::removed));
 }
 
 }  // namespace render2mpeg::app

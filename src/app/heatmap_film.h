@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <optional>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -12,7 +12,6 @@
 #include "app/production.h"
 #include "app/work_folder.h"
 #include "core/plane.h"
-#include "encoder/av/av.h"
 #include "perceptual/heatmap.h"
 
 namespace render2mpeg::app {
@@ -39,42 +38,57 @@ void check_heatmaps(const RenderOptions& options, const Production& film);
 /// once it is whole; until then it lies in a work folder of its own.
 class HeatmapFilm : public Watcher {
   public:
+    /// `identity` is the film's.
     HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const Production& film,
-                const std::string& command);
+                const nlohmann::json& identity, WorkFolder::Earlier earlier);
     ~HeatmapFilm() override;
+
+    /// Goes on after so many chunks that an earlier run left. Throws core::Error where it left fewer.
+    void take_up(std::size_t chunks);
+    void begins(const Chunk& chunk) override;
+    void ends(const Chunk& chunk) override;
 
     void lit(const LitFrame& frame) override;
     void coded(const encoder::CodedPicture& coded) override;
-    /// After the film's last picture; without it no file is left.
+    /// After the film's last picture.
     void finish();
+    /// Leaves nothing of it.
+    void discard() { work_.remove(); }
 
   private:
     /// Coded pictures come in another order.
     void show(std::int64_t number, core::Plane<float> values);
-    /// Writes the picture that waited to learn whether it is the last.
-    void write();
 
     HeatSubject subject_;
     std::filesystem::path output_;
     WorkFolder work_;
-    std::filesystem::path unfinished_;
-    encoder::Settings settings_;
+    Film film_;  ///< the heatmap's, not the one that it shows
+    std::vector<Chunk> grid_;
+    std::vector<ChunkFile> chunks_;
     perceptual::ColorMatrix matrix_;
     perceptual::HeatScale scale_;
-    std::int64_t first_, next_;
+    std::int64_t next_ = 0;
     std::map<std::int64_t, core::Plane<float>> early_;
-    std::unique_ptr<encoder::Encoder> encoder_;
-    std::unique_ptr<av::Muxer> muxer_;
-    std::optional<encoder::CodedPicture> waiting_;
+    std::unique_ptr<encoder::Encoder> encoder_;  ///< of a chunk
 };
 
 /// All that --heatmap asks for. One that fails ends; the render and the others go on.
 class HeatmapFilms : public Watcher {
   public:
     /// Creates every file. Throws core::Error where one cannot be written; check_heatmaps() comes before.
-    HeatmapFilms(const RenderOptions& options, const Production& film, const std::string& command);
+    HeatmapFilms(const RenderOptions& options, const Production& film, const nlohmann::json& identity);
 
     bool empty() const { return films_.empty(); }
+    /// As HeatmapFilm::take_up().
+    void take_up(std::size_t chunks) {
+        for (const std::unique_ptr<HeatmapFilm>& film : films_) film->take_up(chunks);
+    }
+    void begins(const Chunk& chunk) override {
+        each([&](HeatmapFilm& film) { film.begins(chunk); });
+    }
+    void ends(const Chunk& chunk) override {
+        each([&](HeatmapFilm& film) { film.ends(chunk); });
+    }
     void lit(const LitFrame& frame) override {
         each([&](HeatmapFilm& film) { film.lit(frame); });
     }
@@ -97,7 +111,10 @@ class HeatmapFilms : public Watcher {
                     step(*film);
                     done = true;
                 });
-            if (!done) film.reset();
+            if (!done && film != nullptr) {
+                film->discard();
+                film.reset();
+            }
         }
     }
 

@@ -21,6 +21,40 @@ double clock_seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer::Statistics& later) {
+    renderer::Statistics sum = later;
+    for (std::uint64_t renderer::Statistics::*count :
+         {&renderer::Statistics::primary_rays, &renderer::Statistics::shadow_rays, &renderer::Statistics::photon_rays,
+          &renderer::Statistics::specular_rays, &renderer::Statistics::gather_points,
+          &renderer::Statistics::capped_points, &renderer::Statistics::direct_clusters,
+          &renderer::Statistics::indirect_clusters, &renderer::Statistics::non_finite,
+          &renderer::Statistics::calibrated_pixels, &renderer::Statistics::records_created,
+          &renderer::Statistics::records_served, &renderer::Statistics::records_followed,
+          &renderer::Statistics::frames_watched})
+        sum.*count += earlier.*count;
+    sum.records_live = std::max(earlier.records_live, later.records_live);
+    sum.calibration_seconds += earlier.calibration_seconds;
+    sum.bands.add(earlier.bands);
+    if (!earlier.first_non_finite.empty()) sum.first_non_finite = earlier.first_non_finite;
+
+    // What was lit decides whose means count how much; without later frames the earlier ones are all there is.
+    const auto frames = static_cast<double>(earlier.frames_watched), all = static_cast<double>(sum.frames_watched);
+    sum.mean_caution += core::divide_or(frames, all, 0.0) * (earlier.mean_caution - later.mean_caution);
+    sum.largest_caution = std::max(earlier.largest_caution, later.largest_caution);
+    if (earlier.frames_watched > 0 && later.frames_watched > 0)
+        sum.least_caution = std::min(earlier.least_caution, later.least_caution);
+    else if (earlier.frames_watched > 0)
+        sum.least_caution = earlier.least_caution;
+    sum.luminance += earlier.luminance;
+    sum.clamped_energy = core::divide_or(
+        earlier.clamped_energy * earlier.luminance + later.clamped_energy * later.luminance, sum.luminance, 0.0);
+    if (later.gather_points == 0) {
+        sum.direct_points = earlier.direct_points;
+        sum.indirect_points = earlier.indirect_points;
+    }
+    return sum;
+}
+
 double Ledger::total_seconds() const {
     return std::accumulate(seconds.begin(), seconds.end(), 0.0);
 }

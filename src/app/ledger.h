@@ -70,6 +70,7 @@ struct Audit {
 struct Ledger {
     std::array<double, static_cast<std::size_t>(Stage::count)> seconds{};  ///< CPU, summed over threads
     double wall = 0;
+    double earlier_cpu = 0, earlier_wall = 0;  ///< of the runs that this one goes on from; `wall` has it in it
     std::vector<FrameEntry> frames;
     int brightest_luma = 0;  ///< code value
     renderer::Statistics rendering;
@@ -87,6 +88,9 @@ struct Ledger {
     double mean_direct_cut() const;
     double mean_indirect_cut() const;
 };
+
+/// Counts of two runs over parts of one film, the earlier one first.
+renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer::Statistics& later);
 
 /// Calls `work`, adds the CPU time it took to `sum`, and returns what it returned.
 template <class Work>

@@ -4,6 +4,7 @@
 
 #include "app/coding_options.h"
 #include "app/help_format.h"
+#include "app/memory.h"
 #include "app/scene_options.h"
 #include "core/error.h"
 #include "core/rational.h"
@@ -53,6 +54,18 @@ void add_run_options(CLI::App& command, RenderOptions& options) {
             "several times")
         ->allow_extra_args(false)  // at a time: else it would take INPUT behind it for a third word
         ->type_name("tolerance|cut|error|quantiser OUT.mpg")
+        ->group(run);
+    command
+        .add_option("--memory", options.memory,
+                    "Most memory to take, e.g. 8G: refuse what would need more before it is begun, and never swap "
+                    "(default: no limit)")
+        ->type_name("SIZE")
+        ->check(checked(memory_from, ""))
+        ->group(run);
+    command
+        .add_flag("--resume", options.resume,
+                  "Go on where a run of the same film was interrupted or killed, after its last whole chunk: the same "
+                  "bytes as of one run. Begins the film where nothing was left of it (docs/resume.md)")
         ->group(run);
     command.add_flag("--dry-run", options.dry_run, "Read and check everything, say what would be done, write nothing")
         ->group(run);
@@ -116,6 +129,17 @@ std::vector<std::string> given_of(const CLI::App& command) {
     return names;
 }
 
+/// What was said of each of them.
+std::map<std::string, std::string> said_of(const CLI::App& command) {
+    std::map<std::string, std::string> said;
+    for (const CLI::Option* option : command.get_options()) {
+        if (option->count() == 0 || option->get_lnames().empty()) continue;
+        std::string& text = said["--" + option->get_lnames().front()];
+        for (const std::string& word : option->results()) text += (text.empty() ? "" : " ") + word;
+    }
+    return said;
+}
+
 }  // namespace
 
 std::string quoted(const std::string& word) {
@@ -175,9 +199,11 @@ CommandLine parse(int argc, char** argv) {
         return line;
     }
     line.render.given = given_of(*render);
+    line.render.said = said_of(*render);
     line.encode.given = given_of(*encode);
     line.cost.render.given = given_of(*cost);
     line.tune.render.given = given_of(*tune);
+    line.tune.render.said = said_of(*tune);
     line.compare.render.given = given_of(*compare);
     line.command = render->parsed()   ? Command::render
                    : encode->parsed() ? Command::encode

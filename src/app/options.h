@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -66,7 +67,10 @@ struct RenderOptions {
     std::vector<std::pair<std::string, std::string>> heatmaps;  ///< subject, file
     bool dry_run = false;
     bool quiet = false;
-    std::vector<std::string> given;  ///< long names of the options on the command line
+    bool resume = false;
+    std::optional<std::string> memory;        ///< as memory_from() reads it; none: all that there is
+    std::vector<std::string> given;           ///< long names of the options on the command line
+    std::map<std::string, std::string> said;  ///< with these: the words behind each
 };
 
 struct PlanOptions {

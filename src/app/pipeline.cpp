@@ -240,6 +240,7 @@ std::optional<core::MotionField> onward_motion(const Production& film, const enc
 
 bool render_chunk(const Production& film, renderer::Renderer& renderer, const Chunk& chunk,
                   const Destination& destination, Ledger& ledger, const std::function<bool()>& frame_done) {
+    if (destination.watcher != nullptr) destination.watcher->begins(chunk);
     ChunkLoop loop(film, renderer, chunk, destination, ledger);
     bool whole = true;
     for (std::int64_t n = chunk.first; n <= chunk.last && whole; ++n) {
@@ -247,6 +248,7 @@ bool render_chunk(const Production& film, renderer::Renderer& renderer, const Ch
         whole = frame_done() || n == chunk.last;
     }
     loop.finish();
+    if (whole && destination.watcher != nullptr) destination.watcher->ends(chunk);
     return whole;
 }
 

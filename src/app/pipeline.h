@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "app/chunk.h"
+#include "app/chunk_file.h"
 #include "app/ledger.h"
 #include "app/production.h"
 #include "app/sink.h"
-#include "app/work_folder.h"
 
 namespace render2mpeg::app {
 
@@ -28,6 +28,9 @@ class Watcher {
     virtual ~Watcher() = default;
     virtual void lit(const LitFrame&) {}
     virtual void coded(const encoder::CodedPicture&) {}
+    /// Before a chunk's first frame, and after its last.
+    virtual void begins(const Chunk&) {}
+    virtual void ends(const Chunk&) {}
 };
 
 /// Where the products of a chunk go; what is null is not wanted. Pictures are coded where the production is a film.

@@ -7,6 +7,7 @@
 #include "app/rate_options.h"
 #include "core/color.h"
 #include "core/error.h"
+#include "parallel/loops.h"
 #include "perceptual/exposure.h"
 #include "scene/load.h"
 #include "scene/traits.h"
@@ -102,6 +103,12 @@ core::ToleranceMap Production::tolerance_map() const {
     return core::ToleranceMap::uniform(format.width, format.height, {floor, tolerance.relative});
 }
 
+renderer::Renderer renderer_of(const Production& film) {
+    std::optional<parallel::ThreadLimit> one_thread;
+    if (film.images_in_turn) one_thread.emplace(1);
+    return renderer::Renderer(*film.animation, film.rendering, film.plan);
+}
+
 Production prepare(const RenderOptions& options) {
     Production film;
     film.kind = options.output.empty() ? OutputKind::film : kind_of(options.output);
@@ -169,7 +176,7 @@ float measure_exposure(const Production& film) {
     small.exposure.reset();
     small.tolerance = {false, 0.1f, false, {}};
 
-    renderer::Renderer renderer(*small.animation, small.rendering, small.plan);
+    renderer::Renderer renderer = renderer_of(small);
     std::vector<float> surfaces, sky;
     for (int i = 0; i < frames; ++i) {
         const std::int64_t frame = film.frames.first + (film.frame_count() - 1) * (2 * i + 1) / (2 * frames);

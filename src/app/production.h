@@ -41,6 +41,7 @@ struct Production {
     bool measures_exposure = false;              ///< nobody says it
     bool two_passes = false;                     ///< the first one finds `allotments`
     std::vector<encoder::Allotment> allotments;  ///< one per frame, or none
+    bool images_in_turn = false;                 ///< decode one at a time: memory is short
     int audit = 0;                               ///< pixels of every frame that are gathered again without clustering
 
     std::int64_t frame_count() const { return frames.last - frames.first + 1; }
@@ -50,6 +51,9 @@ struct Production {
     core::ToleranceMap tolerance_map() const;
     Film film() const { return {animation->source, frames, coding, keyframes, disc, core::name_of(rendering.isa)}; }
 };
+
+/// The film's renderer, its textures read.
+renderer::Renderer renderer_of(const Production& film);
 
 /// Loads the scene and settles every setting. Throws core::Error for all that cannot be rendered or coded.
 Production prepare(const RenderOptions& options);

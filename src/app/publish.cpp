@@ -9,6 +9,7 @@
 #include <string>
 #include <system_error>
 
+#include "app/assembly.h"
 #include "app/output_kind.h"
 #include "core/error.h"
 

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "app/chunk_file.h"
+#include "app/film.h"
 #include "app/options.h"
 #include "app/work_folder.h"
 

@@ -2,19 +2,24 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <memory>
+#include <new>
+#include <nlohmann/json.hpp>
 
 #include "app/attempts.h"
-#include "app/first_pass.h"
+#include "app/film_identity.h"
 #include "app/frame_portrait.h"
 #include "app/heatmap_film.h"
 #include "app/interrupt.h"
+#include "app/memory.h"
 #include "app/pipeline.h"
 #include "app/progress.h"
 #include "app/publish.h"
 #include "app/report.h"
+#include "app/resume.h"
 #include "app/statistics.h"
 #include "app/text_file.h"
 #include "app/unused_options.h"
@@ -37,6 +42,16 @@ void say_notes(const Production& film, const RenderOptions& options) {
         if (!note.empty()) std::fputs((note + "\n").c_str(), stderr);
 }
 
+/// As prepare(), within the memory that the options allow.
+Production prepare_within_memory(const RenderOptions& options) {
+    if (!options.memory) return prepare(options);
+    const std::uint64_t limit = memory_from(*options.memory);
+    hold_to(limit);
+    Production film = prepare(options);
+    film.images_in_turn = !may_decode_at_once(film, memory_need(film), limit, parallel::thread_count());
+    return film;
+}
+
 std::string dry_run_text(const Production& film, const RenderOptions& options) {
     const auto chunks = chunks_of(film.frames, film.coding.gop);
     return fmt::format("{}: would render frames {} to {} ({:.2f} s at {} Hz) of {} at {}x{}, in {} chunk{}\n",
@@ -50,6 +65,10 @@ std::string dry_run_text(const Production& film, const RenderOptions& options) {
 /// Whether the output is one file, which is made in a work folder.
 bool is_one_file(const Production& film) {
     return film.kind == OutputKind::film || film.kind == OutputKind::y4m;
+}
+
+WorkFolder::Earlier earlier_of(const RenderOptions& options) {
+    return options.resume ? WorkFolder::Earlier::resumed : WorkFolder::Earlier::removed;
 }
 
 /// Refuses outputs that would take the place of other files, or show what there is none of. Writes nothing.
@@ -67,125 +86,176 @@ void check_outputs(const Production& film, const RenderOptions& options) {
         if (!output.name.empty()) check_reachable(output.name);
     if (options.report) check_report(*options.report);
     check_heatmaps(options, film);
-    if (is_one_file(film)) WorkFolder::check(options.output);
+    WorkFolder::check(options.output);
 }
 
 /// Sees that all outputs can be written before hours go into them; from now on no other run has the film.
-std::unique_ptr<WorkFolder> open_outputs(const Production& film, const RenderOptions& options,
-                                         const std::string& command) {
+std::unique_ptr<WorkFolder> open_outputs(const RenderOptions& options, const nlohmann::json& identity) {
     check_writable(options.output);
     if (options.layers) check_writable(layers_in(*options.layers));
     if (options.stats) check_writable(*options.stats);
     if (options.report) check_writable(*options.report);
     if (options.report) check_writable(report_json_of(*options.report));
     for (const auto& [subject, file] : options.heatmaps) check_writable(file);
-    if (!is_one_file(film)) return nullptr;
-    return std::make_unique<WorkFolder>(options.output, film.film(), command);
+    return std::make_unique<WorkFolder>(options.output, identity, earlier_of(options));
 }
 
-/// Renders all chunks to their destinations. Returns the chunks' files, the last of them incomplete after an
-/// interruption.
-std::vector<ChunkFile> render_chunks(const Production& film, const RenderOptions& options, WorkFolder* work, Sink* sink,
-                                     Watcher* watcher, Ledger& ledger) {
-    renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
-    Progress progress(film.frame_count(), options.quiet);
-    std::vector<ChunkFile> files;
-    for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {
-        if (work != nullptr) files.push_back(work->open(chunk));
-        const Destination destination{work != nullptr ? &files.back() : nullptr, sink,
+/// The ledger with what the renderer has done since it was made.
+Ledger told(const Ledger& ledger, const renderer::Renderer& renderer) {
+    Ledger sum = ledger;
+    sum.rendering = sum_of(ledger.rendering, renderer.statistics());
+    for (std::size_t i = 0; i < sum.pass_seconds.size(); ++i)
+        sum.pass_seconds[i] += renderer.seconds(static_cast<renderer::Pass>(i));
+    sum.pass_seconds[static_cast<std::size_t>(renderer::Pass::develop)] = sum.stage_seconds(Stage::develop);
+    sum.pass_seconds[static_cast<std::size_t>(renderer::Pass::encode)] = sum.stage_seconds(Stage::encode);
+    return sum;
+}
+
+/// Seconds on the clock of this run, and of those that it goes on from.
+class WallClock {
+  public:
+    double seconds(const Ledger& ledger) const {
+        return ledger.earlier_wall + std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    }
+
+  private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Renders the chunks that are not in `files` yet and adds them, the last of them incomplete after an interruption.
+/// Returns whether the film is whole.
+bool render_chunks(const Production& film, const RenderOptions& options, WorkFolder& work, Watcher* watcher,
+                   const WallClock& clock, Ledger& ledger, std::vector<ChunkFile>& files) {
+    const std::vector<Chunk> chunks = chunks_of(film.frames, film.coding.gop);
+    if (files.size() == chunks.size()) return true;
+    renderer::Renderer renderer = renderer_of(film);
+    Progress progress(film.frame_count(), options.quiet, "frame", Counted::frames, ledger.earlier_wall);
+    if (!files.empty()) progress.advance_to(static_cast<std::int64_t>(ledger.frames.size()), film.frame_count());
+    bool whole = true;
+    while (files.size() < chunks.size()) {
+        const Chunk& chunk = chunks[files.size()];
+        files.push_back(work.open(chunk));
+        const std::unique_ptr<Sink> sink = make_sink(film, frames_of(film, options, work, chunk));
+        const Destination destination{film.kind == OutputKind::film ? &files.back() : nullptr, sink.get(),
                                       options.layers ? &*options.layers : nullptr, watcher};
-        const std::size_t first = ledger.frames.size();
-        const bool whole = render_chunk(film, renderer, chunk, destination, ledger, [&] {
+        whole = render_chunk(film, renderer, chunk, destination, ledger, [&] {
             progress.advance();
             return !InterruptGuard::requested();
         });
-        if (work != nullptr && whole)
-            files.back().finish({ledger.frames.begin() + static_cast<std::ptrdiff_t>(first), ledger.frames.end()});
-        else if (work != nullptr)
+        if (sink) sink->finish();
+        if (!whole) {
             files.back().abandon();
-        if (!whole || InterruptGuard::requested()) break;
+            break;
+        }
+        Ledger so_far = told(ledger, renderer);
+        so_far.earlier_wall = clock.seconds(ledger);
+        so_far.earlier_cpu += cpu_seconds();
+        files.back().finish(facts_of(film, options, work, chunk, so_far));
+        if (InterruptGuard::requested()) break;
     }
-    ledger.rendering = renderer.statistics();
-    for (std::size_t i = 0; i < ledger.pass_seconds.size(); ++i)
-        ledger.pass_seconds[i] += renderer.seconds(static_cast<renderer::Pass>(i));
-    ledger.pass_seconds[static_cast<std::size_t>(renderer::Pass::develop)] = ledger.stage_seconds(Stage::develop);
-    ledger.pass_seconds[static_cast<std::size_t>(renderer::Pass::encode)] = ledger.stage_seconds(Stage::encode);
-    return files;
+    ledger = told(ledger, renderer);
+    return whole && files.size() == chunks.size();
+}
+
+/// Gives the film its name, or what there is of it another.
+Published publish_frames(const Production& film, const RenderOptions& options, WorkFolder& work,
+                         const std::vector<ChunkFile>& chunks, bool complete) {
+    if (film.kind == OutputKind::film) return publish(chunks, film.film(), work, options.output, complete);
+    if (film.kind == OutputKind::y4m) {
+        std::vector<std::filesystem::path> parts;
+        for (const ChunkFile& chunk : chunks) parts.push_back(frames_of(film, options, work, chunk.chunk()));
+        const std::filesystem::path file = work.begin("film.y4m");
+        join_y4m(film, parts, file);
+        return give_name(file, work, options.output, complete);
+    }
+    // Images have their names already.
+    if (complete) work.clear_away();
+    return {options.output, 0};
+}
+
+/// How many of the chunks are whole.
+std::size_t whole_of(const std::vector<ChunkFile>& chunks) {
+    return static_cast<std::size_t>(std::count_if(chunks.begin(), chunks.end(), [](const ChunkFile& chunk) {
+        std::error_code error;
+        return std::filesystem::exists(ChunkFile::record_of(chunk.file()), error);
+    }));
+}
+
+/// As render_chunks(); a failure says what is not lost by it.
+bool render_or_tell(const Production& film, const RenderOptions& options, WorkFolder& work, Watcher* watcher,
+                    const WallClock& clock, Ledger& ledger, std::vector<ChunkFile>& files) {
+    try {
+        return render_chunks(film, options, work, watcher, clock, ledger, files);
+    } catch (const core::Error& error) {
+        const std::size_t whole = whole_of(files);
+        if (whole == 0) throw;
+        throw core::Error(std::string(error.what()) + "; " + resuming_text(film, whole));
+    }
 }
 
 }  // namespace
 
-std::vector<Files> inputs_of(const Production& film, const RenderOptions& options) {
-    std::vector<Files> inputs{Files(options.input), Files(options.coding.keyframes.value_or(""))};
-    std::error_code error;
-    if (std::filesystem::is_directory(options.input, error)) inputs.emplace_back(options.input / "film.json");
-    for (const scene::ImageSource& image : film.animation->images) inputs.emplace_back(image.path);
-    return inputs;
-}
-
-int render(const RenderOptions& options, const std::string& command, Rendered* rendered) {
-    const auto start = std::chrono::steady_clock::now();
+int render(const RenderOptions& options, const std::string& command, Rendered* rendered) try {
+    const WallClock clock;
     const parallel::ThreadLimit threads(options.threads);
     const InterruptGuard guard(options.quiet);
 
     // Read and settle everything before anything is written.
     Ledger ledger;
-    Production film = timed(ledger, Stage::load, [&] { return prepare(options); });
+    Production film = timed(ledger, Stage::load, [&] { return prepare_within_memory(options); });
     say_notes(film, options);
     check_outputs(film, options);
+    const nlohmann::json identity = timed(ledger, Stage::load, [&] { return identity_of(film, options); });
+    if (options.resume) WorkFolder::check(options.output, identity);
     if (options.dry_run) {
         if (!options.quiet) print(dry_run_text(film, options));
         return 0;
     }
-    const std::unique_ptr<WorkFolder> work = open_outputs(film, options, command);
-    HeatmapFilms heatmaps(options, film, command);
-    if (!film.exposure) film.exposure = timed(ledger, Stage::load, [&] { return measure_exposure(film); });
-
-    // Find out what the film's pictures need, where a rate is to be shared out among them.
-    if (film.two_passes)
-        film.allotments = timed(ledger, Stage::first_pass, [&] { return first_pass(film, options.quiet); });
+    const std::unique_ptr<WorkFolder> work = open_outputs(options, identity);
+    HeatmapFilms heatmaps(options, film, identity);
+    std::vector<ChunkFile> chunks = take_up(film, options, *work, heatmaps, ledger);
+    settle(film, options, *work, ledger);
     if (InterruptGuard::requested()) {
         if (!options.quiet) std::fputs("interrupted before the first frame: nothing was written\n", stderr);
         return InterruptGuard::status();
     }
 
-    // Render.
-    const std::unique_ptr<Sink> sink =
-        make_sink(film, film.kind == OutputKind::y4m ? work->begin("film.y4m") : options.output);
     FramePortrait portrait(film);
     Watchers watchers;
     if (!heatmaps.empty()) watchers.add(heatmaps);
     if (options.report) watchers.add(portrait);
-    const std::vector<ChunkFile> chunks =
-        render_chunks(film, options, film.kind == OutputKind::film ? work.get() : nullptr, sink.get(),
-                      watchers.empty() ? nullptr : &watchers, ledger);
+    const bool complete =
+        render_or_tell(film, options, *work, watchers.empty() ? nullptr : &watchers, clock, ledger, chunks);
 
-    // Publish what is whole; leave what is not beside the target.
-    const bool complete = static_cast<std::int64_t>(ledger.frames.size()) == film.frame_count();
-    RunFacts facts{command, options.input.string(), options.output.string(), 0, complete};
-    if (sink) sink->finish();
-    if (work) {
-        const Published published = film.kind == OutputKind::y4m
-                                        ? give_name(work->begin("film.y4m"), *work, options.output, complete)
-                                        : publish(chunks, film.film(), *work, options.output, complete);
-        facts.bytes = published.bytes;
-        facts.output = published.name.string();
-    }
-
-    // The film is there: what fails of the rest costs no more than itself.
+    // Publish what is whole; leave what is not beside the target. Whatever fails costs no more than itself.
     Attempts attempts;
+    RunFacts facts{command, options.input.string(), options.output.string(), 0, false};
+    bool published = false;
+    attempts.attempt([&] {
+        const Published film_file = publish_frames(film, options, *work, chunks, complete);
+        facts.bytes = film_file.bytes;
+        facts.output = film_file.name.string();
+        facts.complete = complete;
+        published = true;
+    });
     if (complete) attempts.attempt([&] { heatmaps.finish(); });
-    ledger.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    ledger.wall = clock.seconds(ledger);
     if (options.stats) attempts.attempt([&] { write_statistics(*options.stats, film, ledger, facts); });
     if (options.report)
         attempts.attempt([&] { write_report(*options.report, film, ledger, facts, portrait.figures()); });
-    if (!options.quiet) attempts.attempt([&] { print(summary(film, ledger, facts)); });
+    if (!options.quiet && published) attempts.attempt([&] { print(summary(film, ledger, facts)); });
     if (!complete && !options.quiet)
-        std::fputs(fmt::format("interrupted after {} of {} frames\n", ledger.frames.size(), film.frame_count()).c_str(),
+        std::fputs(fmt::format("interrupted after {} of {} frames; {}\n", ledger.frames.size(), film.frame_count(),
+                               resuming_text(film, whole_of(chunks)))
+                       .c_str(),
                    stderr);
     attempts.rethrow();
     if (rendered != nullptr) *rendered = {ledger, facts.output, facts.bytes};
     return complete ? 0 : InterruptGuard::status();
+} catch (const std::bad_alloc&) {
+    if (!options.memory) throw;
+    throw core::Error("rendering", options.input.string(),
+                      "it takes more memory than --memory " + *options.memory + " allows");
 }
 
 int plan(const PlanOptions& options) {

@@ -3,17 +3,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include "app/ledger.h"
 #include "app/options.h"
-#include "app/production.h"
-#include "app/publish.h"
 
 namespace render2mpeg::app {
-
-/// The files that a film is made from, as far as they are known.
-std::vector<Files> inputs_of(const Production& film, const RenderOptions& options);
 
 /// What a render comes to, for commands that make a film of their own accord.
 struct Rendered {

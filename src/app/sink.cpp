@@ -1,6 +1,7 @@
 #include "app/sink.h"
 
 #include "encoder/y4m.h"
+#include "encoder/y4m_reader.h"
 #include "image/image.h"
 #include "perceptual/display.h"
 
@@ -56,6 +57,16 @@ class PngSink : public Sink {
 };
 
 }  // namespace
+
+void join_y4m(const Production& film, const std::vector<std::filesystem::path>& parts,
+              const std::filesystem::path& file) {
+    av::Y4mWriter writer(file, film.format.width, film.format.height, film.rate, film.pixel_aspect);
+    for (const std::filesystem::path& part : parts) {
+        av::Y4mReader reader(part);
+        for (std::int64_t n = 0; n < reader.frames(); ++n) writer.write(reader.read(n));
+    }
+    writer.finish();
+}
 
 std::unique_ptr<Sink> make_sink(const Production& film, const std::filesystem::path& output) {
     switch (film.kind) {

@@ -25,4 +25,8 @@ class Sink {
 /// The sink for an output that is not a film.
 std::unique_ptr<Sink> make_sink(const Production& film, const std::filesystem::path& output);
 
+/// Joins Y4M files that a sink wrote one after the other.
+void join_y4m(const Production& film, const std::vector<std::filesystem::path>& parts,
+              const std::filesystem::path& file);
+
 }  // namespace render2mpeg::app

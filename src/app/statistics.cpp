@@ -19,7 +19,7 @@ json seconds_of(const Ledger& ledger) {
     json seconds;
     for (std::size_t i = 0; i < ledger.seconds.size(); ++i) seconds[stage_names[i]] = ledger.seconds[i];
     seconds["wall"] = ledger.wall;
-    seconds["cpu"] = cpu_seconds();
+    seconds["cpu"] = ledger.earlier_cpu + cpu_seconds();
     return seconds;
 }
 

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "app/film_identity.h"
 #include "app/help_format.h"
 #include "app/interrupt.h"
 #include "app/publish.h"
-#include "app/render.h"
 #include "app/report.h"
 #include "app/terminal.h"
 #include "app/text_file.h"

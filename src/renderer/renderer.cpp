@@ -195,6 +195,7 @@ struct Renderer::Impl {
                                                             radiance, counts.shadow_rays, known);
         watched = std::move(sight);
         const double value = s.limits.caution;
+        std::uint64_t& frames = statistics.frames_watched;
         statistics.least_caution = frames == 0 ? value : std::min(statistics.least_caution, value);
         statistics.largest_caution = std::max(statistics.largest_caution, value);
         ++frames;
@@ -217,8 +218,8 @@ struct Renderer::Impl {
         s.indirect_clusters += counts.indirect_clusters;
         gathered += counts.gathered;
         clamped += counts.clamped;
-        const double all = gathered + clamped;
-        s.clamped_energy = all > 0 ? clamped / all : 0.0;
+        s.luminance = gathered + clamped;
+        s.clamped_energy = s.luminance > 0 ? clamped / s.luminance : 0.0;
     }
 
     void count(const RecordCounts& found) {
@@ -244,7 +245,6 @@ struct Renderer::Impl {
     std::optional<float> given_caution;  ///< instead of it
     Statistics statistics;
     double gathered = 0, clamped = 0;
-    std::uint64_t frames = 0;  ///< that mean_caution is over
     std::array<double, static_cast<std::size_t>(Pass::count)> rows{};
 };
 

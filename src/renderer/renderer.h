@@ -48,7 +48,9 @@ struct Statistics {
     ToleranceBands bands;                                ///< of gather points
     double clamped_energy = 0;                           ///< share of gathered luminance that clamping removed, 0..1
     std::size_t direct_points = 0, indirect_points = 0;  ///< light points of the last frame
+    double luminance = 0;                                ///< that this is a share of: what arrived, clamped included
     double least_caution = 0, largest_caution = 0, mean_caution = 0;  ///< over frames lit; 0: none was
+    std::uint64_t frames_watched = 0;                                 ///< the frames that these are over
     std::uint64_t calibrated_pixels = 0;  ///< gathered again for it; their rays count nowhere
     double calibration_seconds = 0;       ///< CPU, part of the time of shading
     std::uint64_t records_created = 0;    ///< Settings::cache

@@ -94,7 +94,7 @@ TEST(Interruption, LeavesTheFirstFramesOfUncompressedFilmsUnderAnotherName) {
     const auto outcome = interrupted(
         program() + " render " + plain_film() +
             " --size 64x48 --vpls 16 --frames 0:9999 --exposure 0 --tolerance fixed=10% -o " + path(folder, "f.y4m"),
-        path(folder, "f.y4m.partial/film.y4m.tmp"), "INT");
+        path(folder, "f.y4m.partial/chunk_00000.y4m.tmp"), "INT");
     EXPECT_EQ(outcome.status, 130) << outcome.output;
     EXPECT_NE(outcome.output.find("f.partial.y4m: "), std::string::npos) << outcome.output;
     EXPECT_FALSE(std::filesystem::exists(folder / "f.y4m"));

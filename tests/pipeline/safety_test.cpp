@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "app/film_identity.h"
 #include "app/output_lock.h"
 #include "app/work_folder.h"
 #include "core/error.h"
@@ -142,8 +143,8 @@ TEST(Outputs, AreWrittenWholeOrNotAtAll) {
     write(folder / "s.json", "{\"before\": 1}");
     // Blocks of 512 bytes: the film fits, its statistics do not.
     const auto outcome =
-        run("trap '' XFSZ; ulimit -f 7; " +
-            render_to(folder, "f.m2v", "--quiet --frames 0:8 --quantiser 31 --stats " + path(folder, "s.json")));
+        run("trap '' XFSZ; ulimit -f 26; " +
+            render_to(folder, "f.m2v", "--quiet --frames 0:24 --quantiser 31 --stats " + path(folder, "s.json")));
     EXPECT_EQ(outcome.status, 1);
     EXPECT_TRUE(has(outcome, "s.json: File too large")) << outcome.output;
     EXPECT_TRUE(std::filesystem::exists(folder / "f.m2v"));
@@ -237,7 +238,7 @@ app::Film film_of(const std::string& source) {
 TEST(Leftovers, GoWhenTheirFilmIsWholeUnlessTheyWereChanged) {
     const Folder folder;
     const auto leave = [&](const app::Film& made, const char* command, const char* text) {
-        app::WorkFolder work(folder / "a.mpg", made, command);
+        app::WorkFolder work(folder / "a.mpg", app::identity_of(made, command));
         write(work.begin("film.mpg"), text);
         return work.leave(work.place("film.mpg"));
     };
@@ -245,7 +246,7 @@ TEST(Leftovers, GoWhenTheirFilmIsWholeUnlessTheyWereChanged) {
     const auto third = leave(film_of("s"), "render", "three");
     EXPECT_EQ(third.filename(), "a.partial-3.mpg");
     write(second, "somebody wrote here since");
-    app::WorkFolder work(folder / "a.mpg", film_of("s"), "render");
+    app::WorkFolder work(folder / "a.mpg", app::identity_of(film_of("s"), "render"));
     work.begin("film.mpg");
     work.clear_away();
     EXPECT_FALSE(std::filesystem::exists(first));
@@ -254,7 +255,7 @@ TEST(Leftovers, GoWhenTheirFilmIsWholeUnlessTheyWereChanged) {
     EXPECT_EQ(folder.entries(), 1u);
 
     const auto other = leave(film_of("s"), "render", "one");
-    app::WorkFolder(folder / "a.mpg", film_of("another"), "render").clear_away();
+    app::WorkFolder(folder / "a.mpg", app::identity_of(film_of("another"), "render")).clear_away();
     EXPECT_TRUE(std::filesystem::exists(other));
 }
 
@@ -265,7 +266,7 @@ TEST(WorkFolder, IsItsRunsAloneWhileOthersEndAndBegin) {
         // Whoever is refused tries again: one of them always has it.
         for (int i = 0; had < 150 && i < 1'000'000; ++i) {
             try {
-                app::WorkFolder work(folder / "a.mpg", film_of("s"), "render");
+                app::WorkFolder work(folder / "a.mpg", app::identity_of(film_of("s"), "render"));
                 const std::filesystem::path file = work.begin("film.mpg");
                 write(file, "pictures");
                 ++had;

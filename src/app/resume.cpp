@@ -1,0 +1,147 @@
+#include "app/resume.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+
+#include "app/first_pass.h"
+#include "app/interrupt.h"
+#include "app/ledger_json.h"
+#include "core/error.h"
+
+namespace render2mpeg::app {
+namespace {
+
+using nlohmann::json;
+
+/// The files that a chunk's frames become beside the coded stream, by size; -1 for one that is not there.
+json sizes_of_products(const Production& film, const RenderOptions& options, const WorkFolder& work,
+                       const Chunk& chunk) {
+    json sizes = json::array();
+    const auto add = [&](const std::filesystem::path& file) {
+        std::error_code error;
+        const std::uintmax_t size = std::filesystem::file_size(file, error);
+        sizes.push_back(error ? json(-1) : json(size));
+    };
+    if (film.kind == OutputKind::y4m) add(frames_of(film, options, work, chunk));
+    for (std::int64_t n = chunk.first; n <= chunk.last; ++n) {
+        if (film.kind == OutputKind::exr || film.kind == OutputKind::png) add(numbered(options.output, n));
+        if (options.layers) add(numbered(layers_in(*options.layers), n));
+    }
+    return sizes;
+}
+
+/// Takes in what a chunk's record says. Whether it says all and its products are there; else the ledger stays as it is.
+bool take_in(const Production& film, const RenderOptions& options, const WorkFolder& work, const ChunkFile& chunk,
+             Ledger& ledger) {
+    try {
+        const json facts = chunk.facts();
+        if (facts.at("products") != sizes_of_products(film, options, work, chunk.chunk())) return false;
+        Ledger trial = ledger;
+        restore(trial, facts.at("ledger"));
+        const bool whole =
+            static_cast<std::int64_t>(trial.frames.size() - ledger.frames.size()) == chunk.chunk().frames();
+        if (whole) ledger = std::move(trial);
+        return whole;
+    } catch (const std::exception&) {
+        return false;  // a damaged record is none
+    }
+}
+
+json json_of(const encoder::Allotment& a) {
+    return {{"quantiser", a.quantiser},      {"bits", a.bits},
+            {"bits_left", a.bits_left},      {"type", a.type ? json(static_cast<int>(*a.type)) : json(nullptr)},
+            {"affordable", a.affordable},    {"ratio", a.ratio ? json(*a.ratio) : json(nullptr)},
+            {"left_by_type", a.left_by_type}};
+}
+
+/// Throws json::exception for what json_of() would not write.
+encoder::Allotment allotment_from(const json& written) {
+    encoder::Allotment a;
+    written.at("quantiser").get_to(a.quantiser);
+    written.at("bits").get_to(a.bits);
+    written.at("bits_left").get_to(a.bits_left);
+    if (!written.at("type").is_null()) a.type = static_cast<encoder::PictureType>(written["type"].get<int>());
+    written.at("affordable").get_to(a.affordable);
+    if (!written.at("ratio").is_null()) a.ratio = written["ratio"].get<double>();
+    written.at("left_by_type").get_to(a.left_by_type);
+    return a;
+}
+
+/// The allotments that an earlier run found; none where it did not come so far.
+std::vector<encoder::Allotment> kept_allotments(const Production& film, const WorkFolder& work) {
+    const json written = work.kept("allotments");
+    if (!written.is_array() || static_cast<std::int64_t>(written.size()) != film.frame_count()) return {};
+    std::vector<encoder::Allotment> allotments;
+    for (const json& one : written) allotments.push_back(allotment_from(one));
+    return allotments;
+}
+
+}  // namespace
+
+std::filesystem::path frames_of(const Production& film, const RenderOptions& options, const WorkFolder& work,
+                                const Chunk& chunk) {
+    return film.kind == OutputKind::y4m ? work.place(fmt::format("chunk_{:05}.y4m", chunk.index)) : options.output;
+}
+
+json facts_of(const Production& film, const RenderOptions& options, const WorkFolder& work, const Chunk& chunk,
+              const Ledger& so_far) {
+    const std::size_t first = so_far.frames.size() - static_cast<std::size_t>(chunk.frames());
+    return {{"ledger", json_of(so_far, first)}, {"products", sizes_of_products(film, options, work, chunk)}};
+}
+
+std::vector<ChunkFile> take_up(const Production& film, const RenderOptions& options, WorkFolder& work,
+                               HeatmapFilms& heatmaps, Ledger& ledger) {
+    if (!options.resume) return {};
+    std::vector<ChunkFile> left = work.finished(chunks_of(film.frames, film.coding.gop)), chunks;
+    Ledger earlier;
+    for (ChunkFile& chunk : left) {
+        if (!take_in(film, options, work, chunk, earlier)) break;
+        chunks.push_back(std::move(chunk));
+    }
+    // Reading the scene is all that this run has done yet.
+    for (std::size_t i = 0; i < ledger.seconds.size(); ++i) earlier.seconds[i] += ledger.seconds[i];
+    ledger = std::move(earlier);
+    heatmaps.take_up(chunks.size());
+    work.drop_all_but(chunks);
+    if (!options.quiet) {
+        const std::string name = options.output.string();
+        const std::string text =
+            chunks.empty() ? fmt::format("--resume: no chunk was left of {}, which begins anew", name)
+                           : fmt::format("resuming {} with frame {}: {} of {} are there", name,
+                                         chunks.back().chunk().last + 1, ledger.frames.size(), film.frame_count());
+        std::fputs((text + "\n").c_str(), stderr);
+    }
+    return chunks;
+}
+
+void settle(Production& film, const RenderOptions& options, WorkFolder& work, Ledger& ledger) {
+    if (const json exposure = work.kept("exposure"); !film.exposure && exposure.is_number())
+        film.exposure = exposure.get<float>();
+    if (!film.exposure) {
+        film.exposure = timed(ledger, Stage::load, [&] { return measure_exposure(film); });
+        work.keep("exposure", *film.exposure);
+    }
+    if (!film.two_passes || InterruptGuard::requested()) return;
+    film.allotments = kept_allotments(film, work);
+    if (!film.allotments.empty()) return;
+    film.allotments = timed(ledger, Stage::first_pass, [&] { return first_pass(film, options.quiet); });
+    json written = json::array();
+    for (const encoder::Allotment& a : film.allotments) written.push_back(json_of(a));
+    if (!film.allotments.empty()) work.keep("allotments", written);
+}
+
+std::string resuming_text(const Production& film, std::size_t whole_chunks) {
+    const std::vector<Chunk> chunks = chunks_of(film.frames, film.coding.gop);
+    if (whole_chunks == 0)
+        return fmt::format("no chunk of {} frames is whole yet, so that --resume would begin anew",
+                           chunks.front().frames());
+    if (whole_chunks == chunks.size()) return "with --resume only what comes after the last frame is done again";
+    return fmt::format("the same command with --resume goes on with frame {}", chunks[whole_chunks].first);
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,226 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "core/sampling.h"
+#include "pipeline/foreign.h"
+
+/// A film that is killed again and again comes out as if nothing had happened.
+namespace render2mpeg {
+namespace {
+
+using nlohmann::json;
+using support::contents;
+using support::film;
+using support::Folder;
+using support::plain_film;
+using support::program;
+using support::run;
+using test::path;
+
+/// Four chunks of 41 frames in which lamps and a box change, as fast as films can be.
+constexpr const char* scene_text = R"({ "frames": 164, "camera": { "position": [0, 1.5, 4], "look_at": [0, 0.5, 0] },
+  "lights": [{ "kind": "point", "position": [1, 2, 1], "intensity": 9 },
+             { "kind": "point", "position": [-2, 2, 1], "intensity": 3, "keys": [{ "at": 0, "power": 1 }, { "at": 6, "power": 6 }] }],
+  "objects": [{ "name": "floor", "shape": "plane", "size": [6, 6] },
+              { "name": "box", "shape": "box", "keys": [{ "at": 0, "position": [-1, 0, 0] }, { "at": 6, "position": [1, 0, 0], "rotate": 200 }] }] })";
+const std::string light = " --size 32x32 --samples 1 --vpls 16 --gop 41 --threads 1 --quiet ";
+
+std::string scene_in(const Folder& folder) {
+    std::ofstream(folder / "scene.json") << scene_text;
+    return path(folder, "scene.json");
+}
+
+/// Statistics without what another run measures otherwise: times, memory, and the photons that every run needs anew.
+json lasting(const std::filesystem::path& file) {
+    json s = json::parse(contents(file));
+    for (const char* key : {"seconds", "passes", "peak_rss_mib", "command", "output"}) s.erase(key);
+    s["rays"].erase("photon");
+    if (s["caution"].is_object()) s["caution"].erase("seconds");
+    if (s["audit"].is_object()) s["audit"].erase("seconds");
+    // Means are put together from two runs' means.
+    s["clamped_energy"] = std::round(1e9 * s["clamped_energy"].get<double>());
+    if (s["caution"].is_object()) s["caution"]["mean"] = std::round(1e9 * s["caution"]["mean"].get<double>());
+    for (json& frame : s["per_frame"]) frame.erase("seconds");
+    return s;
+}
+
+/// Begins `command` and ends it with a signal after some seconds, if it is not done by then.
+support::Outcome killed(const std::string& command, const std::string& signal, double seconds) {
+    return run(command + " & job=$!; sleep " + std::to_string(seconds) + "; kill -" + signal +
+               " $job 2> /dev/null; wait $job");
+}
+
+/// Renders `name` in a folder with one signal after the other, at moments drawn by the seed, until it is done; at the
+/// latest after so many kills nothing disturbs it. Returns how many runs were ended by a signal.
+int render_killed(const std::string& render, const std::string& signal, std::uint64_t seed, int kills, double longest) {
+    int ended = 0;
+    for (int i = 0; i < kills; ++i) {
+        const double after = longest * core::uniform(seed, static_cast<std::uint64_t>(i), 0, 0);
+        const auto outcome = killed(render + " --resume", signal, after);
+        if (outcome.status == 0) return ended;
+        EXPECT_TRUE(outcome.status == 143 || outcome.status == 137) << outcome.status << ": " << outcome.output;
+        ++ended;
+    }
+    const auto outcome = run(render + " --resume");
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    return ended;
+}
+
+TEST(Resume, AFilmThatIsKilledAgainAndAgainHasTheSameBytes) {
+    const Folder folder;
+    const std::string start = program() + " render " + scene_in(folder) + light;
+    const auto output = [&](const std::string& name) {
+        return "-o " + path(folder, name + ".mpg") + " --stats " + path(folder, name + ".json");
+    };
+    const auto begin = std::chrono::steady_clock::now();
+    ASSERT_EQ(run(start + output("whole")).status, 0);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    for (const char* signal : {"TERM", "KILL"}) {
+        const std::string name = std::string("film") + signal;
+        EXPECT_GT(render_killed(start + output(name), signal, 7, 4, 0.9 * seconds), 0) << signal;
+        EXPECT_EQ(contents(folder / (name + ".mpg")), contents(folder / "whole.mpg")) << signal;
+        EXPECT_EQ(lasting(folder / (name + ".json")), lasting(folder / "whole.json")) << signal;
+    }
+    EXPECT_EQ(folder.entries(), 7u) << "no leftover stays";
+}
+
+/// What there is once a film of four chunks was interrupted behind its first.
+class Interrupted : public testing::Test {
+  protected:
+    Interrupted() {
+        const std::string record = path(folder_, "film.mpg.partial/chunk_00000.json");
+        const auto outcome = run(start_ + " & job=$!; while [ ! -s " + record +
+                                 " ]; do kill -0 $job || exit 99; sleep 0.01; done; kill -KILL $job; wait $job");
+        EXPECT_EQ(outcome.status, 137) << outcome.output;
+    }
+    std::string stream(int chunk) const {
+        return contents(folder_ / ("film.mpg.partial/chunk_0000" + std::to_string(chunk) + ".m2v"));
+    }
+    /// The line that refuses; empty where it went on.
+    std::string refusal(const std::string& more) const {
+        const auto outcome = run(start_ + " --resume " + more);
+        return outcome.status == 0 ? std::string() : outcome.output;
+    }
+
+    const Folder folder_;
+    const std::string start_ = program() + " render " + scene_in(folder_) + light +
+                               "--tolerance fixed=10% --exposure 0 -o " + path(folder_, "film.mpg");
+};
+
+TEST_F(Interrupted, FilmsAreResumedByNoOtherRunThanTheirOwn) {
+    const std::string first = stream(0);
+    ASSERT_FALSE(first.empty());
+    const auto refused = [&](const std::string& more, const std::string& words) {
+        for (const char* way : {"", " --dry-run"}) {
+            const std::string line = refusal(more + way);
+            EXPECT_NE(line.find("resuming " + path(folder_, "film.mpg") + ": " + words), std::string::npos) << line;
+            EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
+        }
+    };
+    refused("--quantiser 6", "--quantiser was not given and is 6");
+    refused("--clamp none", "--clamp was not given and is none");
+    refused("--isa sse2", "the instruction set was ");
+
+    const std::filesystem::path scene = folder_ / "scene.json", manifest = folder_ / "film.mpg.partial/manifest.json";
+    const std::string before = contents(scene), identity = contents(manifest);
+    std::ofstream(scene, std::ios::app) << " ";
+    refused("", "the input " + scene.string() + " has changed");
+    std::ofstream(scene, std::ios::trunc) << before;
+
+    json other = json::parse(identity);
+    other["identity"]["version"] = "0.0.9";
+    std::ofstream(manifest, std::ios::trunc) << other;
+    refused("", "the version of render2mpeg was 0.0.9 and is ");
+    std::ofstream(manifest, std::ios::trunc) << identity;
+
+    EXPECT_EQ(stream(0), first) << "nothing was touched";
+    EXPECT_EQ(refusal("--stats " + path(folder_, "s.json")), "") << "this may change";
+    EXPECT_EQ(json::parse(contents(folder_ / "s.json")).at("frames"), 164);
+}
+
+TEST_F(Interrupted, ChunksThatAreDamagedAreRenderedAgain) {
+    std::string damaged = stream(0);
+    ASSERT_GT(damaged.size(), 100u);
+    damaged[100] = static_cast<char>(damaged[100] ^ 1);
+    std::ofstream(folder_ / "film.mpg.partial/chunk_00000.m2v", std::ios::binary | std::ios::trunc) << damaged;
+    EXPECT_EQ(refusal(""), "");
+    const std::string resumed = contents(folder_ / "film.mpg");
+    ASSERT_EQ(run(start_).status, 0);
+    EXPECT_EQ(contents(folder_ / "film.mpg"), resumed);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "film.mpg.partial"));
+}
+
+TEST_F(Interrupted, FilmsSayHowToGoOnAndWhereTheyDo) {
+    std::string loud = start_;
+    loud.erase(loud.find(" --quiet"), 8);
+    const std::string next = path(folder_, "film.mpg.partial/chunk_00001.json");
+    const auto outcome = run(loud + " --resume & job=$!; while [ ! -s " + next +
+                             " ]; do kill -0 $job || exit 99; sleep 0.01; done; kill -INT $job; wait $job");
+    if (outcome.status == 0) GTEST_SKIP() << "it was faster than the signal";
+    EXPECT_EQ(outcome.status, 130) << outcome.output;
+    EXPECT_NE(outcome.output.find("film.mpg with frame 41: 41 of 164 are there"), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("the same command with --resume goes on with frame "), std::string::npos)
+        << outcome.output;
+}
+
+TEST(Resume, BeginsAFilmOfWhichNothingIsLeft) {
+    const Folder folder;
+    const auto outcome = run(program() + " render " + plain_film() +
+                             " --size 32x32 --samples 1 --vpls 16 --frames 0:1 --resume -o " + path(folder, "f.mpg"));
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_NE(outcome.output.find("--resume: no chunk was left of "), std::string::npos) << outcome.output;
+    EXPECT_EQ(folder.entries(), 1u);
+}
+
+/// Slow: other outputs, other settings, other scenes, many more moments.
+TEST(ResumeSlow, EveryKindOfOutputComesOutAsIfNothingHadHappened) {
+    const Folder folder;
+    const auto render = [&](const std::string& place) {
+        std::filesystem::create_directory(folder / place);
+        const std::string start = program() + " render " + path(folder, "scene.json") + light, to = path(folder, place);
+        return std::vector<std::string>{
+            start + "--bitrate 200k -o " + to + "/rate.mpg --heatmap tolerance " + to +
+                "/heat.mkv --heatmap quantiser " + to + "/quantiser.m2v",
+            start + "--audit 5 --cache on --aov " + to + " -o " + to + "/layers.mp4",
+            start + "-o " + to + "/plain.y4m",
+            start + "-o " + to + "/f.%03d.png",
+        };
+    };
+    scene_in(folder);
+    const std::vector<std::string> whole = render("whole"), cut = render("cut");
+    for (const std::string& command : whole) ASSERT_EQ(run(command).status, 0) << command;
+    for (std::size_t i = 0; i < cut.size(); ++i)
+        for (const char* signal : {"TERM", "KILL"})
+            render_killed(cut[i], signal, 11 + i, signal[0] == 'T' ? 3 : 6, 1.5);
+    std::size_t files = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "whole")) {
+        const std::filesystem::path name = entry.path().filename();
+        EXPECT_TRUE(contents(entry.path()) == contents(folder / "cut" / name.string())) << name;
+        ++files;
+    }
+    EXPECT_EQ(files, 1 + 2 + 164 + 1 + 1 + 164u);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "cut"), std::filesystem::directory_iterator{}),
+              static_cast<std::ptrdiff_t>(files));
+}
+
+TEST(ResumeSlow, ScenesThatMoveAndDeformComeOutAsIfNothingHadHappened) {
+    for (const char* name : {"character", "flash_cut"}) {
+        const Folder folder;
+        const std::string start = program() + " render " + film(name) +
+                                  " --size 32x32 --samples 1 --vpls 64 --gop 41 --frames 0:122 --threads 2 --quiet -o ";
+        ASSERT_EQ(run(start + path(folder, "whole.mpg")).status, 0);
+        EXPECT_GT(render_killed(start + path(folder, "film.mpg"), "KILL", 3, 5, 4), 0);
+        EXPECT_TRUE(contents(folder / "film.mpg") == contents(folder / "whole.mpg")) << name;
+    }
+}
+
+}  // namespace
+}  // namespace render2mpeg
