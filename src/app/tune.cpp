@@ -12,6 +12,7 @@
 #include "app/container_share.h"
 #include "app/interrupt.h"
 #include "app/rate_options.h"
+#include "app/publish.h"
 #include "app/render.h"
 #include "app/statistics_json.h"
 #include "app/text_file.h"

@@ -1,0 +1,98 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "app/memory.h"
+#include "core/error.h"
+#include "pipeline/foreign.h"
+
+/// What a run may take, and whom it must not disturb.
+namespace render2mpeg {
+namespace {
+
+using support::film;
+using support::Folder;
+using support::plain_film;
+using support::program;
+using support::run;
+using test::path;
+
+bool has(const support::Outcome& outcome, const std::string& words) {
+    return outcome.output.find(words) != std::string::npos;
+}
+
+TEST(Memory, ThatAFilmWouldTakeBeyondItsLimitIsToldBeforeItIsBegun) {
+    const Folder folder;
+    const std::string start =
+        program() + " render " + plain_film() + " --exposure 0 --quiet -o " + path(folder, "f.mpg");
+    const auto large = run(start + " --size 1920x1080 --memory 500M");
+    EXPECT_EQ(large.status, 1);
+    EXPECT_TRUE(has(large, "it takes about ") && has(large, "--memory allows 500 MiB: ")) << large.output;
+    EXPECT_EQ(std::count(large.output.begin(), large.output.end(), '\n'), 1) << large.output;
+    EXPECT_EQ(folder.entries(), 0u);
+    const auto small =
+        run(start + " --size 32x32 --samples 1 --vpls 16 --frames 0:1 --tolerance fixed=10% --memory 500M");
+    EXPECT_EQ(small.status, 0) << small.output;
+    const auto nonsense = run(start + " --memory 8");
+    EXPECT_TRUE(has(nonsense, "expected a size such as 8G")) << nonsense.output;
+}
+
+TEST(Memory, IsSaidInPowersOf1024) {
+    EXPECT_EQ(app::memory_from("8G"), std::uint64_t{8} << 30);
+    EXPECT_EQ(app::memory_from("1.5G"), std::uint64_t{3} << 29);
+    EXPECT_EQ(app::memory_from("900M"), std::uint64_t{900} << 20);
+    EXPECT_EQ(app::memory_from("65536K"), std::uint64_t{64} << 20);
+    for (const char* text : {"", "8", "G", "-1G", "1e30G", "nanG", "8GB", "8 G", "1M"})
+        EXPECT_THROW(app::memory_from(text), core::Error) << text;
+}
+
+TEST(Memory, LetsImagesBeReadInTurnBeforeItRefuses) {
+    app::Production production;
+    scene::Animation scene;
+    scene.source = "scene.glb";
+    production.animation = std::make_shared<const scene::Animation>(scene);
+    app::MemoryNeed need;
+    need.held = 100;
+    need.textures = 50;
+    need.decoding = 30;
+    EXPECT_EQ(need.total(), 180u);
+    EXPECT_TRUE(app::may_decode_at_once(production, need, 270, 4));
+    EXPECT_FALSE(app::may_decode_at_once(production, need, 269, 4));
+    EXPECT_FALSE(app::may_decode_at_once(production, need, 180, 4));
+    EXPECT_TRUE(app::may_decode_at_once(production, need, 180, 1));
+    EXPECT_THROW(app::may_decode_at_once(production, need, 179, 1), core::Error);
+}
+
+TEST(Inputs, OfInputsAreNoOutputs) {
+    const Folder folder;
+    std::filesystem::copy(film("character"), folder / "scene", std::filesystem::copy_options::recursive);
+    const std::string model = support::contents(folder / "scene" / "figure.bin");
+    ASSERT_FALSE(model.empty());
+    for (const char* taken : {"film.json", "figure.gltf", "figure.bin"}) {
+        const auto outcome = run("cd " + path(folder, "scene") + " && " + program() +
+                                 " render . -o film.mpg --size 32x32 --frames 0:0 --quiet --stats " + taken);
+        EXPECT_EQ(outcome.status, 1) << taken;
+        EXPECT_TRUE(has(outcome, "it is an input")) << outcome.output;
+    }
+    EXPECT_EQ(support::contents(folder / "scene" / "figure.bin"), model);
+}
+
+TEST(Heatmap, OfTwoRunsIsTheFirstOnes) {
+    const Folder folder;
+    const std::string start = program() + " render " + plain_film() + " --size 64x64 --vpls 16 --exposure 0 --quiet ";
+    const std::string heat = " --heatmap cut " + path(folder, "heat.mpg");
+    const std::string second = start + "--frames 0:1 -o " + path(folder, "b.mpg") + heat;
+    const auto outcome =
+        run(start + "--frames 0:9999 -o " + path(folder, "a.mpg") + heat + " & job=$!; while [ ! -e " +
+            path(folder, "heat.mpg.partial/chunk_00000.m2v") + " ]; do kill -0 $job || exit 99; sleep 0.05; done; " +
+            second + "; echo second $?; kill -INT $job; wait $job");
+    EXPECT_EQ(outcome.status, 130) << outcome.output;
+    EXPECT_TRUE(has(outcome, "heat.mpg: another run is writing it")) << outcome.output;
+    EXPECT_TRUE(has(outcome, "second 1")) << outcome.output;
+    EXPECT_FALSE(std::filesystem::exists(folder / "b.mpg"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "b.mpg.partial")) << "it left no trace";
+}
+
+}  // namespace
+}  // namespace render2mpeg
