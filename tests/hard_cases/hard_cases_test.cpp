@@ -2,11 +2,17 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <map>
+#include <regex>
+#include <set>
 #include <sstream>
+#include <utility>
 
 #include "core/error.h"
 #include "tests/hard_cases/hard_case.h"
+#include "tests/hard_cases/proof.h"
 #include "tests/support/places.h"
 
 namespace render2mpeg::test {
@@ -80,18 +86,75 @@ std::string identifier(const testing::TestParamInfo<const HardCase*>& info) {
 
 INSTANTIATE_TEST_SUITE_P(Each, HardCases, testing::ValuesIn(all_cases()), identifier);
 
+struct ProofChapter {
+    const char* title;
+    std::vector<Proof> proofs;
+};
+
+const std::vector<ProofChapter>& proof_chapters() {
+    static const std::vector<ProofChapter> all = {
+        {"Numbers, one by one", numeric_proofs()}, {"Files and runs", file_proofs()}, {"Coding", coding_proofs()}};
+    return all;
+}
+
+/// The file of each test in tests/, by "Suite.Name".
+std::map<std::string, std::string> files_of_tests() {
+    std::map<std::string, std::string> files;
+    const std::regex head(R"(\nTEST(?:_F|_P)?\((\w+),\s*(\w+)\))");
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(support::source_folder() / "tests")) {
+        if (!entry.path().filename().string().ends_with("_test.cpp")) continue;
+        std::ostringstream written;
+        written << std::ifstream(entry.path()).rdbuf();
+        const std::string text = written.str();
+        for (std::sregex_iterator at(text.begin(), text.end(), head), end; at != end; ++at)
+            files[(*at)[1].str() + "." + (*at)[2].str()] =
+                std::filesystem::relative(entry.path(), support::source_folder()).generic_string();
+    }
+    return files;
+}
+
+std::string rows_of(const std::vector<Proof>& proofs) {
+    const std::map<std::string, std::string> files = files_of_tests();
+    std::string text;
+    for (const Proof& proof : proofs) {
+        text += "| " + proof.name + " | " + proof.outcome + " | ";
+        const char* between = "";
+        for (const std::string& name : proof.cases) text += std::exchange(between, "; ") + name;
+        for (const std::string& name : proof.tests) {
+            const auto file = files.find(name);
+            text += std::exchange(between, "; ") + std::string("[") + name + "](../" +
+                    (file == files.end() ? "" : file->second) + ")";
+        }
+        text += " |\n";
+    }
+    return text;
+}
+
+TEST(HardCasesPage, NamesOnlyTestsThatAreThere) {
+    const std::map<std::string, std::string> files = files_of_tests();
+    std::set<std::string> cases;
+    for (const HardCase* hard_case : all_cases()) cases.insert(hard_case->name);
+    for (const ProofChapter& chapter : proof_chapters())
+        for (const Proof& proof : chapter.proofs) {
+            EXPECT_FALSE(proof.cases.empty() && proof.tests.empty()) << proof.name;
+            for (const std::string& name : proof.cases) EXPECT_TRUE(cases.contains(name)) << name;
+            for (const std::string& name : proof.tests) EXPECT_TRUE(files.contains(name)) << name;
+        }
+}
+
 std::string page() {
     std::ostringstream text;
     text << "# Hard cases\n\n"
             "Scenes in which careless arithmetic fails, and what comes of them here. Every one is lit without "
             "clustering, by both\n"
-            "stopping rules at 2 %, from records on surfaces, and coupled to its coding; in each, all radiance is finite and not negative, and "
+            "stopping rules at 2 %, from records on surfaces, and coupled to its coding; in each, all radiance is "
+            "finite and not negative, and "
             "libavcodec decodes\n"
             "the film to what the encoder reconstructed, bit for bit. `tests/hard_cases` proves this page and writes "
             "it\n"
-            "(`RENDER2MPEG_WRITE_PAGES=1 test_hard_cases`); [the encoder's own](../tests/encoder/hard_cases_test.cpp) "
-            "and those of\n"
-            "files ([0007](decisions/0007-broken-corners-are-refused.md)) have tests of their own.\n";
+            "(`RENDER2MPEG_WRITE_PAGES=1 test_hard_cases`). The last three tables say which tests prove what is no "
+            "scene of\n"
+            "its own: every test that they name is there, or the page fails.\n";
     for (const Chapter& chapter : chapters()) {
         text << "\n## " << chapter.title
              << "\n\n| case | what goes wrong where nobody took care | outcome |\n|---|---|---|\n";
@@ -99,6 +162,9 @@ std::string page() {
             text << "| " << hard_case.name << " | " << hard_case.breaks << " | "
                  << (hard_case.refused.empty() ? "" : "refused: ") << hard_case.outcome << " |\n";
     }
+    for (const ProofChapter& chapter : proof_chapters())
+        text << "\n## " << chapter.title << "\n\n| case | outcome | proven by |\n|---|---|---|\n"
+             << rows_of(chapter.proofs);
     return text.str();
 }
 

@@ -84,7 +84,7 @@ std::vector<HardCase> material_cases() {
          }},
         {"sheets that are wholly transparent", "each stops the ray it does not change", "the floor as without them",
          [] {
-             return sheets(4, [](scene::Material& m) {
+             return sheets(24, [](scene::Material& m) {
                  m.alpha_mode = scene::AlphaMode::blend;
                  m.base_color.w = 0;
              });

@@ -35,6 +35,21 @@ SceneBuilder block_with(scene::TrackTarget target, int width, std::vector<float>
     return b;
 }
 
+/// A block with two shapes, each a tenth higher: 3 of one and -1 of the other are as high as 1 of each.
+SceneBuilder morphed_block(float rise, float sink) {
+    SceneBuilder b = floor_from_above();
+    const int block = b.add_box({-0.3f, 0, -0.3f}, {0.3f, 0.3f, 0.3f}, b.add_material({0.2f, 0.4f, 0.6f}));
+    scene::Object& object = b.film().objects.at(static_cast<std::size_t>(block));
+    scene::Mesh& mesh = b.film().meshes.at(static_cast<std::size_t>(object.mesh));
+    for (const float by : {0.1f, 0.1f}) {
+        scene::MorphTarget& shape = mesh.morph_targets.emplace_back();
+        for (const glm::vec3& corner : mesh.positions) shape.positions.push_back({0, corner.y > 0 ? by : 0.0f, 0});
+    }
+    object.morph_weights = {rise, sink};
+    b.add_point_light({0.5f, 1.9f, 0.5f}, 1);
+    return b;
+}
+
 /// The last frame is what a film is that was never otherwise.
 void expect_ends_as(const Lit& film, const SceneBuilder& other) {
     const HardCase plain;
@@ -104,6 +119,9 @@ std::vector<HardCase> motion_cases() {
              return block_with(TrackTarget::rotation, 4, {0, 1}, {0, 0, 0, 0, 0, 0, 0, 1});
          },
          [](const Lit& film) { EXPECT_FALSE(film.notes.empty()); }},
+        {"weights of shapes below 0 and above 1", "weights that are clamped or scaled to 1",
+         "applied as they are: the block as if its corners lay there", [] { return morphed_block(3, -1); },
+         [](const Lit& film) { expect_ends_as(film, morphed_block(1, 1)); }},
         {"two keys at one time", "division by their distance", "the later of them",
          [] {
              return block_with(TrackTarget::translation, 3, {0, 1, 1, 2}, {0, 0, 0, 5, 0, 0, 0.2f, 0, 0, 0.2f, 0, 0});

@@ -1,0 +1,55 @@
+#include "tests/hard_cases/proof.h"
+
+namespace render2mpeg::test {
+
+std::vector<Proof> coding_proofs() {
+    return {
+        {"coefficients at their ends",
+         "saturated as decoders do",
+         {},
+         {"Decoding.BlackAndWhiteNoiseNeverSaturatesACoefficient"}},
+        {"coefficients that no table has",
+         "escape codes, read back one by one",
+         {},
+         {"Codes.EveryNonIntraCoefficientIsReadBack", "Codes.EveryIntraCoefficientOfTableB14IsReadBack",
+          "Codes.EveryIntraCoefficientOfTableB15IsReadBack"}},
+        {"the longest vectors, at the picture's edges",
+         "inside the picture and legal",
+         {},
+         {"HardCases.TheLongestVectorsThatALevelAllowsAreUsedAndDecode",
+          "Vectors.RangesKeepThePredictionInsideThePicture", "Codes.EveryVectorDifferenceIsReadBackAtEveryFCode"}},
+        {"motion that is endless or no number", "a legal stream", {}, {"Decoding.AnyMotionFieldGivesALegalStream"}},
+        {"buffers that run over or dry",
+         "never: in a thousand films of random parameters",
+         {},
+         {"RateFilms.NoFilmBreaksBufferLevelVectorsOrMacroblockBits",
+          "RateBuffer.AConstantRateAsksForTheFewestBytesThatKeepItFromRunningOver"}},
+        {"macroblocks that do not fit their limit of bits",
+         "coded more coarsely",
+         {},
+         {"Macroblocks.NoiseThatDoesNotFitIsCodedMoreCoarsely", "MacroblockLimit.HoldsWithTheFCodesThatAreWritten"}},
+        {"quantiser 1 on noise",
+         "decodes to its reconstruction",
+         {},
+         {"Decoding.NoiseIsDecodedAsReconstructedAtBothEndsOfTheQuantiser",
+          "Decoding.BPicturesOfNoiseAreDecodedAsReconstructedAtBothEndsOfTheQuantiser"}},
+        {"every size class",
+         "decodes",
+         {},
+         {"HardCases.EverySizeClassDecodes", "Decoding.EverySizeDownToOnePixelIsDecodedAsReconstructed"}},
+        {"mismatch control: sums of coefficients that are even",
+         "the last coefficient's lowest bit changes, in encoder and decoders alike, over predictions of any length",
+         {},
+         {"Macroblocks.AnySequenceOfKindsIsReadBack", "Refresh.NoMacroblockIsPredictedForEver"}},
+        {"any pictures with any lawful hints",
+         "decode to the reconstruction, bit for bit",
+         {},
+         {"HardCases.AnyPicturesWithAnyHintsDecodeToTheReconstruction", "Fuzz.InputsOfStrangersEndWellOrAreRefused"}},
+        {"hints without meaning",
+         "a broken contract, told at once",
+         {},
+         {"Demands.MapsOfAnotherSizeOrWithoutMeaningAreRefused"}},
+    };
+}
+
+}  // namespace render2mpeg::test
