@@ -25,7 +25,8 @@ class Mutation {
         : corpus_(corpus), seed_(seed), number_(number), bytes_(corpus[pick(corpus.size())]) {}
 
     Bytes result() {
-        for (std::size_t left = 1 + pick(8); left > 0; --left) change();
+        // Few changes most of the time: many leave nothing whole.
+        for (std::size_t left = 1 + pick(1 + pick(8)); left > 0; --left) change();
         if (bytes_.size() > longest) bytes_.resize(longest);
         return std::move(bytes_);
     }
