@@ -116,11 +116,17 @@ std::string time_table(const Comparison& found) {
         "\nTimes: medians of {} runs, and how far these are apart\n{:<23}{:>2} {:>8} {:>6} "
         "{:>8} {:>6}\n",
         found.runs, "", "q", "light", "", "code", "");
+    // Of what no clock shows nothing is told.
+    const auto apart = [](double middle, const std::vector<double>& runs) {
+        return middle < 0.0005 ? std::string("-") : fmt::format("{:.0f} %", 100 * spread(runs));
+    };
     for (const Way& way : found.ways)
-        for (std::size_t i = 0; i < way.rows.size(); ++i)
-            text += fmt::format("{:<23}{:>2} {:>8} {:>4.0f} % {:>8} {:>4.0f} %\n", way.name, way.rows[i].quantiser,
-                                short_figure(way.rows[i].seconds), 100 * spread(way.times[i].light),
-                                short_figure(way.rows[i].code_seconds), 100 * spread(way.times[i].code));
+        for (std::size_t i = 0; i < way.rows.size(); ++i) {
+            const Trial& row = way.rows[i];
+            text += fmt::format("{:<23}{:>2} {:>8} {:>6} {:>8} {:>6}\n", way.name, row.quantiser,
+                                short_figure(row.seconds), apart(row.seconds, way.times[i].light),
+                                short_figure(row.code_seconds), apart(row.code_seconds, way.times[i].code));
+        }
     return text;
 }
 
