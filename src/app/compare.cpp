@@ -137,13 +137,14 @@ void Comparing::conclude() {
             way.rows[i].seconds = median(way.times[i].light);
             way.rows[i].code_seconds = median(way.times[i].code);
         }
-    if (found_.complete) say(time_table(found_));
+    if (!found_.complete) return;
+    say(time_table(found_));
+    if (found_.foreign) say(foreign_lines(found_));
 }
 
 void Comparing::look_at_foreign_film() {
     if (!options_.film) return;
     found_.foreign = look_at_foreign(*options_.film, *options_.reference, film().exposure.value_or(0));
-    say(foreign_lines(found_));
 }
 
 }  // namespace
@@ -159,11 +160,11 @@ int compare(const CompareOptions& options, const std::string& command) {
     check_trial_outputs(film, options.render, options.json, options.report);
 
     Comparing comparing(options, film, ffmpeg);
+    comparing.look_at_foreign_film();
     if (comparing.light_references())
         for (int i = 0; i < options.runs && comparing.run_all(); ++i) {
         }
     comparing.conclude();
-    if (comparing.found().complete) comparing.look_at_foreign_film();
     const Comparison& found = comparing.found();
     if (found.ways[coupled_way].rows.empty()) {
         if (!quiet) std::fputs("interrupted before the first row: nothing was found out\n", stderr);

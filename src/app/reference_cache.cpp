@@ -6,36 +6,42 @@
 #include <cstring>
 #include <fstream>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "app/checksum.h"
 #include "core/error.h"
+#include "renderer/gather_point.h"
 
 namespace render2mpeg::app {
 namespace {
 
-/// Pixels of each frame whose light is in its name.
+/// Pixels of each frame whose light is in its name: by every light point, so that no light changes unnoticed.
 constexpr int probed = 256;
 
-/// [FNV], 64 bits.
-class Hash {
-  public:
-    void add(const void* bytes, std::size_t count) {
-        const auto* b = static_cast<const unsigned char*>(bytes);
-        for (std::size_t i = 0; i < count; ++i) value_ = (value_ ^ b[i]) * 0x100000001b3u;
-    }
-    template <class T>
-    void add(const core::Plane<T>& plane) {
-        add(plane.values().data(), plane.size() * sizeof(T));
-    }
-    void add(const std::string& text) { add(text.data(), text.size() + 1); }
-    void add(std::int64_t value) { add(&value, sizeof value); }
-    void add(float value) { add(&value, sizeof value); }
-    std::uint64_t value() const { return value_; }
+template <class T>
+void add(Checksum& sum, const T& value) {
+    static_assert(std::is_arithmetic_v<T> || std::is_same_v<T, glm::vec3>, "nothing that is padded");
+    sum.add({reinterpret_cast<const std::uint8_t*>(&value), sizeof value});
+}
+template <class T>
+void add_plane(Checksum& sum, const core::Plane<T>& plane) {
+    sum.add({reinterpret_cast<const std::uint8_t*>(plane.values().data()), plane.size() * sizeof(T)});
+}
+void add_text(Checksum& sum, const std::string& text) {
+    sum.add({reinterpret_cast<const std::uint8_t*>(text.c_str()), text.size() + 1});
+}
 
-  private:
-    std::uint64_t value_ = 0xcbf29ce484222325u;
-};
+/// All that the light of a gather point depends on but the lights.
+void add(Checksum& sum, const renderer::GatherPoint& p) {
+    const renderer::Bsdf& bsdf = p.point.bsdf;
+    for (const glm::vec3& v : {p.weight, p.point.position, p.point.geometric_normal, p.point.shading_normal,
+                               p.point.outgoing, p.point.emission, bsdf.diffuse, bsdf.f0, bsdf.mirror, bsdf.transmission})
+        add(sum, v);
+    add(sum, bsdf.alpha);
+    add(sum, p.pixel);
+}
 
 /// What a file begins with.
 struct Header {
@@ -46,9 +52,9 @@ struct Header {
 };
 
 std::uint64_t checksum_of(const core::Plane<glm::vec3>& light) {
-    Hash hash;
-    hash.add(light);
-    return hash.value();
+    Checksum sum;
+    add_plane(sum, light);
+    return sum.value();
 }
 
 }  // namespace
@@ -67,28 +73,31 @@ std::filesystem::path ReferenceCache::file_of(std::uint64_t key) const {
 std::uint64_t ReferenceCache::key_of(const Production& film, renderer::Renderer& renderer, const scene::Snapshot& world,
                                      const renderer::Seen& seen) const {
     if (folder_.empty()) return 0;
-    Hash hash;
+    Checksum sum;
     const renderer::Settings& s = film.rendering;
-    hash.add(std::string(RENDER2MPEG_VERSION));
-    hash.add(std::string(core::name_of(s.isa)));
+    add_text(sum, RENDER2MPEG_VERSION);
+    add_text(sum, std::string(core::name_of(s.isa)));
     for (const std::int64_t value :
          {world.frame, std::int64_t{s.format.width}, std::int64_t{s.format.height}, std::int64_t{s.samples},
           std::int64_t{s.vpls}, std::int64_t{s.direct_points}, static_cast<std::int64_t>(s.clamp),
           static_cast<std::int64_t>(s.bounces), static_cast<std::int64_t>(s.seed)})
-        hash.add(value);
-    hash.add(seen.visible.depth);
-    hash.add(seen.visible.material);
-    hash.add(seen.unscattered);
+        add(sum, value);
+    for (const renderer::GatherTile& tile : seen.tiles) {
+        add(sum, tile.size());
+        for (const renderer::GatherPoint& p : tile) add(sum, p);
+    }
+    add_plane(sum, seen.unscattered);
+    add_plane(sum, seen.unscattered_specular);
     core::Radiance nothing;
     nothing.frame = world.frame;
     nothing.combined = core::Plane<glm::vec3>(s.format.width, s.format.height, glm::vec3(0));
     nothing.capped = core::Plane<std::uint8_t>(s.format.width, s.format.height, 0);
     for (const renderer::AuditedPixel& p :
          renderer.audit(world, seen, core::ToleranceMap::reference(), nothing, probed)) {
-        hash.add(p.luminance);
-        hash.add(p.chroma);
+        add(sum, p.luminance);
+        add(sum, p.chroma);
     }
-    return hash.value();
+    return sum.value();
 }
 
 std::optional<KeptReference> ReferenceCache::find(std::uint64_t key, int width, int height) const {
@@ -126,7 +135,7 @@ void ReferenceCache::keep(std::uint64_t key, const KeptReference& reference) con
         if (stream.flush()) {
             stream.close();
             std::filesystem::rename(unfinished, file_of(key), ignored);
-            return;
+            if (!ignored) return;
         }
     }
     std::filesystem::remove(unfinished, ignored);

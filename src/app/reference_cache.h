@@ -17,8 +17,8 @@ struct KeptReference {
 };
 
 /// Frames lit by every light point, kept in files of a folder under a name that stands for all that they depend on:
-/// what the frame shows, settings, version, instruction set, and the light of some hundred of its pixels, gathered anew
-/// each time. Whatever changes them, a texture, a shape or the code that lights, makes another name.
+/// every point that the frame shows, settings, version, instruction set, and the light of some hundred of its pixels,
+/// gathered anew each time. Whatever changes them, a texture, a shape or the code that lights, makes another name.
 class ReferenceCache {
   public:
     /// Keeps nothing.

@@ -26,9 +26,10 @@ void check_trial_outputs(const Production& film, const RenderOptions& options,
         outputs.emplace_back(*report);
         outputs.emplace_back(report_json_of(*report));
     }
-    check_apart(inputs_of(film, options), outputs);
     for (const Files& output : outputs)
         if (!output.name.empty()) check_writable(output.name);
+    if (!options.output.empty()) outputs.emplace_back(options.output);
+    check_apart(inputs_of(film, options), outputs);
 }
 
 Production prepare_trials(const RenderOptions& options) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -61,6 +62,15 @@ Target searched(const Target& target, const Production& film, const std::filesys
     return {Kind::bitrate, pictures_in_file(target.value, film.frame_count(), output, film.disc) * 8 / seconds};
 }
 
+/// Refuses a rate that `render` would refuse, before anything dear is done. What no level brings is beyond reach.
+void check_rate(const Target& target, const Production& film) {
+    if (target.kind != Kind::bitrate || film.coding.rate_control.max_rate == 0) return;
+    encoder::Settings coding = film.coding;
+    coding.rate_control.mode = encoder::RateMode::variable;
+    coding.rate_control.bit_rate = std::llround(target.value);
+    encoder::check(coding);
+}
+
 /// One command in the making.
 class TuneCommand {
   public:
@@ -100,6 +110,7 @@ bool TuneCommand::search() {
     const InterruptGuard guard(quiet());
     const Target& target = tuning_.target;
     const Production film = prepare_trials(options_.render);
+    check_rate(target, film);
     check_trial_outputs(film, options_.render, options_.json, options_.report);
     if (!options_.render.dry_run) check_reachable(options_.render.output);
 
@@ -138,7 +149,7 @@ void TuneCommand::settle_options() {
     }
     if (tuning_.found == Found::beyond) return;
     std::vector<std::string> without{"--target-psnr", "--target-ssim", "--target-bitrate",   "--max-size", "--max-time",
-                                     "--sample",      "--references",  "--reference-frames", "--json",     "--report"};
+                                     "--sample",      "--references",  "--reference-frames", "--json",     "--report",   "--keep-references"};
     for (const auto& [name, value] : tuning_.options) without.push_back(name);
     std::vector<std::pair<std::string, std::string>> with = tuning_.options;
     if (options_.render.output.empty())
@@ -221,6 +232,7 @@ int tune(const TuneOptions& options, const std::vector<std::string>& words) {
     int status = 0;
     if (!options.render.dry_run) {
         if (!quiet) print("\n");
+        command.write_reports();  // the search may have been dear; they are told of the film after it
         status = command.make();
         if (status != 0) return status;
         if (!quiet) print_sentence(film_sentence(tuning, command.hertz()));

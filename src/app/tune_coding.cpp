@@ -96,12 +96,13 @@ void CodingTuner::settle() {
         const double next = coded_again(light, search);
         if (InterruptGuard::requested()) return;
         if (!coupled) break;
-        // What was lit for its own coding already is not lit again.
+        // What was lit for its own coding already is not lit again: then by what such light came to.
         bool known = false;
         for (const QualitySearch::Known& k : lit_.known())
             known = known || std::abs(k.quality - next) < 0.5 * QualitySearch::step;
-        if (known) break;
-        quality = next;
+        const std::optional<double> instead = known ? lit_.next() : next;
+        if (!instead) break;
+        quality = *instead;
     }
     conclude();
 }
@@ -121,12 +122,12 @@ void CodingTuner::conclude() {
         if (right && (!side || distance(i) < distance(*side))) side = i;
     }
     const bool near = is_near(target_, tuning_.probes[*nearest].value);
-    tuning_.found = near ? Found::near : side ? Found::between : Found::beyond;
     tuning_.chosen = near || !side ? nearest : side;
-    // A quality below what the coarsest quantisers give is no quality that was reached.
+    // Beyond reach is only what the finest and the coarsest do not reach.
     const double quality = *tuning_.probes[*tuning_.chosen].trial.quality;
-    if (!near && ((target_.is_rate() && quality >= 100) || (target_.is_quality() && quality <= 0)))
-        tuning_.found = Found::beyond;
+    const bool finer = figure(tuning_.probes[*tuning_.chosen]) < even_figure(target_, target_.value);
+    const bool at_end = finer ? quality >= 100 : quality <= 0;
+    tuning_.found = near ? Found::near : at_end ? Found::beyond : Found::between;
 }
 
 }  // namespace
