@@ -177,7 +177,6 @@ std::uint32_t Gatherer::add_slot(const GatherLanes& lanes, int tree, LightRef re
 void Gatherer::fetch_split(std::uint32_t index) const {
     const Slot& slot = slots_[index];
     const LightTree& tree = forest_.trees[slot.tree];
-    __builtin_prefetch(&tree.adopted[slot.ref.index()]);
     for (const LightRef child : tree.nodes[slot.ref.index()].child) fetch(tree, child);
 }
 
@@ -185,7 +184,7 @@ void Gatherer::fetch_split(std::uint32_t index) const {
 void Gatherer::fetch_light(const GatherLanes& lanes, std::uint32_t index) const {
     const Slot& slot = slots_[index];
     const LightTree& tree = forest_.trees[slot.tree];
-    fetch(tree, LightRef::leaf(tree.adopted_representative(slot.ref, lanes.set)));
+    fetch(tree, LightRef::leaf(tree.adopted_representative(slot.ref, slot.representative, lanes.set)));
 }
 
 Gatherer::Divided Gatherer::divide(const GatherLanes& lanes, std::uint32_t index, GatheredLight& out) {
@@ -197,7 +196,7 @@ Gatherer::Divided Gatherer::divide(const GatherLanes& lanes, std::uint32_t index
     const LightRef kept = node.child[first_keeps ? 0 : 1], adopted = node.child[first_keeps ? 1 : 0];
     const std::uint32_t added = add_slot(lanes, slots_[index].tree, adopted);
     Slot& old = slots_[index];
-    slots_[added].representative = tree.adopted_representative(parent, lanes.set);
+    slots_[added].representative = tree.adopted_representative(parent, old.representative, lanes.set);
     slots_[added].is_dark = old.is_dark;
     slots_[added].shields = old.shields;
 

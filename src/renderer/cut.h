@@ -104,6 +104,7 @@ class Gatherer {
         float passes[lane_count][3];
     };
 
+    static constexpr std::uint32_t no_slot = 0xffffffffu;
     struct Settled {
         float urgency;  ///< when last asked for
         std::uint32_t slot;
@@ -143,6 +144,7 @@ class Gatherer {
     void add_square(std::uint32_t slot, double sign);
     void sum_afresh(const GatherLanes& lanes);
     bool is_safe(const GatherLanes& lanes);
+    bool seems_safe(float safe_urgency);
     void sum_luminance(const GatherLanes& lanes);
     /// The clusters two levels below one: what its geometry is summed over.
     struct Parts {
@@ -164,6 +166,7 @@ class Gatherer {
     alignas(64) Lanes luminance_{}, exact_luminance_{};
     alignas(64) Lanes peak_{};                  ///< largest luminance since it was last summed afresh
     alignas(64) double squares_[lane_count]{};  ///< honest: sums of the squared bounds of all slots
+    std::uint32_t witness_ = no_slot;           ///< honest: what kept the cut from being safe, when last looked at
     alignas(64) Lanes largest_{};               ///< honest: their largest bounds, as of the last fresh sum
     std::vector<Slot> slots_;
     std::vector<SlotLobe> lobes_;

@@ -5,6 +5,17 @@
 #include "renderer/isa_clones.h"
 
 namespace render2mpeg::renderer {
+namespace {
+
+void fetch_grandchildren(const LightTree& tree, LightRef ref) {
+    if (ref.is_leaf()) return;
+    for (const LightRef child : tree.nodes[ref.index()].child) {
+        if (child.is_leaf()) continue;
+        for (const LightRef part : tree.nodes[child.index()].child) fetch(tree, part);
+    }
+}
+
+}  // namespace
 
 Gatherer::Parts Gatherer::parts_of(const GatherLanes& lanes, const Slot& slot) const {
     Parts parts;
@@ -19,7 +30,7 @@ Gatherer::Parts Gatherer::parts_of(const GatherLanes& lanes, const Slot& slot) c
     // Calls `use` with both children of a node and their representatives.
     const auto both = [&](LightRef inner, std::uint32_t own, const auto& use) {
         const bool first = tree.first_represents(inner, lanes.set);
-        const std::uint32_t other = tree.adopted_representative(inner, lanes.set);
+        const std::uint32_t other = tree.adopted_representative(inner, own, lanes.set);
         const LightRef* child = tree.nodes[inner.index()].child;
         use(child[0], first ? own : other);
         use(child[1], first ? other : own);
@@ -75,13 +86,16 @@ void Gatherer::sum_finely(const GatherLanes& lanes, std::uint32_t index, const P
 
 void Gatherer::sum_slots(const GatherLanes& lanes, bool finely, CutSums& sums, GatheredLight& out) {
     const auto count = static_cast<std::uint32_t>(slots_.size());
-    // Look ahead, so that memory is there when it is wanted.
+    // Look ahead, so that memory is there when it is wanted: a node, its children, theirs, and who stands for these.
+    const auto ahead = [&](std::uint32_t s) { return finely && s < count && slots_[s].lit != 0; };
     Parts next;
-    if (finely && count > 0) next = parts_of(lanes, slots_[0]);
+    if (ahead(0)) next = parts_of(lanes, slots_[0]);
     for (std::uint32_t s = 0; s < count; ++s) {
         const Parts parts = next;
-        if (finely && s + 1 < count) next = parts_of(lanes, slots_[s + 1]);
-        if (finely && s + 2 < count) fetch(forest_.trees[slots_[s + 2].tree], slots_[s + 2].ref);
+        if (ahead(s + 4)) fetch(forest_.trees[slots_[s + 4].tree], slots_[s + 4].ref);
+        if (ahead(s + 3) && !slots_[s + 3].ref.is_leaf()) fetch_split(s + 3);
+        if (ahead(s + 2)) fetch_grandchildren(forest_.trees[slots_[s + 2].tree], slots_[s + 2].ref);
+        if (ahead(s + 1)) next = parts_of(lanes, slots_[s + 1]);
         const Slot& slot = slots_[s];
         const LightTree& tree = forest_.trees[slot.tree];
         const bool direct = LightForest::is_direct(slot.tree);

@@ -9,8 +9,6 @@
 namespace render2mpeg::renderer {
 namespace {
 
-constexpr std::uint32_t no_slot = 0xffffffffu;
-
 /// By how much, in bounds, a neighbour's split must have been more urgent than what its cut accepted. chosen: clusters
 /// of Sponza's classic cut at 2 % from 698 to 694 for 1.05 to 1.6, and no other time; of its honest cut at 13 % 550,
 /// 542, 527, 527 for 1.2, 1.5, 2, 3, and 2 % of time.

@@ -130,28 +130,41 @@ void Gatherer::sum_afresh(const GatherLanes& lanes) {
 bool Gatherer::is_safe(const GatherLanes& lanes) {
     sum_afresh(lanes);
     if (rule_.broken(squares_, largest_) == 0) return true;
-    // Tolerances have moved since the clusters were ranked.
+    // Tolerances have moved since the clusters were ranked. Of those in the way note the one that would come last.
     queue_.clear();
-    for (std::uint32_t i = 0; i < slots_.size(); ++i)
-        if (slots_[i].is_open) queue_.push(rule_.urgency(slots_[i].bound), i);
+    witness_ = no_slot;
+    float last = std::numeric_limits<float>::max();
+    for (std::uint32_t i = 0; i < slots_.size(); ++i) {
+        if (!slots_[i].is_open) continue;
+        const float urgency = rule_.urgency(slots_[i].bound);
+        queue_.push(urgency, i);
+        if (urgency >= last || !rule_.is_in_the_way(slots_[i].bound, squares_)) continue;
+        witness_ = i;
+        last = urgency;
+    }
     return false;
+}
+
+/// Whether it is worth a look at all clusters, which takes as long as some splits.
+bool Gatherer::seems_safe(float safe_urgency) {
+    if (rule_.satisfied(squares_)) return true;
+    const auto clear = [this](std::uint32_t slot) { return !rule_.is_in_the_way(slots_[slot].bound, squares_); };
+    return queue_.urgency() <= safe_urgency && clear(queue_.front()) && (witness_ == no_slot || clear(witness_));
 }
 
 void Gatherer::refine_honest(const GatherLanes& lanes, const CutLimits& limits, GatheredLight& out) {
     const auto most = static_cast<std::size_t>(std::max(limits.most, 1));
     const float safe_urgency = CutRule::safe_urgency(lanes.count);
     bool summed = false, accepted = false;
-    std::size_t next_look = least_;  // at all clusters, which takes as long as some splits
+    std::size_t next_look = least_;
+    witness_ = no_slot;
     while (!queue_.empty() && slots_.size() < most) {
         // Keep a running sum once its largest parts are gone; what it says is checked against a fresh one.
         if (!summed && queue_.urgency() < drowning_urgency) {
             sum_afresh(lanes);
             summed = true;
         }
-        const bool seems_fine =
-            rule_.satisfied(squares_) ||
-            (queue_.urgency() <= safe_urgency && !rule_.is_in_the_way(slots_[queue_.front()].bound, squares_));
-        if (summed && slots_.size() >= next_look && seems_fine) {
+        if (summed && slots_.size() >= next_look && seems_safe(safe_urgency)) {
             accepted = is_safe(lanes);
             if (accepted) break;
             next_look = slots_.size() + 1 + slots_.size() / 32;

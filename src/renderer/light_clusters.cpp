@@ -173,10 +173,9 @@ LightNode node_of(const Cluster& c, const Cluster& a, const Cluster& b, std::uin
         node.half[k] = half > 0.0f ? std::nextafter(half, std::numeric_limits<float>::max()) : 0.0f;
     }
     node.intensity = c.intensity;
-    node.cone_cosine = std::cos(std::min(c.half_angle + packing_angle, pi));
+    node.cone = PackedCone(std::min(c.half_angle + packing_angle, pi));
     node.axis = core::PackedNormal(c.axis);
-    node.least_disc2 = c.least_disc2;
-    node.largest_disc2 = c.largest_disc2;
+    node.disc2 = Disc2Range(c.least_disc2, c.largest_disc2);
     const double share = core::divide_or(static_cast<double>(a.power), static_cast<double>(a.power) + b.power, 0.5);
     node.first_represents = draw_first(share, seed, a.least_id, b.least_id);
     node.child[0] = a.ref;
@@ -265,7 +264,7 @@ double cost_of(const LightTree& tree) {
     double sum = 0.0;
     for (const LightNode& node : tree.nodes)
         sum += cost(core::luminance(node.intensity), node.middle - node.half, node.middle + node.half,
-                    core::acos_clamped(node.cone_cosine), scale2);
+                    core::acos_clamped(node.cone.cosine()), scale2);
     return sum;
 }
 

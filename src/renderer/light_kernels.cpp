@@ -196,9 +196,9 @@ RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes,
     const float cx = node.middle.x, cy = node.middle.y, cz = node.middle.z;
     const float hx = node.half.x, hy = node.half.y, hz = node.half.z;
     const float red = node.intensity.x * outward, green = node.intensity.y * outward, blue = node.intensity.z * outward;
-    const float cone = node.cone_cosine, range2 = node.largest_disc2;
-    const float least_blur2 = node.least_disc2 / scale, largest_blur2 = node.largest_disc2 / scale;
-    const float clamp = largest_g(node.least_disc2, scale);
+    const float cone = node.cone.cosine(), range2 = node.disc2.largest();
+    const float least_blur2 = node.disc2.least() / scale, largest_blur2 = node.disc2.largest() / scale;
+    const float clamp = largest_g(node.disc2.least(), scale);
     const NodeFrame f = frame_of(node);
     for (int i = 0; i < lane_count; ++i) {
         float x = cx, y = cy, z = cz, inverse2 = 1.0f, emit = 1.0f, spread2_low = 0.0f, spread2_high = 0.0f;
@@ -215,7 +215,7 @@ RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes,
                                    f.along_tangent, f.bx * x + f.by * y + f.bz * z, f.along_bitangent);
             emit = lobe::cone_bound(theta, cone);
             if constexpr (family == LightFamily::punctual)
-                emit = near2 <= range2 && theta * outward >= cone ? 1.0f : 0.0f;
+                emit = near2 <= range2 && theta + (outward - 1.0f) >= cone ? 1.0f : 0.0f;
             if constexpr (glossy && family == LightFamily::oriented) {
                 const float fx = inlined::abs(x) + hx, fy = inlined::abs(y) + hy, fz = inlined::abs(z) + hz;
                 spread2_low = least_blur2 / inlined::max(fx * fx + fy * fy + fz * fz, lobe::tiny);

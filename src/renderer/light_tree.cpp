@@ -3,6 +3,7 @@
 #include "renderer/light_tree.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -182,18 +183,29 @@ LightTree build(LightFamily family, std::span<const LightPoint> points, std::uin
 
 }  // namespace
 
+Disc2Range::Disc2Range(float least, float largest) {
+    const auto low = std::bit_cast<std::uint32_t>(least), high = std::bit_cast<std::uint32_t>(largest);
+    least_ = static_cast<std::uint16_t>(low >> 16);
+    largest_ = static_cast<std::uint16_t>((high + 0xffffu) >> 16);
+}
+
+PackedCone::PackedCone(float half_angle)
+    : sine_(static_cast<std::uint16_t>(std::min(std::ceil(65535.0f * std::sin(0.5f * half_angle)), 65535.0f))) {}
+
 void seat_representatives(LightTree& tree) {
-    std::vector<std::array<std::uint32_t, seated_sets>> own(tree.nodes.size());
-    tree.adopted.resize(tree.nodes.size());
+    std::vector<std::array<std::uint32_t, seated_sets>> seats(tree.nodes.size());
     for (std::size_t i = tree.nodes.size(); i-- > 0;) {
-        const LightNode& node = tree.nodes[i];
+        LightNode& node = tree.nodes[i];
         for (std::size_t set = 0; set < seated_sets; ++set) {
             const auto seat_of = [&](LightRef child) {
-                return child.is_leaf() ? child.index() : own[child.index()][set];
+                return child.is_leaf() ? child.index() : seats[child.index()][set];
             };
             const bool first = (node.first_represents >> set & 1u) != 0;
-            own[i][set] = seat_of(node.child[first ? 0 : 1]);
-            tree.adopted[i][set] = seat_of(node.child[first ? 1 : 0]);
+            const std::uint32_t own = seat_of(node.child[first ? 0 : 1]), other = seat_of(node.child[first ? 1 : 0]);
+            const std::int64_t distance = std::int64_t{other} - std::int64_t{own};
+            const bool fits = std::abs(distance) <= std::numeric_limits<std::int16_t>::max();
+            node.adopted[set] = fits ? static_cast<std::int16_t>(distance) : LightNode::far_away;
+            seats[i][set] = own;
         }
     }
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/packed_normal.h"
+#include "renderer/isa_clones.h"
 #include "renderer/light_point.h"
 
 namespace render2mpeg::renderer {
@@ -44,26 +45,62 @@ struct TreeLight {
     float spot_offset = 1;
 };
 
+/// Of these sets, as many as pictures are lit by (representative_sets).
+inline constexpr int seated_sets = 4;
+
+/// The least and largest TreeLight::disc2 below a node, rounded outwards to the upper half of a float: by 0.8 % at
+/// most.
+class Disc2Range {
+  public:
+    Disc2Range() = default;
+    Disc2Range(float least, float largest);
+    RENDER2MPEG_ALWAYS_INLINED float least() const { return __builtin_bit_cast(float, std::uint32_t{least_} << 16); }
+    RENDER2MPEG_ALWAYS_INLINED float largest() const {
+        return __builtin_bit_cast(float, std::uint32_t{largest_} << 16);
+    }
+    bool operator==(const Disc2Range&) const = default;
+
+  private:
+    std::uint16_t least_ = 0, largest_ = 0;
+};
+
+/// The half angle of a cone as the sine of its half, rounded up: by 3e-5 rad where it is narrow.
+class PackedCone {
+  public:
+    PackedCone() = default;
+    explicit PackedCone(float half_angle);
+    RENDER2MPEG_ALWAYS_INLINED float cosine() const {
+        const float sine = sine_ * (1.0f / 65535.0f);
+        return 1.0f - 2.0f * sine * sine;
+    }
+    bool operator==(const PackedCone&) const = default;
+
+  private:
+    std::uint16_t sine_ = 0;
+};
+
 /// An inner node: 64 bytes, one cache line. Its two children, its representatives and what bounds need.
 struct alignas(64) LightNode {
-    glm::vec3 middle{0};    ///< of a box that holds all positions (directional: directions)
-    float least_disc2 = 0;  ///< least and largest TreeLight::disc2 below
-    glm::vec3 half{0};      ///< extent of the box to each side
-    float largest_disc2 = 0;
+    glm::vec3 middle{0};     ///< of a box that holds all positions (directional: directions)
+    glm::vec3 half{0};       ///< extent of the box to each side
     glm::vec3 intensity{0};  ///< summed
-    float cone_cosine = 1;   ///< of the half angle of a cone about `axis` that holds all normals; -1: all directions
     LightRef child[2];
     /// Bit k: the representative of set k is that of the first child; chosen by dice in proportion to intensity.
     std::uint16_t first_represents = 0xffff;
+    PackedCone cone;  ///< about `axis`, holds all normals
     core::PackedNormal axis;
+    Disc2Range disc2;
+    /// Of the first sets: what stands for the child that does not keep the node's representative, as its distance from
+    /// that in the tree's lights; `far_away` where it is too far. Looked up where a cut splits the node, since walking
+    /// down would wait for memory at each step.
+    std::int16_t adopted[seated_sets] = {far_away, far_away, far_away, far_away};
+    static constexpr std::int16_t far_away = -0x8000;
 };
 static_assert(sizeof(TreeLight) <= 56 && sizeof(LightNode) == 64);
 
 /// Sets of representatives: in each, every node has one of its lights, one of its children's. Whoever gathers takes one
 /// set; neighbouring pixels take different ones, so that their errors are not alike (docs/model.md, "Lightcut").
 inline constexpr int most_representative_sets = 16;
-/// Of these, as many as pictures are lit by (representative_sets).
-inline constexpr int seated_sets = 4;
 
 /// A binary tree over light points of one family [Walter2005, 4.1], clustered bottom up. Plain data, fixed once built.
 struct LightTree {
@@ -71,9 +108,6 @@ struct LightTree {
     std::vector<LightNode> nodes;
     std::vector<TreeLight> lights;  ///< in an order of the tree's own
     LightRef root;                  ///< meaningless where there are no lights
-    /// Of each node, what stands in the first sets for the child that does not keep the node's own representative:
-    /// what a cut asks for when it splits the node. Looked up where walking down would wait for memory at each step.
-    std::vector<std::array<std::uint32_t, seated_sets>> adopted;
 
     bool empty() const { return lights.empty(); }
     glm::vec3 intensity(LightRef ref) const {
@@ -84,23 +118,22 @@ struct LightTree {
         while (!ref.is_leaf()) ref = nodes[ref.index()].child[first_represents(ref, set) ? 0 : 1];
         return ref.index();
     }
-    /// The light that stands for an inner node's other child, which does not keep its representative.
-    std::uint32_t adopted_representative(LightRef inner, int set) const {
-        if (set < seated_sets) return adopted[inner.index()][static_cast<std::size_t>(set)];
-        return representative(nodes[inner.index()].child[first_represents(inner, set) ? 1 : 0], set);
+    /// The light that stands for an inner node's other child, which does not keep its representative `own`.
+    std::uint32_t adopted_representative(LightRef inner, std::uint32_t own, int set) const {
+        const LightNode& node = nodes[inner.index()];
+        const std::int16_t distance = set < seated_sets ? node.adopted[set] : LightNode::far_away;
+        if (distance != LightNode::far_away) return own + static_cast<std::uint32_t>(std::int32_t{distance});
+        return representative(node.child[first_represents(inner, set) ? 1 : 0], set);
     }
     /// Whether an inner node's representative is its first child's.
     bool first_represents(LightRef inner, int set) const {
         return (nodes[inner.index()].first_represents >> set & 1u) != 0;
     }
     /// Bytes held, for the budget per light.
-    std::size_t bytes() const {
-        return nodes.capacity() * sizeof(LightNode) + lights.capacity() * sizeof(TreeLight) +
-               adopted.capacity() * sizeof(adopted[0]);
-    }
+    std::size_t bytes() const { return nodes.capacity() * sizeof(LightNode) + lights.capacity() * sizeof(TreeLight); }
 };
 
-/// Fills `adopted` from the nodes' bits; children come after their parents.
+/// Fills the nodes' `adopted` from their bits; children come after their parents.
 void seat_representatives(LightTree& tree);
 
 /// Has a node, or a light, on its way from memory before it is wanted.

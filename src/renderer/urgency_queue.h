@@ -65,7 +65,7 @@ class UrgencyQueue {
 
     std::uint32_t words_ = 0;                 ///< bit w: `steps_[w]` is not 0
     std::uint64_t steps_[most_steps / 64]{};  ///< bits of the steps that hold slots
-    Ends ends_[most_steps];                   ///< of the steps' lists, where there are any
+    Ends ends_[most_steps]{};                 ///< of the steps' lists, where there are any
     std::vector<Entry> entries_;              ///< of each slot
 };
 

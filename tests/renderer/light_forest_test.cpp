@@ -37,11 +37,10 @@ void expect_same(const LightTree& a, const LightTree& b) {
         EXPECT_EQ(x.middle, y.middle);
         EXPECT_EQ(x.half, y.half);
         EXPECT_EQ(x.intensity, y.intensity);
-        EXPECT_EQ(x.cone_cosine, y.cone_cosine);
+        EXPECT_EQ(x.cone, y.cone);
         EXPECT_EQ(x.axis.unpack(), y.axis.unpack());
         EXPECT_EQ(x.first_represents, y.first_represents);
-        EXPECT_EQ(x.least_disc2, y.least_disc2);
-        EXPECT_EQ(x.largest_disc2, y.largest_disc2);
+        EXPECT_EQ(x.disc2, y.disc2);
     }
     for (std::size_t i = 0; i < a.lights.size(); ++i) {
         EXPECT_EQ(a.lights[i].position, b.lights[i].position);
@@ -91,7 +90,7 @@ TEST(LightTreeUpdate, BoundsLightsThatHaveMovedOrGoneOut) {
             const TreeLight& l = tree.lights[i];
             if (!(core::luminance(l.intensity) > 0)) continue;  // it may lie anywhere
             for (int k = 0; k < 3; ++k) ASSERT_LE(std::abs(l.position[k] - node.middle[k]), node.half[k]);
-            ASSERT_GE(glm::dot(l.normal, node.axis.unpack()), node.cone_cosine - 1e-5f);
+            ASSERT_GE(glm::dot(l.normal, node.axis.unpack()), node.cone.cosine() - 1e-6f);
         }
         // A light that is out represents nothing that shines.
         if (core::luminance(node.intensity) > 0) {

@@ -75,7 +75,9 @@ TEST(RepresentativeSets, AreAdoptedWhereWalkingDownEnds) {
             for (std::uint32_t n = 0; n < tree.nodes.size(); ++n) {
                 const LightRef node = LightRef::inner(n);
                 const LightRef other = tree.nodes[n].child[tree.first_represents(node, k) ? 1 : 0];
-                ASSERT_EQ(tree.adopted_representative(node, k), tree.representative(other, k)) << n << " in " << k;
+                ASSERT_EQ(tree.adopted_representative(node, tree.representative(node, k), k),
+                          tree.representative(other, k))
+                    << n << " in " << k;
             }
         }
     };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -74,9 +75,9 @@ TEST(LightTree, HoldsEveryLightOnceAndBoundsWhatItHolds) {
                     ASSERT_GE(l.position[k], node.middle[k] - node.half[k]);
                     ASSERT_LE(l.position[k], node.middle[k] + node.half[k]);
                 }
-                ASSERT_GE(glm::dot(l.normal, node.axis.unpack()), node.cone_cosine - 1e-5f);
-                ASSERT_GE(l.disc2, node.least_disc2);
-                ASSERT_LE(l.disc2, node.largest_disc2);
+                ASSERT_GE(glm::dot(l.normal, node.axis.unpack()), node.cone.cosine() - 1e-6f);
+                ASSERT_GE(l.disc2, node.disc2.least());
+                ASSERT_LE(l.disc2, node.disc2.largest());
             }
         }
         ASSERT_TRUE(holds_representative);
@@ -230,9 +231,28 @@ TEST(LightTree, IsTheSameShapeForTwiceTheLightAndTwiceTheScene) {
     }
 }
 
-TEST(LightTree, TakesAtMost132BytesPerLight) {
+TEST(LightTree, RoundsDiscsAndConesOutwardsByLittle) {
+    for (std::uint32_t i = 0; i < 3000; ++i) {
+        const float disc2 = std::exp2(60.0f * core::uniform(8, i, 0) - 30.0f);
+        const Disc2Range range(disc2, disc2);
+        ASSERT_LE(range.least(), disc2);
+        ASSERT_GT(range.least(), 0.992f * disc2);
+        ASSERT_GE(range.largest(), disc2);
+        ASSERT_LT(range.largest(), 1.008f * disc2);
+        const float angle = 3.14159265f * core::uniform(8, i, 1) * (i % 2 == 0 ? 1.0f : 0.01f);
+        const float packed = std::acos(std::clamp(PackedCone(angle).cosine(), -1.0f, 1.0f));
+        ASSERT_GE(packed, angle - 4e-4f) << "the arc cosine's own rounding";
+        ASSERT_LT(packed, angle + (angle < 3.0f ? 1e-3f : 1.3e-2f)) << angle;
+        ASSERT_LE(PackedCone(angle).cosine(), std::cos(angle) + 1e-7f);
+    }
+    EXPECT_EQ(Disc2Range(0, std::numeric_limits<float>::infinity()).largest(), std::numeric_limits<float>::infinity());
+    EXPECT_EQ(Disc2Range(0, 0).largest(), 0.0f);
+    EXPECT_NEAR(PackedCone(3.14159265f).cosine(), -1.0f, 2e-7f);
+}
+
+TEST(LightTree, TakesAtMost120BytesPerLight) {
     const LightTree tree = build_light_tree(LightFamily::oriented, random_lights(50000, 10), 1);
-    EXPECT_LE(tree.bytes(), 132u * 50000u);
+    EXPECT_LE(tree.bytes(), 120u * 50000u);
 }
 
 TEST(LightTree, PairsUpALatticeOfEqualLightsInLogarithmicDepth) {
