@@ -116,7 +116,7 @@ CLI::App* add_compare_command(CLI::App& app, CompareOptions& options) {
     command
         ->add_option("--references,--reference-frames", options.references,
                      "Frames of each window that are also lit by every light point, in adjacent pairs where there are "
-                     "several: quality is told of these, flicker of the pairs")
+                     "several: they tell what light adds to the errors of all frames, and their pairs flicker")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str()
         ->group(tried);

@@ -115,7 +115,9 @@ bool TuneCommand::search() {
     if (!options_.render.dry_run) check_reachable(options_.render.output);
 
     // Try the film: rates are told of whole GOPs, and need no references.
-    const Sample sample = sample_from(options_.sample.value_or(target.kind == Kind::time ? "2x3" : "2x15"));
+    // chosen: groups of more than 60 pictures are not waited for, their I pictures then count for too much.
+    const std::string whole_gops = fmt::format("2x{}", std::clamp(film.coding.gop, 15, 60));
+    const Sample sample = sample_from(options_.sample.value_or(target.kind == Kind::time ? "2x3" : whole_gops));
     trials_.emplace(film, windows_of(film.frames, sample), options_.references.value_or(target.is_rate() ? 0 : 1));
     if (options_.kept_references) trials_->keep_references_in(ReferenceCache(*options_.kept_references));
     tell_memory(trials_->bytes_held(target.kind != Kind::time), quiet());
