@@ -42,6 +42,13 @@ TEST(ChildTrial, SurvivesACrash) {
     EXPECT_NE(complaint_of([] { throw 3; }).find("crashed"), std::string::npos);
 }
 
+TEST(ChildTrialSlow, EndsAParserThatNeverDoes) {
+    const auto endless = [] {
+        for (volatile bool on = true; on;) continue;
+    };
+    EXPECT_NE(complaint_of(endless).find("more time than a file of its size can need"), std::string::npos);
+}
+
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST(ChildTrial, RefusesFilesThatTakeAllMemory) {
     const auto hoard = [] {
