@@ -12,6 +12,7 @@
 #include "renderer/cut_sums.h"
 #include "renderer/flush_denormals.h"
 #include "renderer/isa_clones.h"
+#include "renderer/near_lights.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -250,6 +251,7 @@ void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance,
 
     sum_slots(lanes, limits.stop == Stop::honest, sums, out);
     sums.store(out);
+    put_back_near_light(forest_, tracer_, lanes, out);
 }
 
 void Gatherer::gather_exact(const GatherLanes& lanes, GatheredLight& out) {
@@ -282,6 +284,7 @@ void Gatherer::gather_all(const GatherLanes& lanes, GatheredLight& out) {
             static_cast<int>(tree.lights.size());
     }
     sums.store(out);
+    put_back_near_light(forest_, tracer_, lanes, out);
 }
 
 }  // namespace render2mpeg::renderer

@@ -6,6 +6,7 @@
 #include "renderer/cut_sums.h"
 #include "renderer/flush_denormals.h"
 #include "renderer/isa_clones.h"
+#include "renderer/near_lights.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -95,6 +96,7 @@ void gather_all(const LightForest& forest, const RayTracer& tracer, const Gather
     sums.store(out);
     set_first(out.direct, exact.direct.at(0) + total(out.direct));
     set_first(out.indirect, exact.indirect.at(0) + total(out.indirect));
+    put_back_near_light(forest, tracer, alone, out);
     if (!lanes.glossy) return;
     set_first(out.f0, exact.f0.at(0) + total(out.f0));
     set_first(out.schlick, exact.schlick.at(0) + total(out.schlick));

@@ -27,7 +27,7 @@ class ShadowRays : public testing::TestWithParam<std::pair<float, float>> {};
 TEST_P(ShadowRays, MeetNothingBetweenPointsOfAConvexRoom) {
     const auto [scale, distance] = GetParam();
     LitStage stage(hollow(scale, glm::vec3(distance * scale, 0.3f * distance * scale, 0)));
-    const LightForest forest = stage.light({16, 400, 4, 0, GeometryClamp{}});
+    const LightForest forest = stage.light({16, 400, 4, 0, GeometryClamp::none()});
     const LightTree& tree = forest.trees[LightForest::direct_trees];
     ASSERT_GT(tree.lights.size(), 300u);
     const auto triangles = static_cast<std::uint32_t>(stage.scenery().animation().meshes[0].triangles.size());

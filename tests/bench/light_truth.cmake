@@ -1,0 +1,8 @@
+find_package(fmt REQUIRED)
+
+if(NOT TARGET render2mpeg_path_tracer)
+  add_library(render2mpeg_path_tracer STATIC ${PROJECT_SOURCE_DIR}/tests/reference/path_tracer.cpp)
+  target_link_libraries(render2mpeg_path_tracer PUBLIC render2mpeg_renderer)
+endif()
+add_executable(bench_light_truth ${CMAKE_CURRENT_LIST_DIR}/light_truth.cpp)
+target_link_libraries(bench_light_truth PRIVATE render2mpeg_options render2mpeg_app render2mpeg_path_tracer fmt::fmt)

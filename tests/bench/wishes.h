@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdlib>
+#include <map>
+#include <string>
+
+#include "core/error.h"
+
+namespace render2mpeg::bench {
+
+/// What is said after the scene's name: name=value, any number of them.
+class Wishes {
+  public:
+    Wishes(int argc, char** argv) {
+        for (int i = 2; i < argc; ++i) {
+            const std::string wish = argv[i];
+            const std::size_t equals = wish.find('=');
+            if (equals == std::string::npos) throw core::Error(wish + ": a name=value is expected");
+            said_[wish.substr(0, equals)] = wish.substr(equals + 1);
+        }
+    }
+    std::string text(const std::string& name, const std::string& otherwise) const {
+        const auto found = said_.find(name);
+        return found == said_.end() ? otherwise : found->second;
+    }
+    int number(const std::string& name, int otherwise) const {
+        return std::atoi(text(name, std::to_string(otherwise)).c_str());
+    }
+
+  private:
+    std::map<std::string, std::string> said_;
+};
+
+}  // namespace render2mpeg::bench

@@ -1,0 +1,145 @@
+#include "renderer/near_lights.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/sampling.h"
+#include "tests/renderer/anchor_stage.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// One lane at a place with a normal.
+GatherLanes lane_at(glm::vec3 position, glm::vec3 normal) {
+    static GatherPoint point;
+    point.point.position = position;
+    point.point.geometric_normal = point.point.shading_normal = point.point.outgoing = normal;
+    point.point.bsdf.diffuse = glm::vec3(0.5f);
+    const GatherPoint* const points[] = {&point};
+    GatherLanes lanes;
+    fill(lanes, points);
+    return lanes;
+}
+
+TreeLight disc(glm::vec3 position, float radius) {
+    TreeLight light;
+    light.position = position;
+    light.normal = {0, 1, 0};
+    light.disc2 = radius * radius;
+    light.intensity = glm::vec3(1);
+    return light;
+}
+
+/// Mean of G over the part of the hexagon that lies before the surface, by a fine lattice.
+double by_lattice(glm::vec3 at, glm::vec3 normal, const TreeLight& light) {
+    glm::vec3 tangent, bitangent;
+    core::make_frame(light.normal, tangent, bitangent);
+    const double out = 1.75 * 1.0996361 * std::sqrt(light.disc2), inner = out * std::sqrt(0.75);
+    double sum = 0, count = 0;
+    for (int i = -400; i <= 400; ++i)
+        for (int k = -400; k <= 400; ++k) {
+            const double u = out * i / 400, v = out * k / 400;
+            // The regular hexagon with corners along u.
+            if (std::abs(v) > inner || std::abs(u) * std::sqrt(3.0) + std::abs(v) > 2 * inner) continue;
+            const glm::vec3 way =
+                light.position + static_cast<float>(u) * tangent + static_cast<float>(v) * bitangent - at;
+            const double height = glm::dot(way, normal), d2 = glm::dot(way, way);
+            if (height <= 0) continue;
+            sum += height * std::max(0.0f, -glm::dot(way, light.normal)) / (d2 * d2);
+            count += 1;
+        }
+    return sum / count;
+}
+
+TEST(NearLights, SendWhatAllPlacesOfTheirDiscsSend) {
+    const TreeLight light = disc({0.3f, 0, -0.2f}, 0.8f);
+    const glm::vec3 normals[] = {
+        {0, -1, 0}, glm::normalize(glm::vec3{0.1f, -1, 0.2f}), {1, 0, 0}, glm::normalize(glm::vec3{0.7f, -0.5f, 0.5f})};
+    for (const glm::vec3 normal : normals)
+        for (const glm::vec3 at : {glm::vec3{0.2f, 0.9f, 0.3f}, {-0.6f, 0.3f, -0.4f}, {0.1f, 0.1f, 0.2f}}) {
+            const double truth = by_lattice(at, normal, light);
+            EXPECT_NEAR(disc_light(lane_at(at, normal), 0, light).irradiance / truth, 1.0, 0.01) << at.y;
+        }
+}
+
+TEST(NearLights, FillTheViewOfAPointThatTouchesThem) {
+    // Irradiance pi L = I / r^2 by a disc that fills the view; the hexagon is wider and as much dimmer.
+    const float r = 0.5f;
+    const DiscLight found = disc_light(lane_at({0.1f, 1e-4f, 0}, {0, -1, 0}), 0, disc({0, 0, 0}, r));
+    EXPECT_EQ(found.share, 1.0f);
+    EXPECT_NEAR(found.irradiance * r * r * 1.75f * 1.75f, 1.0f, 1e-3f);
+}
+
+TEST(NearLights, LoseNothingBehindTheSurfaceThatIsLit) {
+    // A point at an edge sees half of the disc, which lights as the whole would: what lies beyond the edge is none.
+    const DiscLight edge = disc_light(lane_at({0, 0.01f, 0}, {1, 0, 0}), 0, disc({0.001f, 0, 0}, 0.5f));
+    const DiscLight inside = disc_light(lane_at({0, 0.01f, 0}, {1, 0, 0}), 0, disc({0.3f, 0, 0}, 0.5f));
+    EXPECT_GT(edge.irradiance, inside.irradiance);
+    EXPECT_LT(edge.irradiance, 2.0f * inside.irradiance);
+}
+
+TEST(NearLights, ArePointsFromThreeRadiiOn) {
+    const GatherLanes lanes = lane_at({0, 1, 0}, {0, -1, 0});
+    EXPECT_EQ(disc_light(lanes, 0, disc({0, 0, 0}, 0.33f)).share, 0.0f);
+    EXPECT_NEAR(disc_light(lanes, 0, disc({0, 0, 0}, 0.4f)).share, 0.5f, 1e-4f);
+    EXPECT_EQ(disc_light(lanes, 0, disc({0, 0, 0}, 0.51f)).share, 1.0f);
+}
+
+/// A closed room whose walls all shine alike: indirect light is the same everywhere.
+class FurnaceEdges : public testing::Test {
+  protected:
+    FurnaceEdges() : stage_(room(), {800, 3}) {
+        const Anchors::Lit lit = stage_.light();
+        forest_ = plant({}, lit.still, 1);
+        for (const LightPoint& l : lit.still) radius_ += std::sqrt(l.disc2) / static_cast<float>(lit.still.size());
+    }
+    static test::SceneBuilder room() {
+        test::SceneBuilder b;
+        const int wall = b.add_material(glm::vec3(0.5f));
+        b.material(wall).emission = glm::vec3(1);
+        b.add_box({0, 0, 0}, {4, 4, 4}, wall, true);
+        return b;
+    }
+    /// Mean and scatter of indirect irradiance along a line of the floor at a distance from a wall, without clamp or
+    /// with.
+    std::pair<double, double> along(float from_wall, GeometryClamp clamp) {
+        forest_.indirect_clamp = clamp;
+        Gatherer gatherer(forest_, stage_.scenery().tracer());
+        double sum = 0, squares = 0;
+        for (int i = 0; i < places; ++i) {
+            const float z = 0.5f + 3.0f * (static_cast<float>(i) + 0.5f) / places;
+            const Hit hit = stage_.scenery().tracer().nearest({from_wall, 1, z}, {0, -1, 0}, 10);
+            GatherPoint point;
+            point.point = stage_.scenery().surface_at(hit.address, {0, 1, 0});
+            const GatherPoint* const points[] = {&point};
+            GatherLanes lanes;
+            fill(lanes, points);
+            GatheredLight light;
+            gatherer.gather_all(lanes, light);
+            sum += light.indirect.r[0] / places;
+            squares += static_cast<double>(light.indirect.r[0]) * light.indirect.r[0] / places;
+        }
+        return {sum, std::sqrt(std::max(0.0, squares - sum * sum)) / sum};
+    }
+
+    static constexpr int places = 48;
+    test::AnchorStage stage_;
+    LightForest forest_;
+    float radius_ = 0;
+};
+
+TEST_F(FurnaceEdges, AreNeitherDarkNorBlotchy) {
+    const double middle = along(2.0f, {0.25f}).first;
+    for (const float radii : {0.1f, 0.4f, 1.0f, 2.0f}) {
+        const auto [mean, scatter] = along(radii * radius_, {0.25f});
+        EXPECT_GT(mean, 0.82 * middle) << radii;
+        EXPECT_LT(mean, 1.08 * middle) << radii;
+        EXPECT_LT(scatter, 0.1) << radii;
+    }
+    // Points alone show every anchor near an edge.
+    EXPECT_GT(along(0.4f * radius_, GeometryClamp::none()).second, 0.2);
+}
+
+}  // namespace
+}  // namespace render2mpeg::renderer
