@@ -12,8 +12,8 @@
 #include "app/command_words.h"
 #include "app/container_share.h"
 #include "app/interrupt.h"
-#include "app/rate_options.h"
 #include "app/publish.h"
+#include "app/rate_options.h"
 #include "app/render.h"
 #include "app/statistics_json.h"
 #include "app/text_file.h"
@@ -150,8 +150,9 @@ void TuneCommand::settle_options() {
         tuning_.options = {{"--bitrate", fmt::format("{:.0f}", rate.value)}};
     }
     if (tuning_.found == Found::beyond) return;
-    std::vector<std::string> without{"--target-psnr", "--target-ssim", "--target-bitrate",   "--max-size", "--max-time",
-                                     "--sample",      "--references",  "--reference-frames", "--json",     "--report",   "--keep-references"};
+    std::vector<std::string> without{"--target-psnr", "--target-ssim", "--target-bitrate", "--max-size",
+                                     "--max-time",    "--sample",      "--references",     "--reference-frames",
+                                     "--json",        "--report",      "--keep-references"};
     for (const auto& [name, value] : tuning_.options) without.push_back(name);
     std::vector<std::pair<std::string, std::string>> with = tuning_.options;
     if (options_.render.output.empty())

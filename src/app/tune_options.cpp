@@ -44,15 +44,17 @@ void add_tried(CLI::App& command, TuneOptions& options) {
     const std::string tried = "What is tried";
     command
         .add_option("--sample", options.sample,
-                    "Windows spread over the film, by consecutive frames of each (default: 2 by a GOP of 15 to 60; with --max-time 2x3)")
+                    "Windows spread over the film, by consecutive frames of each (default: 2 by a GOP of 15 to 60; "
+                    "with --max-time 2x3)")
         ->type_name("WINDOWSxFRAMES")
         ->check(checked(sample_from, ""))
         ->group(tried);
     command
-        .add_option("--references,--reference-frames", options.references,
-                    "Frames of each window that are also lit by every light point, which is dear: they tell what light adds "
-                    "to the errors of all frames. 0: quality is told against the pictures as they were lit (default: 1; "
-                    "with --target-bitrate and --max-size 0)")
+        .add_option(
+            "--references,--reference-frames", options.references,
+            "Frames of each window that are also lit by every light point, which is dear: they tell what light adds "
+            "to the errors of all frames. 0: quality is told against the pictures as they were lit (default: 1; "
+            "with --target-bitrate and --max-size 0)")
         ->type_name("N")
         ->check(CLI::Range(0, 1000))
         ->group(tried);

@@ -46,7 +46,8 @@ std::string quality_sentence(const Tuning& tuning, double hertz) {
     std::string text = fmt::format("{}{} comes to {} on the sample, where {} was asked for",
                                    name.substr(0, 1) == "q" ? "Q" : name.substr(0, 1), name.substr(1), value, asked);
     if (tuning.found == Found::between)
-        text += ": no quality that was tried comes nearer" + std::string(probe.value < tuning.target.value ? "" : " from above");
+        text += ": no quality that was tried comes nearer" +
+                std::string(probe.value < tuning.target.value ? "" : " from above");
     return text + fmt::format("; {}, {} s of CPU per frame for light.",
                               figure_text(Kind::bitrate, rate_of(probe.trial, hertz)),
                               short_figure(probe.trial.seconds));
