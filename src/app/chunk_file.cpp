@@ -1,8 +1,5 @@
 #include "app/chunk_file.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -10,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "app/disk.h"
 #include "app/text_file.h"
 #include "core/error.h"
 
@@ -41,15 +39,6 @@ json read_json(const std::filesystem::path& file) {
 /// Why a stream could not be written.
 std::string reason() {
     return errno != 0 ? std::strerror(errno) : "the disk is full";
-}
-
-/// Waits until a file's bytes are on the disk: its record must not outlive them when the power fails. That a file
-/// system cannot do so is no failure; the checksum tells.
-void bring_to_disk(const std::filesystem::path& file) {
-    const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
-    if (descriptor < 0) return;
-    static_cast<void>(fsync(descriptor));
-    close(descriptor);
 }
 
 }  // namespace
@@ -94,7 +83,7 @@ void ChunkFile::append(const encoder::CodedPicture& coded) {
 
 void ChunkFile::finish(const json& facts) {
     abandon();
-    bring_to_disk(file_);
+    bring_to_disk(file_);  // its record must not outlive it
     json record{{"first", chunk_.first}, {"last", chunk_.last}, {"pictures", json::array()}, {"facts", facts}};
     std::uint64_t bits = 0;
     for (const PictureRecord& picture : pictures_) {

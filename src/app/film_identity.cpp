@@ -8,6 +8,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "app/build_identity.h"
 #include "app/checksum.h"
 
 namespace render2mpeg::app {
@@ -81,6 +82,7 @@ json identity_of(const Production& film, const RenderOptions& options) {
             inputs.push_back({{"file", file}, {"checksum", text_of(checksum_of(input.name))}});
     }
     return {{"version", RENDER2MPEG_VERSION},
+            {"build", build_identity()},
             {"isa", core::name_of(film.rendering.isa)},
             {"frames", {film.frames.first, film.frames.last}},
             {"options", options_of(options)},
@@ -104,6 +106,7 @@ std::string difference_of(const json& before, const json& now) {
             return fmt::format("the {} was {} and is {}",
                                std::string_view(name) == "isa" ? "instruction set" : "version of render2mpeg",
                                shown(before.value(name, json())), shown(now.value(name, json())));
+    if (before.value("build", json()) != now.value("build", json())) return "render2mpeg was built anew since";
     const auto part = [](const json& of, const char* name, const json& otherwise) {
         return of.contains(name) && of[name].type() == otherwise.type() ? of[name] : otherwise;
     };

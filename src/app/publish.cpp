@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "app/assembly.h"
+#include "app/disk.h"
 #include "app/output_kind.h"
 #include "core/error.h"
 
@@ -125,8 +126,11 @@ Published give_name(const std::filesystem::path& file, WorkFolder& work, const s
     std::error_code error;
     const std::uint64_t bytes = std::filesystem::file_size(file, error);
     if (!error && !complete) return {work.leave(file), bytes};
+    // What it was made of goes only when it is there for good.
+    bring_to_disk(file);
     if (!error) std::filesystem::rename(file, output, error);
     if (error) throw core::Error("writing", output.string(), error.message());
+    bring_name_to_disk(output);
     work.clear_away();
     return {output, bytes};
 }

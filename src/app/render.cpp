@@ -246,7 +246,7 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     if (!options.quiet && published) attempts.attempt([&] { print(summary(film, ledger, facts)); });
     if (!complete && !options.quiet)
         std::fputs(fmt::format("interrupted after {} of {} frames; {}\n", ledger.frames.size(), film.frame_count(),
-                               resuming_text(film, whole_of(chunks)))
+                               resuming_text(film, whole_of(chunks), rendered != nullptr ? "the command above" : "the same command"))
                        .c_str(),
                    stderr);
     attempts.rethrow();

@@ -8,6 +8,8 @@
 #include <system_error>
 #include <utility>
 
+#include "app/checksum.h"
+#include "app/disk.h"
 #include "app/first_pass.h"
 #include "app/interrupt.h"
 #include "app/ledger_json.h"
@@ -18,21 +20,27 @@ namespace {
 
 using nlohmann::json;
 
-/// The files that a chunk's frames become beside the coded stream, by size; -1 for one that is not there.
-json sizes_of_products(const Production& film, const RenderOptions& options, const WorkFolder& work,
-                       const Chunk& chunk) {
-    json sizes = json::array();
-    const auto add = [&](const std::filesystem::path& file) {
-        std::error_code error;
-        const std::uintmax_t size = std::filesystem::file_size(file, error);
-        sizes.push_back(error ? json(-1) : json(size));
-    };
-    if (film.kind == OutputKind::y4m) add(frames_of(film, options, work, chunk));
+/// The files that a chunk's frames become beside the coded stream.
+std::vector<std::filesystem::path> products_of(const Production& film, const RenderOptions& options,
+                                               const WorkFolder& work, const Chunk& chunk) {
+    std::vector<std::filesystem::path> files;
+    if (film.kind == OutputKind::y4m) files.push_back(frames_of(film, options, work, chunk));
     for (std::int64_t n = chunk.first; n <= chunk.last; ++n) {
-        if (film.kind == OutputKind::exr || film.kind == OutputKind::png) add(numbered(options.output, n));
-        if (options.layers) add(numbered(layers_in(*options.layers), n));
+        if (film.kind == OutputKind::exr || film.kind == OutputKind::png) files.push_back(numbered(options.output, n));
+        if (options.layers) files.push_back(numbered(layers_in(*options.layers), n));
     }
-    return sizes;
+    return files;
+}
+
+/// Their checksums; null for one that is not there.
+json sums_of(const std::vector<std::filesystem::path>& files) {
+    json sums = json::array();
+    for (const std::filesystem::path& file : files) {
+        std::error_code error;
+        const bool there = std::filesystem::is_regular_file(file, error);
+        sums.push_back(there ? json(text_of(checksum_of(file))) : json());
+    }
+    return sums;
 }
 
 /// Takes in what a chunk's record says. Whether it says all and its products are there; else the ledger stays as it is.
@@ -40,7 +48,7 @@ bool take_in(const Production& film, const RenderOptions& options, const WorkFol
              Ledger& ledger) {
     try {
         const json facts = chunk.facts();
-        if (facts.at("products") != sizes_of_products(film, options, work, chunk.chunk())) return false;
+        if (facts.at("products") != sums_of(products_of(film, options, work, chunk.chunk()))) return false;
         Ledger trial = ledger;
         restore(trial, facts.at("ledger"));
         const bool whole =
@@ -77,7 +85,11 @@ std::vector<encoder::Allotment> kept_allotments(const Production& film, const Wo
     const json written = work.kept("allotments");
     if (!written.is_array() || static_cast<std::int64_t>(written.size()) != film.frame_count()) return {};
     std::vector<encoder::Allotment> allotments;
-    for (const json& one : written) allotments.push_back(allotment_from(one));
+    try {
+        for (const json& one : written) allotments.push_back(allotment_from(one));
+    } catch (const json::exception&) {
+        return {};  // damaged: they are found again
+    }
     return allotments;
 }
 
@@ -91,7 +103,9 @@ std::filesystem::path frames_of(const Production& film, const RenderOptions& opt
 json facts_of(const Production& film, const RenderOptions& options, const WorkFolder& work, const Chunk& chunk,
               const Ledger& so_far) {
     const std::size_t first = so_far.frames.size() - static_cast<std::size_t>(chunk.frames());
-    return {{"ledger", json_of(so_far, first)}, {"products", sizes_of_products(film, options, work, chunk)}};
+    const std::vector<std::filesystem::path> products = products_of(film, options, work, chunk);
+    for (const std::filesystem::path& file : products) bring_to_disk(file);
+    return {{"ledger", json_of(so_far, first)}, {"products", sums_of(products)}};
 }
 
 std::vector<ChunkFile> take_up(const Production& film, const RenderOptions& options, WorkFolder& work,
@@ -135,13 +149,13 @@ void settle(Production& film, const RenderOptions& options, WorkFolder& work, Le
     if (!film.allotments.empty()) work.keep("allotments", written);
 }
 
-std::string resuming_text(const Production& film, std::size_t whole_chunks) {
+std::string resuming_text(const Production& film, std::size_t whole_chunks, const std::string& command) {
     const std::vector<Chunk> chunks = chunks_of(film.frames, film.coding.gop);
     if (whole_chunks == 0)
         return fmt::format("no chunk of {} frames is whole yet, so that --resume would begin anew",
                            chunks.front().frames());
     if (whole_chunks == chunks.size()) return "with --resume only what comes after the last frame is done again";
-    return fmt::format("the same command with --resume goes on with frame {}", chunks[whole_chunks].first);
+    return fmt::format("{} with --resume goes on with frame {}", command, chunks[whole_chunks].first);
 }
 
 }  // namespace render2mpeg::app

@@ -21,7 +21,7 @@ namespace render2mpeg::app {
 std::filesystem::path frames_of(const Production& film, const RenderOptions& options, const WorkFolder& work,
                                 const Chunk& chunk);
 
-/// What the record of a chunk says for who goes on after it: the ledger so far, and how large the files are that came
+/// What the record of a chunk says for who goes on after it: the ledger so far, and checksums of the files that came
 /// of its frames.
 nlohmann::json facts_of(const Production& film, const RenderOptions& options, const WorkFolder& work,
                         const Chunk& chunk, const Ledger& so_far);
@@ -35,7 +35,8 @@ std::vector<ChunkFile> take_up(const Production& film, const RenderOptions& opti
 /// first pass says.
 void settle(Production& film, const RenderOptions& options, WorkFolder& work, Ledger& ledger);
 
-/// What a later run with --resume would make of these chunks, as a part of a sentence.
-std::string resuming_text(const Production& film, std::size_t whole_chunks);
+/// What a later run of `command` with --resume would make of these chunks, as a part of a sentence.
+std::string resuming_text(const Production& film, std::size_t whole_chunks,
+                          const std::string& command = "the same command");
 
 }  // namespace render2mpeg::app

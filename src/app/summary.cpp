@@ -42,7 +42,7 @@ std::string time_lines(const Ledger& ledger) {
         line += part;
     }
     return text + line + "\n" +
-           fmt::format("             {:.2f} s in all; {} on the clock; peak memory {:.0f} MiB\n", cpu_seconds(),
+           fmt::format("             {:.2f} s in all; {} on the clock; peak memory {:.0f} MiB\n", ledger.earlier_cpu + cpu_seconds(),
                        clock_text(ledger.wall), peak_memory_mib());
 }
 

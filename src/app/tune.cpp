@@ -30,6 +30,11 @@ namespace {
 
 using Kind = Target::Kind;
 
+/// Options that `render` has not, or that mean another file there.
+constexpr std::array tune_only{"--target-psnr", "--target-ssim", "--target-bitrate", "--max-size",
+                               "--max-time",    "--sample",      "--references",     "--reference-frames",
+                               "--json",        "--report",      "--keep-references"};
+
 Target target_of(const TuneOptions& o) {
     std::vector<Target> asked;
     if (o.psnr) asked.push_back({Kind::psnr, *o.psnr});
@@ -150,9 +155,7 @@ void TuneCommand::settle_options() {
         tuning_.options = {{"--bitrate", fmt::format("{:.0f}", rate.value)}};
     }
     if (tuning_.found == Found::beyond) return;
-    std::vector<std::string> without{"--target-psnr", "--target-ssim", "--target-bitrate", "--max-size",
-                                     "--max-time",    "--sample",      "--references",     "--reference-frames",
-                                     "--json",        "--report",      "--keep-references"};
+    std::vector<std::string> without(tune_only.begin(), tune_only.end());
     for (const auto& [name, value] : tuning_.options) without.push_back(name);
     std::vector<std::pair<std::string, std::string>> with = tuning_.options;
     if (options_.render.output.empty())
@@ -170,6 +173,9 @@ int TuneCommand::make() {
         if (name == "--samples") render_options.samples = std::stoi(value);
         if (name == "--vpls") render_options.vpls = std::stoi(value);
     }
+    // As the printed command says it, so that this can go on with --resume.
+    for (const char* looked_for : tune_only) render_options.said.erase(looked_for);
+    for (const auto& [name, value] : tuning_.options) render_options.said[name] = value;
     Rendered rendered;
     const int status = render(render_options, *tuning_.command, &rendered);
     if (status == 0) look_at_film(rendered);

@@ -49,10 +49,15 @@ json as_written(const json& value) {
     return json::parse(json_text(value));
 }
 
-/// Refuses to go on with what is another film's. A folder without a manifest holds nothing yet.
-void refuse_other(const std::filesystem::path& output, const json& earlier, const json& identity) {
-    if (earlier.empty()) return;
-    const std::string difference = difference_of(earlier.value("identity", json()), identity);
+/// Refuses to go on with what is another film's. A folder without a manifest holds nothing yet; where one cannot be
+/// read, chunks may still be worth something.
+void refuse_other(const std::filesystem::path& output, const json& identity) {
+    const std::filesystem::path folder = work_folder_of(output);
+    const json earlier = manifest_in(folder);
+    std::error_code ignored;
+    if (earlier.empty() && !std::filesystem::exists(folder / manifest_name, ignored)) return;
+    const std::string difference = earlier.empty() ? manifest_name + std::string(" is damaged in ") + folder.string()
+                                                   : difference_of(earlier.value("identity", json()), identity);
     if (!difference.empty())
         throw core::Error("resuming", output.string(), difference + "; without --resume the film begins anew");
 }
@@ -64,7 +69,7 @@ WorkFolder::WorkFolder(const std::filesystem::path& output, const json& identity
       folder_((check(output), work_folder_of(output))),
       lock_(folder_ / lock_name, output),
       manifest_(std::make_unique<json>(json{{"identity", as_written(identity)}})) {
-    if (earlier == Earlier::resumed) refuse_other(output, manifest_in(folder_), (*manifest_)["identity"]);
+    if (earlier == Earlier::resumed) refuse_other(output, (*manifest_)["identity"]);
     try {
         take_over(earlier);
     } catch (const std::filesystem::filesystem_error& error) {
@@ -116,7 +121,7 @@ void WorkFolder::check(const std::filesystem::path& output) {
 
 void WorkFolder::check(const std::filesystem::path& output, const json& identity) {
     check(output);
-    refuse_other(output, manifest_in(work_folder_of(output)), as_written(identity));
+    refuse_other(output, as_written(identity));
 }
 
 std::filesystem::path WorkFolder::file_of(const Chunk& chunk) const {
@@ -137,7 +142,7 @@ void WorkFolder::drop_all_but(const std::vector<ChunkFile>& chunks) {
     for (const std::filesystem::path& entry : entries_of(folder_)) {
         const bool own = entry.filename() == lock_name || entry.filename() == manifest_name;
         const bool wanted = std::any_of(chunks.begin(), chunks.end(), [&](const ChunkFile& chunk) {
-            return entry == chunk.file() || entry == ChunkFile::record_of(chunk.file());
+            return entry.stem() == chunk.file().stem();  // stream, record, frames
         });
         if (!own && !wanted) std::filesystem::remove_all(entry);
     }

@@ -139,6 +139,12 @@ TEST_F(Interrupted, FilmsAreResumedByNoOtherRunThanTheirOwn) {
     other["identity"]["version"] = "0.0.9";
     std::ofstream(manifest, std::ios::trunc) << other;
     refused("", "the version of render2mpeg was 0.0.9 and is ");
+    other["identity"]["version"] = json::parse(identity)["identity"]["version"];
+    other["identity"]["build"] = "another";
+    std::ofstream(manifest, std::ios::trunc) << other;
+    refused("", "render2mpeg was built anew since");
+    std::ofstream(manifest, std::ios::trunc) << "{";
+    refused("", "manifest.json is damaged in ");
     std::ofstream(manifest, std::ios::trunc) << identity;
 
     EXPECT_EQ(stream(0), first) << "nothing was touched";
@@ -202,6 +208,19 @@ TEST(Resume, GivesAFilmItsNameThatCouldNotHaveItBefore) {
 }
 
 /// Slow: other outputs, other settings, other scenes, many more moments.
+TEST(Resume, FramesThatAreNotCodedAreKept) {
+    const Folder folder;
+    const std::string start = program() + " render " + scene_in(folder) + light + "-o ";
+    const std::string film = path(folder, "film.y4m"), record = film + ".partial/chunk_00000.json";
+    const auto killed = run(start + film + " & job=$!; while [ ! -s " + record +
+                            " ]; do kill -0 $job || exit 99; sleep 0.01; done; kill -KILL $job; wait $job");
+    ASSERT_EQ(killed.status, 137) << killed.output;
+    const auto resumed = run(start + film + " --resume");
+    ASSERT_EQ(resumed.status, 0) << resumed.output;
+    ASSERT_EQ(run(start + path(folder, "whole.y4m")).status, 0);
+    EXPECT_TRUE(contents(film) == contents(folder / "whole.y4m"));
+}
+
 TEST(ResumeSlow, EveryKindOfOutputComesOutAsIfNothingHadHappened) {
     const Folder folder;
     const auto render = [&](const std::string& place) {
