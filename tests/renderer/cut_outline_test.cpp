@@ -35,9 +35,9 @@ class Neighbours {
     }
 
     /// The second group's light, by a tolerance, with the splits of the first group's cut by another.
-    GatheredLight gather(Stop stop, float relative, float neighbours) {
+    GatheredLight gather(Stop stop, float relative, float neighbours, int most = 4000) {
         Gatherer gatherer(forest_, tracer());
-        const CutLimits limits{8, 4000, stop};
+        const CutLimits limits{8, most, stop};
         GatheredLight light;
         CutOutline outline;
         if (neighbours > 0) {
@@ -107,6 +107,28 @@ TEST_P(CutOutlines, OfStricterNeighboursCostLooserGroupsLittleAndOfLooserOnesNot
     EXPECT_GE(after_strict, own * 97 / 100);
     EXPECT_LE(after_strict, own * 112 / 100);
     EXPECT_NEAR(after_loose, own, 0.03 * own);
+}
+TEST_P(CutOutlines, LeaveRoomForOwnSplitsWhereNoCutIsLargeEnough) {
+    Neighbours groups;
+    constexpr int most = 150;
+    const GatheredLight own = groups.gather(GetParam(), 1e-4f, 0, most),
+                        begun = groups.gather(GetParam(), 1e-4f, 1e-4f, most);
+    EXPECT_EQ(own.direct_clusters, most);
+    EXPECT_EQ(begun.direct_clusters, most);
+    EXPECT_NE(begun.capped, 0u);
+    EXPECT_LT(groups.worst(begun, 1e-4f), 1.25f * groups.worst(own, 1e-4f));
+    float most_own = 0, most_begun = 0;
+    for (int i = 0; i < lane_count; ++i) {
+        most_own = std::max(most_own, own.error[i]);
+        most_begun = std::max(most_begun, begun.error[i]);
+    }
+    EXPECT_LT(most_begun, 1.1f * most_own) << "its own largest bounds are split";
+}
+
+TEST_P(CutOutlines, OfWhoToleratesNothingAreNotForThoseWhoDo) {
+    Neighbours groups;
+    const int own = groups.gather(GetParam(), 0.3f, 0).direct_clusters;
+    EXPECT_LE(groups.gather(GetParam(), 0.3f, 1e-7f).direct_clusters, own * 3 / 2);
 }
 INSTANTIATE_TEST_SUITE_P(Rules, CutOutlines, testing::Values(Stop::classic, Stop::honest));
 
