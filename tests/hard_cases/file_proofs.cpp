@@ -47,6 +47,7 @@ std::vector<Proof> file_proofs() {
          "resumed with the same bytes",
          {},
          {"Resume.AFilmThatIsKilledAgainAndAgainHasTheSameBytes", "Interrupted.ChunksThatAreDamagedAreRenderedAgain"}},
+        {"Ctrl-C twice", "the end at once", {}, {"Interruption.OfAnInterruptedRunEndsItAtOnce"}},
         {"another run with --resume: version, options, inputs, instruction set",
          "refused, naming what differs",
          {},

@@ -78,6 +78,21 @@ TEST(Inputs, OfInputsAreNoOutputs) {
     EXPECT_EQ(support::contents(folder / "scene" / "figure.bin"), model);
 }
 
+TEST(Interruption, OfAnInterruptedRunEndsItAtOnce) {
+    const Folder folder;
+    // A first frame that takes minutes: only a run that does not finish it ends here.
+    const auto outcome =
+        run(program() + " render " + plain_film() +
+            " --size 1280x960 --samples 1 --exposure 0 --tolerance reference --frames 0:1 -o " + path(folder, "f.mpg") +
+            " & job=$!; while [ ! -e " + path(folder, "f.mpg.partial/chunk_00000.m2v") +
+            " ]; do kill -0 $job || exit 99; sleep 0.05; done; sleep 0.1; kill -INT $job; sleep 0.3; "
+            "kill -INT $job; wait $job");
+    EXPECT_EQ(outcome.status, 130) << outcome.output;
+    EXPECT_TRUE(has(outcome, "interrupt again to stop at once")) << outcome.output;
+    EXPECT_FALSE(has(outcome, "interrupted after")) << outcome.output;
+    EXPECT_FALSE(std::filesystem::exists(folder / "f.partial.mpg")) << "nothing was put together";
+}
+
 TEST(Heatmap, OfTwoRunsIsTheFirstOnes) {
     const Folder folder;
     const std::string start = program() + " render " + plain_film() + " --size 64x64 --vpls 16 --exposure 0 --quiet ";
