@@ -62,6 +62,17 @@ std::string dry_run_text(const Production& film, const RenderOptions& options) {
            plan_table(film, {});
 }
 
+/// What is done with chunks that an earlier run of this film left; empty where there are none.
+std::string left_text(const Production& film, const RenderOptions& options, const nlohmann::json& identity) {
+    const std::vector<Chunk> chunks = chunks_of(film.frames, film.coding.gop);
+    const std::size_t left = WorkFolder::left(options.output, identity, chunks);
+    if (left == 0) return {};
+    const std::int64_t done = chunks[left - 1].last + 1 - film.frames.first;
+    return fmt::format("{}: {} of {} frames are left of an earlier run, {}\n", options.output.string(), done,
+                       film.frame_count(),
+                       options.resume ? "which goes on" : "and given up, since --resume is not given");
+}
+
 /// Whether the output is one file, which is made in a work folder.
 bool is_one_file(const Production& film) {
     return film.kind == OutputKind::film || film.kind == OutputKind::y4m;
@@ -207,10 +218,12 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     check_outputs(film, options);
     const nlohmann::json identity = timed(ledger, Stage::load, [&] { return identity_of(film, options); });
     if (options.resume) WorkFolder::check(options.output, identity);
+    const std::string left = left_text(film, options, identity);
     if (options.dry_run) {
-        if (!options.quiet) print(dry_run_text(film, options));
+        if (!options.quiet) print(left + dry_run_text(film, options));
         return 0;
     }
+    if (!options.quiet && !options.resume) std::fputs(left.c_str(), stderr);
     const std::unique_ptr<WorkFolder> work = open_outputs(options, identity);
     HeatmapFilms heatmaps(options, film, identity);
     std::vector<ChunkFile> chunks = take_up(film, options, *work, heatmaps, ledger);

@@ -49,6 +49,10 @@ json as_written(const json& value) {
     return json::parse(json_text(value));
 }
 
+std::string name_of(const Chunk& chunk) {
+    return fmt::format("chunk_{:05}.m2v", chunk.index);
+}
+
 /// Refuses to go on with what is another film's. A folder without a manifest holds nothing yet; where one cannot be
 /// read, chunks may still be worth something.
 void refuse_other(const std::filesystem::path& output, const json& identity) {
@@ -124,8 +128,20 @@ void WorkFolder::check(const std::filesystem::path& output, const json& identity
     refuse_other(output, as_written(identity));
 }
 
+std::size_t WorkFolder::left(const std::filesystem::path& output, const json& identity,
+                             const std::vector<Chunk>& chunks) {
+    const std::filesystem::path folder = work_folder_of(output);
+    if (!difference_of(manifest_in(folder).value("identity", json()), as_written(identity)).empty()) return 0;
+    std::size_t count = 0;
+    std::error_code error;
+    while (count < chunks.size() &&
+           std::filesystem::exists(ChunkFile::record_of(folder / name_of(chunks[count])), error))
+        ++count;
+    return count;
+}
+
 std::filesystem::path WorkFolder::file_of(const Chunk& chunk) const {
-    return place(fmt::format("chunk_{:05}.m2v", chunk.index));
+    return place(name_of(chunk));
 }
 
 std::vector<ChunkFile> WorkFolder::finished(const std::vector<Chunk>& chunks) const {

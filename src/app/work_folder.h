@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
@@ -32,6 +33,10 @@ class WorkFolder {
     /// Throws as the constructor would, and changes nothing.
     static void check(const std::filesystem::path& output);
     static void check(const std::filesystem::path& output, const nlohmann::json& identity);
+
+    /// How many of the chunks an earlier run of the same film finished, as far as their records tell. Changes nothing.
+    static std::size_t left(const std::filesystem::path& output, const nlohmann::json& identity,
+                            const std::vector<Chunk>& chunks);
 
     /// The chunks that an earlier run finished, from the first on without a gap; none where none are to be resumed.
     std::vector<ChunkFile> finished(const std::vector<Chunk>& chunks) const;
