@@ -154,7 +154,8 @@ std::string page() {
             "it\n"
             "(`RENDER2MPEG_WRITE_PAGES=1 test_hard_cases`). The last three tables say which tests prove what is no "
             "scene of\n"
-            "its own: every test that they name is there, or the page fails.\n";
+            "its own: every test that they name is there, or the page fails. How files of strangers are tried is in\n"
+            "[fuzzing.md](fuzzing.md).\n";
     for (const Chapter& chapter : chapters()) {
         text << "\n## " << chapter.title
              << "\n\n| case | what goes wrong where nobody took care | outcome |\n|---|---|---|\n";
