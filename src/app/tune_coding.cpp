@@ -68,7 +68,8 @@ double CodingTuner::coded_again(const LitWindows& light, QualitySearch search) {
         if (!quality) break;
         const Probe& probe = add(*quality, trials_.coded_again(light, Coarseness::of_quality(*quality)), false);
         search.add(*quality, figure(probe));
-        if (is_near(target_, probe.value, close)) break;
+        // After three tries a step of the quantisers is in the way: near enough is near.
+        if (is_near(target_, probe.value, i < 3 ? close : 0.8)) break;
     }
     // Between two steps: a rate is not exceeded, a quality is reached.
     const QualitySearch::Known nearest = search.nearest();
