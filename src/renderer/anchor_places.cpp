@@ -192,15 +192,18 @@ void allot(std::map<std::pair<std::uint32_t, int>, Part>& parts, int count) {
 }  // namespace
 
 std::vector<float> cell_areas(const std::vector<OrientedPoint>& points, float alone) {
-    const PointTree tree(points);
+    PointTree tree(points);
+    // In the tree's order neighbours are near in memory, too.
+    const std::vector<std::uint32_t> order = tree.take_order();
     std::vector<float> areas(points.size());
     parallel::for_ranges(points.size(), 256, [&](std::size_t first, std::size_t last) {
         std::array<Neighbour, neighbours> found;
         for (std::size_t i = first; i < last; ++i) {
-            const int count = tree.nearest(points[i], least_facing, found);
+            const int count = tree.nearest(tree[i], least_facing, found);
             // The circle through the farthest holds the others, and half of it.
             const float circle = count > 1 ? found[static_cast<std::size_t>(count - 1)].distance2 : 0.0f;
-            areas[i] = count > 1 ? std::numbers::pi_v<float> * circle / (static_cast<float>(count) - 0.5f) : alone;
+            areas[order[i]] =
+                count > 1 ? std::numbers::pi_v<float> * circle / (static_cast<float>(count) - 0.5f) : alone;
         }
     });
     return areas;

@@ -32,8 +32,8 @@ struct AnchorPlace {
 };
 
 /// Chooses about `count` of the candidates, stratified over their surfaces: half of the anchors by area, half by flux,
-/// but a sixteenth evenly over all surfaces, where there are candidates for that (docs/model.md, "Anchor lights"). Every
-/// group other than 0 gets one at least, and one for each of six ways that its lit places face. A function of the
+/// but a sixteenth evenly over all surfaces, where there are candidates for that (docs/model.md, "Anchor lights").
+/// Every group other than 0 gets one at least, and one for each of six ways that its lit places face. A function of the
 /// arguments alone.
 std::vector<AnchorPlace> choose_places(const std::vector<AnchorCandidate>& candidates, int count);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 #include "core/numeric.h"
@@ -71,7 +72,7 @@ struct Way {
 };
 
 /// Parts 1 among the nearest by a kernel times the area that each stands for.
-AnchorShares shares_of(const Nearest& near, std::span<const AnchorPlace> places) {
+AnchorShares shares_of(const Nearest& near, std::span<const Anchor> anchors) {
     AnchorShares shares;
     if (near.count() == 0) return shares;
     const bool all = near.count() < Nearest::size;
@@ -82,7 +83,7 @@ AnchorShares shares_of(const Nearest& near, std::span<const AnchorPlace> places)
         const auto i = static_cast<std::size_t>(k);
         shares.anchor[i] = near[k].point;
         const float kernel = std::max(0.0f, 1.0f - core::divide_or(near[k].distance2, reach2, 0.0f));
-        shares.weight[i] = kernel * places[near[k].point].disc2;
+        shares.weight[i] = kernel * anchors[near[k].point].disc2;
         sum += shares.weight[i];
     }
     for (int k = 0; k < shares.count; ++k) {
@@ -94,32 +95,47 @@ AnchorShares shares_of(const Nearest& near, std::span<const AnchorPlace> places)
 
 }  // namespace
 
-AnchorSharing::AnchorSharing(std::span<const AnchorPlace> places, const RayTracer& scene) : places_(places) {
+AnchorSharing::AnchorSharing(std::span<const AnchorPlace> places, const RayTracer& scene) {
+    anchors_.reserve(places.size());
     for (std::size_t first = 0; first < places.size();) {
         std::vector<OrientedPoint> points;
         std::size_t last = first;
         while (last < places.size() && places[last].group == places[first].group) points.push_back(places[last++].rest);
-        groups_.emplace(places[first].group, Group{static_cast<std::uint32_t>(first), PointTree(std::move(points))});
+        groups_.push_back({places[first].group, static_cast<std::uint32_t>(first), PointTree(std::move(points))});
+        Group& group = groups_.back();
+        for (const std::uint32_t i : group.tree.take_order()) {
+            const AnchorPlace& place = places[first + i];
+            anchors_.push_back({place.address, place.disc2, place.front});
+        }
+        if (group.id == 0) still_count_ = static_cast<std::uint32_t>(last);
         first = last;
     }
-    tested_ = groups_.contains(0) && groups_.at(0).tree.size() <= most_tested;
+    tested_ = still_count_ > 0 && still_count_ <= most_tested;
     if (tested_) list_neighbours(scene);
 }
 
+const OrientedPoint& AnchorSharing::rest(std::uint32_t anchor) const {
+    if (anchor < still_count_) return groups_.front().tree[anchor];
+    const auto after = std::upper_bound(groups_.begin(), groups_.end(), anchor,
+                                        [](std::uint32_t i, const Group& group) { return i < group.first; });
+    const Group& group = *std::prev(after);
+    return group.tree[anchor - group.first];
+}
+
 void AnchorSharing::list_neighbours(const RayTracer& scene) {
-    const Group& still = groups_.at(0);
-    std::vector<std::vector<std::uint16_t>> lists(still.tree.size());
-    std::vector<std::uint32_t> rays(still.tree.size(), 0);
+    const PointTree& still = groups_.front().tree;
+    std::vector<std::vector<std::uint16_t>> lists(still.size());
+    std::vector<std::uint32_t> rays(still.size(), 0);
     parallel::for_ranges(lists.size(), 64, [&](std::size_t first, std::size_t last) {
         std::array<Neighbour, looked_at> found;
         for (std::size_t i = first; i < last; ++i) {
-            const int count = still.tree.nearest(places_[i].rest, least_facing, found);
+            const int count = still.nearest(still[i], least_facing, found);
             for (int k = 0; k < count && lists[i].size() < kept; ++k) {
                 const std::uint32_t other = found[static_cast<std::size_t>(k)].point;
                 if (other != i) {
                     ++rays[i];
                     const float lift = lift_between(static_cast<std::uint32_t>(i), other);
-                    if (!Way(places_[i].rest, places_[other].rest, lift).is_open(scene)) continue;
+                    if (!Way(still[i], still[other], lift).is_open(scene)) continue;
                 }
                 lists[i].push_back(static_cast<std::uint16_t>(other));
             }
@@ -138,19 +154,19 @@ void AnchorSharing::list_neighbours(const RayTracer& scene) {
 }
 
 float AnchorSharing::lift_between(std::uint32_t a, std::uint32_t b) const {
-    return lift_radii * std::sqrt(std::min(places_[a].disc2, places_[b].disc2));
+    return lift_radii * std::sqrt(std::min(anchors_[a].disc2, anchors_[b].disc2));
 }
 
 AnchorPartings AnchorSharing::partings(const RayTracer& scene) const {
     AnchorPartings found;
     if (!tested_ || !scene.has_instances()) return found;
     found.parted.assign(first_neighbour_.size() - 1, 0);
+    const PointTree& still = groups_.front().tree;
     parallel::for_ranges(found.parted.size(), 64, [&](std::size_t first, std::size_t last) {
         for (auto i = static_cast<std::uint32_t>(first); i < last; ++i)
             for (std::uint32_t n = first_neighbour_[i]; n < first_neighbour_[i + 1]; ++n) {
                 const std::uint32_t other = neighbours_[n];
-                if (other == i || Way(places_[i].rest, places_[other].rest, lift_between(i, other)).is_free(scene))
-                    continue;
+                if (other == i || Way(still[i], still[other], lift_between(i, other)).is_free(scene)) continue;
                 found.parted[i] |= 1u << (n - first_neighbour_[i]);
             }
     });
@@ -159,8 +175,9 @@ AnchorPartings AnchorSharing::partings(const RayTracer& scene) const {
 }
 
 std::size_t AnchorSharing::bytes() const {
-    std::size_t sum = first_neighbour_.capacity() * sizeof(std::uint32_t) + neighbours_.capacity() * 2;
-    for (const auto& [id, group] : groups_) sum += group.tree.bytes();
+    std::size_t sum = anchors_.capacity() * sizeof(Anchor) + first_neighbour_.capacity() * sizeof(std::uint32_t) +
+                      neighbours_.capacity() * sizeof(std::uint16_t);
+    for (const Group& group : groups_) sum += group.tree.bytes();
     return sum;
 }
 
@@ -168,7 +185,7 @@ std::size_t AnchorSharing::bytes() const {
 /// nothing still hides, or the nearest of all.
 std::uint32_t AnchorSharing::nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, bool past_movers,
                                               int& rays) const {
-    const PointTree& tree = groups_.at(0).tree;
+    const PointTree& tree = groups_.front().tree;
     std::array<Neighbour, asked_at_last> found;
     std::optional<std::uint32_t> hidden;
     for (int most = asked, next = 0;; most = asked_at_last) {
@@ -177,7 +194,7 @@ std::uint32_t AnchorSharing::nearest_in_sight(const OrientedPoint& at, const Ray
         if (count == 0) count = tree.nearest(at, -2.0f, some);
         for (; next < count; ++next) {
             const std::uint32_t anchor = found[static_cast<std::size_t>(next)].point;
-            const Way way(at, places_[anchor].rest, lift_radii * std::sqrt(places_[anchor].disc2));
+            const Way way(at, tree[anchor], lift_radii * std::sqrt(anchors_[anchor].disc2));
             ++rays;
             if (!way.is_open(scene)) continue;
             if (!past_movers || way.is_free(scene)) return anchor;
@@ -195,13 +212,14 @@ AnchorShares AnchorSharing::share_in_sight(const OrientedPoint& at, const RayTra
     const std::uint32_t anchor = nearest_in_sight(at, scene, past_movers, rays);
     const std::uint32_t parted = past_movers ? partings->parted[anchor] : 0;
     const std::uint32_t begin = first_neighbour_[anchor];
+    const PointTree& still = groups_.front().tree;
     Nearest near;
     for (std::uint32_t n = begin; n < first_neighbour_[anchor + 1]; ++n) {
         if ((parted >> (n - begin) & 1u) != 0) continue;
-        const glm::vec3 d = places_[neighbours_[n]].rest.position - at.position;
+        const glm::vec3 d = still[neighbours_[n]].position - at.position;
         near.add({glm::dot(d, d), neighbours_[n]});
     }
-    AnchorShares shares = shares_of(near, places_);
+    AnchorShares shares = shares_of(near, anchors_);
     shares.rays = rays;
     return shares;
 }
@@ -223,24 +241,25 @@ AnchorShares AnchorSharing::share_among_alike(const Group& group, const Oriented
     if (count == 0) {
         // None faces that way: its light goes where the nearest of all does.
         group.tree.nearest(at, -2.0f, {found.data(), 1});
-        const OrientedPoint& other = places_[group.first + found[0].point].rest;
+        const OrientedPoint& other = group.tree[found[0].point];
         count = group.tree.nearest({at.position, other.normal}, least_facing, found);
     }
     Nearest near;
     for (int k = 0; k < count; ++k) {
         const Neighbour& n = found[static_cast<std::size_t>(k)];
-        if (may_be_one_surface(at, places_[group.first + n.point].rest)) near.add({n.distance2, group.first + n.point});
+        if (may_be_one_surface(at, group.tree[n.point])) near.add({n.distance2, group.first + n.point});
     }
     // No light is lost: where none fits, the nearest takes it.
     if (near.count() == 0) near.add({found[0].distance2, group.first + found[0].point});
-    return shares_of(near, places_);
+    return shares_of(near, anchors_);
 }
 
 AnchorShares AnchorSharing::share(std::uint32_t group, const OrientedPoint& at, const RayTracer& scene,
                                   const AnchorPartings* partings) const {
-    const auto found = groups_.find(group);
-    if (found == groups_.end()) return {};
-    return group == 0 && tested_ ? share_in_sight(at, scene, partings) : share_among_alike(found->second, at);
+    const auto found = std::lower_bound(groups_.begin(), groups_.end(), group,
+                                        [](const Group& other, std::uint32_t id) { return other.id < id; });
+    if (found == groups_.end() || found->id != group) return {};
+    return group == 0 && tested_ ? share_in_sight(at, scene, partings) : share_among_alike(*found, at);
 }
 
 }  // namespace render2mpeg::renderer

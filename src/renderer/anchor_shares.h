@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
 #include <span>
 #include <vector>
 
@@ -11,6 +10,13 @@
 #include "renderer/ray_tracer.h"
 
 namespace render2mpeg::renderer {
+
+/// What is kept of an anchor's place, beside where it rests.
+struct Anchor {
+    core::SurfaceAddress address;
+    float disc2 = 0;    ///< in the space of its group: see LightPoint::disc2
+    bool front = true;  ///< which side of the triangle it lies on
+};
 
 /// Anchors that one photon is shared among [Render2MPEG, 7.3.1].
 inline constexpr int shared_among = 16;
@@ -29,14 +35,22 @@ struct AnchorPartings {
     std::uint64_t rays = 0;             ///< that were traced to find them
 };
 
-/// Finds the anchors among which photons are shared (docs/model.md, "Anchor lights").
+/// Holds all anchors, and finds those among which a photon is shared (docs/model.md, "Anchor lights").
 class AnchorSharing {
   public:
     AnchorSharing() = default;
 
-    /// `places` lie by group, what is still (group 0) first, and outlive this. Of that only such anchors are neighbours
-    /// as see each other over what is still of `scene`: light stays on its side of a wall.
+    /// `places` lie by group, what is still (group 0) first; so do the anchors, in an order of their own. Of what is
+    /// still only such anchors are neighbours as see each other over what is still of `scene`: light stays on its side
+    /// of a wall.
     AnchorSharing(std::span<const AnchorPlace> places, const RayTracer& scene);
+
+    std::uint32_t size() const { return static_cast<std::uint32_t>(anchors_.size()); }
+    /// Those of group 0, which come first.
+    std::uint32_t still_count() const { return still_count_; }
+    const Anchor& operator[](std::uint32_t anchor) const { return anchors_[anchor]; }
+    /// Where it lies, in the space of its group.
+    const OrientedPoint& rest(std::uint32_t anchor) const;
 
     /// Which neighbours what moves keeps apart, as `scene` is posed.
     AnchorPartings partings(const RayTracer& scene) const;
@@ -49,13 +63,13 @@ class AnchorSharing {
     /// Rays traced for neighbours.
     std::uint64_t rays() const { return rays_; }
 
-    /// Bytes held beside the places.
+    /// Bytes held.
     std::size_t bytes() const;
 
   private:
-    /// Anchors of one group.
+    /// Anchors of one group: `first` and those after it, in the tree's order.
     struct Group {
-        std::uint32_t first = 0;
+        std::uint32_t id = 0, first = 0;
         PointTree tree;
     };
 
@@ -65,8 +79,9 @@ class AnchorSharing {
     AnchorShares share_among_alike(const Group& group, const OrientedPoint& at) const;
     AnchorShares share_in_sight(const OrientedPoint& at, const RayTracer& scene, const AnchorPartings* partings) const;
 
-    std::span<const AnchorPlace> places_;
-    std::map<std::uint32_t, Group> groups_;
+    std::vector<Anchor> anchors_;
+    std::vector<Group> groups_;  ///< by id
+    std::uint32_t still_count_ = 0;
     bool tested_ = false;                         ///< still neighbours see each other, and are listed
     std::vector<std::uint32_t> first_neighbour_;  ///< of each still anchor in `neighbours_`, and the end of the last
     std::vector<std::uint16_t> neighbours_;       ///< the nearest first

@@ -38,11 +38,22 @@ constexpr std::uint64_t even_part = 8;
 constexpr std::uint64_t candidates_per_anchor = 16;
 constexpr std::uint64_t least_candidates = 4096;
 
-/// Paths traced at once: bounds the memory that photons take.
+/// From so many places on, 16,384 anchors' worth, fewer are looked at for each anchor, but 4 at least: strata that are
+/// uneven matter less where anchors lie that densely, and each place takes some 150 bytes while they are chosen.
+constexpr std::uint64_t many_candidates = 1u << 18;
+constexpr std::uint64_t least_per_anchor = 4;
+
+/// Paths, or places, that are traced at once: bounds the memory that they take.
 constexpr std::uint64_t batch = 1u << 15;
 
 /// Every anchor counts with at least this share of the mean light when trees are planned: it may be lit one day.
 constexpr float least_usual = 0.01f;
+
+/// Places looked at for so many anchors.
+std::uint64_t candidates_for(std::uint64_t anchors) {
+    const std::uint64_t most = std::max(many_candidates, least_per_anchor * anchors);
+    return std::max(std::min(candidates_per_anchor * anchors, most), least_candidates);
+}
 
 bool moves(const scene::Animation& film, std::uint32_t object) {
     return film.objects[object].mobility != scene::Mobility::still;
@@ -55,13 +66,13 @@ std::uint64_t first_of(std::uint64_t set) {
 }
 
 /// A still anchor, without intensity; its rest is the world.
-LightPoint still_light(const AnchorPlace& place, std::uint32_t id) {
+LightPoint still_light(const AnchorSharing& anchors, std::uint32_t id) {
     LightPoint p;
-    p.position = place.rest.position;
-    p.normal = place.rest.normal;
-    p.disc2 = place.disc2;
+    p.position = anchors.rest(id).position;
+    p.normal = anchors.rest(id).normal;
+    p.disc2 = anchors[id].disc2;
     p.id = id;
-    p.object = place.address.object;
+    p.object = anchors[id].address.object;
     return p;
 }
 
@@ -101,10 +112,8 @@ struct Anchors::Impl {
     Landings seen;                           ///< of the candidates' paths
 
     std::uint64_t paths = 0, rays = 0;
-    std::vector<AnchorPlace> places;  ///< by group: what is still comes first
-    std::uint32_t still_count = 0;
-    AnchorSharing sharing;
-    std::vector<glm::vec3> usual;  ///< intensity of each place
+    AnchorSharing anchors;
+    std::vector<glm::vec3> usual;  ///< intensity of each anchor
     float apart = 0;               ///< how far from each other objects that move are thought to be
 };
 
@@ -128,7 +137,7 @@ AnchorCandidate Anchors::Impl::candidate(const Scenery& scenery, const LightPoin
 /// Gathers candidates at instants spread over the film, and chooses among them.
 void Anchors::Impl::look(Scenery& scenery, LightPoints& lights) {
     const int count = film.duration > 0.0 ? instants : 1;
-    const auto wanted = std::max(candidates_per_anchor * static_cast<std::uint64_t>(settings.count), least_candidates);
+    const std::uint64_t wanted = candidates_for(static_cast<std::uint64_t>(settings.count));
     const bool deforms = std::any_of(film.objects.begin(), film.objects.end(),
                                      [](const scene::Object& o) { return o.mobility == scene::Mobility::deforming; });
     for (int i = 0; deforms && i < shapes; ++i) rest.consider(usual_instant(film, i, shapes));
@@ -145,13 +154,10 @@ void Anchors::Impl::look(Scenery& scenery, LightPoints& lights) {
     scenery.pose(first);
     add_even(scenery, wanted / even_part);
     add_unlit();
-    places = choose_places(candidates, settings.count);
-    places.shrink_to_fit();
-    while (still_count < places.size() && places[still_count].group == 0) ++still_count;
-    sharing = AnchorSharing(places, scenery.tracer());
-    rays += sharing.rays();
+    anchors = AnchorSharing(choose_places(candidates, settings.count), scenery.tracer());
+    rays += anchors.rays();
     reckon_usual(scenery.tracer());
-    if (!places.empty()) paths = paths_of_anchors(settings.count, settings.photons, settings.bounces, seen);
+    if (anchors.size() > 0) paths = paths_of_anchors(settings.count, settings.photons, settings.bounces, seen);
 }
 
 void Anchors::Impl::look_at(const Scenery& scenery, const std::vector<LightPoint>& lights, std::uint64_t wanted) {
@@ -202,30 +208,35 @@ void Anchors::Impl::add_unlit() {
 
 /// An anchor that moves, at the posed instant, without intensity.
 LightPoint Anchors::Impl::moving_light(const Scenery& scenery, std::uint32_t index) const {
-    const AnchorPlace& place = places[index];
+    const Anchor& place = anchors[index];
     const glm::vec3 front = scenery.front_normal(place.address.object, place.address.primitive);
     LightPoint p;
     p.normal = place.front ? front : -front;
     p.position = offset_origin(scenery.surface_at(place.address, p.normal), p.normal);
     p.moving = true;
     p.disc2 = place.disc2 * rest.area_scale(scenery.posed(), place.address);
-    p.id = index - still_count;
+    p.id = index - anchors.still_count();
     p.object = place.address.object;
     return p;
 }
 
 /// Spreads the candidates' own light.
 void Anchors::Impl::reckon_usual(const RayTracer& tracer) {
-    std::vector<AnchorShares> shares(candidates.size());
-    parallel::for_ranges(candidates.size(), 256, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            if (candidates[i].flux > 0.0f) shares[i] = sharing.share(candidates[i].group, candidates[i].rest, tracer);
-    });
-    usual.assign(places.size(), glm::vec3(0));
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-        rays += static_cast<std::uint64_t>(shares[i].rays);
-        for (std::size_t k = 0; k < static_cast<std::size_t>(shares[i].count); ++k)
-            usual[shares[i].anchor[k]] += shares[i].weight[k] * candidate_light[i];
+    usual.assign(anchors.size(), glm::vec3(0));
+    std::vector<AnchorShares> shares;
+    for (std::size_t done = 0; done < candidates.size(); done += batch) {
+        const std::span<const AnchorCandidate> some =
+            std::span(candidates).subspan(done, std::min<std::size_t>(batch, candidates.size() - done));
+        shares.assign(some.size(), AnchorShares{});
+        parallel::for_ranges(some.size(), 256, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i)
+                if (some[i].flux > 0.0f) shares[i] = anchors.share(some[i].group, some[i].rest, tracer);
+        });
+        for (std::size_t i = 0; i < some.size(); ++i) {
+            rays += static_cast<std::uint64_t>(shares[i].rays);
+            for (std::size_t k = 0; k < static_cast<std::size_t>(shares[i].count); ++k)
+                usual[shares[i].anchor[k]] += shares[i].weight[k] * candidate_light[done + i];
+        }
     }
     glm::vec3 mean(0);
     for (const glm::vec3& l : usual) mean += l / static_cast<float>(usual.size());
@@ -249,9 +260,9 @@ Anchors::Anchors(Anchors&&) noexcept = default;
 
 std::vector<LightPoint> Anchors::usual_still() const {
     std::vector<LightPoint> points;
-    points.reserve(impl_->still_count);
-    for (std::uint32_t i = 0; i < impl_->still_count; ++i) {
-        points.push_back(still_light(impl_->places[i], i));
+    points.reserve(impl_->anchors.still_count());
+    for (std::uint32_t i = 0; i < impl_->anchors.still_count(); ++i) {
+        points.push_back(still_light(impl_->anchors, i));
         points.back().intensity = impl_->usual[i];
     }
     return points;
@@ -259,17 +270,15 @@ std::vector<LightPoint> Anchors::usual_still() const {
 
 std::vector<LightPoint> Anchors::usual_moving() const {
     const Impl& a = *impl_;
+    const std::uint32_t first = a.anchors.still_count();
     std::vector<LightPoint> points;
     std::uint32_t objects = 0;
-    for (std::uint32_t i = a.still_count; i < a.places.size(); ++i) {
-        const AnchorPlace& place = a.places[i];
-        if (i > a.still_count && place.group != a.places[i - 1].group) ++objects;
-        LightPoint p;
-        p.position = place.rest.position + glm::vec3(a.apart * static_cast<float>(objects), 0, 0);
-        p.normal = place.rest.normal;
-        p.disc2 = place.disc2;
+    for (std::uint32_t i = first; i < a.anchors.size(); ++i) {
+        if (i > first && a.anchors[i].address.object != a.anchors[i - 1].address.object) ++objects;
+        LightPoint p = still_light(a.anchors, i);
+        p.position += glm::vec3(a.apart * static_cast<float>(objects), 0, 0);
         p.intensity = a.usual[i];
-        p.id = i - a.still_count;
+        p.id = i - first;
         points.push_back(p);
     }
     return points;
@@ -284,15 +293,14 @@ std::uint64_t Anchors::rays() const {
 }
 
 std::size_t Anchors::bytes() const {
-    return impl_->places.capacity() * sizeof(AnchorPlace) + impl_->usual.capacity() * sizeof(glm::vec3) +
-           impl_->sharing.bytes();
+    return impl_->usual.capacity() * sizeof(glm::vec3) + impl_->anchors.bytes();
 }
 
 Anchors::Lit Anchors::at(const Scenery& scenery, std::span<const LightPoint> lights) const {
     const Impl& a = *impl_;
-    std::vector<glm::dvec3> light(a.places.size(), glm::dvec3(0));
+    std::vector<glm::dvec3> light(a.anchors.size(), glm::dvec3(0));
     Lit lit;
-    const AnchorPartings partings = a.sharing.partings(scenery.tracer());
+    const AnchorPartings partings = a.anchors.partings(scenery.tracer());
     lit.rays += partings.rays;
     std::vector<AnchorShares> shares;
     for (std::uint64_t done = 0; done < a.paths; done += batch) {
@@ -307,7 +315,7 @@ Anchors::Lit Anchors::at(const Scenery& scenery, std::span<const LightPoint> lig
                 const glm::vec3 front = scenery.front_normal(address.object, address.primitive);
                 const OrientedPoint rest =
                     a.rest_of(photons.vpls[i], address, glm::dot(front, photons.vpls[i].normal) >= 0.0f);
-                shares[i] = a.sharing.share(a.group_of(address.object), rest, scenery.tracer(), &partings);
+                shares[i] = a.anchors.share(a.group_of(address.object), rest, scenery.tracer(), &partings);
             }
         });
         // In the order of photons, whatever thread found their shares.
@@ -319,12 +327,13 @@ Anchors::Lit Anchors::at(const Scenery& scenery, std::span<const LightPoint> lig
                     part * static_cast<double>(shares[i].weight[k]) * glm::dvec3(photons.vpls[i].intensity);
         }
     }
-    lit.still.reserve(a.still_count);
-    lit.moving.reserve(a.places.size() - a.still_count);
-    for (std::uint32_t i = 0; i < a.places.size(); ++i) {
-        const bool moving = i >= a.still_count;
-        if (moving && !scenery.posed().objects[a.places[i].address.object].present) continue;
-        LightPoint p = moving ? a.moving_light(scenery, i) : still_light(a.places[i], i);
+    const std::uint32_t still = a.anchors.still_count();
+    lit.still.reserve(still);
+    lit.moving.reserve(a.anchors.size() - still);
+    for (std::uint32_t i = 0; i < a.anchors.size(); ++i) {
+        const bool moving = i >= still;
+        if (moving && !scenery.posed().objects[a.anchors[i].address.object].present) continue;
+        LightPoint p = moving ? a.moving_light(scenery, i) : still_light(a.anchors, i);
         p.intensity = glm::vec3(light[i]);
         (moving ? lit.moving : lit.still).push_back(p);
     }

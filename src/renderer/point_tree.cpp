@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace render2mpeg::renderer {
 namespace {
@@ -63,6 +64,10 @@ void PointTree::build(std::size_t first, std::size_t last) {
     build(middle + 1, last);
 }
 
+std::vector<std::uint32_t> PointTree::take_order() {
+    return std::exchange(index_, {});
+}
+
 int PointTree::nearest(const OrientedPoint& at, float least_facing, std::span<Neighbour> found) const {
     Search search{at, least_facing, found};
     if (!found.empty()) visit(0, points_.size(), search);
@@ -75,7 +80,7 @@ void PointTree::visit(std::size_t first, std::size_t last, Search& search) const
         const glm::vec3 d = candidate.position - search.at.position;
         const float distance2 = glm::dot(d, d);
         if (distance2 <= search.reach() && glm::dot(candidate.normal, search.at.normal) > search.least_facing)
-            search.insert({distance2, index_[i]});
+            search.insert({distance2, name(i)});
         return d;
     };
     if (last - first <= few) {

@@ -30,6 +30,13 @@ class PointTree {
     int nearest(const OrientedPoint& at, float least_facing, std::span<Neighbour> found) const;
 
     std::size_t size() const { return points_.size(); }
+    /// In the tree's order.
+    const OrientedPoint& operator[](std::size_t i) const { return points_[i]; }
+
+    /// Which point, as they were given, lies at each place of the tree's order. From then on neighbours are told by
+    /// their place in that order: for who keeps what belongs to the points in the same.
+    std::vector<std::uint32_t> take_order();
+
     /// Bytes held.
     std::size_t bytes() const {
         return points_.capacity() * sizeof(OrientedPoint) + index_.capacity() * sizeof(std::uint32_t) +
@@ -39,10 +46,11 @@ class PointTree {
   private:
     struct Search;
     void build(std::size_t first, std::size_t last);
+    std::uint32_t name(std::size_t i) const { return index_.empty() ? static_cast<std::uint32_t>(i) : index_[i]; }
     void visit(std::size_t first, std::size_t last, Search& search) const;
 
     std::vector<OrientedPoint> points_;  ///< in the tree's order
-    std::vector<std::uint32_t> index_;   ///< of each, as they were given
+    std::vector<std::uint32_t> index_;   ///< of each, as they were given; empty: by place
     std::vector<std::uint8_t> axis_;
 };
 

@@ -134,6 +134,7 @@ struct Renderer::Impl {
         }
         {
             const Stopwatch watch(row(Pass::direct_tree));
+            forest = {};  // before the next one grows: many light points take as much memory
             forest = lasting.at({direct, indirect.still, indirect.moving},
                                 (snapshot.frame - first_frame) % replan_distance == 0);
         }

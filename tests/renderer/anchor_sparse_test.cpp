@@ -214,12 +214,12 @@ TEST(SparseAnchors, OfAThingThatUnrollsFromALineLieOverAllOfIt) {
     EXPECT_LT(area, 12.0);  // the cells of its rim reach beyond it
 }
 
-TEST(SparseAnchors, TakeAtMost200BytesEachBetweenInstants) {
+TEST(SparseAnchors, TakeAtMost150BytesEachBetweenInstants) {
     AnchorStage stage(test::hall(), {4096, 4});
     const Anchors::Lit lit = stage.light();
     const double each =
         static_cast<double>(stage.anchors().bytes()) / static_cast<double>(lit.still.size() + lit.moving.size());
-    EXPECT_LE(each, 200.0);
+    EXPECT_LE(each, 150.0);
     EXPECT_GE(each, 100.0);
 }
 
