@@ -31,7 +31,7 @@ constexpr const char* scene_text = R"({ "frames": 164, "camera": { "position": [
              { "kind": "point", "position": [-2, 2, 1], "intensity": 3, "keys": [{ "at": 0, "power": 1 }, { "at": 6, "power": 6 }] }],
   "objects": [{ "name": "floor", "shape": "plane", "size": [6, 6] },
               { "name": "box", "shape": "box", "keys": [{ "at": 0, "position": [-1, 0, 0] }, { "at": 6, "position": [1, 0, 0], "rotate": 200 }] }] })";
-const std::string light = " --size 32x32 --samples 1 --vpls 16 --gop 41 --threads 1 --quiet ";
+const std::string direct = " --size 32x32 --samples 1 --gop 41 --threads 1 --quiet ", light = direct + "--vpls 16 ";
 
 std::string scene_in(const Folder& folder) {
     std::ofstream(folder / "scene.json") << scene_text;
@@ -116,8 +116,9 @@ class Interrupted : public testing::Test {
 
     const Folder folder_;
     int chunks_ = 0;
-    const std::string start_ = program() + " render " + scene_in(folder_) + light +
-                               "--tolerance fixed=10% --exposure 0 --frames 0:409 -o " + path(folder_, "film.mpg");
+    const std::string start_ = program() + " render " + scene_in(folder_) + direct +
+                               "--vpls 0 --tolerance fixed=10% --exposure 0 --frames 0:409 -o " +
+                               path(folder_, "film.mpg");
 };
 
 TEST_F(Interrupted, FilmsAreResumedByNoOtherRunThanTheirOwn) {
@@ -207,8 +208,8 @@ TEST(Resume, BeginsAFilmOfWhichNothingIsLeft) {
 
 TEST(Resume, GivesAFilmItsNameThatCouldNotHaveItBefore) {
     const Folder folder;
-    const std::string start = program() + " render " + scene_in(folder) + light +
-                              "--tolerance fixed=10% --exposure 0 -o " + path(folder, "film.mpg");
+    const std::string start = program() + " render " + scene_in(folder) + direct +
+                              "--vpls 0 --tolerance fixed=10% --exposure 0 -o " + path(folder, "film.mpg");
     // Somebody takes its name while it is made.
     const auto outcome = run(start + " --stats " + path(folder, "s.json") + " & job=$!; while [ ! -e " +
                              path(folder, "film.mpg.partial/chunk_00000.m2v") +
