@@ -46,6 +46,17 @@ perceptual::HeatScale scale_of(HeatSubject subject) {
                      {0.1f, "10%"},
                      {0.3f, "30%"},
                      {1.0f, "100%"}}};
+        case HeatSubject::records:
+            return {"RECORDS IN THE PIXEL", 0, 8, false, {{0, "0"}, {1, "1"}, {2, "2"}, {4, "4"}, {6, "6"}, {8, "8"}}};
+        case HeatSubject::age:
+            return {"AGE OF LIGHT: FRAMES",
+                    0,
+                    60,
+                    false,
+                    {{0, "0"}, {10, "10"}, {20, "20"}, {30, "30"}, {40, "40"}, {50, "50"}, {60, "60"}}};
+        case HeatSubject::reuse:
+            return {
+                "LIGHT REUSED", 0, 1, false, {{0, "0%"}, {0.25f, "25%"}, {0.5f, "50%"}, {0.75f, "75%"}, {1, "100%"}}};
         case HeatSubject::quantiser:
             break;
     }
@@ -59,7 +70,32 @@ perceptual::HeatScale scale_of(HeatSubject subject) {
 
 namespace {
 
+constexpr std::pair<const char*, HeatSubject> subjects[] = {
+    {"tolerance", HeatSubject::tolerance},
+    {"cut", HeatSubject::cut},
+    {"error", HeatSubject::error},
+    {"quantiser", HeatSubject::quantiser},
+    {"records-density", HeatSubject::records},
+    {"records-age", HeatSubject::age},
+    {"records-reuse", HeatSubject::reuse},
+};
+
+/// What records did, a plane as it is; null for other subjects.
+const core::Plane<float>* of_records(HeatSubject subject, const core::Radiance& radiance) {
+    switch (subject) {
+        case HeatSubject::records:
+            return &radiance.record_density;
+        case HeatSubject::age:
+            return &radiance.record_age;
+        case HeatSubject::reuse:
+            return &radiance.record_reuse;
+        default:
+            return nullptr;
+    }
+}
+
 core::Plane<float> values_of(HeatSubject subject, const LitFrame& frame) {
+    if (const core::Plane<float>* plane = of_records(subject, frame.radiance)) return *plane;
     const core::Plane<glm::vec3>& light = frame.radiance.combined;
     core::Plane<float> values(light.width(), light.height(), 0.0f);
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -118,11 +154,10 @@ nlohmann::json identity_of(HeatSubject subject, nlohmann::json film) {
 }  // namespace
 
 HeatSubject heat_subject_from(const std::string& name) {
-    if (name == "tolerance") return HeatSubject::tolerance;
-    if (name == "cut") return HeatSubject::cut;
-    if (name == "quantiser") return HeatSubject::quantiser;
-    if (name == "error") return HeatSubject::error;
-    throw core::Error("heatmap " + name + ": expected tolerance, cut, error or quantiser");
+    for (const auto& [known, subject] : subjects)
+        if (name == known) return subject;
+    throw core::Error("heatmap " + name +
+                      ": expected tolerance, cut, error, quantiser, records-density, records-age or records-reuse");
 }
 
 HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const Production& film,
@@ -201,6 +236,11 @@ void check_heatmaps(const RenderOptions& options, const Production& film) {
             throw core::Error("heatmap " + name + ": " + output + " is no film; choose an ending such as .mpg");
         if (subject == HeatSubject::quantiser && film.kind != OutputKind::film)
             throw core::Error("heatmap quantiser: only films have one");
+        const bool of_records =
+            subject == HeatSubject::records || subject == HeatSubject::age || subject == HeatSubject::reuse;
+        if (of_records && (!film.rendering.cache || film.tolerance.reference))
+            throw core::Error("heatmap " + name + ": there are no records without `--cache on`, nor with " +
+                              "`--tolerance reference`");
         if (subject == HeatSubject::tolerance && film.tolerance.reference)
             throw core::Error("heatmap tolerance: `--tolerance reference` has none");
         try {

@@ -22,6 +22,9 @@ enum class HeatSubject {
     cut,        ///< clusters gathered
     error,      ///< by what the gathered light may be off over the pixel's luminance, as the stopping rule reckons
     quantiser,  ///< of macroblocks
+    records,    ///< that lie in a pixel
+    age,        ///< frames since a pixel's light was gathered
+    reuse,      ///< share of a pixel's points whose light was not gathered for them
 };
 
 /// The subject of that name. Throws core::Error with the list of names.

@@ -20,6 +20,13 @@ double cpu_seconds();
 /// Seconds on a clock that never turns back.
 double clock_seconds();
 
+/// What records did for one frame; all 0 without --cache on.
+struct RecordsEntry {
+    std::uint64_t created = 0, followed = 0;
+    std::uint64_t live = 0;  ///< held after it
+    double served = 0;       ///< share of its gather points that they, or the frame before, lit
+};
+
 /// What became of one frame.
 struct FrameEntry {
     std::int64_t frame = 0;
@@ -35,6 +42,7 @@ struct FrameEntry {
     double mse_y = 0, ssim_y = 1;                          ///< of the decoded picture against the rendered one
     std::uint64_t shadow_rays = 0;
     double direct_cut = 0, indirect_cut = 0;  ///< clusters per gather point
+    RecordsEntry records;
     double seconds = 0;                       ///< CPU
 };
 

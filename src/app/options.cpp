@@ -50,10 +50,12 @@ void add_run_options(CLI::App& command, RenderOptions& options) {
         .add_option(
             "--heatmap", options.heatmaps,
             "Write a film in false colours beside: what each pixel's light may be off by (`tolerance`), clusters "
-            "(`cut`), what it may be off by as gathered (`error`), or each macroblock's `quantiser`; may be given "
-            "several times")
+            "(`cut`), what it may be off by as gathered (`error`), each macroblock's `quantiser`, or, with `--cache "
+            "on`, "
+            "how many records lie in each pixel, and how many frames ago and for what share of its points its light "
+            "was not gathered for it; may be given several times")
         ->allow_extra_args(false)  // at a time: else it would take INPUT behind it for a third word
-        ->type_name("tolerance|cut|error|quantiser OUT.mpg")
+        ->type_name("tolerance|cut|error|quantiser|records-density|records-age|records-reuse OUT.mpg")
         ->group(run);
     command
         .add_option("--memory", options.memory,

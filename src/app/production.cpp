@@ -154,9 +154,9 @@ Production prepare(const RenderOptions& options) {
     wanted.film = film.kind == OutputKind::film;
     wanted.developed = film.kind == OutputKind::y4m || film.kind == OutputKind::png;
     wanted.layers = options.layers.has_value();
-    // Cuts and errors are told by pixel where layers are.
+    // Cuts, errors and records are told by pixel where layers are.
     for (const auto& heatmap : options.heatmaps)
-        wanted.layers = wanted.layers || heatmap.first == "cut" || heatmap.first == "error";
+        wanted.layers = wanted.layers || (heatmap.first != "tolerance" && heatmap.first != "quantiser");
     wanted.indirect = options.vpls > 0;
     film.plan = renderer::make_plan(scene::traits_of(*animation), wanted);
     return film;

@@ -106,11 +106,16 @@ void add_coding(json& entry, const FrameEntry& frame) {
     entry["ssim_y"] = frame.ssim_y;
 }
 
-json entry_of(const FrameEntry& frame, bool coded) {
+json entry_of(const FrameEntry& frame, bool coded, bool by_records) {
     json entry{{"frame", frame.frame},
                {"seconds", frame.seconds},
                {"shadow_rays", frame.shadow_rays},
                {"cut", {{"direct", frame.direct_cut}, {"indirect", frame.indirect_cut}}}};
+    if (by_records)
+        entry["records"] = {{"created", frame.records.created},
+                            {"followed", frame.records.followed},
+                            {"live", frame.records.live},
+                            {"served", frame.records.served}};
     if (coded) add_coding(entry, frame);
     return entry;
 }
@@ -231,7 +236,8 @@ json statistics_of(const Production& film, const Ledger& ledger, const RunFacts&
     statistics["quantisers"] = coded ? quantisers_of(ledger) : json(nullptr);
     if (!coded)
         for (const char* key : {"psnr_y", "ssim_y", "quantiser", "gop"}) statistics[key] = nullptr;
-    for (const FrameEntry& frame : ledger.frames) statistics["per_frame"].push_back(entry_of(frame, coded));
+    for (const FrameEntry& frame : ledger.frames)
+        statistics["per_frame"].push_back(entry_of(frame, coded, film.rendering.cache));
     return statistics;
 }
 

@@ -144,6 +144,15 @@ std::string light_lines(const Ledger& ledger) {
     return text;
 }
 
+/// What light that was gathered once did for other pixels and frames.
+std::string record_lines(const renderer::Statistics& r) {
+    const double served =
+        core::divide_or(static_cast<double>(r.records_served), static_cast<double>(r.gather_points), 0.0);
+    return fmt::format("  records    {} made, at most {} held; they lit {} of the points\n",
+                       count_text(static_cast<double>(r.records_created)),
+                       count_text(static_cast<double>(r.records_live)), percent_text(served));
+}
+
 /// Which tolerances the clusters were spent on, where there are several.
 std::string band_lines(const renderer::ToleranceBands& bands) {
     const auto all =
@@ -195,6 +204,7 @@ std::string audit_lines(const Audit& audit) {
 
 std::string summary(const Production& film, const Ledger& ledger, const RunFacts& facts) {
     std::string text = opening_lines(film.film(), ledger, facts) + light_lines(ledger);
+    if (film.rendering.cache) text += record_lines(ledger.rendering);
     text += effect_lines(film, ledger) + band_lines(ledger.rendering.bands);
     if (ledger.rendering.calibrated_pixels > 0) text += caution_lines(ledger.rendering);
     if (film.audit > 0) text += audit_lines(ledger.audit);

@@ -21,6 +21,9 @@ struct Radiance {
     Plane<float> direct_cut;               ///< clusters used, mean over the pixel's gather points
     Plane<float> indirect_cut;
     Plane<float> error;           ///< luminance by which gathering may be off, as its stopping rule reckons
+    Plane<float> record_density;  ///< records that lie in the pixel, seen or hidden; these three only where light is kept in records
+    Plane<float> record_age;      ///< frames since the light that it shows was gathered, mean; 0: in this one
+    Plane<float> record_reuse;    ///< share of its gather points that were not gathered in this frame, 0..1
     Plane<std::uint8_t> capped;   ///< 1: the largest cut came before that was within the tolerance; else 0
 };
 

@@ -16,6 +16,7 @@ struct PointLight {
     float direct_cut = 0, indirect_cut = 0;  ///< clusters that were gathered for it; 0: for other points
     float error = 0;                         ///< luminance of the pixel
     float clamped = 0;                       ///< likewise, what the clamp of near lights took
+    float age = 0;        ///< frames since it was gathered; 0: in this one. A mean, where it comes from many records
     bool served = false;  ///< by records, or by an earlier frame: it may err otherwise than a cut with today's caution
     bool capped = false;  ///< the largest cut came before the tolerance was kept
 

@@ -56,14 +56,15 @@ class FrameLighting {
         trust_.noise *= limits.caution;
     }
 
-    void prepare(const core::ToleranceMap& tolerance, const RecordCache::LitTiles& last, ShadeCounts& counts);
+    void prepare(const core::ToleranceMap& tolerance, const RecordCache::LitTiles& last, std::int64_t last_frame,
+                 ShadeCounts& counts);
     void renew(ShadeCounts& counts, RecordCounts& record_counts);
     void refine(int lattice, ShadeCounts& counts, RecordCounts& record_counts);
     void thin() { records_.thin(snapshot_.frame, map_); }
     FrameLight take(RecordCache::LitTiles& last, ShadeCounts& counts, RecordCounts& record_counts);
 
   private:
-    bool recall(std::size_t tile, const RecordCache::LitTiles& last);
+    bool recall(std::size_t tile, const RecordCache::LitTiles& last, std::int64_t last_frame);
     void gather_exact(std::size_t tile, ShadeCounts& counts);
     std::optional<RecordQuery> query_of(std::size_t tile, std::size_t point) const;
     std::vector<PointRef> wanting(std::size_t tile, int lattice);
@@ -113,7 +114,7 @@ void FrameLighting::gather_exact(std::size_t tile, ShadeCounts& counts) {
 }
 
 /// Takes the light of points that are the very same as in the last frame. Whether all exact light is known by that.
-bool FrameLighting::recall(std::size_t t, const RecordCache::LitTiles& last) {
+bool FrameLighting::recall(std::size_t t, const RecordCache::LitTiles& last, std::int64_t last_frame) {
     const GatherTile& points = seen_.tiles[t];
     if (last.size() != seen_.tiles.size() || last[t].size() != points.size()) return false;
     bool all = true;
@@ -133,6 +134,7 @@ bool FrameLighting::recall(std::size_t t, const RecordCache::LitTiles& last) {
         light_[t][i] = before.trees;
         light_[t][i].direct_cut = light_[t][i].indirect_cut = 0;
         light_[t][i].served = true;
+        light_[t][i].age += static_cast<float>(snapshot_.frame - last_frame);
         gathered_[t][i] = 1;
         ++served_[t];
         // Whoever may have served it is not forgotten.
@@ -143,7 +145,7 @@ bool FrameLighting::recall(std::size_t t, const RecordCache::LitTiles& last) {
 }
 
 void FrameLighting::prepare(const core::ToleranceMap& tolerance, const RecordCache::LitTiles& last,
-                            ShadeCounts& counts) {
+                            std::int64_t last_frame, ShadeCounts& counts) {
     map_.build(records_.all(), camera_);
     std::vector<ShadeCounts> of_tile(seen_.tiles.size());
     parallel::for_each(seen_.tiles.size(), [&](std::size_t t) {
@@ -152,7 +154,7 @@ void FrameLighting::prepare(const core::ToleranceMap& tolerance, const RecordCac
         light_[t].assign(points.size(), {});
         gathered_[t].assign(points.size(), 0);
         tolerances_[t] = point_tolerances(seen_, t, tolerance);
-        if (!recall(t, last) && !forest_.exact.empty()) gather_exact(t, of_tile[t]);
+        if (!recall(t, last, last_frame) && !forest_.exact.empty()) gather_exact(t, of_tile[t]);
         for (std::size_t i = 0; i < points.size(); ++i)
             tolerances_[t][i].base += known_luminance(exact_[t][i], points[i]);
     });
@@ -332,13 +334,23 @@ FrameLight RecordCache::light(const LightForest& forest, const RayTracer& tracer
     EXPECTS(!tolerance.is_reference());
     if (snapshot.cut_before) cut_to(seen, snapshot);
     FrameLighting frame(forest, tracer, seen, snapshot, limits, trust_, records_);
-    frame.prepare(tolerance, last_, shade_counts);
+    frame.prepare(tolerance, last_, last_frame_, shade_counts);
+    last_frame_ = snapshot.frame;
     if (changed_ && records_.size() > 0) frame.renew(shade_counts, counts);
     changed_ = false;
     for (const int lattice : lattices) frame.refine(lattice, shade_counts, counts);
     frame.thin();
     counts.live = records_.size();
     return frame.take(last_, shade_counts, counts);
+}
+
+core::Plane<float> RecordCache::density(const scene::Camera& camera, const scene::PictureFormat& format) const {
+    core::Plane<float> count(format.width, format.height, 0.0f);
+    RecordMap map(format.width, format.height);
+    map.build(records_.all(), camera);
+    for (int y = 0; y < format.height; ++y)
+        for (int x = 0; x < format.width; ++x) count.at(x, y) = static_cast<float>(map.row(y, x, x).size());
+    return count;
 }
 
 std::size_t RecordCache::bytes() const {

@@ -24,6 +24,9 @@ class RecordCache {
         changed_ = false;
     }
 
+    /// How many records lie in each pixel of a picture, seen or hidden.
+    core::Plane<float> density(const scene::Camera& camera, const scene::PictureFormat& format) const;
+
     /// Light is another than at the frame before.
     void change(const scene::Snapshot& before, const scene::Snapshot& now);
 
@@ -52,7 +55,8 @@ class RecordCache {
 
     Records records_;
     LitTiles last_;
-    bool changed_ = false;  ///< light is another than what the records tell
+    std::int64_t last_frame_ = 0;  ///< that they are of
+    bool changed_ = false;         ///< light is another than what the records tell
     RecordTrust trust_;
 };
 

@@ -53,8 +53,12 @@ class ChangeThere {
     bool apply(Record& record);
 
   private:
-    bool add(Record& record);
-    bool multiply(Record& record);
+    /// What light was multiplied by, and what it is off that by, as a share of it.
+    struct Ratio {
+        float direct = 0, indirect = 0, off = 0;
+    };
+    void add(Record& record) const;
+    Ratio ratio() const;
 
     const RecordMap& map_;
     const std::vector<LightChange>& changes_;
@@ -87,8 +91,7 @@ bool ChangeThere::find(const RecordMark& mark, float pixel) {
     return plane_.fit() || plane_.fit_level();
 }
 
-bool ChangeThere::add(Record& record) {
-    if (!(plane_.residual() <= allowed_)) return false;
+void ChangeThere::add(Record& record) const {
     glm::vec3 direct(0), indirect(0);
     for (int i = 0; i < plane_.count(); ++i) {
         direct += plane_.weight(i) * (found_[i]->place.direct - found_[i]->direct_before);
@@ -96,37 +99,44 @@ bool ChangeThere::add(Record& record) {
     }
     record.direct = glm::max(record.direct + direct, glm::vec3(0));
     record.indirect = glm::max(record.indirect + indirect, glm::vec3(0));
-    return true;
 }
 
-/// As when a lamp is dimmed, where it is bright and where it is not.
-bool ChangeThere::multiply(Record& record) {
-    const auto ratio = [](glm::vec3 now, glm::vec3 before) {
+ChangeThere::Ratio ChangeThere::ratio() const {
+    const auto of = [](glm::vec3 now, glm::vec3 before) {
         return core::divide_or(core::luminance(now), core::luminance(before), 1.0f);
     };
-    float direct = 0, indirect = 0, off = 0;
-    const float bright = core::luminance(record.direct + record.indirect);
+    Ratio all;
     for (int i = 0; i < plane_.count(); ++i) {
         const LightChange& c = *found_[i];
-        const float d = ratio(c.place.direct, c.direct_before), n = ratio(c.place.indirect, c.indirect_before);
-        direct += plane_.weight(i) * d;
-        indirect += plane_.weight(i) * n;
+        all.direct += plane_.weight(i) * of(c.place.direct, c.direct_before);
+        all.indirect += plane_.weight(i) * of(c.place.indirect, c.indirect_before);
     }
+    float square = 0;
     for (int i = 0; i < plane_.count(); ++i) {
         const LightChange& c = *found_[i];
         const float found = core::luminance(c.place.direct + c.place.indirect);
-        const float told = core::luminance(direct * c.direct_before + indirect * c.indirect_before);
+        const float told = core::luminance(all.direct * c.direct_before + all.indirect * c.indirect_before);
         const float relative = core::divide_or(found - told, std::max(found, told), 0.0f);
-        off += relative * relative / static_cast<float>(plane_.count());
+        square += relative * relative / static_cast<float>(plane_.count());
     }
-    if (!(std::sqrt(off) * bright <= allowed_) || !(direct >= 0.0f && indirect >= 0.0f)) return false;
-    record.direct *= direct;
-    record.indirect *= indirect;
-    return true;
+    all.off = std::sqrt(square);
+    return all;
 }
 
 bool ChangeThere::apply(Record& record) {
-    return add(record) || multiply(record);
+    // As where a lamp is dimmed or grows bright, which lights what is bright and what is not by one factor; or as where
+    // something comes or goes, by one sum.
+    const Ratio all = ratio();
+    const bool has_ratio = all.direct >= 0.0f && all.indirect >= 0.0f;
+    const float sum_off = plane_.residual(), ratio_off = all.off * core::luminance(record.direct + record.indirect);
+    if (has_ratio && ratio_off <= sum_off && ratio_off <= allowed_) {
+        record.direct *= all.direct;
+        record.indirect *= all.indirect;
+        return true;
+    }
+    if (!(sum_off <= allowed_)) return false;
+    add(record);
+    return true;
 }
 
 }  // namespace

@@ -25,9 +25,12 @@ constexpr float alike_alpha = 0.1f, most_turn = 0.25f;
 /// What a lobe's light changes by as the eye turns by its width, as far as `seen_from` does not know.
 /// chosen: 0.3, not tuned: residuals see most of it.
 constexpr float turn_error = 0.3f;
-/// A record so near, in pixels, stands for the pixel by itself where neighbours disagree. chosen: of 0.1, 0.15 and 0.3,
-/// at which 3, 7 and 22 % of these pixels err by more than they may.
-constexpr float own_distance = 0.1f;
+/// A record so near, in pixels, stands for the pixel by itself where neighbours disagree, if light that changes as
+/// between it and them changes by no more than the tolerance over twice its distance. chosen: without the latter 19 %
+/// of these pixels err by more than they may (Sibenik's walk at 2 %, 160x160) and make most of all large errors; with
+/// it 6
+/// %. At 0.15 and 0.3 pixels they err more often than at 0.1 (22 instead of 3 % in Sponza, without the latter).
+constexpr float own_distance = 0.1f, own_doubt = 2.0f;
 
 struct Neighbour {
     const Record* record;
@@ -53,6 +56,8 @@ class Neighbours {
     bool find(const RecordQuery& q, const RecordMap& map, const Records& records, int radius);
     /// The nearest, if it is the point's own.
     const Neighbour* own() const;
+    /// What luminance may change by between that and the point, by how it changes around.
+    float own_change() const;
     RecordPlane& plane() { return plane_; }
     float weight(int i) const { return plane_.weight(i); }
     /// What gathering may be off by, given what the point makes of irradiance.
@@ -111,6 +116,12 @@ const Neighbour* Neighbours::own() const {
     return plane_.distance(n) <= own_distance ? &(*this)[n] : nullptr;
 }
 
+float Neighbours::own_change() const {
+    const int n = plane_.nearest();
+    const float distance = plane_.distance(n);
+    return distance > 0.0f ? own_doubt * distance * plane_.steepest(n) : 0.0f;
+}
+
 float Neighbours::noise(float receives) const {
     // Records of one set err alike, since the same lights stand for their clusters; those of different sets do not.
     std::array<float, representative_sets> of_set{};
@@ -134,9 +145,9 @@ float doubt(const PointTolerance& t, glm::vec3 light, float tolerance) {
     return coarse + (fine - coarse) * turn2 / (turn2 + relative * relative);
 }
 
-PointLight blend(const Neighbours& n, const GatherPoint& p) {
+PointLight blend(const Neighbours& n, const GatherPoint& p, std::int64_t frame) {
     PointLight light;
-    float clamped = 0;
+    float clamped = 0, age = 0, sum = 0;
     glm::vec3 low[3]{glm::vec3(1e30f), glm::vec3(1e30f), glm::vec3(1e30f)}, high[3]{};
     for (int i = 0; i < n.count(); ++i) {
         const Record& r = *n[i].record;
@@ -145,6 +156,8 @@ PointLight blend(const Neighbours& n, const GatherPoint& p) {
         light.glossy += n.weight(i) * n[i].glossy;
         light.capped = light.capped || r.capped;
         clamped += n.weight(i) * r.clamped;
+        age += std::abs(n.weight(i)) * static_cast<float>(frame - r.born);
+        sum += std::abs(n.weight(i));
         low[0] = glm::min(low[0], r.direct);
         high[0] = glm::max(high[0], r.direct);
         low[1] = glm::min(low[1], r.indirect);
@@ -156,6 +169,7 @@ PointLight blend(const Neighbours& n, const GatherPoint& p) {
     light.indirect = glm::clamp(light.indirect, low[1], high[1]);
     light.glossy = glm::clamp(light.glossy, low[2], high[2]);
     light.clamped = std::max(clamped, 0.0f) * core::luminance(light.scattered(p));
+    light.age = core::divide_or(age, sum, 0.0f);
     return light;
 }
 
@@ -176,7 +190,7 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
             const bool steep = radius < tells_steps && trust.step * near.plane().rise() > tolerance;
             if (off <= tolerance && noise <= tolerance && !steep) {
                 result.holds = true;
-                result.light = blend(near, q.point);
+                result.light = blend(near, q.point, frame);
                 result.light.served = true;
                 result.light.error = std::max(off, noise);
                 for (int i = 0; i < near.count(); ++i) records.use(near[i].index, frame);
@@ -186,12 +200,15 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
         const Neighbour* own = near.own();
         if (own == nullptr) continue;
         PointLight light{own->record->direct, own->record->indirect, own->glossy};
-        const float noise = trust.noise * (q.receives * own->record->error + own->turned);
-        if (!own->record->capped && noise > q.tolerance.allows(core::luminance(light.scattered(q.point)))) continue;
+        const float tolerance = q.tolerance.allows(core::luminance(light.scattered(q.point)));
+        const float noise = trust.noise * (q.receives * own->record->error + own->turned),
+                    change = trust.residual * near.own_change();
+        if ((!own->record->capped && noise > tolerance) || change > tolerance) continue;
         light.served = true;
         light.clamped = own->record->clamped * core::luminance(light.scattered(q.point));
         light.capped = own->record->capped;
-        light.error = noise;
+        light.age = static_cast<float>(frame - own->record->born);
+        light.error = std::max(noise, change);
         result.holds = true;
         result.light = light;
         records.use(own->index, frame);

@@ -228,6 +228,7 @@ struct Renderer::Impl {
         statistics.records_served += found.served;
         statistics.records_followed += found.followed;
         statistics.records_live = std::max<std::uint64_t>(statistics.records_live, found.live);
+        statistics.records_held = found.live;
     }
 
     Settings settings;
@@ -288,6 +289,7 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     }
     core::Radiance radiance = renderer::shade(i.forest, i.scenery.tracer(), seen, snapshot.camera.position(), tolerance,
                                               settings, counts, by_records ? &known : nullptr);
+    if (by_records && settings.layers) radiance.record_density = i.records.density(snapshot.camera, i.settings.format);
     i.count(counts, seen.visible);
     if (learns) i.watch(snapshot, seen, tolerance, settings, radiance, counts, by_records ? &known : nullptr);
     i.share_time(cpu_seconds() - start, counts);

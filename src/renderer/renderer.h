@@ -57,6 +57,7 @@ struct Statistics {
     std::uint64_t records_served = 0;     ///< gather points whose light came from records
     std::uint64_t records_followed = 0;   ///< times that one changed as the light around it did
     std::uint64_t records_live = 0;       ///< most that were held at a time
+    std::uint64_t records_held = 0;       ///< after the last frame
 };
 
 /// See and shade. State that lives over frames is a function of the animation, the settings and the chunk's first

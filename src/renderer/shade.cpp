@@ -105,7 +105,7 @@ void TileShader::gather_groups(std::size_t tile_index) {
 void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size_t last, int x, int y) {
     // Weight irradiance by what it lights, so that albedo x irradiance is the pixel's diffuse light exactly.
     glm::vec3 share(0), albedo(0), direct(0), indirect(0), plain_direct(0), plain_indirect(0), glossy(0), specular(0);
-    float direct_cut = 0, indirect_cut = 0, error = 0;
+    float direct_cut = 0, indirect_cut = 0, error = 0, age = 0, reused = 0;
     for (std::size_t i = first; i < last; ++i) {
         const GatherPoint& p = tile[i];
         const PointLight& l = light_[i];
@@ -113,6 +113,8 @@ void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size
         direct_cut += l.direct_cut;
         indirect_cut += l.indirect_cut;
         error += l.error;
+        age += l.age;
+        reused += l.served ? 1.0f : 0.0f;
         if (p.reached_by_specular) {
             specular += scattered;
             continue;
@@ -140,6 +142,10 @@ void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size
     radiance_.direct_cut.at(x, y) = direct_cut / count;
     radiance_.indirect_cut.at(x, y) = indirect_cut / count;
     radiance_.error.at(x, y) = error;
+    if (known_ != nullptr) {
+        radiance_.record_age.at(x, y) = age / count;
+        radiance_.record_reuse.at(x, y) = reused / count;
+    }
     radiance_.specular.at(x, y) += specular;
 }
 
@@ -264,6 +270,7 @@ core::Radiance shade(const LightForest& forest, const RayTracer& tracer, const S
         radiance.direct_cut = core::Plane<float>(width, height, 0.0f);
         radiance.indirect_cut = core::Plane<float>(width, height, 0.0f);
         radiance.error = core::Plane<float>(width, height, 0.0f);
+        if (known != nullptr) radiance.record_age = radiance.record_reuse = core::Plane<float>(width, height, 0.0f);
     }
     std::vector<ShadeCounts> of_tile(seen.tiles.size());
     parallel::for_each(seen.tiles.size(), [&](std::size_t i) {

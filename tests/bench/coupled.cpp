@@ -1,10 +1,10 @@
 // What the coupled loop saves and costs, against a fixed tolerance of 2 % at the same quantiser and stopping rule.
 //
-//   bench_coupled [--pairs N] [--quantisers 1,8,24] [--shares default,1,0.3] [--cache DIR] [--name NAME]
+//   bench_coupled [--pairs N] [--quantisers 1,8,24] [--shares default,1,0.3] [--keep-references DIR] [--name NAME]
 //                 [--always-intra] SCENE [render options]
 //
 // One line of JSON per film. Quality is of the decoded film against frames lit without clustering and not coded: pairs
-// of adjacent frames, lit once and kept in the cache. `loss` is what the coupled film has less than the fixed one.
+// of adjacent frames, lit once and kept in the folder. `loss` is what the coupled film has less than the fixed one.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -53,15 +53,15 @@ int run(int argc, char** argv) {
     // Take our own options out; the rest is a command line of `render`.
     int pairs = 2;
     bool always_intra = false;
-    std::string quantisers = "2,8,16", shares = "default,1", cache = "bench_cache", name;
+    std::string quantisers = "2,8,16", shares = "default,1", references = "bench_references", name;
     std::vector<std::string> rest{"render2mpeg", "render"};
     for (int i = 1; i < argc; ++i) {
         const std::string word = argv[i];
-        std::string* value = word == "--quantisers" ? &quantisers
-                             : word == "--shares"   ? &shares
-                             : word == "--cache"    ? &cache
-                             : word == "--name"     ? &name
-                                                    : nullptr;
+        std::string* value = word == "--quantisers"        ? &quantisers
+                             : word == "--shares"          ? &shares
+                             : word == "--keep-references" ? &references
+                             : word == "--name"            ? &name
+                                                           : nullptr;
         if (word == "--pairs" && i + 1 < argc)
             pairs = std::max(1, std::atoi(argv[++i]));
         else if (word == "--always-intra")
@@ -83,7 +83,7 @@ int run(int argc, char** argv) {
     app::Production film = app::prepare(options);
     if (!film.exposure) film.exposure = app::measure_exposure(film);
     if (name.empty()) name = options.input.stem().string();
-    const Stage stage = stage_of(film, pairs, cache);
+    const Stage stage = stage_of(film, pairs, references);
     const LitFilm fixed(film, stage);
     for (const std::string& quantiser : parts_of(quantisers)) {
         const int q = std::atoi(quantiser.c_str());

@@ -84,11 +84,11 @@ core::Plane<std::uint8_t> gathering_pixels(const renderer::Seen& seen) {
 }
 
 ReferenceFrame lit(const Production& film, renderer::Renderer& renderer, std::int64_t frame,
-                   const std::filesystem::path& cache) {
+                   const std::filesystem::path& folder) {
     ReferenceFrame reference;
     const scene::Snapshot world = film.snapshot(frame);
     const renderer::Seen seen = renderer.see(world);
-    const std::filesystem::path file = cache / fmt::format("{:016x}.light", key_of(film, renderer, world, seen));
+    const std::filesystem::path file = folder / fmt::format("{:016x}.light", key_of(film, renderer, world, seen));
     reference.light = core::Plane<glm::vec3>(film.format.width, film.format.height);
     if (!read(file, reference.light)) {
         reference.light = renderer.shade(world, seen, core::ToleranceMap::reference()).combined;
@@ -106,16 +106,16 @@ ReferenceFrame lit(const Production& film, renderer::Renderer& renderer, std::in
 
 }  // namespace
 
-Stage stage_of(const Production& film, int pairs, const std::filesystem::path& cache) {
+Stage stage_of(const Production& film, int pairs, const std::filesystem::path& folder) {
     Stage stage;
-    std::filesystem::create_directories(cache);
+    std::filesystem::create_directories(folder);
     renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
     renderer.start_chunk(film.snapshot(film.frames.first));
     for (int i = 0; i < pairs; ++i)
         stage.firsts.push_back(film.frames.first + (film.frame_count() - 2) * (2 * i + 1) / (2 * pairs));
     for (const std::int64_t first : stage.firsts)
         for (const std::int64_t n : {first, first + 1})
-            if (!stage.reference.contains(n)) stage.reference[n] = lit(film, renderer, n, cache);
+            if (!stage.reference.contains(n)) stage.reference[n] = lit(film, renderer, n, folder);
     for (std::int64_t n = film.frames.first; n <= film.frames.last; ++n) {
         const scene::Snapshot world = film.snapshot(n);
         stage.visible.push_back(renderer.see(world).visible);

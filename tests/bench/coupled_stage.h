@@ -27,9 +27,9 @@ struct Stage {
     std::vector<core::MotionField> motion;  ///< of every frame to the one before; of the first to itself
 };
 
-/// Sees the film, and lights pairs of frames spread over it. Their light is kept in files in `cache`, named by what the
-/// frame shows, by the settings, and by the light of some hundred of its pixels gathered anew: whatever changes them, a
-/// texture, a shape or the code that lights, makes another file.
-Stage stage_of(const app::Production& film, int pairs, const std::filesystem::path& cache);
+/// Sees the film, and lights pairs of frames spread over it. Their light is kept in files in `folder`, named by what
+/// the frame shows, by the settings, and by the light of some hundred of its pixels gathered anew: whatever changes
+/// them, a texture, a shape or the code that lights, makes another file.
+Stage stage_of(const app::Production& film, int pairs, const std::filesystem::path& folder);
 
 }  // namespace render2mpeg::bench

@@ -14,7 +14,7 @@ data=${COUPLED_SHARE_DATA:-$root/docs/fits/coupled-share.jsonl}
 for film in cornell:20 character:10 colonnade:10 many_lamps:5; do
     name=${film%%:*}
     first=${film##*:}
-    "$bench" --pairs 6 --quantisers 2,4,8,16,31 --shares 0.3,0.5,0.8,1.3,2 --name "$name" --cache "${TMPDIR:-/tmp}/render2mpeg_bench" \
+    "$bench" --pairs 6 --quantisers 2,4,8,16,31 --shares 0.3,0.5,0.8,1.3,2 --name "$name" --keep-references "${TMPDIR:-/tmp}/render2mpeg_bench" \
         "$root/animations/$name" --size "$size" --samples 1 --vpls 1000 --frames "$first:$((first + frames - 1))" --threads 1 >> "$data"
 done
 python3 "$here/coupled_share.py" "$data" > "$root/docs/fits/coupled-share.md"

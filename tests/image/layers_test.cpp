@@ -144,6 +144,8 @@ TEST(Layers, PartsOfLightAddUpToTheWhole) {
     frame.radiance.glossy = plane({0, 0.125f, 0});
     frame.radiance.specular = plane({0, 0, 0.25f});
     frame.radiance.direct_cut = frame.radiance.indirect_cut = core::Plane<float>(width, height, 42);
+    frame.radiance.record_density = frame.radiance.record_age = frame.radiance.record_reuse =
+        core::Plane<float>(width, height, 3);
     for (glm::vec3& v : frame.radiance.combined.values())
         v = glm::vec3(0.5f, 0.25f, 1) * glm::vec3(3, 5, 9) + glm::vec3(0.5f, 0.125f, 0.25f);
     const auto layers = frame.written();
@@ -159,6 +161,8 @@ TEST(Layers, PartsOfLightAddUpToTheWhole) {
         }
     EXPECT_EQ(layers.at("render2mpeg.CutDirect.X").values[0], 42);
     EXPECT_EQ(layers.at("render2mpeg.CutIndirect.X").values[0], 42);
+    for (const char* layer : {"render2mpeg.RecordDensity.X", "render2mpeg.RecordAge.X", "render2mpeg.RecordReuse.X"})
+        EXPECT_EQ(layers.at(layer).values[0], 3) << layer;
     EXPECT_EQ(layers.count("render2mpeg.Tolerance.X"), 0u);
 }
 

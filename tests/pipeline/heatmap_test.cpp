@@ -48,7 +48,7 @@ TEST(Heatmap, RefusesWhatThereIsNoneOfBeforeAnythingIsDone) {
         }
     };
     const std::string heat = (folder / "h.mpg").string();
-    refused("film.mpg", " --heatmap warmth " + heat, "tolerance, cut, error or quantiser");
+    refused("film.mpg", " --heatmap warmth " + heat, "tolerance, cut, error, quantiser");
     refused("film.mpg", " --heatmap cut " + (folder / "h.png").string(), "h.png");
     refused("f.%04d.png", " --heatmap quantiser " + heat, "only films");
     refused("film.mpg", " --tolerance reference --heatmap tolerance " + heat, "reference");

@@ -104,7 +104,8 @@ TEST(Completion, OffersTheValuesOfOptionsThatHaveFew) {
     EXPECT_EQ(completions("render --tolerance \"\""), (Words{"coupled", "fixed=", "reference"}));
     EXPECT_EQ(completions("render --for d"), (Words{"dvd-ntsc", "dvd-pal"}));
     EXPECT_EQ(completions("render --tune \"\""), (Words{"psnr", "perceptual"}));
-    EXPECT_EQ(completions("render --heatmap \"\""), (Words{"tolerance", "cut", "error", "quantiser"}));
+    EXPECT_EQ(completions("render --heatmap \"\""),
+              (Words{"tolerance", "cut", "error", "quantiser", "records-density", "records-age", "records-reuse"}));
     EXPECT_EQ(completions("render --isa s"), (Words{"sse2", "sse4.2"}));
     EXPECT_EQ(completions("render --exposure \"\""), (Words{"auto"}));
     EXPECT_EQ(completions("encode --motion-convention \"\""), (Words{"blender", "nuke"}));

@@ -112,14 +112,96 @@ TEST(RecordCache, FollowsALampThatIsDimmedAtOnce) {
     EXPECT_GT(stage.statistics().records_followed, created / 4);
 }
 
+TEST(RecordCache, TellsOfALampDoubledAtOnceWhatFreshGatheringTells) {
+    test::SceneBuilder b = walk(false);
+    const int panel = 1;  // of furnished_room's materials
+    b.add_track(scene::TrackTarget::emission, panel, 1, {0, 1, 2}, {1, 1, 2});
+    FilmStage stage(b, settings(true)), fresh(b, settings(true));
+    const core::Radiance before = stage.cut(0.05f, 1);
+    const std::uint64_t rays = stage.statistics().shadow_rays;
+    const core::Radiance followed = stage.cut(0.05f, 2);
+    // By changes found on a sixteenth of the pixels, not by gathering all again.
+    EXPECT_LT(stage.statistics().shadow_rays - rays, rays * 2 / 3);
+    EXPECT_GT(stage.statistics().records_followed, stage.statistics().records_created / 3);
+    const core::Radiance gathered = fresh.cut(0.05f, 2), truth = fresh.reference(2);
+    ASSERT_GE(share_over(before, truth, 0.3f), 0.8) << "the lamp counts";
+    EXPECT_LE(share_over(followed, truth, 0.05f), share_over(gathered, truth, 0.05f) + 0.01);
+    EXPECT_LE(share_over(followed, gathered, 0.05f), 0.02);
+}
+
 TEST(RecordCache, ShowsNoShadowOfWhatIsGone) {
     test::SceneBuilder b = walk(false);
     const int box = b.add_box({0.3f, 0.0f, 2.2f}, {0.9f, 0.5f, 2.8f}, b.add_material({0.5f, 0.5f, 0.5f}));
     b.move_object(box, {{0, 0, 0}, {0, 0, 0}, {0, -9, 0}});
     FilmStage stage(b, settings(true)), plain(b, settings(false));
     stage.cut(0.05f, 0);
-    stage.cut(0.05f, 1);
-    EXPECT_LE(share_over(stage.cut(0.05f, 2), plain.reference(2), 0.05f), 0.02);
+    const core::Radiance truth = plain.reference(2);
+    ASSERT_GE(share_over(stage.cut(0.05f, 1), truth, 0.05f), 0.05) << "the box and its shadow count";
+    EXPECT_LE(share_over(stage.cut(0.05f, 2), truth, 0.05f), 0.02);
+}
+
+TEST(RecordCache, TellsOfEveryPixelHowOldItsLightIs) {
+    Settings s = settings(true);
+    s.samples = 2;
+    FilmStage stage(walk(false), s), plain(walk(false), s);
+    EXPECT_TRUE(plain.cut(0.05f, 0).record_age.empty());
+    stage.restart(true);
+    for (int second = 0; second < 3; ++second) {
+        const core::Radiance frame = stage.cut(0.05f, second);
+        ASSERT_EQ(frame.record_age.size(), frame.combined.size());
+        double reuse = 0, records = 0;
+        for (std::size_t i = 0; i < frame.combined.size(); ++i) {
+            // A still film's light is all of its first frame, whoever it was gathered for.
+            EXPECT_EQ(frame.record_age.values()[i], static_cast<float>(second));
+            reuse += frame.record_reuse.values()[i] / static_cast<double>(frame.combined.size());
+            records += frame.record_density.values()[i];
+        }
+        if (second == 0) {
+            const renderer::Statistics& counts = stage.statistics();
+            // Pixels count alike, whether they show one surface or two.
+            EXPECT_NEAR(reuse, static_cast<double>(counts.records_served) / static_cast<double>(counts.gather_points),
+                        0.04);
+            EXPECT_GT(reuse, 0.1);
+            EXPECT_LT(reuse, 0.95);
+        } else {
+            EXPECT_NEAR(reuse, 1.0, 1e-6);
+        }
+        EXPECT_NEAR(records, static_cast<double>(stage.statistics().records_held), 0.01 * records);
+        EXPECT_GT(records, 100.0);
+    }
+}
+
+/// Lights each of the seconds and measures the last one's errors over its pixels' luminance.
+struct Errors {
+    double beyond = 0, mean = 0, age = 0;
+};
+Errors errors_after(FilmStage& stage, int first, int last) {
+    core::Radiance frame;
+    for (int second = first; second <= last; ++second) frame = stage.cut(0.05f, second);
+    const core::Radiance truth = stage.reference(last);
+    Errors errors{share_over(frame, truth, 0.05f)};
+    const auto count = static_cast<double>(frame.combined.size());
+    for (std::size_t i = 0; i < frame.combined.size(); ++i) {
+        const double expected = core::luminance(truth.combined.values()[i]);
+        errors.mean += std::abs(core::luminance(frame.combined.values()[i]) - expected) / expected / count;
+        errors.age += frame.record_age.values()[i] / count;
+    }
+    return errors;
+}
+
+TEST(RecordCacheSlow, RecordsOfAgeFortyErrNoMoreThanThoseOfAgeOne) {
+    test::SceneBuilder b = walk(false);
+    b.add_track(scene::TrackTarget::translation, b.film().cameras[0].node, 3, {0, 47},
+                {2.0f, 1.6f, 3.8f, 2.15f, 1.6f, 3.8f});
+    FilmStage long_run(b, settings(true)), short_run(b, settings(true));
+    long_run.restart(true);
+    short_run.restart(true);
+    const Errors old = errors_after(long_run, 0, 47), young = errors_after(short_run, 46, 47);
+    EXPECT_GE(old.age, 25.0) << "most of what is seen was gathered long ago";
+    EXPECT_LE(young.age, 1.0);
+    EXPECT_LE(old.beyond, young.beyond + 0.01);
+    EXPECT_LE(old.mean, 1.15 * young.mean);
+    EXPECT_GT(old.mean, 0.3 * young.mean);
 }
 
 TEST(RecordCache, CountsWhatIsCappedForServedPointsToo) {

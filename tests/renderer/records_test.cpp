@@ -165,6 +165,24 @@ TEST_F(Wall, RecordsOfOneSetErrAlikeAndThoseOfFourDoNot) {
     EXPECT_FALSE(holds(true, true, 0.03f));
 }
 
+TEST_F(Wall, APointsOwnRecordServesWhereLightHardlyChangesUpToIt) {
+    // Light with an edge everywhere: no plane fits, and only the record at the place itself knows.
+    strew(1, [](glm::vec2 at) { return (static_cast<int>(at.x) + static_cast<int>(at.y)) % 2 == 0 ? 1.0f : 1.3f; });
+    const auto estimate_off = [&](float off, float relative) {
+        GatherPoint p = point_at(12, 12);
+        const float pixel = stage_.world().camera.pixel_size() * 2.0f;
+        p.point.position.x += off * pixel;
+        return estimate_at(p, relative);
+    };
+    // 30 % a pixel: 0.6 of it times the distance is within 2 % up to a thirtieth of a pixel.
+    EXPECT_TRUE(estimate_off(0.0f, 0.02f).holds);
+    EXPECT_FLOAT_EQ(estimate_off(0.0f, 0.02f).light.indirect.x, 1.0f);
+    EXPECT_TRUE(estimate_off(0.02f, 0.02f).holds);
+    EXPECT_FALSE(estimate_off(0.05f, 0.02f).holds);
+    EXPECT_TRUE(estimate_off(0.05f, 0.04f).holds);
+    EXPECT_FALSE(estimate_off(0.2f, 0.08f).holds);
+}
+
 TEST_F(Wall, MapsFindEveryRecordWhereItIsSeen) {
     strew(3, [](glm::vec2) { return 1.0f; });
     std::size_t found = 0;

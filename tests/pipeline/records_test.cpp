@@ -1,0 +1,78 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "support/program.h"
+
+/// --cache on, and what it shows of itself.
+namespace render2mpeg {
+namespace {
+
+using support::contents;
+using support::Folder;
+using support::plain_film;
+using support::run;
+
+const std::string render = support::program() + " render " + plain_film() +
+                           " --size 64x48 --samples 1 --vpls 64 --exposure 0 --frames 3:5 -o ";
+
+const std::string kept = " --cache on";
+
+TEST(Records, ToLookOnAtThemChangesNothing) {
+    const Folder folder;
+    const auto place = [&](const std::string& name) { return (folder / name).string(); };
+    std::string heatmaps;
+    for (const std::string subject : {"records-density", "records-age", "records-reuse"})
+        heatmaps += " --heatmap " + subject + " " + place(subject + ".m2v");
+    const auto watched =
+        run(render + place("watched.y4m") + kept + heatmaps + " --aov " + place("aov") + " --stats " + place("s.json"));
+    ASSERT_EQ(watched.status, 0) << watched.output;
+    EXPECT_NE(watched.output.find("  records    "), std::string::npos) << watched.output;
+    ASSERT_EQ(run(render + place("plain.y4m") + kept + " --quiet").status, 0);
+    EXPECT_EQ(contents(folder / "plain.y4m"), contents(folder / "watched.y4m"));
+
+    // Three of one scale would be one film thrice.
+    EXPECT_NE(contents(folder / "records-density.m2v"), contents(folder / "records-age.m2v"));
+    EXPECT_NE(contents(folder / "records-reuse.m2v"), contents(folder / "records-age.m2v"));
+    const auto header = run("exrheader " + place("aov") + "/frame_0004.exr");
+    for (const char* channel : {"render2mpeg.RecordDensity.X", "render2mpeg.RecordAge.X", "render2mpeg.RecordReuse.X"})
+        EXPECT_NE(header.output.find(channel), std::string::npos) << channel << "\n" << header.output;
+}
+
+TEST(Records, OfFramesAddUpToThoseOfTheFilm) {
+    const Folder folder;
+    const std::string stats = (folder / "s.json").string();
+    ASSERT_EQ(run(render + (folder / "f.y4m").string() + kept + " --quiet --stats " + stats).status, 0);
+    const auto film = nlohmann::json::parse(contents(stats));
+    std::uint64_t created = 0, followed = 0, most = 0;
+    for (const auto& frame : film.at("per_frame")) {
+        const auto& records = frame.at("records");
+        created += records.at("created").get<std::uint64_t>();
+        followed += records.at("followed").get<std::uint64_t>();
+        most = std::max(most, records.at("live").get<std::uint64_t>());
+        EXPECT_GT(records.at("served").get<double>(), 0.05);
+        EXPECT_LT(records.at("served").get<double>(), 1.0);
+    }
+    const auto& all = film.at("records");
+    EXPECT_EQ(created, all.at("created").get<std::uint64_t>());
+    EXPECT_EQ(followed, all.at("followed").get<std::uint64_t>());
+    EXPECT_EQ(most, all.at("most").get<std::uint64_t>());
+    EXPECT_GT(followed, 0u) << "boxes move";
+}
+
+TEST(Records, ThatAreNotThereAreNotShown) {
+    const Folder folder;
+    const std::string heat = " --heatmap records-age " + (folder / "h.m2v").string();
+    for (const char* option : {"", " --cache on --tolerance reference"}) {
+        const auto refused = run(render + (folder / "f.y4m").string() + heat + option);
+        EXPECT_EQ(refused.status, 1) << option;
+        EXPECT_NE(refused.output.find("no records"), std::string::npos) << refused.output;
+        EXPECT_EQ(folder.entries(), 0u) << option;
+    }
+}
+
+}  // namespace
+}  // namespace render2mpeg
