@@ -94,6 +94,10 @@ CLI::App* add_plan_command(CLI::App& app, PlanOptions& options) {
         ->check(checked(check_exposure, ""))
         ->capture_default_str()
         ->group(run);
+    command->add_option("--cache", options.render.cache, "Light kept for other pixels and frames: on, off or auto")
+        ->check(CLI::IsMember({"on", "off", "auto"}))
+        ->capture_default_str()
+        ->group(run);
     command->add_option("--audit", options.render.audit, "Pixels of every frame")
         ->type_name("N")
         ->check(CLI::Range(0, 1 << 20))

@@ -48,7 +48,6 @@ renderer::Settings rendering_settings(const RenderOptions& options, const scene:
     // (0.38 of them do at 1000, and 10 % of the pixels err by more; 0.12 at 2000) and in Sibenik (0.49 at 1000).
     settings.max_cut = 4000;
     settings.stop = options.stop == "classic" ? renderer::Stop::classic : renderer::Stop::honest;
-    settings.cache = options.cache == "on";
     settings.isa = options.isa ? core::isa_from(*options.isa) : core::detect_isa();
     return settings;
 }
@@ -158,7 +157,10 @@ Production prepare(const RenderOptions& options) {
     for (const auto& heatmap : options.heatmaps)
         wanted.layers = wanted.layers || (heatmap.first != "tolerance" && heatmap.first != "quantiser");
     wanted.indirect = options.vpls > 0;
-    film.plan = renderer::make_plan(scene::traits_of(*animation), wanted);
+    const scene::Traits traits = scene::traits_of(*animation);
+    film.plan = renderer::make_plan(traits, wanted);
+    film.records = choose_records(options.cache, traits, film.tolerance.reference, film.frame_count());
+    film.rendering.cache = film.records.kept;
     return film;
 }
 

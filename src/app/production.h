@@ -9,6 +9,7 @@
 #include "app/film.h"
 #include "app/options.h"
 #include "app/output_kind.h"
+#include "app/records_choice.h"
 #include "core/rational.h"
 #include "core/tolerance_map.h"
 #include "encoder/encoder.h"
@@ -30,6 +31,7 @@ struct Production {
     scene::PictureFormat format;
     renderer::Settings rendering;
     renderer::Plan plan{{}};
+    RecordsChoice records;  ///< as `rendering` has it
     encoder::Settings coding;
     Keyframes keyframes;
     bool disc = false;                  ///< program streams are a DVD's

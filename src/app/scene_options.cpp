@@ -97,8 +97,9 @@ void add_light_options(CLI::App& command, RenderOptions& options) {
     command
         .add_option("--cache", options.cache,
                     "Where light comes from: `on` gathers it at places on surfaces, and keeps it there for other "
-                    "pixels and frames while it stays what it is; `off` gathers it for every pixel of every frame")
-        ->check(CLI::IsMember({"on", "off"}))
+                    "pixels and frames while it stays what it is; `off` gathers it for every pixel of every frame; "
+                    "`auto` is `on` where only the camera moves, and says so in `plan`")
+        ->check(CLI::IsMember({"on", "off", "auto"}))
         ->capture_default_str()
         ->group(light);
 }

@@ -344,19 +344,4 @@ FrameLight RecordCache::light(const LightForest& forest, const RayTracer& tracer
     return frame.take(last_, shade_counts, counts);
 }
 
-core::Plane<float> RecordCache::density(const scene::Camera& camera, const scene::PictureFormat& format) const {
-    core::Plane<float> count(format.width, format.height, 0.0f);
-    RecordMap map(format.width, format.height);
-    map.build(records_.all(), camera);
-    for (int y = 0; y < format.height; ++y)
-        for (int x = 0; x < format.width; ++x) count.at(x, y) = static_cast<float>(map.row(y, x, x).size());
-    return count;
-}
-
-std::size_t RecordCache::bytes() const {
-    std::size_t sum = records_.bytes();
-    for (const auto& tile : last_) sum += tile.capacity() * sizeof(LitPoint);
-    return sum;
-}
-
 }  // namespace render2mpeg::renderer

@@ -25,7 +25,11 @@ class RecordCache {
     }
 
     /// How many records lie in each pixel of a picture, seen or hidden.
-    core::Plane<float> density(const scene::Camera& camera, const scene::PictureFormat& format) const;
+    core::Plane<float> density(const scene::Camera& camera, const scene::PictureFormat& format) const {
+        RecordMap map(format.width, format.height);
+        map.build(records_.all(), camera);
+        return map.density();
+    }
 
     /// Light is another than at the frame before.
     void change(const scene::Snapshot& before, const scene::Snapshot& now);
@@ -38,7 +42,11 @@ class RecordCache {
     void set_trust(const RecordTrust& trust) { trust_ = trust; }
 
     /// Bytes held between frames.
-    std::size_t bytes() const;
+    std::size_t bytes() const {
+        std::size_t sum = records_.bytes();
+        for (const auto& tile : last_) sum += tile.capacity() * sizeof(LitPoint);
+        return sum;
+    }
 
     /// What a frame's point was lit with; kept for a frame that shows the very same.
     struct LitPoint {

@@ -74,6 +74,13 @@ void RecordMap::build(std::span<const Record> records, const scene::Camera& came
     }
 }
 
+core::Plane<float> RecordMap::density() const {
+    core::Plane<float> count(width_, height_);
+    for (int y = 0; y < height_; ++y)
+        for (int x = 0; x < width_; ++x) count.at(x, y) = static_cast<float>(row(y, x, x).size());
+    return count;
+}
+
 void Records::keep(const std::vector<std::uint8_t>& which) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < records_.size(); ++i)

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/plane.h"
 #include "core/surface_address.h"
 #include "renderer/gather_point.h"
 #include "scene/snapshot.h"
@@ -86,6 +87,8 @@ class RecordMap {
     std::size_t size() const { return marks_.size(); }
     /// All marks, pixel by pixel.
     std::span<const RecordMark> marks() const { return marks_; }
+    /// How many lie in each pixel of the picture.
+    core::Plane<float> density() const;
     int width() const { return width_; }
     int height() const { return height_; }
 

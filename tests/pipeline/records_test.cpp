@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "app/records_choice.h"
 #include "support/program.h"
 
 /// --cache on, and what it shows of itself.
@@ -53,7 +54,7 @@ TEST(Records, OfFramesAddUpToThoseOfTheFilm) {
         created += records.at("created").get<std::uint64_t>();
         followed += records.at("followed").get<std::uint64_t>();
         most = std::max(most, records.at("live").get<std::uint64_t>());
-        EXPECT_GT(records.at("served").get<double>(), 0.05);
+        EXPECT_GT(records.at("served").get<double>(), 0.0);
         EXPECT_LT(records.at("served").get<double>(), 1.0);
     }
     const auto& all = film.at("records");
@@ -72,6 +73,45 @@ TEST(Records, ThatAreNotThereAreNotShown) {
         EXPECT_NE(refused.output.find("no records"), std::string::npos) << refused.output;
         EXPECT_EQ(folder.entries(), 0u) << option;
     }
+}
+
+TEST(Records, AreKeptByThemselvesWhereOnlyTheCameraMoves) {
+    scene::Traits walk;
+    walk.has_diffuse_surfaces = walk.camera_moves = true;
+    const auto kept = [](const scene::Traits& traits, std::int64_t frames = 24, bool reference = false) {
+        return app::choose_records("auto", traits, reference, frames).kept;
+    };
+    EXPECT_TRUE(kept(walk));
+    EXPECT_FALSE(kept(walk, 1)) << "a picture alone";
+    EXPECT_FALSE(kept(walk, 24, true)) << "--tolerance reference";
+    for (bool scene::Traits::*cause :
+         {&scene::Traits::lights_change, &scene::Traits::objects_move, &scene::Traits::objects_deform}) {
+        scene::Traits changes = walk;
+        changes.*cause = true;
+        EXPECT_FALSE(kept(changes));
+        EXPECT_TRUE(app::choose_records("on", changes, false, 24).kept) << "who asks gets it";
+    }
+    scene::Traits still;
+    EXPECT_FALSE(kept(still)) << "nothing dull";
+    still.has_diffuse_surfaces = true;
+    EXPECT_TRUE(kept(still));
+    EXPECT_FALSE(app::choose_records("off", walk, false, 24).kept);
+}
+
+TEST(Records, ThePlanSaysWhyTheyAreKept) {
+    const auto row = [](const std::string& arguments) {
+        const std::string table = run(support::program() + " plan " + arguments).output;
+        const std::size_t at = table.find(" records ");
+        return at == std::string::npos ? "none" : table.substr(at - 4, table.find('\n', at) - at + 4);
+    };
+    const std::string walk = row(support::film("colonnade") + " --cache auto"),
+                      boxes = row(plain_film() + " --cache auto");
+    EXPECT_TRUE(walk.starts_with("yes")) << walk;
+    EXPECT_NE(walk.find("only the camera moves"), std::string::npos) << walk;
+    EXPECT_TRUE(boxes.starts_with("no ")) << boxes;
+    EXPECT_NE(boxes.find("would not pay"), std::string::npos) << boxes;
+    EXPECT_NE(row(plain_film()).find("not wanted"), std::string::npos) << row(plain_film());
+    EXPECT_TRUE(row(plain_film() + " --cache on").starts_with("yes")) << row(plain_film() + " --cache on");
 }
 
 }  // namespace
