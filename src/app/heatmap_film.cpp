@@ -71,13 +71,9 @@ perceptual::HeatScale scale_of(HeatSubject subject) {
 namespace {
 
 constexpr std::pair<const char*, HeatSubject> subjects[] = {
-    {"tolerance", HeatSubject::tolerance},
-    {"cut", HeatSubject::cut},
-    {"error", HeatSubject::error},
-    {"quantiser", HeatSubject::quantiser},
-    {"records-density", HeatSubject::records},
-    {"records-age", HeatSubject::age},
-    {"records-reuse", HeatSubject::reuse},
+    {"tolerance", HeatSubject::tolerance}, {"cut", HeatSubject::cut},         {"error", HeatSubject::error},
+    {"quantiser", HeatSubject::quantiser}, {"records", HeatSubject::records}, {"age", HeatSubject::age},
+    {"reuse", HeatSubject::reuse},
 };
 
 /// What records did, a plane as it is; null for other subjects.
@@ -156,8 +152,7 @@ nlohmann::json identity_of(HeatSubject subject, nlohmann::json film) {
 HeatSubject heat_subject_from(const std::string& name) {
     for (const auto& [known, subject] : subjects)
         if (name == known) return subject;
-    throw core::Error("heatmap " + name +
-                      ": expected tolerance, cut, error, quantiser, records-density, records-age or records-reuse");
+    throw core::Error("heatmap " + name + ": expected tolerance, cut, error, quantiser, records, age or reuse");
 }
 
 HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const Production& film,

@@ -26,7 +26,7 @@ TEST(Records, ToLookOnAtThemChangesNothing) {
     const Folder folder;
     const auto place = [&](const std::string& name) { return (folder / name).string(); };
     std::string heatmaps;
-    for (const std::string subject : {"records-density", "records-age", "records-reuse"})
+    for (const std::string subject : {"records", "age", "reuse"})
         heatmaps += " --heatmap " + subject + " " + place(subject + ".m2v");
     const auto watched =
         run(render + place("watched.y4m") + kept + heatmaps + " --aov " + place("aov") + " --stats " + place("s.json"));
@@ -36,8 +36,8 @@ TEST(Records, ToLookOnAtThemChangesNothing) {
     EXPECT_EQ(contents(folder / "plain.y4m"), contents(folder / "watched.y4m"));
 
     // Three of one scale would be one film thrice.
-    EXPECT_NE(contents(folder / "records-density.m2v"), contents(folder / "records-age.m2v"));
-    EXPECT_NE(contents(folder / "records-reuse.m2v"), contents(folder / "records-age.m2v"));
+    EXPECT_NE(contents(folder / "records.m2v"), contents(folder / "age.m2v"));
+    EXPECT_NE(contents(folder / "reuse.m2v"), contents(folder / "age.m2v"));
     const auto header = run("exrheader " + place("aov") + "/frame_0004.exr");
     for (const char* channel : {"render2mpeg.RecordDensity.X", "render2mpeg.RecordAge.X", "render2mpeg.RecordReuse.X"})
         EXPECT_NE(header.output.find(channel), std::string::npos) << channel << "\n" << header.output;
@@ -66,7 +66,7 @@ TEST(Records, OfFramesAddUpToThoseOfTheFilm) {
 
 TEST(Records, ThatAreNotThereAreNotShown) {
     const Folder folder;
-    const std::string heat = " --heatmap records-age " + (folder / "h.m2v").string();
+    const std::string heat = " --heatmap age " + (folder / "h.m2v").string();
     for (const char* option : {"", " --cache on --tolerance reference"}) {
         const auto refused = run(render + (folder / "f.y4m").string() + heat + option);
         EXPECT_EQ(refused.status, 1) << option;
@@ -102,7 +102,7 @@ TEST(Records, ThePlanSaysWhyTheyAreKept) {
     const auto row = [](const std::string& arguments) {
         const std::string table = run(support::program() + " plan " + arguments).output;
         const std::size_t at = table.find(" records ");
-        return at == std::string::npos ? "none" : table.substr(at - 4, table.find('\n', at) - at + 4);
+        return at == std::string::npos ? "none" : table.substr(at - 3, table.find('\n', at) - at + 3);
     };
     const std::string walk = row(support::film("colonnade") + " --cache auto"),
                       boxes = row(plain_film() + " --cache auto");
