@@ -285,7 +285,7 @@ void FrameLighting::renew(ShadeCounts& counts, RecordCounts& record_counts) {
 }
 
 void FrameLighting::refine(int lattice, ShadeCounts& counts, RecordCounts& record_counts) {
-    if (lattice != lattices[0]) map_.build(records_.all(), camera_);
+    if (lattice != lattices[0]) map_.extend(records_.all(), camera_);
     std::vector<std::vector<PointRef>> of_tile(seen_.tiles.size());
     parallel::for_each(seen_.tiles.size(), [&](std::size_t t) { of_tile[t] = wanting(t, lattice); });
 

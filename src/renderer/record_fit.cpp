@@ -181,7 +181,11 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
     Neighbours near;
     for (const int radius : radii) {
         result.radius = radius;
-        if (!near.find(q, map, records, radius)) continue;
+        if (!near.find(q, map, records, radius)) {
+            // What is too many for this radius is too many for the next.
+            if (near.plane().is_full()) break;
+            continue;
+        }
         if (near.plane().fit()) {
             const float tolerance = q.tolerance.allows(core::luminance(near.plane().value()));
             const float off = trust.residual * doubt(q.tolerance, near.plane().value(), tolerance) *

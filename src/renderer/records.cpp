@@ -41,36 +41,37 @@ bool on_one_surface(const RecordMark& a, const RecordMark& b, float apart, float
     return off <= pixel * plane_near + apart * plane_slope + bend + error;
 }
 
-void RecordMap::build(std::span<const Record> records, const scene::Camera& camera) {
+void RecordMap::extend(std::span<const Record> records, const scene::Camera& camera) {
     const int across = width_ + 2 * border, down = height_ + 2 * border;
     const auto pixels = static_cast<std::size_t>(across) * static_cast<std::size_t>(down);
-    // Count, then place: the order within a pixel stays.
-    std::vector<std::uint32_t> pixel(records.size(), nowhere);
-    std::vector<glm::vec2> at(records.size());
-    starts_.assign(pixels + 1, 0);
-    for (std::size_t i = 0; i < records.size(); ++i) {
+    for (std::size_t i = places_.size(); i < records.size(); ++i) {
+        places_.push_back({{}, nowhere});
         const auto seen = camera.project(records[i].position);
         if (!seen) continue;
         const float x = std::floor(seen->position.x), y = std::floor(seen->position.y);
         if (!(x >= -border && y >= -border && x < static_cast<float>(width_ + border) &&
               y < static_cast<float>(height_ + border)))
             continue;
-        at[i] = seen->position;
-        pixel[i] = static_cast<std::uint32_t>((static_cast<int>(y) + border) * across + static_cast<int>(x) + border);
-        ++starts_[pixel[i] + 1];
+        places_.back() = {seen->position, static_cast<std::uint32_t>((static_cast<int>(y) + border) * across +
+                                                                     static_cast<int>(x) + border)};
     }
+    // Count, then place: the order within a pixel stays.
+    starts_.assign(pixels + 1, 0);
+    for (const Place& place : places_)
+        if (place.pixel != nowhere) ++starts_[place.pixel + 1];
     for (std::size_t p = 0; p < pixels; ++p) starts_[p + 1] += starts_[p];
     marks_.resize(starts_[pixels]);
     std::vector<std::uint32_t> next(starts_.begin(), starts_.end() - 1);
     for (std::size_t i = 0; i < records.size(); ++i) {
-        if (pixel[i] == nowhere) continue;
+        const Place& place = places_[i];
+        if (place.pixel == nowhere) continue;
         const Record& r = records[i];
-        marks_[next[pixel[i]]++] = {at[i],
-                                    static_cast<std::uint32_t>(i),
-                                    surface_of(r.address, r.back_side),
-                                    r.position,
-                                    r.geometric_normal,
-                                    r.shading_normal};
+        marks_[next[place.pixel]++] = {place.at,
+                                       static_cast<std::uint32_t>(i),
+                                       surface_of(r.address, r.back_side),
+                                       r.position,
+                                       r.geometric_normal,
+                                       r.shading_normal};
     }
 }
 

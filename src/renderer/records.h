@@ -66,7 +66,12 @@ class RecordMap {
     RecordMap(int width, int height) : width_(width), height_(height) {}
 
     /// Sorts the records in. Their order within a pixel is their own.
-    void build(std::span<const Record> records, const scene::Camera& camera);
+    void build(std::span<const Record> records, const scene::Camera& camera) {
+        places_.clear();
+        extend(records, camera);
+    }
+    /// The same, where those of the last time lie where they did and others have come behind them.
+    void extend(std::span<const Record> records, const scene::Camera& camera);
 
     /// Whether a look-up of up to `radius` pixels about a place of the picture may find any; not where that is not
     /// finite.
@@ -93,7 +98,13 @@ class RecordMap {
     int height() const { return height_; }
 
   private:
+    struct Place {
+        glm::vec2 at{0};
+        std::uint32_t pixel = 0;  ///< of the picture with its border; or nowhere
+    };
+
     int width_ = 0, height_ = 0;
+    std::vector<Place> places_;          ///< of the records
     std::vector<std::uint32_t> starts_;  ///< of each pixel in `marks_`, and the end
     std::vector<RecordMark> marks_;
 };
