@@ -78,23 +78,23 @@ TEST(Records, ThatAreNotThereAreNotShown) {
 TEST(Records, AreKeptByThemselvesWhereOnlyTheCameraMoves) {
     scene::Traits walk;
     walk.has_diffuse_surfaces = walk.camera_moves = true;
-    const auto kept = [](const scene::Traits& traits, std::int64_t frames = 24, bool reference = false) {
+    const auto keeps = [](const scene::Traits& traits, std::int64_t frames = 24, bool reference = false) {
         return app::choose_records("auto", traits, reference, frames).kept;
     };
-    EXPECT_TRUE(kept(walk));
-    EXPECT_FALSE(kept(walk, 1)) << "a picture alone";
-    EXPECT_FALSE(kept(walk, 24, true)) << "--tolerance reference";
+    EXPECT_TRUE(keeps(walk));
+    EXPECT_FALSE(keeps(walk, 1)) << "a picture alone";
+    EXPECT_FALSE(keeps(walk, 24, true)) << "--tolerance reference";
     for (bool scene::Traits::*cause :
          {&scene::Traits::lights_change, &scene::Traits::objects_move, &scene::Traits::objects_deform}) {
         scene::Traits changes = walk;
         changes.*cause = true;
-        EXPECT_FALSE(kept(changes));
+        EXPECT_FALSE(keeps(changes));
         EXPECT_TRUE(app::choose_records("on", changes, false, 24).kept) << "who asks gets it";
     }
     scene::Traits still;
-    EXPECT_FALSE(kept(still)) << "nothing dull";
+    EXPECT_FALSE(keeps(still)) << "nothing dull";
     still.has_diffuse_surfaces = true;
-    EXPECT_TRUE(kept(still));
+    EXPECT_TRUE(keeps(still));
     EXPECT_FALSE(app::choose_records("off", walk, false, 24).kept);
 }
 
