@@ -59,6 +59,8 @@ struct Encoded {
         format = *known;
         if (format == Format::jpeg && is_cut_off_jpeg(bytes))
             throw core::Error("reading", name, "the JPEG file is cut off");
+        if (format == Format::bmp && is_packed_bmp(bytes))
+            throw core::Error("reading", name, "BMP files whose pixels are packed are not read");
         if (format == Format::exr) check_exr_attributes(bytes, name);
         if (format == Format::png) bytes = storage = essential_png(bytes, name);
     }

@@ -258,6 +258,13 @@ TEST(ReadImage, BombsAreRefusedByTheirHeader) {
     EXPECT_NE(refusal(encoded::png(0, 5, 8, 2, {})), "");
 }
 
+TEST(ReadImage, PackedBmpFilesAreRefused) {
+    Bytes file = encoded::bmp(2, 2, {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {10, 11, 12}});
+    EXPECT_EQ(refusal(file, "a.bmp"), "");
+    file.at(30) = 2;  // runs of 4 bits in a file of 24
+    EXPECT_NE(refusal(file, "a.bmp").find("packed"), std::string::npos);
+}
+
 TEST(ReadImage, WhatIsNoImageIsRefused) {
     const Folder folder;
     const auto message = [](const fs::path& path) -> std::string {
