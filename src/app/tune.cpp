@@ -246,6 +246,9 @@ int tune(const TuneOptions& options, const std::vector<std::string>& words) {
         if (status != 0) return status;
         if (!quiet) print_sentence(film_sentence(tuning, command.hertz()));
         status = film_is_near(tuning) ? 0 : 1;
+        if (status != 0)
+            std::fputs(("render2mpeg: " + target_text(tuning.target) + ": the film that was made missed it\n").c_str(),
+                       stderr);
     }
     command.write_reports();
     return status;
