@@ -23,13 +23,19 @@ constexpr std::uint64_t per_pixel = 250, per_sample = 60;
 constexpr std::uint64_t per_decoded_pixel = 48;
 constexpr std::uint64_t always = std::uint64_t{24} << 20;
 
-std::uint64_t resident_now() {
-    std::uintmax_t all = 0, resident = 0;
+/// Memory of this process in bytes: what is there, and what may be written to, there or not.
+struct OwnMemory {
+    std::uint64_t resident = 0, writable = 0;
+};
+
+OwnMemory memory_now() {
+    std::uintmax_t resident = 0, writable = 0;
     if (std::FILE* statm = std::fopen("/proc/self/statm", "r")) {
-        if (std::fscanf(statm, "%ju %ju", &all, &resident) != 2) resident = 0;
+        if (std::fscanf(statm, "%*u %ju %*u %*u %*u %ju", &resident, &writable) != 2) resident = writable = 0;
         std::fclose(statm);
     }
-    return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+    const auto page = static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+    return {resident * page, writable * page};
 }
 
 /// Triangles as rays meet them: those of an object that never moves by object, others by mesh.
@@ -80,7 +86,7 @@ std::uint64_t memory_from(const std::string& text) {
 MemoryNeed memory_need(const Production& film) {
     const scene::Animation& scene = *film.animation;
     MemoryNeed need;
-    need.held = resident_now();
+    need.held = memory_now().resident;
     need.triangles = per_triangle * triangles_of(scene);
     for (const int i : images_of(scene)) {
         const scene::ImageSource& source = scene.images[static_cast<std::size_t>(i)];
@@ -99,7 +105,15 @@ MemoryNeed memory_need(const Production& film) {
     return need;
 }
 
-void hold_to(std::uint64_t limit) {
+void hold_to(std::uint64_t limit, int threads) {
+    // What is told of is what is there. The system counts what may be written to, of which stacks and heaps keep much
+    // in store: what they do now, and for each thread to come.
+    // chosen: 256 MiB of Embree's and TBB's, and 16 by thread, with which the smallest films that are reckoned to fit do
+    // (1, 2 and 8 threads; with half of it Embree does not start).
+    const OwnMemory own = memory_now();
+    constexpr std::uint64_t in_store = std::uint64_t{256} << 20, by_thread = std::uint64_t{16} << 20;
+    limit += own.writable > own.resident ? own.writable - own.resident : 0;
+    limit += in_store + by_thread * static_cast<std::uint64_t>(std::max(threads, 1));
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
     // Of private memory alone: libraries and files that are mapped can be had again without swapping. Sanitizers map
     // more than there is.

@@ -26,9 +26,9 @@ struct MemoryNeed {
 /// Reads the headers of all images. Throws core::Error.
 MemoryNeed memory_need(const Production& film);
 
-/// Holds this process to `limit` bytes of memory of its own from now on: what asks for more gets std::bad_alloc,
-/// instead of making the machine swap.
-void hold_to(std::uint64_t limit);
+/// Holds this process to about `limit` bytes of memory of its own from now on, with so many threads: what asks for more
+/// gets std::bad_alloc, instead of making the machine swap.
+void hold_to(std::uint64_t limit, int threads);
 
 /// Whether a render of such a need may decode its images side by side in `threads` threads, or one after the other to
 /// keep the limit. Throws core::Error where even that is too much, and says what takes how much.

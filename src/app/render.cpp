@@ -46,7 +46,7 @@ void say_notes(const Production& film, const RenderOptions& options) {
 Production prepare_within_memory(const RenderOptions& options) {
     if (!options.memory) return prepare(options);
     const std::uint64_t limit = memory_from(*options.memory);
-    hold_to(limit);
+    hold_to(limit, parallel::thread_count());
     Production film = prepare(options);
     film.images_in_turn = !may_decode_at_once(film, memory_need(film), limit, parallel::thread_count());
     return film;

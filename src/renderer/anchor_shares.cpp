@@ -181,8 +181,8 @@ std::size_t AnchorSharing::bytes() const {
     return sum;
 }
 
-/// The nearest still anchor that sees the place, past what moves where that counts; where none of many does, one that
-/// nothing still hides, or the nearest of all.
+/// The nearest still anchor that sees the place, past what moves where that counts, and facing alike if there is one;
+/// where none of many does, one that nothing still hides, or the nearest of all.
 std::uint32_t AnchorSharing::nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, bool past_movers,
                                               int& rays) const {
     const PointTree& tree = groups_.front().tree;
@@ -200,8 +200,18 @@ std::uint32_t AnchorSharing::nearest_in_sight(const OrientedPoint& at, const Ray
             if (!past_movers || way.is_free(scene)) return anchor;
             if (!hidden) hidden = anchor;
         }
-        if (count < most || most == asked_at_last) return hidden.value_or(found[0].point);
+        if (count < most || most == asked_at_last) break;
     }
+
+    // In a small room that something shuts there may be none that faces alike: rather one that does not, than outside.
+    const std::uint32_t nearest = found[0].point;
+    const int count = past_movers && hidden ? tree.nearest(at, -2.0f, found) : 0;
+    for (const Neighbour& other : std::span(found.data(), static_cast<std::size_t>(count))) {
+        const Way way(at, tree[other.point], lift_radii * std::sqrt(anchors_[other.point].disc2));
+        ++rays;
+        if (way.is_open(scene) && way.is_free(scene)) return other.point;
+    }
+    return hidden.value_or(nearest);
 }
 
 AnchorShares AnchorSharing::share_in_sight(const OrientedPoint& at, const RayTracer& scene,

@@ -38,6 +38,17 @@ TEST(Memory, ThatAFilmWouldTakeBeyondItsLimitIsToldBeforeItIsBegun) {
     EXPECT_TRUE(has(nonsense, "expected a size such as 8G")) << nonsense.output;
 }
 
+TEST(Memory, ThatAFilmIsReckonedToTakeIsEnough) {
+    const Folder folder;
+    for (const char* threads : {"1", "4"}) {
+        const auto outcome = run(program() + " render " + plain_film() +
+                                 " --size 32x32 --samples 1 --vpls 16 --frames 0:1 --quiet "
+                                 "--memory 64M --threads " +
+                                 threads + " -o " + (folder / "f.m2v").string());
+        EXPECT_EQ(outcome.status, 0) << threads << ": " << outcome.output;
+    }
+}
+
 TEST(Memory, IsSaidInPowersOf1024) {
     EXPECT_EQ(app::memory_from("8G"), std::uint64_t{8} << 30);
     EXPECT_EQ(app::memory_from("1.5G"), std::uint64_t{3} << 29);
