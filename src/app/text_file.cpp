@@ -19,8 +19,11 @@ int write_and_close(std::FILE* stream, const std::string& text) {
     const bool written = std::fwrite(text.data(), 1, text.size(), stream) == text.size();
     int failure = written ? 0 : errno;
     // A name must not outlive what it is for when the power fails.
-    if (std::fflush(stream) == 0 && fsync(fileno(stream)) != 0 && (errno == EIO || errno == ENOSPC) && failure == 0)
+    if (std::fflush(stream) != 0) {
+        if (failure == 0) failure = errno;
+    } else if (fsync(fileno(stream)) != 0 && (errno == EIO || errno == ENOSPC || errno == EDQUOT) && failure == 0) {
         failure = errno;
+    }
     if (std::fclose(stream) != 0 && failure == 0) failure = errno;
     return failure;
 }
