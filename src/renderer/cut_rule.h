@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
+#include "core/numeric.h"
 #include "renderer/gather_lanes.h"
 #include "renderer/lane_sums.h"
 #include "renderer/stop.h"
@@ -55,7 +57,10 @@ class CutRule {
     /// By what the urgency of any cluster may have risen, at most, since it was asked for in this cut.
     float risen() const {
         float most = 1.0f;
-        for (int i = 0; i < lane_count; ++i) most = std::max(most, inverse_[i] / lowest_[i]);
+        // A lane that once tolerated everything tells nothing of how far it rose since.
+        for (int i = 0; i < lane_count; ++i)
+            if (inverse_[i] > 0.0f)
+                most = std::max(most, core::divide_or(inverse_[i], lowest_[i], std::numeric_limits<float>::max()));
         return most;
     }
 

@@ -106,7 +106,8 @@ std::vector<HardCase> light_cases() {
              HardCase alone;
              const Lit dim = lit(alone, two_rooms(1, 0), film.way);
              EXPECT_GT(dim.mean(), 0.0);
-             EXPECT_NEAR(film.mean() / dim.mean(), 1.0, 0.05);
+             // Its bounced light has half of the anchors that it has alone.
+             EXPECT_NEAR(film.mean() / dim.mean(), 1.0, 0.1);
          }},
         {"a lamp of infinite intensity",
          "Inf - Inf",
