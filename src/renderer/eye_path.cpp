@@ -90,14 +90,18 @@ EyePaths::EyePaths(const Scenery& scenery, const SeeSettings& settings, const Pl
       mirrors_(plan.runs(Pass::mirrors)),
       specular_depth_(settings.specular_depth) {}
 
-void EyePaths::look(const EyeRay& ray, float far, EyeSample& sample, SeeCounts& counts) const {
+void EyePaths::look(const EyeRay& ray, float far, const Hit& first, EyeSample& sample, SeeCounts& counts) const {
     sample.fragments.clear();
     sample.unscattered = sample.unscattered_specular = glm::vec3{0.0f};
     sample.main = {};
     Walk walk;
     walk.ray = ray;
     walk.far = far;
-    follow(walk, sample, counts);
+    follow(walk, first, sample, counts);
+}
+
+Hit EyePaths::meet(const Walk& walk) const {
+    return scenery_.tracer().nearest(walk.ray.origin, walk.ray.direction, walk.far);
 }
 
 void EyePaths::see_sky(const Walk& walk, EyeSample& sample) const {
@@ -111,11 +115,12 @@ void EyePaths::see_sky(const Walk& walk, EyeSample& sample) const {
     if (walk.specular) sample.unscattered_specular += light;
 }
 
-void EyePaths::follow(Walk walk, EyeSample& sample, SeeCounts& counts) const {
+/// `hit`: what the walk meets first.
+void EyePaths::follow(Walk walk, Hit hit, EyeSample& sample, SeeCounts& counts) const {
     int layers = 0;
     for (int step = 0; step < most_steps; ++step) {
         ++(walk.mirrors > 0 ? counts.specular_rays : counts.primary_rays);
-        const Hit hit = scenery_.tracer().nearest(walk.ray.origin, walk.ray.direction, walk.far);
+        if (step > 0) hit = meet(walk);
         if (!hit.found()) {
             see_sky(walk, sample);
             return;
@@ -181,7 +186,7 @@ void EyePaths::mirror(const Walk& walk, const Fragment& fragment, const SurfaceF
     };
     next.ray.direction_change = {turned(walk.ray.direction_change.dx, bend.dx),
                                  turned(walk.ray.direction_change.dy, bend.dy)};
-    follow(next, sample, counts);
+    follow(next, meet(next), sample, counts);
 }
 
 }  // namespace render2mpeg::renderer

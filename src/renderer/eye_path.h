@@ -51,12 +51,13 @@ class EyePaths {
   public:
     EyePaths(const Scenery& scenery, const SeeSettings& settings, const Plan& plan);
 
-    /// What a ray of the eye sees; replaces `sample`.
-    void look(const EyeRay& ray, float far, EyeSample& sample, SeeCounts& counts) const;
+    /// What a ray of the eye sees whose nearest surface before `far` is `first`; replaces `sample`.
+    void look(const EyeRay& ray, float far, const Hit& first, EyeSample& sample, SeeCounts& counts) const;
 
   private:
     struct Walk;
-    void follow(Walk walk, EyeSample& sample, SeeCounts& counts) const;
+    void follow(Walk walk, Hit hit, EyeSample& sample, SeeCounts& counts) const;
+    Hit meet(const Walk& walk) const;
     void see_sky(const Walk& walk, EyeSample& sample) const;
     void mirror(const Walk& walk, const Fragment& fragment, const SurfaceFootprint& footprint, EyeSample& sample,
                 SeeCounts& counts) const;

@@ -9,18 +9,12 @@
 
 #include "renderer/flush_denormals.h"
 #include "renderer/isa_clones.h"
+#include "renderer/nearest_hits.h"
 #include "renderer/shields.h"
 #include "renderer/traced_scene.h"
 
 namespace render2mpeg::renderer {
 namespace {
-
-/// Components beyond this overflow in Embree's products and are refused by its own check.
-constexpr float largest_component = 1e18f;
-
-/// Half the width of the interval about a hit, relative to its distance, in which surfaces count as lying in one plane.
-/// chosen: 16 ulp, several times the rounding of two tessellations of one plane; tried 4..64 ulp.
-constexpr float coplanar = 0x1p-19f;
 
 /// Light behind several layers is a product, and a packet does not promise in which order its layers are met. Sums of
 /// whole numbers do not depend on order: light is kept as its negative logarithm to base 2 in these steps, exact to
@@ -30,31 +24,6 @@ constexpr std::int64_t opaque_depth = std::int64_t{1} << 32;  ///< 2^-4096
 
 /// Of a scene. chosen: 256, which hold 70 to 76 % of all surface in Sponza and Sibenik.
 constexpr std::size_t most_shields = 256;
-
-bool is_traceable(glm::vec3 origin, glm::vec3 direction, float far) {
-    const auto fits = [](float v) { return std::abs(v) <= largest_component; };  // false for NaN
-    return fits(origin.x) && fits(origin.y) && fits(origin.z) && fits(direction.x) && fits(direction.y) &&
-           fits(direction.z) && far > 0.0f;
-}
-
-RTCRay ray_of(glm::vec3 origin, glm::vec3 direction, float near, float far) {
-    RTCRay ray{};
-    ray.org_x = origin.x, ray.org_y = origin.y, ray.org_z = origin.z;
-    ray.dir_x = direction.x, ray.dir_y = direction.y, ray.dir_z = direction.z;
-    ray.tnear = near;
-    ray.tfar = far;
-    ray.mask = 0xffffffffu;
-    return ray;
-}
-
-/// The ray, and a hit that says nothing was met.
-RTCRayHit unanswered(glm::vec3 origin, glm::vec3 direction, float near, float far) {
-    RTCRayHit query{};
-    query.ray = ray_of(origin, direction, near, far);
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    return query;
-}
 
 /// 1 or 0, without a branch; 0 for NaN.
 RENDER2MPEG_ALWAYS_INLINED int fits(float v) {
@@ -140,18 +109,6 @@ struct RayTracer::Impl {
             return true;
         }
     };
-    struct TieContext {
-        RTCIntersectContext embree;
-        const Impl* self;
-        Hit best;
-    };
-
-    core::SurfaceAddress address(unsigned instance, unsigned geometry, unsigned primitive, float u, float v) const {
-        // Barycentrics may lie outside by rounding.
-        const float inside_u = std::clamp(u, 0.0f, 1.0f);
-        return {scene.object_of(instance, geometry), primitive, inside_u, std::clamp(v, 0.0f, 1.0f - inside_u)};
-    }
-
     /// Prepares `context` for rays that may meet layers; costs nothing where there are none.
     void begin(ShadowContext& context, RTCIntersectContextFlags flags) const {
         rtcInitIntersectContext(&context.embree);
@@ -169,11 +126,7 @@ struct RayTracer::Impl {
         return light;
     }
 
-    /// Whether a ray meets anything with a bit of the mask in a scene, translucent or not.
-    bool meets(RTCScene in, unsigned mask, glm::vec3 origin, glm::vec3 direction, float far) const;
-
     static void filter_shadow(const RTCFilterFunctionNArguments* arguments);
-    static void filter_ties(const RTCFilterFunctionNArguments* arguments);
 };
 
 /// Lets a shadow ray go on through a layer: takes from its light what the layer keeps, until nothing is left or there
@@ -186,8 +139,8 @@ void RayTracer::Impl::filter_shadow(const RTCFilterFunctionNArguments* arguments
         const unsigned ray = RTCRayN_id(arguments->ray, n, i);
         RTCHitN* const hit = arguments->hit;
         const core::SurfaceAddress address =
-            context.self->address(RTCHitN_instID(hit, n, i, 0), RTCHitN_geomID(hit, n, i), RTCHitN_primID(hit, n, i),
-                                  RTCHitN_u(hit, n, i), RTCHitN_v(hit, n, i));
+            context.self->scene.address(RTCHitN_instID(hit, n, i, 0), RTCHitN_geomID(hit, n, i),
+                                        RTCHitN_primID(hit, n, i), RTCHitN_u(hit, n, i), RTCHitN_v(hit, n, i));
         const glm::vec3 passing = context.self->transmittance(address);
         if (!(passing.x > 0 || passing.y > 0 || passing.z > 0)) continue;
         if (!context.is_new_layer(ray, address.object, RTCRayN_tfar(arguments->ray, n, i), passing)) {
@@ -202,21 +155,6 @@ void RayTracer::Impl::filter_shadow(const RTCFilterFunctionNArguments* arguments
         context.met |= 1u << ray;
         arguments->valid[i] = 0;
     }
-}
-
-/// Remembers the lowest id among all surfaces in the interval, and refuses every hit so that all are seen.
-void RayTracer::Impl::filter_ties(const RTCFilterFunctionNArguments* arguments) {
-    auto& context = *reinterpret_cast<TieContext*>(arguments->context);
-    RTCHitN* const hit = arguments->hit;
-    const core::SurfaceAddress address =
-        context.self->address(RTCHitN_instID(hit, 1, 0, 0), RTCHitN_geomID(hit, 1, 0), RTCHitN_primID(hit, 1, 0),
-                              RTCHitN_u(hit, 1, 0), RTCHitN_v(hit, 1, 0));
-    const core::SurfaceAddress& best = context.best.address;
-    if (std::pair(address.object, address.primitive) < std::pair(best.object, best.primitive)) {
-        const glm::vec3 normal{RTCHitN_Ng_x(hit, 1, 0), RTCHitN_Ng_y(hit, 1, 0), RTCHitN_Ng_z(hit, 1, 0)};
-        context.best = {address, RTCRayN_tfar(arguments->ray, 1, 0), normal};
-    }
-    arguments->valid[0] = 0;
 }
 
 RayTracer::RayTracer(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent,
@@ -243,52 +181,24 @@ bool RayTracer::is_instanced(std::uint32_t object) const {
 }
 
 Hit RayTracer::nearest(glm::vec3 origin, glm::vec3 direction, float far) const {
-    if (!is_traceable(origin, direction, far)) return {};
-    const FlushDenormals flushed;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    RTCRayHit found = unanswered(origin, direction, 0.0f, far);
-    rtcIntersect1(impl_->scene.root(), &context, &found);
-    if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-
-    // Look once more at what else lies about the same distance; the lowest id wins.
-    Impl::TieContext ties;
-    rtcInitIntersectContext(&ties.embree);
-    ties.embree.filter = &Impl::filter_ties;
-    ties.self = impl_.get();
-    ties.best = {impl_->address(found.hit.instID[0], found.hit.geomID, found.hit.primID, found.hit.u, found.hit.v),
-                 found.ray.tfar,
-                 {found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z}};
-    const float t = found.ray.tfar;
-    RTCRayHit again = unanswered(origin, direction, t * (1.0f - coplanar), std::min(far, t * (1.0f + coplanar)));
-    rtcIntersect1(impl_->scene.root(), &ties.embree, &again);
-
-    Hit& hit = ties.best;
-    hit.geometric_normal = impl_->scene.world_normal(hit.address.object, hit.geometric_normal);
-    return hit;
+    return nearest_hit(impl_->scene, {origin, direction, far});
 }
 
-bool RayTracer::Impl::meets(RTCScene in, unsigned mask, glm::vec3 origin, glm::vec3 direction, float far) const {
-    if (!is_traceable(origin, direction, far)) return false;
-    const FlushDenormals flushed;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    RTCRayHit found = unanswered(origin, direction, 0.0f, far);
-    found.ray.mask = mask;
-    rtcIntersect1(in, &context, &found);
-    return found.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+void RayTracer::nearest(std::span<const RayQuery> rays, std::span<Hit> hits) const {
+    EXPECTS(hits.size() == rays.size());
+    nearest_hits(impl_->scene, rays, hits);
 }
 
 bool RayTracer::meets(glm::vec3 origin, glm::vec3 direction, float far) const {
-    return impl_->meets(impl_->scene.root(), 0xffffffffu, origin, direction, far);
+    return meets_any(impl_->scene.root(), 0xffffffffu, {origin, direction, far});
 }
 
 bool RayTracer::meets_still(glm::vec3 origin, glm::vec3 direction, float far) const {
-    return impl_->meets(impl_->scene.still(), 0xffffffffu, origin, direction, far);
+    return meets_any(impl_->scene.still(), 0xffffffffu, {origin, direction, far});
 }
 
 bool RayTracer::meets_instances(glm::vec3 origin, glm::vec3 direction, float far) const {
-    return has_instances() && impl_->meets(impl_->scene.root(), TracedScene::moving_mask, origin, direction, far);
+    return has_instances() && meets_any(impl_->scene.root(), TracedScene::moving_mask, {origin, direction, far});
 }
 
 bool RayTracer::has_instances() const {
@@ -326,11 +236,12 @@ std::uint32_t RayTracer::occluded(const ShadowPacket& packet, glm::vec3* light) 
 }
 
 glm::vec3 RayTracer::passes(glm::vec3 origin, glm::vec3 direction, float far) const {
-    if (!is_traceable(origin, direction, far)) return glm::vec3{1.0f};
+    const RayQuery query{origin, direction, far};
+    if (!is_traceable(query)) return glm::vec3{1.0f};
     const FlushDenormals flushed;
     Impl::ShadowContext context;
     impl_->begin(context, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
-    RTCRay ray = ray_of(origin, direction, 0.0f, far);
+    RTCRay ray = ray_of(query, 0.0f, far);
     rtcOccluded1(impl_->scene.root(), &context.embree, &ray);
     if (ray.tfar < 0.0f) return glm::vec3{0.0f};
     return context.met != 0 ? Impl::light_through(context.depth[0]) : glm::vec3{1.0f};

@@ -59,24 +59,50 @@ void record(core::Visible& visible, const scene::Camera& camera, int x, int y, c
     visible.depth.at(x, y) = std::max(glm::dot(from_eye, camera.forward()), std::numeric_limits<float>::min());
 }
 
+/// Pixels whose rays are traced together have at most so many samples. chosen: rows of a tile with 64 samples.
+constexpr std::size_t most_rays = 1024;
+
 /// What all tiles share.
 struct Looking {
+    const RayTracer& tracer;
     const EyePaths& paths;
     const scene::Camera& camera;
     const std::vector<glm::vec2>& pattern;
     float spacing;  ///< of samples, pixels
 };
 
-void see_pixel(const Looking& looking, int x, int y, EyeSample& sample, Seen& seen, GatherTile& tile,
-               SeeCounts& counts) {
+/// Rays of neighbouring pixels, sample by sample, and what they meet first.
+struct FirstLook {
+    std::vector<EyeRay> rays;
+    std::vector<RayQuery> queries;
+    std::vector<Hit> hits;
+
+    /// Looks through pixels (first, y) to (end - 1, y).
+    void take(const Looking& looking, int first, int end, int y) {
+        rays.clear();
+        queries.clear();
+        for (int x = first; x < end; ++x) {
+            for (const glm::vec2 place : looking.pattern) {
+                float far = 0.0f;
+                const glm::vec2 position = glm::vec2{static_cast<float>(x), static_cast<float>(y)} + place;
+                const EyeRay& ray = rays.emplace_back(eye_ray(looking.camera, position, looking.spacing, far));
+                queries.push_back({ray.origin, ray.direction, far});
+            }
+        }
+        hits.resize(queries.size());
+        looking.tracer.nearest(queries, hits);
+    }
+};
+
+/// `begin`: the index of the pixel's first ray.
+void see_pixel(const Looking& looking, int x, int y, const FirstLook& look, std::size_t begin, EyeSample& sample,
+               Seen& seen, GatherTile& tile, SeeCounts& counts) {
     const std::size_t first = tile.size();
     const auto share = 1.0f / static_cast<float>(looking.pattern.size());
     glm::vec3 unscattered{0.0f}, unscattered_specular{0.0f};
     for (std::size_t s = 0; s < looking.pattern.size(); ++s) {
-        float far = 0.0f;
-        const glm::vec2 position = glm::vec2{static_cast<float>(x), static_cast<float>(y)} + looking.pattern[s];
-        const EyeRay ray = eye_ray(looking.camera, position, looking.spacing, far);
-        looking.paths.look(ray, far, sample, counts);
+        const std::size_t ray = begin + s;
+        looking.paths.look(look.rays[ray], look.queries[ray].far, look.hits[ray], sample, counts);
         if (s == 0) record(seen.visible, looking.camera, x, y, sample.main);
         unscattered += sample.unscattered;
         unscattered_specular += sample.unscattered_specular;
@@ -135,15 +161,25 @@ Seen see(const Scenery& scenery, const SeeSettings& settings, const Plan& plan, 
     // Look tile by tile; counts are summed in the tiles' order.
     const EyePaths paths(scenery, settings, plan);
     const std::vector<glm::vec2> pattern = sample_pattern(settings.samples);
-    const Looking looking{paths, snapshot.camera, pattern, 1.0f / std::sqrt(static_cast<float>(settings.samples))};
+    const Looking looking{scenery.tracer(), paths, snapshot.camera, pattern,
+                          1.0f / std::sqrt(static_cast<float>(settings.samples))};
+    const int together = std::max(1, static_cast<int>(most_rays / pattern.size()));
     std::vector<SeeCounts> tile_counts(seen.tiles.size());
     parallel::for_each(seen.tiles.size(), [&](std::size_t t) {
         const int x0 = static_cast<int>(t) % across * tile_size, y0 = static_cast<int>(t) / across * tile_size;
+        const int x1 = std::min(x0 + tile_size, width), y1 = std::min(y0 + tile_size, height);
         EyeSample sample;
+        FirstLook look;
         GatherTile tile;
-        for (int y = y0; y < std::min(y0 + tile_size, height); ++y)
-            for (int x = x0; x < std::min(x0 + tile_size, width); ++x)
-                see_pixel(looking, x, y, sample, seen, tile, tile_counts[t]);
+        for (int y = y0; y < y1; ++y) {
+            for (int first = x0; first < x1; first += together) {
+                const int end = std::min(first + together, x1);
+                look.take(looking, first, end, y);
+                for (int x = first; x < end; ++x)
+                    see_pixel(looking, x, y, look, static_cast<std::size_t>(x - first) * pattern.size(), sample, seen,
+                              tile, tile_counts[t]);
+            }
+        }
         seen.tiles[t] = GatherTile(tile);
     });
     for (const SeeCounts& c : tile_counts) {

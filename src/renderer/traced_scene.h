@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <map>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "core/isa.h"
+#include "core/surface_address.h"
 #include "scene/snapshot.h"
 
 struct RTCDeviceTy;
@@ -53,6 +55,12 @@ class TracedScene {
     std::uint32_t object_of(unsigned instance, unsigned geometry) const {
         const bool within_still = instance == no_instance || instance == placed_.size();
         return within_still ? geometry : instance;
+    }
+
+    /// What Embree's ids and barycentrics mean, which may lie outside by rounding.
+    core::SurfaceAddress address(unsigned instance, unsigned geometry, unsigned primitive, float u, float v) const {
+        const float inside_u = std::clamp(u, 0.0f, 1.0f);
+        return {object_of(instance, geometry), primitive, inside_u, std::clamp(v, 0.0f, 1.0f - inside_u)};
     }
 
     /// An Embree normal in world space, along the triangle's winding there; any length.

@@ -43,7 +43,7 @@ constexpr std::size_t any_number = ~std::size_t{0};
 
 const std::vector<Library>& libraries() {
     static const std::vector<Library> all = {
-        {"Embree", {"embree3/"}, "src/renderer/", 2},
+        {"Embree", {"embree3/"}, "src/renderer/", 3},
         {"OpenImageIO", {"OpenImageIO/"}, "src/image/", 2},
         {"OpenEXR", {"OpenEXR/", "Imath/", "Imf", "half.h"}, "src/image/", 2},
         {"FFmpeg", {"libav", "libsw"}, "encoder/av/", 2},

@@ -57,10 +57,10 @@ TEST(LayerCheck, FindsLibrariesOutsideTheirFolder) {
 
 TEST(LayerCheck, FindsALibraryInMoreFilesThanItMayBe) {
     std::vector<File> files;
-    for (const char* path : {"src/renderer/a.cpp", "src/renderer/b.cpp"})
-        files.push_back(make_file(path, "#include <embree3/rtcore.h>\n"));
+    for (const char* path : {"src/parallel/a.cpp", "src/parallel/b.cpp"})
+        files.push_back(make_file(path, "#include <tbb/tbb.h>\n"));
     EXPECT_TRUE(layer_breaches(files).empty());
-    files.push_back(make_file("src/renderer/c.cpp", "#include <embree3/rtcore.h>\n"));
+    files.push_back(make_file("src/parallel/c.cpp", "#include <tbb/tbb.h>\n"));
     EXPECT_EQ(layer_breaches(files).size(), 3u);
 }
 

@@ -91,6 +91,45 @@ TEST(MovedSurfaces, AreHitWhereTheSnapshotHasThem) {
     }
 }
 
+TEST(RaysTogether, MeetWhatTheyMeetAlone) {
+    // Rows of an eye's rays, which end within packets, among them some that cannot be traced and some that end too
+    // soon.
+    Stage stage(everything_that_moves());
+    stage.pose(1);
+    const glm::vec3 eye{-5, 6, 3};
+    std::vector<renderer::RayQuery> rays;
+    for (int y = 0; y < 45; ++y) {
+        for (int x = 0; x < 45; ++x) {
+            const glm::vec3 to{0.4f * static_cast<float>(x) - 8.8f, 0, 0.5f * static_cast<float>(y) - 14.1f};
+            rays.push_back({eye, glm::normalize(to - eye), x % 9 == 4 ? 8.0f : infinity});
+        }
+    }
+    rays[20].direction.y = std::numeric_limits<float>::quiet_NaN();
+    rays[21].far = -1;
+    std::vector<Hit> together(rays.size());
+    stage.tracer().nearest(rays, together);
+    std::vector<int> seen(stage.film().objects.size(), 0);
+    int missed = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const Hit alone = stage.tracer().nearest(rays[i].origin, rays[i].direction, rays[i].far);
+        ASSERT_EQ(together[i].found(), alone.found()) << i;
+        if (!alone.found()) {
+            ++missed;
+            continue;
+        }
+        ++seen[alone.address.object];
+        EXPECT_EQ(together[i].address.object, alone.address.object) << i;
+        EXPECT_EQ(together[i].address.primitive, alone.address.primitive) << i;
+        EXPECT_NEAR(together[i].address.u, alone.address.u, 1e-4f) << i;
+        EXPECT_NEAR(together[i].address.v, alone.address.v, 1e-4f) << i;
+        EXPECT_NEAR(together[i].distance, alone.distance, 1e-5f) << i;
+        EXPECT_GT(glm::dot(glm::normalize(together[i].geometric_normal), glm::normalize(alone.geometric_normal)),
+                  0.9999f);
+    }
+    EXPECT_GT(missed, 100);
+    for (const std::size_t object : {0u, 1u, 3u, 8u}) EXPECT_GT(seen[object], 5) << object;
+}
+
 TEST(Posing, BackAndForthGivesWhatAFreshSceneGives) {
     Stage wandering(everything_that_moves());
     for (const int second : {2, 1, 2, 0, 1}) wandering.pose(second);

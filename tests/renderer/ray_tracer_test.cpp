@@ -177,16 +177,23 @@ TEST(CoplanarSurfaces, ShowTheLowestObjectWhateverTheirTriangles) {
         if (!swapped) builder.add_object(builder.add_mesh(fan()), white);
         const Stage stage(builder);
         int hits = 0;
+        std::vector<renderer::RayQuery> rays;
         for (std::uint64_t i = 1; i <= 1000; ++i) {
             const glm::vec3 to = corner + core::halton(0, i) * u + core::halton(1, i) * v;
             const glm::vec3 from{0.3f, 4.0f, 0.2f};
-            const Hit hit = stage.tracer().nearest(from, glm::normalize(to - from), infinity);
+            rays.push_back({from, glm::normalize(to - from), infinity});
+            const Hit hit = stage.tracer().nearest(from, rays.back().direction, infinity);
             if (hit.found()) {
                 ++hits;
                 ASSERT_EQ(hit.address.object, 0u) << i;
             }
         }
         EXPECT_GE(hits, 999);
+        std::vector<Hit> together(rays.size());
+        stage.tracer().nearest(rays, together);
+        for (const Hit& hit : together) {
+            if (hit.found()) ASSERT_EQ(hit.address.object, 0u);
+        }
     }
 }
 
