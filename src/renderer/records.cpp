@@ -42,6 +42,7 @@ bool on_one_surface(const RecordMark& a, const RecordMark& b, float apart, float
 }
 
 void RecordMap::extend(std::span<const Record> records, const scene::Camera& camera) {
+    if (!starts_.empty() && records.size() == places_.size()) return;
     const int across = width_ + 2 * border, down = height_ + 2 * border;
     const auto pixels = static_cast<std::size_t>(across) * static_cast<std::size_t>(down);
     for (std::size_t i = places_.size(); i < records.size(); ++i) {

@@ -68,6 +68,7 @@ class RecordMap {
     /// Sorts the records in. Their order within a pixel is their own.
     void build(std::span<const Record> records, const scene::Camera& camera) {
         places_.clear();
+        starts_.clear();
         extend(records, camera);
     }
     /// The same, where those of the last time lie where they did and others have come behind them.

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/color.h"
+#include "renderer/record_cache.h"
+#include "renderer/record_gather.h"
+
+namespace render2mpeg::renderer {
+
+/// One frame's way through the records: what they know already, what is gathered because they do not, and what of that
+/// becomes records for later points and frames.
+class FrameLighting {
+  public:
+    FrameLighting(const LightForest& forest, const RayTracer& tracer, const Seen& seen, const scene::Snapshot& snapshot,
+                  const CutLimits& limits, const RecordTrust& trust, Records& records)
+        : forest_(forest),
+          tracer_(tracer),
+          seen_(seen),
+          snapshot_(snapshot),
+          camera_(snapshot.camera),
+          limits_(limits),
+          trust_(trust),
+          records_(records),
+          map_(seen.visible.width(), seen.visible.height()),
+          exact_(seen.tiles.size()),
+          light_(seen.tiles.size()),
+          tolerances_(seen.tiles.size()),
+          state_(seen.tiles.size()),
+          served_(seen.tiles.size(), 0) {
+        limits_.exact = false;
+        // Records keep their errors without caution, which is learnt anew at a cut.
+        trust_.noise *= limits.caution;
+    }
+
+    void prepare(const core::ToleranceMap& tolerance, const RecordCache::LitTiles& last, std::int64_t last_frame,
+                 ShadeCounts& counts);
+    void renew(ShadeCounts& counts, RecordCounts& record_counts);
+    /// Serves or gathers what is not known yet, lattice by lattice.
+    void refine(ShadeCounts& counts, RecordCounts& record_counts);
+    void thin() { records_.thin(snapshot_.frame, map_); }
+    FrameLight take(RecordCache::LitTiles& last, ShadeCounts& counts, RecordCounts& record_counts);
+
+  private:
+    enum class PointState : std::uint8_t {
+        open,
+        in_vain,  ///< asked records, and none came since
+        settled   ///< its light is known
+    };
+
+    bool recall(std::size_t tile, const RecordCache::LitTiles& last, std::int64_t last_frame);
+    void gather_exact(std::size_t tile, ShadeCounts& counts);
+    std::optional<RecordQuery> query_of(std::size_t tile, std::size_t point) const;
+    void reopen(const std::vector<GatheredRequests>& of_area);
+    std::vector<PointRef> wanting(std::size_t tile, int lattice);
+    std::vector<GatheredRequests> gather(const std::vector<std::vector<PointRef>>& of_tile, std::size_t least,
+                                         ShadeCounts& counts) const;
+    std::optional<Record> record(const GatheredRequests& gathered, std::size_t i) const;
+    void keep(const GatheredRequests& gathered, std::size_t i, RecordCounts& counts);
+    int x_of(std::size_t tile, const GatherPoint& p) const {
+        return static_cast<int>(tile) % seen_.tiles_across() * tile_size + p.pixel % tile_size;
+    }
+    int y_of(std::size_t tile, const GatherPoint& p) const {
+        return static_cast<int>(tile) / seen_.tiles_across() * tile_size + p.pixel / tile_size;
+    }
+    int areas_across() const { return (seen_.tiles_across() + area_tiles - 1) / area_tiles; }
+    std::size_t area_of(std::size_t tile) const {
+        const auto across = static_cast<std::size_t>(seen_.tiles_across());
+        return tile / across / area_tiles * static_cast<std::size_t>(areas_across()) + tile % across / area_tiles;
+    }
+    const GatherPoint& point(const PointRef& r) const { return seen_.tiles[r.tile][r.index]; }
+
+    const LightForest& forest_;
+    const RayTracer& tracer_;
+    const Seen& seen_;
+    const scene::Snapshot& snapshot_;
+    const scene::Camera& camera_;
+    CutLimits limits_;
+    RecordTrust trust_;
+    Records& records_;
+    RecordMap map_;
+    FrameLight exact_, light_;  ///< of lights gathered exactly; of trees
+    std::vector<std::vector<PointTolerance>> tolerances_;
+    std::vector<std::vector<PointState>> state_;
+    std::vector<std::uint64_t> served_;  ///< by tile
+};
+
+}  // namespace render2mpeg::renderer
