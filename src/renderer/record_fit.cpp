@@ -32,6 +32,16 @@ constexpr float turn_error = 0.3f;
 /// %. At 0.15 and 0.3 pixels they err more often than at 0.1 (22 instead of 3 % in Sponza, without the latter).
 constexpr float own_distance = 0.1f, own_doubt = 2.0f;
 
+/// Records to one side of a pixel, or along a line, as at rims of surfaces and on thin mouldings, carry no plane. So
+/// many of them serve by their mean if one is so near, in pixels, and if they disagree by so much less than the
+/// tolerance, and by less in proportion where the pixel lies farther from their middle than they do: as if light
+/// changed on as it does among them. chosen: in Sponza's walk (coupled at quantiser 8, 192x192, frames 0 to 6) 0.67 %
+/// of pixels are beyond their tolerance without means, with a doubt of 1, 2 and 3 1.3, 0.86 and 0.62 %, and a later
+/// frame gathers 33, 47 and 54 % of what it did. 6 instead of 4 records gather a tenth more. Means from any distance
+/// leave a larger 99th percentile of errors (0.24 instead of 0.22, 160x160) and gather hardly less in later frames.
+constexpr int least_level = 4;
+constexpr float level_doubt = 3.0f, level_distance = 1.5f;
+
 struct Neighbour {
     const Record* record;
     std::uint32_t index;
@@ -54,6 +64,8 @@ class Neighbours {
   public:
     /// Those within `radius` of the query on its surface; false where there are too many or too few.
     bool find(const RecordQuery& q, const RecordMap& map, const Records& records, int radius);
+    /// By how much what they disagree by counts for more than in a plane through them; 0: they tell nothing.
+    float fit();
     /// The nearest, if it is the point's own.
     const Neighbour* own() const;
     /// What luminance may change by between that and the point, by how it changes around.
@@ -109,6 +121,12 @@ bool Neighbours::find(const RecordQuery& q, const RecordMap& map, const Records&
         }
     }
     return plane_.count() > 0;
+}
+
+float Neighbours::fit() {
+    if (plane_.fit()) return 1.0f;
+    if (count() < least_level || plane_.distance(plane_.nearest()) > level_distance || !plane_.fit_level()) return 0.0f;
+    return level_doubt * std::max(1.0f, plane_.reach());
 }
 
 const Neighbour* Neighbours::own() const {
@@ -186,9 +204,9 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
             if (near.plane().is_full()) break;
             continue;
         }
-        if (near.plane().fit()) {
+        if (const float doubled = near.fit(); doubled > 0.0f) {
             const float tolerance = q.tolerance.allows(core::luminance(near.plane().value()));
-            const float off = trust.residual * doubt(q.tolerance, near.plane().value(), tolerance) *
+            const float off = doubled * trust.residual * doubt(q.tolerance, near.plane().value(), tolerance) *
                               near.plane().residual(),
                         noise = trust.noise * near.noise(q.receives);
             const bool steep = radius < tells_steps && trust.step * near.plane().rise() > tolerance;

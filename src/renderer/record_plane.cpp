@@ -70,6 +70,22 @@ bool RecordPlane::fit_level() {
     return core::is_finite(plane_[0]);
 }
 
+float RecordPlane::reach() const {
+    float sum = 0, square = 0;
+    glm::vec2 middle(0);
+    for (int i = 0; i < count_; ++i) {
+        const Sample& n = samples_[static_cast<std::size_t>(i)];
+        const float w = std::sqrt(n.closeness);
+        sum += w;
+        middle += w * n.offset;
+        square += w * glm::dot(n.offset, n.offset);
+    }
+    if (!(sum > 0.0f)) return std::numeric_limits<float>::infinity();
+    middle /= sum;
+    const float away2 = glm::dot(middle, middle);
+    return core::sqrt_or_zero(core::divide_or(away2, square / sum - away2, std::numeric_limits<float>::infinity()));
+}
+
 float RecordPlane::residual() const {
     // The nearest count for more, but less so than in the plane: an edge just beyond them is near.
     float sum = 0, luminance = 0, red = 0, blue = 0;

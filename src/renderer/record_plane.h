@@ -25,6 +25,9 @@ class RecordPlane {
     /// A level plane through three or more, for what changes little from place to place.
     bool fit_level();
 
+    /// How far the place lies from the middle of the samples, over how far they lie from it (root of the mean square).
+    float reach() const;
+
     /// At the place: the sum of all values by these weights.
     glm::vec3 value() const { return plane_[0]; }
     float weight(int i) const { return weights_[static_cast<std::size_t>(i)]; }

@@ -132,6 +132,30 @@ TEST_F(Wall, NobodyIsServedBeyondWhereRecordsLie) {
     for (int x = 14; x < side; ++x) EXPECT_FALSE(estimate_at(x, 12, 0.02f).holds) << x;
 }
 
+TEST_F(Wall, RecordsAlongALineServeWhatLiesCloseToIt) {
+    // As on a moulding of one pixel.
+    const auto light = [](glm::vec2 at) { return 1.0f + 0.002f * at.y; };
+    strew(1, light);
+    Records line;
+    for (const Record& r : records_.all())
+        if (std::floor(stage_.world().camera.project(r.position)->position.x) == 12.0f) line.add(r);
+    records_ = line;
+    map_.build(records_.all(), stage_.world().camera);
+    const auto holds = [&](float x, float relative) {
+        GatherPoint p = point_at(12, 12);
+        p.point.position.x += (x - 12.0f) * stage_.world().camera.pixel_size() * 2.0f;
+        const RecordEstimate e = estimate_at(p, relative);
+        if (e.holds) EXPECT_NEAR(e.light.indirect.x, light({0.0f, 12.5f}), 0.01f) << x;
+        return e.holds;
+    };
+    EXPECT_TRUE(holds(12.4f, 0.05f));
+    EXPECT_TRUE(holds(13.0f, 0.05f));
+    EXPECT_FALSE(holds(13.8f, 0.05f));
+    // What changes along the line may change across it as well.
+    for (std::uint32_t i = 0; i < records_.size(); ++i) records_.change(i).indirect *= i % 2 == 0 ? 1.0f : 1.05f;
+    EXPECT_FALSE(holds(12.4f, 0.05f));
+}
+
 TEST_F(Wall, CoarselyGatheredRecordsServeNoFinePixel) {
     strew(2, [](glm::vec2) { return 1.0f; });
     Records coarse;
