@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 #include <optional>
 
 #include "core/numeric.h"
@@ -14,21 +15,20 @@ namespace {
 /// How alike photons and anchors must face.
 constexpr float least_facing = 0.5f;
 
-/// Neighbours that every anchor keeps, and how many are looked at for them: a photon's nearest seventeen are among
-/// those of the nearest. chosen: twice and three times as many as share.
+/// Neighbours that every anchor has, and how many are looked at for them: a photon's nearest seventeen are among those
+/// of the nearest. chosen: twice and three times as many as share.
 constexpr int kept = 2 * shared_among, looked_at = 3 * shared_among;
-static_assert(kept <= 32, "AnchorPartings has 32 bits");
+static_assert(looked_at <= 64, "sights and partings have 64 bits");
 
 /// How far off its surface an anchor looks, in radii of its disc, the smaller of two: over bumps, mouldings and
 /// carpets, not over walls. chosen: 2; at 0.5 anchors on cobbles lose so many neighbours that light gathers in
 /// blotches.
 constexpr float lift_radii = 2.0f;
 
+constexpr std::uint32_t no_anchor = 0xffffffffu;
+
 /// Anchors that are asked in turn whether they see a photon: few at first, more where none of those does.
 constexpr int asked = 4, asked_at_last = 32;
-
-/// More anchors than these lie closer together than walls are thick; their neighbours are not looked for by rays.
-constexpr std::size_t most_tested = 1u << 16;
 
 /// The nearest so far, nearest first.
 class Nearest {
@@ -72,7 +72,7 @@ struct Way {
 };
 
 /// Parts 1 among the nearest by a kernel times the area that each stands for.
-AnchorShares shares_of(const Nearest& near, std::span<const Anchor> anchors) {
+AnchorShares shares_of(const Nearest& near, std::span<const float> disc2) {
     AnchorShares shares;
     if (near.count() == 0) return shares;
     const bool all = near.count() < Nearest::size;
@@ -83,7 +83,7 @@ AnchorShares shares_of(const Nearest& near, std::span<const Anchor> anchors) {
         const auto i = static_cast<std::size_t>(k);
         shares.anchor[i] = near[k].point;
         const float kernel = std::max(0.0f, 1.0f - core::divide_or(near[k].distance2, reach2, 0.0f));
-        shares.weight[i] = kernel * anchors[near[k].point].disc2;
+        shares.weight[i] = kernel * disc2[near[k].point];
         sum += shares.weight[i];
     }
     for (int k = 0; k < shares.count; ++k) {
@@ -96,7 +96,7 @@ AnchorShares shares_of(const Nearest& near, std::span<const Anchor> anchors) {
 }  // namespace
 
 AnchorSharing::AnchorSharing(std::span<const AnchorPlace> places, const RayTracer& scene) {
-    anchors_.reserve(places.size());
+    disc2_.reserve(places.size());
     for (std::size_t first = 0; first < places.size();) {
         std::vector<OrientedPoint> points;
         std::size_t last = first;
@@ -105,13 +105,13 @@ AnchorSharing::AnchorSharing(std::span<const AnchorPlace> places, const RayTrace
         Group& group = groups_.back();
         for (const std::uint32_t i : group.tree.take_order()) {
             const AnchorPlace& place = places[first + i];
-            anchors_.push_back({place.address, place.disc2, place.front});
+            disc2_.push_back(place.disc2);
+            if (group.id != 0) mounts_.push_back({place.address, place.front});
         }
         if (group.id == 0) still_count_ = static_cast<std::uint32_t>(last);
         first = last;
     }
-    tested_ = still_count_ > 0 && still_count_ <= most_tested;
-    if (tested_) list_neighbours(scene);
+    if (still_count_ > 0) look_about(scene);
 }
 
 const OrientedPoint& AnchorSharing::rest(std::uint32_t anchor) const {
@@ -122,61 +122,72 @@ const OrientedPoint& AnchorSharing::rest(std::uint32_t anchor) const {
     return group.tree[anchor - group.first];
 }
 
-void AnchorSharing::list_neighbours(const RayTracer& scene) {
+/// Finds which neighbours each still anchor sees.
+void AnchorSharing::look_about(const RayTracer& scene) {
     const PointTree& still = groups_.front().tree;
-    std::vector<std::vector<std::uint16_t>> lists(still.size());
-    std::vector<std::uint32_t> rays(still.size(), 0);
-    parallel::for_ranges(lists.size(), 64, [&](std::size_t first, std::size_t last) {
+    sights_.assign(still.size(), 0);
+    std::vector<std::uint8_t> rays(still.size(), 0);
+    parallel::for_ranges(sights_.size(), 64, [&](std::size_t first, std::size_t last) {
         std::array<Neighbour, looked_at> found;
         for (std::size_t i = first; i < last; ++i) {
             const int count = still.nearest(still[i], least_facing, found);
-            for (int k = 0; k < count && lists[i].size() < kept; ++k) {
+            for (int k = 0, seen = 0; k < count && seen < kept; ++k) {
                 const std::uint32_t other = found[static_cast<std::size_t>(k)].point;
                 if (other != i) {
                     ++rays[i];
                     const float lift = lift_between(static_cast<std::uint32_t>(i), other);
                     if (!Way(still[i], still[other], lift).is_open(scene)) continue;
                 }
-                lists[i].push_back(static_cast<std::uint16_t>(other));
+                sights_[i] |= std::uint64_t{1} << k;
+                ++seen;
             }
         }
     });
-    std::size_t all = 0;
-    for (const auto& list : lists) all += list.size();
-    neighbours_.reserve(all);
-    first_neighbour_.reserve(lists.size() + 1);
-    for (std::size_t i = 0; i < lists.size(); ++i) {
-        first_neighbour_.push_back(static_cast<std::uint32_t>(neighbours_.size()));
-        neighbours_.insert(neighbours_.end(), lists[i].begin(), lists[i].end());
-        rays_ += rays[i];
-    }
-    first_neighbour_.push_back(static_cast<std::uint32_t>(neighbours_.size()));
+    for (const std::uint8_t n : rays) rays_ += n;
 }
 
 float AnchorSharing::lift_between(std::uint32_t a, std::uint32_t b) const {
-    return lift_radii * std::sqrt(std::min(anchors_[a].disc2, anchors_[b].disc2));
+    return lift_radii * std::sqrt(std::min(disc2_[a], disc2_[b]));
+}
+
+AnchorSharing::Neighbours AnchorSharing::neighbours(std::uint32_t anchor, const AnchorPartings* partings) const {
+    const PointTree& still = groups_.front().tree;
+    std::array<Neighbour, looked_at> found;
+    const std::uint64_t parted = partings != nullptr ? partings->parted[anchor] : 0;
+    const std::uint64_t seen = sights_[anchor] & ~parted;
+    const int count = still.nearest(still[anchor], least_facing, found);
+    Neighbours list;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
+        if ((seen >> k & 1u) != 0) list.anchor[static_cast<std::size_t>(list.count++)] = found[k].point;
+    return list;
 }
 
 AnchorPartings AnchorSharing::partings(const RayTracer& scene) const {
     AnchorPartings found;
-    if (!tested_ || !scene.has_instances()) return found;
-    found.parted.assign(first_neighbour_.size() - 1, 0);
+    if (sights_.empty() || !scene.has_instances()) return found;
+    found.parted.assign(sights_.size(), 0);
     const PointTree& still = groups_.front().tree;
+    std::vector<std::uint8_t> rays(sights_.size(), 0);
     parallel::for_ranges(found.parted.size(), 64, [&](std::size_t first, std::size_t last) {
-        for (auto i = static_cast<std::uint32_t>(first); i < last; ++i)
-            for (std::uint32_t n = first_neighbour_[i]; n < first_neighbour_[i + 1]; ++n) {
-                const std::uint32_t other = neighbours_[n];
-                if (other == i || Way(still[i], still[other], lift_between(i, other)).is_free(scene)) continue;
-                found.parted[i] |= 1u << (n - first_neighbour_[i]);
+        std::array<Neighbour, looked_at> near;
+        for (auto i = static_cast<std::uint32_t>(first); i < last; ++i) {
+            const int count = still.nearest(still[i], least_facing, near);
+            for (int k = 0; k < count; ++k) {
+                const std::uint32_t other = near[static_cast<std::size_t>(k)].point;
+                if (other == i || (sights_[i] >> k & 1u) == 0) continue;
+                ++rays[i];
+                if (!Way(still[i], still[other], lift_between(i, other)).is_free(scene))
+                    found.parted[i] |= std::uint64_t{1} << k;
             }
+        }
     });
-    found.rays = neighbours_.size() - found.parted.size();
+    for (const std::uint8_t n : rays) found.rays += n;
     return found;
 }
 
 std::size_t AnchorSharing::bytes() const {
-    std::size_t sum = anchors_.capacity() * sizeof(Anchor) + first_neighbour_.capacity() * sizeof(std::uint32_t) +
-                      neighbours_.capacity() * sizeof(std::uint16_t);
+    std::size_t sum = disc2_.capacity() * sizeof(float) + mounts_.capacity() * sizeof(AnchorMount) +
+                      sights_.capacity() * sizeof(std::uint64_t);
     for (const Group& group : groups_) sum += group.tree.bytes();
     return sum;
 }
@@ -194,7 +205,7 @@ std::uint32_t AnchorSharing::nearest_in_sight(const OrientedPoint& at, const Ray
         if (count == 0) count = tree.nearest(at, -2.0f, some);
         for (; next < count; ++next) {
             const std::uint32_t anchor = found[static_cast<std::size_t>(next)].point;
-            const Way way(at, tree[anchor], lift_radii * std::sqrt(anchors_[anchor].disc2));
+            const Way way(at, tree[anchor], lift_radii * std::sqrt(disc2_[anchor]));
             ++rays;
             if (!way.is_open(scene)) continue;
             if (!past_movers || way.is_free(scene)) return anchor;
@@ -207,31 +218,23 @@ std::uint32_t AnchorSharing::nearest_in_sight(const OrientedPoint& at, const Ray
     const std::uint32_t nearest = found[0].point;
     const int count = past_movers && hidden ? tree.nearest(at, -2.0f, found) : 0;
     for (const Neighbour& other : std::span(found.data(), static_cast<std::size_t>(count))) {
-        const Way way(at, tree[other.point], lift_radii * std::sqrt(anchors_[other.point].disc2));
+        const Way way(at, tree[other.point], lift_radii * std::sqrt(disc2_[other.point]));
         ++rays;
         if (way.is_open(scene) && way.is_free(scene)) return other.point;
     }
     return hidden.value_or(nearest);
 }
 
-AnchorShares AnchorSharing::share_in_sight(const OrientedPoint& at, const RayTracer& scene,
-                                           const AnchorPartings* partings) const {
-    // Of the nearest anchor's neighbours take those nearest to the photon itself.
-    int rays = 0;
-    const bool past_movers = partings != nullptr && !partings->parted.empty();
-    const std::uint32_t anchor = nearest_in_sight(at, scene, past_movers, rays);
-    const std::uint32_t parted = past_movers ? partings->parted[anchor] : 0;
-    const std::uint32_t begin = first_neighbour_[anchor];
+/// Of the nearest anchor's neighbours those nearest to the photon itself.
+AnchorShares AnchorSharing::share_among(const Neighbours& neighbours, const OrientedPoint& at) const {
     const PointTree& still = groups_.front().tree;
     Nearest near;
-    for (std::uint32_t n = begin; n < first_neighbour_[anchor + 1]; ++n) {
-        if ((parted >> (n - begin) & 1u) != 0) continue;
-        const glm::vec3 d = still[neighbours_[n]].position - at.position;
-        near.add({glm::dot(d, d), neighbours_[n]});
+    for (int k = 0; k < neighbours.count; ++k) {
+        const std::uint32_t anchor = neighbours.anchor[static_cast<std::size_t>(k)];
+        const glm::vec3 d = still[anchor].position - at.position;
+        near.add({glm::dot(d, d), anchor});
     }
-    AnchorShares shares = shares_of(near, anchors_);
-    shares.rays = rays;
-    return shares;
+    return shares_of(near, disc2_);
 }
 
 /// Whether two places that face alike can be parts of one surface: neither lies far behind the other, as the inside of
@@ -245,7 +248,11 @@ bool may_be_one_surface(const OrientedPoint& a, const OrientedPoint& b) {
 }
 
 /// Of a group without lists of neighbours.
-AnchorShares AnchorSharing::share_among_alike(const Group& group, const OrientedPoint& at) const {
+AnchorShares AnchorSharing::share_among_alike(std::uint32_t id, const OrientedPoint& at) const {
+    const auto place = std::lower_bound(groups_.begin(), groups_.end(), id,
+                                        [](const Group& other, std::uint32_t wanted) { return other.id < wanted; });
+    if (place == groups_.end() || place->id != id) return {};
+    const Group& group = *place;
     std::array<Neighbour, looked_at> found;
     int count = group.tree.nearest(at, least_facing, found);
     if (count == 0) {
@@ -261,15 +268,56 @@ AnchorShares AnchorSharing::share_among_alike(const Group& group, const Oriented
     }
     // No light is lost: where none fits, the nearest takes it.
     if (near.count() == 0) near.add({found[0].distance2, group.first + found[0].point});
-    return shares_of(near, anchors_);
+    return shares_of(near, disc2_);
 }
 
-AnchorShares AnchorSharing::share(std::uint32_t group, const OrientedPoint& at, const RayTracer& scene,
-                                  const AnchorPartings* partings) const {
-    const auto found = std::lower_bound(groups_.begin(), groups_.end(), group,
-                                        [](const Group& other, std::uint32_t id) { return other.id < id; });
-    if (found == groups_.end() || found->id != group) return {};
-    return group == 0 && tested_ ? share_in_sight(at, scene, partings) : share_among_alike(*found, at);
+/// Finds the shares of photons in the order of their nearest anchors: those with the same one share its neighbours,
+/// which are looked up once.
+void AnchorSharing::share(std::span<const Placed> placed, std::span<const LandedPhoton> photons,
+                          const AnchorPartings* partings, std::span<AnchorShares> shares) const {
+    parallel::for_ranges(placed.size(), 256, [&](std::size_t first, std::size_t last) {
+        Neighbours list;
+        for (std::size_t i = first; i < last; ++i) {
+            const LandedPhoton& photon = photons[placed[i].photon];
+            if (placed[i].nearest == no_anchor) {
+                shares[i] = share_among_alike(photon.group, photon.at);
+                continue;
+            }
+            if (i == first || placed[i].nearest != placed[i - 1].nearest)
+                list = neighbours(placed[i].nearest, partings);
+            shares[i] = share_among(list, photon.at);
+        }
+    });
+}
+
+std::uint64_t AnchorSharing::spread(std::span<const LandedPhoton> photons, const RayTracer& scene,
+                                    const AnchorPartings* partings, std::span<glm::dvec3> light) const {
+    if (partings != nullptr && partings->parted.empty()) partings = nullptr;
+    std::vector<Placed> placed(photons.size());
+    std::vector<std::uint8_t> rays(photons.size(), 0);
+    parallel::for_ranges(photons.size(), 256, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            int traced = 0;
+            placed[i] = {no_anchor, static_cast<std::uint32_t>(i)};
+            if (photons[i].group == 0 && still_count_ > 0)
+                placed[i].nearest = nearest_in_sight(photons[i].at, scene, partings != nullptr, traced);
+            rays[i] = static_cast<std::uint8_t>(traced);
+        }
+    });
+    std::sort(placed.begin(), placed.end());
+
+    // Some at a time, since shares are large; added in that order, whatever thread found them.
+    constexpr std::size_t some = 1u << 14;
+    std::vector<AnchorShares> shares(std::min(some, placed.size()));
+    for (std::size_t done = 0; done < placed.size(); done += some) {
+        const std::span<const Placed> next = std::span(placed).subspan(done, std::min(some, placed.size() - done));
+        share(next, photons, partings, shares);
+        for (std::size_t i = 0; i < next.size(); ++i)
+            for (std::size_t k = 0; k < static_cast<std::size_t>(shares[i].count); ++k)
+                light[shares[i].anchor[k]] +=
+                    static_cast<double>(shares[i].weight[k]) * glm::dvec3(photons[next[i].photon].light);
+    }
+    return std::accumulate(rays.begin(), rays.end(), std::uint64_t{0});
 }
 
 }  // namespace render2mpeg::renderer

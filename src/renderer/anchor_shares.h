@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -11,11 +12,17 @@
 
 namespace render2mpeg::renderer {
 
-/// What is kept of an anchor's place, beside where it rests.
-struct Anchor {
+/// Where an anchor that moves is carried along.
+struct AnchorMount {
     core::SurfaceAddress address;
-    float disc2 = 0;    ///< in the space of its group: see LightPoint::disc2
     bool front = true;  ///< which side of the triangle it lies on
+};
+
+/// A photon that landed.
+struct LandedPhoton {
+    std::uint32_t group = 0;
+    OrientedPoint at;    ///< in the space of its group
+    glm::vec3 light{0};  ///< radiant intensity that it leaves
 };
 
 /// Anchors that one photon is shared among [Render2MPEG, 7.3.1].
@@ -24,15 +31,15 @@ inline constexpr int shared_among = 16;
 /// A photon's share in each of its anchors; `weight` adds up to 1. None where the photon's group has no anchor.
 struct AnchorShares {
     int count = 0;
-    int rays = 0;  ///< that were traced to find them
     std::array<std::uint32_t, shared_among> anchor;
     std::array<float, shared_among> weight;
 };
 
-/// What moves, where it stands between still anchors at one instant: a door that is shut. Empty where nothing moves.
+/// Of each still anchor, which of its neighbours what moves keeps apart from it at one instant, a door that is shut:
+/// bit k is the k-th nearest. Empty where nothing moves.
 struct AnchorPartings {
-    std::vector<std::uint32_t> parted;  ///< of each still anchor; bit k: from the k-th of its neighbours
-    std::uint64_t rays = 0;             ///< that were traced to find them
+    std::vector<std::uint64_t> parted;
+    std::uint64_t rays = 0;  ///< that were traced to find them
 };
 
 /// Holds all anchors, and finds those among which a photon is shared (docs/model.md, "Anchor lights").
@@ -45,20 +52,24 @@ class AnchorSharing {
     /// of a wall.
     AnchorSharing(std::span<const AnchorPlace> places, const RayTracer& scene);
 
-    std::uint32_t size() const { return static_cast<std::uint32_t>(anchors_.size()); }
+    std::uint32_t size() const { return static_cast<std::uint32_t>(disc2_.size()); }
     /// Those of group 0, which come first.
     std::uint32_t still_count() const { return still_count_; }
-    const Anchor& operator[](std::uint32_t anchor) const { return anchors_[anchor]; }
+    /// In the space of its group: see LightPoint::disc2.
+    float disc2(std::uint32_t anchor) const { return disc2_[anchor]; }
+    /// Of those that move.
+    const AnchorMount& mount(std::uint32_t anchor) const { return mounts_[anchor - still_count_]; }
     /// Where it lies, in the space of its group.
     const OrientedPoint& rest(std::uint32_t anchor) const;
 
     /// Which neighbours what moves keeps apart, as `scene` is posed.
     AnchorPartings partings(const RayTracer& scene) const;
 
-    /// Shares of a photon that landed at `at`, in the space of its group, while `scene` is posed as it was for
-    /// `partings`. Without those what moves does not count.
-    AnchorShares share(std::uint32_t group, const OrientedPoint& at, const RayTracer& scene,
-                       const AnchorPartings* partings = nullptr) const;
+    /// Adds the light of photons that landed while `scene` is posed as it was for `partings` to their anchors, of which
+    /// `light` has one each. Without partings what moves does not count. Returns the rays that it took. Does not depend
+    /// on the number of threads; the more photons at once, the less time each takes.
+    std::uint64_t spread(std::span<const LandedPhoton> photons, const RayTracer& scene, const AnchorPartings* partings,
+                         std::span<glm::dvec3> light) const;
 
     /// Rays traced for neighbours.
     std::uint64_t rays() const { return rays_; }
@@ -73,18 +84,32 @@ class AnchorSharing {
         PointTree tree;
     };
 
-    void list_neighbours(const RayTracer& scene);
-    float lift_between(std::uint32_t a, std::uint32_t b) const;
-    std::uint32_t nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, bool past_movers, int& rays) const;
-    AnchorShares share_among_alike(const Group& group, const OrientedPoint& at) const;
-    AnchorShares share_in_sight(const OrientedPoint& at, const RayTracer& scene, const AnchorPartings* partings) const;
+    /// Neighbours of a still anchor that it sees, the nearest first, itself among them.
+    struct Neighbours {
+        std::array<std::uint32_t, 2 * shared_among> anchor;
+        int count = 0;
+    };
 
-    std::vector<Anchor> anchors_;
-    std::vector<Group> groups_;  ///< by id
+    void look_about(const RayTracer& scene);
+    float lift_between(std::uint32_t a, std::uint32_t b) const;
+    Neighbours neighbours(std::uint32_t anchor, const AnchorPartings* partings) const;
+    std::uint32_t nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, bool past_movers, int& rays) const;
+    AnchorShares share_among_alike(std::uint32_t group, const OrientedPoint& at) const;
+    AnchorShares share_among(const Neighbours& neighbours, const OrientedPoint& at) const;
+    /// The place of a photon in `photons`, and the nearest anchor that sees it where it is one of what is still.
+    struct Placed {
+        std::uint32_t nearest, photon;
+        auto operator<=>(const Placed&) const = default;
+    };
+    void share(std::span<const Placed> placed, std::span<const LandedPhoton> photons, const AnchorPartings* partings,
+               std::span<AnchorShares> shares) const;
+
+    std::vector<float> disc2_;
+    std::vector<AnchorMount> mounts_;  ///< of those that move
+    std::vector<Group> groups_;        ///< by id
     std::uint32_t still_count_ = 0;
-    bool tested_ = false;                         ///< still neighbours see each other, and are listed
-    std::vector<std::uint32_t> first_neighbour_;  ///< of each still anchor in `neighbours_`, and the end of the last
-    std::vector<std::uint16_t> neighbours_;       ///< the nearest first
+    /// Of each still anchor, which of its nearest neighbours it sees: bit k is the k-th.
+    std::vector<std::uint64_t> sights_;
     std::uint64_t rays_ = 0;
 };
 

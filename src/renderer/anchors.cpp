@@ -46,6 +46,9 @@ constexpr std::uint64_t least_per_anchor = 4;
 /// Paths, or places, that are traced at once: bounds the memory that they take.
 constexpr std::uint64_t batch = 1u << 15;
 
+/// Photons that are shared out at once, about: they take 40 bytes each until then, and less time the more there are.
+constexpr std::size_t most_landed = 1u << 20;
+
 /// Every anchor counts with at least this share of the mean light when trees are planned: it may be lit one day.
 constexpr float least_usual = 0.01f;
 
@@ -70,9 +73,8 @@ LightPoint still_light(const AnchorSharing& anchors, std::uint32_t id) {
     LightPoint p;
     p.position = anchors.rest(id).position;
     p.normal = anchors.rest(id).normal;
-    p.disc2 = anchors[id].disc2;
+    p.disc2 = anchors.disc2(id);
     p.id = id;
-    p.object = anchors[id].address.object;
     return p;
 }
 
@@ -103,6 +105,8 @@ struct Anchors::Impl {
     void add_unlit();
     void reckon_usual(const RayTracer& tracer);
     LightPoint moving_light(const Scenery& scenery, std::uint32_t place) const;
+    LandedPhoton landed(const Scenery& scenery, const LightPoint& vpl, const core::SurfaceAddress& address,
+                        float part) const;
 
     const scene::Animation& film;
     AnchorSettings settings;
@@ -208,36 +212,36 @@ void Anchors::Impl::add_unlit() {
 
 /// An anchor that moves, at the posed instant, without intensity.
 LightPoint Anchors::Impl::moving_light(const Scenery& scenery, std::uint32_t index) const {
-    const Anchor& place = anchors[index];
+    const AnchorMount& place = anchors.mount(index);
     const glm::vec3 front = scenery.front_normal(place.address.object, place.address.primitive);
     LightPoint p;
     p.normal = place.front ? front : -front;
     p.position = offset_origin(scenery.surface_at(place.address, p.normal), p.normal);
     p.moving = true;
-    p.disc2 = place.disc2 * rest.area_scale(scenery.posed(), place.address);
+    p.disc2 = anchors.disc2(index) * rest.area_scale(scenery.posed(), place.address);
     p.id = index - anchors.still_count();
     p.object = place.address.object;
     return p;
 }
 
+/// What a photon leaves, as a part of those of all batches.
+LandedPhoton Anchors::Impl::landed(const Scenery& scenery, const LightPoint& vpl, const core::SurfaceAddress& address,
+                                   float part) const {
+    const bool at_front = glm::dot(scenery.front_normal(address.object, address.primitive), vpl.normal) >= 0.0f;
+    return {group_of(address.object), rest_of(vpl, address, at_front), part * vpl.intensity};
+}
+
 /// Spreads the candidates' own light.
 void Anchors::Impl::reckon_usual(const RayTracer& tracer) {
-    usual.assign(anchors.size(), glm::vec3(0));
-    std::vector<AnchorShares> shares;
-    for (std::size_t done = 0; done < candidates.size(); done += batch) {
-        const std::span<const AnchorCandidate> some =
-            std::span(candidates).subspan(done, std::min<std::size_t>(batch, candidates.size() - done));
-        shares.assign(some.size(), AnchorShares{});
-        parallel::for_ranges(some.size(), 256, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i)
-                if (some[i].flux > 0.0f) shares[i] = anchors.share(some[i].group, some[i].rest, tracer);
-        });
-        for (std::size_t i = 0; i < some.size(); ++i) {
-            rays += static_cast<std::uint64_t>(shares[i].rays);
-            for (std::size_t k = 0; k < static_cast<std::size_t>(shares[i].count); ++k)
-                usual[shares[i].anchor[k]] += shares[i].weight[k] * candidate_light[done + i];
-        }
+    std::vector<glm::dvec3> light(anchors.size(), glm::dvec3(0));
+    std::vector<LandedPhoton> landed;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        if (candidates[i].flux > 0.0f) landed.push_back({candidates[i].group, candidates[i].rest, candidate_light[i]});
+        if (landed.size() < most_landed && i + 1 < candidates.size()) continue;
+        rays += anchors.spread(landed, tracer, nullptr, light);
+        landed.clear();
     }
+    usual.assign(light.begin(), light.end());
     glm::vec3 mean(0);
     for (const glm::vec3& l : usual) mean += l / static_cast<float>(usual.size());
     for (glm::vec3& l : usual) l += least_usual * mean + glm::vec3(1e-20f);
@@ -274,7 +278,7 @@ std::vector<LightPoint> Anchors::usual_moving() const {
     std::vector<LightPoint> points;
     std::uint32_t objects = 0;
     for (std::uint32_t i = first; i < a.anchors.size(); ++i) {
-        if (i > first && a.anchors[i].address.object != a.anchors[i - 1].address.object) ++objects;
+        if (i > first && a.anchors.mount(i).address.object != a.anchors.mount(i - 1).address.object) ++objects;
         LightPoint p = still_light(a.anchors, i);
         p.position += glm::vec3(a.apart * static_cast<float>(objects), 0, 0);
         p.intensity = a.usual[i];
@@ -302,37 +306,29 @@ Anchors::Lit Anchors::at(const Scenery& scenery, std::span<const LightPoint> lig
     Lit lit;
     const AnchorPartings partings = a.anchors.partings(scenery.tracer());
     lit.rays += partings.rays;
-    std::vector<AnchorShares> shares;
+    std::vector<LandedPhoton> landed;
     for (std::uint64_t done = 0; done < a.paths; done += batch) {
         const std::uint64_t count = std::min(batch, a.paths - done);
         const std::uint64_t first_path = first_of(a.settings.photon_set) + done;
         const PhotonResult photons = trace_photons(scenery, lights, {first_path, count, a.settings.bounces});
         lit.rays += photons.rays;
-        shares.assign(photons.vpls.size(), AnchorShares{});
+        const float part = static_cast<float>(static_cast<double>(count) / static_cast<double>(a.paths));
+        const std::size_t before = landed.size();
+        landed.resize(before + photons.vpls.size());
         parallel::for_ranges(photons.vpls.size(), 256, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i) {
-                const core::SurfaceAddress& address = photons.addresses[i];
-                const glm::vec3 front = scenery.front_normal(address.object, address.primitive);
-                const OrientedPoint rest =
-                    a.rest_of(photons.vpls[i], address, glm::dot(front, photons.vpls[i].normal) >= 0.0f);
-                shares[i] = a.anchors.share(a.group_of(address.object), rest, scenery.tracer(), &partings);
-            }
+            for (std::size_t i = first; i < last; ++i)
+                landed[before + i] = a.landed(scenery, photons.vpls[i], photons.addresses[i], part);
         });
-        // In the order of photons, whatever thread found their shares.
-        const double part = static_cast<double>(count) / static_cast<double>(a.paths);
-        for (std::size_t i = 0; i < shares.size(); ++i) {
-            lit.rays += static_cast<std::uint64_t>(shares[i].rays);
-            for (std::size_t k = 0; k < static_cast<std::size_t>(shares[i].count); ++k)
-                light[shares[i].anchor[k]] +=
-                    part * static_cast<double>(shares[i].weight[k]) * glm::dvec3(photons.vpls[i].intensity);
-        }
+        if (landed.size() < most_landed && done + count < a.paths) continue;
+        lit.rays += a.anchors.spread(landed, scenery.tracer(), &partings, light);
+        landed.clear();
     }
     const std::uint32_t still = a.anchors.still_count();
     lit.still.reserve(still);
     lit.moving.reserve(a.anchors.size() - still);
     for (std::uint32_t i = 0; i < a.anchors.size(); ++i) {
         const bool moving = i >= still;
-        if (moving && !scenery.posed().objects[a.anchors[i].address.object].present) continue;
+        if (moving && !scenery.posed().objects[a.anchors.mount(i).address.object].present) continue;
         LightPoint p = moving ? a.moving_light(scenery, i) : still_light(a.anchors, i);
         p.intensity = glm::vec3(light[i]);
         (moving ? lit.moving : lit.still).push_back(p);

@@ -19,7 +19,9 @@ struct Neighbour {
     std::uint32_t point = 0;  ///< index
 };
 
-/// A k-d tree over points on surfaces: the middle of every range is its splitting point.
+/// A k-d tree over points on surfaces: the middle of every range is its splitting point. Larger ranges know which ways
+/// their points face, so that what faces as nothing about it does (the underside of a shelf over a floor) is not looked
+/// for everywhere.
 class PointTree {
   public:
     PointTree() = default;
@@ -40,18 +42,20 @@ class PointTree {
     /// Bytes held.
     std::size_t bytes() const {
         return points_.capacity() * sizeof(OrientedPoint) + index_.capacity() * sizeof(std::uint32_t) +
-               axis_.capacity();
+               axis_.capacity() + facing_.capacity() * sizeof(std::uint64_t);
     }
 
   private:
     struct Search;
-    void build(std::size_t first, std::size_t last);
+    std::uint64_t build(std::size_t first, std::size_t last, std::size_t range);
     std::uint32_t name(std::size_t i) const { return index_.empty() ? static_cast<std::uint32_t>(i) : index_[i]; }
-    void visit(std::size_t first, std::size_t last, Search& search) const;
+    void visit(std::size_t first, std::size_t last, std::size_t range, Search& search) const;
 
     std::vector<OrientedPoint> points_;  ///< in the tree's order
     std::vector<std::uint32_t> index_;   ///< of each, as they were given; empty: by place
     std::vector<std::uint8_t> axis_;
+    /// Ways that the points of each large range face, as bits; the halves of range r are 2r + 1 and 2r + 2.
+    std::vector<std::uint64_t> facing_;
 };
 
 }  // namespace render2mpeg::renderer

@@ -38,6 +38,10 @@ TEST(PathsOfAnchors, FollowLandingsWithinBounds) {
     // However many a path was seen to leave.
     EXPECT_EQ(paths_of_anchors(4096, 0, 8, {1, 1000000}), 131072u / 8u);
     EXPECT_EQ(paths_of_anchors(1, 0, 0, {0, 0}), 32u);
+    // Of many anchors each is due fewer photons.
+    EXPECT_EQ(paths_of_anchors(50000, 0, 8, {1000, 1000}), 400000u);
+    EXPECT_EQ(paths_of_anchors(100000, 0, 8, {1000, 1000}), 524288u);
+    EXPECT_EQ(paths_of_anchors(1000000, 0, 8, {1000, 1000}), 2000000u);
 }
 
 TEST(SparseAnchors, FollowABoundedNumberOfPathsWhereTheSunMeetsAlmostNothing) {
@@ -214,13 +218,13 @@ TEST(SparseAnchors, OfAThingThatUnrollsFromALineLieOverAllOfIt) {
     EXPECT_LT(area, 12.0);  // the cells of its rim reach beyond it
 }
 
-TEST(SparseAnchors, TakeAtMost150BytesEachBetweenInstants) {
+TEST(SparseAnchors, TakeAtMost60BytesEachBetweenInstants) {
     AnchorStage stage(test::hall(), {4096, 4});
     const Anchors::Lit lit = stage.light();
     const double each =
         static_cast<double>(stage.anchors().bytes()) / static_cast<double>(lit.still.size() + lit.moving.size());
-    EXPECT_LE(each, 150.0);
-    EXPECT_GE(each, 100.0);
+    EXPECT_LE(each, 60.0);
+    EXPECT_GE(each, 40.0);
 }
 
 }  // namespace
