@@ -101,7 +101,7 @@ AnchorSharing::AnchorSharing(std::span<const AnchorPlace> places, const RayTrace
         std::vector<OrientedPoint> points;
         std::size_t last = first;
         while (last < places.size() && places[last].group == places[first].group) points.push_back(places[last++].rest);
-        groups_.push_back({places[first].group, static_cast<std::uint32_t>(first), PointTree(std::move(points))});
+        groups_.push_back({places[first].group, static_cast<std::uint32_t>(first), PointTree(points)});
         Group& group = groups_.back();
         for (const std::uint32_t i : group.tree.take_order()) {
             const AnchorPlace& place = places[first + i];
@@ -114,7 +114,7 @@ AnchorSharing::AnchorSharing(std::span<const AnchorPlace> places, const RayTrace
     if (still_count_ > 0) look_about(scene);
 }
 
-const OrientedPoint& AnchorSharing::rest(std::uint32_t anchor) const {
+OrientedPoint AnchorSharing::rest(std::uint32_t anchor) const {
     if (anchor < still_count_) return groups_.front().tree[anchor];
     const auto after = std::upper_bound(groups_.begin(), groups_.end(), anchor,
                                         [](std::uint32_t i, const Group& group) { return i < group.first; });
@@ -258,7 +258,7 @@ AnchorShares AnchorSharing::share_among_alike(std::uint32_t id, const OrientedPo
     if (count == 0) {
         // None faces that way: its light goes where the nearest of all does.
         group.tree.nearest(at, -2.0f, {found.data(), 1});
-        const OrientedPoint& other = group.tree[found[0].point];
+        const OrientedPoint other = group.tree[found[0].point];
         count = group.tree.nearest({at.position, other.normal}, least_facing, found);
     }
     Nearest near;

@@ -60,7 +60,7 @@ class AnchorSharing {
     /// Of those that move.
     const AnchorMount& mount(std::uint32_t anchor) const { return mounts_[anchor - still_count_]; }
     /// Where it lies, in the space of its group.
-    const OrientedPoint& rest(std::uint32_t anchor) const;
+    OrientedPoint rest(std::uint32_t anchor) const;
 
     /// Which neighbours what moves keeps apart, as `scene` is posed.
     AnchorPartings partings(const RayTracer& scene) const;

@@ -117,8 +117,8 @@ struct Anchors::Impl {
 
     std::uint64_t paths = 0, rays = 0;
     AnchorSharing anchors;
-    std::vector<glm::vec3> usual;  ///< intensity of each anchor
-    float apart = 0;               ///< how far from each other objects that move are thought to be
+    std::vector<float> usual;  ///< luminance of each anchor's intensity
+    float apart = 0;           ///< how far from each other objects that move are thought to be
 };
 
 AnchorCandidate Anchors::Impl::candidate(const Scenery& scenery, const LightPoint& vpl,
@@ -241,10 +241,13 @@ void Anchors::Impl::reckon_usual(const RayTracer& tracer) {
         rays += anchors.spread(landed, tracer, nullptr, light);
         landed.clear();
     }
-    usual.assign(light.begin(), light.end());
-    glm::vec3 mean(0);
-    for (const glm::vec3& l : usual) mean += l / static_cast<float>(usual.size());
-    for (glm::vec3& l : usual) l += least_usual * mean + glm::vec3(1e-20f);
+    usual.clear();
+    usual.reserve(light.size());
+    for (const glm::dvec3& l : light) usual.push_back(core::luminance(glm::vec3(l)));
+    double sum = 0;
+    for (const float l : usual) sum += l;
+    const auto mean = static_cast<float>(core::divide_or(sum, static_cast<double>(usual.size()), 0.0));
+    for (float& l : usual) l += least_usual * mean + 1e-20f;
     // Trees of what moves are planned at rest, every object far from all others: they part ways.
     for (const AnchorCandidate& c : candidates)
         if (c.group != 0) apart = std::max(apart, 4.0f * std::sqrt(c.extent2));
@@ -267,7 +270,7 @@ std::vector<LightPoint> Anchors::usual_still() const {
     points.reserve(impl_->anchors.still_count());
     for (std::uint32_t i = 0; i < impl_->anchors.still_count(); ++i) {
         points.push_back(still_light(impl_->anchors, i));
-        points.back().intensity = impl_->usual[i];
+        points.back().intensity = glm::vec3(impl_->usual[i]);
     }
     return points;
 }
@@ -281,7 +284,7 @@ std::vector<LightPoint> Anchors::usual_moving() const {
         if (i > first && a.anchors.mount(i).address.object != a.anchors.mount(i - 1).address.object) ++objects;
         LightPoint p = still_light(a.anchors, i);
         p.position += glm::vec3(a.apart * static_cast<float>(objects), 0, 0);
-        p.intensity = a.usual[i];
+        p.intensity = glm::vec3(a.usual[i]);
         p.id = i - first;
         points.push_back(p);
     }
@@ -297,7 +300,7 @@ std::uint64_t Anchors::rays() const {
 }
 
 std::size_t Anchors::bytes() const {
-    return impl_->usual.capacity() * sizeof(glm::vec3) + impl_->anchors.bytes();
+    return impl_->usual.capacity() * sizeof(float) + impl_->anchors.bytes();
 }
 
 Anchors::Lit Anchors::at(const Scenery& scenery, std::span<const LightPoint> lights) const {

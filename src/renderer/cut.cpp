@@ -6,13 +6,13 @@
 #include "renderer/cut.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "core/color.h"
 #include "renderer/cut_sums.h"
 #include "renderer/flush_denormals.h"
 #include "renderer/isa_clones.h"
 #include "renderer/near_lights.h"
+#include "renderer/shadow_rays.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -26,34 +26,22 @@ void clear_counts(GatheredLight& out) {
     std::fill(std::begin(out.error), std::end(out.error), 0.0f);
 }
 
-/// A ray from each lane that the light could reach towards it.
-RENDER2MPEG_ALWAYS_INLINED void aim(const GatherLanes& lanes, LightFamily family, const TreeLight& light,
-                                    const LightLanes& unit, ShadowPacket& packet) {
-    const bool far_away = family == LightFamily::directional;
-    const float keep = far_away ? 0.0f : 1.0f;
-    const float far = far_away ? std::numeric_limits<float>::infinity() : shadow_ray_end;
-    std::uint32_t active = 0;
-    for (int i = 0; i < lane_count; ++i) {
-        packet.origin_x[i] = lanes.origin.x[i];
-        packet.origin_y[i] = lanes.origin.y[i];
-        packet.origin_z[i] = lanes.origin.z[i];
-        packet.direction_x[i] = light.position.x - keep * lanes.origin.x[i];
-        packet.direction_y[i] = light.position.y - keep * lanes.origin.y[i];
-        packet.direction_z[i] = light.position.z - keep * lanes.origin.z[i];
-        packet.far[i] = far;
-        active |= unit.diffuse[i] > 0.0f ? 1u << i : 0u;
-    }
-    packet.active = active;
+/// The lanes that the light could reach.
+RENDER2MPEG_ALWAYS_INLINED std::uint32_t reached(const LightLanes& unit) {
+    std::uint32_t lanes = 0;
+    for (int i = 0; i < lane_count; ++i) lanes |= unit.diffuse[i] > 0.0f ? 1u << i : 0u;
+    return lanes;
 }
 
 }  // namespace
 
 RENDER2MPEG_CLONES
-void Gatherer::trace(const GatherLanes& lanes, LightFamily family, const TreeLight& light, GeometryClamp clamp,
-                     Arrival& arrival, GatheredLight& out) {
-    evaluate_light(lanes, family, light, clamp, arrival.unit);
+void Gatherer::trace(const GatherLanes& lanes, LightFamily family, const TreeLight& light, const Spot* spot,
+                     GeometryClamp clamp, Arrival& arrival, GatheredLight& out) {
+    evaluate_light(lanes, family, light, spot, clamp, arrival.unit);
     ShadowPacket packet;
-    aim(lanes, family, light, arrival.unit, packet);
+    aim(lanes, family, light, packet);
+    packet.active = reached(arrival.unit);
     arrival.is_blocked = false;
     if (packet.active == 0) return;
     std::uint32_t blocked = 0;
@@ -90,7 +78,7 @@ void Gatherer::gather_exact(const GatherLanes& lanes, CutSums& sums, GatheredLig
     for (const ExactLight& exact : forest_.exact) {
         Arrival arrival;
         std::fill(&arrival.tint.passes[0][0], &arrival.tint.passes[0][0] + lane_count * 3, 1.0f);
-        trace(lanes, exact.family, exact.light, forest_.direct_clamp, arrival, out);
+        trace(lanes, exact.family, exact.light, &exact.spot, forest_.direct_clamp, arrival, out);
         const UnitLight unit = unit_of(lanes, arrival);
         add_luminance(lanes, unit, exact.light.intensity, luminance_);
         sums.add(unit, exact.light.intensity, true);
@@ -112,7 +100,8 @@ void Gatherer::trace_slot(const GatherLanes& lanes, std::uint32_t index, Arrival
         slot.any_clamped = false;
         return;
     }
-    trace(lanes, tree.family, tree.lights[slot.representative], forest_.clamp(slot.tree), arrival, out);
+    trace(lanes, tree.family, tree.lights[slot.representative], tree.spot(slot.representative),
+          forest_.clamp(slot.tree), arrival, out);
     std::copy(std::begin(arrival.unit.diffuse), std::end(arrival.unit.diffuse), std::begin(slot.diffuse));
     slot.lit = arrival.lit;
     slot.unknown = arrival.unknown;
@@ -156,10 +145,10 @@ bool Gatherer::hide(const GatherLanes& lanes, std::uint32_t index) {
     if (slot.is_tested || slot.shields == 0) return slot.is_hidden;
     slot.is_tested = true;
     const LightTree& tree = forest_.trees[slot.tree];
-    const bool leaf = slot.ref.is_leaf();
-    const glm::vec3 middle = leaf ? tree.lights[slot.ref.index()].position : tree.nodes[slot.ref.index()].middle;
-    const glm::vec3 half = leaf ? glm::vec3(0) : tree.nodes[slot.ref.index()].half;
-    slot.is_hidden = shields_.hide(lanes, tree.family, middle, half, slot.shields);
+    const std::uint32_t index_in_tree = slot.ref.index();
+    const MiddleBox box =
+        slot.ref.is_leaf() ? MiddleBox{tree.lights[index_in_tree].position, glm::vec3(0)} : tree.box(index_in_tree);
+    slot.is_hidden = shields_.hide(lanes, tree.family, box.middle, box.half, slot.shields);
     if (slot.is_hidden) slot.lit = slot.unknown = 0;
     return slot.is_hidden;
 }
@@ -178,7 +167,7 @@ std::uint32_t Gatherer::add_slot(const GatherLanes& lanes, int tree, LightRef re
 void Gatherer::fetch_split(std::uint32_t index) const {
     const Slot& slot = slots_[index];
     const LightTree& tree = forest_.trees[slot.tree];
-    for (const LightRef child : tree.nodes[slot.ref.index()].child) fetch(tree, child);
+    for (const int side : {0, 1}) fetch(tree, tree.child(slot.ref.index(), side));
 }
 
 /// And the light, once that is known.
@@ -191,10 +180,10 @@ void Gatherer::fetch_light(const GatherLanes& lanes, std::uint32_t index) const 
 Gatherer::Divided Gatherer::divide(const GatherLanes& lanes, std::uint32_t index, GatheredLight& out) {
     const LightTree& tree = forest_.trees[slots_[index].tree];
     const LightRef parent = slots_[index].ref;
-    const LightNode& node = tree.nodes[parent.index()];
     // The child that holds the representative keeps its rays; only the other one, adopted, is traced.
     const bool first_keeps = tree.first_represents(parent, lanes.set);
-    const LightRef kept = node.child[first_keeps ? 0 : 1], adopted = node.child[first_keeps ? 1 : 0];
+    const LightRef kept = tree.child(parent.index(), first_keeps ? 0 : 1),
+                   adopted = tree.child(parent.index(), first_keeps ? 1 : 0);
     const std::uint32_t added = add_slot(lanes, slots_[index].tree, adopted);
     Slot& old = slots_[index];
     slots_[added].representative = tree.adopted_representative(parent, old.representative, lanes.set);
@@ -273,12 +262,13 @@ void Gatherer::gather_all(const GatherLanes& lanes, GatheredLight& out) {
     std::fill(&arrival.tint.passes[0][0], &arrival.tint.passes[0][0] + lane_count * 3, 1.0f);
     for (int t = 0; t < LightForest::tree_count; ++t) {
         const LightTree& tree = forest_.trees[t];
-        for (const TreeLight& light : tree.lights) {
+        for (std::uint32_t i = 0; i < tree.lights.size(); ++i) {
+            const TreeLight& light = tree.lights[i];
             if (!(core::luminance(light.intensity) > 0.0f)) continue;
-            trace(lanes, tree.family, light, forest_.clamp(t), arrival, out);
+            trace(lanes, tree.family, light, tree.spot(i), forest_.clamp(t), arrival, out);
             const UnitLight unit = unit_of(lanes, arrival);
             sums.add(unit, light.intensity, LightForest::is_direct(t));
-            if (arrival.unit.any_clamped) sums.add_clamped(tree.family, light, unit, light.intensity);
+            if (arrival.unit.any_clamped) sums.add_clamped(light, unit, light.intensity);
         }
         (LightForest::is_direct(t) ? out.direct_clusters : out.indirect_clusters) +=
             static_cast<int>(tree.lights.size());

@@ -118,8 +118,8 @@ class Gatherer {
         Tint tint;                           ///< unset where nothing is translucent
     };
 
-    void trace(const GatherLanes& lanes, LightFamily family, const TreeLight& light, GeometryClamp clamp,
-               Arrival& arrival, GatheredLight& out);
+    void trace(const GatherLanes& lanes, LightFamily family, const TreeLight& light, const Spot* spot,
+               GeometryClamp clamp, Arrival& arrival, GatheredLight& out);
     void trace_slot(const GatherLanes& lanes, std::uint32_t slot, Arrival& arrival, GatheredLight& out);
     std::uint32_t add_slot(const GatherLanes& lanes, int tree, LightRef ref);
     inline UnitLight unit_of(std::uint32_t slot) const;

@@ -9,9 +9,10 @@ namespace {
 
 void fetch_grandchildren(const LightTree& tree, LightRef ref) {
     if (ref.is_leaf()) return;
-    for (const LightRef child : tree.nodes[ref.index()].child) {
+    for (const int side : {0, 1}) {
+        const LightRef child = tree.child(ref.index(), side);
         if (child.is_leaf()) continue;
-        for (const LightRef part : tree.nodes[child.index()].child) fetch(tree, part);
+        for (const int of_child : {0, 1}) fetch(tree, tree.child(child.index(), of_child));
     }
 }
 
@@ -31,9 +32,8 @@ Gatherer::Parts Gatherer::parts_of(const GatherLanes& lanes, const Slot& slot) c
     const auto both = [&](LightRef inner, std::uint32_t own, const auto& use) {
         const bool first = tree.first_represents(inner, lanes.set);
         const std::uint32_t other = tree.adopted_representative(inner, own, lanes.set);
-        const LightRef* child = tree.nodes[inner.index()].child;
-        use(child[0], first ? own : other);
-        use(child[1], first ? other : own);
+        use(tree.child(inner.index(), 0), first ? own : other);
+        use(tree.child(inner.index(), 1), first ? other : own);
     };
     // Of the children those that are lights stay as they are.
     both(slot.ref, slot.representative, [&](LightRef child, std::uint32_t light) {
@@ -58,7 +58,8 @@ void Gatherer::sum_finely(const GatherLanes& lanes, std::uint32_t index, const P
     if (!lanes.glossy && !forest_.translucent) {
         // The representative's own light is what its rays let through of what it sends.
         StandIn lights[4];
-        for (int p = 0; p < parts.count; ++p) lights[p] = {&tree.lights[parts.light[p]], parts.intensity[p]};
+        for (int p = 0; p < parts.count; ++p)
+            lights[p] = {&tree.lights[parts.light[p]], tree.spot(parts.light[p]), parts.intensity[p]};
         alignas(64) RgbLanes irradiance{};
         add_irradiance(lanes, tree.family, lights, parts.count, forest_.clamp(slot.tree), irradiance);
         sums.add(irradiance, visible, direct);
@@ -71,7 +72,8 @@ void Gatherer::sum_finely(const GatherLanes& lanes, std::uint32_t index, const P
             continue;
         }
         LightLanes unit;
-        evaluate_light(lanes, tree.family, tree.lights[parts.light[p]], forest_.clamp(slot.tree), unit);
+        evaluate_light(lanes, tree.family, tree.lights[parts.light[p]], tree.spot(parts.light[p]),
+                       forest_.clamp(slot.tree), unit);
         for (int i = 0; i < lane_count; ++i) {
             unit.diffuse[i] *= visible[i];
             if (!lanes.glossy) continue;
@@ -103,8 +105,7 @@ void Gatherer::sum_slots(const GatherLanes& lanes, bool finely, CutSums& sums, G
             sums.add(unit_of(s), slot.intensity, direct);
         else if (slot.lit != 0)
             sum_finely(lanes, s, parts, sums);
-        if (slot.any_clamped)
-            sums.add_clamped(tree.family, tree.lights[slot.representative], unit_of(s), slot.intensity);
+        if (slot.any_clamped) sums.add_clamped(tree.lights[slot.representative], unit_of(s), slot.intensity);
         ++(direct ? out.direct_clusters : out.indirect_clusters);
     }
 }

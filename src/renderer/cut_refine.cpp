@@ -32,7 +32,7 @@ void Gatherer::push(const GatherLanes& lanes, std::uint32_t index) {
         return;
     }
     const LightTree& tree = forest_.trees[slot.tree];
-    bound_node(lanes, tree.family, tree.nodes[slot.ref.index()], forest_.clamp(slot.tree), slot.bound);
+    bound_node(lanes, tree, slot.ref.index(), forest_.clamp(slot.tree), slot.bound);
     const float urgency = rule_.urgency(slot.bound);
     if (!(urgency > 0.0f)) return;
     // Ask shields about what is dark and would be refined.

@@ -83,34 +83,43 @@ double pair_cost(const Cluster& a, const Cluster& b, double scale2) {
     return cost(static_cast<double>(a.power) + b.power, glm::min(a.low, b.low), glm::max(a.high, b.high), half, scale2);
 }
 
-Cluster leaf_of(const TreeLight& light, LightFamily family, std::uint32_t index) {
+Cluster leaf_of(const LightTree& tree, std::uint32_t index) {
+    const TreeLight& light = tree.lights[index];
     Cluster c;
     c.low = c.high = light.position;
-    c.axis = light.normal;
+    c.axis = light.normal();
     c.half_angle = 0.0f;
-    if (family == LightFamily::punctual)
-        c.half_angle = light.spot_scale > 0.0f ? core::acos_clamped(-light.spot_offset / light.spot_scale) : pi;
+    if (const Spot* spot = tree.spot(index))
+        c.half_angle = spot->scale > 0.0f ? core::acos_clamped(-spot->offset / spot->scale) : pi;
     c.intensity = light.intensity;
     c.power = core::luminance(light.intensity);
     c.least_disc2 = c.largest_disc2 = light.disc2;
     c.ref = LightRef::leaf(index);
-    c.least_id = light.id;
+    c.least_id = (*tree.ids)[index];
     return c;
 }
 
-/// How far directions count against distances: the diagonal of the box about all that shines; not at all where light
-/// has no cosine. Trees of the same shining lights have the same scale, whatever dark ones one of them keeps.
+/// The box about all that shines.
+struct ShiningBox {
+    glm::vec3 low{std::numeric_limits<float>::max()}, high{-std::numeric_limits<float>::max()};
+
+    explicit ShiningBox(const LightTree& tree) {
+        for (const TreeLight& l : tree.lights) {
+            if (!(core::luminance(l.intensity) > 0.0f)) continue;
+            low = glm::min(low, l.position);
+            high = glm::max(high, l.position);
+        }
+    }
+    bool any() const { return low.x <= high.x; }
+};
+
+/// How far directions count against distances: the diagonal of that box; not at all where light has no cosine. Trees of
+/// the same shining lights have the same scale, whatever dark ones one of them keeps.
 double direction_scale2(const LightTree& tree) {
     if (tree.family != LightFamily::oriented) return 0.0;
-    constexpr float largest = std::numeric_limits<float>::max();
-    glm::vec3 low(largest), high(-largest);
-    for (const TreeLight& l : tree.lights) {
-        if (!(core::luminance(l.intensity) > 0.0f)) continue;
-        low = glm::min(low, l.position);
-        high = glm::max(high, l.position);
-    }
-    if (low.x > high.x) return 1.0;
-    const glm::dvec3 d(high - low);
+    const ShiningBox shining(tree);
+    if (!shining.any()) return 1.0;
+    const glm::dvec3 d(shining.high - shining.low);
     const double scale2 = glm::dot(d, d);
     return scale2 > 0.0 ? scale2 : 1.0;
 }
@@ -165,30 +174,17 @@ Cluster joined(const Cluster& a, const Cluster& b) {
     return c;
 }
 
-LightNode node_of(const Cluster& c, const Cluster& a, const Cluster& b, std::uint64_t seed) {
-    LightNode node;
-    node.middle = 0.5f * c.low + 0.5f * c.high;
-    for (int k = 0; k < 3; ++k) {
-        const float half = std::max(c.high[k] - node.middle[k], node.middle[k] - c.low[k]);
-        node.half[k] = half > 0.0f ? std::nextafter(half, std::numeric_limits<float>::max()) : 0.0f;
-    }
-    node.intensity = c.intensity;
+/// Sets all of a node but its children.
+void set_node(LightNode& node, const BoxGrid& grid, const Cluster& c, const Cluster& a, const Cluster& b,
+              std::uint64_t seed) {
+    // What is dark may lie anywhere.
+    node.box = c.power > 0.0f ? PackedBox(grid, c.low, c.high) : PackedBox();
+    node.intensity = PackedLight(c.intensity);
     node.cone = PackedCone(std::min(c.half_angle + packing_angle, pi));
     node.axis = core::PackedNormal(c.axis);
     node.disc2 = Disc2Range(c.least_disc2, c.largest_disc2);
     const double share = core::divide_or(static_cast<double>(a.power), static_cast<double>(a.power) + b.power, 0.5);
     node.first_represents = draw_first(share, seed, a.least_id, b.least_id);
-    node.child[0] = a.ref;
-    node.child[1] = b.ref;
-    return node;
-}
-
-/// Stores the cluster of two as a node and returns it as a cluster.
-Cluster merge(LightTree& tree, const Cluster& a, const Cluster& b, std::uint64_t seed) {
-    Cluster c = joined(a, b);
-    c.ref = LightRef::inner(static_cast<std::uint32_t>(tree.nodes.size()));
-    tree.nodes.push_back(node_of(c, a, b, seed));
-    return c;
 }
 
 /// The best partner of every cluster within reach. Equal costs prefer the pair whose indices differ in the lowest bits:
@@ -215,13 +211,19 @@ void find_partners(const std::vector<Cluster>& clusters, double scale2, std::vec
 
 }  // namespace
 
-void cluster(LightTree& tree, std::uint64_t seed) {
+std::vector<LightPair> cluster(const LightTree& tree) {
     const double scale2 = direction_scale2(tree);
     std::vector<Cluster> clusters, next;
     clusters.reserve(tree.lights.size());
-    for (std::uint32_t i = 0; i < tree.lights.size(); ++i) clusters.push_back(leaf_of(tree.lights[i], tree.family, i));
-    tree.nodes.clear();
-    tree.nodes.reserve(tree.lights.size() - 1);
+    for (std::uint32_t i = 0; i < tree.lights.size(); ++i) clusters.push_back(leaf_of(tree, i));
+    std::vector<LightPair> pairs;
+    pairs.reserve(tree.lights.size() - 1);
+    const auto merge = [&pairs](const Cluster& a, const Cluster& b) {
+        Cluster both = joined(a, b);
+        both.ref = LightRef::inner(static_cast<std::uint32_t>(pairs.size()));
+        pairs.push_back({a.ref, b.ref});
+        return both;
+    };
 
     std::vector<std::uint32_t> partner;
     while (clusters.size() > 1) {
@@ -238,23 +240,29 @@ void cluster(LightTree& tree, std::uint64_t seed) {
             const std::size_t j = partner[i];
             const bool paired = j != i && partner[j] == i;
             if (paired && j < i) continue;
-            next.push_back(paired ? merge(tree, clusters[i], clusters[j], seed) : clusters[i]);
+            next.push_back(paired ? merge(clusters[i], clusters[j]) : clusters[i]);
         }
         clusters.swap(next);
     }
-    tree.root = clusters.front().ref;
+    return pairs;
 }
 
 void refit(LightTree& tree, std::uint64_t seed) {
-    std::vector<Cluster> inner(tree.nodes.size());
-    const auto cluster_of = [&](LightRef ref) {
-        return ref.is_leaf() ? leaf_of(tree.lights[ref.index()], tree.family, ref.index()) : inner[ref.index()];
+    const ShiningBox shining(tree);
+    tree.grid = shining.any() ? BoxGrid(shining.low, shining.high) : BoxGrid();
+    // From the leaves up: what ends last lies on top.
+    std::vector<Cluster> stack;
+    const auto take = [&](LightRef child) {
+        if (child.is_leaf()) return leaf_of(tree, child.index());
+        const Cluster inner = stack.back();
+        stack.pop_back();
+        return inner;
     };
-    for (std::size_t i = tree.nodes.size(); i-- > 0;) {
-        const Cluster a = cluster_of(tree.nodes[i].child[0]), b = cluster_of(tree.nodes[i].child[1]);
-        inner[i] = joined(a, b);
-        inner[i].ref = LightRef::inner(static_cast<std::uint32_t>(i));
-        tree.nodes[i] = node_of(inner[i], a, b, seed);
+    for (auto i = static_cast<std::uint32_t>(tree.nodes.size()); i-- > 0;) {
+        LightNode& node = tree.nodes[i];
+        const Cluster a = take(node.child(i, 0)), b = take(node.child(i, 1));
+        stack.push_back(joined(a, b));
+        set_node(node, tree.grid, stack.back(), a, b, seed);
     }
 }
 
@@ -262,9 +270,11 @@ double cost_of(const LightTree& tree) {
     if (tree.empty()) return 0.0;
     const double scale2 = direction_scale2(tree);
     double sum = 0.0;
-    for (const LightNode& node : tree.nodes)
-        sum += cost(core::luminance(node.intensity), node.middle - node.half, node.middle + node.half,
-                    core::acos_clamped(node.cone.cosine()), scale2);
+    for (std::uint32_t i = 0; i < tree.nodes.size(); ++i) {
+        const MiddleBox box = tree.box(i);
+        sum += cost(core::luminance(tree.intensity(LightRef::inner(i))), box.middle - box.half, box.middle + box.half,
+                    core::acos_clamped(tree.nodes[i].cone.cosine()), scale2);
+    }
     return sum;
 }
 

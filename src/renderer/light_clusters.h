@@ -6,12 +6,14 @@
 
 namespace render2mpeg::renderer {
 
-/// Clusters `tree.lights`, which lie in an order where near lights have near indices, into `tree.nodes` and sets
-/// `tree.root`. Children come before their parents. At least one light.
-void cluster(LightTree& tree, std::uint64_t seed);
+/// Two lights or pairs of which a node will hold.
+using LightPair = std::array<LightRef, 2>;
 
-/// Computes all nodes anew from lights that have moved or shine otherwise; who is whose child stays. Parents come
-/// before their children, as in a finished tree. Lights that have not changed give the same bits as `cluster` did.
+/// Clusters a tree's lights, which lie in an order where near lights have near indices: pairs come before those they
+/// are part of, the last is the whole. At least one light.
+std::vector<LightPair> cluster(const LightTree& tree);
+
+/// Computes all nodes and their grid from the lights as they lie and shine now; who is whose child stays.
 void refit(LightTree& tree, std::uint64_t seed);
 
 /// The cost of a tree: the sum over its inner nodes of what clustering minimises [Walter2005, 4.1],

@@ -27,7 +27,8 @@ using Families = std::array<std::vector<LightPoint>, LightForest::direct_trees>;
 void add_exact(const LightPoint& p, std::uint64_t seed, std::vector<ExactLight>& exact) {
     const LightPoint one[] = {p};
     const LightTree tree = build_light_tree(family_of(p.kind), one, seed);
-    if (!tree.empty()) exact.push_back({tree.family, tree.lights.front()});
+    if (!tree.empty())
+        exact.push_back({tree.family, tree.lights.front(), tree.spots.empty() ? Spot{} : tree.spots.front()});
 }
 
 std::uint64_t seed_of(int tree, std::uint64_t seed) {
@@ -50,10 +51,10 @@ std::vector<LightPoint> with_absent(const TreePlan& plan, std::span<const LightP
     std::vector<LightPoint> all;
     if (by_id.empty()) return all;
     std::sort(by_id.begin(), by_id.end());
-    const auto least = glm::vec3(sum * (least_planned / static_cast<double>(plan.ids.size()))) + glm::vec3(1e-20f);
+    const auto least = glm::vec3(sum * (least_planned / static_cast<double>(plan.lights()))) + glm::vec3(1e-20f);
     const LightPoint* last = &now[by_id.front().second];
-    all.reserve(plan.ids.size());
-    for (const std::uint32_t id : plan.ids) {
+    all.reserve(plan.lights());
+    for (const std::uint32_t id : *plan.ids) {
         const auto found = std::lower_bound(by_id.begin(), by_id.end(), std::pair{id, 0u});
         const bool there = found != by_id.end() && found->first == id;
         if (there) last = &now[found->second];
@@ -139,8 +140,7 @@ LightForest LastingForest::at(const LitPoints& now, bool may_replan) {
 
 std::size_t LastingForest::bytes() const {
     std::size_t sum = exact_.capacity() * sizeof(std::uint32_t);
-    for (const TreePlan& plan : plans_)
-        sum += plan.children.capacity() * sizeof(plan.children[0]) + plan.ids.capacity() * sizeof(std::uint32_t);
+    for (const TreePlan& plan : plans_) sum += plan.bytes();
     return sum;
 }
 

@@ -13,6 +13,7 @@ namespace render2mpeg::renderer {
 struct ExactLight {
     LightFamily family = LightFamily::punctual;
     TreeLight light;
+    Spot spot;  ///< see LightTree::spot
 };
 
 /// All light of one instant, ready to be gathered: the direct light tree, which is one tree per family since their

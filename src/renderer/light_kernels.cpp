@@ -9,6 +9,7 @@
 #include "core/color.h"
 #include "core/error.h"
 #include "renderer/isa_clones.h"
+#include "renderer/light_packing.h"
 #include "renderer/lobe.h"
 
 namespace render2mpeg::renderer {
@@ -102,11 +103,17 @@ RENDER2MPEG_ALWAYS_INLINED float evaluate_lane(const GatherLanes& lanes, int i, 
     return unclamped;
 }
 
+RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(const TreeLight& light, const Spot* spot, float scale) {
+    float nx = 0, ny = 0, nz = 0;
+    unpack_normal(light.axis, nx, ny, nz);
+    return lane_light(light.position.x, light.position.y, light.position.z, nx, ny, nz, light.disc2,
+                      spot != nullptr ? spot->scale : 0.0f, spot != nullptr ? spot->offset : 1.0f, scale);
+}
+
 template <LightFamily family, bool glossy>
-RENDER2MPEG_ALWAYS_INLINED void evaluate_lanes(const GatherLanes& __restrict lanes, const TreeLight& light, float scale,
-                                               LightLanes& __restrict out) {
-    const LaneLight l = lane_light(light.position.x, light.position.y, light.position.z, light.normal.x, light.normal.y,
-                                   light.normal.z, light.disc2, light.spot_scale, light.spot_offset, scale);
+RENDER2MPEG_ALWAYS_INLINED void evaluate_lanes(const GatherLanes& __restrict lanes, const TreeLight& light,
+                                               const Spot* spot, float scale, LightLanes& __restrict out) {
+    const LaneLight l = lane_light(light, spot, scale);
     Lanes unclamped;
     for (int i = 0; i < lane_count; ++i) unclamped[i] = evaluate_lane<family, glossy>(lanes, i, l, out);
     int clamped = 0;
@@ -129,10 +136,8 @@ RENDER2MPEG_ALWAYS_INLINED void evaluate_each(const GatherLanes& __restrict lane
 template <LightFamily family>
 RENDER2MPEG_ALWAYS_INLINED void add_lanes(const GatherLanes& __restrict lanes, const StandIn& stand_in, float scale,
                                           RgbLanes& __restrict out) {
-    const TreeLight& light = *stand_in.light;
     const float red = stand_in.intensity.x, green = stand_in.intensity.y, blue = stand_in.intensity.z;
-    const LaneLight l = lane_light(light.position.x, light.position.y, light.position.z, light.normal.x, light.normal.y,
-                                   light.normal.z, light.disc2, light.spot_scale, light.spot_offset, scale);
+    const LaneLight l = lane_light(*stand_in.light, stand_in.spot, scale);
     LightLanes unit;
     for (int i = 0; i < lane_count; ++i) {
         evaluate_lane<family, false>(lanes, i, l, unit);
@@ -157,21 +162,13 @@ struct NodeFrame {
     float along_axis, along_tangent, along_bitangent;
 };
 
-/// As core::PackedNormal::unpack and core::make_frame, with fewer divisions and, in the caller's instruction set.
-RENDER2MPEG_ALWAYS_INLINED NodeFrame frame_of(const LightNode& node) {
-    std::int16_t packed[2];
-    static_assert(sizeof(packed) == sizeof(node.axis));
-    __builtin_memcpy(packed, &node.axis, sizeof(packed));
-    const float px = packed[0] * (1.0f / 32767.0f), py = packed[1] * (1.0f / 32767.0f);
-    const float z = 1.0f - inlined::abs(px) - inlined::abs(py), fold = inlined::max(-z, 0.0f);
-    const float x = px < 0.0f ? px + fold : px - fold, y = py < 0.0f ? py + fold : py - fold;
-    const float inverse = 1.0f / inlined::sqrt(x * x + y * y + z * z);
+/// As core::make_frame, in the caller's instruction set.
+RENDER2MPEG_ALWAYS_INLINED NodeFrame frame_of(const LightNode& node, float hx, float hy, float hz) {
     NodeFrame f;
-    f.ax = x * inverse, f.ay = y * inverse, f.az = z * inverse;
+    unpack_normal(node.axis, f.ax, f.ay, f.az);
     const float sign = f.az < 0.0f ? -1.0f : 1.0f, a = -1.0f / (sign + f.az), b = f.ax * f.ay * a;
     f.tx = 1.0f + sign * f.ax * f.ax * a, f.ty = sign * b, f.tz = -sign * f.ax;
     f.bx = b, f.by = sign + f.ay * f.ay * a, f.bz = -f.ay;
-    const float hx = node.half.x, hy = node.half.y, hz = node.half.z;
     f.along_axis = inlined::abs(f.ax) * hx + inlined::abs(f.ay) * hy + inlined::abs(f.az) * hz;
     f.along_tangent = inlined::abs(f.tx) * hx + inlined::abs(f.ty) * hy + inlined::abs(f.tz) * hz;
     f.along_bitangent = inlined::abs(f.bx) * hx + inlined::abs(f.by) * hy + inlined::abs(f.bz) * hz;
@@ -191,15 +188,18 @@ RENDER2MPEG_ALWAYS_INLINED float noticed(const Vec3Lanes& weight, int i, float r
 }
 
 template <LightFamily family, bool glossy>
-RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes, const LightNode& node, float scale,
-                                            float* __restrict out) {
-    const float cx = node.middle.x, cy = node.middle.y, cz = node.middle.z;
-    const float hx = node.half.x, hy = node.half.y, hz = node.half.z;
-    const float red = node.intensity.x * outward, green = node.intensity.y * outward, blue = node.intensity.z * outward;
+RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes, const BoxGrid& grid,
+                                            const LightNode& node, float scale, float* __restrict out) {
+    float cx, cy, cz, hx, hy, hz, red, green, blue;
+    node.box.unpack(grid, cx, cy, cz, hx, hy, hz);
+    node.intensity.unpack(red, green, blue);
+    red *= outward;
+    green *= outward;
+    blue *= outward;
     const float cone = node.cone.cosine(), range2 = node.disc2.largest();
     const float least_blur2 = node.disc2.least() / scale, largest_blur2 = node.disc2.largest() / scale;
     const float clamp = largest_g(node.disc2.least(), scale);
-    const NodeFrame f = frame_of(node);
+    const NodeFrame f = frame_of(node, hx, hy, hz);
     for (int i = 0; i < lane_count; ++i) {
         float x = cx, y = cy, z = cz, inverse2 = 1.0f, emit = 1.0f, spread2_low = 0.0f, spread2_high = 0.0f;
         if constexpr (family != LightFamily::directional) {
@@ -256,17 +256,17 @@ RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes,
 }  // namespace
 
 RENDER2MPEG_CLONES
-void evaluate_light(const GatherLanes& lanes, LightFamily family, const TreeLight& light, GeometryClamp clamp,
-                    LightLanes& out) {
+void evaluate_light(const GatherLanes& lanes, LightFamily family, const TreeLight& light, const Spot* spot,
+                    GeometryClamp clamp, LightLanes& out) {
     if (family == LightFamily::oriented) {
-        lanes.glossy ? evaluate_lanes<LightFamily::oriented, true>(lanes, light, clamp.scale, out)
-                     : evaluate_lanes<LightFamily::oriented, false>(lanes, light, clamp.scale, out);
+        lanes.glossy ? evaluate_lanes<LightFamily::oriented, true>(lanes, light, spot, clamp.scale, out)
+                     : evaluate_lanes<LightFamily::oriented, false>(lanes, light, spot, clamp.scale, out);
     } else if (family == LightFamily::punctual) {
-        lanes.glossy ? evaluate_lanes<LightFamily::punctual, true>(lanes, light, clamp.scale, out)
-                     : evaluate_lanes<LightFamily::punctual, false>(lanes, light, clamp.scale, out);
+        lanes.glossy ? evaluate_lanes<LightFamily::punctual, true>(lanes, light, spot, clamp.scale, out)
+                     : evaluate_lanes<LightFamily::punctual, false>(lanes, light, spot, clamp.scale, out);
     } else {
-        lanes.glossy ? evaluate_lanes<LightFamily::directional, true>(lanes, light, clamp.scale, out)
-                     : evaluate_lanes<LightFamily::directional, false>(lanes, light, clamp.scale, out);
+        lanes.glossy ? evaluate_lanes<LightFamily::directional, true>(lanes, light, spot, clamp.scale, out)
+                     : evaluate_lanes<LightFamily::directional, false>(lanes, light, spot, clamp.scale, out);
     }
 }
 
@@ -299,35 +299,40 @@ void add_irradiance(const GatherLanes& lanes, LightFamily family, const StandIn*
     }
 }
 
-void fill_lights(LightPacket& packet, std::span<const TreeLight> lights) {
-    EXPECTS(!lights.empty() && lights.size() <= lane_count);
+void fill_lights(LightPacket& packet, const LightTree& tree, std::size_t first, std::size_t count) {
+    EXPECTS(count > 0 && count <= lane_count && first + count <= tree.lights.size());
     const auto set = [](Vec3Lanes& lanes, std::size_t i, const glm::vec3& v) {
         lanes.x[i] = v.x;
         lanes.y[i] = v.y;
         lanes.z[i] = v.z;
     };
     for (std::size_t i = 0; i < lane_count; ++i) {
-        const TreeLight& light = lights[std::min(i, lights.size() - 1)];
+        const std::size_t place = first + std::min(i, count - 1);
+        const TreeLight& light = tree.lights[place];
+        const Spot spot = tree.spots.empty() ? Spot{} : tree.spots[place];
         set(packet.position, i, light.position);
-        set(packet.normal, i, light.normal);
-        set(packet.intensity, i, i < lights.size() ? light.intensity : glm::vec3(0));
+        set(packet.normal, i, light.normal());
+        set(packet.intensity, i, i < count ? light.intensity : glm::vec3(0));
         packet.disc2[i] = light.disc2;
-        packet.spot_scale[i] = light.spot_scale;
-        packet.spot_offset[i] = light.spot_offset;
+        packet.spot_scale[i] = spot.scale;
+        packet.spot_offset[i] = spot.offset;
     }
 }
 
 RENDER2MPEG_CLONES
-void bound_node(const GatherLanes& lanes, LightFamily family, const LightNode& node, GeometryClamp clamp, Lanes& out) {
+void bound_node(const GatherLanes& lanes, const LightTree& tree, std::uint32_t index, GeometryClamp clamp, Lanes& out) {
+    const LightFamily family = tree.family;
+    const BoxGrid& grid = tree.grid;
+    const LightNode& node = tree.nodes.data()[index];
     if (family == LightFamily::oriented) {
-        lanes.glossy ? bound_lanes<LightFamily::oriented, true>(lanes, node, clamp.scale, out)
-                     : bound_lanes<LightFamily::oriented, false>(lanes, node, clamp.scale, out);
+        lanes.glossy ? bound_lanes<LightFamily::oriented, true>(lanes, grid, node, clamp.scale, out)
+                     : bound_lanes<LightFamily::oriented, false>(lanes, grid, node, clamp.scale, out);
     } else if (family == LightFamily::punctual) {
-        lanes.glossy ? bound_lanes<LightFamily::punctual, true>(lanes, node, clamp.scale, out)
-                     : bound_lanes<LightFamily::punctual, false>(lanes, node, clamp.scale, out);
+        lanes.glossy ? bound_lanes<LightFamily::punctual, true>(lanes, grid, node, clamp.scale, out)
+                     : bound_lanes<LightFamily::punctual, false>(lanes, grid, node, clamp.scale, out);
     } else {
-        lanes.glossy ? bound_lanes<LightFamily::directional, true>(lanes, node, clamp.scale, out)
-                     : bound_lanes<LightFamily::directional, false>(lanes, node, clamp.scale, out);
+        lanes.glossy ? bound_lanes<LightFamily::directional, true>(lanes, grid, node, clamp.scale, out)
+                     : bound_lanes<LightFamily::directional, false>(lanes, grid, node, clamp.scale, out);
     }
 }
 

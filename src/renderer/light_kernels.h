@@ -18,16 +18,17 @@ struct GeometryClamp {
     static GeometryClamp none() { return {1e30f}; }
 };
 
-/// What unit intensity of `light` sends to the lanes, without visibility.
-void evaluate_light(const GatherLanes& lanes, LightFamily family, const TreeLight& light, GeometryClamp clamp,
-                    LightLanes& out);
+/// What unit intensity of `light` sends to the lanes, without visibility. `spot`: of punctual lights, LightTree::spot.
+void evaluate_light(const GatherLanes& lanes, LightFamily family, const TreeLight& light, const Spot* spot,
+                    GeometryClamp clamp, LightLanes& out);
 
 /// Sixteen lights as arrays. `fill_lights` repeats the last where there are fewer, with no intensity.
 struct alignas(64) LightPacket {
     Vec3Lanes position, normal, intensity;
     Lanes disc2, spot_scale, spot_offset;
 };
-void fill_lights(LightPacket& packet, std::span<const TreeLight> lights);
+/// `count` lights of a tree from `first` on.
+void fill_lights(LightPacket& packet, const LightTree& tree, std::size_t first, std::size_t count);
 
 /// The same for a light of its own in every lane.
 void evaluate_lights(const GatherLanes& lanes, LightFamily family, const LightPacket& lights, GeometryClamp clamp,
@@ -36,6 +37,7 @@ void evaluate_lights(const GatherLanes& lanes, LightFamily family, const LightPa
 /// A light that shines with another intensity than its own: that of all lights it stands for.
 struct StandIn {
     const TreeLight* light;
+    const Spot* spot;  ///< see evaluate_light
     glm::vec3 intensity;
 };
 
@@ -43,9 +45,9 @@ struct StandIn {
 void add_irradiance(const GatherLanes& lanes, LightFamily family, const StandIn* lights, int count, GeometryClamp clamp,
                     RgbLanes& out);
 
-/// An upper bound, for each lane, of the luminance that the lights below `node` can add to its pixel, all of them
-/// visible.
-void bound_node(const GatherLanes& lanes, LightFamily family, const LightNode& node, GeometryClamp clamp, Lanes& out);
+/// An upper bound, for each lane, of the luminance that the lights below a node of `tree` can add to its pixel, all of
+/// them visible.
+void bound_node(const GatherLanes& lanes, const LightTree& tree, std::uint32_t node, GeometryClamp clamp, Lanes& out);
 
 /// What a light of unit intensity sends to each lane, visibility included, wherever it is kept.
 struct UnitLight {

@@ -1,32 +1,23 @@
 #include "renderer/lone_point.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "renderer/cut_sums.h"
 #include "renderer/flush_denormals.h"
 #include "renderer/isa_clones.h"
 #include "renderer/near_lights.h"
+#include "renderer/shadow_rays.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
 /// A ray from the point, which all lanes are, to each light that shines and could reach it.
 RENDER2MPEG_CLONES
-void aim(const GatherLanes& lanes, LightFamily family, const LightPacket& lights, const LightLanes& unit,
-         ShadowPacket& packet) {
-    const bool far_away = family == LightFamily::directional;
-    const float keep = far_away ? 0.0f : 1.0f;
-    const float far = far_away ? std::numeric_limits<float>::infinity() : shadow_ray_end;
+void aim_at_each(const GatherLanes& lanes, LightFamily family, const LightPacket& lights, const LightLanes& unit,
+                 ShadowPacket& packet) {
+    aim<Aimed::at_each>(lanes, family, lights.position.x, lights.position.y, lights.position.z, packet);
     std::uint32_t active = 0;
     for (int i = 0; i < lane_count; ++i) {
-        packet.origin_x[i] = lanes.origin.x[i];
-        packet.origin_y[i] = lanes.origin.y[i];
-        packet.origin_z[i] = lanes.origin.z[i];
-        packet.direction_x[i] = lights.position.x[i] - keep * lanes.origin.x[i];
-        packet.direction_y[i] = lights.position.y[i] - keep * lanes.origin.y[i];
-        packet.direction_z[i] = lights.position.z[i] - keep * lanes.origin.z[i];
-        packet.far[i] = far;
         const float shines = lights.intensity.x[i] + lights.intensity.y[i] + lights.intensity.z[i];
         active |= unit.diffuse[i] > 0.0f && shines > 0.0f ? 1u << i : 0u;
     }
@@ -77,9 +68,9 @@ void gather_all(const LightForest& forest, const RayTracer& tracer, const Gather
         const LightTree& tree = forest.trees[t];
         for (std::size_t first = 0; first < tree.lights.size(); first += lane_count) {
             const std::size_t count = std::min<std::size_t>(lane_count, tree.lights.size() - first);
-            fill_lights(lights, std::span(tree.lights).subspan(first, count));
+            fill_lights(lights, tree, first, count);
             evaluate_lights(lanes, tree.family, lights, forest.clamp(t), unit);
-            aim(lanes, tree.family, lights, unit, packet);
+            aim_at_each(lanes, tree.family, lights, unit, packet);
             if (packet.active == 0) continue;
             std::fill(std::begin(passes), std::end(passes), glm::vec3(1));
             const std::uint32_t blocked = tracer.occluded(packet, forest.translucent ? passes : nullptr);

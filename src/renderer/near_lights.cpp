@@ -11,6 +11,7 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
+#include "renderer/shadow_rays.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -96,7 +97,7 @@ class Hexagon {
   public:
     explicit Hexagon(const TreeLight& light) : light_(light) {
         glm::vec3 tangent, bitangent;
-        core::make_frame(light.normal, tangent, bitangent);
+        core::make_frame(light.normal(), tangent, bitangent);
         const float radius = overlap * corner_radius * std::sqrt(light.disc2);
         for (int k = 0; k < corners; ++k) {
             const float angle = static_cast<float>(k) * std::numbers::pi_v<float> / 3;
@@ -127,7 +128,7 @@ class Hexagon {
 /// lane's does.
 bool shortage(const GatherLanes& lanes, const TreeLight& light, GeometryClamp clamp, Lanes& lacks) {
     LightLanes point;
-    evaluate_light(lanes, LightFamily::oriented, light, clamp, point);
+    evaluate_light(lanes, LightFamily::oriented, light, nullptr, clamp, point);
     // Most lights near a point lie in its own plane, but for rounding.
     const float least = least_share / light.disc2;
     bool any = false;
@@ -149,15 +150,9 @@ bool shortage(const GatherLanes& lanes, const TreeLight& light, GeometryClamp cl
 void see(const GatherLanes& lanes, const TreeLight& light, const RayTracer& tracer, Lanes& lacks, glm::vec3* passes,
          GatheredLight& out) {
     ShadowPacket packet;
+    aim(lanes, LightFamily::oriented, light, packet);
     for (int i = 0; i < lane_count; ++i) {
         passes[i] = glm::vec3(1);
-        packet.origin_x[i] = lanes.origin.x[i];
-        packet.origin_y[i] = lanes.origin.y[i];
-        packet.origin_z[i] = lanes.origin.z[i];
-        packet.direction_x[i] = light.position.x - lanes.origin.x[i];
-        packet.direction_y[i] = light.position.y - lanes.origin.y[i];
-        packet.direction_z[i] = light.position.z - lanes.origin.z[i];
-        packet.far[i] = shadow_ray_end;
         packet.active |= lacks[i] != 0.0f ? 1u << i : 0u;
     }
     if (packet.active == 0) return;
@@ -174,21 +169,22 @@ void see(const GatherLanes& lanes, const TreeLight& light, const RayTracer& trac
 void keep_to_surfaces(const GatherLanes& lanes, const TreeLight& light, const RayTracer& tracer, Lanes& lacks,
                       GatheredLight& out) {
     const float radius = std::sqrt(light.disc2), widest = overlap * radius;
+    const glm::vec3 facing = light.normal();
     ShadowPacket packet;
     for (int i = 0; i < lane_count; ++i) {
         const glm::vec3 at = Box::point(lanes, i), way = at - light.position;
-        const glm::vec3 aside = way - glm::dot(way, light.normal) * light.normal;
+        const glm::vec3 aside = way - glm::dot(way, facing) * facing;
         const float far = glm::length(aside);
         const glm::vec3 middle = light.position + 0.5f * std::min(1.0f, core::divide_or(widest, far, 1.0f)) * aside;
         const glm::vec3 own{lanes.geometric.x[i], lanes.geometric.y[i], lanes.geometric.z[i]};
         const float reach = std::min(probe_radii * radius, 0.5f * std::abs(glm::dot(middle - at, own)));
-        const glm::vec3 from = middle + reach * light.normal;
+        const glm::vec3 from = middle + reach * facing;
         packet.origin_x[i] = from.x;
         packet.origin_y[i] = from.y;
         packet.origin_z[i] = from.z;
-        packet.direction_x[i] = -light.normal.x;
-        packet.direction_y[i] = -light.normal.y;
-        packet.direction_z[i] = -light.normal.z;
+        packet.direction_x[i] = -facing.x;
+        packet.direction_y[i] = -facing.y;
+        packet.direction_z[i] = -facing.z;
         packet.far[i] = 2.0f * reach;
         packet.active |= lacks[i] != 0.0f ? 1u << i : 0u;
     }
@@ -244,9 +240,10 @@ void put_back_near_light(const LightForest& forest, const RayTracer& tracer, con
                 continue;
             }
             const LightNode& node = tree.nodes[ref.index()];
-            if (box.distance2(node.middle, node.half) >= far_radii * far_radii * node.disc2.largest()) continue;
-            left.push_back(node.child[1]);
-            left.push_back(node.child[0]);
+            const MiddleBox about = tree.box(ref.index());
+            if (box.distance2(about.middle, about.half) >= far_radii * far_radii * node.disc2.largest()) continue;
+            left.push_back(tree.child(ref.index(), 1));
+            left.push_back(tree.child(ref.index(), 0));
         }
     }
 }

@@ -106,11 +106,14 @@ struct PointTree::Search {
     }
 };
 
-PointTree::PointTree(std::vector<OrientedPoint> points)
-    : points_(std::move(points)), index_(points_.size()), axis_(points_.size(), 0) {
+PointTree::PointTree(const std::vector<OrientedPoint>& points)
+    : points_(points.size()), index_(points.size()), axis_(points.size(), 0) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+        points_[i] = {points[i].position, core::PackedNormal(points[i].normal)};
     std::iota(index_.begin(), index_.end(), 0u);
     build(0, index_.size(), 0);
-    std::vector<OrientedPoint> ordered(points_.size());
+    facing_.shrink_to_fit();
+    std::vector<Point> ordered(points_.size());
     for (std::size_t i = 0; i < ordered.size(); ++i) ordered[i] = points_[index_[i]];
     points_.swap(ordered);
 }
@@ -118,7 +121,7 @@ PointTree::PointTree(std::vector<OrientedPoint> points)
 /// Returns the ways that its points face.
 std::uint64_t PointTree::build(std::size_t first, std::size_t last, std::size_t range) {
     if (last == first) return 0;
-    if (last - first == 1) return std::uint64_t{1} << Ways::of(points_[index_[first]].normal);
+    if (last - first == 1) return std::uint64_t{1} << Ways::of(points_[index_[first]].normal.unpack());
     glm::vec3 low = points_[index_[first]].position, high = low;
     for (std::size_t i = first; i < last; ++i) {
         low = glm::min(low, points_[index_[i]].position);
@@ -135,7 +138,7 @@ std::uint64_t PointTree::build(std::size_t first, std::size_t last, std::size_t 
                      });
     axis_[middle] = static_cast<std::uint8_t>(axis);
     const std::uint64_t facing = build(first, middle, 2 * range + 1) | build(middle + 1, last, 2 * range + 2) |
-                                 std::uint64_t{1} << Ways::of(points_[index_[middle]].normal);
+                                 std::uint64_t{1} << Ways::of(points_[index_[middle]].normal.unpack());
     if (last - first > few) {
         if (facing_.size() <= range) facing_.resize(range + 1, ~std::uint64_t{0});
         facing_[range] = facing;
@@ -155,10 +158,10 @@ int PointTree::nearest(const OrientedPoint& at, float least_facing, std::span<Ne
 
 void PointTree::visit(std::size_t first, std::size_t last, std::size_t range, Search& search) const {
     const auto look = [&](std::size_t i) {
-        const OrientedPoint& candidate = points_[i];
+        const Point& candidate = points_[i];
         const glm::vec3 d = candidate.position - search.at.position;
         const float distance2 = glm::dot(d, d);
-        if (distance2 <= search.reach() && glm::dot(candidate.normal, search.at.normal) > search.least_facing)
+        if (distance2 <= search.reach() && glm::dot(candidate.normal.unpack(), search.at.normal) > search.least_facing)
             search.insert({distance2, name(i)});
         return d;
     };

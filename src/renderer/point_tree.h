@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "core/packed_normal.h"
+
 namespace render2mpeg::renderer {
 
 /// A point on a surface, as neighbours are looked for.
@@ -25,15 +27,15 @@ struct Neighbour {
 class PointTree {
   public:
     PointTree() = default;
-    explicit PointTree(std::vector<OrientedPoint> points);
+    explicit PointTree(const std::vector<OrientedPoint>& points);
 
     /// Puts the up to found.size() nearest points that face as `at` does (by more than this cosine) into
     /// `found`, nearest first, and returns how many there are. Of points equally far those of lower index come first.
     int nearest(const OrientedPoint& at, float least_facing, std::span<Neighbour> found) const;
 
     std::size_t size() const { return points_.size(); }
-    /// In the tree's order.
-    const OrientedPoint& operator[](std::size_t i) const { return points_[i]; }
+    /// In the tree's order; normals are kept to 7e-5 rad.
+    OrientedPoint operator[](std::size_t i) const { return {points_[i].position, points_[i].normal.unpack()}; }
 
     /// Which point, as they were given, lies at each place of the tree's order. From then on neighbours are told by
     /// their place in that order: for who keeps what belongs to the points in the same.
@@ -41,18 +43,22 @@ class PointTree {
 
     /// Bytes held.
     std::size_t bytes() const {
-        return points_.capacity() * sizeof(OrientedPoint) + index_.capacity() * sizeof(std::uint32_t) +
-               axis_.capacity() + facing_.capacity() * sizeof(std::uint64_t);
+        return points_.capacity() * sizeof(Point) + index_.capacity() * sizeof(std::uint32_t) + axis_.capacity() +
+               facing_.capacity() * sizeof(std::uint64_t);
     }
 
   private:
     struct Search;
+    struct Point {
+        glm::vec3 position{0};
+        core::PackedNormal normal;
+    };
     std::uint64_t build(std::size_t first, std::size_t last, std::size_t range);
     std::uint32_t name(std::size_t i) const { return index_.empty() ? static_cast<std::uint32_t>(i) : index_[i]; }
     void visit(std::size_t first, std::size_t last, std::size_t range, Search& search) const;
 
-    std::vector<OrientedPoint> points_;  ///< in the tree's order
-    std::vector<std::uint32_t> index_;   ///< of each, as they were given; empty: by place
+    std::vector<Point> points_;         ///< in the tree's order
+    std::vector<std::uint32_t> index_;  ///< of each, as they were given; empty: by place
     std::vector<std::uint8_t> axis_;
     /// Ways that the points of each large range face, as bits; the halves of range r are 2r + 1 and 2r + 2.
     std::vector<std::uint64_t> facing_;

@@ -77,7 +77,7 @@ void EvaluateLight(benchmark::State& state) {
     LightLanes out;
     std::size_t i = 0;
     for (auto _ : state) {
-        evaluate_light(lanes, LightFamily::oriented, tree.lights[i++ % 1024], GeometryClamp{}, out);
+        evaluate_light(lanes, LightFamily::oriented, tree.lights[i++ % 1024], nullptr, GeometryClamp{}, out);
         benchmark::DoNotOptimize(out);
     }
     state.SetItemsProcessed(state.iterations() * lane_count);
@@ -89,9 +89,9 @@ void BoundNode(benchmark::State& state) {
     fill_from(sixteen_points(state.range(0) != 0), lanes);
     const LightTree tree = build_light_tree(LightFamily::oriented, room_lights(1024), 1);
     Lanes out;
-    std::size_t i = 0;
+    std::uint32_t i = 0;
     for (auto _ : state) {
-        bound_node(lanes, LightFamily::oriented, tree.nodes[i++ % 1023], GeometryClamp{}, out);
+        bound_node(lanes, tree, i++ % 1023, GeometryClamp{}, out);
         benchmark::DoNotOptimize(out);
     }
     state.SetItemsProcessed(state.iterations() * lane_count);

@@ -177,13 +177,13 @@ std::vector<glm::vec3> cloud(int count) {
 
 TEST(CutBounds, CountLightByItsLumaOrHalfItsChroma) {
     LampGroup group(cloud(40), 1.0f);
-    const LightTree& lamps = group.forest.trees[static_cast<int>(LightFamily::punctual)];
+    LightTree lamps = group.forest.trees[static_cast<int>(LightFamily::punctual)];
     ASSERT_GT(lamps.nodes.size(), 10u);
     const auto bound_of = [&](glm::vec3 color, int lane) {
-        LightNode node = lamps.nodes.back();
-        node.intensity = color;
+        lamps.nodes.back().intensity = PackedLight(color);
         Lanes bound;
-        bound_node(group.lanes, LightFamily::punctual, node, GeometryClamp::none(), bound);
+        bound_node(group.lanes, lamps, static_cast<std::uint32_t>(lamps.nodes.size() - 1), GeometryClamp::none(),
+                   bound);
         return bound[lane];
     };
     for (int lane = 0; lane < lane_count; lane += 5) {

@@ -73,12 +73,12 @@ std::vector<LightPoint> lights_at_random(LightFamily family, int count, std::uin
 /// Luminance that all lights below a node add to each lane, all visible.
 void sum_below(const GatherLanes& lanes, const LightTree& tree, LightRef ref, GeometryClamp clamp, Lanes& sum) {
     if (!ref.is_leaf()) {
-        sum_below(lanes, tree, tree.nodes[ref.index()].child[0], clamp, sum);
-        sum_below(lanes, tree, tree.nodes[ref.index()].child[1], clamp, sum);
+        sum_below(lanes, tree, tree.child(ref.index(), 0), clamp, sum);
+        sum_below(lanes, tree, tree.child(ref.index(), 1), clamp, sum);
         return;
     }
     LightLanes unit;
-    evaluate_light(lanes, tree.family, tree.lights[ref.index()], clamp, unit);
+    evaluate_light(lanes, tree.family, tree.lights[ref.index()], tree.spot(ref.index()), clamp, unit);
     add_luminance(lanes, unit_light(lanes, unit), tree.lights[ref.index()].intensity, sum);
 }
 
@@ -94,7 +94,7 @@ TEST(NodeBound, IsNeverBelowTheSumOfItsLights) {
                 fill_from(points_at_random(seed + 5000, seed % 2 == 0), lanes);
                 for (std::uint32_t n = 0; n < tree.nodes.size(); ++n) {
                     Lanes bound, sum = {};
-                    bound_node(lanes, family, tree.nodes[n], clamp, bound);
+                    bound_node(lanes, tree, n, clamp, bound);
                     sum_below(lanes, tree, LightRef::inner(n), clamp, sum);
                     for (int i = 0; i < lane_count; ++i) {
                         ++compared;
@@ -129,7 +129,7 @@ TEST(NodeBound, CountsColourOfLobesAsOfDiffuseLight) {
         GatherLanes lanes;
         fill_from(points, lanes);
         Lanes bound, sum = {};
-        bound_node(lanes, LightFamily::oriented, tree.nodes[tree.root.index()], GeometryClamp::none(), bound);
+        bound_node(lanes, tree, tree.root.index(), GeometryClamp::none(), bound);
         sum_below(lanes, tree, tree.root, GeometryClamp::none(), sum);
         // [BT709, 3.3]: Cb is the rest of blue over 1.8556; half of it counts.
         const float blue = core::luminance_weights.z, noticed = 0.5f * (1.0f / blue - 1.0f) / 1.8556f;
@@ -147,7 +147,9 @@ TEST(LightKernel, AgreesWithTheBsdfAndTheInverseSquareLaw) {
         const LightPoint one[] = {lamp};
         const LightTree tree = build_light_tree(LightFamily::oriented, one, 1);
         LightLanes unit;
-        evaluate_light(lanes, LightFamily::oriented, tree.lights.front(), GeometryClamp::none(), unit);
+        evaluate_light(lanes, LightFamily::oriented, tree.lights.front(), nullptr, GeometryClamp::none(), unit);
+        ASSERT_LT(glm::length(tree.lights.front().normal() - lamp.normal), 1e-4f);
+        lamp.normal = tree.lights.front().normal();
         Lanes luminance = {};
         add_luminance(lanes, unit_light(lanes, unit), lamp.intensity, luminance);
         for (int i = 0; i < lane_count; ++i) {
@@ -175,25 +177,25 @@ TEST(LightKernel, ClampsGeometryAtTheDiscOfTheLight) {
     GatherLanes lanes;
     fill_from(points, lanes);
     TreeLight light;
-    light.normal = {0, 0, -1};
+    light.axis = core::PackedNormal({0, 0, -1});
     light.disc2 = 0.04f;
     light.intensity = glm::vec3(1);
     const GeometryClamp clamp{0.25f};  // a clamping distance of 0.2 / 0.5
     LightLanes unit;
     for (const float z : {1e-20f, 1e-3f, 0.1f, 0.39f}) {
         light.position = {0, 0, z};
-        evaluate_light(lanes, LightFamily::oriented, light, clamp, unit);
+        evaluate_light(lanes, LightFamily::oriented, light, nullptr, clamp, unit);
         EXPECT_TRUE(unit.any_clamped);
         EXPECT_NEAR(unit.diffuse[0], 1 / 0.16f, 1e-4f);
     }
     light.position = {0, 0, 0.41f};
-    evaluate_light(lanes, LightFamily::oriented, light, clamp, unit);
+    evaluate_light(lanes, LightFamily::oriented, light, nullptr, clamp, unit);
     EXPECT_FALSE(unit.any_clamped);
     EXPECT_NEAR(unit.diffuse[0], 1 / (0.41f * 0.41f), 1e-4f);
     // At the point itself, and behind it, there is nothing.
     for (const float z : {0.0f, -0.1f}) {
         light.position = {0, 0, z};
-        evaluate_light(lanes, LightFamily::oriented, light, clamp, unit);
+        evaluate_light(lanes, LightFamily::oriented, light, nullptr, clamp, unit);
         EXPECT_EQ(unit.diffuse[0], 0.0f);
     }
 }
@@ -207,12 +209,12 @@ TEST(LightKernel, LeavesUnusedLanesDark) {
         const LightTree tree = build_light_tree(family, lights_at_random(family, 6, 3), 1);
         LightLanes unit;
         Lanes bound;
-        for (const TreeLight& light : tree.lights) {
-            evaluate_light(lanes, family, light, GeometryClamp{}, unit);
-            for (int i = 3; i < lane_count; ++i) EXPECT_EQ(unit.diffuse[i], 0.0f);
+        for (std::uint32_t i = 0; i < tree.lights.size(); ++i) {
+            evaluate_light(lanes, family, tree.lights[i], tree.spot(i), GeometryClamp{}, unit);
+            for (int lane = 3; lane < lane_count; ++lane) EXPECT_EQ(unit.diffuse[lane], 0.0f);
         }
-        for (const LightNode& node : tree.nodes) {
-            bound_node(lanes, family, node, GeometryClamp{}, bound);
+        for (std::uint32_t n = 0; n < tree.nodes.size(); ++n) {
+            bound_node(lanes, tree, n, GeometryClamp{}, bound);
             for (int i = 3; i < lane_count; ++i) EXPECT_EQ(bound[i], 0.0f);
         }
     }

@@ -25,7 +25,7 @@ GatherLanes lane_at(glm::vec3 position, glm::vec3 normal) {
 TreeLight disc(glm::vec3 position, float radius) {
     TreeLight light;
     light.position = position;
-    light.normal = {0, 1, 0};
+    light.axis = core::PackedNormal({0, 1, 0});
     light.disc2 = radius * radius;
     light.intensity = glm::vec3(1);
     return light;
@@ -34,7 +34,7 @@ TreeLight disc(glm::vec3 position, float radius) {
 /// Mean of G over the part of the hexagon that lies before the surface, by a fine lattice.
 double by_lattice(glm::vec3 at, glm::vec3 normal, const TreeLight& light) {
     glm::vec3 tangent, bitangent;
-    core::make_frame(light.normal, tangent, bitangent);
+    core::make_frame(light.normal(), tangent, bitangent);
     const double out = 1.75 * 1.0996361 * std::sqrt(light.disc2), inner = out * std::sqrt(0.75);
     double sum = 0, count = 0;
     for (int i = -400; i <= 400; ++i)
@@ -46,7 +46,7 @@ double by_lattice(glm::vec3 at, glm::vec3 normal, const TreeLight& light) {
                 light.position + static_cast<float>(u) * tangent + static_cast<float>(v) * bitangent - at;
             const double height = glm::dot(way, normal), d2 = glm::dot(way, way);
             if (height <= 0) continue;
-            sum += height * std::max(0.0f, -glm::dot(way, light.normal)) / (d2 * d2);
+            sum += height * std::max(0.0f, -glm::dot(way, light.normal())) / (d2 * d2);
             count += 1;
         }
     return sum / count;

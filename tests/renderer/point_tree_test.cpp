@@ -28,6 +28,8 @@ std::vector<OrientedPoint> storey(std::uint64_t count) {
         else
             points.push_back({{u, 0, v}, {0, 1, 0}});
     }
+    // As a tree keeps them.
+    for (OrientedPoint& p : points) p.normal = core::PackedNormal(p.normal).unpack();
     return points;
 }
 

@@ -31,7 +31,7 @@ TEST(RepresentativeSets, AreChosenByPowerEachAndStratifiedTogether) {
         const LightTree tree = build_light_tree(LightFamily::oriented, lights, static_cast<std::uint64_t>(s));
         unsigned of_first = 0;
         for (int k = 0; k < most_representative_sets; ++k)
-            of_first |= tree.lights[tree.representative(tree.root, k)].id == 0 ? 1u << k : 0u;
+            of_first |= (*tree.ids)[tree.representative(tree.root, k)] == 0 ? 1u << k : 0u;
         ASSERT_EQ(std::popcount(of_first), 4);
         for (int four = 0; four < 4; ++four) ASSERT_EQ(std::popcount(of_first >> 4 * four & 0xfu), 1);
         for (int k = 0; k < most_representative_sets; ++k) taken[k] += of_first >> k & 1u;
@@ -55,7 +55,7 @@ TEST(RepresentativeSets, DifferAndKeepTheirRepresentativeInOneChild) {
         of_root.insert(tree.representative(tree.root, k));
         for (std::uint32_t n = 0; n < tree.nodes.size(); ++n) {
             const LightRef node = LightRef::inner(n);
-            const LightRef keeps = tree.nodes[n].child[tree.first_represents(node, k) ? 0 : 1];
+            const LightRef keeps = tree.child(n, tree.first_represents(node, k) ? 0 : 1);
             ASSERT_EQ(tree.representative(node, k), tree.representative(keeps, k));
         }
     }
@@ -74,7 +74,7 @@ TEST(RepresentativeSets, AreAdoptedWhereWalkingDownEnds) {
         for (int k = 0; k < most_representative_sets; ++k) {
             for (std::uint32_t n = 0; n < tree.nodes.size(); ++n) {
                 const LightRef node = LightRef::inner(n);
-                const LightRef other = tree.nodes[n].child[tree.first_represents(node, k) ? 1 : 0];
+                const LightRef other = tree.child(n, tree.first_represents(node, k) ? 1 : 0);
                 ASSERT_EQ(tree.adopted_representative(node, tree.representative(node, k), k),
                           tree.representative(other, k))
                     << n << " in " << k;
@@ -83,7 +83,7 @@ TEST(RepresentativeSets, AreAdoptedWhereWalkingDownEnds) {
     };
     expect_seats();
     const std::uint32_t before = tree.representative(tree.root, 0);
-    for (LightPoint& l : lights) l.intensity = glm::vec3(l.id == tree.lights[before].id ? 0.0f : 1.0f);
+    for (LightPoint& l : lights) l.intensity = glm::vec3(l.id == (*tree.ids)[before] ? 0.0f : 1.0f);
     update_light_tree(tree, lights, 3);
     expect_seats();
     EXPECT_NE(tree.representative(tree.root, 0), before);
