@@ -53,6 +53,10 @@ CoefficientLengths::CoefficientLengths(const CoefficientCodes& codes) : end_of_b
                 run < CoefficientCodes::runs && level < CoefficientCodes::levels && codes.code[run][level].length > 0;
             length_[run][level] = static_cast<std::uint8_t>(tabled ? codes.code[run][level].length + 1 : escape_bits);
         }
+    static_assert(levels == 64);  // what LevelPrices says
+    std::copy_n(length_[0], levels, first_);
+    first_[1] = 2;
+    prices_ = {length_[0], first_, place_of_scan.data(), end_of_block_};
 }
 
 const CoefficientLengths& CoefficientLengths::zero() {
@@ -81,52 +85,12 @@ void quantise_intra(Block& block, const QuantTable& table, int dc_bits) {
 }
 
 int economise(Block& block, const QuantTable& table, const CoefficientLengths& lengths, bool intra, float lambda) {
-    // Start past DC in intra blocks: a run counts from the coefficient before.
-    const int start = intra ? 0 : -1;
-    int after = -1, after_magnitude = 0;  // the next coefficient still there
-    int bits = lengths.end_of_block();
-    const auto keep = [&](int scan, int magnitude) {
-        if (after >= 0) bits += bits_after(lengths, scan, after, after_magnitude, intra);
-        after = scan;
-        after_magnitude = magnitude;
-    };
-    for (std::uint64_t left = block.scan_mask; left != 0;) {
-        const int scan = 63 - std::countl_zero(left);
-        left &= ~(std::uint64_t{1} << scan);
-        const int before = left != 0 ? 63 - std::countl_zero(left) : start;
-        const std::size_t place = place_of_scan[static_cast<std::size_t>(scan)];
-        const int magnitude = std::abs(block.levels[place]);
-
-        // Price the level and the one below.
-        int saved = bits_after(lengths, before, scan, magnitude, intra);
-        if (magnitude > 1) {
-            saved -= bits_after(lengths, before, scan, magnitude - 1, intra);
-        } else if (after >= 0) {
-            saved += bits_after(lengths, scan, after, after_magnitude, intra) -
-                     bits_after(lengths, before, after, after_magnitude, intra);
-        }
-        const int value = std::abs(block.dequantised[place]);
-        const int lower = magnitude > 1 ? ((2 * (magnitude - 1) + table.reconstruction) * table.weight[place]) >> 4 : 0;
-        // (c - lower)^2 - (c - value)^2
-        float loss = static_cast<float>(value - lower) *
-                     (2 * std::abs(block.coefficients[place]) - static_cast<float>(value + lower));
-        if (block.weights) loss *= block.weights->of[place];
-
-        if (loss >= lambda * static_cast<float>(saved)) {
-            keep(scan, magnitude);
-            continue;
-        }
-        const int sign = block.levels[place] < 0 ? -1 : 1;
-        block.distortion += loss;
-        block.levels[place] = static_cast<std::int16_t>(sign * (magnitude - 1));
-        block.dequantised[place] = static_cast<std::int16_t>(sign * lower);
-        if (magnitude > 1) {
-            keep(scan, magnitude - 1);
-        } else {
-            block.scan_mask &= ~(std::uint64_t{1} << scan);
-        }
-    }
-    if (after >= 0) bits += bits_after(lengths, start, after, after_magnitude, intra);
+    QuantisedBlock quantised{block.coefficients, block.levels,
+                             block.dequantised,  block.weights ? block.weights->of : nullptr,
+                             block.scan_mask,    block.distortion};
+    const int bits = kernels().economise(quantised, table, lengths.prices(), intra, lambda);
+    block.scan_mask = quantised.scan_mask;
+    block.distortion = quantised.distortion;
     return bits;
 }
 

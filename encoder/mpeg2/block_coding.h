@@ -18,9 +18,12 @@ struct RunLevel {
 class CoefficientLengths {
   public:
     explicit CoefficientLengths(const CoefficientCodes& codes);
+    CoefficientLengths(const CoefficientLengths&) = delete;
+    CoefficientLengths& operator=(const CoefficientLengths&) = delete;
 
     int bits(int run, int magnitude) const { return magnitude < levels ? length_[run][magnitude] : escape_bits; }
     int end_of_block() const { return end_of_block_; }
+    const LevelPrices& prices() const { return prices_; }
 
     static const CoefficientLengths& zero();  ///< table B-14
     static const CoefficientLengths& one();   ///< table B-15
@@ -28,7 +31,9 @@ class CoefficientLengths {
   private:
     static constexpr int levels = 64;
     std::uint8_t length_[64][levels];  ///< [run][magnitude 1..]
+    std::uint8_t first_[levels];       ///< likewise, of a non-intra block's first coefficient without a run
     int end_of_block_;
+    LevelPrices prices_;
 };
 
 /// Weights of the squares of coefficients' errors, in the encoder's order.
@@ -45,7 +50,7 @@ struct Block {
     std::uint64_t scan_mask;           ///< bit i: the i-th coefficient of the scan is not 0 (intra: DC never counts)
     float distortion;                  ///< squared error as coded, weighted
     float energy;                      ///< of a non-intra block that is not coded
-    int bits;                          ///< of a non-intra block that is coded: coefficients and end
+    int bits;                          ///< of a coded block: coefficients and end, with table B-14
     int dc;                            ///< intra: quantised DC, 0..2^precision - 1
 };
 

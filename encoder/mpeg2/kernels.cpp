@@ -14,11 +14,12 @@ extern const Kernels kernels_avx512;
 KernelVariants kernel_variants() {
     KernelVariants variants{{&all_kernels}, 1};
 #ifdef RENDER2MPEG_KERNELS_AVX2
-    if (__builtin_cpu_supports("avx2")) variants.variant[variants.count++] = &kernels_avx2;
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2"))
+        variants.variant[variants.count++] = &kernels_avx2;
 #endif
 #ifdef RENDER2MPEG_KERNELS_AVX512
     if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
-        __builtin_cpu_supports("avx512vl"))
+        __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2"))
         variants.variant[variants.count++] = &kernels_avx512;
 #endif
     return variants;

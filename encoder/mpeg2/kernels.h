@@ -25,6 +25,24 @@ struct Quantised {
     float energy;           ///< sum over coefficient^2: the distortion of the block not coded
 };
 
+/// Lengths of coefficient codes, sign included, escapes resolved.
+struct LevelPrices {
+    const std::uint8_t* length;         ///< [run * 64 + magnitude], 63 standing for all magnitudes above
+    const std::uint8_t* first;          ///< [magnitude] of a non-intra block's coefficient without any before
+    const std::uint8_t* place_of_scan;  ///< coefficient at each place of the scan
+    int end_of_block;
+};
+
+/// A block whose levels may yet be lowered.
+struct QuantisedBlock {
+    const float* coefficients;
+    std::int16_t* levels;
+    std::int16_t* dequantised;
+    const float* weights;     ///< of squared errors; null: all 1
+    std::uint64_t scan_mask;  ///< bit i: the i-th level of the scan is not 0
+    float distortion;
+};
+
 /// The pixel and coefficient loops, in one variant per instruction set; all give the same numbers, bit for bit.
 /// Strides are in bytes. `half` is 1 for half a pixel to the right, 2 for half a pixel down, 3 for both.
 struct Kernels {
@@ -59,6 +77,10 @@ struct Kernels {
 
     /// `nonzero` aside, what `quantise` says, with the square of each coefficient's error weighted.
     Quantised (*weigh)(const float* coefficients, const std::int16_t* dequantised, const float* weights);
+
+    /// block_coding.h
+    int (*economise)(QuantisedBlock& block, const QuantTable& table, const LevelPrices& prices, bool intra,
+                     float lambda);
 
     /// The inverse DCT of libavcodec's `simple` decoder, clipped into `out`, or added to what is there.
     void (*inverse_dct_put)(const std::int16_t* coefficients, std::uint8_t* out, std::ptrdiff_t stride);

@@ -8,16 +8,16 @@
 // of floating-point operations everywhere, hence the same numbers.
 
 #include "encoder/mpeg2/kernels.h"
+#include "encoder/mpeg2/kernels_levels.h"
 #include "encoder/mpeg2/kernels_pixels.h"
 #include "encoder/mpeg2/kernels_transforms.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
-constexpr Kernels all_kernels = {
-    satd_16x16,    activity_16x16, ssd_16x16,       ssd_8x8,        sad_8x8,
-    predict_16x16, predict_8x8,    average,         forward_dct,    forward_dct_of_difference,
-    quantise,      weigh,          inverse_dct_put, inverse_dct_add};
+constexpr Kernels all_kernels = {satd_16x16,    activity_16x16, ssd_16x16, ssd_8x8,         sad_8x8,
+                                 predict_16x16, predict_8x8,    average,   forward_dct,     forward_dct_of_difference,
+                                 quantise,      weigh,          economise, inverse_dct_put, inverse_dct_add};
 
 #undef R2M_INLINE
 
