@@ -125,7 +125,7 @@ Totals total_intra(const PictureCoding& picture, const SliceState& state, const 
         t.distortion += block.distortion;
         common += dc_bits(block.dc - dc[plane], plane == 0);
         dc[plane] = block.dc;
-        t.bits += coefficient_bits(block, CoefficientLengths::zero(), true);
+        t.bits += block.bits;
         t.bits_with_one += coefficient_bits(block, CoefficientLengths::one(), true);
     }
     t.bits += common;
@@ -136,12 +136,13 @@ Totals total_intra(const PictureCoding& picture, const SliceState& state, const 
 }  // namespace
 
 void attempt_inter(const PictureCoding& picture, int column, int row, const Movement& movement, int quantiser,
-                   const SliceState& state, Attempt& out) {
+                   const SliceState& state, Attempt& out, bool luma_is_predicted) {
     const QuantTable& table = picture.quantisers->of(quantiser).non_intra;
     const float lambda = lambda_of(picture, quantiser);
     out.movement = movement;
     out.quantiser = quantiser;
-    predict(picture, column, row, movement, out.prediction);
+    if (!luma_is_predicted) predict_luma(picture, column, row, movement, out.prediction);
+    predict_chroma(picture, column, row, movement, out.prediction);
     for (int i = 0; i < 6; ++i) code_difference(picture, column, row, i, table, lambda, out);
     out.totals = total_inter(picture, state, out);
     if (out.totals.pattern == 0) return;
@@ -170,32 +171,41 @@ void attempt_intra(const PictureCoding& picture, int column, int row, int quanti
                       stride_of(picture.source, places[i].plane));
         block.weights = weights_of(picture, places[i]);
         quantise_intra(block, table, picture.dc_bits);
-        lower_levels(picture, block, table, true, lambda);
+        block.bits = lower_levels(picture, block, table, true, lambda);
     }
     out.totals = total_intra(picture, state, out);
 }
 
-void predict(const PictureCoding& picture, int column, int row, const Movement& movement, Prediction& out) {
+void predict_luma(const PictureCoding& picture, int column, int row, const Movement& movement, Prediction& out) {
     const int first = movement.uses[0] ? 0 : 1;
-    predict(*picture.reference[first], column, row, movement.vector[first], out);
+    predict_luma(*picture.reference[first], column, row, movement.vector[first], out.y);
+    if (first == 1 || !movement.uses[1]) return;
+    alignas(32) std::uint8_t later[256];
+    predict_luma(*picture.reference[1], column, row, movement.vector[1], later);
+    kernels().average(out.y, later, 256);
+}
+
+void predict_chroma(const PictureCoding& picture, int column, int row, const Movement& movement, Prediction& out) {
+    const int first = movement.uses[0] ? 0 : 1;
+    predict_chroma(*picture.reference[first], column, row, movement.vector[first], out);
     if (first == 1 || !movement.uses[1]) return;
     Prediction later;
-    predict(*picture.reference[1], column, row, movement.vector[1], later);
-    kernels().average(out.y, later.y, 256);
+    predict_chroma(*picture.reference[1], column, row, movement.vector[1], later);
     kernels().average(out.cb, later.cb, 64);
     kernels().average(out.cr, later.cr, 64);
 }
 
-std::optional<Movement> skipped_movement(const PictureCoding& picture, int column, int row, const SliceState& state) {
-    if (picture.type == PictureType::predicted) return Movement{};
+const Movement* skipped_movement(const PictureCoding& picture, int column, int row, const SliceState& state) {
+    static constexpr Movement zero{};
+    if (picture.type == PictureType::predicted) return &zero;
     const Movement& before = state.movement;
-    if (picture.type == PictureType::intra || (!before.uses[0] && !before.uses[1])) return std::nullopt;
+    if (picture.type == PictureType::intra || (!before.uses[0] && !before.uses[1])) return nullptr;
     for (int d = 0; d < 2; ++d) {
         const VectorRange range = vector_range(column, row, picture.source.columns(), picture.source.rows(),
                                                picture.f_code[d][0], picture.f_code[d][1]);
-        if (before.uses[d] && !range.contains(before.vector[d])) return std::nullopt;
+        if (before.uses[d] && !range.contains(before.vector[d])) return nullptr;
     }
-    return before;
+    return &before;
 }
 
 int vector_bits(const PictureCoding& picture, const SliceState& state, const Movement& movement) {
@@ -209,20 +219,24 @@ int vector_bits(const PictureCoding& picture, const SliceState& state, const Mov
     return bits;
 }
 
-float skip_distortion(const PictureCoding& picture, int column, int row, const Prediction& prediction) {
-    const Kernels& k = kernels();
+float luma_distortion(const PictureCoding& picture, int column, int row, const Prediction& prediction) {
+    const std::ptrdiff_t stride = stride_of(picture.source, 0);
+    if (!picture.weights)
+        return static_cast<float>(
+            kernels().ssd_16x16(samples_at(picture.source, column, row, places[0]), stride, prediction.y, 16));
     float sum = 0.0f;
-    if (picture.weights)
-        for (int i = 0; i < 4; ++i)
-            sum += weighted_difference(samples_at(picture.source, column, row, places[i]), stride_of(picture.source, 0),
-                                       predicted_at(prediction, places[i]), 16, *picture.weights);
-    for (const Place& p : {places[0], places[4], places[5]}) {
-        if (p.plane == 0 && picture.weights) continue;
-        const auto ssd = p.plane == 0 ? k.ssd_16x16 : k.ssd_8x8;
-        sum += static_cast<float>(ssd(samples_at(picture.source, column, row, p), stride_of(picture.source, p.plane),
-                                      predicted_at(prediction, p), prediction_stride(p)));
-    }
+    for (int i = 0; i < 4; ++i)
+        sum += weighted_difference(samples_at(picture.source, column, row, places[i]), stride,
+                                   predicted_at(prediction, places[i]), 16, *picture.weights);
     return sum;
+}
+
+float chroma_distortion(const PictureCoding& picture, int column, int row, const Prediction& prediction) {
+    std::uint32_t sum = 0;
+    for (const Place& p : {places[4], places[5]})
+        sum += kernels().ssd_8x8(samples_at(picture.source, column, row, p), stride_of(picture.source, p.plane),
+                                 predicted_at(prediction, p), prediction_stride(p));
+    return static_cast<float>(sum);
 }
 
 void truncate_to(Attempt& attempt, const PictureCoding& picture, const SliceState& state, int limit) {
@@ -234,7 +248,7 @@ void truncate_to(Attempt& attempt, const PictureCoding& picture, const SliceStat
             block.distortion += loss_of(block, place, block.coefficients[place]) - loss_of(block, place, error);
             block.levels[place] = block.dequantised[place] = 0;
             block.scan_mask ^= std::uint64_t{1} << keep;
-            block.bits = coefficient_bits(block, CoefficientLengths::zero(), false);
+            block.bits = coefficient_bits(block, CoefficientLengths::zero(), attempt.totals.type.intra);
         }
         attempt.totals =
             attempt.totals.type.intra ? total_intra(picture, state, attempt) : total_inter(picture, state, attempt);

@@ -78,9 +78,10 @@ struct Attempt {
     Totals totals;
 };
 
-/// Tries the macroblock predicted by `movement`; blocks not worth their bits are dropped.
+/// Tries the macroblock predicted by `movement`; blocks not worth their bits are dropped. `out` may hold the prediction
+/// of luma already.
 void attempt_inter(const PictureCoding& picture, int column, int row, const Movement& movement, int quantiser,
-                   const SliceState& state, Attempt& out);
+                   const SliceState& state, Attempt& out, bool luma_is_predicted = false);
 
 /// Tries it intra.
 void attempt_intra(const PictureCoding& picture, int column, int row, int quantiser, const SliceState& state,
@@ -88,18 +89,20 @@ void attempt_intra(const PictureCoding& picture, int column, int row, int quanti
 
 /// Prediction of a macroblock by a movement that uses at least one direction. The mean of two rounds up.
 /// [H262, 7.6.7.1]
-void predict(const PictureCoding& picture, int column, int row, const Movement& movement, Prediction& out);
+void predict_luma(const PictureCoding& picture, int column, int row, const Movement& movement, Prediction& out);
+void predict_chroma(const PictureCoding& picture, int column, int row, const Movement& movement, Prediction& out);
 
 /// How a macroblock is predicted that is skipped here: by zero in a P picture, like the one before in a B picture.
-/// [H262, 7.6.6] None where it must not be skipped: after an intra macroblock, or where the vectors would lead out of
-/// the picture.
-std::optional<Movement> skipped_movement(const PictureCoding& picture, int column, int row, const SliceState& state);
+/// [H262, 7.6.6] Null where it must not be skipped: after an intra macroblock, or where the vectors would lead out of
+/// the picture. Holds until the state changes.
+const Movement* skipped_movement(const PictureCoding& picture, int column, int row, const SliceState& state);
 
 /// Bits of the vectors that a movement uses.
 int vector_bits(const PictureCoding& picture, const SliceState& state, const Movement& movement);
 
 /// Squared error of the macroblock as its prediction, weighted like any other.
-float skip_distortion(const PictureCoding& picture, int column, int row, const Prediction& prediction);
+float luma_distortion(const PictureCoding& picture, int column, int row, const Prediction& prediction);
+float chroma_distortion(const PictureCoding& picture, int column, int row, const Prediction& prediction);
 
 /// Makes blocks empty from the high frequencies down until the macroblock has at most `limit` bits.
 void truncate_to(Attempt& attempt, const PictureCoding& picture, const SliceState& state, int limit);

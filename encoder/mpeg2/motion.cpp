@@ -241,10 +241,8 @@ void predict_luma(const Frame& reference, int column, int row, Vector v, std::ui
     kernels().predict_16x16(out, 16, luma, reference.y.width(), (v.x & 1) | (v.y & 1) << 1);
 }
 
-void predict(const Frame& reference, int column, int row, Vector v, Prediction& out) {
+void predict_chroma(const Frame& reference, int column, int row, Vector v, Prediction& out) {
     const Kernels& k = kernels();
-    predict_luma(reference, column, row, v, out.y);
-
     // Halve the vector towards zero for chroma. [H262, 7.6.3.7]
     const int x = v.x / 2, y = v.y / 2, half = (x & 1) | (y & 1) << 1;
     const auto chroma_stride = static_cast<std::ptrdiff_t>(reference.cb.width());

@@ -58,8 +58,7 @@ struct Prediction {
     alignas(32) std::uint8_t cr[64];
 };
 /// [H262, 7.6.3.7 and 7.6.4]. The vector keeps inside the reference (vector_range).
-void predict(const Frame& reference, int column, int row, Vector v, Prediction& out);
-/// Luma alone; `out` is 16x16 samples.
-void predict_luma(const Frame& reference, int column, int row, Vector v, std::uint8_t* out);
+void predict_luma(const Frame& reference, int column, int row, Vector v, std::uint8_t* out);  ///< 16x16 samples
+void predict_chroma(const Frame& reference, int column, int row, Vector v, Prediction& out);
 
 }  // namespace render2mpeg::encoder::mpeg2

@@ -1,7 +1,6 @@
 #include "encoder/mpeg2/movements.h"
 
 #include <algorithm>
-#include <optional>
 
 #include "encoder/mpeg2/tuning.h"
 
@@ -73,7 +72,7 @@ MovementChoice choose_movements(const PictureCoding& picture, int column, int ro
         if (std::find(means, means + count, mean) == means + count) means[count++] = mean;
     };
     add(forward.vector[0], backward.vector[0]);
-    const std::optional<Movement> before = skipped_movement(picture, column, row, state);
+    const Movement* before = skipped_movement(picture, column, row, state);
     if (before && before->uses[0] && before->uses[1]) add(before->vector[0], before->vector[1]);
     if (forward.count > 1) add(forward.vector[1], backward.vector[0]);
     if (backward.count > 1) add(forward.vector[0], backward.vector[1]);

@@ -105,14 +105,14 @@ void QuickMotion::go_on(Found& found, int direction, int column, int row, Vector
     }
 }
 
-std::uint32_t QuickMotion::difference_of_mean(int column, int row, Vector earlier, Vector later) const {
-    alignas(32) std::uint8_t first[256];
+std::uint32_t QuickMotion::difference_of_mean(int column, int row, Vector earlier, Vector later,
+                                              std::uint8_t* mean) const {
     alignas(32) std::uint8_t second[256];
     const MotionSources& s = *side_[0].sources;
-    predict_luma(s.reference, column, row, earlier, first);
+    predict_luma(s.reference, column, row, earlier, mean);
     predict_luma(side_[1].sources->reference, column, row, later, second);
-    kernels().average(first, second, 256);
-    return kernels().satd_16x16(s.picture.y.row(row * 16) + column * 16, s.picture.y.width(), first, 16);
+    kernels().average(mean, second, 256);
+    return kernels().satd_16x16(s.picture.y.row(row * 16) + column * 16, s.picture.y.width(), mean, 16);
 }
 
 }  // namespace render2mpeg::encoder::mpeg2

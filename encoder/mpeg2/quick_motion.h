@@ -39,8 +39,8 @@ class QuickMotion {
     /// Whether a difference leaves next to nothing to code.
     bool is_enough(std::uint32_t difference) const { return difference <= enough_; }
 
-    /// The difference that the mean of two found vectors leaves.
-    std::uint32_t difference_of_mean(int column, int row, Vector earlier, Vector later) const;
+    /// The difference that the mean of two found vectors leaves; `mean` gets its 16x16 samples of luma.
+    std::uint32_t difference_of_mean(int column, int row, Vector earlier, Vector later, std::uint8_t* mean) const;
 
   private:
     struct Side {

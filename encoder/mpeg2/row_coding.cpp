@@ -1,8 +1,8 @@
 #include "encoder/mpeg2/row_coding.h"
 
 #include <algorithm>
+#include <limits>
 #include <memory>
-#include <optional>
 
 #include "encoder/mpeg2/levels.h"
 #include "encoder/mpeg2/movements.h"
@@ -63,9 +63,9 @@ class RowDecider {
             return true;
         }
         if (force == Force::none || !may_skip) return false;
-        const std::optional<Movement> skipped = skipped_movement(picture_, column, row_, state_);
+        const Movement* skipped = skipped_movement(picture_, column, row_, state_);
         if (!skipped) return false;
-        distortion_if_skipped(column, *skipped);
+        skip_leaves_at_most(std::numeric_limits<float>::max(), column, *skipped);
         skip(column, *skipped);
         return true;
     }
@@ -73,10 +73,9 @@ class RowDecider {
     /// Effort::fast: skips a macroblock that this leaves next to nothing of.
     bool skip_at_once(int column, bool may_skip) {
         if (!may_skip || (picture_.intra_due && picture_.intra_due->at(column, row_) != 0)) return false;
-        const std::optional<Movement> skipped = skipped_movement(picture_, column, row_, state_);
-        if (!skipped) return false;
-        if (distortion_if_skipped(column, *skipped) > skip_fast * static_cast<float>(quantiser_ * quantiser_))
-            return false;
+        const Movement* skipped = skipped_movement(picture_, column, row_, state_);
+        const float limit = skip_fast * static_cast<float>(quantiser_ * quantiser_);
+        if (!skipped || !skip_leaves_at_most(limit, column, *skipped)) return false;
         skip(column, *skipped);
         return true;
     }
@@ -92,7 +91,7 @@ class RowDecider {
         // Of two directions the mean is most often the best; where it is good enough nothing more is tried.
         std::uint32_t difference = 0;
         const auto take_mean = [&] {
-            difference = quick.difference_of_mean(column, row_, found[0].vector, found[1].vector);
+            difference = quick.difference_of_mean(column, row_, found[0].vector, found[1].vector, inter_->prediction.y);
             ++code_.evaluations;
         };
         if (bidirectional) take_mean();
@@ -103,18 +102,21 @@ class RowDecider {
             if (bidirectional && (found[0].vector != before[0] || found[1].vector != before[1])) take_mean();
         }
 
+        // The mean's samples are still there.
         Movement movement{{found[0].vector, {}}, {true, false}};
+        bool luma_is_predicted = false;
         if (bidirectional) {
             const QuickMotion::Found &first = found[0], &second = found[1];
             const float bits = first.cost + second.cost - static_cast<float>(first.difference + second.difference);
             const float mean = static_cast<float>(difference) + bits;
-            if (mean <= first.cost && mean <= second.cost)
+            luma_is_predicted = mean <= first.cost && mean <= second.cost;
+            if (luma_is_predicted)
                 movement = {{first.vector, second.vector}, {true, true}};
             else if (second.cost < first.cost)
                 movement = {{{}, second.vector}, {false, true}};
         }
         code_.evaluations += static_cast<std::uint64_t>(found[0].evaluations + found[1].evaluations);
-        attempt_inter(picture_, column, row_, movement, quantiser_, state_, *inter_);
+        attempt_inter(picture_, column, row_, movement, quantiser_, state_, *inter_, luma_is_predicted);
     }
 
     /// Chooses between inter_, intra and skipping.
@@ -125,9 +127,10 @@ class RowDecider {
         if (due) attempt_intra(picture_, column, row_, quantiser_, state_, *intra_);
         const bool intra = due || (intra_may_win(column, inter) && try_intra(column, inter));
         const float best = intra ? intra_->totals.cost(lambda_) : inter;
-        const std::optional<Movement> skipped =
-            may_skip ? skipped_movement(picture_, column, row_, state_) : std::nullopt;
-        if (skipped && skip_cost(column, *skipped) <= best) {
+        const Movement* skipped = may_skip ? skipped_movement(picture_, column, row_, state_) : nullptr;
+        // Skipping makes the next address increment longer.
+        const float limit = best - lambda_ * static_cast<float>(address_increment_bits(state_.skipped + 1));
+        if (skipped && skip_leaves_at_most(limit, column, *skipped)) {
             skip(column, *skipped);
         } else {
             keep(column, intra ? *intra_ : *inter_);
@@ -157,20 +160,21 @@ class RowDecider {
         for (int i = 1; i < tried(choice.count); ++i) try_also(column, choice.movement[i]);
     }
 
-    /// Distortion, and the bits by which the next address increment grows.
-    float skip_cost(int column, const Movement& movement) {
-        return distortion_if_skipped(column, movement) +
-               lambda_ * static_cast<float>(address_increment_bits(state_.skipped + 1));
-    }
-
-    /// Leaves what is shown then in prediction_. A macroblock may ask twice.
-    float distortion_if_skipped(int column, const Movement& movement) {
-        if (predicted_column_ == column) return skip_distortion_;
-        predicted_column_ = column;
-        ++code_.evaluations;
-        predict(picture_, column, row_, movement, prediction_);
-        skip_distortion_ = skip_distortion(picture_, column, row_, prediction_);
-        return skip_distortion_;
+    /// Whether skipping leaves no more distortion than `limit`; if so, prediction_ has what is shown then. Chroma is
+    /// looked at only where luma leaves that open. A macroblock may ask twice.
+    bool skip_leaves_at_most(float limit, int column, const Movement& movement) {
+        if (predicted_column_ != column) {
+            predicted_column_ = column;
+            chroma_is_predicted_ = false;
+            ++code_.evaluations;
+            predict_luma(picture_, column, row_, movement, prediction_);
+            skip_distortion_ = luma_distortion(picture_, column, row_, prediction_);
+        }
+        if (skip_distortion_ > limit || chroma_is_predicted_) return skip_distortion_ <= limit;
+        chroma_is_predicted_ = true;
+        predict_chroma(picture_, column, row_, movement, prediction_);
+        skip_distortion_ += chroma_distortion(picture_, column, row_, prediction_);
+        return skip_distortion_ <= limit;
     }
 
     /// Intra costs at least its type, six DC sizes and six ends of block, and its distortion is hardly below what
@@ -253,7 +257,8 @@ class RowDecider {
     std::unique_ptr<Attempt> inter_, other_, intra_;
     Prediction prediction_;      ///< of the macroblock in predicted_column_ if it is skipped
     int predicted_column_ = -1;  ///< -1: none yet
-    float skip_distortion_ = 0;
+    bool chroma_is_predicted_ = false;
+    float skip_distortion_ = 0;  ///< of luma, and of chroma once that is predicted
     RowCode code_;
 };
 

@@ -50,7 +50,9 @@ Frame predicted_and_louder(const PictureCoding& picture, int directions) {
         for (int column = 0; column < source.columns(); ++column) {
             const Vector v = jump(column, row, source);
             Prediction prediction;
-            predict(picture, column, row, {{v, v}, {true, directions > 1}}, prediction);
+            const Movement movement{{v, v}, {true, directions > 1}};
+            predict_luma(picture, column, row, movement, prediction);
+            predict_chroma(picture, column, row, movement, prediction);
             for (int plane = 0; plane < 3; ++plane) {
                 const int size = plane == 0 ? 16 : 8;
                 const std::uint8_t* from = plane == 0 ? prediction.y : plane == 1 ? prediction.cb : prediction.cr;
