@@ -60,11 +60,17 @@ fs::path texture(const fs::path& cache, const std::string& name) {
     return file;
 }
 
-/// Where a clip's film is written down; a clip may also be named by its file.
+/// Where a clip's film is written down; a clip may also be named by its file, or by the folder of its `film.json`.
 fs::path film_of(const std::string& name) {
-    for (const fs::path& file : {here() / (name + ".json"), here() / "scenes" / (name + ".json"), fs::path(name)})
+    for (const fs::path& file : {here() / (name + ".json"), here() / "special" / (name + ".json"),
+                                 here() / "scenes" / (name + ".json"), fs::path(name), fs::path(name) / "film.json"})
         if (fs::is_regular_file(file)) return file;
     throw core::Error("clip " + name + ": there is no such film");
+}
+
+/// What a clip is called in tables.
+std::string title_of(const fs::path& film) {
+    return (film.filename() == "film.json" ? fs::absolute(film).parent_path() : film.stem()).filename().string();
 }
 
 /// Puts a film into a folder of its own with all that it mentions: paths out of it are refused by the loader.
@@ -80,6 +86,9 @@ void assemble(const ClipRequest& request, const fs::path& folder) {
         const fs::path scene = request.scenes / film.substr(mark.size(), film.find('\n') - mark.size());
         fs::copy(scene.parent_path(), folder, fs::copy_options::recursive);
     }
+    // One that is a folder brings along what lies in it.
+    if (film_of(request.name).filename() == "film.json")
+        fs::copy(film_of(request.name).parent_path(), folder, fs::copy_options::recursive);
     std::ofstream(folder / "film.json") << film;
     for (const std::string& name : texture_names())
         if (film.find('"' + name + ".png\"") != std::string::npos)
@@ -140,7 +149,7 @@ std::vector<std::string> scene_clips() {
 
 Clip make_clip(const ClipRequest& request) {
     // Name the film by what it is made from.
-    const std::string name = film_of(request.name).stem().string();
+    const std::string name = title_of(film_of(request.name));
     const fs::path staging = request.cache / fmt::format("{}.{}", name, getpid());
     assemble(request, staging);
     ContentHash made_from;
