@@ -317,7 +317,7 @@ void SceneReader::read_cameras() {
 
 }  // namespace
 
-Animation load_with_assimp(const fs::path& file, const LoadOptions& options) {
+Animation load_with_assimp(const fs::path& file, const LoadOptions& options, const TakeTurns& take_turns) {
     Animation animation;
     animation.source = file.string();
     if (!fs::is_regular_file(file)) throw core::Error("reading", file.string(), "no such file");
@@ -330,20 +330,27 @@ Animation load_with_assimp(const fs::path& file, const LoadOptions& options) {
     // chosen: 45 degrees keeps boxes flat and makes scanned and turned shapes smooth where a file has no normals.
     importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 45.0f);
 
+    const auto turn = [&](Turn whose) {
+        if (take_turns) take_turns(whose);
+    };
     const auto refuse = [&](const std::string& cause) { throw core::Error("reading", file.string(), cause); };
     const aiScene* scene = importer.ReadFile(file.string(), 0);
     // What it cannot allocate it tells by the exception's own name, which helps nobody.
     if (!scene && std::string_view(importer.GetErrorString()) == "std::bad_alloc") throw std::bad_alloc();
     if (!scene) refuse(importer.GetErrorString());
     if (!scene->mRootNode || scene->mNumMeshes == 0) refuse("has no mesh");
+    turn(Turn::ours);
     refuse_unsound_meshes(*scene, file.string());
+    turn(Turn::parser);
     scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
                                          aiProcess_GenUVCoords | aiProcess_LimitBoneWeights |
                                          aiProcess_JoinIdenticalVertices | aiProcess_FlipUVs);
     if (!scene) refuse(importer.GetErrorString());
     if (scene->mNumMeshes == 0) refuse("has points or lines, but no triangle");
 
+    turn(Turn::ours);
     SceneReader(*scene, file, options, animation).read();
+    turn(Turn::parser);
     return animation;
 }
 

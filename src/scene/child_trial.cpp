@@ -1,39 +1,30 @@
 #include "scene/child_trial.h"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <new>
+#include <stdexcept>
 #include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
 
 #include "core/error.h"
 
 namespace render2mpeg::scene {
 namespace {
 
-constexpr int refused = 1, out_of_memory = 2, crashed = 3;
-
-/// What a parser may take for a file of this size.
-struct Limits {
-    std::uintmax_t memory = 0;   ///< bytes more than this process holds now
-    unsigned seconds = 0;        ///< of processor time
-    unsigned clock_seconds = 0;  ///< for what waits: a busy machine makes others wait, too
-};
-
-Limits limits_for(std::uintmax_t file_size) {
-    // chosen: the largest need seen is 30 bytes of memory per byte of a binary file and 5 s per 100 MB of text; files
-    // that say 10^9 where they hold ten need 10^10 bytes or minutes, and some of 200 bytes never end. Tried 10 .. 100
-    // bytes, 3 .. 60 s.
-    constexpr std::uintmax_t least_memory = std::uintmax_t{1} << 30, memory_per_byte = 60;
-    constexpr unsigned least_seconds = 3, seconds_per_hundred_million = 60;
-    const auto seconds = least_seconds + static_cast<unsigned>(seconds_per_hundred_million * file_size / 100'000'000);
-    return {least_memory + memory_per_byte * file_size, seconds, 10 * seconds};
-}
+/// How the child ends on its own. Not 1 and the like, with which libraries and sanitizers end a process themselves.
+constexpr int refused = 61, out_of_memory = 62;
 
 std::uintmax_t address_space_now() {
     std::uintmax_t pages = 0;
@@ -44,37 +35,64 @@ std::uintmax_t address_space_now() {
     return pages * static_cast<std::uintmax_t>(sysconf(_SC_PAGESIZE));
 }
 
-void limit(const Limits& limits) {
+/// Time of this process so far, processor seconds.
+rlim_t seconds_now() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<rlim_t>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec);
+}
+
+void lower(int resource, rlim_t limit) {
+    rlimit both{};
+    if (getrlimit(resource, &both) != 0) return;
+    both.rlim_cur = std::min(limit, both.rlim_max);
+    setrlimit(resource, &both);
+}
+
+/// Limits of what is taken from now on.
+void limit(const TrialLimits& limits) {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
     // Sanitizers reserve more address space than there is memory; they go without this limit.
-    const rlimit memory{limits.memory + address_space_now(), limits.memory + address_space_now()};
-    setrlimit(RLIMIT_AS, &memory);
+    lower(RLIMIT_AS, limits.memory + address_space_now());
 #endif
-    const rlimit time{limits.seconds, limits.seconds + 1};
-    setrlimit(RLIMIT_CPU, &time);
-    const rlimit no_core{0, 0};
-    setrlimit(RLIMIT_CORE, &no_core);
+    if (limits.seconds > 0) lower(RLIMIT_CPU, limits.seconds + seconds_now());
+    lower(RLIMIT_CORE, 0);
     alarm(limits.clock_seconds);
 }
 
-/// The child's whole life: never returns. A refusal goes to `pipe` as text.
-[[noreturn]] void live_as_child(const std::function<void()>& reading, const Limits& limits, int pipe) {
+bool write_all(int pipe, std::string_view text) {
+    while (!text.empty()) {
+        const ssize_t n = write(pipe, text.data(), text.size());
+        if (n < 0 && errno != EINTR) return false;
+        if (n > 0) text.remove_prefix(static_cast<std::size_t>(n));
+    }
+    return true;
+}
+
+/// The child's whole life: never returns. What it tells goes to `pipe`.
+[[noreturn]] void live_as_child(const ChildTrial::Reading& reading, const TrialLimits& limits,
+                                const std::function<void(Turn)>& share, int pipe) {
     const int nowhere = open("/dev/null", O_WRONLY);
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);
-    for (const int signal : {SIGINT, SIGTERM, SIGSEGV, SIGABRT, SIGALRM}) std::signal(signal, SIG_DFL);
+    for (const int signal : {SIGINT, SIGTERM, SIGSEGV, SIGABRT, SIGALRM, SIGXCPU}) std::signal(signal, SIG_DFL);
     limit(limits);
     int status = 0;
+    std::string text;
     try {
-        reading();
+        text = reading([&](Turn turn) {
+            share(turn);
+            limit(limits);
+        });
     } catch (const core::Error& error) {
-        const std::string text = error.what();
-        status = write(pipe, text.data(), text.size()) == static_cast<ssize_t>(text.size()) ? refused : out_of_memory;
+        text = error.what();
+        status = refused;
     } catch (const std::bad_alloc&) {
         status = out_of_memory;
     } catch (...) {
-        status = crashed;
+        std::abort();
     }
+    if (!write_all(pipe, text)) status = out_of_memory;
     _exit(status);
 }
 
@@ -89,36 +107,103 @@ std::string text_of_child(int pipe) {
     }
 }
 
-}  // namespace
+/// Throws what a child that neither read nor refused its file died of.
+[[noreturn]] void tell_death(const std::string& name, int status, Turn turn) {
+    const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+    const bool memory = WIFEXITED(status) && WEXITSTATUS(status) == out_of_memory;
+    const bool time = signal == SIGXCPU || signal == SIGALRM || signal == SIGKILL;
+    const std::string more =
+        std::string("takes more ") + (memory ? "memory" : "time") + " than a file of its size can need";
+    if (turn == Turn::ours)
+        throw std::logic_error("reading " + name + ": render2mpeg " +
+                               (memory || time ? "itself " + more : std::string("itself crashes on it")) +
+                               "; this is a fault of the program, not of the file");
+    throw core::Error("reading", name,
+                      memory || time ? more + ": it is damaged" : "its parser crashed: the file is damaged");
+}
 
-void try_in_child(const std::filesystem::path& file, const std::function<void()>& reading) {
-    std::error_code failure;
-    const std::uintmax_t size = std::filesystem::file_size(file, failure);
-    const Limits limits = limits_for(failure ? 0 : size);
-    int ends[2];
-    if (pipe(ends) != 0) throw core::Error("reading", file.string(), "the system gives no pipe to a child process");
-    const pid_t child = fork();
-    if (child == 0) {
-        close(ends[0]);
-        live_as_child(reading, limits, ends[1]);
-    }
-    close(ends[1]);
-    const std::string text = child > 0 ? text_of_child(ends[0]) : std::string();
-    close(ends[0]);
-    if (child < 0) throw core::Error("reading", file.string(), "the system gives no child process");
-
+int wait_for(pid_t child) {
     int status = 0;
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
     }
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
-    if (WIFEXITED(status) && WEXITSTATUS(status) == refused) throw core::Error(text);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == out_of_memory)
-        throw core::Error("reading", file.string(),
-                          "takes more memory than a file of its size can need: it is damaged");
-    const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-    if (signal == SIGXCPU || signal == SIGALRM || signal == SIGKILL)
-        throw core::Error("reading", file.string(), "takes more time than a file of its size can need: it is damaged");
-    throw core::Error("reading", file.string(), "its parser crashed: the file is damaged");
+    return status;
+}
+
+}  // namespace
+
+TrialLimits limits_for(std::uintmax_t file_size) {
+    // chosen: the largest need seen is 30 bytes of memory per byte of a binary file and 5 s per 100 MB of text; files
+    // that say 10^9 where they hold ten need 10^10 bytes or minutes, and some of 200 bytes never end. Tried 10 .. 100
+    // bytes, 3 .. 60 s.
+    constexpr std::uintmax_t least_memory = std::uintmax_t{1} << 30, memory_per_byte = 60;
+    constexpr unsigned least_seconds = 3, seconds_per_hundred_million = 60;
+    const auto seconds = least_seconds + static_cast<unsigned>(seconds_per_hundred_million * file_size / 100'000'000);
+    return {least_memory + memory_per_byte * file_size, seconds, 10 * seconds};
+}
+
+/// Whose turn it is, where parent and child both see it, whatever becomes of the child.
+class ChildTrial::SharedTurn {
+  public:
+    SharedTurn() : place_(mmap(nullptr, sizeof(Turn), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) {}
+    ~SharedTurn() {
+        if (place_ != MAP_FAILED) munmap(place_, sizeof(Turn));
+    }
+    SharedTurn(const SharedTurn&) = delete;
+    SharedTurn& operator=(const SharedTurn&) = delete;
+
+    Turn now() const { return place_ == MAP_FAILED ? Turn::parser : *static_cast<volatile Turn*>(place_); }
+    void take(Turn turn) const {
+        if (place_ != MAP_FAILED) *static_cast<volatile Turn*>(place_) = turn;
+    }
+
+  private:
+    void* place_;
+};
+
+ChildTrial::ChildTrial(std::string name, const TrialLimits& limits, const Reading& reading)
+    : name_(std::move(name)), turn_(std::make_unique<SharedTurn>()) {
+    int ends[2];
+    if (pipe(ends) != 0) throw core::Error("reading", name_, "the system gives no pipe to a child process");
+    child_ = fork();
+    if (child_ == 0) {
+        close(ends[0]);
+        live_as_child(
+            reading, limits, [this](Turn turn) { turn_->take(turn); }, ends[1]);
+    }
+    close(ends[1]);
+    pipe_ = ends[0];
+    if (child_ > 0) return;
+    close(pipe_);
+    throw core::Error("reading", name_, "the system gives no child process");
+}
+
+ChildTrial::~ChildTrial() {
+    if (child_ > 0) {
+        kill(child_, SIGKILL);
+        wait_for(child_);
+    }
+    if (pipe_ >= 0) close(pipe_);
+}
+
+ChildTrial::Told ChildTrial::told() {
+    EXPECTS(child_ > 0);
+    std::string text = text_of_child(pipe_);
+    const int status = wait_for(child_);
+    child_ = -1;
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {false, std::move(text)};
+    if (WIFEXITED(status) && WEXITSTATUS(status) == refused) return {true, std::move(text)};
+    tell_death(name_, status, turn_->now());
+}
+
+void try_in_child(const std::filesystem::path& file, const std::function<void(const TakeTurns&)>& reading) {
+    std::error_code failure;
+    const std::uintmax_t size = std::filesystem::file_size(file, failure);
+    ChildTrial trial(file.string(), limits_for(failure ? 0 : size), [&](const TakeTurns& take_turns) {
+        reading(take_turns);
+        return std::string();
+    });
+    const ChildTrial::Told told = trial.told();
+    if (told.refused) throw core::Error(told.text);
 }
 
 }  // namespace render2mpeg::scene

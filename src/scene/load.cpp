@@ -38,7 +38,7 @@ Animation load_as_is(const std::filesystem::path& file, const LoadOptions& optio
     if (ending == ".gltf" || ending == ".glb") return load_gltf(file, options);
     if (ending == ".json") return load_animation_file(file, options);
     // Assimp is not ours, and some of its parsers trust what a file says.
-    try_in_child(file, [&] { load_with_assimp(file, options); });
+    try_in_child(file, [&](const TakeTurns& take_turns) { load_with_assimp(file, options, take_turns); });
     return load_with_assimp(file, options);
 }
 

@@ -1,6 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <optional>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 
 #include "core/error.h"
 #include "encoder/encoder.h"
@@ -84,6 +88,37 @@ struct Demands {
     bool with_factors, with_forced;
 };
 
+bool begins(const core::Error& error, std::initializer_list<std::string_view> beginnings) {
+    return std::any_of(beginnings.begin(), beginnings.end(),
+                       [&](std::string_view words) { return std::string_view(error.what()).starts_with(words); });
+}
+
+/// Whether check() takes the settings. All that it may refuse of what settings_from() makes: a size or rate that no
+/// level has, repeated fields at a rate that has none, and rates and buffers in which nothing fits.
+bool is_lawful(const encoder::Settings& s) {
+    try {
+        encoder::check(s);
+        return true;
+    } catch (const core::Error& error) {
+        if (begins(error, {"bit rate ", "highest bit rate ", "VBV buffer ", "frame rate ", "size "})) return false;
+        throw std::logic_error(std::string("settings are refused for what they are not: ") + error.what());
+    }
+}
+
+/// The plan of a picture, the first of a chunk where n is 0; none where a chunk of this length cannot be coded in its
+/// rate and buffer, which is all that may be refused, and at its first picture only.
+std::optional<encoder::PicturePlan> plan_or_refusal(encoder::Encoder& coder, int n,
+                                                    const encoder::PictureFacts& facts) {
+    try {
+        return coder.plan(n, facts, n == 0);
+    } catch (const core::Error& error) {
+        if (n == 0 && begins(error, {"bit rate "}) &&
+            std::string_view(error.what()).find(": a chunk of ") != std::string_view::npos)
+            return std::nullopt;
+        throw std::logic_error(std::string("a picture is refused: ") + error.what());
+    }
+}
+
 void expect_decodes(const std::vector<encoder::CodedPicture>& coded) {
     encoder::testing::Libavcodec decoder;
     for (const encoder::CodedPicture& picture : coded) decoder.push(picture.bytes);
@@ -111,31 +146,27 @@ bool hints(Input input) {
     const auto keep = [&](std::vector<encoder::CodedPicture> pictures) {
         for (encoder::CodedPicture& picture : pictures) coded.push_back(std::move(picture));
     };
-    try {
-        encoder::check(s);
-        encoder::Encoder coder(s);
-        for (int n = 0; n < count; ++n) {
-            encoder::PictureFacts facts;
-            facts.frames_left = promises ? count - 1 - n : 0;
-            facts.left_in_chunk = count - 1 - n;
-            facts.last_chunk = true;
-            facts.sensitivity = numbers.pick(0, 100) / 100.0;
-            const encoder::PicturePlan plan = coder.plan(n, facts, n == 0);
-            std::vector<core::MotionField> motion;
-            for (const std::int64_t reference : plan.references)
-                motion.push_back(motion_from(numbers, s, n, reference));
-            if (numbers.pick(0, 3) == 0) motion.clear();
-            core::MotionField onward;
-            if (plan.horizon) onward = motion_from(numbers, s, n, *plan.horizon);
-            const Demands demands(numbers, s);
-            keep(coder.push(picture_from(numbers, s, n), plan, motion,
-                            {plan.horizon ? &onward : nullptr, demands.with_factors ? &demands.factors : nullptr,
-                             demands.with_forced ? &demands.forced : nullptr}));
-        }
-        keep(coder.flush());
-    } catch (const core::Error&) {
-        return false;  // no level allows it, or a rate that nothing fits
+    if (!is_lawful(s)) return false;
+    encoder::Encoder coder(s);
+    for (int n = 0; n < count; ++n) {
+        encoder::PictureFacts facts;
+        facts.frames_left = promises ? count - 1 - n : 0;
+        facts.left_in_chunk = count - 1 - n;
+        facts.last_chunk = true;
+        facts.sensitivity = numbers.pick(0, 100) / 100.0;
+        const std::optional<encoder::PicturePlan> plan = plan_or_refusal(coder, n, facts);
+        if (!plan) return false;
+        std::vector<core::MotionField> motion;
+        for (const std::int64_t reference : plan->references) motion.push_back(motion_from(numbers, s, n, reference));
+        if (numbers.pick(0, 3) == 0) motion.clear();
+        core::MotionField onward;
+        if (plan->horizon) onward = motion_from(numbers, s, n, *plan->horizon);
+        const Demands demands(numbers, s);
+        keep(coder.push(picture_from(numbers, s, n), *plan, motion,
+                        {plan->horizon ? &onward : nullptr, demands.with_factors ? &demands.factors : nullptr,
+                         demands.with_forced ? &demands.forced : nullptr}));
     }
+    keep(coder.flush());
     expect_decodes(coded);
     return true;
 }

@@ -2,9 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <memory>
+#include <new>
+#include <stdexcept>
 #include <vector>
 
 #include "core/error.h"
@@ -15,7 +21,7 @@ namespace render2mpeg::scene {
 namespace {
 
 /// What try_in_child says of `reading`; empty when it went well.
-std::string complaint_of(const std::function<void()>& reading) {
+std::string complaint_of(const std::function<void(const TakeTurns&)>& reading) {
     const support::Folder folder;
     std::ofstream(folder / "scene.xyz") << "ten bytes.";
     try {
@@ -28,22 +34,71 @@ std::string complaint_of(const std::function<void()>& reading) {
 
 TEST(ChildTrial, SaysNothingOfWhatGoesWell) {
     int calls = 0;
-    EXPECT_EQ(complaint_of([&] { ++calls; }), "");
+    EXPECT_EQ(complaint_of([&](const TakeTurns&) { ++calls; }), "");
     EXPECT_EQ(calls, 0) << "the child's memory is its own";
 }
 
 TEST(ChildTrial, PassesOnWhatTheReaderRefuses) {
-    EXPECT_EQ(complaint_of([] { throw core::Error("reading", "a.obj", "no such mesh"); }),
+    EXPECT_EQ(complaint_of([](const TakeTurns&) { throw core::Error("reading", "a.obj", "no such mesh"); }),
               "reading a.obj: no such mesh");
 }
 
 TEST(ChildTrial, SurvivesACrash) {
-    EXPECT_NE(complaint_of([] { std::abort(); }).find("crashed"), std::string::npos);
-    EXPECT_NE(complaint_of([] { throw 3; }).find("crashed"), std::string::npos);
+    EXPECT_NE(complaint_of([](const TakeTurns&) { std::abort(); }).find("crashed"), std::string::npos);
+    EXPECT_NE(complaint_of([](const TakeTurns&) { throw 3; }).find("crashed"), std::string::npos);
+}
+
+TEST(ChildTrial, TellsDeathsOfOurOwnCodeFromRefusals) {
+    const support::Folder folder;
+    std::ofstream(folder / "scene.xyz") << "ten bytes.";
+    const auto fault_of = [&](const std::function<void()>& ours) -> std::string {
+        try {
+            try_in_child(folder / "scene.xyz", [&](const TakeTurns& take_turns) {
+                take_turns(Turn::ours);
+                ours();
+            });
+        } catch (const std::logic_error& fault) {
+            return fault.what();
+        }
+        return {};
+    };
+    for (const std::function<void()>& death :
+         {std::function<void()>([] { std::abort(); }), std::function<void()>([] { throw 3; }),
+          // As sanitizers and libraries end a process.
+          std::function<void()>([] { _exit(1); }), std::function<void()>([] { EXPECTS(2 > 3); })})
+        EXPECT_NE(fault_of(death).find("render2mpeg itself crashes"), std::string::npos) << fault_of(death);
+    EXPECT_NE(fault_of([] { throw std::bad_alloc(); }).find("itself takes more memory"), std::string::npos);
+    EXPECT_NE(fault_of([] { std::raise(SIGXCPU); }).find("itself takes more time"), std::string::npos);
+    // What our own code refuses is the file's fault.
+    EXPECT_THROW(fault_of([] { throw core::Error("no light"); }), core::Error);
+    EXPECT_NE(complaint_of([](const TakeTurns&) { _exit(1); }).find("its parser crashed"), std::string::npos);
+    EXPECT_NE(complaint_of([](const TakeTurns& take_turns) {
+                  take_turns(Turn::ours);
+                  take_turns(Turn::parser);
+                  std::abort();
+              }).find("its parser crashed"),
+              std::string::npos);
+}
+
+TEST(ChildTrial, TellsWhatWasReadHoweverLongItIs) {
+    const TrialLimits limits = limits_for(0);
+    const std::string text(300'000, 'x');
+    ChildTrial one("one", limits, [&](const TakeTurns&) { return text; });
+    ChildTrial two("two", limits, [](const TakeTurns&) -> std::string { std::abort(); });
+    ChildTrial three("three", limits, [](const TakeTurns&) -> std::string { throw core::Error("no image"); });
+    // One that nobody waits for is ended.
+    const ChildTrial endless("four", limits, [](const TakeTurns&) -> std::string {
+        for (;;) pause();
+    });
+    EXPECT_TRUE(three.told().refused);
+    EXPECT_THROW(two.told(), core::Error);
+    const ChildTrial::Told told = one.told();
+    EXPECT_FALSE(told.refused);
+    EXPECT_TRUE(told.text == text);
 }
 
 TEST(ChildTrialSlow, EndsAParserThatNeverDoes) {
-    const auto endless = [] {
+    const auto endless = [](const TakeTurns&) {
         for (volatile bool on = true; on;) continue;
     };
     EXPECT_NE(complaint_of(endless).find("more time than a file of its size can need"), std::string::npos);
@@ -51,9 +106,10 @@ TEST(ChildTrialSlow, EndsAParserThatNeverDoes) {
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST(ChildTrial, RefusesFilesThatTakeAllMemory) {
-    const auto hoard = [] {
-        std::vector<std::vector<char>> blocks;
-        for (int i = 0; i < 64; ++i) blocks.emplace_back(std::size_t{1} << 28, 'x');
+    // Room alone, which costs nothing until it is written to.
+    const auto hoard = [](const TakeTurns&) {
+        std::vector<std::unique_ptr<char[]>> blocks;
+        for (int i = 0; i < 64; ++i) blocks.emplace_back(new char[std::size_t{1} << 28]);
     };
     EXPECT_NE(complaint_of(hoard).find("more memory"), std::string::npos);
 }
