@@ -9,7 +9,9 @@
 
 #include "app/coded_types.h"
 #include "app/figures.h"
+#include "app/outside_trial.h"
 #include "app/text_file.h"
+#include "core/error.h"
 #include "core/numeric.h"
 #include "encoder/av/inspect.h"
 
@@ -201,21 +203,27 @@ std::string damage_line(const std::string& name, const av::Inspection& film) {
     return lost == 0 ? "" : fmt::format("{}: {} cannot be shown", name, pictures_text(lost));
 }
 
+/// All that is told of a film: the damage, in a line of its own, and the tables.
+std::string told_of(const InfoOptions& options) {
+    const std::string name = options.input.string();
+    const av::Inspection film = av::inspect(options.input);
+    std::string text = damage_line(name, film) + "\n";
+    if (options.json) return text + json_text(json_of(name, film, options.summary));
+    text += stream_lines(name, film);
+    if (!options.summary) text += picture_table(film);
+    return text + type_table(film);
+}
+
 }  // namespace
 
 int info(const InfoOptions& options) {
-    const std::string name = options.input.string();
-    const av::Inspection film = av::inspect(options.input);
-    std::string text;
-    if (options.json) {
-        text = json_text(json_of(name, film, options.summary));
-    } else {
-        text = stream_lines(name, film);
-        if (!options.summary) text += picture_table(film);
-        text += type_table(film);
-    }
-    print(text);
-    const std::string damage = damage_line(name, film);
+    scene::ChildTrial trial(options.input.string(), film_limits(options.input),
+                            [&](const scene::TakeTurns&) { return told_of(options); });
+    const scene::ChildTrial::Told told = trial.told();
+    if (told.refused) throw core::Error(told.text);
+    const std::size_t end = told.text.find('\n');
+    const std::string damage = told.text.substr(0, end);
+    print(told.text.substr(end + 1));
     if (damage.empty()) return 0;
     std::fputs(("render2mpeg: " + damage + "\n").c_str(), stderr);
     return 1;

@@ -1,5 +1,7 @@
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
+#include <new>
 
 #include "app/compare.h"
 #include "app/cost.h"
@@ -10,10 +12,29 @@
 #include "app/render.h"
 #include "app/tune.h"
 
+namespace {
+
+/// Memory may run out where nobody catches: in a thread of Embree's or TBB's. One line then, too, and what there is of
+/// a film stays for --resume.
+[[noreturn]] void end_in_one_line() {
+    try {
+        if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
+    } catch (const std::bad_alloc&) {
+        std::fputs("render2mpeg: out of memory\n", stderr);
+        std::_Exit(1);
+    } catch (...) {
+        // A fault of ours: as loud as usual.
+    }
+    std::abort();
+}
+
+}  // namespace
+
 /// Everything that goes wrong anywhere ends here as one line and exit status 1.
 int main(int argc, char** argv) {
     using namespace render2mpeg::app;
     keep_memory();
+    std::set_terminate(end_in_one_line);
     try {
         const CommandLine line = parse(argc, argv);
         if (line.exit_code) return *line.exit_code;

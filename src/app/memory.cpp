@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <set>
 #include <string_view>
 
 #include "core/error.h"
@@ -48,7 +47,13 @@ std::uint64_t triangles_of(const scene::Animation& film) {
     return count;
 }
 
-/// The images that surfaces or the sky show.
+std::string size_text(std::uint64_t bytes) {
+    const double mib = static_cast<double>(bytes) / (1 << 20);
+    return mib < 1000 ? fmt::format("{:.0f} MiB", mib) : fmt::format("{:.1f} GiB", mib / 1024);
+}
+
+}  // namespace
+
 std::set<int> images_of(const scene::Animation& film) {
     std::set<int> images;
     for (const scene::Object& object : film.objects) {
@@ -61,13 +66,6 @@ std::set<int> images_of(const scene::Animation& film) {
     if (film.sky.image >= 0) images.insert(film.sky.image);
     return images;
 }
-
-std::string size_text(std::uint64_t bytes) {
-    const double mib = static_cast<double>(bytes) / (1 << 20);
-    return mib < 1000 ? fmt::format("{:.0f} MiB", mib) : fmt::format("{:.1f} GiB", mib / 1024);
-}
-
-}  // namespace
 
 std::uint64_t memory_from(const std::string& text) {
     double number = 0;
@@ -108,8 +106,8 @@ MemoryNeed memory_need(const Production& film) {
 void hold_to(std::uint64_t limit, int threads) {
     // What is told of is what is there. The system counts what may be written to, of which stacks and heaps keep much
     // in store: what they do now, and for each thread to come.
-    // chosen: 256 MiB of Embree's and TBB's, and 16 by thread, with which the smallest films that are reckoned to fit do
-    // (1, 2 and 8 threads; with half of it Embree does not start).
+    // chosen: 256 MiB of Embree's and TBB's, and 16 by thread, with which the smallest films that are reckoned to fit
+    // do (1, 2 and 8 threads; with half of it Embree does not start).
     const OwnMemory own = memory_now();
     constexpr std::uint64_t in_store = std::uint64_t{256} << 20, by_thread = std::uint64_t{16} << 20;
     limit += own.writable > own.resident ? own.writable - own.resident : 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 
 #include "app/production.h"
@@ -22,6 +23,9 @@ struct MemoryNeed {
 
     std::uint64_t total() const { return held + triangles + textures + decoding + lights + frames; }
 };
+
+/// The images that surfaces or the sky show, by their numbers.
+std::set<int> images_of(const scene::Animation& film);
 
 /// Reads the headers of all images. Throws core::Error.
 MemoryNeed memory_need(const Production& film);

@@ -91,6 +91,10 @@ void replace_file(const fs::path& path, std::span<const unsigned char> bytes) {
 
 }  // namespace
 
+void open_decoders() {
+    codec();
+}
+
 Image read_image(const fs::path& path, std::span<const std::byte> bytes, const std::string& name) {
     const Encoded file(path, bytes, name);
     return codec().decode(file.bytes, file.format, name);

@@ -26,6 +26,9 @@ struct Image {
 /// `max_pixels` are refused before anything of that size is allocated.
 Image read_image(const std::filesystem::path& path, std::span<const std::byte> bytes, const std::string& name);
 
+/// Opens the libraries that images are read with, which takes half a second: for whoever lets children read some first.
+void open_decoders();
+
 inline constexpr std::size_t max_pixels = std::size_t{16384} * 16384;
 
 /// What the header of an image says.
