@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <cctype>
+#include <optional>
 #include <set>
 #include <utility>
 
 #include "app/frame_source.h"
 #include "app/output_kind.h"
+#include "app/outside_trial.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "encoder/av/av.h"
@@ -30,6 +32,23 @@ std::string pattern_of(const std::string& name) {
     const std::string number =
         name[begin] == '0' && end - begin > 1 ? fmt::format("%0{}d", end - begin) : std::string("%d");
     return name.substr(0, begin) + number + name.substr(end);
+}
+
+/// The matrix that a film declares; none where it says nothing, which players take by the pictures' height.
+std::optional<perceptual::ColorMatrix> matrix_of(const std::filesystem::path& film, int declared) {
+    switch (declared) {
+        case 0:
+            return std::nullopt;
+        case 1:
+            return perceptual::ColorMatrix::bt709;
+        case 4:  // FCC: BT.601's weights to two digits
+        case 5:  // BT.470 for 625 lines, and SMPTE 170M for 525: BT.601's weights
+        case 6:
+            return perceptual::ColorMatrix::bt601;
+        default:
+            throw core::Error("comparing", film.string(),
+                              fmt::format("its luma is of matrix {}, neither BT.601 nor BT.709", declared));
+    }
 }
 
 }  // namespace
@@ -64,9 +83,14 @@ std::filesystem::path image_sequence_in(const std::filesystem::path& place) {
 ForeignFilm look_at_foreign(const std::filesystem::path& film, const std::filesystem::path& reference, float exposure) {
     const std::filesystem::path pattern = image_sequence_in(reference);
     const bool linear = pattern.extension() == ".exr";
-    const std::unique_ptr<FrameSource> frames =
-        open_frames(pattern, linear ? std::optional(exposure) : std::nullopt, std::nullopt);
+    scene::ChildTrial(film.string(), film_limits(film), [&](const scene::TakeTurns&) {
+        av::decode(film, [](const core::Picture&) {});
+        return std::string();
+    }).told();  // what it refuses it will again
     const av::Inspection inspection = av::inspect(film);
+    const std::unique_ptr<FrameSource> frames =
+        open_frames(pattern, linear ? std::optional(exposure) : std::nullopt, std::nullopt,
+                    matrix_of(film, inspection.stream.matrix_coefficients));
     ForeignFilm found;
     found.name = film.filename().string();
     found.width = inspection.stream.width;

@@ -53,7 +53,7 @@ FrameRange frames_on_disk(const std::filesystem::path& pattern) {
 class ImageFrames : public FrameSource {
   public:
     ImageFrames(const std::filesystem::path& pattern, std::optional<float> exposure,
-                const std::optional<FrameRange>& wanted)
+                const std::optional<FrameRange>& wanted, std::optional<perceptual::ColorMatrix> matrix)
         : pattern_(pattern), frames_(wanted ? *wanted : frames_on_disk(pattern)), exposure_(exposure.value_or(0.0f)) {
         // Look at the first frame for what all have in common; see that the others are there.
         for (std::int64_t n = frames_.first; n <= frames_.last; ++n)
@@ -61,6 +61,7 @@ class ImageFrames : public FrameSource {
                 throw core::Error("reading", numbered(pattern_, n).string(), "no such file");
         const image::Image first = read_image(frames_.first);
         size_ = {first.pixels.width(), first.pixels.height()};
+        matrix_ = matrix.value_or(perceptual::matrix_for(size_.height));
         if (first.pixel_aspect > 0.001f && first.pixel_aspect < 1000) pixel_aspect_ = first.pixel_aspect;
         if (exposure && !first.high_range)
             throw core::Error("exposure: the frames of " + pattern.string() +
@@ -81,15 +82,14 @@ class ImageFrames : public FrameSource {
             throw core::Error("reading", numbered(pattern_, frame).string(),
                               fmt::format("it has {}x{} pixels, the first frame {}x{}", image.pixels.width(),
                                           image.pixels.height(), size_.width, size_.height));
-        const perceptual::ColorMatrix matrix = perceptual::matrix_for(size_.height);
         const core::Plane<glm::vec3> colors = finite_colors(image);
         core::Picture picture;
         if (image.high_range) {
             core::Radiance radiance;
             radiance.combined = colors;
-            picture = perceptual::Display(exposure_, matrix).develop(radiance);
+            picture = perceptual::Display(exposure_, matrix_).develop(radiance);
         } else {
-            picture = perceptual::picture_of_signals(colors, matrix);
+            picture = perceptual::picture_of_signals(colors, matrix_);
         }
         picture.number = frame;
         return picture;
@@ -116,6 +116,7 @@ class ImageFrames : public FrameSource {
     FrameRange frames_;
     float exposure_;
     Size size_;
+    perceptual::ColorMatrix matrix_ = perceptual::ColorMatrix::bt709;
     float pixel_aspect_ = 1;
     std::uint64_t non_finite_ = 0;
 };
@@ -123,7 +124,8 @@ class ImageFrames : public FrameSource {
 }  // namespace
 
 std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std::optional<float> exposure,
-                                         const std::optional<FrameRange>& wanted) {
+                                         const std::optional<FrameRange>& wanted,
+                                         std::optional<perceptual::ColorMatrix> matrix) {
     const std::string ending = input.extension().string();
     if (ending == ".y4m") {
         if (exposure)
@@ -137,7 +139,7 @@ std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std
     if (!is_numbered(input))
         throw core::Error("reading", input.string(),
                           "numbered images need one frame number in their name, e.g. frames.%04d" + ending);
-    return std::make_unique<ImageFrames>(input, exposure, wanted);
+    return std::make_unique<ImageFrames>(input, exposure, wanted, matrix);
 }
 
 }  // namespace render2mpeg::app

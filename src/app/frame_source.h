@@ -9,6 +9,7 @@
 #include "app/options.h"
 #include "core/picture.h"
 #include "core/rational.h"
+#include "perceptual/display.h"
 
 namespace render2mpeg::app {
 
@@ -32,8 +33,10 @@ class FrameSource {
 
 /// Opens FRAMES: `film.y4m`, `frames.%04d.exr` (scene-linear; developed with `exposure` EV, 0 where none is given) or
 /// `frames.%04d.png` (display-referred). `wanted`: only these frames need be there; else all from the first number to
-/// the last. Throws core::Error, also for an exposure that frames have no use for.
+/// the last. `matrix`: of the pictures that images become; none: by their height. Throws core::Error, also for an
+/// exposure that frames have no use for.
 std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std::optional<float> exposure,
-                                         const std::optional<FrameRange>& wanted);
+                                         const std::optional<FrameRange>& wanted,
+                                         std::optional<perceptual::ColorMatrix> matrix = {});
 
 }  // namespace render2mpeg::app

@@ -161,6 +161,29 @@ TEST(ForeignFilm, IsHeldAgainstItsOwnFrames) {
     EXPECT_THROW(app::look_at_foreign(folder / "f.mpg", folder / "frames/g.%04d.png", 0), core::Error) << "size";
 }
 
+TEST(ForeignFilm, IsHeldAgainstFramesByTheMatrixThatItDeclares) {
+    const Folder folder;
+    // Red, green and blue, whose luma differs most between the two.
+    std::vector<unsigned char> rgb;
+    for (int i = 0; i < 64 * 48; ++i) {
+        const int patch = i % 64 / 16;
+        for (int c = 0; c < 3; ++c) rgb.push_back(patch == c || patch == 3 ? 200 : 30);
+    }
+    for (const char* name : {"f.0.png", "f.1.png"}) image::write_png(folder / name, 64, 48, rgb);
+    const auto psnr = [&](const std::string& coded, const std::string& declared) {
+        const std::string film = path(folder, coded + declared + ".mpg");
+        const auto made =
+            run("ffmpeg -v error -i " + path(folder, "f.%d.png") + " -vf scale=out_color_matrix=" + coded +
+                ":flags=accurate_rnd,format=yuv420p -colorspace " + declared + " -c:v mpeg2video -qscale:v 1 " + film);
+        EXPECT_EQ(made.status, 0) << made.output;
+        return app::look_at_foreign(film, folder / "f.%d.png", 0).psnr_y;
+    };
+    EXPECT_GT(psnr("bt601", "smpte170m"), 44);
+    EXPECT_GT(psnr("bt709", "bt709"), 44);
+    EXPECT_LT(psnr("bt601", "bt709"), 30) << "the wrong one is seen";
+    EXPECT_LT(psnr("bt709", "bt470bg"), 30);
+}
+
 TEST(ImageSequence, IsFoundInAFolderWhateverItsNumbers) {
     const Folder folder;
     for (const char* name : {"shot.0998.exr", "shot.0999.exr", "shot.1000.exr", "notes.txt", "cover.png"})
