@@ -275,6 +275,7 @@ int encode(const EncodeOptions& options, const std::string& command) {
     const std::vector<ChunkFile> chunks = encode_chunks(job, options, work, ledger);
     const bool complete = static_cast<std::int64_t>(ledger.frames.size()) == job.film.frame_count();
     const Published published = publish(chunks, job.film, work, options.output, complete);
+    if (complete) work.clear_away();
     const RunFacts facts{command, options.input.string(), published.name.string(), published.bytes, complete};
     ledger.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     ledger.rendering.non_finite = job.frames->non_finite();

@@ -156,7 +156,7 @@ HeatSubject heat_subject_from(const std::string& name) {
 }
 
 HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const Production& film,
-                         const nlohmann::json& identity, WorkFolder::Earlier earlier)
+                         const nlohmann::json& identity, WorkFolder::Earlier earlier, WorkFolder& whole)
     : subject_(subject),
       output_(output),
       work_(output, identity_of(subject, identity), earlier),
@@ -166,6 +166,7 @@ HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& outpu
       scale_(scale_of(subject)) {
     film_.coding = heatmap_settings(film);
     film_.disc = false;
+    whole.remember_companion(output, identity_of(subject, identity));
 }
 
 HeatmapFilm::~HeatmapFilm() = default;
@@ -249,11 +250,12 @@ void check_heatmaps(const RenderOptions& options, const Production& film) {
     }
 }
 
-HeatmapFilms::HeatmapFilms(const RenderOptions& options, const Production& film, const nlohmann::json& identity) {
+HeatmapFilms::HeatmapFilms(const RenderOptions& options, const Production& film, const nlohmann::json& identity,
+                           WorkFolder& whole) {
     for (const auto& [name, output] : options.heatmaps)
         films_.push_back(std::make_unique<HeatmapFilm>(
             heat_subject_from(name), output, film, identity,
-            options.resume ? WorkFolder::Earlier::resumed : WorkFolder::Earlier::removed));
+            options.resume ? WorkFolder::Earlier::resumed : WorkFolder::Earlier::removed, whole));
 }
 
 }  // namespace render2mpeg::app

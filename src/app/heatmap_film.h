@@ -41,9 +41,9 @@ void check_heatmaps(const RenderOptions& options, const Production& film);
 /// once it is whole; until then it lies in a work folder of its own.
 class HeatmapFilm : public Watcher {
   public:
-    /// `identity` is the film's.
+    /// `identity` is the film's; `whole` its work folder, which remembers this one.
     HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const Production& film,
-                const nlohmann::json& identity, WorkFolder::Earlier earlier);
+                const nlohmann::json& identity, WorkFolder::Earlier earlier, WorkFolder& whole);
     ~HeatmapFilm() override;
 
     /// Goes on after so many chunks that an earlier run left. Throws core::Error where it left fewer.
@@ -53,8 +53,9 @@ class HeatmapFilm : public Watcher {
 
     void lit(const LitFrame& frame) override;
     void coded(const encoder::CodedPicture& coded) override;
-    /// After the film's last picture.
+    /// After the film's last picture: gives it its name. What it was made of stays.
     void finish();
+    void clear_away() { work_.clear_away(); }
     /// Leaves nothing of it.
     void discard() { work_.remove(); }
 
@@ -79,7 +80,8 @@ class HeatmapFilm : public Watcher {
 class HeatmapFilms : public Watcher {
   public:
     /// Creates every file. Throws core::Error where one cannot be written; check_heatmaps() comes before.
-    HeatmapFilms(const RenderOptions& options, const Production& film, const nlohmann::json& identity);
+    HeatmapFilms(const RenderOptions& options, const Production& film, const nlohmann::json& identity,
+                 WorkFolder& whole);
 
     bool empty() const { return films_.empty(); }
     /// As HeatmapFilm::take_up().
@@ -98,11 +100,26 @@ class HeatmapFilms : public Watcher {
     void coded(const encoder::CodedPicture& coded) override {
         each([&](HeatmapFilm& film) { film.coded(coded); });
     }
-    /// After the film's last picture. Throws what went wrong first, be it while the film was made.
-    void finish() {
-        each([](HeatmapFilm& film) { film.finish(); });
-        failures_.rethrow();
+    /// After the film's last picture: gives them their names. Whether nothing is left to be done: what could not have
+    /// its name now may have it later, by --resume.
+    bool finish() {
+        std::size_t named = 0, made = 0;
+        for (const std::unique_ptr<HeatmapFilm>& film : films_) {
+            if (film == nullptr) continue;
+            ++made;
+            failures_.attempt([&] {
+                film->finish();
+                ++named;
+            });
+        }
+        return named == made;
     }
+    /// Removes what they were made of.
+    void clear_away() {
+        each([](HeatmapFilm& film) { film.clear_away(); });
+    }
+    /// Throws what went wrong first, be it while the film was made.
+    void rethrow() const { failures_.rethrow(); }
 
   private:
     template <class Step>

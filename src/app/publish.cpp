@@ -126,12 +126,11 @@ Published give_name(const std::filesystem::path& file, WorkFolder& work, const s
     std::error_code error;
     const std::uint64_t bytes = std::filesystem::file_size(file, error);
     if (!error && !complete) return {work.leave(file), bytes};
-    // What it was made of goes only when it is there for good.
+    // What it was made of may go once it is there for good.
     bring_to_disk(file);
     if (!error) std::filesystem::rename(file, output, error);
     if (error) throw core::Error("writing", output.string(), error.message());
     bring_name_to_disk(output);
-    work.clear_away();
     return {output, bytes};
 }
 

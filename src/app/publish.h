@@ -38,9 +38,9 @@ struct Published {
     std::uint64_t bytes = 0;
 };
 
-/// Puts the film together, proves that it decodes to what was encoded, and only then gives it its name. Then what
-/// interrupted runs left of it goes, and the work folder. Where the film is not complete, that stays, and what there is
-/// gets a name that nobody has (WorkFolder::leave). Throws core::Error.
+/// Puts the film together, proves that it decodes to what was encoded, and only then gives it its name. The work folder
+/// stays as it is, for whoever needs it still. Where the film is not complete, what there is gets a name that nobody
+/// has (WorkFolder::leave). Throws core::Error.
 Published publish(const std::vector<ChunkFile>& chunks, const Film& film, WorkFolder& work,
                   const std::filesystem::path& output, bool complete);
 

@@ -8,11 +8,13 @@
 #include <memory>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "app/attempts.h"
 #include "app/film_identity.h"
 #include "app/frame_portrait.h"
 #include "app/heatmap_film.h"
+#include "app/outside_trial.h"
 #include "app/interrupt.h"
 #include "app/memory.h"
 #include "app/pipeline.h"
@@ -48,6 +50,7 @@ Production prepare_within_memory(const RenderOptions& options) {
     const std::uint64_t limit = memory_from(*options.memory);
     hold_to(limit, parallel::thread_count());
     Production film = prepare(options);
+    try_images(*film.animation);  // their headers are read next
     film.images_in_turn = !may_decode_at_once(film, memory_need(film), limit, parallel::thread_count());
     return film;
 }
@@ -180,7 +183,6 @@ Published publish_frames(const Production& film, const RenderOptions& options, W
         return give_name(file, work, options.output, complete);
     }
     // Images have their names already.
-    if (complete) work.clear_away();
     return {options.output, 0};
 }
 
@@ -217,15 +219,19 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     say_notes(film, options);
     check_outputs(film, options);
     const nlohmann::json identity = timed(ledger, Stage::load, [&] { return identity_of(film, options); });
+    // `tune` looks at what it renders, and so renders.
+    if (const auto status = rendered == nullptr ? settled_before(film, options, identity) : std::nullopt)
+        return *status;
     if (options.resume) WorkFolder::check(options.output, identity);
     const std::string left = left_text(film, options, identity);
     if (options.dry_run) {
         if (!options.quiet) print(left + dry_run_text(film, options));
         return 0;
     }
+    if (!options.memory) timed(ledger, Stage::load, [&] { try_images(*film.animation); });
     if (!options.quiet && !options.resume) std::fputs(left.c_str(), stderr);
     const std::unique_ptr<WorkFolder> work = open_outputs(options, identity);
-    HeatmapFilms heatmaps(options, film, identity);
+    HeatmapFilms heatmaps(options, film, identity, *work);
     std::vector<ChunkFile> chunks = take_up(film, options, *work, heatmaps, ledger);
     settle(film, options, *work, ledger);
     if (InterruptGuard::requested()) {
@@ -251,15 +257,26 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
         facts.complete = complete;
         published = true;
     });
-    if (complete) attempts.attempt([&] { heatmaps.finish(); });
+    const bool all_named = complete && heatmaps.finish() && published;
+    attempts.attempt([&] { heatmaps.rethrow(); });
     ledger.wall = clock.seconds(ledger);
     if (options.stats) attempts.attempt([&] { write_statistics(*options.stats, film, ledger, facts); });
     if (options.report)
         attempts.attempt([&] { write_report(*options.report, film, ledger, facts, portrait.figures()); });
+    if (all_named) {
+        // Only now nothing of what they were made of is needed. The film's own comes last: it knows of the others.
+        const Products products = products_of(film, options);
+        mark_as_whole({products.frames, attempts.none_failed() ? products.beside : Products().beside}, identity);
+        heatmaps.clear_away();
+        work->clear_away();
+    } else if (complete && !options.quiet) {
+        std::fputs((resuming_text(film, chunks.size()) + "\n").c_str(), stderr);
+    }
     if (!options.quiet && published) attempts.attempt([&] { print(summary(film, ledger, facts)); });
     if (!complete && !options.quiet)
         std::fputs(fmt::format("interrupted after {} of {} frames; {}\n", ledger.frames.size(), film.frame_count(),
-                               resuming_text(film, whole_of(chunks), rendered != nullptr ? "the command above" : "the same command"))
+                               resuming_text(film, whole_of(chunks),
+                                             rendered != nullptr ? "the command above" : "the same command"))
                        .c_str(),
                    stderr);
     attempts.rethrow();

@@ -93,11 +93,65 @@ std::vector<encoder::Allotment> kept_allotments(const Production& film, const Wo
     return allotments;
 }
 
+/// Heatmaps that an earlier run began and this one does not go on with; they go when the film is whole.
+void say_given_up(const RenderOptions& options, const WorkFolder& work) {
+    for (const std::filesystem::path& file : work.companions()) {
+        std::error_code error;
+        const bool wanted = std::any_of(options.heatmaps.begin(), options.heatmaps.end(), [&](const auto& heatmap) {
+            return std::filesystem::absolute(heatmap.second, error).lexically_normal() == file;
+        });
+        if (!wanted && !options.quiet && std::filesystem::exists(work_folder_of(file), error))
+            std::fputs((file.string() + " is given up, since --heatmap is not given for it\n").c_str(), stderr);
+    }
+}
+
 }  // namespace
 
 std::filesystem::path frames_of(const Production& film, const RenderOptions& options, const WorkFolder& work,
                                 const Chunk& chunk) {
     return film.kind == OutputKind::y4m ? work.place(fmt::format("chunk_{:05}.y4m", chunk.index)) : options.output;
+}
+
+Products products_of(const Production& film, const RenderOptions& options) {
+    Products products;
+    const bool images = film.kind == OutputKind::exr || film.kind == OutputKind::png;
+    if (!images) products.frames.push_back(options.output);
+    for (std::int64_t n = film.frames.first; n <= film.frames.last; ++n) {
+        if (images) products.frames.push_back(numbered(options.output, n));
+        if (options.layers) products.frames.push_back(numbered(layers_in(*options.layers), n));
+    }
+    for (const auto& [subject, file] : options.heatmaps) products.beside.emplace_back(file);
+    if (options.stats) products.beside.emplace_back(*options.stats);
+    if (options.report) products.beside.emplace_back(*options.report);
+    return products;
+}
+
+std::optional<int> settled_before(const Production& film, const RenderOptions& options, const json& identity) {
+    if (!options.resume) return std::nullopt;
+    const std::string name = options.output.string();
+    const auto say = [&](const std::string& text) {
+        if (!options.quiet) std::fputs((name + text + "\n").c_str(), stderr);
+    };
+    const Wholeness found = wholeness_of(products_of(film, options), identity);
+    std::error_code error;
+    const bool begun = std::filesystem::exists(work_folder_of(options.output), error);
+    switch (found.state) {
+        case Wholeness::State::unknown:
+            return std::nullopt;
+        case Wholeness::State::other:
+            if (!begun) say(" is whole, but " + found.difference + ": it begins anew");
+            return std::nullopt;
+        case Wholeness::State::lacking:
+            if (begun) return std::nullopt;
+            throw core::Error("resuming", name,
+                              "it is whole already, and " + found.difference +
+                                  " can only be made with it; without --resume the film begins anew");
+        case Wholeness::State::whole:
+            break;
+    }
+    say(" is whole already: nothing is left to be done");
+    if (!options.dry_run && begun) WorkFolder(options.output, identity, WorkFolder::Earlier::resumed).clear_away();
+    return 0;
 }
 
 json facts_of(const Production& film, const RenderOptions& options, const WorkFolder& work, const Chunk& chunk,
@@ -122,6 +176,7 @@ std::vector<ChunkFile> take_up(const Production& film, const RenderOptions& opti
     ledger = std::move(earlier);
     heatmaps.take_up(chunks.size());
     work.drop_all_but(chunks);
+    say_given_up(options, work);
     if (!options.quiet) {
         const std::string name = options.output.string();
         const std::string text =

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "app/ledger.h"
 #include "app/options.h"
 #include "app/production.h"
+#include "app/whole_mark.h"
 #include "app/work_folder.h"
 
 /// How a run goes on where another one was interrupted or killed (docs/resume.md).
@@ -25,6 +27,14 @@ std::filesystem::path frames_of(const Production& film, const RenderOptions& opt
 /// of its frames.
 nlohmann::json facts_of(const Production& film, const RenderOptions& options, const WorkFolder& work,
                         const Chunk& chunk, const Ledger& so_far);
+
+/// What the options ask a render to leave.
+Products products_of(const Production& film, const RenderOptions& options);
+
+/// Where the film of --resume is whole already (whole_mark.h) says so, removes what a run that was killed at its very
+/// end may have left, and returns the exit status: 0, or 1 where something is asked for beside the film that could only
+/// be made with it. Otherwise none; what differs from a film that is there is said.
+std::optional<int> settled_before(const Production& film, const RenderOptions& options, const nlohmann::json& identity);
 
 /// The whole chunks of an earlier run, whose ledger is taken in; what else there was is removed. None where the options
 /// ask for none. Throws core::Error where a heatmap has fewer chunks than the film.

@@ -91,6 +91,8 @@ void WorkFolder::take_over(Earlier earlier) {
     resumed_ = same && earlier == Earlier::resumed;
     const json leftovers = before.value("leftovers", json::array()), settled = before.value("kept", json::object());
     (*manifest_)["leftovers"] = same && leftovers.is_array() ? leftovers : json::array();
+    const json companions = before.value("companions", json::array());
+    (*manifest_)["companions"] = companions.is_array() ? companions : json::array();
     (*manifest_)["kept"] = resumed_ && settled.is_object() ? settled : json::object();
     begun_ = resumed_;
     if (!resumed_) drop_all_but({});
@@ -98,7 +100,9 @@ void WorkFolder::take_over(Earlier earlier) {
 }
 
 WorkFolder::~WorkFolder() {
-    if (!begun_ && (!manifest_->contains("leftovers") || (*manifest_)["leftovers"].empty())) remove();
+    if (begun_ || removed_ || (manifest_->contains("leftovers") && !(*manifest_)["leftovers"].empty())) return;
+    remove_companions();
+    remove();
 }
 
 void WorkFolder::write_manifest() {
@@ -178,6 +182,39 @@ std::filesystem::path WorkFolder::begin(const std::string& name) {
     return place(name);
 }
 
+void WorkFolder::remember_companion(const std::filesystem::path& output, const json& identity) {
+    std::error_code error;
+    const std::filesystem::path name = std::filesystem::absolute(output, error).lexically_normal();
+    const json one = as_written({{"file", name.string()}, {"identity", identity}});
+    json& companions = (*manifest_)["companions"];
+    if (std::find(companions.begin(), companions.end(), one) != companions.end()) return;
+    companions.push_back(one);
+    write_manifest();
+}
+
+std::vector<std::filesystem::path> WorkFolder::companions() const {
+    std::vector<std::filesystem::path> files;
+    for (const json& one : manifest_->value("companions", json::array()))
+        if (one.is_object() && one.value("file", json()).is_string())
+            files.emplace_back(one["file"].get<std::string>());
+    return files;
+}
+
+void WorkFolder::remove_companions() const {
+    for (const json& one : manifest_->value("companions", json::array())) {
+        if (!one.is_object() || !one.value("file", json()).is_string()) continue;
+        const std::filesystem::path file(one["file"].get<std::string>());
+        // Only what was made for this film; the folders of this run are locked.
+        if (one.value("identity", json()) != manifest_in(work_folder_of(file)).value("identity", json(false))) continue;
+        try {
+            check(file);
+            WorkFolder(file, one["identity"]).remove();
+        } catch (const std::exception&) {
+            // Another run has it, or it is not to be removed: it harms nobody.
+        }
+    }
+}
+
 ChunkFile WorkFolder::open(const Chunk& chunk) {
     begun_ = true;
     return {file_of(chunk), chunk};
@@ -204,6 +241,7 @@ void WorkFolder::clear_away() {
         std::error_code ignored;
         if (leftover == leftover_of(folder / name)) std::filesystem::remove(folder / name, ignored);
     }
+    remove_companions();
     remove();
 }
 

@@ -47,6 +47,11 @@ class WorkFolder {
     nlohmann::json kept(const std::string& name) const;
     void keep(const std::string& name, const nlohmann::json& value);
 
+    /// Remembers another output that is made with this one in a work folder of its own, and for what (its identity).
+    void remember_companion(const std::filesystem::path& output, const nlohmann::json& identity);
+    /// The outputs that this and earlier runs remembered.
+    std::vector<std::filesystem::path> companions() const;
+
     ChunkFile open(const Chunk& chunk);
     /// A file of that name in the folder, which is begun now.
     std::filesystem::path begin(const std::string& name);
@@ -55,20 +60,21 @@ class WorkFolder {
     /// Gives a file with a part of the film a name beside the film that nobody has, and remembers it as a leftover.
     /// Returns the name. Throws core::Error.
     std::filesystem::path leave(const std::filesystem::path& file);
-    /// When the film is whole: removes what interrupted runs left of it, where nobody has changed that since, and the
-    /// folder.
+    /// When the film is whole: removes what interrupted runs left of it, where nobody has changed that since, the
+    /// folders of companions that nobody goes on with, and the folder.
     void clear_away();
     /// Removes the folder with all that it holds.
     void remove();
 
   private:
     void take_over(Earlier earlier);
+    void remove_companions() const;
     std::filesystem::path file_of(const Chunk& chunk) const;
     void write_manifest();
 
     std::filesystem::path output_, folder_;
     OutputLock lock_;
-    std::unique_ptr<nlohmann::json> manifest_;  ///< `identity`, `leftovers`, `kept`
+    std::unique_ptr<nlohmann::json> manifest_;  ///< `identity`, `leftovers`, `companions`, `kept`
     bool resumed_ = false, begun_ = false, removed_ = false;
 };
 

@@ -1,0 +1,136 @@
+#include <gtest/gtest.h>
+#include <sys/xattr.h>
+
+#include <fstream>
+#include <string>
+
+#include "app/whole_mark.h"
+#include "pipeline/foreign.h"
+
+/// What becomes of a film between its last frame and its last file, and of a film that is whole already.
+namespace render2mpeg {
+namespace {
+
+using app::Products;
+using app::Wholeness;
+using nlohmann::json;
+using support::contents;
+using support::Folder;
+using support::plain_film;
+using support::program;
+using support::run;
+using test::path;
+
+const std::string quick = " --size 32x32 --samples 1 --vpls 0 --tolerance fixed=90% --exposure 0 --threads 1 --gop 15 ";
+
+std::string render_to(const Folder& folder, const std::string& output, const std::string& more = "--frames 0:1") {
+    return program() + " render " + plain_film() + quick + more + " -o " + path(folder, output);
+}
+
+bool has_attributes(const Folder& folder) {
+    std::ofstream(folder / "probe") << "x";
+    const bool kept = setxattr((folder / "probe").c_str(), "user.render2mpeg.probe", "x", 1, 0) == 0;
+    std::filesystem::remove(folder / "probe");
+    return kept;
+}
+
+TEST(WholeFilm, IsNotRenderedAnewByResume) {
+    const Folder folder;
+    if (!has_attributes(folder)) GTEST_SKIP() << "this file system keeps no attributes";
+    for (const std::string output : {"f.mpg", "f.y4m", "f.%03d.png"}) {
+        const std::string start = render_to(folder, output, "--frames 0:1 --stats " + path(folder, "s.json"));
+        const auto first = folder / (output == "f.%03d.png" ? "f.000.png" : output);
+        ASSERT_EQ(run(start + " --quiet").status, 0);
+        const auto written = std::filesystem::last_write_time(first);
+        const auto resumed = [&](const std::string& more) { return run(start + " --resume " + more); };
+        const std::string whole = path(folder, output) + " is whole already: nothing is left to be done\n";
+        for (const char* more : {"", "--dry-run", "--threads 2"}) {
+            const auto outcome = resumed(more);
+            EXPECT_EQ(outcome.status, 0) << outcome.output;
+            EXPECT_EQ(outcome.output, whole);
+        }
+        const auto lacking = resumed("--report " + path(folder, "r.html"));
+        EXPECT_EQ(lacking.status, 1);
+        EXPECT_NE(lacking.output.find("r.html can only be made with it; without --resume"), std::string::npos)
+            << lacking.output;
+        EXPECT_EQ(std::filesystem::last_write_time(first), written) << "nothing was done";
+
+        // Another film begins anew, and says why; and so does one that somebody has changed.
+        const auto other = resumed("--clamp none");
+        EXPECT_EQ(other.status, 0);
+        EXPECT_NE(other.output.find(output + " is whole, but --clamp was not given and is none: it begins anew"),
+                  std::string::npos)
+            << other.output;
+        EXPECT_EQ(resumed("--clamp none").output, whole);
+        std::ofstream(first, std::ios::app) << "x";
+        EXPECT_NE(resumed("--clamp none").output.find("what was written has changed since: it begins anew"),
+                  std::string::npos);
+    }
+}
+
+TEST(WholeMark, KnowsFilmsOfAnyNumberOfInputs) {
+    const Folder folder;
+    if (!has_attributes(folder)) GTEST_SKIP() << "this file system keeps no attributes";
+    std::ofstream(folder / "film") << "pictures";
+    const Products products{{folder / "film"}, {}};
+    for (const int count : {1, 200}) {
+        json identity{{"version", "1"}, {"options", json::object()}, {"inputs", json::array()}};
+        for (int i = 0; i < count; ++i)
+            identity["inputs"].push_back({{"file", "/scene/image" + std::to_string(i)}, {"checksum", "0123456789"}});
+        app::mark_as_whole(products, identity);
+        EXPECT_EQ(app::wholeness_of(products, identity).state, Wholeness::State::whole) << count;
+        identity["inputs"].back()["checksum"] = "another";
+        const Wholeness changed = app::wholeness_of(products, identity);
+        EXPECT_EQ(changed.state, Wholeness::State::other) << count;
+        EXPECT_NE(changed.difference.find("the input /scene/image0"), std::string::npos) << changed.difference;
+    }
+    std::filesystem::copy_file(folder / "film", folder / "copy");
+    EXPECT_EQ(app::wholeness_of({{folder / "copy"}, {}}, {}).state, Wholeness::State::unknown);
+}
+
+TEST(Heatmap, ThatCannotHaveItsNameAtLastMayHaveItLater) {
+    const Folder folder;
+    const std::string heat = path(folder, "heat.mpg");
+    const std::string start = render_to(folder, "f.mpg", "--frames 0:59 --heatmap cut " + heat);
+    ASSERT_EQ(run(start + " --quiet").status, 0);
+    const std::string whole = contents(heat);
+    std::filesystem::remove(heat);
+    // Somebody takes its name while it is made.
+    const auto outcome = run(start + " & job=$!; while [ ! -e " + heat +
+                             ".partial/chunk_00000.m2v ]; do kill -0 $job || exit 99; sleep 0.01; done; mkdir " + heat +
+                             "; touch " + heat + "/mine; wait $job");
+    EXPECT_EQ(outcome.status, 1) << outcome.output;
+    EXPECT_NE(outcome.output.find("with --resume only what comes after the last frame is done again"),
+              std::string::npos)
+        << outcome.output;
+    std::filesystem::remove_all(heat);
+    const auto resumed = run(start + " --resume");
+    EXPECT_EQ(resumed.status, 0) << resumed.output;
+    EXPECT_NE(resumed.output.find("60 of 60 are there"), std::string::npos) << resumed.output;
+    EXPECT_TRUE(contents(heat) == whole) << "no frame of it was lost";
+    EXPECT_EQ(folder.entries(), 2u) << "no work folder is left";
+}
+
+TEST(Heatmap, ThatIsGivenUpLeavesNothing) {
+    const Folder folder;
+    const std::string heat = path(folder, "heat.mpg"), film = path(folder, "f.mpg");
+    const std::string start = render_to(folder, "f.mpg", "--frames 0:119 ");
+    const auto killed = [&] {
+        return run(start + "--heatmap cut " + heat + " & job=$!; while [ ! -s " + film +
+                   ".partial/chunk_00000.json ]; do kill -0 $job || exit 99; sleep 0.01; done; kill -KILL $job; "
+                   "wait $job");
+    };
+    for (const char* way : {" --resume", ""}) {
+        ASSERT_EQ(killed().status, 137);
+        ASSERT_TRUE(std::filesystem::exists(heat + ".partial"));
+        const auto outcome = run(start + way);
+        EXPECT_EQ(outcome.status, 0) << outcome.output;
+        EXPECT_EQ(outcome.output.find("heat.mpg is given up, since --heatmap is not given for it") != std::string::npos,
+                  *way != '\0')
+            << outcome.output;
+        EXPECT_EQ(folder.entries(), 1u) << way;
+    }
+}
+
+}  // namespace
+}  // namespace render2mpeg
