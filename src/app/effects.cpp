@@ -1,6 +1,9 @@
 #include "app/effects.h"
 
+#include <algorithm>
 #include <utility>
+
+#include "core/numeric.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -26,23 +29,31 @@ std::vector<Effect> effects_of(const Production& film, const Ledger& ledger) {
     const renderer::Statistics& r = ledger.rendering;
     const auto pass = [&](Pass p) { return ledger.pass_seconds[static_cast<std::size_t>(p)]; };
     std::vector<Effect> effects;
-    effects.push_back({"seeing", ledger.stage_seconds(Stage::see), r.primary_rays, {}, ""});
+    // What a clock that samples tells may come to more than the whole it is part of.
+    const double see = ledger.stage_seconds(Stage::see), sky = std::min(r.sky_seconds, see);
+    effects.push_back({"seeing", see - sky, r.primary_rays, {}, ""});
+    if (plan.runs(Pass::sky_background))
+        effects.push_back({"the sky seen", sky, {}, {}, "about; what it lights is in direct light"});
     if (plan.runs(Pass::mirrors) || plan.runs(Pass::glass)) {
         const char* name = !plan.runs(Pass::glass)     ? "mirrors"
                            : !plan.runs(Pass::mirrors) ? "glass"
                                                        : "mirrors and glass";
         effects.push_back({name, {}, r.specular_rays, {}, "time in seeing, and in the light of what is seen there"});
     }
+    // Layers are met by shadow rays to all lights alike.
+    const bool photons = plan.runs(Pass::photons);
+    const double direct = pass(Pass::punctual_lights) + pass(Pass::emissive_lights) + pass(Pass::direct_tree);
+    const double bounced = photons ? pass(Pass::indirect_tree) : 0.0;
+    const double layers = std::min(r.layer_seconds, direct + bounced);
+    const double rest = core::divide_or(direct + bounced - layers, direct + bounced, 1.0);
     if (const std::string sources = sources_of(plan); !sources.empty())
-        effects.push_back({"direct light",
-                           pass(Pass::punctual_lights) + pass(Pass::emissive_lights) + pass(Pass::direct_tree),
-                           {},
-                           r.direct_clusters,
-                           sources});
-    if (plan.runs(Pass::photons)) {
+        effects.push_back({"direct light", rest * direct, {}, r.direct_clusters, sources});
+    if (photons) {
         effects.push_back({"photons", pass(Pass::photons), r.photon_rays, {}, "that carry light to where it bounces"});
-        effects.push_back({"bounced light", pass(Pass::indirect_tree), {}, r.indirect_clusters, ""});
+        effects.push_back({"bounced light", rest * bounced, {}, r.indirect_clusters, ""});
     }
+    if (plan.runs(Pass::alpha) || plan.runs(Pass::glass))
+        effects.push_back({"transparent shadows", layers, {}, {}, "about: what layers let through of light"});
     if (film.tolerance.coupled && film.kind == OutputKind::film)
         effects.push_back({"what the eye misses",
                            ledger.stage_seconds(Stage::preview) + ledger.stage_seconds(Stage::tolerate),

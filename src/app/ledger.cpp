@@ -34,6 +34,8 @@ renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer:
         sum.*count += earlier.*count;
     sum.records_live = std::max(earlier.records_live, later.records_live);
     sum.calibration_seconds += earlier.calibration_seconds;
+    sum.sky_seconds += earlier.sky_seconds;
+    sum.layer_seconds += earlier.layer_seconds;
     sum.bands.add(earlier.bands);
     if (!earlier.first_non_finite.empty()) sum.first_non_finite = earlier.first_non_finite;
 

@@ -53,6 +53,8 @@ void each_count(Counts& s, Visit&& visit) {
     visit("frames_watched", s.frames_watched);
     visit("calibrated_pixels", s.calibrated_pixels);
     visit("calibration_seconds", s.calibration_seconds);
+    visit("sky_seconds", s.sky_seconds);
+    visit("layer_seconds", s.layer_seconds);
     visit("records_created", s.records_created);
     visit("records_served", s.records_served);
     visit("records_followed", s.records_followed);

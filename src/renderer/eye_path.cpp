@@ -109,8 +109,9 @@ void EyePaths::see_sky(const Walk& walk, EyeSample& sample) const {
         sample.main = {core::luminance(walk.weight), core::PixelClass::sky, {}};
     if (!sky_) return;
     const SurfaceFootprint& spread = walk.ray.direction_change;
-    const glm::vec3 light =
-        walk.weight * scenery_.sky()->radiance(walk.ray.direction, glm::length(glm::cross(spread.dx, spread.dy)));
+    const glm::vec3 light = walk.weight * sky_clock_.time([&] {
+        return scenery_.sky()->radiance(walk.ray.direction, glm::length(glm::cross(spread.dx, spread.dy)));
+    });
     sample.unscattered += light;
     if (walk.specular) sample.unscattered_specular += light;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/visible.h"
+#include "renderer/sampled_clock.h"
 #include "renderer/scenery.h"
 #include "renderer/see.h"
 
@@ -54,6 +55,9 @@ class EyePaths {
     /// What a ray of the eye sees whose nearest surface before `far` is `first`; replaces `sample`.
     void look(const EyeRay& ray, float far, const Hit& first, EyeSample& sample, SeeCounts& counts) const;
 
+    /// CPU seconds that the sky took to look at, about (sampled_clock.h).
+    double sky_seconds() const { return sky_clock_.seconds(); }
+
   private:
     struct Walk;
     void follow(Walk walk, Hit hit, EyeSample& sample, SeeCounts& counts) const;
@@ -65,6 +69,7 @@ class EyePaths {
     const Scenery& scenery_;
     bool sky_, mirrors_;
     int specular_depth_;
+    mutable SampledClock sky_clock_;
 };
 
 }  // namespace render2mpeg::renderer

@@ -267,6 +267,7 @@ Seen Renderer::see(const scene::Snapshot& snapshot) {
                       impl_->plan, counts);
     impl_->statistics.primary_rays += counts.primary_rays;
     impl_->statistics.specular_rays += counts.specular_rays;
+    impl_->statistics.sky_seconds += counts.sky_seconds;
     return seen;
 }
 
@@ -293,6 +294,7 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     i.count(counts, seen.visible);
     if (learns) i.watch(snapshot, seen, tolerance, settings, radiance, counts, by_records ? &known : nullptr);
     i.share_time(cpu_seconds() - start, counts);
+    i.statistics.layer_seconds = i.scenery.layer_seconds();
     return radiance;
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "image/image.h"
+#include "renderer/sampled_clock.h"
 #include "renderer/surface_material.h"
 #include "renderer/surface_shape.h"
 
@@ -33,7 +34,9 @@ struct Scenery::Impl {
           materials(film, plan),
           sky(sky_of(film, plan)),
           tracer(film, isa, translucent_materials(materials, film.materials.size()),
-                 [this](const core::SurfaceAddress& address) { return transmittance(address); }) {}
+                 [this](const core::SurfaceAddress& address) {
+                     return layer_clock.time([&] { return transmittance(address); });
+                 }) {}
 
     std::uint32_t material_of(std::uint32_t object) const {
         return static_cast<std::uint32_t>(animation.objects[object].material);
@@ -56,6 +59,7 @@ struct Scenery::Impl {
     const scene::Animation& animation;
     SurfaceMaterials materials;
     std::optional<image::SkyMap> sky;
+    SampledClock layer_clock;
     RayTracer tracer;
     const scene::Snapshot* snapshot = nullptr;
 };
@@ -81,6 +85,9 @@ const RayTracer& Scenery::tracer() const {
 }
 const scene::Animation& Scenery::animation() const {
     return impl_->animation;
+}
+double Scenery::layer_seconds() const {
+    return impl_->layer_clock.seconds();
 }
 const image::SkyMap* Scenery::sky() const {
     return impl_->sky ? &*impl_->sky : nullptr;

@@ -56,6 +56,9 @@ class Scenery {
     /// What is seen where there is no surface, and its light; null where the plan wants neither.
     const image::SkyMap* sky() const;
 
+    /// CPU seconds that shadow rays' layers took to look at, about (sampled_clock.h): 0 where nothing is translucent.
+    double layer_seconds() const;
+
   private:
     struct Impl;
     std::unique_ptr<Impl> impl_;

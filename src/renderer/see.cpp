@@ -186,6 +186,7 @@ Seen see(const Scenery& scenery, const SeeSettings& settings, const Plan& plan, 
         counts.primary_rays += c.primary_rays;
         counts.specular_rays += c.specular_rays;
     }
+    counts.sky_seconds += paths.sky_seconds();
     return seen;
 }
 

@@ -20,6 +20,7 @@ struct SeeSettings {
 struct SeeCounts {
     std::uint64_t primary_rays = 0;   ///< from the eye, and on through layers
     std::uint64_t specular_rays = 0;  ///< from mirrors
+    double sky_seconds = 0;           ///< CPU, about: looking at the sky
 };
 
 /// Primary visibility of the posed snapshot, with antialiasing (docs/model.md, "Visibility"). The weights of a pixel's
