@@ -100,6 +100,11 @@ double even_slope(const Target& target) {
     return target.is_rate() ? 0.025 : 0.2;
 }
 
+bool is_lossless(const Target& target, double value) {
+    // chosen: what rounding leaves of an SSIM of 1.
+    return target.kind == Target::Kind::psnr ? value >= same : target.kind == Target::Kind::ssim && value > 1 - 1e-9;
+}
+
 bool is_near(const Target& target, double value, double share) {
     if (target.kind == Target::Kind::psnr) return std::abs(value - target.value) <= share * near_psnr;
     if (target.kind == Target::Kind::ssim) return std::abs(value - target.value) <= share * near_ssim;

@@ -44,6 +44,8 @@ double value_of(const Target& target, const Trial& trial, double pictures_per_se
 double even_figure(const Target& target, double value);
 /// By how much that rises for each unit of quality, about.
 double even_slope(const Target& target);
+/// Whether a value says that nothing is lost at all, so that no coding could be better.
+bool is_lossless(const Target& target, double value);
 /// Whether a value is as near as is asked for, or within `share` of that.
 bool is_near(const Target& target, double value, double share = 1);
 

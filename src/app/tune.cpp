@@ -145,14 +145,19 @@ bool TuneCommand::search() {
 void TuneCommand::settle_options() {
     const Target& target = tuning_.target;
     const Probe& chosen = tuning_.probes[*tuning_.chosen];
-    // A file that even the finest film does not fill is small enough.
-    const bool finest = target.kind == Kind::size && tuning_.found == Found::beyond && *chosen.trial.quality > 50;
-    if (finest) tuning_.found = Found::between;
-    if (target.is_quality() || finest) {
+    if (target.is_quality()) {
         tuning_.options = {{"--quality", chosen.setting}};
     } else if (target.is_rate()) {
-        const Target rate = searched(target, trials_->film(), options_.render.output);
-        tuning_.options = {{"--bitrate", fmt::format("{:.0f}", rate.value)}};
+        double rate = searched(target, trials_->film(), options_.render.output).value;
+        // A file that even the finest film does not fill is small enough; but the sample is not the film.
+        // chosen: films of four times their sample's rate have not been seen, and a rate far above what a film needs
+        // would make its level a higher one (2..10).
+        const bool finest = target.kind == Kind::size && tuning_.found == Found::beyond && *chosen.trial.quality > 50;
+        if (finest) {
+            tuning_.found = Found::between;
+            rate = std::min(rate, 4 * 8 * chosen.trial.bytes * hertz());
+        }
+        tuning_.options = {{"--bitrate", fmt::format("{:.0f}", rate)}};
     }
     if (tuning_.found == Found::beyond) return;
     std::vector<std::string> without(tune_only.begin(), tune_only.end());

@@ -127,7 +127,9 @@ void CodingTuner::conclude() {
     // Beyond reach is only what the finest and the coarsest do not reach.
     const double quality = *tuning_.probes[*tuning_.chosen].trial.quality;
     const bool finer = figure(tuning_.probes[*tuning_.chosen]) < even_figure(target_, target_.value);
-    const bool at_end = finer ? quality >= 100 : quality <= 0;
+    // Where even the coarsest loses nothing, as of a black film, there is nothing to be looked for.
+    const bool at_end =
+        finer ? quality >= 100 : quality <= 0 && !is_lossless(target_, tuning_.probes[*tuning_.chosen].value);
     tuning_.found = near ? Found::near : at_end ? Found::beyond : Found::between;
 }
 

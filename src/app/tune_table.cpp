@@ -43,10 +43,15 @@ std::string quality_sentence(const Tuning& tuning, double hertz) {
     if (tuning.found == Found::beyond)
         return fmt::format("{} is out of reach: {}, the {}, comes to {}.", asked, name,
                            probe.value < tuning.target.value ? "finest" : "coarsest", value);
+    if (is_lossless(tuning.target, probe.value) && tuning.found == Found::between && *probe.trial.quality <= 0)
+        return fmt::format(
+            "Nothing is lost on the sample whatever the quality, where {} was asked for: {}, the "
+            "coarsest, is taken; {}, {} s of CPU per frame for light.",
+            asked, name, figure_text(Kind::bitrate, rate_of(probe.trial, hertz)), short_figure(probe.trial.seconds));
     std::string text = fmt::format("{}{} comes to {} on the sample, where {} was asked for",
                                    name.substr(0, 1) == "q" ? "Q" : name.substr(0, 1), name.substr(1), value, asked);
     if (tuning.found == Found::between)
-        text += ": no quality that was tried comes nearer" +
+        text += ": qualities rise in steps here, and none that was tried comes nearer" +
                 std::string(probe.value < tuning.target.value ? "" : " from above");
     return text + fmt::format("; {}, {} s of CPU per frame for light.",
                               figure_text(Kind::bitrate, rate_of(probe.trial, hertz)),
@@ -61,13 +66,14 @@ std::string rate_sentence(const Tuning& tuning, double hertz) {
         return fmt::format("{} is out of reach: even {} needs no more than {} on the sample.", asked, name, rate);
     if (tuning.found == Found::beyond)
         return fmt::format("{} is out of reach: even {} needs {} on the sample.", asked, name, rate);
-    const bool two_passes = !tuning.options.empty() && tuning.options.front().first == "--bitrate";
-    std::string text;
-    if (tuning.target.kind == Kind::size && two_passes)
-        text = fmt::format("{} leave {} kb/s for pictures, which is ", asked,
-                           std::stol(tuning.options.front().second) / 1000);
-    else
-        text = two_passes ? asked + " is " : asked + " is more than the finest film needs: ";
+    // A file that even the finest film does not fill is small enough.
+    if (tuning.target.kind == Kind::size && tuning.found == Found::between && *probe.trial.quality >= 100)
+        return fmt::format("{} are more than the finest film needs on the sample: {} is {}: {}.", asked, name, rate,
+                           quality_text(tuning, probe.trial));
+    const std::string text = tuning.target.kind == Kind::size
+                                 ? fmt::format("{} leave {} kb/s for pictures, which is ", asked,
+                                               std::stol(tuning.options.front().second) / 1000)
+                                 : asked + " is ";
     return text + fmt::format("{} on the sample ({}): {}.", name, rate, quality_text(tuning, probe.trial));
 }
 
