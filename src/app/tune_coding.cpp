@@ -118,9 +118,10 @@ void CodingTuner::conclude() {
     for (std::size_t i = 0; i < tuning_.probes.size(); ++i) {
         const Probe& probe = tuning_.probes[i];
         if (coupled && !probe.lit) continue;
-        if (!nearest || distance(i) < distance(*nearest)) nearest = i;
+        // Of several that are as near the last, which is nearest to the end that the search went to.
+        if (!nearest || distance(i) <= distance(*nearest)) nearest = i;
         const bool right = target_.is_rate() ? probe.value <= target_.value : probe.value >= target_.value;
-        if (right && (!side || distance(i) < distance(*side))) side = i;
+        if (right && (!side || distance(i) <= distance(*side))) side = i;
     }
     const bool near = is_near(target_, tuning_.probes[*nearest].value);
     tuning_.chosen = near || !side ? nearest : side;

@@ -247,6 +247,32 @@ TEST(Tune, KeepsAFileBelowItsSize) {
     }
 }
 
+TEST(Tune, HoldsAFileToASizeThatItsSampleDoesNotFill) {
+    // Far more than the finest film needs: still a rate, which the whole film keeps whatever its sample is.
+    const json found = tuned(" --sample 1x3 --frames 0:29 --tolerance fixed=20% --max-size 3M --dry-run");
+    EXPECT_EQ(found.at("found"), "between");
+    const double rate = std::stod(found.at("options").at("bitrate").get<std::string>());
+    const json& chosen = found.at("probes").at(found.at("chosen").get<std::size_t>());
+    EXPECT_EQ(chosen.at("quality"), 100);
+    EXPECT_NEAR(rate, 4 * chosen.at("bit_rate").get<double>(), 1.0);
+    EXPECT_LT(rate * 30 / 25 / 8, 3e6);
+    EXPECT_NE(found.at("summary").get<std::string>().find("are more than the finest film needs"), std::string::npos);
+}
+
+TEST(Tune, SaysWhereNothingIsLostWhateverTheQuality) {
+    const Folder folder;
+    const auto outcome = run(program() + " tune " + plain_film() +
+                             " --size 32x32 --vpls 16 --samples 1 --exposure -60 --sample 1x2 --target-psnr 40 "
+                             "--dry-run --json " +
+                             path(folder, "t.json"));
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("Nothing is lost on the sample whatever the quality"), std::string::npos)
+        << outcome.output;
+    const json found = json::parse(contents(folder / "t.json"));
+    EXPECT_EQ(found.at("found"), "between");
+    EXPECT_EQ(found.at("options").at("quality"), "0.0") << "the smallest";
+}
+
 TEST(Tune, LoosensLightUntilItIsInTime) {
     const json easy = tuned(" --sample 1x1 --max-time 10h --quantiser 8 --dry-run");
     EXPECT_EQ(easy.at("probes").size(), 1u);
