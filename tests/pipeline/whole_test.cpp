@@ -44,10 +44,13 @@ TEST(WholeFilm, IsNotRenderedAnewByResume) {
         const auto written = std::filesystem::last_write_time(first);
         const auto resumed = [&](const std::string& more) { return run(start + " --resume " + more); };
         const std::string whole = path(folder, output) + " is whole already: nothing is left to be done\n";
-        for (const char* more : {"", "--dry-run", "--threads 2"}) {
+        const auto says = [](const support::Outcome& outcome, const std::string& words) {
+            return outcome.output.find(words) != std::string::npos;
+        };
+        for (const char* more : {"", "--dry-run", "--memory 8G"}) {
             const auto outcome = resumed(more);
             EXPECT_EQ(outcome.status, 0) << outcome.output;
-            EXPECT_EQ(outcome.output, whole);
+            EXPECT_TRUE(says(outcome, whole)) << outcome.output;
         }
         const auto lacking = resumed("--report " + path(folder, "r.html"));
         EXPECT_EQ(lacking.status, 1);
@@ -61,7 +64,7 @@ TEST(WholeFilm, IsNotRenderedAnewByResume) {
         EXPECT_NE(other.output.find(output + " is whole, but --clamp was not given and is none: it begins anew"),
                   std::string::npos)
             << other.output;
-        EXPECT_EQ(resumed("--clamp none").output, whole);
+        EXPECT_TRUE(says(resumed("--clamp none"), whole));
         std::ofstream(first, std::ios::app) << "x";
         EXPECT_NE(resumed("--clamp none").output.find("what was written has changed since: it begins anew"),
                   std::string::npos);
@@ -116,7 +119,7 @@ TEST(Heatmap, ThatIsGivenUpLeavesNothing) {
     const std::string heat = path(folder, "heat.mpg"), film = path(folder, "f.mpg");
     const std::string start = render_to(folder, "f.mpg", "--frames 0:119 ");
     const auto killed = [&] {
-        return run(start + "--heatmap cut " + heat + " & job=$!; while [ ! -s " + film +
+        return run(start + " --heatmap cut " + heat + " & job=$!; while [ ! -s " + film +
                    ".partial/chunk_00000.json ]; do kill -0 $job || exit 99; sleep 0.01; done; kill -KILL $job; "
                    "wait $job");
     };

@@ -209,6 +209,15 @@ TEST(LightTree, MergesCoincidentLightsIntoOneOfTheirSum) {
     EXPECT_LT(depth(fan, fan.root), 64);
 }
 
+TEST(LightTreeSlow, MergesAMillionCoincidentLightsIntoOneOfTheirSum) {
+    std::vector<LightPoint> lights(1'000'000, random_lights(1, 5).front());
+    for (LightPoint& l : lights) l.intensity = {1, 2, 4};
+    const LightTree tree = build_light_tree(LightFamily::oriented, lights, 1);
+    ASSERT_EQ(tree.lights.size(), 1u);
+    // Whole numbers that single precision still counts one by one.
+    EXPECT_EQ(tree.lights.front().intensity, glm::vec3(1e6f, 2e6f, 4e6f));
+}
+
 TEST(LightTree, KeepsFaintLightsBesideBlindingOnes) {
     auto lights = random_lights(1000, 6);
     for (std::size_t i = 0; i < lights.size(); ++i) lights[i].intensity = glm::vec3(i % 2 == 0 ? 1e12f : 1e-12f);
