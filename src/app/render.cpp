@@ -14,9 +14,9 @@
 #include "app/film_identity.h"
 #include "app/frame_portrait.h"
 #include "app/heatmap_film.h"
-#include "app/outside_trial.h"
 #include "app/interrupt.h"
 #include "app/memory.h"
+#include "app/outside_trial.h"
 #include "app/pipeline.h"
 #include "app/progress.h"
 #include "app/publish.h"
@@ -206,6 +206,16 @@ bool render_or_tell(const Production& film, const RenderOptions& options, WorkFo
     }
 }
 
+/// Marks what is whole, and removes what it was made of: to be called when nothing of that is needed any more.
+void clear_away(const Production& film, const RenderOptions& options, const nlohmann::json& identity, bool all_written,
+                HeatmapFilms& heatmaps, WorkFolder& work) {
+    Products products = products_of(film, options);
+    if (!all_written) products.beside.clear();
+    mark_as_whole(products, identity);
+    heatmaps.clear_away();
+    work.clear_away();  // last, since it knows of the others
+}
+
 }  // namespace
 
 int render(const RenderOptions& options, const std::string& command, Rendered* rendered) try {
@@ -263,15 +273,9 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     if (options.stats) attempts.attempt([&] { write_statistics(*options.stats, film, ledger, facts); });
     if (options.report)
         attempts.attempt([&] { write_report(*options.report, film, ledger, facts, portrait.figures()); });
-    if (all_named) {
-        // Only now nothing of what they were made of is needed. The film's own comes last: it knows of the others.
-        const Products products = products_of(film, options);
-        mark_as_whole({products.frames, attempts.none_failed() ? products.beside : Products().beside}, identity);
-        heatmaps.clear_away();
-        work->clear_away();
-    } else if (complete && !options.quiet) {
+    if (all_named) clear_away(film, options, identity, attempts.none_failed(), heatmaps, *work);
+    if (complete && !all_named && !options.quiet)
         std::fputs((resuming_text(film, chunks.size()) + "\n").c_str(), stderr);
-    }
     if (!options.quiet && published) attempts.attempt([&] { print(summary(film, ledger, facts)); });
     if (!complete && !options.quiet)
         std::fputs(fmt::format("interrupted after {} of {} frames; {}\n", ledger.frames.size(), film.frame_count(),
