@@ -53,10 +53,6 @@ class FolderOnly : public Assimp::DefaultIOSystem {
     std::vector<fs::path>& files_;
 };
 
-glm::dvec3 dvec3_of(const aiVector3D& v) {
-    return {v.x, v.y, v.z};
-}
-
 class SceneReader {
   public:
     SceneReader(const aiScene& scene, const fs::path& file, const LoadOptions& options, Animation& into)
@@ -330,27 +326,24 @@ Animation load_with_assimp(const fs::path& file, const LoadOptions& options, con
     // chosen: 45 degrees keeps boxes flat and makes scanned and turned shapes smooth where a file has no normals.
     importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 45.0f);
 
-    const auto turn = [&](Turn whose) {
-        if (take_turns) take_turns(whose);
-    };
     const auto refuse = [&](const std::string& cause) { throw core::Error("reading", file.string(), cause); };
     const aiScene* scene = importer.ReadFile(file.string(), 0);
     // What it cannot allocate it tells by the exception's own name, which helps nobody.
     if (!scene && std::string_view(importer.GetErrorString()) == "std::bad_alloc") throw std::bad_alloc();
     if (!scene) refuse(importer.GetErrorString());
     if (!scene->mRootNode || scene->mNumMeshes == 0) refuse("has no mesh");
-    turn(Turn::ours);
+    take_turns(Turn::ours);
     refuse_unsound_meshes(*scene, file.string());
-    turn(Turn::parser);
+    take_turns(Turn::parser);
     scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
                                          aiProcess_GenUVCoords | aiProcess_LimitBoneWeights |
                                          aiProcess_JoinIdenticalVertices | aiProcess_FlipUVs);
     if (!scene) refuse(importer.GetErrorString());
     if (scene->mNumMeshes == 0) refuse("has points or lines, but no triangle");
 
-    turn(Turn::ours);
+    take_turns(Turn::ours);
     SceneReader(*scene, file, options, animation).read();
-    turn(Turn::parser);
+    take_turns(Turn::parser);
     return animation;
 }
 

@@ -258,6 +258,10 @@ void append_key(Track& track, double seconds, const Value& values) {
 
 }  // namespace
 
+glm::dvec3 dvec3_of(const aiVector3D& v) {
+    return {v.x, v.y, v.z};
+}
+
 glm::dmat4 dmat4_of(const aiMatrix4x4& m) {
     glm::dmat4 out;
     for (unsigned r = 0; r < 4; ++r)

@@ -17,6 +17,8 @@ struct aiNodeAnim;
 struct aiScene;
 template <typename TReal>
 class aiMatrix4x4t;
+template <typename TReal>
+class aiVector3t;
 
 /// One of Assimp's structs to one of ours each; the loader puts them together.
 namespace render2mpeg::scene {
@@ -24,6 +26,7 @@ namespace render2mpeg::scene {
 /// Assimp's later steps trust indices and sort by coordinates: throws core::Error where a mesh is not sound.
 void refuse_unsound_meshes(const aiScene& scene, const std::string& file);
 
+glm::dvec3 dvec3_of(const aiVector3t<float>& v);
 /// Rows of Assimp's to columns of ours.
 glm::dmat4 dmat4_of(const aiMatrix4x4t<float>& m);
 

@@ -10,7 +10,6 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <cstdlib>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -24,7 +23,7 @@ namespace render2mpeg::scene {
 namespace {
 
 /// How the child ends on its own. Not 1 and the like, with which libraries and sanitizers end a process themselves.
-constexpr int refused = 61, out_of_memory = 62;
+constexpr int refused = 61, out_of_memory = 62, crashed = 63;
 
 std::uintmax_t address_space_now() {
     std::uintmax_t pages = 0;
@@ -90,9 +89,9 @@ bool write_all(int pipe, std::string_view text) {
     } catch (const std::bad_alloc&) {
         status = out_of_memory;
     } catch (...) {
-        std::abort();
+        status = crashed;
     }
-    if (!write_all(pipe, text)) status = out_of_memory;
+    if (!write_all(pipe, text)) status = crashed;
     _exit(status);
 }
 

@@ -15,8 +15,8 @@ Animation load_as_is(const std::filesystem::path& file, const LoadOptions& optio
 Animation load_gltf(const std::filesystem::path& file, const LoadOptions& options);
 
 /// Every other mesh format (OBJ, PLY, FBX, DAE, 3DS, ...). `take_turns` is told whose code runs.
-Animation load_with_assimp(const std::filesystem::path& file, const LoadOptions& options,
-                           const TakeTurns& take_turns = {});
+Animation load_with_assimp(
+    const std::filesystem::path& file, const LoadOptions& options, const TakeTurns& take_turns = [](Turn) {});
 
 /// Our own JSON (docs/animation-file.md): loads the scene it refers to (load_as_is) and adds to it. A result that is
 /// completed already does no harm; `complete` may be called again.
