@@ -64,7 +64,8 @@ class Neighbours {
   public:
     /// Those within `radius` of the query on its surface; false where there are too many or too few.
     bool find(const RecordQuery& q, const RecordMap& map, const Records& records, int radius);
-    /// By how much what they disagree by counts for more than in a plane through them; 0: they tell nothing.
+    /// By how much what they disagree by counts for more than in a plane through them; 0: they tell nothing, 1: a
+    /// plane.
     float fit();
     /// The nearest, if it is the point's own.
     const Neighbour* own() const;
@@ -155,10 +156,11 @@ float Neighbours::noise(float receives) const {
 
 /// What neighbours disagree by counts for more where the tolerance is fine, since light has many small edges and few
 /// large ones. chosen: about 2 at 2 %, which leaves 1.6 % of the pixels of Sponza's walk beyond what they may be off by
-/// (docs/decisions/0018; 1.6 at 2 % leaves four times as many in a frame as 2 does), 1.1 at 8 % (1.0 to 1.3 %) and 0.7
-/// at 26 % (0.2 %).
+/// (docs/decisions/0018; 1.6 at 2 % leaves four times as many in a frame as 2 does); it falls by half at 10 %: at 6, 10
+/// and 15 % coupled films at quantiser 8 leave 0.33, 0.22 and 0.06 % in Sponza (160x160, frames 0 to 5), 1.6, 1.2 and
+/// 1.1 % in Sibenik (128x128), and gather 1, 1.1 and 1.2 times as much.
 float doubt(const PointTolerance& t, glm::vec3 light, float tolerance) {
-    constexpr float coarse = 0.62f, fine = 2.1f, turn2 = 0.06f * 0.06f;
+    constexpr float coarse = 0.62f, fine = 2.1f, turn2 = 0.1f * 0.1f;
     const float relative = core::divide_or(tolerance, t.base + std::max(core::luminance(light), 0.0f), 1.0f);
     return coarse + (fine - coarse) * turn2 / (turn2 + relative * relative);
 }
@@ -204,10 +206,10 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
             if (near.plane().is_full()) break;
             continue;
         }
-        if (const float doubled = near.fit(); doubled > 0.0f) {
+        if (const float more = near.fit(); more > 0.0f) {
             const float tolerance = q.tolerance.allows(core::luminance(near.plane().value()));
-            const float off = doubled * trust.residual * doubt(q.tolerance, near.plane().value(), tolerance) *
-                              near.plane().residual(),
+            const float doubts = doubt(q.tolerance, near.plane().value(), tolerance);
+            const float off = trust.residual * doubts * (more > 1.0f ? more * doubts : 1.0f) * near.plane().residual(),
                         noise = trust.noise * near.noise(q.receives);
             const bool steep = radius < tells_steps && trust.step * near.plane().rise() > tolerance;
             if (off <= tolerance && noise <= tolerance && !steep) {
