@@ -44,9 +44,10 @@ bool shows(const core::Visible& there, int x, int y, const Point& point) {
 }
 
 /// The mean about a position between the centres of pixel (x, y) and of (x + 1, y + 1), which may lie outside.
-float fetch(const core::Plane<float>& values, const core::Visible& there, int x, int y, glm::vec2 within,
-            const Point& point) {
-    float sum = 0.0f, weights = 0.0f;
+template <class T>
+T fetch(const core::Plane<T>& values, const core::Visible& there, int x, int y, glm::vec2 within, const Point& point) {
+    T sum(0.0f);
+    float weights = 0.0f;
     for (int j = 0; j < 2; ++j)
         for (int i = 0; i < 2; ++i) {
             const float weight = (i == 0 ? 1.0f - within.x : within.x) * (j == 0 ? 1.0f - within.y : within.y);
@@ -55,7 +56,7 @@ float fetch(const core::Plane<float>& values, const core::Visible& there, int x,
             sum += weight * values.at(x + i, y + j);
             weights += weight;
         }
-    return weights > 0.0f ? sum / weights : no_partner;
+    return weights > 0.0f ? sum / weights : T(no_partner);
 }
 
 /// Hashes: two things have the same once in 10^9 comparisons, triangles of one object never. Not 0.
@@ -74,9 +75,9 @@ std::uint32_t common(const std::uint32_t* upper, const std::uint32_t* lower, int
     return ((upper[x + 1] ^ own) | (lower[x] ^ own) | (lower[x + 1] ^ own)) == 0 ? own : 0u;
 }
 
-float bilinear(const float* upper, const float* lower, glm::vec2 within) {
-    const float above = upper[0] + within.x * (upper[1] - upper[0]),
-                below = lower[0] + within.x * (lower[1] - lower[0]);
+template <class T>
+T bilinear(const T* upper, const T* lower, glm::vec2 within) {
+    const T above = upper[0] + within.x * (upper[1] - upper[0]), below = lower[0] + within.x * (lower[1] - lower[0]);
     return above + within.y * (below - above);
 }
 
@@ -118,22 +119,24 @@ Quads quads_of(const core::Visible& picture) {
     return quads;
 }
 
-core::Plane<float> carry(const core::Plane<float>& values, const core::Visible& there, const core::Visible& here,
-                         const core::MotionField* motion) {
+template <class T>
+core::Plane<T> carry(const core::Plane<T>& values, const core::Visible& there, const core::Visible& here,
+                     const core::MotionField* motion) {
     return carry(values, there, quads_of(there), here, motion);
 }
 
-core::Plane<float> carry(const core::Plane<float>& values, const core::Visible& there, const Quads& quads,
-                         const core::Visible& here, const core::MotionField* motion) {
+template <class T>
+core::Plane<T> carry(const core::Plane<T>& values, const core::Visible& there, const Quads& quads,
+                     const core::Visible& here, const core::MotionField* motion) {
     EXPECTS(values.width() == there.width() && values.height() == there.height());
     EXPECTS(quads.triangle.width() == there.width() && quads.triangle.height() == there.height());
     EXPECTS(motion == nullptr || (motion->kind.width() == here.width() && motion->kind.height() == here.height() &&
                                   !motion->depth_in_reference.empty()));
     const auto right = static_cast<float>(values.width()), bottom = static_cast<float>(values.height());
     const auto width = static_cast<std::size_t>(values.width());
-    core::Plane<float> carried(here.width(), here.height(), no_partner);
+    core::Plane<T> carried(here.width(), here.height(), T(no_partner));
     for (int y = 0; y < here.height(); ++y) {
-        float* const out = carried.row(y);
+        T* const out = carried.row(y);
         for (int x = 0; x < here.width(); ++x) {
             if (motion != nullptr && motion->kind.row(y)[x] == core::PixelClass::none) continue;
             const glm::vec2 vector = motion == nullptr ? glm::vec2(0.0f) : motion->vector.row(y)[x];
@@ -157,7 +160,7 @@ core::Plane<float> carry(const core::Plane<float>& values, const core::Visible& 
                     static_cast<int>(quads.farthest.values()[k] <= depth + reach) &
                     static_cast<int>(here.kind.row(y)[x] == core::PixelClass::surface);
                 if ((triangle | surface) != 0) {
-                    const float* const from = values.values().data() + k;
+                    const T* const from = values.values().data() + k;
                     out[x] = bilinear(from, from + width, within);
                     continue;
                 }
@@ -167,5 +170,12 @@ core::Plane<float> carry(const core::Plane<float>& values, const core::Visible& 
     }
     return carried;
 }
+
+template core::Plane<float> carry(const core::Plane<float>&, const core::Visible&, const core::Visible&,
+                                  const core::MotionField*);
+template core::Plane<float> carry(const core::Plane<float>&, const core::Visible&, const Quads&, const core::Visible&,
+                                  const core::MotionField*);
+template core::Plane<glm::vec2> carry(const core::Plane<glm::vec2>&, const core::Visible&, const Quads&,
+                                      const core::Visible&, const core::MotionField*);
 
 }  // namespace render2mpeg::perceptual

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <memory>
 #include <optional>
 
@@ -49,6 +50,9 @@ struct CodedFacts {
     core::Plane<std::uint8_t> prediction;      ///< luma that inter macroblocks add to; may be empty: not known
 };
 
+/// What pixels may be off by (dY), and the luminance of theirs that it was told for.
+using Hidden = core::Plane<glm::vec2>;
+
 /// A picture as it was before coding, with what later pictures need of it.
 struct Observation {
     std::int64_t number = 0;
@@ -56,7 +60,7 @@ struct Observation {
     core::Plane<core::Block8x8> coefficients;  ///< DCT of its luma
     core::ThresholdMap thresholds;             ///< eq. 7.1 and 7.2: what the encoder wants to know of the eye
     PixelLight light;
-    core::Plane<float> carried;  ///< dY(t - 1) at its pixels, as tolerate() said; empty: none
+    core::Plane<float> carried;  ///< dY(t - 1) at its pixels, for the light they got; empty: none
 };
 
 /// What was judged of one coded picture. Immutable; keeps the inputs of eq. 7.1-7.2, so that another quantiser or
@@ -81,14 +85,14 @@ struct Memory {
 /// What a remembered picture hides of a picture to come: the same for all that are coded alike.
 struct Restated {
     CodingPlan plan;
-    core::Plane<float> tolerances;  ///< dY at the memory's pixels, > 0
-    float low_share = 0;            ///< of its luminance, that a quarter of the pixels stay below; 0..0.5, 0: unknown
+    Hidden hidden;        ///< at the memory's pixels, > 0
+    float low_share = 0;  ///< of its luminance, that a quarter of the pixels stay below; 0..0.5, 0: unknown
 };
 
 /// A frame's tolerances before it is lit.
 struct Tolerated {
     core::ToleranceMap map;
-    core::Plane<float> carried;  ///< for its Observation: dY(t - 1) for its plan, `no_partner` (carry.h) where none
+    Hidden carried;  ///< for its Observation: dY(t - 1) for its plan, `no_partner` (carry.h) where none
 };
 
 /// The eye of the loop (docs/model.md, "Tolerance"): what the picture before hides becomes what this frame may err by.
@@ -98,9 +102,9 @@ class Observer {
     Observer(const Display& display, const ObserverSettings& settings);
 
     /// Masking [Render2MPEG, eq. 7.1, 7.2] and what else is to be kept of a frame. `picture` was developed from
-    /// `radiance` and has its unrounded luma. With `tolerated` empty nothing was carried to it.
+    /// `radiance` and has its unrounded luma. `carried`: as tolerate() said.
     Observation observe(const core::Picture& picture, const core::Radiance& radiance,
-                        std::shared_ptr<const core::Visible> visible, core::Plane<float> carried = {}) const;
+                        std::shared_ptr<const core::Visible> visible, const Hidden& carried = {}) const;
 
     /// Errors [7.3, 7.4] of a picture that was coded, with the quantisers really used, blended with those carried to it
     /// [7.5]. `coded` is of the same picture.

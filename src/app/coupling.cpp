@@ -1,21 +1,15 @@
 #include "app/coupling.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "app/prediction.h"
 #include "core/error.h"
-#include "core/numeric.h"
 #include "encoder/mpeg2/perception.h"
 #include "encoder/mpeg2/quantiser.h"
 #include "perceptual/share.h"
 
 namespace render2mpeg::app {
 namespace {
-
-/// The share of pixels that may be far too loosely lit before a frame is lit again. chosen: a tenth; where lamps go out
-/// it is 0.53 to 0.81 (flash_cut), in all other frames tried 0.033 at most (colonnade, character, flash_cut).
-constexpr float most_loose = 0.1f;
 
 /// quantiser_scale_code q with q_scale_type 0 is quantiser_scale 2 q; steps are sixteenths of matrix x quantiser_scale.
 /// [H262, 7.4.2]
@@ -31,19 +25,6 @@ perceptual::Quantisation matrices_for(encoder::Tune tune) {
         quantisation.inter[i] = static_cast<float>(matrices.non_intra[i]);
     }
     return quantisation;
-}
-
-/// The share of a frame's pixels that may be off by more than twice what its own picture hides.
-float share_loose(const core::ToleranceMap& tolerance, const perceptual::Memory& own, float share, float darkest) {
-    // chosen: 2, beyond what noise, motion and a residual that is not known make of it; see most_loose.
-    constexpr float too_much = 2.0f;
-    std::size_t loose = 0;
-    for (std::size_t i = 0; i < tolerance.pixels.size(); ++i) {
-        const core::Tolerance& t = tolerance.pixels.values()[i];
-        const float least = std::max(perceptual::least_relative * own.light.luminance.values()[i], darkest);
-        if (t.absolute > too_much * std::max(share * own.tolerances.values()[i], least)) ++loose;
-    }
-    return core::divide_or(static_cast<float>(loose), static_cast<float>(tolerance.pixels.size()), 0.0f);
 }
 
 }  // namespace
@@ -87,7 +68,6 @@ void Coupling::forget() {
     restated_.reset();
     carried_ = {};
     kept_.clear();
-    observed_.reset();
 }
 
 void Coupling::imagine(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
@@ -95,22 +75,6 @@ void Coupling::imagine(const core::Picture& picture, const core::Radiance& radia
     memory_ = observer_.presume(observer_.observe(picture, radiance, std::make_shared<const core::Visible>(visible)),
                                 eye_plan(plan.type, plan.quantiser));
     restated_.reset();
-}
-
-std::optional<core::ToleranceMap> Coupling::reconsider(const core::ToleranceMap& tolerance,
-                                                       const core::Picture& picture, const core::Radiance& radiance,
-                                                       const core::Visible& visible, const encoder::PicturePlan& plan) {
-    EXPECTS(memory_.has_value());
-    if (memory_->number == plan.number) return std::nullopt;
-    perceptual::Observation observed =
-        observer_.observe(picture, radiance, std::make_shared<const core::Visible>(visible));
-    if (counts(plan.type)) observed_ = observed;
-    perceptual::Memory own = observer_.presume(std::move(observed), eye_plan(plan.type, plan.quantiser));
-    const float loose = share_loose(tolerance, own, share_for(plan.quantiser), observer_.light().darkest_step());
-    if (loose < most_loose) return std::nullopt;
-    forget();
-    memory_ = std::move(own);
-    return tolerate(visible, plan, nullptr);
 }
 
 float Coupling::share_for(int quantiser) const {
@@ -125,18 +89,13 @@ core::ToleranceMap Coupling::tolerate(const core::Visible& visible, const encode
     if (!restated_ || !(restated_->plan == eye)) restated_ = observer_.restate(*memory_, eye);
     perceptual::Tolerated tolerated = observer_.tolerate(visible, *restated_, *memory_, motion, share);
     // What stands in for a picture before is no picture: there is nothing to blend with.
-    carried_ = memory_->number == plan.number ? core::Plane<float>() : std::move(tolerated.carried);
+    carried_ = memory_->number == plan.number ? perceptual::Hidden() : std::move(tolerated.carried);
     return std::move(tolerated.map);
 }
 
 void Coupling::keep(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
                     const encoder::PicturePlan& plan) {
     if (!counts(plan.type)) return;
-    if (observed_ && observed_->number == picture.number) {
-        observed_->carried = std::exchange(carried_, {});
-        kept_.insert_or_assign(picture.number, *std::exchange(observed_, std::nullopt));
-        return;
-    }
     kept_.insert_or_assign(picture.number,
                            observer_.observe(picture, radiance, std::make_shared<const core::Visible>(visible),
                                              std::exchange(carried_, {})));

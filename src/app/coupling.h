@@ -49,15 +49,7 @@ class Coupling {
     core::ToleranceMap tolerate(const core::Visible& visible, const encoder::PicturePlan& plan,
                                 const core::MotionField* motion);
 
-    /// Tolerances anew for a frame that turned out to be lit otherwise than what was remembered, as when a lamp went
-    /// out: errors that a bright picture hides show in a dark one. From now on this frame, as lit by `tolerance`, is
-    /// what is remembered. Nothing where `tolerance`, as of tolerate(), suits what it led to.
-    std::optional<core::ToleranceMap> reconsider(const core::ToleranceMap& tolerance, const core::Picture& picture,
-                                                 const core::Radiance& radiance, const core::Visible& visible,
-                                                 const encoder::PicturePlan& plan);
-
-    /// Keeps what may be judged once the picture is coded. Only after tolerate() of the same frame, and as reconsider()
-    /// saw it, if it was asked and had nothing to say.
+    /// Keeps what may be judged once the picture is coded. Only after tolerate() of the same frame.
     void keep(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
               const encoder::PicturePlan& plan);
     /// Learns how a picture was coded.
@@ -74,9 +66,8 @@ class Coupling {
     perceptual::Quantisation matrices_;
     std::optional<perceptual::Memory> memory_;
     std::optional<perceptual::Restated> restated_;  ///< memory_, for the frame lit last: B pictures share it
-    core::Plane<float> carried_;                    ///< to the frame being lit
+    perceptual::Hidden carried_;                    ///< to the frame being lit
     std::map<std::int64_t, perceptual::Observation> kept_;
-    std::optional<perceptual::Observation> observed_;  ///< of the frame that reconsider() found suited
     core::Plane<std::uint8_t> decoded_;  ///< luma of the newest I or P picture that is coded
 };
 

@@ -28,7 +28,7 @@ void FramePortrait::lit(const LitFrame& frame) {
     if (!frame.tolerance.is_reference())
         tolerance_ = over_luminance([&](std::size_t i) {
             const core::Tolerance& t = frame.tolerance.pixels.values()[i];
-            return std::max(t.absolute, t.relative * core::luminance(light.values()[i]));
+            return t.allows(core::luminance(light.values()[i]));
         });
     if (!frame.radiance.error.empty())
         error_ = over_luminance([&](std::size_t i) { return frame.radiance.error.values()[i]; });

@@ -99,7 +99,7 @@ core::Plane<float> values_of(HeatSubject subject, const LitFrame& frame) {
         // Black counts as far off: any light is infinitely more.
         if (subject == HeatSubject::tolerance && !frame.tolerance.is_reference()) {
             const core::Tolerance& t = frame.tolerance.pixels.values()[i];
-            values.values()[i] = std::max(core::divide_or(t.absolute, luminance, 1.0f), t.relative);
+            values.values()[i] = core::divide_or(t.allows(luminance), luminance, 1.0f);
         } else if (subject == HeatSubject::cut) {
             values.values()[i] = frame.radiance.direct_cut.values()[i] + frame.radiance.indirect_cut.values()[i];
         } else if (subject == HeatSubject::error) {

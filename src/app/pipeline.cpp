@@ -13,16 +13,9 @@
 #include "image/layers.h"
 #include "perceptual/motion_sensitivity.h"
 #include "scene/motion.h"
-#include "scene/traits.h"
 
 namespace render2mpeg::app {
 namespace {
-
-/// Whether surfaces may be lit otherwise from one frame to the next, not only seen from elsewhere.
-bool may_relight(const scene::Animation& animation) {
-    const scene::Traits traits = scene::traits_of(animation);
-    return traits.lights_change || traits.objects_move || traits.objects_deform;
-}
 
 /// Pictures after frame n before another shot begins, a keyframe comes or the chunk ends.
 std::int64_t frames_left(const Production& film, std::int64_t n, std::int64_t last) {
@@ -55,9 +48,6 @@ class ChunkLoop {
     /// What the frame's light may be off by, before it is lit.
     core::ToleranceMap tolerances(const scene::Snapshot& world, const renderer::Seen& seen,
                                   const encoder::PicturePlan& plan, std::span<const core::MotionField> motion);
-    /// Lights the frame again if it is not what its tolerances were told for.
-    void reconsider(const scene::Snapshot& world, const renderer::Seen& seen, const encoder::PicturePlan& plan,
-                    core::ToleranceMap& tolerance, core::Radiance& radiance, core::Picture& picture);
     /// Rough light for the eye, where there is no picture before.
     void imagine(const scene::Snapshot& world, const renderer::Seen& seen, const encoder::PicturePlan& plan);
     void write(const std::vector<encoder::CodedPicture>& pictures);
@@ -68,7 +58,6 @@ class ChunkLoop {
     const Destination& destination_;
     Ledger& ledger_;
     bool codes_;
-    bool may_relight_;
     perceptual::Display display_;
     encoder::Encoder encoder_;
     Bookkeeper books_;
@@ -84,7 +73,6 @@ ChunkLoop::ChunkLoop(const Production& film, renderer::Renderer& renderer, const
       destination_(destination),
       ledger_(ledger),
       codes_(film.kind == OutputKind::film),
-      may_relight_(may_relight(*film.animation)),
       display_(film.exposure.value_or(0), perceptual::matrix_for(film.format.height)),
       encoder_(film.coding),
       books_(ledger) {
@@ -136,18 +124,6 @@ core::ToleranceMap ChunkLoop::tolerances(const scene::Snapshot& world, const ren
     return timed(ledger_, Stage::tolerate, [&] { return coupling_->tolerate(seen.visible, plan, way); });
 }
 
-void ChunkLoop::reconsider(const scene::Snapshot& world, const renderer::Seen& seen, const encoder::PicturePlan& plan,
-                           core::ToleranceMap& tolerance, core::Radiance& radiance, core::Picture& picture) {
-    std::optional<core::ToleranceMap> other = timed(ledger_, Stage::tolerate, [&] {
-        return coupling_->reconsider(tolerance, picture, radiance, seen.visible, plan);
-    });
-    if (!other) return;
-    tolerance = std::move(*other);
-    radiance = timed(ledger_, Stage::shade, [&] { return renderer_.shade(world, seen, tolerance); });
-    picture = timed(ledger_, Stage::develop, [&] { return display_.develop(radiance); });
-    picture.number = plan.number;
-}
-
 void ChunkLoop::frame(std::int64_t n) {
     const double start = cpu_seconds();
     const scene::Snapshot world = film_.snapshot(n);
@@ -162,13 +138,13 @@ void ChunkLoop::frame(std::int64_t n) {
         coding = encoder_.plan(n, facts, n == chunk_.first);
         motion = timed(ledger_, renderer::Pass::motion, [&] { return motion_of(film_, coding, seen.visible, world); });
     }
-    core::ToleranceMap coupled = coupling_ ? tolerances(world, seen, coding, motion) : core::ToleranceMap();
+    const core::ToleranceMap coupled = coupling_ ? tolerances(world, seen, coding, motion) : core::ToleranceMap();
     const core::ToleranceMap& tolerance = coupling_ ? coupled : fixed_;
     const renderer::Statistics before = renderer_.statistics();  // what the first, rough look took is no frame's
-    core::Radiance radiance = timed(ledger_, Stage::shade, [&] { return renderer_.shade(world, seen, tolerance); });
+    const core::Radiance radiance =
+        timed(ledger_, Stage::shade, [&] { return renderer_.shade(world, seen, tolerance); });
     core::Picture picture = timed(ledger_, Stage::develop, [&] { return display_.develop(radiance); });
     picture.number = n;
-    if (coupling_ && may_relight_) reconsider(world, seen, coding, coupled, radiance, picture);
     books_.rendered(n, before, renderer_.statistics());
     if (film_.audit > 0)
         books_.audited(timed(ledger_.audit.seconds,

@@ -116,7 +116,7 @@ class Trials::Judge : public Watcher {
             error.values()[i] = core::divide_or(std::abs(core::luminance(light.values()[i]) - right), whole, 0.0f);
             if (frame.tolerance.is_reference()) continue;
             const core::Tolerance& t = frame.tolerance.pixels.values()[i];
-            tolerance.values()[i] = core::divide_or(std::max(t.absolute, t.relative * right), whole, 0.0f);
+            tolerance.values()[i] = core::divide_or(t.allows(right), whole, 0.0f);
         }
         trial_.portrait = std::make_shared<Portrait>(Portrait{truth.picture.number,
                                                               part_of(truth.picture, box),

@@ -149,7 +149,7 @@ void write_layers(const std::filesystem::path& path, const core::Visible& visibl
         EXPECTS(tolerance->pixels.size() == radiance.combined.size());
         frame.add("render2mpeg.Tolerance.X", false, [&](std::size_t i) {
             const core::Tolerance& t = tolerance->pixels.values()[i];
-            return std::max(t.absolute, t.relative * core::luminance(radiance.combined.values()[i]));
+            return t.allows(core::luminance(radiance.combined.values()[i]));
         });
     }
     frame.write(path, pixel_aspect);

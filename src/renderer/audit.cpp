@@ -119,7 +119,7 @@ AuditedPixel compare(glm::ivec2 place, glm::vec3 truth, const core::ToleranceMap
     a.tolerance = rounding * a.luminance;
     if (!tolerance.is_reference()) {
         const core::Tolerance& t = tolerance.pixels.at(a.x, a.y);
-        a.tolerance = std::max(t.absolute, t.relative * a.luminance);
+        a.tolerance = t.allows(a.luminance);
     }
     return a;
 }

@@ -233,7 +233,7 @@ void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance,
     if (limits.exact) gather_exact(lanes, sums, out);
     std::copy(std::begin(luminance_), std::end(luminance_), std::begin(exact_luminance_));
     shields_.choose(lanes, tracer_.shields());
-    rule_.start(limits.stop, limits.caution, tolerance.absolute, tolerance.relative, tolerance.base);
+    rule_.start(limits.stop, limits.caution, tolerance);
     least_ = static_cast<std::size_t>(std::max(limits.least, 0));
     start_cut(lanes, limits, begin_with, out);
     limits.stop == Stop::classic ? refine_classic(lanes, limits, out) : refine_honest(lanes, limits, out);

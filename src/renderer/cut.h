@@ -43,16 +43,6 @@ struct CutLimits {
     bool exact = true;  ///< gather the lights that are not clustered as well; else their light is known, as base
 };
 
-/// Tolerances of a group's lanes, in luminance of their pixels; see CutRule.
-struct alignas(64) GroupTolerance {
-    Lanes absolute, relative, base;
-    void set(int lane, const PointTolerance& t) {
-        absolute[lane] = t.absolute;
-        relative[lane] = t.relative;
-        base[lane] = t.base;
-    }
-};
-
 /// Gathers the light of one group of points at a time. One per thread: it keeps memory between groups, no values.
 class Gatherer {
   public:

@@ -8,12 +8,24 @@
 #include "core/numeric.h"
 #include "renderer/gather_lanes.h"
 #include "renderer/lane_sums.h"
+#include "renderer/point_light.h"
 #include "renderer/stop.h"
 
 namespace render2mpeg::renderer {
 
+/// Tolerances of a group's lanes, in luminance of their pixels.
+struct alignas(64) GroupTolerance {
+    Lanes absolute, relative, usual, base;
+    void set(int lane, const PointTolerance& t) {
+        absolute[lane] = t.part.absolute;
+        relative[lane] = t.part.relative;
+        usual[lane] = t.part.usual;
+        base[lane] = t.base;
+    }
+};
+
 /// When a group's cut is fine enough: the one place that knows. Every point of the group is judged by itself, against
-/// its tolerance T = max(absolute, relative x luminance so far), and the group refines on until its strictest point is
+/// its tolerance T at the luminance so far (core::Tolerance), and the group refines on until its strictest point is
 /// satisfied.
 ///
 /// Both rules measure a cluster by the plain upper bound B of its luminance (visible, at its best), not by
@@ -29,26 +41,28 @@ namespace render2mpeg::renderer {
 /// first where few clusters carry the light and the tolerance is fine.
 class CutRule {
   public:
-    /// Tolerances of the lanes; `base` is luminance of the same pixel that is known already and not part of the cut.
     /// `caution` multiplies what a cut is thought to err by.
-    void start(Stop stop, float caution, const Lanes& absolute, const Lanes& relative, const Lanes& base) {
+    void start(Stop stop, float caution, const GroupTolerance& tolerance) {
         stop_ = stop;
         caution_ = caution;
         for (int i = 0; i < lane_count; ++i) {
-            absolute_[i] = absolute[i];
-            relative_[i] = relative[i];
-            base_[i] = base[i];
+            const core::Tolerance t{tolerance.absolute[i], tolerance.relative[i], tolerance.usual[i]};
+            absolute_[i] = t.absolute;
+            relative_[i] = t.relative;
+            share_[i] = t.share();
+            least_[i] = t.least();
+            base_[i] = tolerance.base[i];
             lowest_[i] = largest_share;
         }
     }
 
     Stop stop() const { return stop_; }
 
-    /// Takes the luminance gathered so far, which moves the relative tolerances.
+    /// Takes the luminance gathered so far, which moves the tolerances.
     RENDER2MPEG_ALWAYS_INLINED void observe(const Lanes& luminance) {
         for (int i = 0; i < lane_count; ++i) {
             light_[i] = inlined::max(luminance[i], 0.0f) + base_[i];
-            tolerance_[i] = inlined::max(absolute_[i], relative_[i] * light_[i]);
+            tolerance_[i] = allowed(i, light_[i]);
             inverse_[i] = caution_ / inlined::max(tolerance_[i], least_tolerance);
             lowest_[i] = inlined::min(lowest_[i], inverse_[i]);
         }
@@ -65,9 +79,7 @@ class CutRule {
     }
 
     /// What a lane tolerates where this is all that it receives.
-    float tolerance(int lane, float luminance) const {
-        return std::max(absolute_[lane], relative_[lane] * (std::max(luminance, 0.0f) + base_[lane]));
-    }
+    float tolerance(int lane, float luminance) const { return allowed(lane, std::max(luminance, 0.0f) + base_[lane]); }
 
     /// How urgently a cluster with these bounds wants to be refined. Classic: the largest bound in units of the point's
     /// tolerance; honest: the sum of their squares.
@@ -139,6 +151,12 @@ class CutRule {
     }
 
   private:
+    /// core::Tolerance::allows.
+    RENDER2MPEG_ALWAYS_INLINED float allowed(int lane, float light) const {
+        const float absolute = inlined::max(least_[lane], inlined::min(absolute_[lane], share_[lane] * light));
+        return inlined::max(relative_[lane] * light, absolute);
+    }
+
     /// Stands for no tolerance at all; any bound that matters is larger.
     static constexpr float least_tolerance = 1e-30f;
     bool exceeds(double squares, int lane) const {
@@ -156,7 +174,8 @@ class CutRule {
     Stop stop_ = Stop::honest;
     float caution_ = 1;
     int strictest_ = 0;
-    alignas(64) Lanes absolute_{}, relative_{}, base_{}, light_{}, tolerance_{}, inverse_{}, lowest_{};
+    alignas(64) Lanes absolute_{}, relative_{}, share_{}, least_{}, base_{}, light_{},
+        tolerance_{}, inverse_{}, lowest_{};
 };
 
 }  // namespace render2mpeg::renderer

@@ -34,12 +34,12 @@ PointLight point_light(const GatheredLight& gathered, int lane, const GatherPoin
 /// Light of all gather points of a frame, tile by tile.
 using FrameLight = std::vector<std::vector<PointLight>>;
 
-/// What one gather point's light may be off by, in luminance of its pixel: max(absolute, relative x (base + its own)).
+/// What one gather point's light may be off by, in luminance of its pixel.
 struct PointTolerance {
-    float absolute = 0, relative = 0;
-    float base = 0;  ///< luminance of the pixel that is known already, this point's part of it
+    core::Tolerance part;  ///< this point's part of its pixel's
+    float base = 0;        ///< luminance of the pixel that is known already, this point's part of it
 
-    float allows(float luminance) const { return std::max(absolute, relative * (base + std::max(luminance, 0.0f))); }
+    float allows(float luminance) const { return part.allows(base + std::max(luminance, 0.0f)); }
 };
 
 /// Parts the tolerances of a tile's pixels among their points by weight; what a pixel shows without gathering counts as

@@ -178,7 +178,8 @@ void TileShader::add_to_pixels(const GatherTile& tile) {
 float TileShader::allowed_share(int x, int y) const {
     if (tolerance_.is_reference()) return 0.0f;
     const core::Tolerance& t = tolerance_.pixels.at(x, y);
-    return std::max(t.relative, core::divide_or(t.absolute, core::luminance(radiance_.combined.at(x, y)), 1.0f));
+    const float luminance = core::luminance(radiance_.combined.at(x, y));
+    return core::divide_or(t.allows(luminance), luminance, 1.0f);
 }
 
 void TileShader::check(int x, int y) {

@@ -33,7 +33,7 @@ class LightJudge {
             const glm::vec3 light = truth.light.values()[i];
             const float y = core::luminance(light);
             const core::Tolerance t = frame.tolerance.pixels.values()[i];
-            const float allowed = std::max(t.absolute, t.relative * y);
+            const float allowed = t.allows(y);
             over_ += std::abs(core::luminance(frame.radiance.combined.values()[i]) - y) > allowed * 1.0001f + 1e-12f;
             gathering_ += 1;
             if (!(y > 0)) continue;

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@
 #include "core/error.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
+#include "renderer/audit.h"
 #include "renderer/gather_groups.h"
 
 namespace render2mpeg {
@@ -56,23 +58,38 @@ class Bench {
         for (int f = 0; f < frames_per_scene; ++f) {
             worlds_.push_back(
                 film_.snapshot(film_.frames.first + film_.frame_count() * (2 * f + 1) / (2 * frames_per_scene)));
-            renderer::Renderer renderer(*film_.animation, film_.rendering, film_.plan);
+            told_.push_back(new_renderer());
+            renderer::Renderer& renderer = *told_.back();
+            renderer.start_chunk(worlds_.back());
             seen_.push_back(thinned(renderer.see(worlds_.back())));
+            pixels_.push_back(renderer::drawn(renderer::lit_pixels(seen_.back()), audited, worlds_.back().frame));
+            const core::Radiance all =
+                renderer.shade(worlds_.back(), only(seen_.back(), pixels_.back()), core::ToleranceMap::reference());
+            truth_.emplace_back();
+            for (const renderer::LitPixel& p : pixels_.back()) {
+                const glm::ivec2 place = renderer::place_of(seen_.back(), p);
+                truth_.back().push_back(all.combined.at(place.x, place.y));
+            }
         }
     }
 
+    /// Without `caution` each frame is a chunk that learns its own.
     Outcome run(renderer::Stop stop, double tolerance, double part, std::optional<double> caution) const {
         Outcome sum;
-        app::Production film = film_;
-        film.rendering.stop = stop;
-        renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
-        if (caution) renderer.set_caution(static_cast<float>(*caution));
         const auto relative = static_cast<float>(tolerance), scale = static_cast<float>(1.0 / part);
         const auto promised = core::ToleranceMap::uniform(picture_size, picture_size, {floor_, relative}),
                    map = core::ToleranceMap::uniform(picture_size, picture_size, {floor_ * scale, relative * scale});
         for (std::size_t f = 0; f < worlds_.size(); ++f) {
-            renderer.start_chunk(worlds_[f]);
-            renderer.sketch(worlds_[f], renderer::Seen{seen_[f].visible, {}, seen_[f].unscattered, {}}, map);
+            std::unique_ptr<renderer::Renderer> learner;
+            if (!caution) {
+                learner = new_renderer();
+                learner->start_chunk(worlds_[f]);
+                // So that trees are no part of the time.
+                learner->sketch(worlds_[f], renderer::Seen{seen_[f].visible, {}, seen_[f].unscattered, {}}, map);
+            }
+            renderer::Renderer& renderer = caution ? *told_[f] : *learner;
+            renderer.set_stop(stop);
+            if (caution) renderer.set_caution(static_cast<float>(*caution));
             const renderer::Statistics before = renderer.statistics();
             const double start = app::cpu_seconds();
             const core::Radiance cut = renderer.shade(worlds_[f], seen_[f], map);
@@ -81,7 +98,7 @@ class Bench {
             sum.rays += static_cast<double>(after.shadow_rays - before.shadow_rays);
             sum.points += static_cast<double>(after.gather_points - before.gather_points);
             sum.caution = after.mean_caution;
-            for (const renderer::AuditedPixel& p : renderer.audit(worlds_[f], seen_[f], promised, cut, audited))
+            for (const renderer::AuditedPixel& p : renderer::compare(seen_[f], pixels_[f], truth_[f], promised, cut))
                 sum.errors.push_back(p.noticed() / std::max(p.tolerance, 1e-30f));
         }
         return sum;
@@ -100,6 +117,20 @@ class Bench {
         return film;
     }
 
+    std::unique_ptr<renderer::Renderer> new_renderer() const {
+        return std::make_unique<renderer::Renderer>(*film_.animation, film_.rendering, film_.plan);
+    }
+
+    /// The gather points of some pixels.
+    static renderer::Seen only(const renderer::Seen& seen, const std::vector<renderer::LitPixel>& pixels) {
+        renderer::Seen part{seen.visible, {}, seen.unscattered, {}};
+        part.tiles.resize(seen.tiles.size());
+        for (const renderer::LitPixel& p : pixels)
+            part.tiles[p.tile].insert(part.tiles[p.tile].end(), seen.tiles[p.tile].begin() + p.first,
+                                      seen.tiles[p.tile].begin() + p.last);
+        return part;
+    }
+
     /// Two blocks of sixteen pixels of every tile: an eighth of the frame.
     static renderer::Seen thinned(renderer::Seen seen) {
         for (std::size_t t = 0; t < seen.tiles.size(); ++t) {
@@ -116,6 +147,9 @@ class Bench {
     float floor_ = 0;
     std::vector<scene::Snapshot> worlds_;
     std::vector<renderer::Seen> seen_;
+    std::vector<std::unique_ptr<renderer::Renderer>> told_;  ///< their caution
+    std::vector<std::vector<renderer::LitPixel>> pixels_;    ///< that are held against
+    std::vector<std::vector<glm::vec3>> truth_;
 };
 
 /// Rays and seconds of the classic rule where it keeps the promise, between the parts tried; none: nowhere.

@@ -69,13 +69,13 @@ struct Film {
                     kind.brightness * whole.combined.at(static_cast<int>((x + frame * kind.speed) % width), y);
         return radiance;
     }
-    Memory judged(std::int64_t frame, const core::Radiance& radiance, core::Plane<float> carried) const {
+    Memory judged(std::int64_t frame, const core::Radiance& radiance, const Hidden& carried) const {
         CodedFacts facts = coded_as(frame, kind.plan);
         // Predicted pictures quantise what exact motion leaves of the frame before: errors of both.
         if (!kind.plan.intra && frame > 0) facts.prediction = display.develop(wall_at(frame)).y;
         core::Picture picture = display.develop(radiance);
         picture.number = frame;
-        return observer.judge(observer.observe(picture, radiance, seen(), std::move(carried)), facts);
+        return observer.judge(observer.observe(picture, radiance, seen(), carried), facts);
     }
 
     /// Renders, codes and judges the next frame; gives the mean tolerance that it was lit by.
@@ -91,7 +91,7 @@ struct Film {
         for (std::size_t i = 0; i < radiance.combined.size(); ++i) {
             glm::vec3& c = radiance.combined.values()[i];
             const core::Tolerance t = tolerated.map.pixels.values()[i];
-            const float y = core::luminance(c), error = std::max(t.absolute, t.relative * y);
+            const float y = core::luminance(c), error = t.allows(y);
             const float sign = 2.0f * core::uniform(7, i, static_cast<std::uint64_t>(frame)) - 1.0f;
             // A third of the tolerance, as a calibrated stop leaves it.
             c *= std::max(0.0f, 1.0f + sign * error / (3.0f * y));

@@ -35,9 +35,9 @@ TEST_P(EverySpread, AChangeOfQuantiserOrTypeIsNotAFrameLate) {
         for (const CodingPlan& next : {plan_of(true, 16), plan_of(false, 24), plan_of(true, 2)}) {
             const Memory memory = memory_of(observer, was);
             const core::Plane<float> wanted = observer.errors(memory, next);
-            const core::Plane<float> carried = observer.tolerate(*seen(), next, memory, nullptr, 1.0f).carried;
+            const Hidden carried = observer.tolerate(*seen(), next, memory, nullptr, 1.0f).carried;
             for (std::size_t i = 0; i < wanted.size(); ++i)
-                ASSERT_NEAR(carried.values()[i], wanted.values()[i], 1e-4f * wanted.values()[i]) << i;
+                ASSERT_NEAR(carried.values()[i].x, wanted.values()[i], 1e-4f * wanted.values()[i]) << i;
         }
 }
 
@@ -51,6 +51,50 @@ TEST_P(EverySpread, TheShareScalesWhatIsHiddenDownToTheFloors) {
         EXPECT_FLOAT_EQ(half.pixels.values()[i].absolute, std::max(0.5f * full.pixels.values()[i].absolute, floor));
         EXPECT_FLOAT_EQ(half.pixels.values()[i].relative, 0.02f);
     }
+}
+
+TEST_P(EverySpread, WhatIsHiddenIsToldForTheLightThatHidIt) {
+    const CodingPlan plan = plan_of(true, 16);
+    const Memory memory = memory_of(observer, plan);
+    const core::ToleranceMap map = observer.tolerate(*seen(), plan, memory, nullptr, 0.5f).map;
+    const float floor = observer.light().darkest_step();
+    int bound = 0;
+    for (std::size_t i = 0; i < map.pixels.size(); ++i) {
+        const core::Tolerance& t = map.pixels.values()[i];
+        const float usual = memory.light.luminance.values()[i];
+        EXPECT_LE(t.usual, usual);
+        // As much light as it had: all of it. Next to none: at least half a code value.
+        EXPECT_FLOAT_EQ(t.allows(usual), std::max(t.absolute, t.relative * usual));
+        EXPECT_GE(t.allows(0), 0.999f * floor);
+        if (t.absolute > 4 * floor && t.usual == usual && usual > 4 * t.absolute) {
+            EXPECT_FLOAT_EQ(t.allows(0.5f * usual), 0.5f * t.absolute);
+            ++bound;
+        }
+    }
+    EXPECT_GT(bound, static_cast<int>(map.pixels.size() / 10));
+}
+
+TEST_P(EverySpread, WhatIsCarriedToAPictureIsWhatItsLightHides) {
+    const CodingPlan plan = plan_of(true, 4);
+    const Memory memory = memory_of(observer, plan);
+    const Hidden carried = observer.tolerate(*seen(), plan, memory, nullptr, 1.0f).carried;
+    const core::Radiance radiance = wall(0);
+    const auto carried_to = [&](float light) {
+        core::Radiance dimmed = radiance;
+        for (glm::vec3& c : dimmed.combined.values()) c *= light;
+        return observer.observe(display.develop(dimmed), dimmed, seen(), carried).carried;
+    };
+    const core::Plane<float> same = carried_to(1.0f), dimmer = carried_to(0.6f), dark = carried_to(0.25f);
+    int bound = 0;
+    for (std::size_t i = 0; i < same.size(); ++i) {
+        const glm::vec2 hidden = carried.values()[i];
+        EXPECT_FLOAT_EQ(same.values()[i], hidden.x);
+        EXPECT_FLOAT_EQ(dimmer.values()[i], hidden.x);
+        if (hidden.x > 0.2f * hidden.y) continue;
+        EXPECT_NEAR(dark.values()[i], 0.5f * hidden.x, 1e-4f * hidden.x);
+        ++bound;
+    }
+    EXPECT_GT(bound, static_cast<int>(same.size() / 10));
 }
 
 /// The share of its luminance that a quarter of the pixels stay below, by their luma and without those next to black:
@@ -86,7 +130,7 @@ TEST_P(EverySpread, WhatHasNoPartnerGetsALowShareOfThePicture) {
         for (int x = 0; x < width / 2; ++x) other.address.at(x, y).object = 1;
     for (const float share : {1.0f, 0.3f}) {
         const Tolerated tolerated = observer.tolerate(other, plan, memory, nullptr, share);
-        EXPECT_EQ(tolerated.carried.at(3, 3), no_partner);
+        EXPECT_EQ(tolerated.carried.at(3, 3).x, no_partner);
         EXPECT_EQ(tolerated.map.pixels.at(3, 3).absolute, observer.light().darkest_step());
         EXPECT_NEAR(tolerated.map.pixels.at(3, 3).relative / (share * low_share(memory)), 1.0f, 0.02f);
         EXPECT_GT(tolerated.map.pixels.at(width - 3, 3).absolute, observer.light().darkest_step());

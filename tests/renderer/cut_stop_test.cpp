@@ -250,12 +250,14 @@ INSTANTIATE_TEST_SUITE_P(Both, StopRules, testing::Values(Stop::classic, Stop::h
 TEST(CutRule, TakesBoundsForLooserTheCoarserTheTolerance) {
     CutRule rule;
     const Lanes none{};
-    Lanes absolute, light;
+    GroupTolerance tolerance{};
+    const Lanes& absolute = tolerance.absolute;
+    Lanes light;
     for (int i = 0; i < lane_count; ++i) {
-        absolute[i] = 0.002f * std::pow(1.6f, static_cast<float>(i));
+        tolerance.absolute[i] = 0.002f * std::pow(1.6f, static_cast<float>(i));
         light[i] = 1.0f;
     }
-    rule.start(Stop::honest, 1.0f, absolute, none, none);
+    rule.start(Stop::honest, 1.0f, tolerance);
     rule.observe(light);
     for (int i = 1; i < lane_count; ++i) {
         EXPECT_LT(rule.scale(i), rule.scale(i - 1));
@@ -281,13 +283,37 @@ TEST(CutRule, TakesBoundsForLooserTheCoarserTheTolerance) {
     EXPECT_LT(rule.scale(0), 0.37f);
 }
 
+TEST(CutRule, AllowsWhatThePixelsToleranceDoesAtTheLightSoFar) {
+    CutRule rule;
+    GroupTolerance tolerance{};
+    Lanes light;
+    for (int i = 0; i < lane_count; ++i) {
+        const PointTolerance t{{0.1f, i % 2 == 0 ? 0.02f : 0.2f, 0.2f * static_cast<float>(i / 4)}, 0.1f};
+        tolerance.set(i, t);
+        light[i] = 0.05f * static_cast<float>(i);
+        rule.start(Stop::honest, 1.0f, tolerance);
+        EXPECT_FLOAT_EQ(rule.tolerance(i, light[i]), t.allows(light[i])) << i;
+    }
+    // And so does the reckoning of all lanes at once: an error just above it breaks it, one just below does not.
+    rule.observe(light);
+    for (int i = 0; i < lane_count; ++i) {
+        const double fits = rule.tolerance(i, light[i]) / rule.scale(i);
+        double squares[lane_count] = {};
+        squares[i] = 0.999 * fits * fits;
+        EXPECT_TRUE(rule.satisfied(squares)) << i;
+        squares[i] = 1.001 * fits * fits;
+        EXPECT_FALSE(rule.satisfied(squares)) << i;
+    }
+}
+
 TEST(CutRule, RanksWhatHasNoMeasureAboveAllElse) {
     const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
     for (const Stop stop : {Stop::classic, Stop::honest}) {
         CutRule rule;
-        Lanes some, worst, zero{};
-        for (int i = 0; i < lane_count; ++i) some[i] = 1.0f;
-        rule.start(stop, 1.0f, zero, some, zero);
+        Lanes some, worst;
+        GroupTolerance tolerance{};
+        for (int i = 0; i < lane_count; ++i) some[i] = tolerance.relative[i] = 1.0f;
+        rule.start(stop, 1.0f, tolerance);
         rule.observe(some);
         const float usual = rule.urgency(some);
         for (const float bad : {nan, infinity}) {
