@@ -247,7 +247,7 @@ bool may_be_one_surface(const OrientedPoint& a, const OrientedPoint& b) {
     return glm::dot(way, a.normal) >= behind && -glm::dot(way, b.normal) >= behind;
 }
 
-/// Of a group without lists of neighbours.
+/// Of a group that moves.
 AnchorShares AnchorSharing::share_among_alike(std::uint32_t id, const OrientedPoint& at) const {
     const auto place = std::lower_bound(groups_.begin(), groups_.end(), id,
                                         [](const Group& other, std::uint32_t wanted) { return other.id < wanted; });

@@ -9,9 +9,14 @@ namespace {
 /// The exponent of a float's lowest normal step, as it is stored, and its bias.
 constexpr int least_exponent = 1, bias = 127;
 
+/// The most that there is of a channel: 65535 of the steps beyond which the next is infinite.
+constexpr float most_light = 0x1.fffep127f;
+
 }  // namespace
 
-PackedLight::PackedLight(const glm::vec3& light) {
+PackedLight::PackedLight(const glm::vec3& given) {
+    glm::vec3 light;
+    for (int c = 0; c < 3; ++c) light[c] = given[c] < most_light ? given[c] : most_light;
     int above = 0;
     std::frexp(std::max({light.x, light.y, light.z}), &above);
     // The largest channel has all 16 bits, unless rounding it up takes a seventeenth.

@@ -17,7 +17,8 @@ namespace render2mpeg::renderer {
 class PackedLight {
   public:
     PackedLight() = default;
-    explicit PackedLight(const glm::vec3& light);  ///< finite, >= 0
+    /// Of light >= 0; what is more than 65535 2^112, as sums of the brightest finite lights may be, is that much.
+    explicit PackedLight(const glm::vec3& given);
     RENDER2MPEG_ALWAYS_INLINED void unpack(float& red, float& green, float& blue) const {
         const float unit = __builtin_bit_cast(float, std::uint32_t{exponent_} << 23);
         red = static_cast<float>(channel_[0]) * unit;

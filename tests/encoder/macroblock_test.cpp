@@ -18,6 +18,9 @@ namespace {
 using namespace testing;
 using encoder::testing::decode_with_libmpeg2;
 using encoder::testing::noise;
+using encoder::testing::paint;
+using encoder::testing::settings;
+using encoder::testing::steady_motion;
 using encoder::testing::uniform_motion;
 
 /// One picture's worth of macroblocks of all kinds in random order, and what each block should show.
@@ -218,6 +221,38 @@ TEST(Candidates, HalvesRoundUpAndQuartersToTheNearest) {
     for (const auto& [pixels, half] :
          {std::pair{0.2f, 0}, {0.3f, 1}, {0.5f, 1}, {0.74f, 1}, {0.76f, 2}, {-0.2f, 0}, {-0.3f, -1}, {-7.6f, -15}})
         EXPECT_EQ(exact_candidates(uniform_motion(16, 16, 1, {pixels, 0}), 0, 0, anything).vector[0].x, half) << pixels;
+}
+
+/// Grey pictures; in macroblock (2, 1) of the second one plane has another value.
+CodedPicture after_a_change(Effort effort, int changed_plane, double value) {
+    Settings s = settings(96, 64, 6);
+    s.effort = effort;
+    Encoder encoder(s);
+    std::vector<CodedPicture> coded;
+    for (int n = 0; n < 2; ++n) {
+        const PicturePlan plan = encoder.plan(n, {.frames_left = 1 - n}, n == 0);
+        const core::Picture picture = paint(96, 64, n, [&](int plane, double x, double y) {
+            const bool inside = x >= 32 && x < 48 && y >= 16 && y < 32;
+            return n == 1 && inside && plane == changed_plane ? value : plane == 0 ? 110.0 : 128.0;
+        });
+        coded = encoder.push(picture, plan, steady_motion(s, plan, {0, 0}), {});
+    }
+    return std::move(coded.back());
+}
+
+TEST(Skipping, IsForbiddenByAnyPlaneThatChanged) {
+    for (const Effort effort : {Effort::fast, Effort::quality}) {
+        for (int plane = 0; plane < 3; ++plane) {
+            const CodedPicture coded = after_a_change(effort, plane, 150);
+            ASSERT_EQ(coded.plan.type, PictureType::predicted);
+            EXPECT_FALSE(coded.macroblocks.at(2, 1).skipped) << plane;
+            EXPECT_TRUE(coded.macroblocks.at(3, 2).skipped);
+            const auto& shown = plane == 0   ? coded.reconstruction.y
+                                : plane == 1 ? coded.reconstruction.cb
+                                             : coded.reconstruction.cr;
+            EXPECT_NEAR(shown.at(plane == 0 ? 40 : 20, plane == 0 ? 24 : 12), 150, 5) << plane;
+        }
+    }
 }
 
 }  // namespace

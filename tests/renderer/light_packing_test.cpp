@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/sampling.h"
 
@@ -83,6 +84,9 @@ TEST(PackedLight, IsRoundedUpByLittle) {
     EXPECT_EQ(unpacked(glm::vec3(0x1.ffffp0f)), glm::vec3(2));
     EXPECT_GE(unpacked(glm::vec3(1e30f)).x, 1e30f);
     EXPECT_GT(unpacked(glm::vec3(1e-44f)).x, 0.0f);
+    // Sums of finite lights may be infinite.
+    for (const float most : {std::numeric_limits<float>::max(), std::numeric_limits<float>::infinity()})
+        EXPECT_EQ(unpacked({most, 1, 0}), (glm::vec3{0x1.fffep127f, 0x1p112f, 0}));
 }
 
 TEST(PackedNormals, AreUnpackedAsEverywhere) {

@@ -64,13 +64,13 @@ fs::path texture(const fs::path& cache, const std::string& name) {
 fs::path film_of(const std::string& name) {
     for (const fs::path& file : {here() / (name + ".json"), here() / "special" / (name + ".json"),
                                  here() / "scenes" / (name + ".json"), fs::path(name), fs::path(name) / "film.json"})
-        if (fs::is_regular_file(file)) return file;
+        if (fs::is_regular_file(file)) return fs::absolute(file).lexically_normal();
     throw core::Error("clip " + name + ": there is no such film");
 }
 
 /// What a clip is called in tables.
 std::string title_of(const fs::path& film) {
-    return (film.filename() == "film.json" ? fs::absolute(film).parent_path() : film.stem()).filename().string();
+    return (film.filename() == "film.json" ? film.parent_path() : film.stem()).filename().string();
 }
 
 /// Puts a film into a folder of its own with all that it mentions: paths out of it are refused by the loader.
@@ -87,11 +87,15 @@ void assemble(const ClipRequest& request, const fs::path& folder) {
         fs::copy(scene.parent_path(), folder, fs::copy_options::recursive);
     }
     // One that is a folder brings along what lies in it.
-    if (film_of(request.name).filename() == "film.json")
-        fs::copy(film_of(request.name).parent_path(), folder, fs::copy_options::recursive);
+    if (const fs::path file = film_of(request.name); file.filename() == "film.json") {
+        const fs::path own = file.parent_path(), cache = fs::absolute(request.cache).lexically_normal();
+        if (std::mismatch(own.begin(), own.end(), cache.begin(), cache.end()).first == own.end())
+            throw core::Error("clip " + request.name + ": --cache lies within its folder");
+        fs::copy(own, folder, fs::copy_options::recursive);
+    }
     std::ofstream(folder / "film.json") << film;
     for (const std::string& name : texture_names())
-        if (film.find('"' + name + ".png\"") != std::string::npos)
+        if (film.find('"' + name + ".png\"") != std::string::npos && !fs::exists(folder / (name + ".png")))
             fs::copy_file(texture(request.cache, name), folder / (name + ".png"));
     if (film.find("\"crowd.gltf\"") != std::string::npos)
         write_crowd(fs::path(RENDER2MPEG_SOURCE_DIR) / "animations/character", folder);
