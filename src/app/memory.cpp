@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "image/image.h"
+#include "renderer/anchors.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 /// Bytes of one, beside the scene as it was read: what was measured and 10 to 30 % more. fit: docs/fits/memory
 constexpr std::uint64_t per_triangle = 135;
 constexpr std::uint64_t per_lamp = 1300;
-constexpr std::uint64_t per_anchor = 7200;  ///< the places that it was chosen from included
+constexpr std::uint64_t per_candidate = 400;  ///< of the places that anchors are chosen from
 constexpr std::uint64_t per_pixel = 250, per_sample = 60;
 constexpr std::uint64_t per_decoded_pixel = 48;
 constexpr std::uint64_t always = std::uint64_t{24} << 20;
@@ -96,7 +97,7 @@ MemoryNeed memory_need(const Production& film) {
         need.decoding = std::max(need.decoding, per_decoded_pixel * pixels);
     }
     need.lights = per_lamp * (static_cast<std::uint64_t>(film.rendering.direct_points) + scene.lights.size()) +
-                  per_anchor * static_cast<std::uint64_t>(film.rendering.vpls);
+                  per_candidate * renderer::candidates_for(static_cast<std::uint64_t>(film.rendering.vpls));
     need.frames = always + (per_pixel + per_sample * static_cast<std::uint64_t>(film.rendering.samples)) *
                                static_cast<std::uint64_t>(film.format.width) *
                                static_cast<std::uint64_t>(film.format.height);

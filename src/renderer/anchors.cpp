@@ -52,12 +52,6 @@ constexpr std::size_t most_landed = 1u << 20;
 /// Every anchor counts with at least this share of the mean light when trees are planned: it may be lit one day.
 constexpr float least_usual = 0.01f;
 
-/// Places looked at for so many anchors.
-std::uint64_t candidates_for(std::uint64_t anchors) {
-    const std::uint64_t most = std::max(many_candidates, least_per_anchor * anchors);
-    return std::max(std::min(candidates_per_anchor * anchors, most), least_candidates);
-}
-
 bool moves(const scene::Animation& film, std::uint32_t object) {
     return film.objects[object].mobility != scene::Mobility::still;
 }
@@ -89,6 +83,11 @@ scene::Snapshot usual_instant(const scene::Animation& film, int i, int count) {
 }
 
 }  // namespace
+
+std::uint64_t candidates_for(std::uint64_t anchors) {
+    const std::uint64_t most = std::max(many_candidates, least_per_anchor * anchors);
+    return std::max(std::min(candidates_per_anchor * anchors, most), least_candidates);
+}
 
 struct Anchors::Impl {
     Impl(const scene::Animation& animation, const AnchorSettings& s) : film(animation), settings(s), rest(animation) {}

@@ -20,6 +20,9 @@ struct AnchorSettings {
         0;  ///< VPLs that are spread over the anchors in a frame, about; 0: as many as `count` asks for
 };
 
+/// Places that are looked at to choose so many anchors: most of the memory that anchors ever take is theirs.
+std::uint64_t candidates_for(std::uint64_t anchors);
+
 /// The light points of indirect light: a constant number for the whole film, at fixed places on their surfaces, on
 /// which every instant's photons are spread (SPEC 2.1, 4.1; docs/model.md, "Anchor lights"). Those of surfaces that
 /// move are carried along by them. A function of the animation and the settings alone.
