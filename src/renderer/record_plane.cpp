@@ -78,12 +78,15 @@ float RecordPlane::reach() const {
         const float w = std::sqrt(n.closeness);
         sum += w;
         middle += w * n.offset;
-        square += w * glm::dot(n.offset, n.offset);
     }
     if (!(sum > 0.0f)) return std::numeric_limits<float>::infinity();
     middle /= sum;
-    const float away2 = glm::dot(middle, middle);
-    return core::sqrt_or_zero(core::divide_or(away2, square / sum - away2, std::numeric_limits<float>::infinity()));
+    // About their middle: the difference of two mean squares has no digits left where they lie in one place.
+    for (int i = 0; i < count_; ++i) {
+        const Sample& n = samples_[static_cast<std::size_t>(i)];
+        square += std::sqrt(n.closeness) * glm::dot(n.offset - middle, n.offset - middle);
+    }
+    return std::sqrt(core::divide_or(glm::dot(middle, middle), square / sum, std::numeric_limits<float>::infinity()));
 }
 
 float RecordPlane::residual() const {

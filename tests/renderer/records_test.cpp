@@ -10,6 +10,7 @@
 #include "renderer/record_fit.h"
 #include "renderer/record_gather.h"
 #include "renderer/record_groups.h"
+#include "renderer/record_plane.h"
 #include "tests/renderer/stage.h"
 
 namespace render2mpeg::renderer {
@@ -303,6 +304,19 @@ TEST_F(Wall, EveryRequestIsGatheredOnceInGroupsOfOneSet) {
     }
     EXPECT_EQ(points, requests.size());
     EXPECT_GE(full, groups.size() * 3 / 4);
+}
+
+TEST(RecordPlane, ReachesNoFartherThanItsSamplesAreApart) {
+    RecordPlane together, about, beside;
+    for (int i = 0; i < 4; ++i) {
+        const glm::vec2 corner{i % 2 == 0 ? -0.5f : 0.5f, i / 2 == 0 ? -0.5f : 0.5f};
+        together.add({1.1f, 0.5f}, 0.37f, glm::vec3(1));
+        about.add(corner, 1.0f, glm::vec3(1));
+        beside.add(corner + glm::vec2{1, 1}, 1.0f, glm::vec3(1));
+    }
+    EXPECT_GT(together.reach(), 1e5f);  // whatever rounding makes of no distance at all
+    EXPECT_EQ(about.reach(), 0.0f);
+    EXPECT_NEAR(beside.reach(), 2.0f, 1e-5f);
 }
 
 TEST(RecordSets, AreEvenlySpreadOnEveryLattice) {
