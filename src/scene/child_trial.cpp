@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -41,6 +42,11 @@ rlim_t seconds_now() {
     return static_cast<rlim_t>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec);
 }
 
+rlim_t limit_of(int resource) {
+    rlimit both{};
+    return getrlimit(resource, &both) == 0 ? both.rlim_cur : RLIM_INFINITY;
+}
+
 void lower(int resource, rlim_t limit) {
     rlimit both{};
     if (getrlimit(resource, &both) != 0) return;
@@ -48,15 +54,31 @@ void lower(int resource, rlim_t limit) {
     setrlimit(resource, &both);
 }
 
-/// Limits of what is taken from now on.
-void limit(const TrialLimits& limits) {
+/// Limits of what is taken from now on, turn by turn, within those that the process has from others.
+class TurnLimits {
+  public:
+    explicit TurnLimits(const TrialLimits& limits) : limits_(limits) {}
+
+    void begin_turn() const {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-    // Sanitizers reserve more address space than there is memory; they go without this limit.
-    lower(RLIMIT_AS, limits.memory + address_space_now());
+        // Sanitizers reserve more address space than there is memory; they go without this limit.
+        lower(RLIMIT_AS, std::min<rlim_t>(memory_, limits_.memory + address_space_now()));
 #endif
-    if (limits.seconds > 0) lower(RLIMIT_CPU, limits.seconds + seconds_now());
-    lower(RLIMIT_CORE, 0);
-    alarm(limits.clock_seconds);
+        if (limits_.seconds > 0) lower(RLIMIT_CPU, std::min<rlim_t>(seconds_, limits_.seconds + seconds_now()));
+        lower(RLIMIT_CORE, 0);
+        alarm(limits_.clock_seconds);
+        errno = 0;
+    }
+
+  private:
+    TrialLimits limits_;
+    rlim_t memory_ = limit_of(RLIMIT_AS), seconds_ = limit_of(RLIMIT_CPU);
+};
+
+/// Whether this process, and so its children, may not even take as much memory as a trial: `ulimit`, `--memory`.
+bool is_short_of(std::uintmax_t memory) {
+    const rlim_t all = limit_of(RLIMIT_AS), own = limit_of(RLIMIT_DATA);
+    return (all != RLIM_INFINITY && all < memory + address_space_now()) || (own != RLIM_INFINITY && own < memory);
 }
 
 bool write_all(int pipe, std::string_view text) {
@@ -68,24 +90,33 @@ bool write_all(int pipe, std::string_view text) {
     return true;
 }
 
+/// Lets the parent alone decide about the child: interrupts are the parent's, and the child ends with it.
+void follow(pid_t parent) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_IGN);
+    for (const int signal : {SIGSEGV, SIGABRT, SIGALRM, SIGXCPU}) std::signal(signal, SIG_DFL);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(crashed);  // it has ended already
+}
+
 /// The child's whole life: never returns. What it tells goes to `pipe`.
 [[noreturn]] void live_as_child(const ChildTrial::Reading& reading, const TrialLimits& limits,
                                 const std::function<void(Turn)>& share, int pipe) {
     const int nowhere = open("/dev/null", O_WRONLY);
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);
-    for (const int signal : {SIGINT, SIGTERM, SIGSEGV, SIGABRT, SIGALRM, SIGXCPU}) std::signal(signal, SIG_DFL);
-    limit(limits);
+    const TurnLimits turn_limits(limits);
+    turn_limits.begin_turn();
     int status = 0;
     std::string text;
     try {
         text = reading([&](Turn turn) {
             share(turn);
-            limit(limits);
+            turn_limits.begin_turn();
         });
     } catch (const core::Error& error) {
+        // Libraries refuse files for want of memory in as many words as there are libraries; malloc() has but one.
+        status = errno == ENOMEM ? out_of_memory : refused;
         text = error.what();
-        status = refused;
     } catch (const std::bad_alloc&) {
         status = out_of_memory;
     } catch (...) {
@@ -106,19 +137,23 @@ std::string text_of_child(int pipe) {
     }
 }
 
-/// Throws what a child that neither read nor refused its file died of.
-[[noreturn]] void tell_death(const std::string& name, int status, Turn turn) {
+/// Throws what a child that neither read nor refused its file died of; it was to take `memory` at most.
+[[noreturn]] void tell_death(const std::string& name, int status, Turn turn, std::uintmax_t memory) {
     const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-    const bool memory = WIFEXITED(status) && WEXITSTATUS(status) == out_of_memory;
-    const bool time = signal == SIGXCPU || signal == SIGALRM || signal == SIGKILL;
+    // No limit of ours does that, but the system does where memory runs out.
+    if (signal == SIGKILL) throw OutOfMemory("reading", name, "the process that read it was killed (out of memory?)");
+    const bool no_memory = WIFEXITED(status) && WEXITSTATUS(status) == out_of_memory;
+    if (no_memory && is_short_of(memory))
+        throw OutOfMemory("reading", name, "takes more memory than this process may have (--memory, ulimit)");
+    const bool no_time = signal == SIGXCPU || signal == SIGALRM;
     const std::string more =
-        std::string("takes more ") + (memory ? "memory" : "time") + " than a file of its size can need";
+        std::string("takes more ") + (no_memory ? "memory" : "time") + " than a file of its size can need";
     if (turn == Turn::ours)
         throw std::logic_error("reading " + name + ": render2mpeg " +
-                               (memory || time ? "itself " + more : std::string("itself crashes on it")) +
+                               (no_memory || no_time ? "itself " + more : std::string("itself crashes on it")) +
                                "; this is a fault of the program, not of the file");
-    throw core::Error("reading", name,
-                      memory || time ? more + ": it is damaged" : "its parser crashed: the file is damaged");
+    if (no_memory) throw OutOfMemory("reading", name, more + ": it is damaged");
+    throw core::Error("reading", name, no_time ? more + ": it is damaged" : "its parser crashed: the file is damaged");
 }
 
 int wait_for(pid_t child) {
@@ -160,11 +195,13 @@ class ChildTrial::SharedTurn {
 };
 
 ChildTrial::ChildTrial(std::string name, const TrialLimits& limits, const Reading& reading)
-    : name_(std::move(name)), turn_(std::make_unique<SharedTurn>()) {
+    : name_(std::move(name)), memory_(limits.memory), turn_(std::make_unique<SharedTurn>()) {
     int ends[2];
     if (pipe(ends) != 0) throw core::Error("reading", name_, "the system gives no pipe to a child process");
+    const pid_t parent = getpid();
     child_ = fork();
     if (child_ == 0) {
+        follow(parent);
         close(ends[0]);
         live_as_child(
             reading, limits, [this](Turn turn) { turn_->take(turn); }, ends[1]);
@@ -191,7 +228,7 @@ ChildTrial::Told ChildTrial::told() {
     child_ = -1;
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {false, std::move(text)};
     if (WIFEXITED(status) && WEXITSTATUS(status) == refused) return {true, std::move(text)};
-    tell_death(name_, status, turn_->now());
+    tell_death(name_, status, turn_->now(), memory_);
 }
 
 void try_in_child(const std::filesystem::path& file, const std::function<void(const TakeTurns&)>& reading) {

@@ -6,13 +6,21 @@
 #include <memory>
 #include <string>
 
+#include "core/error.h"
+
 namespace render2mpeg::scene {
 
 /// Whose code runs from now on.
 enum class Turn { parser, ours };
 using TakeTurns = std::function<void(Turn)>;
 
-/// What outside code may take, in each turn.
+/// Memory ran out in a trial, before that of the whole machine did if its limit was well chosen.
+class OutOfMemory : public core::Error {
+  public:
+    using core::Error::Error;
+};
+
+/// What outside code may take, in each turn; never more than this process may.
 struct TrialLimits {
     std::uintmax_t memory = 0;   ///< bytes more than this process holds now
     unsigned seconds = 0;        ///< of processor time; 0: any
@@ -23,7 +31,8 @@ struct TrialLimits {
 TrialLimits limits_for(std::uintmax_t file_size);
 
 /// Something read in a child process first, with limits of memory and time: for outside parsers, which hostile files
-/// can make crash, loop or take all memory. Nothing the child does or prints is seen but what `reading` returns.
+/// can make crash, loop or take all memory. Nothing the child does or prints is seen but what `reading` returns. It
+/// does not heed interrupts, and ends with the thread that began it.
 class ChildTrial {
   public:
     using Reading = std::function<std::string(const TakeTurns&)>;
@@ -40,13 +49,15 @@ class ChildTrial {
     ChildTrial& operator=(const ChildTrial&) = delete;
 
     /// Waits for its end. Where it refused nothing, doing the same in this process will go well, too. Throws
-    /// core::Error if the child died in the parser's turn, with which it begins. A death in our own code's turn is no
-    /// file's fault: std::logic_error. To be called once.
+    /// core::Error if the child died in the parser's turn, with which it begins; OutOfMemory also where the parser
+    /// refused its file for want of memory. A death in our own code's turn is no file's fault: std::logic_error. To be
+    /// called once.
     Told told();
 
   private:
     class SharedTurn;
     std::string name_;
+    std::uintmax_t memory_;
     std::unique_ptr<SharedTurn> turn_;
     int child_ = -1, pipe_ = -1;
 };

@@ -1,7 +1,9 @@
 #include "scene/child_trial.h"
 
 #include <gtest/gtest.h>
-
+#include <poll.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -80,6 +82,53 @@ TEST(ChildTrial, TellsDeathsOfOurOwnCodeFromRefusals) {
               std::string::npos);
 }
 
+TEST(ChildTrial, LeavesInterruptsToItsParent) {
+    // As a terminal sends them to all processes of a command.
+    EXPECT_EQ(complaint_of([](const TakeTurns&) {
+                  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::raise(signal);
+              }),
+              "");
+}
+
+TEST(ChildTrial, DoesNotSayThatWhatWasKilledIsDamaged) {
+    for (const Turn turn : {Turn::parser, Turn::ours})
+        EXPECT_EQ(complaint_of([&](const TakeTurns& take_turns) {
+                      take_turns(turn);
+                      std::raise(SIGKILL);
+                  }).find("was killed (out of memory?)") == std::string::npos,
+                  false);
+}
+
+TEST(ChildTrial, EndsWithItsParent) {
+    int ends[2];
+    ASSERT_EQ(pipe(ends), 0);
+    const pid_t parent = fork();
+    if (parent == 0) {
+        const ChildTrial endless("file", {std::uintmax_t{1} << 30, 0, 0}, [&](const TakeTurns&) -> std::string {
+            const pid_t child = getpid();
+            if (write(ends[1], &child, sizeof child) != sizeof child) return {};
+            for (;;) pause();
+        });
+        pid_t child = 0;
+        const bool begun =
+            read(ends[0], &child, sizeof child) == sizeof child && write(ends[1], &child, sizeof child) == sizeof child;
+        _exit(begun ? 0 : 1);  // without a destructor, as where it is killed
+    }
+    close(ends[1]);
+    int status = -1;
+    waitpid(parent, &status, 0);
+    ASSERT_EQ(status, 0);
+    pid_t child = 0;
+    ASSERT_EQ(read(ends[0], &child, sizeof child), static_cast<ssize_t>(sizeof child));
+    // The pipe ends when nobody is left to write to it.
+    pollfd end{ends[0], POLLIN, 0};
+    constexpr int long_enough = 60'000;
+    const bool ended = poll(&end, 1, long_enough) == 1;
+    EXPECT_TRUE(ended);
+    if (!ended) kill(child, SIGKILL);
+    close(ends[0]);
+}
+
 TEST(ChildTrial, TellsWhatWasReadHoweverLongItIs) {
     const TrialLimits limits = limits_for(0);
     const std::string text(300'000, 'x');
@@ -112,6 +161,30 @@ TEST(ChildTrial, RefusesFilesThatTakeAllMemory) {
         for (int i = 0; i < 64; ++i) blocks.emplace_back(new char[std::size_t{1} << 28]);
     };
     EXPECT_NE(complaint_of(hoard).find("more memory"), std::string::npos);
+    // As libraries in C do, each with words of its own.
+    const auto tries_to = [](const TakeTurns&) {
+        if (std::malloc(std::size_t{1} << 34) == nullptr) throw core::Error("reading", "scene.xyz", "bad header");
+    };
+    EXPECT_NE(complaint_of(tries_to).find("more memory"), std::string::npos) << complaint_of(tries_to);
+}
+
+TEST(ChildTrial, DoesNotSayThatAFileIsDamagedWhereTheUserAllowsLittleMemory) {
+    const auto take_half_a_gibibyte = [](const TakeTurns&) {
+        const std::unique_ptr<char[]> block(new char[std::size_t{1} << 29]);
+        static_cast<volatile char*>(block.get())[0] = 1;
+    };
+    EXPECT_EQ(complaint_of(take_half_a_gibibyte), "") << "the limit for any file";
+    for (const int resource : {RLIMIT_AS, RLIMIT_DATA}) {
+        rlimit before{};
+        ASSERT_EQ(getrlimit(static_cast<__rlimit_resource>(resource), &before), 0);
+        rlimit little = before;
+        little.rlim_cur = std::uintmax_t{400} << 20;
+        ASSERT_EQ(setrlimit(static_cast<__rlimit_resource>(resource), &little), 0);
+        const std::string complaint = complaint_of(take_half_a_gibibyte);
+        setrlimit(static_cast<__rlimit_resource>(resource), &before);
+        EXPECT_NE(complaint.find("more memory than this process may have (--memory, ulimit)"), std::string::npos)
+            << complaint;
+    }
 }
 
 TEST(ChildTrial, APlyFileThatCountsToABillionIsRefused) {
