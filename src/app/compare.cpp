@@ -156,7 +156,12 @@ int compare(const CompareOptions& options, const std::string& command) {
     if (quantisers_from(options.quantisers).size() < 2)
         throw core::Error("quantisers " + options.quantisers + ": curves need two or more");
     const std::string ffmpeg = ffmpeg_version();
+    const auto interrupted = [&] {
+        if (!quiet) std::fputs("interrupted before the first row: nothing was found out\n", stderr);
+        return InterruptGuard::status();
+    };
     const Production film = prepare_trials(options.render);
+    if (InterruptGuard::requested()) return interrupted();
     check_trial_outputs(film, options.render, options.json, options.report);
 
     Comparing comparing(options, film, ffmpeg);
@@ -166,10 +171,7 @@ int compare(const CompareOptions& options, const std::string& command) {
         }
     comparing.conclude();
     const Comparison& found = comparing.found();
-    if (found.ways[coupled_way].rows.empty()) {
-        if (!quiet) std::fputs("interrupted before the first row: nothing was found out\n", stderr);
-        return InterruptGuard::status();
-    }
+    if (found.ways[coupled_way].rows.empty()) return interrupted();
 
     Attempts attempts;
     if (options.json)

@@ -100,16 +100,18 @@ int cost(const CostOptions& options, const std::string& command) {
     const parallel::ThreadLimit threads(options.render.threads);
     const InterruptGuard guard(options.render.quiet);
     const bool quiet = options.render.quiet;
+    const auto interrupted = [&] {
+        if (!quiet) std::fputs("interrupted before the first row: nothing was found out\n", stderr);
+        return InterruptGuard::status();
+    };
     const Production film = prepare_trials(options.render);
+    if (InterruptGuard::requested()) return interrupted();
     check_trial_outputs(film, options.render, options.json, options.report);
 
     Cost sweep(options, film);
     if (sweep.light_references() && sweep.try_fixed() && sweep.try_coupled()) sweep.complete();
     const Sweep& found = sweep.sweep();
-    if (found.fixed.empty() && found.pairs.empty()) {
-        if (!quiet) std::fputs("interrupted before the first row: nothing was found out\n", stderr);
-        return InterruptGuard::status();
-    }
+    if (found.fixed.empty() && found.pairs.empty()) return interrupted();
 
     Attempts attempts;
     if (options.json) attempts.attempt([&] { write_json(*options.json, cost_json(sweep.film(), found, command)); });

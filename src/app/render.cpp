@@ -44,15 +44,21 @@ void say_notes(const Production& film, const RenderOptions& options) {
         if (!note.empty()) std::fputs((note + "\n").c_str(), stderr);
 }
 
-/// As prepare(), within the memory that the options allow.
+/// As prepare(), within the memory that the options allow. Not done where an interrupt was requested meanwhile.
 Production prepare_within_memory(const RenderOptions& options) {
     if (!options.memory) return prepare(options);
     const std::uint64_t limit = memory_from(*options.memory);
     hold_to(limit, parallel::thread_count());
     Production film = prepare(options);
-    try_images(*film.animation);  // their headers are read next
+    if (!try_images(*film.animation, image_trials(true))) return film;
+    // Their headers may be read now.
     film.images_in_turn = !may_decode_at_once(film, memory_need(film), limit, parallel::thread_count());
     return film;
+}
+
+int interrupted_before_frames(const RenderOptions& options) {
+    if (!options.quiet) std::fputs("interrupted before the first frame: nothing was written\n", stderr);
+    return InterruptGuard::status();
 }
 
 std::string dry_run_text(const Production& film, const RenderOptions& options) {
@@ -226,6 +232,7 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     // Read and settle everything before anything is written.
     Ledger ledger;
     Production film = timed(ledger, Stage::load, [&] { return prepare_within_memory(options); });
+    if (InterruptGuard::requested()) return interrupted_before_frames(options);
     say_notes(film, options);
     check_outputs(film, options);
     const nlohmann::json identity = timed(ledger, Stage::load, [&] { return identity_of(film, options); });
@@ -238,16 +245,14 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
         if (!options.quiet) print(left + dry_run_text(film, options));
         return 0;
     }
-    if (!options.memory) timed(ledger, Stage::load, [&] { try_images(*film.animation); });
+    if (!options.memory) timed(ledger, Stage::load, [&] { return try_images(*film.animation, image_trials(false)); });
+    if (InterruptGuard::requested()) return interrupted_before_frames(options);
     if (!options.quiet && !options.resume) std::fputs(left.c_str(), stderr);
     const std::unique_ptr<WorkFolder> work = open_outputs(options, identity);
     HeatmapFilms heatmaps(options, film, identity, *work);
     std::vector<ChunkFile> chunks = take_up(film, options, *work, heatmaps, ledger);
     settle(film, options, *work, ledger);
-    if (InterruptGuard::requested()) {
-        if (!options.quiet) std::fputs("interrupted before the first frame: nothing was written\n", stderr);
-        return InterruptGuard::status();
-    }
+    if (InterruptGuard::requested()) return interrupted_before_frames(options);
 
     FramePortrait portrait(film);
     Watchers watchers;

@@ -8,8 +8,8 @@
 
 #include "app/film_identity.h"
 #include "app/help_format.h"
-#include "app/outside_trial.h"
 #include "app/interrupt.h"
+#include "app/outside_trial.h"
 #include "app/publish.h"
 #include "app/report.h"
 #include "app/terminal.h"
@@ -37,7 +37,7 @@ Production prepare_trials(const RenderOptions& options) {
     Production film = prepare(options);
     for (const std::string& note : film.animation->notes)
         if (!options.quiet && !note.empty()) std::fputs((note + "\n").c_str(), stderr);
-    try_images(*film.animation);
+    if (!try_images(*film.animation, image_trials(false))) return film;
     if (!film.exposure) film.exposure = measure_exposure(film);
     return film;
 }

@@ -115,6 +115,7 @@ bool TuneCommand::search() {
     const InterruptGuard guard(quiet());
     const Target& target = tuning_.target;
     const Production film = prepare_trials(options_.render);
+    if (InterruptGuard::requested()) return false;
     check_rate(target, film);
     check_trial_outputs(film, options_.render, options_.json, options_.report);
     if (!options_.render.dry_run) check_reachable(options_.render.output);
