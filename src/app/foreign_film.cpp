@@ -85,6 +85,7 @@ ForeignFilm look_at_foreign(const std::filesystem::path& film, const std::filesy
     const bool linear = pattern.extension() == ".exr";
     scene::ChildTrial(film.string(), film_limits(film), [&](const scene::TakeTurns&) {
         av::decode(film, [](const core::Picture&) {});
+        av::inspect(film);
         return std::string();
     }).told();  // what it refuses it will again
     const av::Inspection inspection = av::inspect(film);

@@ -203,11 +203,15 @@ std::string damage_line(const std::string& name, const av::Inspection& film) {
     return lost == 0 ? "" : fmt::format("{}: {} cannot be shown", name, pictures_text(lost));
 }
 
-/// All that is told of a film: the damage, in a line of its own, and the tables.
-std::string told_of(const InfoOptions& options) {
+/// Between the damage and the tables: neither names nor decoders' messages hold it.
+constexpr char end_of_damage = '\0';
+
+/// All that is told of a film: the damage, and the tables.
+std::string told_of(const InfoOptions& options, const scene::TakeTurns& take_turns) {
     const std::string name = options.input.string();
     const av::Inspection film = av::inspect(options.input);
-    std::string text = damage_line(name, film) + "\n";
+    take_turns(scene::Turn::ours);
+    std::string text = damage_line(name, film) + end_of_damage;
     if (options.json) return text + json_text(json_of(name, film, options.summary));
     text += stream_lines(name, film);
     if (!options.summary) text += picture_table(film);
@@ -218,10 +222,10 @@ std::string told_of(const InfoOptions& options) {
 
 int info(const InfoOptions& options) {
     scene::ChildTrial trial(options.input.string(), film_limits(options.input),
-                            [&](const scene::TakeTurns&) { return told_of(options); });
+                            [&](const scene::TakeTurns& take_turns) { return told_of(options, take_turns); });
     const scene::ChildTrial::Told told = trial.told();
     if (told.refused) throw core::Error(told.text);
-    const std::size_t end = told.text.find('\n');
+    const std::size_t end = told.text.find(end_of_damage);
     const std::string damage = told.text.substr(0, end);
     print(told.text.substr(end + 1));
     if (damage.empty()) return 0;
