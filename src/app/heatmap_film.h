@@ -56,6 +56,8 @@ class HeatmapFilm : public Watcher {
     /// After the film's last picture: gives it its name. What it was made of stays.
     void finish();
     void clear_away() { work_.clear_away(); }
+    /// As the options name it.
+    const std::filesystem::path& file() const { return output_; }
     /// Leaves nothing of it.
     void discard() { work_.remove(); }
 
@@ -114,6 +116,8 @@ class HeatmapFilms : public Watcher {
         }
         return named == made;
     }
+    /// The files of those that failed on the way: only a film that begins anew makes them.
+    const std::vector<std::filesystem::path>& lost() const { return lost_; }
     /// Removes what they were made of.
     void clear_away() {
         each([](HeatmapFilm& film) { film.clear_away(); });
@@ -132,6 +136,7 @@ class HeatmapFilms : public Watcher {
                     done = true;
                 });
             if (!done && film != nullptr) {
+                lost_.push_back(film->file());
                 film->discard();
                 film.reset();
             }
@@ -139,6 +144,7 @@ class HeatmapFilms : public Watcher {
     }
 
     std::vector<std::unique_ptr<HeatmapFilm>> films_;
+    std::vector<std::filesystem::path> lost_;
     Attempts failures_;
 };
 

@@ -212,11 +212,29 @@ bool render_or_tell(const Production& film, const RenderOptions& options, WorkFo
     }
 }
 
+/// Writes what is told of the film. Returns whether all was written.
+bool write_told(const Production& film, const RenderOptions& options, const Ledger& ledger, const RunFacts& facts,
+                const FramePortrait& portrait, Attempts& attempts) {
+    bool stats = !options.stats, report = !options.report;
+    if (!stats)
+        attempts.attempt([&] {
+            write_statistics(*options.stats, film, ledger, facts);
+            stats = true;
+        });
+    if (!report)
+        attempts.attempt([&] {
+            write_report(*options.report, film, ledger, facts, portrait.figures());
+            report = true;
+        });
+    return stats && report;
+}
+
 /// Marks what is whole, and removes what it was made of: to be called when nothing of that is needed any more.
-void clear_away(const Production& film, const RenderOptions& options, const nlohmann::json& identity, bool all_written,
+void clear_away(const Production& film, const RenderOptions& options, const nlohmann::json& identity,
                 HeatmapFilms& heatmaps, WorkFolder& work) {
     Products products = products_of(film, options);
-    if (!all_written) products.beside.clear();
+    // A heatmap that failed while it was made can only be made anew.
+    for (const std::filesystem::path& lost : heatmaps.lost()) std::erase(products.beside, lost);
     mark_as_whole(products, identity);
     heatmaps.clear_away();
     work.clear_away();  // last, since it knows of the others
@@ -272,14 +290,12 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
         facts.complete = complete;
         published = true;
     });
-    const bool all_named = complete && heatmaps.finish() && published;
+    bool all_written = complete && heatmaps.finish() && published;
     attempts.attempt([&] { heatmaps.rethrow(); });
     ledger.wall = clock.seconds(ledger);
-    if (options.stats) attempts.attempt([&] { write_statistics(*options.stats, film, ledger, facts); });
-    if (options.report)
-        attempts.attempt([&] { write_report(*options.report, film, ledger, facts, portrait.figures()); });
-    if (all_named) clear_away(film, options, identity, attempts.none_failed(), heatmaps, *work);
-    if (complete && !all_named && !options.quiet)
+    all_written = write_told(film, options, ledger, facts, portrait, attempts) && all_written;
+    if (all_written) clear_away(film, options, identity, heatmaps, *work);
+    if (complete && !all_written && !options.quiet)
         std::fputs((resuming_text(film, chunks.size()) + "\n").c_str(), stderr);
     if (!options.quiet && published) attempts.attempt([&] { print(summary(film, ledger, facts)); });
     if (!complete && !options.quiet)

@@ -13,6 +13,7 @@
 #include "app/first_pass.h"
 #include "app/interrupt.h"
 #include "app/ledger_json.h"
+#include "app/text_file.h"
 #include "core/error.h"
 
 namespace render2mpeg::app {
@@ -98,7 +99,7 @@ void say_given_up(const RenderOptions& options, const WorkFolder& work) {
     for (const std::filesystem::path& file : work.companions()) {
         std::error_code error;
         const bool wanted = std::any_of(options.heatmaps.begin(), options.heatmaps.end(), [&](const auto& heatmap) {
-            return std::filesystem::absolute(heatmap.second, error).lexically_normal() == file;
+            return as_json_keeps(std::filesystem::absolute(heatmap.second, error).lexically_normal()) == file;
         });
         if (!wanted && !options.quiet && std::filesystem::exists(work_folder_of(file), error))
             std::fputs((file.string() + " is given up, since --heatmap is not given for it\n").c_str(), stderr);
@@ -150,7 +151,13 @@ std::optional<int> settled_before(const Production& film, const RenderOptions& o
             break;
     }
     say(" is whole already: nothing is left to be done");
-    if (!options.dry_run && begun) WorkFolder(options.output, identity, WorkFolder::Earlier::resumed).clear_away();
+    if (options.dry_run || !begun) return 0;
+    try {
+        WorkFolder(options.output, identity, WorkFolder::Earlier::resumed).clear_away();
+    } catch (const core::Error& refusal) {
+        // What somebody else has begun there, or is at work on, is no part of this film.
+        say(fmt::format(": what lies beside it is left alone ({})", refusal.what()));
+    }
     return 0;
 }
 

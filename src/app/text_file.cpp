@@ -68,6 +68,10 @@ std::string json_text(const nlohmann::json& value) {
     return value.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
+std::string as_json_keeps(const std::string& name) {
+    return nlohmann::json::parse(json_text(name)).get<std::string>();
+}
+
 void print(const std::string& text) {
     errno = 0;
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)

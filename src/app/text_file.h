@@ -13,6 +13,9 @@ void write_whole(const std::filesystem::path& file, const std::string& text);
 /// JSON as lines of text. Names of files are bytes, which JSON need not hold: what is no UTF-8 is replaced.
 std::string json_text(const nlohmann::json& value);
 
+/// A name as it comes back out of such text.
+std::string as_json_keeps(const std::string& name);
+
 /// Writes to standard output. Throws core::Error where that fails.
 void print(const std::string& text);
 

@@ -11,6 +11,7 @@
 
 #include "app/checksum.h"
 #include "app/film_identity.h"
+#include "app/text_file.h"
 #include "core/error.h"
 
 namespace render2mpeg::app {
@@ -101,7 +102,7 @@ Wholeness wholeness_of(const Products& products, const json& identity) {
     const json& there = (*mark)["beside"];
     for (const std::filesystem::path& file : products.beside) {
         std::error_code error;
-        if (std::find(there.begin(), there.end(), json(full_name_of(file))) == there.end() ||
+        if (std::find(there.begin(), there.end(), json(as_json_keeps(full_name_of(file)))) == there.end() ||
             !std::filesystem::exists(file, error))
             return {Wholeness::State::lacking, file.string()};
     }
