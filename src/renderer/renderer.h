@@ -54,12 +54,12 @@ struct Statistics {
     std::uint64_t calibrated_pixels = 0;  ///< gathered again for it; their rays count nowhere
     double calibration_seconds = 0;       ///< CPU, part of the time of shading
     double sky_seconds = 0;               ///< CPU, about, part of the time of seeing: looking at the sky
-    double layer_seconds = 0;  ///< likewise, of the time of shading and photons: what translucent surfaces let through
-    std::uint64_t records_created = 0;   ///< Settings::cache
-    std::uint64_t records_served = 0;    ///< gather points whose light came from records
-    std::uint64_t records_followed = 0;  ///< times that one changed as the light around it did
-    std::uint64_t records_live = 0;      ///< most that were held at a time
-    std::uint64_t records_held = 0;      ///< after the last frame
+    double layer_seconds = 0;             ///< likewise, of the time of shading: what translucent surfaces let through
+    std::uint64_t records_created = 0;    ///< Settings::cache
+    std::uint64_t records_served = 0;     ///< gather points whose light came from records
+    std::uint64_t records_followed = 0;   ///< times that one changed as the light around it did
+    std::uint64_t records_live = 0;       ///< most that were held at a time
+    std::uint64_t records_held = 0;       ///< after the last frame
 };
 
 /// See and shade. State that lives over frames is a function of the animation, the settings and the chunk's first
