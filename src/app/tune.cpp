@@ -23,6 +23,7 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "encoder/av/av.h"
+#include "encoder/capabilities.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
@@ -74,6 +75,12 @@ void check_rate(const Target& target, const Production& film) {
     coding.rate_control.mode = encoder::RateMode::variable;
     coding.rate_control.bit_rate = std::llround(target.value);
     encoder::check(coding);
+}
+
+/// Bits per second that the film as it was tried can have: more would make its level a higher one.
+double highest_rate(const Production& film) {
+    const std::int64_t wanted = film.coding.rate_control.max_rate;
+    return static_cast<double>(wanted > 0 ? wanted : encoder::level_of(film.coding).bit_rate);
 }
 
 /// One command in the making.
@@ -151,12 +158,10 @@ void TuneCommand::settle_options() {
     } else if (target.is_rate()) {
         double rate = searched(target, trials_->film(), options_.render.output).value;
         // A file that even the finest film does not fill is small enough; but the sample is not the film.
-        // chosen: films of four times their sample's rate have not been seen, and a rate far above what a film needs
-        // would make its level a higher one (2..10).
         const bool finest = target.kind == Kind::size && tuning_.found == Found::beyond && *chosen.trial.quality > 50;
         if (finest) {
             tuning_.found = Found::between;
-            rate = std::min(rate, 4 * 8 * chosen.trial.bytes * hertz());
+            rate = std::min(rate, highest_rate(trials_->film()));
         }
         tuning_.options = {{"--bitrate", fmt::format("{:.0f}", rate)}};
     }
