@@ -58,7 +58,9 @@ bool FrameLighting::recall(std::size_t t, const RecordCache::LitTiles& last, std
         // It was within its tolerance then.
         PointTolerance now = tolerances_[t][i];
         now.base += known_luminance(before.exact, p);
-        if (now.part != before.tolerance.part && before.trees.error > now.allows(core::luminance(before.trees.scattered(p)))) continue;
+        if (now.part != before.tolerance.part &&
+            before.trees.error > now.allows(core::luminance(before.trees.scattered(p))))
+            continue;
         light_[t][i] = before.trees;
         light_[t][i].direct_cut = light_[t][i].indirect_cut = 0;
         light_[t][i].served = true;
