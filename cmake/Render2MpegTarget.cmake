@@ -19,6 +19,10 @@ if(RENDER2MPEG_SANITIZE)
     # What these look for the address sanitizer meets too, when the memory is touched; they are a fifth of the build's time.
     list(APPEND instrumented -fno-sanitize=null,vptr,object-size)
   endif()
+  if(RENDER2MPEG_SANITIZE MATCHES "address|thread")
+    # More address space is reserved than there is memory, and what is not instrumented (below) must know it, too.
+    target_compile_definitions(render2mpeg_options INTERFACE RENDER2MPEG_SANITIZED)
+  endif()
   # Targets with the property RENDER2MPEG_NOT_INSTRUMENTED are only linked with the sanitizers.
   target_compile_options(
     render2mpeg_options INTERFACE "$<$<NOT:$<BOOL:$<TARGET_PROPERTY:RENDER2MPEG_NOT_INSTRUMENTED>>>:${instrumented}>")

@@ -113,7 +113,7 @@ void hold_to(std::uint64_t limit, int threads) {
     constexpr std::uint64_t in_store = std::uint64_t{256} << 20, by_thread = std::uint64_t{16} << 20;
     limit += own.writable > own.resident ? own.writable - own.resident : 0;
     limit += in_store + by_thread * static_cast<std::uint64_t>(std::max(threads, 1));
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef RENDER2MPEG_SANITIZED
     // Of private memory alone: libraries and files that are mapped can be had again without swapping. Sanitizers map
     // more than there is.
     const rlimit memory{limit, limit};

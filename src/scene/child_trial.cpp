@@ -10,12 +10,16 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
+#include <filesystem>
+#include <fstream>
 #include <new>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include "core/error.h"
@@ -60,7 +64,7 @@ class TurnLimits {
     explicit TurnLimits(const TrialLimits& limits) : limits_(limits) {}
 
     void begin_turn() const {
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef RENDER2MPEG_SANITIZED
         // Sanitizers reserve more address space than there is memory; they go without this limit.
         lower(RLIMIT_AS, std::min<rlim_t>(memory_, limits_.memory + address_space_now()));
 #endif
@@ -88,6 +92,29 @@ bool write_all(int pipe, std::string_view text) {
         if (n > 0) text.remove_prefix(static_cast<std::size_t>(n));
     }
     return true;
+}
+
+/// Whether every other thread of this process sleeps.
+bool others_sleep() {
+    std::error_code failure;
+    for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", failure)) {
+        if (thread.path().filename() == std::to_string(gettid())) continue;
+        // "ID (NAME) STATE ...": names may hold anything.
+        std::ifstream file(thread.path() / "stat");
+        const std::string stat{std::istreambuf_iterator<char>(file), {}};
+        const std::size_t name_end = stat.rfind(") ");
+        if (name_end != std::string::npos && stat.find_first_of("RD", name_end) == name_end + 2) return false;
+    }
+    return true;
+}
+
+/// A child has one thread alone, and whatever lock another one held when it was made stays locked there for ever: of a
+/// sanitizer's or a library's memory, while the threads that a library keeps are about to start. What sleeps holds
+/// none as a rule. Gives up after two seconds: what computes all the time was seldom caught with a lock.
+void wait_for_others_to_sleep() {
+    using namespace std::chrono;
+    for (const auto end = steady_clock::now() + seconds(2); !others_sleep() && steady_clock::now() < end;)
+        std::this_thread::sleep_for(milliseconds(1));
 }
 
 /// Lets the parent alone decide about the child: interrupts are the parent's, and the child ends with it.
@@ -199,6 +226,7 @@ ChildTrial::ChildTrial(std::string name, const TrialLimits& limits, const Readin
     int ends[2];
     if (pipe(ends) != 0) throw core::Error("reading", name_, "the system gives no pipe to a child process");
     const pid_t parent = getpid();
+    wait_for_others_to_sleep();
     child_ = fork();
     if (child_ == 0) {
         follow(parent);

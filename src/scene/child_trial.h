@@ -41,7 +41,8 @@ class ChildTrial {
         std::string text;  ///< what `reading` returned; refused: what it threw as core::Error
     };
 
-    /// Begins. `name` is what is read, for messages.
+    /// Begins when all other threads of this process sleep, or after two seconds. `name`, for messages, is what is
+    /// read.
     ChildTrial(std::string name, const TrialLimits& limits, const Reading& reading);
     /// Ends it, whatever becomes of it.
     ~ChildTrial();

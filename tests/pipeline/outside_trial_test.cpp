@@ -45,7 +45,7 @@ std::vector<std::filesystem::path> images_in(const support::Folder& folder) {
     return files;
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef RENDER2MPEG_SANITIZED
 TEST(ImageTrials, RefuseImagesThatTakeAllMemory) {
     const support::Folder folder;
     for (const std::filesystem::path& file : images_in(folder)) {

@@ -6,13 +6,17 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include "core/error.h"
@@ -153,7 +157,28 @@ TEST(ChildTrialSlow, EndsAParserThatNeverDoes) {
     EXPECT_NE(complaint_of(endless).find("more time than a file of its size can need"), std::string::npos);
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST(ChildTrial, InheritsNoLockOfAThreadThatWorks) {
+    // As threads do that libraries start.
+    std::mutex lock;
+    std::atomic<bool> locked = false;
+    const std::jthread other([&](const std::stop_token& over) {
+        {
+            const std::lock_guard guard(lock);
+            locked = true;
+            const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(50);
+            while (std::chrono::steady_clock::now() < end) continue;
+        }
+        while (!over.stop_requested()) usleep(1000);
+    });
+    while (!locked) usleep(100);
+    ChildTrial trial("scene.xyz", {std::uintmax_t{1} << 30, 0, 5}, [&](const TakeTurns&) {
+        const std::lock_guard guard(lock);
+        return std::string("has it");
+    });
+    EXPECT_EQ(trial.told().text, "has it");
+}
+
+#ifndef RENDER2MPEG_SANITIZED
 TEST(ChildTrial, RefusesFilesThatTakeAllMemory) {
     // Room alone, which costs nothing until it is written to.
     const auto hoard = [](const TakeTurns&) {
