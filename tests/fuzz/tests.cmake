@@ -8,7 +8,7 @@ if(TARGET test_fuzz)
   file(GLOB fuzz_targets CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/*_target.cpp ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/*_targets.cpp)
   add_library(render2mpeg_fuzz STATIC ${fuzz_targets})
   target_include_directories(render2mpeg_fuzz PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
-  target_link_libraries(render2mpeg_fuzz PUBLIC render2mpeg_options render2mpeg_app PkgConfig::fuzz_libavcodec
+  target_link_libraries(render2mpeg_fuzz PUBLIC render2mpeg_options render2mpeg_app render2mpeg_test_scenes PkgConfig::fuzz_libavcodec
                                                 PkgConfig::fuzz_libmpeg2)
   target_sources(test_fuzz PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/mutation.cpp ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/targets.cpp)
   target_link_libraries(test_fuzz PRIVATE render2mpeg_fuzz)

@@ -4,6 +4,7 @@
 
 #include "app/pipeline.h"
 #include "core/color.h"
+#include "scene/loaders.h"
 #include "scene/traits.h"
 #include "tests/encoder/decoders.h"
 

@@ -1,6 +1,7 @@
 // Light that a door lets through, against a path tracer.
 #include <gtest/gtest.h>
 
+#include "core/color.h"
 #include "tests/reference/path_tracer.h"
 #include "tests/renderer/door_stage.h"
 

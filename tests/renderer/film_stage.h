@@ -1,79 +1,42 @@
 #pragma once
 
-#include <cstring>
 #include <memory>
 #include <vector>
 
 #include "renderer/renderer.h"
-#include "scene/traits.h"
 #include "tests/support/scene_builder.h"
 
 namespace render2mpeg::test {
 
 /// Settings for frames that take milliseconds.
-inline renderer::Settings small_frame(int width = 24, int height = 24) {
-    renderer::Settings s;
-    s.format = {width, height, 1.0f};
-    s.samples = 1;
-    s.direct_points = 128;
-    s.vpls = 500;
-    s.isa = core::detect_isa();
-    return s;
-}
+renderer::Settings small_frame(int width = 24, int height = 24);
 
 /// A built film with a renderer, for small frames.
 class FilmStage {
   public:
-    explicit FilmStage(const SceneBuilder& builder, const renderer::Settings& settings = small_frame())
-        : film_(std::make_unique<scene::Animation>(builder.build())), settings_(settings), renderer_(make(false)) {}
+    explicit FilmStage(const SceneBuilder& builder, const renderer::Settings& settings = small_frame());
 
     /// Starts anew, with all layers filled or not.
     void restart(bool layers) { renderer_ = make(layers); }
 
-    scene::Snapshot at(int second) const {
-        return snapshot(*film_, second, settings_.format.width, settings_.format.height);
-    }
-    core::Radiance shade(int second, const core::ToleranceMap& tolerance) {
-        const scene::Snapshot world = at(second);
-        return renderer_->shade(world, renderer_->see(world), tolerance);
-    }
+    scene::Snapshot at(int second) const;
+    core::Radiance shade(int second, const core::ToleranceMap& tolerance);
     core::Radiance reference(int second = 0) { return shade(second, core::ToleranceMap::reference()); }
-    core::Radiance cut(float relative, int second = 0) {
-        return shade(second,
-                     core::ToleranceMap::uniform(settings_.format.width, settings_.format.height, {0.0f, relative}));
-    }
+    core::Radiance cut(float relative, int second = 0);
     renderer::Renderer& renderer() { return *renderer_; }
     const renderer::Statistics& statistics() const { return renderer_->statistics(); }
 
   private:
-    std::unique_ptr<renderer::Renderer> make(bool layers) const {
-        renderer::Wanted wanted;
-        wanted.layers = layers;
-        wanted.indirect = settings_.vpls > 0;
-        return std::make_unique<renderer::Renderer>(*film_, settings_,
-                                                    renderer::make_plan(scene::traits_of(*film_), wanted));
-    }
+    std::unique_ptr<renderer::Renderer> make(bool layers) const;
 
     std::unique_ptr<scene::Animation> film_;
     renderer::Settings settings_;
     std::unique_ptr<renderer::Renderer> renderer_;
 };
 
-inline bool same_bytes(const core::Radiance& a, const core::Radiance& b) {
-    return a.combined.size() == b.combined.size() && std::memcmp(a.combined.values().data(), b.combined.values().data(),
-                                                                 a.combined.size() * sizeof(glm::vec3)) == 0;
-}
+bool same_bytes(const core::Radiance& a, const core::Radiance& b);
 
 /// A room lit by a panel in its ceiling, with a ball and a block: light of all orders.
-inline SceneBuilder furnished_room(float light = 20.0f) {
-    SceneBuilder b;
-    const int white = b.add_material({0.7f, 0.7f, 0.7f});
-    b.add_box({0, 0, 0}, {4, 3, 4}, white, true);
-    b.add_quad({1.5f, 2.99f, 1.5f}, {1, 0, 0}, {0, 0, 1}, b.add_emitter({light, 0.9f * light, 0.7f * light}));
-    b.add_sphere({1.2f, 0.6f, 1.5f}, 0.6f, b.add_material({0.7f, 0.2f, 0.1f}), 12);
-    b.add_box({2.2f, 0, 0.8f}, {3.2f, 1.4f, 1.8f}, b.add_material({0.2f, 0.3f, 0.7f}));
-    b.add_camera({2.0f, 1.6f, 3.8f}, {2.0f, 1.0f, 0.0f}, 1.1f);
-    return b;
-}
+SceneBuilder furnished_room(float light = 20.0f);
 
 }  // namespace render2mpeg::test

@@ -6,6 +6,7 @@
 #include <glm/gtc/constants.hpp>
 #include <limits>
 
+#include "scene/loaders.h"
 #include "support/scene_builder.h"
 
 namespace render2mpeg::scene {

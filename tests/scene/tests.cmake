@@ -1,1 +1,1 @@
-render2mpeg_test(scene LIBS render2mpeg_scene)
+render2mpeg_test(scene LIBS render2mpeg_scene render2mpeg_test_scenes)

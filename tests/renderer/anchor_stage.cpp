@@ -1,0 +1,44 @@
+#include "tests/renderer/anchor_stage.h"
+
+#include <cmath>
+#include <utility>
+
+namespace render2mpeg::test {
+
+AnchorStage::AnchorStage(const SceneBuilder& builder, renderer::AnchorSettings settings)
+    : film_(builder.build()),
+      plan_(renderer::make_plan(scene::traits_of(film_), {})),
+      scenery_(film_, core::detect_isa(), plan_),
+      points_(scenery_, plan_, 64, 1),
+      world_(snapshot(film_, 0, 32, 32)) {
+    scenery_.pose(world_);
+    anchors_ = std::make_unique<renderer::Anchors>(scenery_, points_, settings);
+    points_.place(scenery_, world_);
+}
+
+void AnchorStage::pose(double seconds) {
+    const auto thousandths = static_cast<std::int64_t>(std::lround(seconds * 1000));
+    scene::Snapshot next = scene::snapshot_at(film_, 0, {thousandths, 1000}, {32, 32, 1.0f});
+    std::swap(world_, next);
+    scenery_.pose(world_);
+}
+
+renderer::PhotonResult AnchorStage::photons() {
+    return renderer::trace_photons(scenery_, points_.at(scenery_), {1, anchors_->paths(), 4});
+}
+
+SceneBuilder hall() {
+    SceneBuilder b;
+    b.add_box({0, 0, 0}, {8, 5, 12}, b.add_material({0.7f, 0.6f, 0.5f}), true);
+    b.add_box({5.0f, 0, 3.0f}, {6.0f, 2.5f, 4.0f}, b.add_material({0.3f, 0.5f, 0.7f}));
+    const int light = b.add_point_light({3, 2.5f, 2}, 20.0f, {1, 0.8f, 0.6f});
+    scene::Track track;
+    track.target = scene::TrackTarget::translation;
+    track.index = b.film().lights[static_cast<std::size_t>(light)].node;
+    track.times = {0, 2};
+    track.values = {3, 2.5f, 2, 3, 2.5f, 9};
+    b.film().tracks.push_back(track);
+    return b;
+}
+
+}  // namespace render2mpeg::test

@@ -1,0 +1,60 @@
+#include "tests/renderer/film_stage.h"
+
+#include <cstring>
+
+#include "scene/traits.h"
+
+namespace render2mpeg::test {
+
+renderer::Settings small_frame(int width, int height) {
+    renderer::Settings s;
+    s.format = {width, height, 1.0f};
+    s.samples = 1;
+    s.direct_points = 128;
+    s.vpls = 500;
+    s.isa = core::detect_isa();
+    return s;
+}
+
+FilmStage::FilmStage(const SceneBuilder& builder, const renderer::Settings& settings)
+    : film_(std::make_unique<scene::Animation>(builder.build())), settings_(settings), renderer_(make(false)) {}
+
+scene::Snapshot FilmStage::at(int second) const {
+    return snapshot(*film_, second, settings_.format.width, settings_.format.height);
+}
+
+core::Radiance FilmStage::shade(int second, const core::ToleranceMap& tolerance) {
+    const scene::Snapshot world = at(second);
+    return renderer_->shade(world, renderer_->see(world), tolerance);
+}
+
+core::Radiance FilmStage::cut(float relative, int second) {
+    return shade(second,
+                 core::ToleranceMap::uniform(settings_.format.width, settings_.format.height, {0.0f, relative}));
+}
+
+std::unique_ptr<renderer::Renderer> FilmStage::make(bool layers) const {
+    renderer::Wanted wanted;
+    wanted.layers = layers;
+    wanted.indirect = settings_.vpls > 0;
+    return std::make_unique<renderer::Renderer>(*film_, settings_,
+                                                renderer::make_plan(scene::traits_of(*film_), wanted));
+}
+
+bool same_bytes(const core::Radiance& a, const core::Radiance& b) {
+    return a.combined.size() == b.combined.size() && std::memcmp(a.combined.values().data(), b.combined.values().data(),
+                                                                 a.combined.size() * sizeof(glm::vec3)) == 0;
+}
+
+SceneBuilder furnished_room(float light) {
+    SceneBuilder b;
+    const int white = b.add_material({0.7f, 0.7f, 0.7f});
+    b.add_box({0, 0, 0}, {4, 3, 4}, white, true);
+    b.add_quad({1.5f, 2.99f, 1.5f}, {1, 0, 0}, {0, 0, 1}, b.add_emitter({light, 0.9f * light, 0.7f * light}));
+    b.add_sphere({1.2f, 0.6f, 1.5f}, 0.6f, b.add_material({0.7f, 0.2f, 0.1f}), 12);
+    b.add_box({2.2f, 0, 0.8f}, {3.2f, 1.4f, 1.8f}, b.add_material({0.2f, 0.3f, 0.7f}));
+    b.add_camera({2.0f, 1.6f, 3.8f}, {2.0f, 1.0f, 0.0f}, 1.1f);
+    return b;
+}
+
+}  // namespace render2mpeg::test

@@ -1,0 +1,94 @@
+#include "tests/renderer/moving_light_film.h"
+
+#include <cmath>
+
+#include "core/color.h"
+#include "renderer/shade.h"
+#include "scene/motion.h"
+#include "scene/traits.h"
+
+namespace render2mpeg::test {
+
+MovingLightFilm::MovingLightFilm(const SceneBuilder& builder, int size)
+    : film_(std::make_unique<scene::Animation>(builder.build())),
+      plan_(renderer::make_plan(scene::traits_of(*film_), {})),
+      scenery_(*film_, core::detect_isa(), plan_),
+      format_{size, size, 1.0f} {}
+
+FrameLuminances MovingLightFilm::lit(const FilmLight& light, int first, int count) {
+    renderer::LightPoints points(scenery_, plan_, 128, 1);
+    scene::Snapshot world = at(first);
+    scenery_.pose(world);
+    const renderer::Anchors anchors(scenery_, points, light.anchors);
+    points.place(scenery_, world);
+    renderer::LastingForest lasting({points.usual(), anchors.usual_still(), anchors.usual_moving()}, 1);
+    FrameLuminances frames;
+    for (int n = first; n < first + count; ++n) {
+        scene::Snapshot next = at(n);
+        std::swap(world, next);
+        scenery_.pose(world);
+        std::vector<renderer::LightPoint> direct = points.at(scenery_);
+        renderer::Anchors::Lit lit = anchors.at(scenery_, direct);
+        if (!light.direct) direct.clear();
+        if (!light.still) lit.still.clear();
+        if (!light.moving) lit.moving.clear();
+        renderer::LightForest forest = lasting.at({direct, lit.still, lit.moving}, n == first);
+        forest.direct_clamp = forest.indirect_clamp = {0.25f};
+        frames.push_back(shade(world, forest, light.tolerance));
+    }
+    return frames;
+}
+
+double MovingLightFilm::flicker(const FrameLuminances& frames, int first) {
+    double change = 0, sum = 0;
+    for (int i = 1; i < static_cast<int>(frames.size()); ++i) {
+        const scene::Snapshot before = at(first + i - 1), now = at(first + i);
+        const core::Visible seen_before = see(before).visible, seen = see(now).visible;
+        const core::MotionField motion = scene::motion_between(seen, now, before);
+        for (int y = 0; y < format_.height; ++y)
+            for (int x = 0; x < format_.width; ++x) {
+                float then = 0;
+                if (!carried(frames[static_cast<std::size_t>(i - 1)], seen_before, seen, motion, x, y, then)) continue;
+                const float light = frames[static_cast<std::size_t>(i)].at(x, y);
+                change += std::abs(static_cast<double>(light) - static_cast<double>(then));
+                sum += light;
+            }
+    }
+    return sum > 0 ? change / sum : 0;
+}
+
+renderer::Seen MovingLightFilm::see(const scene::Snapshot& world) {
+    scenery_.pose(world);
+    renderer::SeeCounts counts;
+    return renderer::see(scenery_, {format_, 1, 0}, plan_, counts);
+}
+
+core::Plane<float> MovingLightFilm::shade(const scene::Snapshot& world, const renderer::LightForest& forest,
+                                          const core::ToleranceMap& tolerance) {
+    renderer::ShadeCounts counts;
+    const renderer::Seen seen = see(world);
+    const core::Radiance radiance =
+        renderer::shade(forest, scenery_.tracer(), seen, world.camera.position(), tolerance, {}, counts);
+    core::Plane<float> luminances(format_.width, format_.height);
+    for (std::size_t i = 0; i < luminances.size(); ++i)
+        luminances.values()[i] = core::luminance(radiance.combined.values()[i]);
+    return luminances;
+}
+
+bool MovingLightFilm::carried(const core::Plane<float>& light, const core::Visible& seen_before,
+                              const core::Visible& seen, const core::MotionField& motion, int x, int y, float& then) {
+    if (motion.kind.at(x, y) != core::PixelClass::surface) return false;
+    const glm::vec2 p = glm::vec2(x, y) + motion.vector.at(x, y);
+    const int x0 = static_cast<int>(std::floor(p.x)), y0 = static_cast<int>(std::floor(p.y));
+    if (x0 < 0 || y0 < 0 || x0 + 1 >= light.width() || y0 + 1 >= light.height()) return false;
+    const float s = p.x - static_cast<float>(x0), t = p.y - static_cast<float>(y0);
+    then = 0;
+    for (int k = 0; k < 4; ++k) {
+        const int qx = x0 + k % 2, qy = y0 + k / 2;
+        if (seen_before.address.at(qx, qy).object != seen.address.at(x, y).object) return false;
+        then += (k % 2 ? s : 1 - s) * (k / 2 ? t : 1 - t) * light.at(qx, qy);
+    }
+    return true;
+}
+
+}  // namespace render2mpeg::test
