@@ -44,6 +44,13 @@ std::string image_of(const std::string& name, const core::Picture& picture, perc
                        base64(image::png_bytes(picture.width(), picture.height(), rgb, name)));
 }
 
+/// How wide a picture is shown where the page has room: thumbnails enlarged by a whole number, which keeps their pixels
+/// square. chosen: 240, the narrowest in which a heatmap's legend and a slider can be read.
+int shown_width(int width) {
+    constexpr int least = 240;
+    return width * std::max(1, (least + width - 1) / width);
+}
+
 }  // namespace
 
 ViewBox view_of(int width, int height) {
@@ -73,9 +80,9 @@ std::string slider_figure(const std::string& title, const ShownPicture& left, co
         "</div>\n<div class=\"grip\" style=\"max-width:{}px\"><span>{}</span><span>{}</span>"
         "<input type=\"range\" min=\"0\" max=\"100\" value=\"50\" aria-label=\"how much of {} is shown\" "
         "oninput=\"this.closest('figure').style.setProperty('--at', this.value + '%')\"/></div></figure>\n",
-        escaped(title), left.picture.width(), image_of(left.name, left.picture, matrix),
-        image_of(right.name, right.picture, matrix), left.picture.width(), escaped(left.name), escaped(right.name),
-        escaped(left.name));
+        escaped(title), shown_width(left.picture.width()), image_of(left.name, left.picture, matrix),
+        image_of(right.name, right.picture, matrix), shown_width(left.picture.width()), escaped(left.name),
+        escaped(right.name), escaped(left.name));
 }
 
 std::string heat_figure(const std::string& title, const core::Plane<float>& values,
@@ -83,8 +90,9 @@ std::string heat_figure(const std::string& title, const core::Plane<float>& valu
     // Full-range colours need no film's matrix.
     const perceptual::ColorMatrix matrix = perceptual::ColorMatrix::bt709;
     const core::Picture picture = perceptual::heatmap(values, scale, matrix);
-    return fmt::format("<figure class=\"heat\"><figcaption><h3>{}</h3></figcaption>{}</figure>\n", escaped(title),
-                       image_of(title, picture, matrix));
+    return fmt::format(
+        "<figure class=\"heat\"><figcaption><h3>{}</h3></figcaption><div style=\"max-width:{}px\">{}</div></figure>\n",
+        escaped(title), shown_width(picture.width()), image_of(title, picture, matrix));
 }
 
 }  // namespace render2mpeg::app

@@ -45,7 +45,6 @@ svg g:hover rect { opacity: .6; }
 .two img, .heat img { display: block; width: 100%; height: auto; image-rendering: pixelated; }
 .two img + img { position: absolute; inset: 0; clip-path: inset(0 0 0 var(--at)); }
 .heat { display: inline-block; width: min(100%, 27rem); margin: 1.2rem 1rem 0 0; vertical-align: top; }
-.heat img { width: auto; max-width: 100%; }
 .grip { display: flex; flex-wrap: wrap; justify-content: space-between; color: var(--soft); font-size: .85rem; }
 .grip input { width: 100%; margin: .3rem 0; height: 1.6rem; accent-color: var(--one); }
 @media print { .grip input { display: none; } }
