@@ -75,6 +75,22 @@ TEST(Halton, InBasesTwoAndThreeIsTheRadicalInverse) {
     }
 }
 
+TEST(Halton, IsTheRadicalInverseOfAnyIndex) {
+    // Digit by digit, which takes a division each.
+    const auto plain = [](std::uint64_t base, std::uint64_t index) {
+        double value = 0, unit = 1.0 / static_cast<double>(base);
+        for (; index > 0; index /= base, unit /= static_cast<double>(base))
+            value += static_cast<double>(index % base) * unit;
+        return value;
+    };
+    for (const std::uint64_t start :
+         {std::uint64_t{0}, std::uint64_t{4096 * 4096 - 50}, (std::uint64_t{1} << 52) - 50, ~std::uint64_t{0} - 99})
+        for (std::uint64_t i = start; i < start + 99; ++i) {
+            EXPECT_NEAR(halton(0, i), plain(2, i), 1e-7) << i;
+            EXPECT_NEAR(halton(1, i), plain(3, i), 1e-7) << i;
+        }
+}
+
 TEST(Halton, FillsEachDimensionEvenly) {
     // N D*_N < 3 + 1 + (b - 1) / (2 log b) log N for van der Corput sequences; permuted digits keep the bound within a
     // factor of two. [Kocis1997]; random points would have N D* near 0.87 sqrt(N) = 56.
