@@ -146,7 +146,9 @@ TEST_F(Wall, RecordsAlongALineServeWhatLiesCloseToIt) {
         GatherPoint p = point_at(12, 12);
         p.point.position.x += (x - 12.0f) * stage_.world().camera.pixel_size() * 2.0f;
         const RecordEstimate e = estimate_at(p, relative);
-        if (e.holds) EXPECT_NEAR(e.light.indirect.x, light({0.0f, 12.5f}), 0.01f) << x;
+        if (e.holds) {
+            EXPECT_NEAR(e.light.indirect.x, light({0.0f, 12.5f}), 0.01f) << x;
+        }
         return e.holds;
     };
     EXPECT_TRUE(holds(12.4f, 0.05f));
