@@ -74,6 +74,19 @@ std::string figure(double value) {
     return std::abs(value) >= 1e4 ? count_text(value) : fmt::format("{:.4g}", value);
 }
 
+/// chosen: letters of this font are some 0.56 of its size wide.
+double width_of(const std::string& text) {
+    return 0.56 * font * static_cast<double>(text.size());
+}
+
+/// Which values are written where there is no room for all: first powers of ten, then halves of them, then doubles.
+int shortness(double value) {
+    if (value == 0) return 0;
+    const double digits = std::abs(value) / std::pow(10.0, std::floor(std::log10(std::abs(value)) + 1e-9));
+    const auto is = [&](double digit) { return std::abs(digits - digit) < 1e-6; };
+    return is(1) ? 0 : is(5) ? 1 : is(2) || is(3) ? 2 : 3;
+}
+
 class Drawing {
   public:
     Drawing(const CurvePlot& plot, const Paper& paper)
@@ -113,9 +126,17 @@ std::string Drawing::axes() const {
         text += fmt::format(R"(<line class="grid" x1="{}" x2="{}" y1="{:.1f}" y2="{:.1f}"/>)", left, right_, y, y);
         text += fmt::format(R"(<text x="{}" y="{:.1f}" text-anchor="end">{}</text>)", left - 6, y + 4, figure(value));
     }
-    for (const double value : round_values(x_.low, x_.high, x_.logarithmic, paper_.columns)) {
+    std::vector<double> values = round_values(x_.low, x_.high, x_.logarithmic, paper_.columns);
+    std::stable_sort(values.begin(), values.end(), [](double a, double b) { return shortness(a) < shortness(b); });
+    std::vector<std::pair<double, double>> written;  // from, to
+    for (const double value : values) {
         const double x = left + (right_ - left) * x_.share(value);
         text += fmt::format(R"(<line class="grid" x1="{:.1f}" x2="{:.1f}" y1="{}" y2="{}"/>)", x, x, top, bottom_);
+        const double half = 0.5 * width_of(figure(value)) + 3;
+        if (std::any_of(written.begin(), written.end(),
+                        [&](const auto& other) { return x - half < other.second && other.first < x + half; }))
+            continue;
+        written.emplace_back(x - half, x + half);
         text +=
             fmt::format(R"(<text x="{:.1f}" y="{}" text-anchor="middle">{}</text>)", x, bottom_ + 17, figure(value));
     }
@@ -195,8 +216,7 @@ double Drawing::cost(const Box& box) const {
 std::string Drawing::label(const CurvePoint& point) {
     if (point.label.empty() || !shows(plot_, point)) return {};
     const Place at = place(point);
-    // chosen: letters of this font are some 0.56 of its size wide.
-    const double width = 0.56 * font * static_cast<double>(point.label.size()), near = point.marked ? 12 : 7;
+    const double width = width_of(point.label), near = point.marked ? 12 : 7;
     Box best;
     double least = std::numeric_limits<double>::infinity();
     for (const double gap : {near, near + font, near + 2 * font})

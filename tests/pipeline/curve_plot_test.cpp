@@ -56,6 +56,19 @@ TEST(Curves, ShowEveryPointThatTheAxesHaveOnWideAndNarrowPaper) {
     EXPECT_EQ(count(figure_of(plot_of(points, false)), "<title>one"), 2u * 3u);
 }
 
+TEST(Curves, WriteNoValueOverAnother) {
+    // On narrow paper there is room for some of 300, 400 .. 1000 alone: for the last of them.
+    const std::string figure =
+        figure_of(plot_of({{260, 30, "", false}, {520, 35, "", false}, {1300, 44, "", false}}, true));
+    const std::string wide = figure.substr(0, figure.find("</svg>")), narrow = figure.substr(wide.size());
+    for (const char* value : {">300<", ">500<", ">1000<"}) {
+        EXPECT_EQ(count(wide, value), 1u) << value;
+        EXPECT_EQ(count(narrow, value), 1u) << value;
+    }
+    EXPECT_EQ(count(wide, ">900<"), 1u);
+    EXPECT_EQ(count(narrow, ">900<"), 0u);
+}
+
 TEST(Curves, OfNothingAndOfOnePointAreDrawnToo) {
     EXPECT_EQ(figure_of(plot_of({}, false)), "");
     EXPECT_EQ(figure_of(plot_of({{0, 0, "", false}}, true)), "");
