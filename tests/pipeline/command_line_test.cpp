@@ -269,10 +269,10 @@ TEST(Statistics, TellTheRealQuantisersWhereNoneWasAskedFor) {
 TEST(Interruption, LeavesAPlayablePartialFilmAndNoFinalOne) {
     const Folder folder;
     const auto output = folder / "film.mpg";
-    const auto outcome =
-        run(program() + " render " + plain_film() + " --size 64x64 --vpls 16 --frames 0:999 --exposure 0 --quiet -o " +
-            output.string() + " & job=$!; while [ ! -s " + (folder / "film.mpg.partial").string() +
-            "/chunk_00000.m2v ]; do sleep 0.05; done; sleep 0.3; " + "kill -INT $job; wait $job");
+    const auto outcome = run(program() + " render " + plain_film() +
+                             " --size 32x32 --samples 1 --vpls 16 --frames 0:999 --exposure 0 --quiet -o " +
+                             output.string() + " & job=$!; while [ ! -s " + (folder / "film.mpg.partial").string() +
+                             "/chunk_00000.m2v ]; do sleep 0.05; done; sleep 0.3; " + "kill -INT $job; wait $job");
     EXPECT_EQ(outcome.status, 130) << outcome.output;
     EXPECT_FALSE(std::filesystem::exists(output));
     const auto partial = folder / "film.partial.mpg";

@@ -18,7 +18,7 @@ using test::path;
 
 const std::string tiny = " --size 32x32 --samples 1 --vpls 16 --exposure 0 --frames 0:1 ";
 /// Never done before it is interrupted.
-const std::string endless = " --size 64x64 --vpls 16 --frames 0:9999 --exposure 0 --quiet ";
+const std::string endless = " --size 32x32 --samples 1 --vpls 16 --frames 0:9999 --exposure 0 --quiet ";
 
 /// Runs a render until `file` is there and not empty, then does `then`, then sends the signal and waits.
 support::Outcome interrupted(const std::string& render, const std::string& file, const std::string& signal,

@@ -213,7 +213,7 @@ TEST(Anchors, ChangeByAtMostATwentiethWhereALampMoves14Centimetres) {
 
 /// Mean squared difference of anchors between independent sets of photons.
 double variance(std::uint64_t photons) {
-    const int sets = 8;
+    const int sets = 5;
     std::vector<std::vector<LightPoint>> lit;
     for (std::uint64_t s = 0; s < sets; ++s) {
         AnchorSettings settings{300, 4};
