@@ -72,11 +72,21 @@ float place_of(float value, const HeatScale& scale) {
     return core::divide_or(map(value) - map(scale.low), map(scale.high) - map(scale.low), 0.0f);
 }
 
+/// The words of a title that there is room for; the first one always.
+std::string_view words_within(std::string_view title, int width) {
+    while (width_of(title) > width) {
+        const std::size_t space = title.find_last_of(' ');
+        if (space == std::string_view::npos) break;
+        title = title.substr(0, title.find_last_not_of(" /:", space) + 1);
+    }
+    return title;
+}
+
 /// The title, the bar and its marks on the lines below `top`.
 void draw_legend(core::Plane<glm::vec3>& image, int top, const HeatScale& scale) {
     constexpr int margin = 4, bar_top = 11, bar_height = 8, text_top = 22;
     const int left = margin, right = std::max(left + 1, image.width() - margin - 1);
-    write(image, scale.title, left, top + 2);
+    write(image, words_within(scale.title, image.width() - left), left, top + 2);
     for (int x = left; x <= right && x < image.width(); ++x) {
         const float t = static_cast<float>(x - left) / static_cast<float>(right - left);
         HeatScale unit;

@@ -29,8 +29,8 @@ inline constexpr int legend_height = 32;
 /// order of values shows without colour, too. Not finite: grey. R', G', B' in 0..1.
 glm::vec3 heat_color(float value, const HeatScale& scale);
 
-/// The values in false colours with the legend below: width by height + legend_height. Text that does not fit is cut
-/// off at the right.
+/// The values in false colours with the legend below: width by height + legend_height. Of a title the words are written
+/// that fit; a first one that does not is cut off at the right.
 core::Picture heatmap(const core::Plane<float>& values, const HeatScale& scale, ColorMatrix matrix);
 
 }  // namespace render2mpeg::perceptual

@@ -49,6 +49,22 @@ TEST(Heatmap, ShowsItsValuesAboveItsLegend) {
     for (int x = 12; x + 8 < 92; x += 8) EXPECT_LT(picture.y.at(x, 40 + 14), picture.y.at(x + 8, 40 + 14)) << x;
 }
 
+TEST(Heatmap, WritesTheWordsOfItsTitleThatFit) {
+    const auto shown = [](int width, const char* title) {
+        HeatScale scale = percent();
+        scale.title = title;
+        const core::Picture picture = heatmap(core::Plane<float>(width, 8, 0.5f), scale, ColorMatrix::bt709);
+        return std::string(picture.y.values().begin(), picture.y.values().end());
+    };
+    const char* title = "TOLERANCE / LUMINANCE";
+    EXPECT_EQ(shown(96, title), shown(96, "TOLERANCE"));
+    EXPECT_NE(shown(160, title), shown(160, "TOLERANCE"));
+    EXPECT_EQ(shown(128, title), shown(128, "TOLERANCE"));  // one letter less than it takes
+    EXPECT_EQ(shown(96, "CUT: CLUSTERS PER PIXEL"), shown(96, "CUT: CLUSTERS"));
+    EXPECT_EQ(shown(30, "CUT: CLUSTERS PER PIXEL"), shown(30, "CUT"));
+    EXPECT_EQ(shown(16, title), shown(16, "TOL")) << "the first word is cut";
+}
+
 TEST(Heatmap, WritesWhatItsTitleSays) {
     const core::Plane<float> values(96, 8, 0.5f);
     HeatScale t = percent(), l = percent();
