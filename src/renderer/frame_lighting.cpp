@@ -97,7 +97,8 @@ std::optional<RecordQuery> FrameLighting::query_of(std::size_t t, std::size_t i)
     const auto on_picture = camera_.project(p.point.position);
     if (!on_picture) return std::nullopt;
     const float extent = camera_.pixel_size() * (camera_.perspective() ? on_picture->depth : 1.0f);
-    return RecordQuery{p, tolerances_[t][i], on_picture->position, extent, receives(p)};
+    const auto eye = camera_.perspective() ? std::optional(camera_.position()) : std::nullopt;
+    return RecordQuery{p, tolerances_[t][i], on_picture->position, extent, receives(p), eye};
 }
 
 std::vector<PointRef> FrameLighting::wanting(std::size_t t, int lattice) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "core/color.h"
 #include "core/numeric.h"
@@ -19,12 +20,18 @@ constexpr int radii[] = {1, 2, 4, 6};
 /// slope.
 constexpr int tells_steps = 4;
 
-/// Widths of lobes that count as one, and by how much, in units of the width, eyes may lie apart. chosen: what a
-/// pixel's neighbours and some frames of a walk turn by lies within.
-constexpr float alike_alpha = 0.1f, most_turn = 0.25f;
-/// What a lobe's light changes by as the eye turns by its width, as far as `seen_from` does not know.
-/// chosen: 0.3, not tuned: residuals see most of it.
-constexpr float turn_error = 0.3f;
+/// Widths of lobes that count as one.
+constexpr float alike_alpha = 0.1f;
+/// Half vectors that a record's lobe was looked at by may lie so far, in widths of the lobe, off those that the point
+/// looks by: since the eye was elsewhere, and since the place's normal and its sight are not the point's. chosen: what
+/// some frames of a walk turn by lies within; 0.25 instead of 0.125 serves nobody more, since `turn_error` counts. Of
+/// bends of 0.25, 0.5, 1 and any 0.5, up to which columns of polished metal change by no pixel.
+constexpr float most_turn = 0.125f, most_bend = 0.5f;
+/// What a lobe's light changes by as its half vectors turn by its width, as far as `seen_from` does not know. It counts
+/// by the weighted sum of what records are off, which is nothing where a plane lies through them and the eye stands
+/// still. chosen: 0.6 of 0, 0.3, 0.6 and 1.0, by which 1.2, 0.7, 0.5 and 0.3 % of pixels are beyond their tolerance of
+/// 8 % in a corridor of polished metal (docs/decisions/0018), for 0.87, 0.93, 1 and 1.08 times the rays.
+constexpr float turn_error = 0.6f;
 /// A record so near, in pixels, stands for the pixel by itself where neighbours disagree, if light that changes as
 /// between it and them changes by no more than the tolerance over twice its distance. chosen: without the latter 19 %
 /// of these pixels err by more than they may (Sibenik's walk at 2 %, 160x160) and make most of all large errors; with
@@ -44,23 +51,34 @@ constexpr float own_distance = 0.1f, own_doubt = 2.0f;
 constexpr int least_level = 4;
 constexpr float level_doubt = 3.0f, level_distance = 1.5f, most_reach = 4.0f;
 
+/// A record's lobe towards the eye of a point that asks, by the point's material.
+struct SeenLobe {
+    glm::vec3 radiance{0};
+    glm::vec3 turned{0};  ///< half vectors that it was looked at by, off the point's, in widths; times luminance
+};
+
+/// None where it says nothing of the point's.
+std::optional<SeenLobe> lobe_at(const RecordQuery& q, const Record& r) {
+    const SurfacePoint& p = q.point.point;
+    if (!p.bsdf.has_glossy()) return r.lobe.alpha == 0.0f ? std::optional(SeenLobe{}) : std::nullopt;
+    const float alpha = p.bsdf.alpha;
+    if (!(std::abs(r.lobe.alpha - alpha) <= alike_alpha * alpha)) return std::nullopt;
+    // The eye turned about the record; and about the point it looks otherwise than about the record.
+    const glm::vec3 eye = q.eye ? core::normalize_or(*q.eye - r.position, p.outgoing) : p.outgoing;
+    const glm::vec3 turn = 0.5f * (r.lobe.outgoing - eye);
+    const glm::vec3 bend = 0.5f * (eye - p.outgoing) - (r.shading_normal - p.shading_normal);
+    if (glm::dot(turn, turn) > most_turn * most_turn * alpha * alpha ||
+        glm::dot(bend, bend) > most_bend * most_bend * alpha * alpha)
+        return std::nullopt;
+    const glm::vec3 radiance = seen_from(r.lobe, r.shading_normal, eye, p.bsdf);
+    return SeenLobe{radiance, core::luminance(q.point.weight * radiance) / alpha * (turn + bend)};
+}
+
 struct Neighbour {
     const Record* record;
     std::uint32_t index;
-    glm::vec3 glossy;  ///< radiance that its light gives the point's lobe
-    float turned;      ///< luminance by which that may be off, since the lobe was looked at from elsewhere
+    SeenLobe lobe;
 };
-
-/// The lobe of a record as the point's eye sees it: what hides and shadows its facets changes with the angle to the
-/// normal, for the rest it must be wide [Heitz2014, eq. 99]. `typical`: a cosine of light.
-glm::vec3 seen_from(const SurfacePoint& p, const RecordLobe& lobe) {
-    constexpr float typical = 0.6f, least = 0.05f;
-    const float a2 = p.bsdf.alpha * p.bsdf.alpha;
-    const float here = std::max(glm::dot(p.shading_normal, p.outgoing), least),
-                there = std::max(glm::dot(p.shading_normal, lobe.outgoing), least);
-    const float ratio = lobe::masking(typical, here, a2) / lobe::masking(typical, there, a2);
-    return ratio * (p.bsdf.f0 * lobe.f0 + lobe.schlick);
-}
 
 class Neighbours {
   public:
@@ -105,22 +123,12 @@ bool Neighbours::find(const RecordQuery& q, const RecordMap& map, const Records&
                 continue;
             if (plane_.is_full()) return false;
             const Record& r = records[m.record];
-            glm::vec3 glossy(0);
-            float turned = 0;
-            if (p.bsdf.has_glossy()) {
-                const glm::vec3 turn = r.lobe.outgoing - p.outgoing;
-                if (!(std::abs(r.lobe.alpha - p.bsdf.alpha) <= alike_alpha * p.bsdf.alpha) ||
-                    glm::dot(turn, turn) > most_turn * most_turn * p.bsdf.alpha * p.bsdf.alpha)
-                    continue;
-                glossy = seen_from(p, r.lobe);
-                turned = turn_error / p.bsdf.alpha * glm::length(turn) * core::luminance(q.point.weight * glossy);
-            } else if (r.lobe.alpha != 0.0f) {
-                continue;
-            }
+            const auto lobe = lobe_at(q, r);
+            if (!lobe) continue;
             const float falloff = 1.0f - distance2 / (reach * reach * 1.1f);
-            found_[static_cast<std::size_t>(plane_.count())] = {&r, m.record, glossy, turned};
+            found_[static_cast<std::size_t>(plane_.count())] = {&r, m.record, *lobe};
             plane_.add(offset, falloff * falloff / (0.25f + distance2),
-                       reflects * (r.direct + r.indirect) + q.point.weight * glossy);
+                       reflects * (r.direct + r.indirect) + q.point.weight * lobe->radiance);
         }
     }
     return plane_.count() > 0;
@@ -147,14 +155,15 @@ float Neighbours::own_change() const {
 float Neighbours::noise(float receives) const {
     // Records of one set err alike, since the same lights stand for their clusters; those of different sets do not.
     std::array<float, representative_sets> of_set{};
-    float square = 0, turned = 0;
+    float square = 0;
+    glm::vec3 turned(0);
     for (int i = 0; i < count(); ++i) {
         const Neighbour& n = (*this)[i];
-        turned += std::abs(weight(i)) * n.turned;
+        turned += weight(i) * n.lobe.turned;
         of_set[n.record->set % of_set.size()] += std::abs(weight(i)) * n.record->error;
     }
     for (const float sum : of_set) square += sum * sum;
-    return receives * std::sqrt(square) + turned;
+    return receives * std::sqrt(square) + turn_error * glm::length(turned);
 }
 
 /// What neighbours disagree by counts for more where the tolerance is fine, since light has many small edges and few
@@ -176,7 +185,7 @@ PointLight blend(const Neighbours& n, const GatherPoint& p, std::int64_t frame) 
         const Record& r = *n[i].record;
         light.direct += n.weight(i) * r.direct;
         light.indirect += n.weight(i) * r.indirect;
-        light.glossy += n.weight(i) * n[i].glossy;
+        light.glossy += n.weight(i) * n[i].lobe.radiance;
         light.capped = light.capped || r.capped;
         clamped += n.weight(i) * r.clamped;
         age += std::abs(n.weight(i)) * static_cast<float>(frame - r.born);
@@ -185,8 +194,8 @@ PointLight blend(const Neighbours& n, const GatherPoint& p, std::int64_t frame) 
         high[0] = glm::max(high[0], r.direct);
         low[1] = glm::min(low[1], r.indirect);
         high[1] = glm::max(high[1], r.indirect);
-        low[2] = glm::min(low[2], n[i].glossy);
-        high[2] = glm::max(high[2], n[i].glossy);
+        low[2] = glm::min(low[2], n[i].lobe.radiance);
+        high[2] = glm::max(high[2], n[i].lobe.radiance);
     }
     light.direct = glm::clamp(light.direct, low[0], high[0]);
     light.indirect = glm::clamp(light.indirect, low[1], high[1]);
@@ -197,6 +206,16 @@ PointLight blend(const Neighbours& n, const GatherPoint& p, std::int64_t frame) 
 }
 
 }  // namespace
+
+/// A typical cosine of light stands for it in [Heitz2014, eq. 99].
+glm::vec3 seen_from(const RecordLobe& lobe, glm::vec3 normal, glm::vec3 outgoing, const Bsdf& bsdf) {
+    constexpr float typical = 0.6f, least = 0.05f;
+    const float a2 = bsdf.alpha * bsdf.alpha;
+    const float here = std::max(glm::dot(normal, outgoing), least),
+                there = std::max(glm::dot(normal, lobe.outgoing), least);
+    const float ratio = lobe::masking(typical, here, a2) / lobe::masking(typical, there, a2);
+    return ratio * (bsdf.f0 * lobe.f0 + lobe.schlick);
+}
 
 RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& records, const RecordTrust& trust,
                         std::int64_t frame) {
@@ -226,9 +245,10 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
         }
         const Neighbour* own = near.own();
         if (own == nullptr) continue;
-        PointLight light{own->record->direct, own->record->indirect, own->glossy};
+        PointLight light{own->record->direct, own->record->indirect, own->lobe.radiance};
         const float tolerance = q.tolerance.allows(core::luminance(light.scattered(q.point)));
-        const float noise = trust.noise * (q.receives * own->record->error + own->turned),
+        const float noise =
+                        trust.noise * (q.receives * own->record->error + turn_error * glm::length(own->lobe.turned)),
                     change = trust.residual * near.own_change();
         if ((!own->record->capped && noise > tolerance) || change > tolerance) continue;
         light.served = true;

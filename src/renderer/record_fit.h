@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "renderer/point_light.h"
 #include "renderer/records.h"
 
@@ -9,9 +11,10 @@ namespace render2mpeg::renderer {
 struct RecordQuery {
     const GatherPoint& point;
     PointTolerance tolerance;
-    glm::vec2 at{0};     ///< on the picture, pixels
-    float extent = 0;    ///< of a pixel at the point, across the line of sight; world
-    float receives = 0;  ///< luminance of the pixel by unit of light from all around
+    glm::vec2 at{0};                              ///< on the picture, pixels
+    float extent = 0;                             ///< of a pixel at the point, across the line of sight; world
+    float receives = 0;                           ///< luminance of the pixel by unit of light from all around
+    std::optional<glm::vec3> eye = std::nullopt;  ///< world; none: far away, all look along the point's direction
 };
 
 /// How far records are trusted.
@@ -27,6 +30,10 @@ struct RecordEstimate {
     PointLight light;    ///< of the forest's trees
     int radius = 0;      ///< pixels that were looked at to each side
 };
+
+/// Radiance of a place's lobe towards another eye than the record's, `outgoing`: what hides and shadows its facets
+/// changes with the angle to the normal, for the rest it must be wide. By the material of `bsdf`.
+glm::vec3 seen_from(const RecordLobe& lobe, glm::vec3 normal, glm::vec3 outgoing, const Bsdf& bsdf);
 
 /// Light of a point by a weighted plane through its neighbours' records, the nearest that agree: radii of 1, 2 and 4
 /// pixels in turn (docs/model.md, "Records"). Notes the use of records where it holds.

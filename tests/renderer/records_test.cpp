@@ -67,6 +67,24 @@ class Wall : public ::testing::Test {
     }
     RecordEstimate estimate_at(int x, int y, float relative) { return estimate_at(point_at(x, y), relative); }
 
+    /// The records' light is what a lobe of white metal sends to an eye, which may be elsewhere than the camera.
+    void polish(glm::vec3 eye) {
+        for (std::uint32_t i = 0; i < records_.size(); ++i) {
+            Record& r = records_.change(i);
+            r.lobe = {lobe_width, glm::normalize(eye - r.position), r.indirect, glm::vec3(0)};
+            r.indirect = glm::vec3(0);
+        }
+    }
+    RecordEstimate estimate_polished(GatherPoint p, float relative) {
+        const glm::vec3 eye = stage_.world().camera.position();
+        p.point.bsdf = {glm::vec3(0), glm::vec3(1), lobe_width};
+        p.point.outgoing = glm::normalize(eye - p.point.position);
+        const auto at = stage_.world().camera.project(p.point.position);
+        const float extent = stage_.world().camera.pixel_size() * at->depth;
+        return estimate({p, {0, relative, 0}, at->position, extent, 1.0f, eye}, map_, records_, {}, 0);
+    }
+    static constexpr float lobe_width = 0.25f;
+
     test::Stage stage_;
     Seen seen_;
     Records records_;
@@ -157,6 +175,59 @@ TEST_F(Wall, RecordsAlongALineServeWhatLiesCloseToIt) {
     // What changes along the line may change across it as well.
     for (std::uint32_t i = 0; i < records_.size(); ++i) records_.change(i).indirect *= i % 2 == 0 ? 1.0f : 1.05f;
     EXPECT_FALSE(holds(12.4f, 0.05f));
+}
+
+TEST_F(Wall, LobesThatOneEyeSawAreFoundBetweenRecords) {
+    // From pixel to pixel half vectors turn by a twelfth of the lobe's width.
+    const auto light = [](glm::vec2 at) { return 1.0f + 0.05f * at.x - 0.03f * at.y; };
+    strew(4, light);
+    polish(stage_.world().camera.position());
+    int found = 0;
+    for (int y = 5; y < 19; ++y) {
+        for (int x = 5; x < 19; ++x) {
+            const RecordEstimate e = estimate_polished(point_at(x, y), 0.02f);
+            if (!e.holds) continue;
+            ++found;
+            const float expected = light({static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
+            EXPECT_NEAR(e.light.glossy.x, expected, 1e-3f * expected) << x << ", " << y;
+        }
+    }
+    EXPECT_GE(found, 14 * 14 * 9 / 10);
+}
+
+TEST_F(Wall, LobesThatAnotherEyeSawServeByHowFarItWas) {
+    // Two away, an eye that moves by 0.05 turns half vectors by a twentieth of the width, one that moves by 0.3 by more
+    // than an eighth.
+    const auto holds = [&](float moved, float relative) {
+        records_.forget();
+        strew(2, [](glm::vec2) { return 1.0f; });
+        polish(stage_.world().camera.position() + glm::vec3(moved, 0, 0));
+        return estimate_polished(point_at(12, 12), relative).holds;
+    };
+    EXPECT_TRUE(holds(0.0f, 0.01f));
+    EXPECT_FALSE(holds(0.05f, 0.02f));
+    EXPECT_TRUE(holds(0.05f, 0.04f));
+    EXPECT_FALSE(holds(0.3f, 10.0f));
+}
+
+TEST_F(Wall, RecordsAlongALineSayNothingOfLobesOfASurfaceThatBends) {
+    strew(1, [](glm::vec2) { return 1.0f; });
+    Records line;
+    for (const Record& r : records_.all())
+        if (std::floor(stage_.world().camera.project(r.position)->position.x) == 12.0f) line.add(r);
+    records_ = line;
+    polish(stage_.world().camera.position());
+    map_.build(records_.all(), stage_.world().camera);
+    const auto holds = [&](float bent) {
+        GatherPoint p = point_at(12, 12);
+        p.point.position.x += 0.4f * stage_.world().camera.pixel_size() * 2.0f;
+        p.point.geometric_normal = p.point.shading_normal = {std::sin(bent), 0.0f, std::cos(bent)};
+        return estimate_polished(p, 0.05f).holds;
+    };
+    EXPECT_TRUE(holds(0.0f));
+    EXPECT_TRUE(holds(0.01f));
+    EXPECT_FALSE(holds(0.1f));
+    EXPECT_FALSE(holds(0.2f));
 }
 
 TEST_F(Wall, CoarselyGatheredRecordsServeNoFinePixel) {
