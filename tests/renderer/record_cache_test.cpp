@@ -250,7 +250,7 @@ TEST(RecordCache, TakesNoPartInReferenceFrames) {
     EXPECT_EQ(cached.statistics().records_created, 0u);
 }
 
-TEST(RecordCache, LightsWideLobesAndLeavesMirrorsAndPolishToThemselves) {
+TEST(RecordCache, LightsVarnishedWallsWithinTheirTolerance) {
     test::SceneBuilder b = walk();
     const int matt = b.add_material({0.4f, 0.4f, 0.5f});
     b.material(matt).roughness = 0.8f;
@@ -265,6 +265,32 @@ TEST(RecordCache, LightsWideLobesAndLeavesMirrorsAndPolishToThemselves) {
         const core::Radiance frame = cached.cut(0.05f, second);
         EXPECT_LE(share_over(frame, plain.reference(second), 0.05f), 0.03) << second;
     }
+}
+
+TEST(RecordCache, LightsPolishedMetalForAFractionOfTheRays) {
+    // All around the room.
+    test::SceneBuilder b = walk();
+    for (int m = 0; m < 4; ++m) {
+        if (m == 1) continue;  // the panel
+        b.material(m).metallic = 1.0f;
+        b.material(m).roughness = 0.4f;
+    }
+    FilmStage plain(b, settings(false)), cached(b, settings(true));
+    double over = 0, plain_over = 0;
+    std::uint64_t rays = 0, all = 0;
+    for (int second = 0; second < 3; ++second) {
+        const std::uint64_t before = cached.statistics().shadow_rays, plain_before = plain.statistics().shadow_rays;
+        const core::Radiance frame = cached.cut(0.1f, second);
+        const core::Radiance cut = plain.cut(0.1f, second);
+        rays += cached.statistics().shadow_rays - before;
+        all += plain.statistics().shadow_rays - plain_before;
+        const core::Radiance truth = plain.reference(second);
+        over += share_over(frame, truth, 0.1f) / 3;
+        plain_over += share_over(cut, truth, 0.1f) / 3;
+    }
+    EXPECT_LE(over, plain_over + 0.01);
+    EXPECT_LE(rays, all * 85 / 100);
+    EXPECT_GT(rays, all / 5);
 }
 
 }  // namespace

@@ -361,6 +361,18 @@ TEST_F(Wall, RecordsKeepTheirErrorsWithoutCaution) {
     EXPECT_NEAR(cautious->error, plain->error, 1e-6f);
 }
 
+TEST_F(Wall, LobesOfRoughnessTwoTenthsAndMoreTakeRecords) {
+    GatherPoint p = point_at(12, 12);
+    EXPECT_TRUE(takes_records(p));
+    p.point.bsdf = {glm::vec3(0.5f), glm::vec3(0.04f), 0.2f * 0.2f};
+    EXPECT_TRUE(takes_records(p));
+    p.point.bsdf.alpha = 0.19f * 0.19f;
+    EXPECT_FALSE(takes_records(p));
+    p.point.bsdf.alpha = 1.0f;
+    p.reached_by_specular = true;
+    EXPECT_FALSE(takes_records(p));
+}
+
 TEST_F(Wall, EveryRequestIsGatheredOnceInGroupsOfOneSet) {
     std::vector<PointRef> requests;
     for (std::uint32_t t = 0; t < seen_.tiles.size(); ++t)
