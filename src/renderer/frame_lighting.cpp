@@ -65,7 +65,7 @@ bool FrameLighting::recall(std::size_t t, const RecordCache::LitTiles& last, std
         light_[t][i].direct_cut = light_[t][i].indirect_cut = 0;
         light_[t][i].served = true;
         light_[t][i].age += static_cast<float>(snapshot_.frame - last_frame);
-        state_[t][i] = PointState::settled;
+        state_[t][i] = PointState::recalled;
         ++served_[t];
         // Whoever may have served it is not forgotten.
         const int x = x_of(t, p), y = y_of(t, p);
@@ -107,8 +107,8 @@ std::vector<PointRef> FrameLighting::wanting(std::size_t t, int lattice) {
     std::uint64_t served = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const GatherPoint& p = points[i];
-        if (state_[t][i] == PointState::settled || x_of(t, p) % lattice != 0 || y_of(t, p) % lattice != 0) continue;
-        if (takes_records(p)) {
+        if (state_[t][i] >= PointState::settled || x_of(t, p) % lattice != 0 || y_of(t, p) % lattice != 0) continue;
+        if (takes_records(p, trials_)) {
             const auto query = state_[t][i] == PointState::open ? query_of(t, i) : std::nullopt;
             if (query) {
                 const RecordEstimate found = estimate(*query, map_, records_, trust_, snapshot_.frame);
@@ -138,7 +138,7 @@ void FrameLighting::keep(const GatheredRequests& g, std::size_t i, RecordCounts&
     const PointRef& ref = g.points[i];
     light_[ref.tile][ref.index] = g.light[i];
     state_[ref.tile][ref.index] = PointState::settled;
-    if (!takes_records(point(ref))) return;
+    if (!takes_records(point(ref), trials_)) return;
     if (const auto found = record(g, i)) {
         records_.add(*found);
         ++counts.created;
@@ -162,7 +162,8 @@ std::vector<GatheredRequests> FrameLighting::gather(const std::vector<std::vecto
         if (list.size() < least) list.clear();
     std::vector<GatheredRequests> found(of_area.size());
     parallel::for_each(of_area.size(), [&](std::size_t a) {
-        gather_requests(forest_, tracer_, seen_, camera_.position(), tolerances_, limits_, of_area[a], found[a]);
+        gather_requests(forest_, tracer_, seen_, camera_.position(), tolerances_, limits_, trials_, of_area[a],
+                        found[a]);
     });
     for (const GatheredRequests& g : found) counts.add(g.counts);
     return found;
@@ -194,6 +195,17 @@ void FrameLighting::refine(ShadeCounts& counts, RecordCounts& record_counts) {
         for (const GatheredRequests& g : found)
             for (std::size_t i = 0; i < g.points.size(); ++i) keep(g, i, record_counts);
         reopen(found);
+    }
+}
+
+void FrameLighting::tell(LobeTrials& trials) const {
+    for (std::size_t t = 0; t < light_.size(); ++t) {
+        for (std::size_t i = 0; i < light_[t].size(); ++i) {
+            const GatherPoint& p = seen_.tiles[t][i];
+            if (state_[t][i] == PointState::recalled || !p.point.bsdf.has_glossy() || !takes_records(p, trials_))
+                continue;
+            trials.note(p.point.material, 1, light_[t][i].served ? 1 : 0);
+        }
     }
 }
 

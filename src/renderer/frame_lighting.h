@@ -17,7 +17,7 @@ namespace render2mpeg::renderer {
 class FrameLighting {
   public:
     FrameLighting(const LightForest& forest, const RayTracer& tracer, const Seen& seen, const scene::Snapshot& snapshot,
-                  const CutLimits& limits, const RecordTrust& trust, Records& records)
+                  const CutLimits& limits, const RecordTrust& trust, const LobeTrials& trials, Records& records)
         : forest_(forest),
           tracer_(tracer),
           seen_(seen),
@@ -25,6 +25,7 @@ class FrameLighting {
           camera_(snapshot.camera),
           limits_(limits),
           trust_(trust),
+          trials_(trials),
           records_(records),
           map_(seen.visible.width(), seen.visible.height()),
           exact_(seen.tiles.size()),
@@ -43,13 +44,16 @@ class FrameLighting {
     /// Serves or gathers what is not known yet, lattice by lattice.
     void refine(ShadeCounts& counts, RecordCounts& record_counts);
     void thin() { records_.thin(snapshot_.frame, map_); }
+    /// Which materials' lobes were served, and which were not.
+    void tell(LobeTrials& trials) const;
     FrameLight take(RecordCache::LitTiles& last, ShadeCounts& counts, RecordCounts& record_counts);
 
   private:
     enum class PointState : std::uint8_t {
         open,
         in_vain,  ///< asked records, and none came since
-        settled   ///< its light is known
+        settled,  ///< its light is known
+        recalled  ///< likewise, from the frame before
     };
 
     bool recall(std::size_t tile, const RecordCache::LitTiles& last, std::int64_t last_frame);
@@ -81,6 +85,7 @@ class FrameLighting {
     const scene::Camera& camera_;
     CutLimits limits_;
     RecordTrust trust_;
+    const LobeTrials& trials_;
     Records& records_;
     RecordMap map_;
     FrameLight exact_, light_;  ///< of lights gathered exactly; of trees

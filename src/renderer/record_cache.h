@@ -1,5 +1,6 @@
 #pragma once
 
+#include "renderer/lobe_trials.h"
 #include "renderer/record_fit.h"
 #include "renderer/shade.h"
 
@@ -20,6 +21,7 @@ class RecordCache {
     /// A chunk begins.
     void forget() {
         records_.forget();
+        trials_.forget();
         last_ = {};
         changed_ = false;
     }
@@ -43,7 +45,7 @@ class RecordCache {
 
     /// Bytes held between frames.
     std::size_t bytes() const {
-        std::size_t sum = records_.bytes();
+        std::size_t sum = records_.bytes() + trials_.bytes();
         for (const auto& tile : last_) sum += tile.capacity() * sizeof(LitPoint);
         return sum;
     }
@@ -66,6 +68,7 @@ class RecordCache {
     std::int64_t last_frame_ = 0;  ///< that they are of
     bool changed_ = false;         ///< light is another than what the records tell
     RecordTrust trust_;
+    LobeTrials trials_;
 };
 
 }  // namespace render2mpeg::renderer

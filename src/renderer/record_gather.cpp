@@ -18,7 +18,7 @@ constexpr float least_albedo = 0.05f;
 constexpr float least_alpha = 0.04f;
 
 void gather_group(const Seen& seen, const std::vector<std::vector<PointTolerance>>& tolerances, const CutLimits& limits,
-                  const RequestGroup& group, Gatherer& gatherer, GatheredRequests& out) {
+                  const LobeTrials& trials, const RequestGroup& group, Gatherer& gatherer, GatheredRequests& out) {
     GatherPoint receivers[lane_count];
     const GatherPoint* pointers[lane_count];
     GroupTolerance tolerance;
@@ -27,7 +27,7 @@ void gather_group(const Seen& seen, const std::vector<std::vector<PointTolerance
         tolerance.set(static_cast<int>(i), tolerances[ref.tile][ref.index]);
         if (i >= group.points.size()) continue;
         pointers[i] = &seen.tiles[ref.tile][ref.index];
-        if (!takes_records(*pointers[i])) continue;
+        if (!takes_records(*pointers[i], trials)) continue;
         // Light a receiver that is grey at least: a record is for all textures. What a texture reflects more of than
         // its luminance says, as deep blue, counts in full, so that light of many colours is told well enough for it.
         receivers[i] = *pointers[i];
@@ -61,9 +61,10 @@ void gather_group(const Seen& seen, const std::vector<std::vector<PointTolerance
 
 }  // namespace
 
-bool takes_records(const GatherPoint& p) {
+bool takes_records(const GatherPoint& p, const LobeTrials& trials) {
     const Bsdf& bsdf = p.point.bsdf;
-    return !p.reached_by_specular && (!bsdf.has_glossy() || bsdf.alpha >= least_alpha);
+    return !p.reached_by_specular &&
+           (!bsdf.has_glossy() || (bsdf.alpha >= least_alpha && trials.takes(p.point.material)));
 }
 
 float receives(const GatherPoint& p) {
@@ -94,10 +95,10 @@ std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, c
 
 void gather_requests(const LightForest& forest, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
                      const std::vector<std::vector<PointTolerance>>& tolerances, const CutLimits& limits,
-                     const std::vector<PointRef>& requests, GatheredRequests& out) {
+                     const LobeTrials& trials, const std::vector<PointRef>& requests, GatheredRequests& out) {
     Gatherer gatherer(forest, tracer);
     for (const RequestGroup& group : group_requests(seen, requests, eye))
-        gather_group(seen, tolerances, limits, group, gatherer, out);
+        gather_group(seen, tolerances, limits, trials, group, gatherer, out);
 }
 
 }  // namespace render2mpeg::renderer

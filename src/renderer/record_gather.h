@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "renderer/cut.h"
+#include "renderer/lobe_trials.h"
 #include "renderer/point_light.h"
 #include "renderer/record_groups.h"
 #include "renderer/records.h"
@@ -11,8 +12,9 @@
 
 namespace render2mpeg::renderer {
 
-/// Whether a point's light may come from records: dull surfaces, or of wide lobes, seen directly.
-bool takes_records(const GatherPoint& p);
+/// Whether a point's light may come from records: seen directly, without a lobe or with one that is not too narrow and
+/// whose material's are served often enough.
+bool takes_records(const GatherPoint& p, const LobeTrials& trials);
 
 /// Luminance that a point's pixel gets of light 1 from all around; for records, which serve other textures as well, as
 /// if it were not quite black.
@@ -31,9 +33,10 @@ struct GatheredRequests {
     ShadeCounts counts;
 };
 
-/// Gathers the requests of one area in groups; `tolerances` are those of all points of all tiles.
+/// Gathers the requests of one area in groups, those that take records for these; `tolerances` are those of all points
+/// of all tiles.
 void gather_requests(const LightForest& forest, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
                      const std::vector<std::vector<PointTolerance>>& tolerances, const CutLimits& limits,
-                     const std::vector<PointRef>& requests, GatheredRequests& out);
+                     const LobeTrials& trials, const std::vector<PointRef>& requests, GatheredRequests& out);
 
 }  // namespace render2mpeg::renderer

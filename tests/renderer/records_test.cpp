@@ -362,15 +362,31 @@ TEST_F(Wall, RecordsKeepTheirErrorsWithoutCaution) {
 }
 
 TEST_F(Wall, LobesOfRoughnessTwoTenthsAndMoreTakeRecords) {
+    const LobeTrials untried;
     GatherPoint p = point_at(12, 12);
-    EXPECT_TRUE(takes_records(p));
+    EXPECT_TRUE(takes_records(p, untried));
     p.point.bsdf = {glm::vec3(0.5f), glm::vec3(0.04f), 0.2f * 0.2f};
-    EXPECT_TRUE(takes_records(p));
+    EXPECT_TRUE(takes_records(p, untried));
     p.point.bsdf.alpha = 0.19f * 0.19f;
-    EXPECT_FALSE(takes_records(p));
+    EXPECT_FALSE(takes_records(p, untried));
     p.point.bsdf.alpha = 1.0f;
     p.reached_by_specular = true;
-    EXPECT_FALSE(takes_records(p));
+    EXPECT_FALSE(takes_records(p, untried));
+}
+
+TEST_F(Wall, LobesOfAMaterialThatIsNotServedTakeNoRecords) {
+    LobeTrials trials;
+    for (int frame = 0; frame < 2; ++frame) {
+        trials.note(3, 100, 5);
+        trials.judge();
+    }
+    GatherPoint p = point_at(12, 12);
+    p.point.material = 3;
+    EXPECT_TRUE(takes_records(p, trials)) << "without a lobe";
+    p.point.bsdf.f0 = glm::vec3(0.04f);
+    EXPECT_FALSE(takes_records(p, trials));
+    p.point.material = 4;
+    EXPECT_TRUE(takes_records(p, trials));
 }
 
 TEST_F(Wall, EveryRequestIsGatheredOnceInGroupsOfOneSet) {
