@@ -23,14 +23,16 @@ constexpr int tells_steps = 4;
 /// Widths of lobes that count as one.
 constexpr float alike_alpha = 0.1f;
 /// Half vectors that a record's lobe was looked at by may lie so far, in widths of the lobe, off those that the point
-/// looks by: since the eye was elsewhere, and since the place's normal and its sight are not the point's. chosen: what
-/// some frames of a walk turn by lies within; 0.25 instead of 0.125 serves nobody more, since `turn_error` counts. Of
-/// bends of 0.25, 0.5, 1 and any 0.5, up to which columns of polished metal change by no pixel.
-constexpr float most_turn = 0.125f, most_bend = 0.5f;
+/// looks by: since the eye was elsewhere, and since the place's normal and its sight are not the point's. chosen: turns
+/// that some frames of a walk lie within; 0.25 instead of 0.125 serves hardly more, since `turn_error` counts. Bends of
+/// 1 of 0.5, 1 and 2, which leave 0.4, 0.6 and 1.1 % of pixels beyond 8 % in a corridor of polished metal, 0.5 % each
+/// in a colonnade, for 1, 0.92 and 0.85 and for 1, 0.87 and 0.77 of the rays of later frames (docs/decisions/0018,
+/// roughness 0.3).
+constexpr float most_turn = 0.125f, most_bend = 1.0f;
 /// What a lobe's light changes by as its half vectors turn by its width, as far as `seen_from` does not know. It counts
 /// by the weighted sum of what records are off, which is nothing where a plane lies through them and the eye stands
 /// still. chosen: 0.6 of 0, 0.3, 0.6 and 1.0, by which 1.2, 0.7, 0.5 and 0.3 % of pixels are beyond their tolerance of
-/// 8 % in a corridor of polished metal (docs/decisions/0018), for 0.87, 0.93, 1 and 1.08 times the rays.
+/// 8 % in a corridor of polished metal (docs/decisions/0018; bends of 0.5), for 0.87, 0.93, 1 and 1.08 times the rays.
 constexpr float turn_error = 0.6f;
 /// A record so near, in pixels, stands for the pixel by itself where neighbours disagree, if light that changes as
 /// between it and them changes by no more than the tolerance over twice its distance. chosen: without the latter 19 %
