@@ -133,7 +133,7 @@ struct Search {
 
 /// record_fit.cpp, doubt.
 float doubt(float relative) {
-    constexpr float coarse = 0.62f, fine = 2.1f, turn2 = 0.1f * 0.1f;
+    constexpr float coarse = 0.68f, fine = 2.3f, turn2 = 0.1f * 0.1f;
     return coarse + (fine - coarse) * turn2 / (turn2 + relative * relative);
 }
 
@@ -234,7 +234,9 @@ void ask_product(const Frame& frame, const std::vector<Truth>& truths, const std
         if (frame.places[i].x % step != 0 || frame.places[i].y % step != 0) continue;
         renderer::PointLight l;
         l.indirect = light[i].light;
-        if (const auto r = renderer::record_of(frame.point(frame.places[i].ref), l, {}, 1, 0)) records.add(*r);
+        if (const auto r = renderer::record_of(frame.point(frame.places[i].ref), l, {}, 1, 0,
+                                               {light[i].by_place, light[i].by_normal}))
+            records.add(*r);
     }
     renderer::RecordMap map(frame.width(), frame.height());
     map.build(records.all(), frame.world.camera);

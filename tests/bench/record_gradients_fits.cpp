@@ -53,6 +53,12 @@ Guess by_plane(const Place& p, const std::vector<Near>& near, float way, float t
     return g;
 }
 
+/// As record_fit.cpp: planes of values taken halfway, means of those taken all the way.
+Guess by_halfway(const Place& p, const std::vector<Near>& near) {
+    const Guess g = by_plane(p, near, 0.5f, 1);
+    return g.level ? by_plane(p, near, 1, 1) : g;
+}
+
 /// Weighted mean of `values`, which disagree as RecordPlane has it, one freedom counted.
 Guess by_mean(const std::vector<Near>& near, const std::vector<glm::vec3>& values, const std::vector<float>& weights,
               int least) {
@@ -133,9 +139,9 @@ Guess by_observations(const Place& p, const std::vector<Near>& near) {
     return g;
 }
 
-/// A plane alone, without the product's means.
-Guess by_plane_or(const Place& p, const std::vector<Near>& near, float turn, const Guess& other) {
-    Guess g = by_plane(p, near, 0, turn);
+/// A plane alone, without means of its own.
+Guess by_plane_or(const Place& p, const std::vector<Near>& near, float way, const Guess& other) {
+    Guess g = by_plane(p, near, way, way > 0 ? 1 : 0);
     if (g.found && !g.level) return g;
     g = other;
     g.instead = true;
@@ -160,7 +166,7 @@ Guess guess(Method method, const Place& p, const std::vector<Near>& near, int le
         case Method::turned:
             return by_plane(p, near, 0, 1);
         case Method::halfway:
-            return by_plane(p, near, 0.5f, 1);
+            return by_halfway(p, near);
         case Method::gradients:
             return by_gradients(p, near, least, false);
         case Method::stretched:
@@ -171,8 +177,8 @@ Guess guess(Method method, const Place& p, const std::vector<Near>& near, int le
             return by_plane_or(p, near, 0, by_level(p, near, least));
         case Method::plane_or_gradients:
             return by_plane_or(p, near, 0, by_gradients(p, near, least, false));
-        case Method::turned_or_gradients:
-            return by_plane_or(p, near, 1, by_gradients(p, near, least, false));
+        case Method::halfway_or_gradients:
+            return by_plane_or(p, near, 0.5f, by_gradients(p, near, least, false));
         case Method::seconded:
             break;
     }

@@ -44,12 +44,12 @@ enum class Method : std::uint8_t {
     seconded,
     plane_or_mean,
     plane_or_gradients,
-    turned_or_gradients
+    halfway_or_gradients
 };
 inline constexpr int method_count = 11;
 inline constexpr std::array<std::string_view, method_count> method_names = {
     "mean",
-    "plane (the product)",
+    "plane",
     "plane of values turned to the place's normal",
     "plane of values taken halfway by gradients",
     "gradients, weighted by clearance",
@@ -58,7 +58,7 @@ inline constexpr std::array<std::string_view, method_count> method_names = {
     "plane, doubted by what gradients say too",
     "plane, else mean",
     "plane, else gradients",
-    "turned plane, else gradients",
+    "halfway plane, else gradients",
 };
 
 inline bool says_else(Method method) {

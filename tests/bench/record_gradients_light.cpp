@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "core/color.h"
 #include "renderer/light_kernels.h"
@@ -30,11 +29,6 @@ struct Arriving {
     double disc2;  ///< of the disc that it stands for; 0 for none
     double g;
 };
-
-double softness() {
-    static const double s = std::getenv("SOFT") ? std::atof(std::getenv("SOFT")) : 1;
-    return s;
-}
 
 struct SlopeSums {
     glm::dvec3 light{0};
@@ -162,9 +156,8 @@ void add_cluster(const LightForest& forest, const renderer::RayTracer& tracer, c
             if ((blocked >> i & 1u) != 0 || !(unit.diffuse[i] > 0.0f)) continue;
             // Below the horizon of whom the representative is nobody knows.
             const float known = (packet.active >> i & 1u) != 0 ? 1.0f : 0.5f;
-            const Arriving arriving{tree.family,          l.position,
-                                    l.normal(),           known * passes[i] * tree.intensity(part),
-                                    softness() * l.disc2, unit.diffuse[i]};
+            const Arriving arriving{tree.family, l.position,     l.normal(), known * passes[i] * tree.intensity(part),
+                                    l.disc2,     unit.diffuse[i]};
             sums[static_cast<std::size_t>(i)].add(arriving, at(lanes.position, i), at(lanes.normal.axis, i));
         }
     }
@@ -207,7 +200,7 @@ SlopedLight gather_sloped(const LightForest& forest, const renderer::RayTracer& 
                 lit.push_back((packet.active & ~blocked & 1u << i) != 0);
                 if (!lit.back()) continue;
                 sums.add({tree.family, at(lights.position, i), at(lights.normal, i),
-                          passes[i] * at(lights.intensity, i), softness() * lights.disc2[i], unit.diffuse[i]},
+                          passes[i] * at(lights.intensity, i), lights.disc2[i], unit.diffuse[i]},
                          point.point.position, point.point.shading_normal);
             }
         }
