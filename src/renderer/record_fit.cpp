@@ -195,10 +195,9 @@ float Neighbours::noise(float receives) const {
 /// large ones. chosen: about 2 at 2 %, which leaves 1.6 % of the pixels of Sponza's walk beyond what they may be off by
 /// (docs/decisions/0018; 1.6 at 2 % leaves four times as many in a frame as 2 does); it falls by half at 10 %: at 6, 10
 /// and 15 % coupled films at quantiser 8 leave 0.33, 0.22 and 0.06 % in Sponza (160x160, frames 0 to 5), 1.6, 1.2 and
-/// 1.1 % in Sibenik (128x128), and gather 1, 1.1 and 1.2 times as much. Both a tenth more since values follow their
-/// slopes (docs/decisions/0018), which take what planes are off by for no fault of theirs.
+/// 1.1 % in Sibenik (128x128), and gather 1, 1.1 and 1.2 times as much.
 float doubt(const PointTolerance& t, glm::vec3 light, float tolerance) {
-    constexpr float coarse = 0.68f, fine = 2.3f, turn2 = 0.1f * 0.1f;
+    constexpr float coarse = 0.62f, fine = 2.1f, turn2 = 0.1f * 0.1f;
     const float relative = core::divide_or(tolerance, t.base + std::max(core::luminance(light), 0.0f), 1.0f);
     return coarse + (fine - coarse) * turn2 / (turn2 + relative * relative);
 }

@@ -133,7 +133,7 @@ struct Search {
 
 /// record_fit.cpp, doubt.
 float doubt(float relative) {
-    constexpr float coarse = 0.68f, fine = 2.3f, turn2 = 0.1f * 0.1f;
+    constexpr float coarse = 0.62f, fine = 2.1f, turn2 = 0.1f * 0.1f;
     return coarse + (fine - coarse) * turn2 / (turn2 + relative * relative);
 }
 
