@@ -101,16 +101,9 @@ void Gatherer::slopes(const GatherLanes& lanes, SlopeLanes& out) const {
             visible.y[i] *= tints_[s].passes[i][1];
             visible.z[i] *= tints_[s].passes[i][2];
         }
-        Parts parts = parts_of(lanes, slot);
-        if (parts.count == 0) {
-            parts.light[0] = slot.representative;
-            parts.intensity[0] = slot.intensity;
-            parts.count = 1;
-        }
-        for (int p = 0; p < parts.count; ++p)
-            add_slopes(lanes, tree.family,
-                       {&tree.lights[parts.light[p]], tree.spot(parts.light[p]), parts.intensity[p]},
-                       forest_.clamp(slot.tree), visible, out);
+        add_slopes(lanes, tree.family,
+                   {&tree.lights[slot.representative], tree.spot(slot.representative), slot.intensity},
+                   forest_.clamp(slot.tree), visible, out);
     }
 }
 
