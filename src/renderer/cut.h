@@ -6,6 +6,7 @@
 #include "renderer/cut_outline.h"
 #include "renderer/cut_rule.h"
 #include "renderer/light_forest.h"
+#include "renderer/light_slopes.h"
 #include "renderer/point_light.h"
 #include "renderer/ray_tracer.h"
 #include "renderer/shields.h"
@@ -55,6 +56,10 @@ class Gatherer {
 
     /// What neighbours may begin with: the last cut that `gather` made, of these lanes, which began with nothing.
     void outline(const GatherLanes& lanes, CutOutline& out) const;
+
+    /// What the light of the last cut that `gather` made, of these lanes, changes by with place and normal, from the
+    /// lights and rays that it has.
+    void slopes(const GatherLanes& lanes, SlopeLanes& out) const;
 
     /// Only the lights that are not clustered, each by itself.
     void gather_exact(const GatherLanes& lanes, GatheredLight& out);

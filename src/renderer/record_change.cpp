@@ -130,8 +130,12 @@ bool ChangeThere::apply(Record& record) {
     const bool has_ratio = all.direct >= 0.0f && all.indirect >= 0.0f;
     const float sum_off = plane_.residual(), ratio_off = all.off * core::luminance(record.direct + record.indirect);
     if (has_ratio && ratio_off <= sum_off && ratio_off <= allowed_) {
+        const float before = core::luminance(record.direct + record.indirect);
         record.direct *= all.direct;
         record.indirect *= all.indirect;
+        const float change = core::divide_or(core::luminance(record.direct + record.indirect), before, 1.0f);
+        record.slopes.by_place *= change;
+        record.slopes.by_normal *= change;
         return true;
     }
     if (!(sum_off <= allowed_)) return false;

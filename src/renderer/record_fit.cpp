@@ -53,6 +53,10 @@ constexpr float own_distance = 0.1f, own_doubt = 2.0f;
 constexpr int least_level = 4;
 constexpr float level_doubt = 3.0f, level_distance = 1.5f, most_reach = 4.0f;
 
+/// A record's slopes change its light by no more than this share of it: they hold near it, and not where light is so
+/// grazing. chosen: 1, which keeps light at 0 and more; not tuned.
+constexpr float most_change = 1.0f;
+
 /// A record's lobe towards the eye of a point that asks, by the point's material.
 struct SeenLobe {
     glm::vec3 radiance{0};
@@ -80,7 +84,21 @@ struct Neighbour {
     const Record* record;
     std::uint32_t index;
     SeenLobe lobe;
+    glm::vec3 halfway, whole;  ///< what its irradiance is multiplied by (`changed`), for planes and for means
+    glm::vec3 diffuse, shiny;  ///< what it sends into the pixel, unchanged, by its irradiance and its lobe
 };
+
+/// What a record's irradiance is multiplied by where its slopes are followed for a part of the way to a point, and for
+/// all of the turn of normals.
+glm::vec3 changed(const Record& r, const SurfacePoint& p, float way) {
+    const glm::vec3 change = r.slopes.by_place * (way * (p.position - r.position)) +
+                             r.slopes.by_normal * (p.shading_normal - r.shading_normal);
+    const glm::vec3 light = r.direct + r.indirect;
+    glm::vec3 factor;
+    for (int k = 0; k < 3; ++k)
+        factor[k] = 1.0f + std::clamp(core::divide_or(change[k], light[k], 0.0f), -most_change, most_change);
+    return factor;
+}
 
 class Neighbours {
   public:
@@ -99,14 +117,18 @@ class Neighbours {
     float noise(float receives) const;
     int count() const { return plane_.count(); }
     const Neighbour& operator[](int i) const { return found_[static_cast<std::size_t>(i)]; }
+    /// What a neighbour's irradiance is multiplied by.
+    glm::vec3 change(int i) const { return level_ ? (*this)[i].whole : (*this)[i].halfway; }
 
   private:
     std::array<Neighbour, RecordPlane::most> found_;
     RecordPlane plane_;
+    bool level_ = false;  ///< a mean, no plane
 };
 
 bool Neighbours::find(const RecordQuery& q, const RecordMap& map, const Records& records, int radius) {
     plane_.clear();
+    level_ = false;
     if (!map.reaches(q.at, radius)) return false;
     const auto reach = static_cast<float>(radius) + 0.5f;
     const int x = static_cast<int>(std::floor(q.at.x)), y = static_cast<int>(std::floor(q.at.y));
@@ -128,9 +150,17 @@ bool Neighbours::find(const RecordQuery& q, const RecordMap& map, const Records&
             const auto lobe = lobe_at(q, r);
             if (!lobe) continue;
             const float falloff = 1.0f - distance2 / (reach * reach * 1.1f);
-            found_[static_cast<std::size_t>(plane_.count())] = {&r, m.record, *lobe};
-            plane_.add(offset, falloff * falloff / (0.25f + distance2),
-                       reflects * (r.direct + r.indirect) + q.point.weight * lobe->radiance);
+            // A record's own value and what its slopes make of it err by light's curvature to opposite sides: between
+            // them lies what a plane wants, which follows by itself what slopes do not know.
+            const Neighbour n{&r,
+                              m.record,
+                              *lobe,
+                              changed(r, p, 0.5f),
+                              changed(r, p, 1.0f),
+                              reflects * (r.direct + r.indirect),
+                              q.point.weight * lobe->radiance};
+            found_[static_cast<std::size_t>(plane_.count())] = n;
+            plane_.add(offset, falloff * falloff / (0.25f + distance2), n.halfway * n.diffuse + n.shiny);
         }
     }
     return plane_.count() > 0;
@@ -138,7 +168,10 @@ bool Neighbours::find(const RecordQuery& q, const RecordMap& map, const Records&
 
 float Neighbours::fit() {
     if (plane_.fit()) return 1.0f;
-    if (count() < least_level || plane_.distance(plane_.nearest()) > level_distance || !plane_.fit_level()) return 0.0f;
+    if (count() < least_level || plane_.distance(plane_.nearest()) > level_distance) return 0.0f;
+    level_ = true;
+    for (int i = 0; i < count(); ++i) plane_.change(i, (*this)[i].whole * (*this)[i].diffuse + (*this)[i].shiny);
+    if (!plane_.fit_level()) return 0.0f;
     const float reach = plane_.reach();
     return reach < most_reach ? level_doubt * std::max(1.0f, reach) : 0.0f;
 }
@@ -185,17 +218,18 @@ PointLight blend(const Neighbours& n, const GatherPoint& p, std::int64_t frame) 
     glm::vec3 low[3]{glm::vec3(1e30f), glm::vec3(1e30f), glm::vec3(1e30f)}, high[3]{};
     for (int i = 0; i < n.count(); ++i) {
         const Record& r = *n[i].record;
-        light.direct += n.weight(i) * r.direct;
-        light.indirect += n.weight(i) * r.indirect;
+        const glm::vec3 direct = n.change(i) * r.direct, indirect = n.change(i) * r.indirect;
+        light.direct += n.weight(i) * direct;
+        light.indirect += n.weight(i) * indirect;
         light.glossy += n.weight(i) * n[i].lobe.radiance;
         light.capped = light.capped || r.capped;
         clamped += n.weight(i) * r.clamped;
         age += std::abs(n.weight(i)) * static_cast<float>(frame - r.born);
         sum += std::abs(n.weight(i));
-        low[0] = glm::min(low[0], r.direct);
-        high[0] = glm::max(high[0], r.direct);
-        low[1] = glm::min(low[1], r.indirect);
-        high[1] = glm::max(high[1], r.indirect);
+        low[0] = glm::min(low[0], direct);
+        high[0] = glm::max(high[0], direct);
+        low[1] = glm::min(low[1], indirect);
+        high[1] = glm::max(high[1], indirect);
         low[2] = glm::min(low[2], n[i].lobe.radiance);
         high[2] = glm::max(high[2], n[i].lobe.radiance);
     }

@@ -4,6 +4,7 @@
 
 #include "core/color.h"
 #include "core/numeric.h"
+#include "renderer/lobe.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -16,6 +17,13 @@ constexpr float least_albedo = 0.05f;
 /// 0.04 and 0.25 (docs/decisions/0018): at 0.2 records take 0.6 to 0.7 of the rays of later frames at 8 %, at 0.12 as
 /// many as without and a third more time.
 constexpr float least_alpha = 0.04f;
+
+/// A matrix whose rows are the channels' vectors, over pi.
+glm::mat3 by_channel(const Vec3Lanes (&lanes)[3], int i) {
+    glm::mat3 rows;
+    for (int c = 0; c < 3; ++c) rows[c] = lobe::inverse_pi * glm::vec3(lanes[c].x[i], lanes[c].y[i], lanes[c].z[i]);
+    return glm::transpose(rows);
+}
 
 void gather_group(const Seen& seen, const std::vector<std::vector<PointTolerance>>& tolerances, const CutLimits& limits,
                   const LobeTrials& trials, const RequestGroup& group, Gatherer& gatherer, GatheredRequests& out) {
@@ -41,6 +49,8 @@ void gather_group(const Seen& seen, const std::vector<std::vector<PointTolerance
     lanes.set = group.set;
     GatheredLight gathered;
     gatherer.gather(lanes, tolerance, limits, gathered);
+    SlopeLanes slopes;
+    gatherer.slopes(lanes, slopes);
     out.counts.add(gathered, group.points.size());
     for (std::size_t i = 0; i < group.points.size(); ++i) {
         out.points.push_back(group.points[i]);
@@ -52,6 +62,7 @@ void gather_group(const Seen& seen, const std::vector<std::vector<PointTolerance
                                          core::luminance(light.scattered(*pointers[i])), 0.0f);
         out.light.push_back(light);
         out.sets.push_back(static_cast<std::uint8_t>(group.set));
+        out.slopes.push_back({by_channel(slopes.by_place, lane), by_channel(slopes.by_normal, lane)});
         out.lobes.emplace_back();
         const SurfacePoint& p = pointers[i]->point;
         if (p.bsdf.has_glossy())
@@ -74,7 +85,7 @@ float receives(const GatherPoint& p) {
 }
 
 std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, const RecordLobe& lobe, float caution,
-                                std::int64_t frame) {
+                                std::int64_t frame, const LightSlopes& slopes) {
     Record record;
     record.address = p.point.address;
     record.back_side = p.point.back_side;
@@ -85,9 +96,12 @@ std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, c
     record.direct = light.direct;
     record.indirect = light.indirect;
     record.lobe = lobe;
+    record.slopes = slopes;
     record.error = core::divide_or(light.error, receives(p) * caution, 0.0f);
     record.clamped = core::divide_or(light.clamped, core::luminance(light.scattered(p)), 0.0f);
     record.born = record.used = frame;
+    for (int k = 0; k < 3; ++k)
+        if (!core::is_finite(slopes.by_place[k]) || !core::is_finite(slopes.by_normal[k])) record.slopes = {};
     const bool finite = core::is_finite(record.direct) && core::is_finite(record.indirect) &&
                         core::is_finite(lobe.f0) && core::is_finite(lobe.schlick);
     return finite ? std::optional(record) : std::nullopt;

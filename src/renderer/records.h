@@ -20,6 +20,12 @@ struct RecordLobe {
     glm::vec3 f0{0}, schlick{0};
 };
 
+/// What light changes by with place and normal, as far as geometry knows: visibility stays.
+struct LightSlopes {
+    glm::mat3 by_place{0};   ///< times a step, world: irradiance over pi
+    glm::mat3 by_normal{0};  ///< times a change of the unit normal
+};
+
 /// What one place on a surface receives, whatever its texture (docs/model.md, "Records"): kept where it was gathered
 /// and never resampled. Of a light forest's trees alone; lights that are gathered exactly are no part of it.
 struct Record {
@@ -31,6 +37,7 @@ struct Record {
     glm::vec3 geometric_normal{0};  ///< likewise
     glm::vec3 shading_normal{0};
     glm::vec3 direct{0}, indirect{0};  ///< irradiance over pi
+    LightSlopes slopes;                ///< of both together
     RecordLobe lobe;
     float error = 0;  ///< luminance by which a white receiver may be off, as the cut's rule reckons with a caution of 1
     float clamped = 0;                ///< what the clamp of near lights took, as a share of what arrived
