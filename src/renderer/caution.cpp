@@ -19,7 +19,7 @@ constexpr double few_pixels_margin = 64;  ///< few pixels know little of their t
 /// chosen: films need 0.25 to 1.3; beyond lie only films that show nothing of their light yet, and faults.
 constexpr float least = 0.1f, most = 2.0f;
 constexpr float step = 1.03f;
-/// How far what is needed may leave the value held, upward and downward: the quantile of 2048 pixels scatters by 6 %
+/// How far what is needed may leave the value held, upward and downward: the tail of 2048 pixels scatters by 5 %
 /// where errors have an exponential's tail. fit: docs/fits/caution
 constexpr float held_above = 1.06f, held_below = 0.84f;
 
