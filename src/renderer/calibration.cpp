@@ -10,10 +10,10 @@ namespace render2mpeg::renderer {
 namespace {
 
 /// fit: docs/fits/caution
-constexpr std::size_t largest_sample = 1024;
-constexpr std::size_t blocks_per_sample = 4;  ///< so that lighting a sample costs a fourth of a frame at most
-constexpr int rounds = 2;
-constexpr double watched_share = 0.02;  ///< of a frame's rays
+constexpr std::size_t rounds = 2;
+constexpr std::size_t largest_sample = 1024 / rounds;  ///< of a round
+constexpr std::size_t blocks_per_sample = 4;           ///< so that lighting a sample costs a fourth of a frame at most
+constexpr double watched_share = 0.02;                 ///< of a frame's rays
 constexpr std::size_t least_watched = 8, most_watched = 64;
 
 /// What is left of a frame when only the blocks of some pixels are of interest.
@@ -61,18 +61,21 @@ std::size_t calibrate(Caution& caution, const LightForest& forest, const RayTrac
     const std::vector<LitPixel> lit = lit_pixels(seen);
     const std::size_t wanted = std::min(largest_sample, lit.size() / lane_count / blocks_per_sample);
     if (wanted < Caution::least_pixels) return 0;
-    const std::vector<LitPixel> sample = spread(lit, wanted, seen.visible.frame);
-    const std::vector<glm::vec3> truth = gather_exactly(forest, tracer, seen, sample);
-    const Seen blocks = blocks_of(seen, sample);
+    const std::vector<LitPixel> all = spread(lit, rounds * wanted, seen.visible.frame);
     settings.layers = false;
-    for (int round = 0; round < rounds; ++round) {
+    for (std::size_t round = 0; round < rounds; ++round) {
+        // Every round has its own pixels, since those that were lit twice err alike.
+        std::vector<LitPixel> sample;
+        for (std::size_t i = round; i < all.size(); i += rounds) sample.push_back(all[i]);
+        const std::vector<glm::vec3> truth = gather_exactly(forest, tracer, seen, sample);
         settings.limits.caution = caution.value();
         ShadeCounts uncounted;
-        const core::Radiance radiance = shade(forest, tracer, blocks, eye, tolerance, settings, uncounted);
+        const core::Radiance radiance =
+            shade(forest, tracer, blocks_of(seen, sample), eye, tolerance, settings, uncounted);
         caution.learn(compare(seen, sample, truth, tolerance, radiance), settings.limits.caution);
         caution.settle();
     }
-    return sample.size();
+    return all.size();
 }
 
 std::size_t watch(Caution& caution, const LightForest& forest, const RayTracer& tracer, const Seen& seen,

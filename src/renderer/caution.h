@@ -12,9 +12,10 @@ namespace render2mpeg::renderer {
 /// clustering. The law of CutRule is that of the worst scenes; rooms err by a third of it.
 ///
 /// What an audited pixel needs is the caution with which its error would just have been its tolerance, since errors
-/// fall with caution in proportion. The value is a high quantile of that over the newest pixels, so chosen that a next
-/// pixel keeps its tolerance with the promised probability whatever the errors' distribution: split conformal
-/// prediction [Lei2018, 2.2].
+/// fall with caution in proportion. The value is a high quantile of that over the newest pixels: what half the promised
+/// share exceeds if the largest twentieth thins out as an exponential's tail does [Pickands1975], and at least so much
+/// that a next pixel keeps its tolerance with the promised probability whatever the errors' distribution: split
+/// conformal prediction [Lei2018, 2.2].
 class Caution {
   public:
     /// Fewer say too little of a hundredth.

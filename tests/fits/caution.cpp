@@ -4,7 +4,8 @@
 //
 // First table: what pixels need at a range of cautions, one pixel of one 4x4 block in every tile. Second: how well the
 // caution that a film learns from its own pixels keeps the promise, and what it costs against the law as it stands and
-// against the classic rule at the part of the tolerance that keeps the same promise in that very film.
+// against the classic rule at the part of the tolerance that keeps the same promise in that very film. What each pixel
+// needs goes into OUT.csv.needs, for caution_tail.py.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -173,7 +174,14 @@ std::optional<Outcome> classic_at_promise(const Bench& bench, double tolerance, 
     return std::nullopt;
 }
 
-void measure(const std::string& name, const std::string& path, std::ofstream& out) {
+/// A line of what every pixel needs: the caution with which its error would have been its tolerance.
+void list_needs(const std::string& name, double tolerance, double caution, const Outcome& lit, std::ofstream& needs) {
+    needs << fmt::format("{},{:g},{:g}", name, tolerance, caution);
+    for (const float error : lit.errors) needs << fmt::format(",{:.4g}", caution * static_cast<double>(error));
+    needs << '\n';
+}
+
+void measure(const std::string& name, const std::string& path, std::ofstream& out, std::ofstream& listed) {
     const Bench bench(path);
     for (const double tolerance : tolerances) {
         std::string needs, overs;
@@ -183,6 +191,7 @@ void measure(const std::string& name, const std::string& path, std::ofstream& ou
             needs += fmt::format(" {:.2f}", caution * o.quantile(0.99));
             out << fmt::format("{},{:g},{:g},{:.5f},{:.4f},{:.1f}\n", name, tolerance, caution, o.over(),
                                o.quantile(0.99), o.rays / o.points);
+            list_needs(name, tolerance, caution, o, listed);
             if (caution == 1.0) lawful = o;
         }
         const Outcome own = bench.run(renderer::Stop::honest, tolerance, 1.0, std::nullopt);
@@ -210,6 +219,7 @@ int main(int argc, char** argv) {
         if (argc < 3) throw core::Error("usage: fit_caution OUT.csv NAME=SCENE...");
         const parallel::ThreadLimit limit(1);  // so that CPU seconds are those of the work
         std::ofstream out(argv[1]);
+        std::ofstream needs(std::string(argv[1]) + ".needs");
         out << "scene,tolerance,caution,over,p99,rays\n";
         fmt::print(
             "| scene | tolerance | r at 99 %, lit at 1, 1/2, 1/4, 1/8 | learnt c | over | p99 of error/T | "
@@ -219,9 +229,9 @@ int main(int argc, char** argv) {
             const std::string text = argv[i];
             const std::size_t equals = text.find('=');
             if (equals == std::string::npos) throw core::Error(text + ": expected NAME=SCENE");
-            measure(text.substr(0, equals), text.substr(equals + 1), out);
+            measure(text.substr(0, equals), text.substr(equals + 1), out, needs);
         }
-        if (!out) throw core::Error("writing", argv[1], "the file cannot be written");
+        if (!out || !needs) throw core::Error("writing", argv[1], "the file cannot be written");
         return 0;
     } catch (const std::exception& error) {
         std::fprintf(stderr, "%s\n", error.what());
