@@ -238,6 +238,7 @@ void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance,
     start_cut(lanes, limits, begin_with, out);
     limits.stop == Stop::classic ? refine_classic(lanes, limits, out) : refine_honest(lanes, limits, out);
 
+    if (limits.stop == Stop::honest) divide_behind_movers(lanes, limits, out);
     sum_slots(lanes, limits.stop == Stop::honest, sums, out);
     sums.store(out);
     put_back_near_light(forest_, tracer_, lanes, out);

@@ -7,6 +7,7 @@
 #include "renderer/cut_rule.h"
 #include "renderer/light_forest.h"
 #include "renderer/light_slopes.h"
+#include "renderer/movers.h"
 #include "renderer/point_light.h"
 #include "renderer/ray_tracer.h"
 #include "renderer/shields.h"
@@ -153,11 +154,19 @@ class Gatherer {
     void fetch_split(std::uint32_t slot) const;
     void fetch_light(const GatherLanes& lanes, std::uint32_t slot) const;
     bool hide(const GatherLanes& lanes, std::uint32_t slot);
+    bool is_half_hidden(const GatherLanes& lanes, std::uint32_t slot, GatheredLight& out);
+    void divide_behind_movers(const GatherLanes& lanes, const CutLimits& limits, GatheredLight& out);
+    /// A slot that what moves may hide in part, and how many levels below it parts may lie.
+    struct Behind {
+        std::uint32_t slot;
+        int levels;
+    };
 
     const LightForest& forest_;
     const RayTracer& tracer_;
     CutRule rule_;
     GroupShields shields_;
+    GroupMovers movers_;
     alignas(64) Lanes luminance_{}, exact_luminance_{};
     alignas(64) Lanes peak_{};                  ///< largest luminance since it was last summed afresh
     alignas(64) double squares_[lane_count]{};  ///< honest: sums of the squared bounds of all slots
@@ -170,6 +179,7 @@ class Gatherer {
     std::vector<Settled> settled_;            ///< classic: what is fine enough, as far as is known
     std::vector<CutOutline::Split> history_;  ///< of the cut, where it began with nothing
     std::uint32_t root_slot_[LightForest::tree_count]{};
+    std::vector<Behind> behind_;          ///< to be looked at
     std::vector<std::uint32_t> slot_of_;  ///< of each part, while a cut is replayed
     std::size_t least_ = 0;               ///< clusters of a cut
 };

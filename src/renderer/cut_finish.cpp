@@ -20,7 +20,7 @@ void fetch_grandchildren(const LightTree& tree, LightRef ref) {
 
 Gatherer::Parts Gatherer::parts_of(const GatherLanes& lanes, const Slot& slot) const {
     Parts parts;
-    if (slot.ref.is_leaf() || slot.lit == 0) return parts;
+    if (slot.ref.is_leaf()) return parts;
     const LightTree& tree = forest_.trees[slot.tree];
     const auto take = [&](LightRef part, std::uint32_t light) {
         parts.light[parts.count] = light;

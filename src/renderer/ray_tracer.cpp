@@ -9,6 +9,7 @@
 
 #include "renderer/flush_denormals.h"
 #include "renderer/isa_clones.h"
+#include "renderer/light_packing.h"
 #include "renderer/nearest_hits.h"
 #include "renderer/shields.h"
 #include "renderer/traced_scene.h"
@@ -79,6 +80,7 @@ struct RayTracer::Impl {
     Transmittance transmittance;
     std::vector<ShadowPacket>* recorded = nullptr;
     ShieldList shields;
+    std::vector<MiddleBox> movers;
 
     struct Layer {
         std::uint32_t object;
@@ -162,6 +164,7 @@ RayTracer::RayTracer(const scene::Animation& animation, core::Isa isa, std::vect
     : impl_(new Impl{TracedScene(animation, isa, std::move(translucent), &Impl::filter_shadow),
                      std::move(transmittance),
                      nullptr,
+                     {},
                      {}}) {}
 
 RayTracer::~RayTracer() = default;
@@ -170,6 +173,11 @@ RayTracer::RayTracer(RayTracer&&) noexcept = default;
 void RayTracer::pose(const scene::Snapshot& snapshot) {
     if (impl_->scene.pose(snapshot))
         impl_->shields = ShieldList(shields_of(impl_->scene.opaque_still_triangles(), most_shields));
+    impl_->movers = impl_->scene.boxes_of_movers();
+}
+
+std::span<const MiddleBox> RayTracer::movers() const {
+    return impl_->movers;
 }
 
 const ShieldList& RayTracer::shields() const {

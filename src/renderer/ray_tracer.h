@@ -14,6 +14,7 @@
 namespace render2mpeg::renderer {
 
 class ShieldList;
+struct MiddleBox;
 
 /// A ray and how far it goes, in units of the direction's length.
 struct RayQuery {
@@ -91,6 +92,9 @@ class RayTracer {
 
     /// The largest pieces of what never moves and is opaque, as posed.
     const ShieldList& shields() const;
+
+    /// Boxes about what moves and is there, as posed.
+    std::span<const MiddleBox> movers() const;
 
     /// Whether rays meet this object through a transform of its own, which costs some digits.
     bool is_instanced(std::uint32_t object) const;

@@ -178,6 +178,27 @@ std::vector<scene::Triangle> TracedScene::opaque_still_triangles() const {
     return triangles;
 }
 
+std::vector<MiddleBox> TracedScene::boxes_of_movers() const {
+    std::vector<MiddleBox> boxes;
+    for (std::uint32_t i = 0; i < placed_.size(); ++i) {
+        const Placed& placed = placed_[i];
+        if (!placed.present || animation_.objects[i].mobility == scene::Mobility::still) continue;
+        RTCBounds bounds;
+        rtcGetSceneBounds(
+            placed.own ? placed.own.get() : shared_.at({animation_.objects[i].mesh, is_filtered(i)}).get(), &bounds);
+        const glm::vec3 low{bounds.lower_x, bounds.lower_y, bounds.lower_z},
+            high{bounds.upper_x, bounds.upper_y, bounds.upper_z};
+        if (!(low.x <= high.x)) continue;
+        // The box about a box that is turned.
+        const glm::mat4& m = placed.own ? glm::mat4(1.0f) : placed.to_world;
+        const glm::vec3 half = 0.5f * (high - low);
+        boxes.push_back({glm::vec3(m * glm::vec4(0.5f * (low + high), 1.0f)), half.x * glm::abs(glm::vec3(m[0])) +
+                                                                                  half.y * glm::abs(glm::vec3(m[1])) +
+                                                                                  half.z * glm::abs(glm::vec3(m[2]))});
+    }
+    return boxes;
+}
+
 /// Brings one object to where the snapshot has it; whether anything changed.
 bool TracedScene::place(std::uint32_t object, const scene::Snapshot& snapshot) {
     const scene::ObjectState& state = snapshot.objects[object];

@@ -11,6 +11,7 @@
 
 #include "core/isa.h"
 #include "core/surface_address.h"
+#include "renderer/light_packing.h"
 #include "scene/snapshot.h"
 
 struct RTCDeviceTy;
@@ -38,6 +39,9 @@ class TracedScene {
 
     /// World triangles of what is posed, never moves and lets no light through, as rays meet them.
     std::vector<scene::Triangle> opaque_still_triangles() const;
+
+    /// World boxes of what is posed and moves.
+    std::vector<MiddleBox> boxes_of_movers() const;
 
     RTCSceneTy* root() const { return top_ ? top_.get() : still_.get(); }
 

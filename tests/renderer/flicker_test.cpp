@@ -41,7 +41,7 @@ TEST_P(FlickerSlow, AlongMotionIsThatOfLightWithoutNoise) {
     EXPECT_GT(reference, 0.002);
     EXPECT_LE(anchors, 1.1 * reference) << anchors / reference;
     EXPECT_GE(anchors, 0.9 * reference) << anchors / reference;
-    EXPECT_LE(cuts, 1.2 * reference) << cuts / reference;
+    EXPECT_LE(cuts, 1.1 * reference) << cuts / reference;
     RecordProperty("anchors", std::to_string(anchors / reference));
     RecordProperty("cuts", std::to_string(cuts / reference));
 }

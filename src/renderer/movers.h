@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+
+#include "renderer/gather_lanes.h"
+#include "renderer/light_packing.h"
+#include "renderer/light_tree.h"
+#include "renderer/ray_tracer.h"
+
+namespace render2mpeg::renderer {
+
+/// Which of the things that move may throw shadows on one group of points, and where they may: told by their boxes
+/// (RayTracer::movers), so that most lights need no ray to find that nothing moves before them.
+class GroupMovers {
+  public:
+    /// Of many movers those that look largest from the group. chosen: 8, as of shields; not tuned.
+    static constexpr int most = 8;
+
+    void choose(const GatherLanes& lanes, std::span<const MiddleBox> movers);
+    bool empty() const { return count_ == 0; }
+
+    /// Whether something may move between the group and the lights of a box (directional: of unit directions). Rough: a
+    /// ball about the group and one about the box.
+    bool may_hide(LightFamily family, const glm::vec3& middle, const glm::vec3& half) const;
+
+    /// Bit i: ray i, asked for or not, passes through one of the boxes, in at one side and out at another before it
+    /// ends. Boxes that hold one of its ends do not count: of what lies on a mover, or is the light, the box tells
+    /// nothing.
+    std::uint32_t passed(const ShadowPacket& packet) const;
+
+  private:
+    int count_ = 0;
+    MiddleBox box_[most];
+    glm::vec3 middle_{0};  ///< of the group
+    float radius_ = 0;     ///< of a ball about it
+};
+
+}  // namespace render2mpeg::renderer

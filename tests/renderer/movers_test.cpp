@@ -1,0 +1,127 @@
+#include "renderer/movers.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/sampling.h"
+#include "tests/renderer/lighting.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+using test::LitStage;
+using test::SceneBuilder;
+
+/// Sixteen lanes within 10 cm of a place.
+GatherLanes group_at(glm::vec3 place) {
+    GatherLanes lanes{};
+    lanes.count = lane_count;
+    for (int i = 0; i < lane_count; ++i) {
+        lanes.origin.x[i] = place.x + 0.1f * static_cast<float>(i % 4) / 3;
+        lanes.origin.y[i] = place.y;
+        lanes.origin.z[i] = place.z + 0.1f * static_cast<float>(i / 4) / 3;
+    }
+    return lanes;
+}
+
+ShadowPacket rays_to(const GatherLanes& lanes, glm::vec3 light) {
+    ShadowPacket packet;
+    for (int i = 0; i < lane_count; ++i) {
+        packet.origin_x[i] = lanes.origin.x[i];
+        packet.origin_y[i] = lanes.origin.y[i];
+        packet.origin_z[i] = lanes.origin.z[i];
+        packet.direction_x[i] = light.x - lanes.origin.x[i];
+        packet.direction_y[i] = light.y - lanes.origin.y[i];
+        packet.direction_z[i] = light.z - lanes.origin.z[i];
+        packet.far[i] = 1.0f;
+    }
+    return packet;
+}
+
+glm::vec3 some_place(std::uint64_t i, std::uint64_t which) {
+    return 4.0f * glm::vec3(core::uniform(1, i, 3 * which), core::uniform(1, i, 3 * which + 1),
+                            core::uniform(1, i, 3 * which + 2));
+}
+
+bool within(const MiddleBox& box, glm::vec3 p) {
+    const glm::vec3 d = glm::abs(p - box.middle);
+    return d.x < box.half.x && d.y < box.half.y && d.z < box.half.z;
+}
+
+/// By a thousand steps along it.
+bool walks_through(const MiddleBox& box, glm::vec3 from, glm::vec3 to) {
+    if (within(box, from) || within(box, to)) return false;
+    for (int k = 1; k < 1000; ++k)
+        if (within(box, from + 0.001f * static_cast<float>(k) * (to - from))) return true;
+    return false;
+}
+
+TEST(GroupMovers, KnowWhichWaysLeadThroughABox) {
+    int through = 0, wrong = 0;
+    for (std::uint64_t i = 0; i < 1000; ++i) {
+        const GatherLanes lanes = group_at(some_place(i, 0));
+        const MiddleBox box{some_place(i, 1), glm::vec3(0.2f, 0.5f, 0.3f)};
+        const glm::vec3 light = some_place(i, 2);
+        GroupMovers movers;
+        movers.choose(lanes, {&box, 1});
+        ASSERT_FALSE(movers.empty());
+        const std::uint32_t passed = movers.passed(rays_to(lanes, light));
+        for (int k = 0; k < lane_count; ++k) {
+            const bool walked = walks_through(box, {lanes.origin.x[k], lanes.origin.y[k], lanes.origin.z[k]}, light);
+            through += walked ? 1 : 0;
+            wrong += walked != ((passed >> k & 1u) != 0) ? 1 : 0;
+        }
+        // What a ray passes the rough look does not leave out.
+        if (passed != 0) {
+            EXPECT_TRUE(movers.may_hide(LightFamily::oriented, light, glm::vec3(0))) << i;
+        }
+    }
+    EXPECT_GT(through, 200);
+    EXPECT_LE(wrong, through / 20);  // steps may miss an edge
+}
+
+TEST(GroupMovers, LeaveOutWhatIsBehindAndFarAside) {
+    const GatherLanes lanes = group_at(glm::vec3(0));
+    const MiddleBox box{{0, 2, 0}, glm::vec3(0.3f)};
+    GroupMovers movers;
+    movers.choose(lanes, {&box, 1});
+    EXPECT_TRUE(movers.may_hide(LightFamily::oriented, {0, 4, 0}, glm::vec3(0.1f)));
+    EXPECT_TRUE(movers.may_hide(LightFamily::directional, {0, 1, 0}, glm::vec3(0.01f)));
+    EXPECT_FALSE(movers.may_hide(LightFamily::oriented, {0, 1, 0}, glm::vec3(0.1f)));
+    EXPECT_FALSE(movers.may_hide(LightFamily::oriented, {4, 1, 0}, glm::vec3(0.1f)));
+    EXPECT_FALSE(movers.may_hide(LightFamily::directional, {0, -1, 0}, glm::vec3(0.01f)));
+}
+
+TEST(GroupMovers, TakeTheLargestOfManyAndNoneThatAreTiny) {
+    const GatherLanes lanes = group_at(glm::vec3(0));
+    std::vector<MiddleBox> boxes(100, {{0, 50, 0}, glm::vec3(0.1f)});
+    GroupMovers movers;
+    movers.choose(lanes, boxes);
+    EXPECT_TRUE(movers.empty());
+    for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = {{3, 2, 0}, glm::vec3(0.1f)};
+    boxes.back() = {{0, 2, 0}, glm::vec3(0.5f)};
+    movers.choose(lanes, boxes);
+    EXPECT_EQ(movers.passed(rays_to(lanes, {0, 4, 0})), 0xffffu);
+}
+
+TEST(GroupMovers, OfATracerAreBoxesAboutWhatMovesAndIsThere) {
+    SceneBuilder b;
+    b.add_box({0, 0, 0}, {4, 3, 5}, b.add_material(), true);
+    const int ball = b.add_sphere({0, 0, 0}, 0.4f, b.add_material(), 12);
+    b.move_object(ball, {{1, 1, 1}, {3, 1, 2}});
+    for (const int second : {0, 1}) {
+        const LitStage stage(b, second);
+        const auto movers = stage.scenery().tracer().movers();
+        ASSERT_EQ(movers.size(), 1u);
+        const glm::vec3 middle = second == 0 ? glm::vec3(1) : glm::vec3(3, 1, 2);
+        EXPECT_LT(glm::distance(movers[0].middle, middle), 0.02f);
+        EXPECT_LT(glm::distance(movers[0].half, glm::vec3(0.4f)), 0.04f);
+    }
+    SceneBuilder still;
+    still.add_box({0, 0, 0}, {4, 3, 5}, still.add_material(), true);
+    EXPECT_TRUE(LitStage(still).scenery().tracer().movers().empty());
+}
+
+}  // namespace
+}  // namespace render2mpeg::renderer
