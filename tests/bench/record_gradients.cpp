@@ -327,7 +327,7 @@ class Film {
         // Only diffuse light of what takes records.
         for (renderer::GatherTile& tile : f.seen.tiles)
             for (renderer::GatherPoint& p : tile) {
-                if (!takes_records(p)) p.weight = glm::vec3(0);
+                if (!takes_records(p, {})) p.weight = glm::vec3(0);
                 p.point.bsdf.f0 = glm::vec3(0);
             }
         lay_lattice(f);
