@@ -58,6 +58,8 @@ void each_count(Counts& s, Visit&& visit) {
     visit("records_created", s.records_created);
     visit("records_served", s.records_served);
     visit("records_followed", s.records_followed);
+    visit("records_watched", s.records_watched);
+    visit("records_missed", s.records_missed);
     visit("records_live", s.records_live);
 }
 

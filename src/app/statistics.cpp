@@ -61,6 +61,8 @@ json records_of(const Production& film, const renderer::Statistics& r) {
         {"created", r.records_created},
         {"followed", r.records_followed},
         {"most", r.records_live},
+        {"watched", r.records_watched},
+        {"missed", r.records_missed},
         {"served", core::divide_or(static_cast<double>(r.records_served), static_cast<double>(r.gather_points), 0.0)}};
 }
 

@@ -42,8 +42,8 @@ std::string time_lines(const Ledger& ledger) {
         line += part;
     }
     return text + line + "\n" +
-           fmt::format("             {:.2f} s in all; {} on the clock; peak memory {:.0f} MiB\n", ledger.earlier_cpu + cpu_seconds(),
-                       clock_text(ledger.wall), peak_memory_mib());
+           fmt::format("             {:.2f} s in all; {} on the clock; peak memory {:.0f} MiB\n",
+                       ledger.earlier_cpu + cpu_seconds(), clock_text(ledger.wall), peak_memory_mib());
 }
 
 /// The film and what making it took.
@@ -148,9 +148,15 @@ std::string light_lines(const Ledger& ledger) {
 std::string record_lines(const renderer::Statistics& r) {
     const double served =
         core::divide_or(static_cast<double>(r.records_served), static_cast<double>(r.gather_points), 0.0);
-    return fmt::format("  records    {} made, at most {} held; they lit {} of the points\n",
-                       count_text(static_cast<double>(r.records_created)),
-                       count_text(static_cast<double>(r.records_live)), percent_text(served));
+    std::string text = fmt::format("  records    {} made, at most {} held; they lit {} of the points\n",
+                                   count_text(static_cast<double>(r.records_created)),
+                                   count_text(static_cast<double>(r.records_live)), percent_text(served));
+    if (r.records_watched > 0)
+        text +=
+            fmt::format("             {} of {} that were gathered all the same were off by more than allowed\n",
+                        percent_text(static_cast<double>(r.records_missed) / static_cast<double>(r.records_watched)),
+                        count_text(static_cast<double>(r.records_watched)));
+    return text;
 }
 
 /// Which tolerances the clusters were spent on, where there are several.

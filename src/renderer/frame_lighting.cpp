@@ -83,6 +83,7 @@ void FrameLighting::prepare(const core::ToleranceMap& tolerance, const RecordCac
         exact_[t].assign(points.size(), {});
         light_[t].assign(points.size(), {});
         state_[t].assign(points.size(), PointState::open);
+        doubts_[t].assign(points.size(), -1.0f);
         tolerances_[t] = point_tolerances(seen_, t, tolerance);
         if (!recall(t, last, last_frame) && !forest_.exact.empty()) gather_exact(t, of_tile[t]);
         for (std::size_t i = 0; i < points.size(); ++i)
@@ -115,6 +116,7 @@ std::vector<PointRef> FrameLighting::wanting(std::size_t t, int lattice) {
                 state_[t][i] = found.holds ? PointState::settled : PointState::in_vain;
                 if (found.holds) {
                     light_[t][i] = found.light;
+                    doubts_[t][i] = found.doubt;
                     ++served;
                     continue;
                 }
@@ -186,8 +188,10 @@ void FrameLighting::reopen(const std::vector<GatheredRequests>& of_area) {
     }
 }
 
-void FrameLighting::refine(ShadeCounts& counts, RecordCounts& record_counts) {
+void FrameLighting::refine(RecordWatch& watched, ShadeCounts& counts, RecordCounts& record_counts) {
     for (const int lattice : lattices) {
+        // Those of the lattice before tell a film's first frame how far to trust the rest.
+        if (lattice == 1 && !watched.knows()) watch(watched, counts, record_counts);
         if (lattice != lattices[0]) map_.extend(records_.all(), camera_);
         std::vector<std::vector<PointRef>> of_tile(seen_.tiles.size());
         parallel::for_each(seen_.tiles.size(), [&](std::size_t t) { of_tile[t] = wanting(t, lattice); });
@@ -196,6 +200,7 @@ void FrameLighting::refine(ShadeCounts& counts, RecordCounts& record_counts) {
             for (std::size_t i = 0; i < g.points.size(); ++i) keep(g, i, record_counts);
         reopen(found);
     }
+    watch(watched, counts, record_counts);
 }
 
 void FrameLighting::tell(LobeTrials& trials) const {

@@ -17,7 +17,8 @@ namespace render2mpeg::renderer {
 class FrameLighting {
   public:
     FrameLighting(const LightForest& forest, const RayTracer& tracer, const Seen& seen, const scene::Snapshot& snapshot,
-                  const CutLimits& limits, const RecordTrust& trust, const LobeTrials& trials, Records& records)
+                  const CutLimits& limits, const RecordTrust& trust, const LobeTrials& trials, float strictness,
+                  Records& records)
         : forest_(forest),
           tracer_(tracer),
           seen_(seen),
@@ -32,17 +33,20 @@ class FrameLighting {
           light_(seen.tiles.size()),
           tolerances_(seen.tiles.size()),
           state_(seen.tiles.size()),
+          doubts_(seen.tiles.size()),
           served_(seen.tiles.size(), 0) {
         limits_.exact = false;
         // Records keep their errors without caution, which is learnt anew at a cut.
         trust_.noise *= limits.caution;
+        trust_.strictness = strictness;
     }
 
     void prepare(const core::ToleranceMap& tolerance, const RecordCache::LitTiles& last, std::int64_t last_frame,
                  ShadeCounts& counts);
     void renew(ShadeCounts& counts, RecordCounts& record_counts);
-    /// Serves or gathers what is not known yet, lattice by lattice.
-    void refine(ShadeCounts& counts, RecordCounts& record_counts);
+    /// Serves or gathers what is not known yet, lattice by lattice; and some of what was served all the same, for
+    /// `watch`.
+    void refine(RecordWatch& watch, ShadeCounts& counts, RecordCounts& record_counts);
     void thin() { records_.thin(snapshot_.frame, map_); }
     /// Which materials' lobes were served, and which were not.
     void tell(LobeTrials& trials) const;
@@ -63,6 +67,8 @@ class FrameLighting {
     std::vector<PointRef> wanting(std::size_t tile, int lattice);
     std::vector<GatheredRequests> gather(const std::vector<std::vector<PointRef>>& of_tile, std::size_t least,
                                          ShadeCounts& counts) const;
+    std::vector<std::vector<PointRef>> watched(bool first, float& served_share) const;
+    void watch(RecordWatch& watch, ShadeCounts& counts, RecordCounts& record_counts);
     std::optional<Record> record(const GatheredRequests& gathered, std::size_t i) const;
     void keep(const GatheredRequests& gathered, std::size_t i, RecordCounts& counts);
     int x_of(std::size_t tile, const GatherPoint& p) const {
@@ -91,6 +97,8 @@ class FrameLighting {
     FrameLight exact_, light_;  ///< of lights gathered exactly; of trees
     std::vector<std::vector<PointTolerance>> tolerances_;
     std::vector<std::vector<PointState>> state_;
+    std::vector<std::vector<float>>
+        doubts_;                         ///< RecordEstimate::doubt of points that records serve in this frame; else < 0
     std::vector<std::uint64_t> served_;  ///< by tile
 };
 

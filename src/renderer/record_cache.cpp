@@ -16,6 +16,7 @@ void RecordCache::cut_to(const Seen& seen, const scene::Snapshot& snapshot) {
     // Their errors are of another caution.
     last_ = {};
     trials_.forget();
+    watch_.forget();
     RecordMap map(seen.visible.width(), seen.visible.height());
     map.build(records_.all(), snapshot.camera);
     records_.thin(snapshot.frame, map);
@@ -26,12 +27,12 @@ FrameLight RecordCache::light(const LightForest& forest, const RayTracer& tracer
                               const CutLimits& limits, ShadeCounts& shade_counts, RecordCounts& counts) {
     EXPECTS(!tolerance.is_reference());
     if (snapshot.cut_before) cut_to(seen, snapshot);
-    FrameLighting frame(forest, tracer, seen, snapshot, limits, trust_, trials_, records_);
+    FrameLighting frame(forest, tracer, seen, snapshot, limits, trust_, trials_, watch_.strictness(), records_);
     frame.prepare(tolerance, last_, last_frame_, shade_counts);
     last_frame_ = snapshot.frame;
     if (changed_ && records_.size() > 0) frame.renew(shade_counts, counts);
     changed_ = false;
-    frame.refine(shade_counts, counts);
+    frame.refine(watch_, shade_counts, counts);
     frame.thin();
     frame.tell(trials_);
     trials_.judge();

@@ -2,6 +2,7 @@
 
 #include "renderer/lobe_trials.h"
 #include "renderer/record_fit.h"
+#include "renderer/record_watch.h"
 #include "renderer/shade.h"
 
 namespace render2mpeg::renderer {
@@ -12,6 +13,8 @@ struct RecordCounts {
     std::uint64_t created = 0;   ///< records
     std::uint64_t followed = 0;  ///< older records that changed as the light around them did
     std::uint64_t live = 0;      ///< records held after the frame
+    std::uint64_t watched = 0;   ///< points that records served and that were gathered all the same
+    std::uint64_t missed = 0;    ///< of these, those that records were off by more than they may
 };
 
 /// Gathers light once, at places on surfaces, and keeps it there for as long as it stays what it is (docs/model.md,
@@ -22,6 +25,7 @@ class RecordCache {
     void forget() {
         records_.forget();
         trials_.forget();
+        watch_.forget();
         last_ = {};
         changed_ = false;
     }
@@ -69,6 +73,7 @@ class RecordCache {
     bool changed_ = false;         ///< light is another than what the records tell
     RecordTrust trust_;
     LobeTrials trials_;
+    RecordWatch watch_;
 };
 
 }  // namespace render2mpeg::renderer

@@ -269,12 +269,14 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
             const float doubts = doubt(q.tolerance, near.plane().value(), tolerance);
             const float off = trust.residual * doubts * (more > 1.0f ? more * doubts : 1.0f) * near.plane().residual(),
                         noise = trust.noise * near.noise(q.receives);
-            const bool steep = radius < tells_steps && trust.step * near.plane().rise() > tolerance;
-            if (off <= tolerance && noise <= tolerance && !steep) {
+            const float rise = radius < tells_steps ? trust.step * near.plane().rise() : 0.0f,
+                        doubted = std::max(off, rise);
+            if (trust.strictness * doubted <= tolerance && noise <= tolerance) {
                 result.holds = true;
+                result.doubt = core::divide_or(doubted, tolerance, 0.0f);
                 result.light = blend(near, q.point, frame);
                 result.light.served = true;
-                result.light.error = std::max(off, noise);
+                result.light.error = std::max(trust.strictness * off, noise);
                 for (int i = 0; i < near.count(); ++i) records.use(near[i].index, frame);
                 return result;
             }
@@ -286,7 +288,8 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
         const float noise =
                         trust.noise * (q.receives * own->record->error + turn_error * glm::length(own->lobe.turned)),
                     change = trust.residual * near.own_change();
-        if ((!own->record->capped && noise > tolerance) || change > tolerance) continue;
+        if ((!own->record->capped && noise > tolerance) || trust.strictness * change > tolerance) continue;
+        result.doubt = core::divide_or(change, tolerance, 0.0f);
         light.served = true;
         light.clamped = own->record->clamped * core::luminance(light.scattered(q.point));
         light.capped = own->record->capped;

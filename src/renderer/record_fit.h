@@ -19,9 +19,10 @@ struct RecordQuery {
 
 /// How far records are trusted.
 struct RecordTrust {
-    float residual = 1;  ///< multiplies what neighbours disagree by
-    float step = 0.5f;   ///< multiplies what light changes by up to the nearest record
-    float noise = 1;     ///< multiplies what their gathering may be off by
+    float residual = 1;    ///< multiplies what neighbours disagree by
+    float step = 0.5f;     ///< multiplies what light changes by up to the nearest record
+    float noise = 1;       ///< multiplies what their gathering may be off by
+    float strictness = 1;  ///< multiplies the first two, by what a film shows (record_watch.h)
 };
 
 /// What records around a point say of it.
@@ -29,6 +30,7 @@ struct RecordEstimate {
     bool holds = false;  ///< within the point's tolerance, as far as they tell
     PointLight light;    ///< of the forest's trees
     int radius = 0;      ///< pixels that were looked at to each side
+    float doubt = 0;     ///< what they disagree by over the tolerance, at a strictness of 1
 };
 
 /// Radiance of a place's lobe towards another eye than the record's, `outgoing`: what hides and shadows its facets

@@ -227,6 +227,8 @@ struct Renderer::Impl {
         statistics.records_created += found.created;
         statistics.records_served += found.served;
         statistics.records_followed += found.followed;
+        statistics.records_watched += found.watched;
+        statistics.records_missed += found.missed;
         statistics.records_live = std::max<std::uint64_t>(statistics.records_live, found.live);
         statistics.records_held = found.live;
     }
