@@ -192,7 +192,10 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
     coarseness.apply_to(film.coding);
     Ledger ledger;
     const renderer::Statistics before = renderer_.statistics();
-    double once = 0;  // CPU for what a chunk takes once
+    // CPU for what a chunk takes once: making what light stands still (the rough first look does, if there is one),
+    // first looks, caution. What frame after frame has to make is no start.
+    const double lights = (tolerance.coupled ? 0.0 : first_light_seconds_) - next_light_seconds_;
+    double once = lights;
     const double began = clock_seconds(), cpu_began = cpu_seconds();
     for (const Chunk& window : windows_) {
         // Each is a film of its own: it owes the next one nothing of the decoder's buffer.
@@ -201,12 +204,24 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
         const auto started = [&] {
             return renderer_.statistics().calibration_seconds + ledger.stage_seconds(Stage::preview);
         };
-        const double earlier = started();
+        const auto shaded = [&] {
+            return ledger.stage_seconds(Stage::shade) - renderer_.statistics().calibration_seconds;
+        };
+        const double earlier = started(), unlit = shaded();
+        double lit_first = 0;
         render_chunk(film, renderer_, window, {nullptr, nullptr, nullptr, &judge}, ledger, [&] {
-            if (std::exchange(first, false)) once += started() - earlier;
+            if (std::exchange(first, false)) {
+                once += started() - earlier;
+                lit_first = shaded() - unlit;
+            }
             return goes_on = frame_done();
         });
         if (!goes_on) return std::nullopt;
+        // Records are mostly made in a chunk's first frame.
+        if (film.rendering.cache && window.frames() > 1) {
+            const double later = (shaded() - unlit - lit_first) / static_cast<double>(window.frames() - 1);
+            once += std::max(0.0, lit_first - later - lights / static_cast<double>(windows_.size()));
+        }
     }
 
     const double clock = clock_seconds() - began, cpu = cpu_seconds() - cpu_began;
@@ -222,8 +237,6 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
     trial.capped = per_point(after.capped_points - before.capped_points);
     trial.seconds = ledger.stage_seconds(Stage::shade) + ledger.stage_seconds(Stage::preview);
     if (tolerance.coupled) trial.seconds += ledger.stage_seconds(Stage::tolerate);
-    // The rough first look makes the first frame's lights; what frame after frame has to make is no start.
-    once += (tolerance.coupled ? 0.0 : first_light_seconds_) - next_light_seconds_;
     once = std::clamp(once, 0.0, trial.seconds);
     trial.bytes /= trial.frames;
     trial.window_seconds = trial.seconds / trial.frames;
