@@ -1,0 +1,152 @@
+// What gathering only light's change would take [Render2MPEG, 6; a "delta cut"]: anchors keep their places from frame
+// to frame, so that light at a place changes by the sum over what each anchor changed by, seen through the same walls.
+// Gathers that sum by the cut's own rule, from a tree of |dI|, within a share of what the pixel may be off by, and
+// counts the rays, against those of gathering indirect light afresh. bench_delta_cuts SCENE [frame=0] [size=192]
+// [vpls=9000] [percent=2]. A lower bound: walls that move, and light that is not of anchors, come on top.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <optional>
+#include <vector>
+
+#include "app/production.h"
+#include "core/color.h"
+#include "core/error.h"
+#include "renderer/anchors.h"
+#include "renderer/light_forest.h"
+#include "renderer/scenery.h"
+#include "renderer/see.h"
+#include "renderer/shade.h"
+#include "tests/bench/wishes.h"
+
+namespace render2mpeg {
+namespace {
+
+/// Luminance that a picture's darkest steps are apart by, at exposure 0.
+constexpr float half_code = 0.00015f;
+
+struct Lighting {
+    std::uint64_t rays = 0, clusters = 0, points = 0;
+    core::Radiance radiance;
+
+    double rays_per_point() const {
+        return static_cast<double>(rays) / static_cast<double>(std::max<std::uint64_t>(points, 1));
+    }
+};
+
+class Trial {
+  public:
+    Trial(const app::Production& film, int size, int vpls)
+        : film_(film),
+          scenery_(*film.animation, film.rendering.isa, film.plan),
+          lights_(scenery_, film.plan, film.rendering.direct_points, film.rendering.seed),
+          size_(size) {
+        pose(film.frames.first);
+        anchors_.emplace(scenery_, lights_, renderer::AnchorSettings{vpls, film.rendering.bounces});
+    }
+
+    void run(std::int64_t frame, float relative);
+
+  private:
+    void pose(std::int64_t frame) {
+        world_ = film_.snapshot(frame);
+        scenery_.pose(world_);
+    }
+    std::vector<renderer::LightPoint> anchors_at(std::int64_t frame);
+    Lighting gather(const std::vector<renderer::LightPoint>& lights, const renderer::Seen& seen,
+                    const core::ToleranceMap& tolerance) const;
+
+    const app::Production& film_;
+    scene::Snapshot world_;
+    renderer::Scenery scenery_;
+    renderer::LightPoints lights_;
+    std::optional<renderer::Anchors> anchors_;
+    int size_;
+};
+
+/// The still anchors as they shine; the scenery stays posed so.
+std::vector<renderer::LightPoint> Trial::anchors_at(std::int64_t frame) {
+    pose(frame);
+    return anchors_->at(scenery_, lights_.at(scenery_)).still;
+}
+
+Lighting Trial::gather(const std::vector<renderer::LightPoint>& lights, const renderer::Seen& seen,
+                       const core::ToleranceMap& tolerance) const {
+    renderer::LightForest forest = renderer::plant({}, lights, film_.rendering.seed);
+    forest.indirect_clamp = renderer::GeometryClamp{0.25f};
+    forest.translucent = true;
+    const renderer::ShadeSettings settings{{film_.rendering.min_cut, 1 << 20, film_.rendering.stop, 1.0f}, false};
+    renderer::ShadeCounts counts;
+    Lighting result;
+    result.radiance =
+        renderer::shade(forest, scenery_.tracer(), seen, world_.camera.position(), tolerance, settings, counts);
+    result.rays = counts.shadow_rays;
+    result.clusters = counts.indirect_clusters;
+    result.points = counts.gather_points;
+    return result;
+}
+
+void Trial::run(std::int64_t frame, float relative) {
+    lights_.place(scenery_, film_.snapshot(frame));
+    const std::vector<renderer::LightPoint> before = anchors_at(frame), now = anchors_at(frame + 1);
+    renderer::SeeCounts counts;
+    const renderer::Seen seen =
+        renderer::see(scenery_, {{size_, size_, 1.0f}, 1, film_.rendering.specular_depth}, film_.plan, counts);
+
+    // The change of each anchor; who was dark and stays so is left out.
+    std::vector<renderer::LightPoint> change;
+    double changes = 0, all = 0;
+    if (before.size() != now.size()) throw core::Error("anchors came or went between frames");
+    for (std::size_t i = 0; i < now.size(); ++i) {
+        renderer::LightPoint l = now[i];
+        if (l.id != before[i].id) throw core::Error("anchors came or went between frames");
+        l.intensity = glm::abs(now[i].intensity - before[i].intensity);
+        changes += core::luminance(l.intensity);
+        all += core::luminance(now[i].intensity);
+        if (core::luminance(l.intensity) > 0) change.push_back(l);
+    }
+
+    const Lighting fresh = gather(now, seen, core::ToleranceMap::uniform(size_, size_, {half_code, relative}));
+    fmt::print("{} anchors, summed |dI| / I {:.1f} %, {} changed; afresh {:.0f} rays and {:.0f} clusters for a point\n",
+               now.size(), 100 * changes / std::max(all, 1e-30), change.size(), fresh.rays_per_point(),
+               static_cast<double>(fresh.clusters) / static_cast<double>(std::max<std::uint64_t>(fresh.points, 1)));
+    for (const float share : {0.1f, 0.2f, 0.3f, 0.5f, 1.0f}) {
+        core::ToleranceMap tolerance = core::ToleranceMap::uniform(size_, size_, {});
+        for (int y = 0; y < size_; ++y)
+            for (int x = 0; x < size_; ++x) {
+                const float light = core::luminance(fresh.radiance.combined.at(x, y));
+                tolerance.pixels.at(x, y).absolute = share * std::max(half_code, relative * light);
+            }
+        const Lighting delta = gather(change, seen, tolerance);
+        fmt::print("within {:.0f} % of the tolerance: {:.0f} rays, {:.0f} clusters: {:.2f} of afresh\n", 100 * share,
+                   delta.rays_per_point(),
+                   static_cast<double>(delta.clusters) / static_cast<double>(std::max<std::uint64_t>(delta.points, 1)),
+                   static_cast<double>(delta.rays) / static_cast<double>(std::max<std::uint64_t>(fresh.rays, 1)));
+    }
+}
+
+}  // namespace
+}  // namespace render2mpeg
+
+int main(int argc, char** argv) try {
+    using namespace render2mpeg;
+    if (argc < 2) {
+        std::fputs("bench_delta_cuts SCENE [frame=] [size=] [vpls=] [percent=]\n", stderr);
+        return 2;
+    }
+    const bench::Wishes wishes(argc, argv);
+    app::RenderOptions options;
+    options.input = argv[1];
+    options.samples = 1;
+    options.exposure = "0";
+    const int size = wishes.number("size", 192);
+    options.size = fmt::format("{0}x{0}", size);
+    const app::Production film = app::prepare(options);
+    Trial(film, size, wishes.number("vpls", 9000))
+        .run(wishes.number("frame", 0), 0.01f * static_cast<float>(wishes.number("percent", 2)));
+    return 0;
+} catch (const render2mpeg::core::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+}
