@@ -55,7 +55,7 @@ struct RenderOptions {
     int audit = 0;                          ///< pixels of every frame
     std::string exposure = "auto";          ///< "auto" or a number of EV; the animation file's wins over "auto"
     std::string clamp = "bounded";          ///< "bounded" or "none"
-    std::string cache = "off";              ///< "on", "off" or "auto"
+    std::string cache = "auto";             ///< "on", "off" or "auto"
     std::optional<std::string> sky;         ///< image file or "none"
     std::optional<std::string> camera;
     std::optional<std::string> animation;

@@ -159,7 +159,8 @@ Production prepare(const RenderOptions& options) {
     wanted.indirect = options.vpls > 0;
     const scene::Traits traits = scene::traits_of(*animation);
     film.plan = renderer::make_plan(traits, wanted);
-    film.records = choose_records(options.cache, traits, film.tolerance.reference, film.frame_count());
+    film.records = choose_records(options.cache, traits, film.tolerance.reference, film.frame_count(),
+                                  std::int64_t{film.format.width} * film.format.height);
     film.rendering.cache = film.records.kept;
     return film;
 }

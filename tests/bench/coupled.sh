@@ -20,7 +20,7 @@ trap 'rm -rf "$work"' EXIT
 
 film() { # NAME INPUT FIRST_FRAME VPLS
     "$bench" --name "$1" --pairs "$pairs" --quantisers "$quantisers" --shares "$shares" --keep-references "$references" "$2" --size "$size" --samples 1 \
-        --vpls "$4" --frames "$3:$(($3 + frames - 1))" --threads 1 | tee -a "$work/films.jsonl"
+        --vpls "$4" --cache off --frames "$3:$(($3 + frames - 1))" --threads 1 | tee -a "$work/films.jsonl"
 }
 
 film cornell "$here/../../animations/cornell" 0 2000

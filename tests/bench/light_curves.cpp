@@ -36,6 +36,7 @@ double thin_out(renderer::Seen& seen, std::size_t every) {
 
 void run(const std::string& scene, const bench::Wishes& wishes) {
     app::RenderOptions options;
+    options.cache = "off";
     options.input = scene;
     const int width = wishes.number("width", 512), height = wishes.number("height", 512);
     options.size = fmt::format("{}x{}", width, height);

@@ -13,6 +13,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 [[ " $* " == *" --tolerance"* ]] || set -- "$@" --tolerance fixed=2%
+[[ " $* " == *" --cache"* ]] || set -- "$@" --cache off
 
 row() { # NAME INPUT
     "$program" render "$2" -o "$work/film.mpg" --frames 0:3 --size 512x512 --samples 1 --vpls 9000 --exposure 0 --quiet --stats "$work/stats.json" "${@:3}"

@@ -83,6 +83,7 @@ int main(int argc, char** argv) try {
     }
     const parallel::ThreadLimit limit(1);
     app::RenderOptions options;
+    options.cache = "off";
     options.input = argv[1];
     options.size = fmt::format("{0}x{0}", picture_size);
     options.samples = 1;

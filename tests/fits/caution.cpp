@@ -108,6 +108,7 @@ class Bench {
   private:
     static app::Production prepared(const std::string& path) {
         app::RenderOptions options;
+        options.cache = "off";
         options.input = path;
         options.size = fmt::format("{0}x{0}", picture_size);
         options.samples = 1;

@@ -137,6 +137,7 @@ class Bench {
   private:
     static app::Production prepared(const Subject& subject) {
         app::RenderOptions options;
+        options.cache = "off";
         options.input = subject.path;
         options.size = fmt::format("{0}x{0}", picture_size);
         options.samples = 1;

@@ -285,8 +285,8 @@ TEST(Trials, CountPicturesThatABufferHasNoRoomFor) {
     for (const bool tight : {false, true}) {
         // The smallest buffer that a header can tell.
         film.coding.rate_control.buffer_bits = tight ? 16384 : 0;
-        film.coding.rate_control.max_rate = tight ? 20000 : 0;
-        app::Trials trials(film, app::windows_of(film.frames, {1, 10}));
+        film.coding.rate_control.max_rate = tight ? 12000 : 0;
+        app::Trials trials(film, app::windows_of(film.frames, {1, 20}));
         ASSERT_TRUE(trials.light_references([](const app::ReferenceStanding&) { return true; }));
         app::LitWindows lit;
         const auto trial = trials.run(

@@ -75,27 +75,31 @@ TEST(Records, ThatAreNotThereAreNotShown) {
     }
 }
 
+constexpr std::int64_t large = 320 * 240;  ///< pixels
+
 TEST(Records, AreKeptByThemselvesWhereOnlyTheCameraMoves) {
     scene::Traits walk;
     walk.has_diffuse_surfaces = walk.camera_moves = true;
-    const auto keeps = [](const scene::Traits& traits, std::int64_t frames = 24, bool reference = false) {
-        return app::choose_records("auto", traits, reference, frames).kept;
+    const auto keeps = [](const scene::Traits& traits, std::int64_t frames = 24, bool reference = false,
+                          std::int64_t pixels = large) {
+        return app::choose_records("auto", traits, reference, frames, pixels).kept;
     };
     EXPECT_TRUE(keeps(walk));
     EXPECT_FALSE(keeps(walk, 1)) << "a picture alone";
+    EXPECT_FALSE(keeps(walk, 24, false, 96 * 96)) << "small pictures";
     EXPECT_FALSE(keeps(walk, 24, true)) << "--tolerance reference";
     for (bool scene::Traits::*cause :
          {&scene::Traits::lights_change, &scene::Traits::objects_move, &scene::Traits::objects_deform}) {
         scene::Traits changes = walk;
         changes.*cause = true;
         EXPECT_FALSE(keeps(changes));
-        EXPECT_TRUE(app::choose_records("on", changes, false, 24).kept) << "who asks gets it";
+        EXPECT_TRUE(app::choose_records("on", changes, false, 24, 1).kept) << "who asks gets it";
     }
     scene::Traits still;
     EXPECT_FALSE(keeps(still)) << "nothing dull";
     still.has_diffuse_surfaces = true;
     EXPECT_TRUE(keeps(still));
-    EXPECT_FALSE(app::choose_records("off", walk, false, 24).kept);
+    EXPECT_FALSE(app::choose_records("off", walk, false, 24, large).kept);
 }
 
 TEST(Records, ThePlanSaysWhyTheyAreKept) {
@@ -110,7 +114,9 @@ TEST(Records, ThePlanSaysWhyTheyAreKept) {
     EXPECT_NE(walk.find("only the camera moves"), std::string::npos) << walk;
     EXPECT_TRUE(boxes.starts_with("no ")) << boxes;
     EXPECT_NE(boxes.find("would not pay"), std::string::npos) << boxes;
-    EXPECT_NE(row(plain_film()).find("not wanted"), std::string::npos) << row(plain_film());
+    const std::string unwanted = row(plain_film() + " --cache off");
+    EXPECT_NE(unwanted.find("not wanted"), std::string::npos) << unwanted;
+    EXPECT_EQ(row(support::film("colonnade")), walk) << "auto is the default";
     EXPECT_TRUE(row(plain_film() + " --cache on").starts_with("yes")) << row(plain_film() + " --cache on");
 }
 
