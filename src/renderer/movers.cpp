@@ -14,6 +14,11 @@ namespace {
 /// be asked. chosen: 0.02, a ten-thousandth of what a point sees: less than one light of a cut.
 constexpr float least_seen = 0.02f;
 
+/// What to divide by where a way may run along a box's planes, which it then meets as good as never.
+RENDER2MPEG_ALWAYS_INLINED float not_zero(float v) {
+    return inlined::abs(v) > 1e-30f ? v : 1e-30f;
+}
+
 }  // namespace
 
 void GroupMovers::choose(const GatherLanes& lanes, std::span<const MiddleBox> movers) {
@@ -46,7 +51,7 @@ bool GroupMovers::may_hide(LightFamily family, const glm::vec3& middle, const gl
     const bool far_away = family == LightFamily::directional;
     const glm::vec3 way = far_away ? middle : middle - middle_;
     const float inverse2 = 1.0f / std::max(glm::dot(way, way), 1e-30f), spread = glm::length(half);
-    const glm::vec3 inverse = 1.0f / way;
+    const glm::vec3 inverse = 1.0f / glm::vec3(not_zero(way.x), not_zero(way.y), not_zero(way.z));
     const float end = far_away ? std::numeric_limits<float>::infinity() : 1.0f;
     for (int k = 0; k < count_; ++k) {
         // Where the way passes the mover, the cone or frustum of all ways is so wide.
@@ -77,10 +82,10 @@ std::uint32_t GroupMovers::passed(const ShadowPacket& packet) const {
             in[i] = 0.0f;
             out[i] = packet.far[i];
         }
-        // Between both planes across each axis. A ray along the planes has infinite distances to them.
+        // Between both planes across each axis.
         const auto cut = [&](const float* origin, const float* direction, float middle, float half) {
             for (int i = 0; i < lane_count; ++i) {
-                const float inverse = 1.0f / direction[i];
+                const float inverse = 1.0f / not_zero(direction[i]);
                 const float a = (middle - half - origin[i]) * inverse, b = (middle + half - origin[i]) * inverse;
                 in[i] = inlined::max(in[i], inlined::min(a, b));
                 out[i] = inlined::min(out[i], inlined::max(a, b));
