@@ -12,7 +12,7 @@ namespace {
 /// fit: docs/fits/caution
 constexpr std::size_t window = 2048;      ///< pixels that are remembered
 constexpr double promised_share = 0.01;   ///< of pixels beyond their tolerance
-constexpr double aimed_share = 0.005;     ///< of them, so that chunks scatter about it within the promise
+constexpr double aimed_share = 0.005;     ///< of pixels, so that chunks scatter about it within the promise
 constexpr double tail_share = 0.05;       ///< of pixels that say how what is needed thins out
 constexpr std::size_t least_tail = 12;    ///< as many at least
 constexpr double few_pixels_margin = 64;  ///< few pixels know little of their tail: 144 get 1.44, 1024 get 1.06
@@ -71,6 +71,7 @@ void Caution::learn(std::span<const AuditedPixel> pixels, float caution) {
         // At most what a caution may be, so that a single fault does not decide the mean of a tail.
         const float needed =
             std::min(caution * core::divide_or(p.noticed(), p.tolerance, p.noticed() > 0.0f ? most : 0.0f), most);
+        if (!std::isfinite(needed)) continue;
         if (needed_.size() < window)
             needed_.push_back(needed);
         else

@@ -18,7 +18,7 @@ constexpr int most_levels = 2;
 /// (the same changes from frame to frame, 1.004 times the rays) to 0.1 (nothing is left of the gain at 2 %).
 constexpr float least_looked_at = 0.01f;
 
-/// Rays that are traced, against what moves alone, to learn whether a cluster is hidden in part: as many as a packet
+/// Rays that are traced, against instances alone (all that moves, and what is placed many times), to learn whether a cluster is hidden in part: as many as a packet
 /// has. What so many do not tell stays as it is: mostly it is hidden altogether. chosen: 16 of 4, 8 and 16.
 constexpr int most_looks = 16;
 
