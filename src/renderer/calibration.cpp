@@ -47,10 +47,11 @@ std::size_t affordable(const LightForest& forest, std::uint64_t rays) {
     return std::clamp(count, least_watched, most_watched);
 }
 
-/// Whether records had a part in a pixel's light.
+/// Whether records had a part in a pixel's light, or would have had one if it had not been watched.
 bool is_served(const LitPixel& p, const FrameLight& known) {
     const auto& tile = known[p.tile];
-    return std::any_of(tile.begin() + p.first, tile.begin() + p.last, [](const PointLight& l) { return l.served; });
+    return std::any_of(tile.begin() + p.first, tile.begin() + p.last,
+                       [](const PointLight& l) { return l.served || l.watched; });
 }
 
 }  // namespace

@@ -55,7 +55,8 @@ bool FrameLighting::recall(std::size_t t, const RecordCache::LitTiles& last, std
             continue;
         }
         exact_[t][i] = before.exact;
-        // It was within its tolerance then.
+        // It was within its tolerance then, as far as records were trusted.
+        if (before.trees.doubt * trust_.strictness > 1.0f) continue;
         PointTolerance now = tolerances_[t][i];
         now.base += known_luminance(before.exact, p);
         if (now.part != before.tolerance.part &&
@@ -83,7 +84,6 @@ void FrameLighting::prepare(const core::ToleranceMap& tolerance, const RecordCac
         exact_[t].assign(points.size(), {});
         light_[t].assign(points.size(), {});
         state_[t].assign(points.size(), PointState::open);
-        doubts_[t].assign(points.size(), -1.0f);
         tolerances_[t] = point_tolerances(seen_, t, tolerance);
         if (!recall(t, last, last_frame) && !forest_.exact.empty()) gather_exact(t, of_tile[t]);
         for (std::size_t i = 0; i < points.size(); ++i)
@@ -116,7 +116,6 @@ std::vector<PointRef> FrameLighting::wanting(std::size_t t, int lattice) {
                 state_[t][i] = found.holds ? PointState::settled : PointState::in_vain;
                 if (found.holds) {
                     light_[t][i] = found.light;
-                    doubts_[t][i] = found.doubt;
                     ++served;
                     continue;
                 }
@@ -191,7 +190,10 @@ void FrameLighting::reopen(const std::vector<GatheredRequests>& of_area) {
 void FrameLighting::refine(RecordWatch& watched, ShadeCounts& counts, RecordCounts& record_counts) {
     for (const int lattice : lattices) {
         // Those of the lattice before tell a film's first frame how far to trust the rest.
-        if (lattice == 1 && !watched.knows()) watch(watched, counts, record_counts);
+        if (lattice == 1 && !watched.knows()) {
+            watch(watched, counts, record_counts);
+            doubt_served();
+        }
         if (lattice != lattices[0]) map_.extend(records_.all(), camera_);
         std::vector<std::vector<PointRef>> of_tile(seen_.tiles.size());
         parallel::for_each(seen_.tiles.size(), [&](std::size_t t) { of_tile[t] = wanting(t, lattice); });
@@ -209,7 +211,7 @@ void FrameLighting::tell(LobeTrials& trials) const {
             const GatherPoint& p = seen_.tiles[t][i];
             if (state_[t][i] == PointState::recalled || !p.point.bsdf.has_glossy() || !takes_records(p, trials_))
                 continue;
-            trials.note(p.point.material, 1, light_[t][i].served ? 1 : 0);
+            trials.note(p.point.material, 1, light_[t][i].served || light_[t][i].watched ? 1 : 0);
         }
     }
 }

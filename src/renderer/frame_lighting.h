@@ -33,7 +33,6 @@ class FrameLighting {
           light_(seen.tiles.size()),
           tolerances_(seen.tiles.size()),
           state_(seen.tiles.size()),
-          doubts_(seen.tiles.size()),
           served_(seen.tiles.size(), 0) {
         limits_.exact = false;
         // Records keep their errors without caution, which is learnt anew at a cut.
@@ -55,9 +54,10 @@ class FrameLighting {
   private:
     enum class PointState : std::uint8_t {
         open,
-        in_vain,  ///< asked records, and none came since
-        settled,  ///< its light is known
-        recalled  ///< likewise, from the frame before
+        in_vain,   ///< asked records, and none came since
+        settled,   ///< its light is known
+        recalled,  ///< likewise, from the frame before
+        watched    ///< likewise: records served it, and it was gathered all the same
     };
 
     bool recall(std::size_t tile, const RecordCache::LitTiles& last, std::int64_t last_frame);
@@ -68,6 +68,10 @@ class FrameLighting {
     std::vector<GatheredRequests> gather(const std::vector<std::vector<PointRef>>& of_tile, std::size_t least,
                                          ShadeCounts& counts) const;
     std::vector<std::vector<PointRef>> watched(bool first, float& served_share) const;
+    bool is_served(std::size_t tile, std::size_t point) const {
+        return state_[tile][point] == PointState::settled && light_[tile][point].served;
+    }
+    void doubt_served();
     void watch(RecordWatch& watch, ShadeCounts& counts, RecordCounts& record_counts);
     std::optional<Record> record(const GatheredRequests& gathered, std::size_t i) const;
     void keep(const GatheredRequests& gathered, std::size_t i, RecordCounts& counts);
@@ -97,8 +101,6 @@ class FrameLighting {
     FrameLight exact_, light_;  ///< of lights gathered exactly; of trees
     std::vector<std::vector<PointTolerance>> tolerances_;
     std::vector<std::vector<PointState>> state_;
-    std::vector<std::vector<float>>
-        doubts_;                         ///< RecordEstimate::doubt of points that records serve in this frame; else < 0
     std::vector<std::uint64_t> served_;  ///< by tile
 };
 

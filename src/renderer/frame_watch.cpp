@@ -14,6 +14,9 @@ namespace {
 /// strictness within some frames; not tuned.
 constexpr double watched_share = 0.01, least_watched = 64, most_watched = 256;
 
+/// Of few that records serve, not so many that serving were in vain.
+constexpr double largest_share = 0.25;
+
 /// They are gathered so much finer than their tolerance, else a cut's own errors would count as the records'. chosen:
 /// 3, at which errors of 0.4 tolerances, root of the mean square, seem 0.42.
 constexpr float finer = 3.0f;
@@ -28,23 +31,37 @@ float noticed(glm::vec3 off) {
 
 }  // namespace
 
-/// Those that the dice choose, by tiles, and how many of the frame's points records serve.
+/// Those that the dice choose, by tiles; and how many of the points that have asked so far records serve.
 std::vector<std::vector<PointRef>> FrameLighting::watched(bool first, float& served_share) const {
-    double served = 0, all = 0;
-    for (const auto& tile : doubts_) {
-        all += static_cast<double>(tile.size());
-        served += static_cast<double>(std::count_if(tile.begin(), tile.end(), [](float d) { return d >= 0.0f; }));
+    double served = 0, asked = 0;
+    for (std::size_t t = 0; t < state_.size(); ++t) {
+        for (std::size_t i = 0; i < state_[t].size(); ++i) {
+            asked += state_[t][i] != PointState::open ? 1 : 0;
+            served += is_served(t, i) ? 1 : 0;
+        }
     }
-    served_share = static_cast<float>(core::divide_or(served, all, 0.0));
+    served_share = static_cast<float>(core::divide_or(served, asked, 0.0));
     const double wanted = first ? most_watched : std::clamp(watched_share * served, least_watched, most_watched);
-    const auto share = static_cast<float>(core::divide_or(wanted, served, 0.0));
-    std::vector<std::vector<PointRef>> chosen(doubts_.size());
-    for (std::uint32_t t = 0; t < doubts_.size(); ++t) {
-        const auto stream = static_cast<std::uint64_t>(snapshot_.frame) * doubts_.size() + t;
-        for (std::uint32_t i = 0; i < doubts_[t].size(); ++i)
-            if (doubts_[t][i] >= 0.0f && core::uniform(dice, stream, i) < share) chosen[t].push_back({t, i});
+    const auto share = static_cast<float>(std::min(core::divide_or(wanted, served, 0.0), largest_share));
+    std::vector<std::vector<PointRef>> chosen(state_.size());
+    for (std::uint32_t t = 0; t < state_.size(); ++t) {
+        const auto stream = static_cast<std::uint64_t>(snapshot_.frame) * state_.size() + t;
+        for (std::uint32_t i = 0; i < state_[t].size(); ++i)
+            if (is_served(t, i) && core::uniform(dice, stream, i, first ? 1 : 0) < share) chosen[t].push_back({t, i});
     }
     return chosen;
+}
+
+/// Points that records served and would not serve by what is known now ask again.
+void FrameLighting::doubt_served() {
+    for (std::size_t t = 0; t < state_.size(); ++t) {
+        for (std::size_t i = 0; i < state_[t].size(); ++i) {
+            if (!is_served(t, i) || !(light_[t][i].doubt * trust_.strictness > 1.0f)) continue;
+            state_[t][i] = PointState::open;
+            light_[t][i] = {};
+            --served_[t];
+        }
+    }
 }
 
 void FrameLighting::watch(RecordWatch& watch, ShadeCounts& counts, RecordCounts& record_counts) {
@@ -60,13 +77,14 @@ void FrameLighting::watch(RecordWatch& watch, ShadeCounts& counts, RecordCounts&
             const float allowed = tolerances_[ref.tile][ref.index].allows(core::luminance(found));
             const float miss = core::divide_or(noticed(found - told), allowed, 0.0f);
             if (!g.light[k].capped && std::isfinite(miss)) {
-                points.push_back({doubts_[ref.tile][ref.index], miss, share});
+                points.push_back({light_[ref.tile][ref.index].doubt, miss, share});
                 ++record_counts.watched;
                 record_counts.missed += miss > 1.0f ? 1 : 0;
             }
             --served_[ref.tile];
-            doubts_[ref.tile][ref.index] = -1.0f;
             keep(g, k, record_counts);
+            light_[ref.tile][ref.index].watched = true;
+            state_[ref.tile][ref.index] = PointState::watched;
         }
     }
     limits_.caution = usual;

@@ -49,7 +49,7 @@ class RecordCache {
 
     /// Bytes held between frames.
     std::size_t bytes() const {
-        std::size_t sum = records_.bytes() + trials_.bytes();
+        std::size_t sum = records_.bytes() + trials_.bytes() + watch_.bytes();
         for (const auto& tile : last_) sum += tile.capacity() * sizeof(LitPoint);
         return sum;
     }

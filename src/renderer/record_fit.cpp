@@ -273,10 +273,10 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
                         doubted = std::max(off, rise);
             if (trust.strictness * doubted <= tolerance && noise <= tolerance) {
                 result.holds = true;
-                result.doubt = core::divide_or(doubted, tolerance, 0.0f);
                 result.light = blend(near, q.point, frame);
                 result.light.served = true;
-                result.light.error = std::max(trust.strictness * off, noise);
+                result.light.doubt = core::divide_or(doubted, tolerance, 0.0f);
+                result.light.error = std::max(trust.strictness * doubted, noise);
                 for (int i = 0; i < near.count(); ++i) records.use(near[i].index, frame);
                 return result;
             }
@@ -289,12 +289,12 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
                         trust.noise * (q.receives * own->record->error + turn_error * glm::length(own->lobe.turned)),
                     change = trust.residual * near.own_change();
         if ((!own->record->capped && noise > tolerance) || trust.strictness * change > tolerance) continue;
-        result.doubt = core::divide_or(change, tolerance, 0.0f);
         light.served = true;
         light.clamped = own->record->clamped * core::luminance(light.scattered(q.point));
         light.capped = own->record->capped;
         light.age = static_cast<float>(frame - own->record->born);
-        light.error = std::max(noise, change);
+        light.doubt = core::divide_or(change, tolerance, 0.0f);
+        light.error = std::max(noise, trust.strictness * change);
         result.holds = true;
         result.light = light;
         records.use(own->index, frame);

@@ -30,15 +30,14 @@ struct RecordEstimate {
     bool holds = false;  ///< within the point's tolerance, as far as they tell
     PointLight light;    ///< of the forest's trees
     int radius = 0;      ///< pixels that were looked at to each side
-    float doubt = 0;     ///< what they disagree by over the tolerance, at a strictness of 1
 };
 
 /// Radiance of a place's lobe towards another eye than the record's, `outgoing`: what hides and shadows its facets
 /// changes with the angle to the normal, for the rest it must be wide. By the material of `bsdf`.
 glm::vec3 seen_from(const RecordLobe& lobe, glm::vec3 normal, glm::vec3 outgoing, const Bsdf& bsdf);
 
-/// Light of a point by a weighted plane through its neighbours' records, the nearest that agree: radii of 1, 2 and 4
-/// pixels in turn (docs/model.md, "Records"). Notes the use of records where it holds.
+/// Light of a point by a weighted plane through its neighbours' records, the nearest that agree: radii of 1, 2, 4 and
+/// 6 pixels in turn (docs/model.md, "Records"). Notes the use of records where it holds.
 RecordEstimate estimate(const RecordQuery& query, const RecordMap& map, Records& records, const RecordTrust& trust,
                         std::int64_t frame);
 

@@ -12,7 +12,7 @@ constexpr double aimed_share = 0.007;
 /// Strictness goes in these steps, up to one at which hardly anything is served.
 constexpr float step = 1.25f, most = 6.0f;
 /// By how many standard deviations more points must be off than is aimed at: few say little of a hundredth.
-constexpr double significance = 1.0;
+constexpr double significance = 1.5;
 
 /// How many points, of those served by this strictness, are off by more than they may; by how many of all were served.
 double off(const std::vector<WatchedPoint>& points, float strictness) {
@@ -37,7 +37,7 @@ void RecordWatch::learn(std::span<const WatchedPoint> points) {
     // is room.
     const float looser = std::max(strictness_ / step, 1.0f);
     if (looser < strictness_ && off(points_, strictness_) < 0.5 * aimed) strictness_ = looser;
-    while (strictness_ < most && off(points_, strictness_) > aimed + scatter) strictness_ *= step;
+    while (strictness_ * step <= most && off(points_, strictness_) > aimed + scatter) strictness_ *= step;
 }
 
 }  // namespace render2mpeg::renderer

@@ -35,6 +35,7 @@ class RecordWatch {
     /// it may.
     float strictness() const { return strictness_; }
     bool knows() const { return points_.size() >= least_points; }
+    std::size_t bytes() const { return points_.capacity() * sizeof(WatchedPoint); }
 
   private:
     std::vector<WatchedPoint> points_;  ///< ring of the newest
