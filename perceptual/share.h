@@ -1,10 +1,19 @@
 #pragma once
 
+#include <cstdint>
+
 namespace render2mpeg::perceptual {
 
-/// k: the share of what coding with the scale qs hides (BlockCoding::scale) that lighting may use so that the film
-/// keeps its quality: 0.1 dB at most are lost. Beyond it errors of lighting add to those of coding; at 1 the eye's
-/// model alone would find them. In (0, 1].
-float default_share(float scale);
+/// k: the share of what coding hides that lighting may use so that the film keeps its quality: 0.1 dB at most are lost.
+/// Beyond it errors of lighting add to those of coding; at 1 the eye's model alone would find them. In (0, 1]; of
+/// pictures that nothing is predicted from.
+/// fit: docs/fits/coupled-share (docs/fits/coupled-share-by-type.jsonl), 0.24. The same for every quantiser: a power of
+/// it gains nothing.
+inline constexpr float default_share = 0.25f;
+
+/// What part of k a picture's light may use that `followers` >= 0 later ones depend on, directly or not: errors that
+/// coding keeps are handed on to all of them. 1 where none does (B pictures, a group's last P picture, films of I
+/// pictures alone), less in I pictures than in P pictures, which take over most of their own. In (0, 1].
+float handed_on(bool intra, std::int64_t followers);
 
 }  // namespace render2mpeg::perceptual

@@ -77,14 +77,17 @@ void Coupling::imagine(const core::Picture& picture, const core::Radiance& radia
     restated_.reset();
 }
 
-float Coupling::share_for(int quantiser) const {
-    return settings_.share.value_or(perceptual::default_share(scale_of(quantiser)));
+float Coupling::share_for(const encoder::PicturePlan& plan) const {
+    const float share = settings_.share.value_or(perceptual::default_share);
+    if (settings_.alike) return share;
+    return share * perceptual::handed_on(plan.type == encoder::PictureType::intra,
+                                         plan.horizon.value_or(plan.number) - plan.number);
 }
 
 core::ToleranceMap Coupling::tolerate(const core::Visible& visible, const encoder::PicturePlan& plan,
                                       const core::MotionField* motion) {
     EXPECTS(memory_.has_value());
-    const float share = share_for(plan.quantiser);
+    const float share = share_for(plan);
     const perceptual::CodingPlan eye = eye_plan(plan.type, plan.quantiser);
     if (!restated_ || !(restated_->plan == eye)) restated_ = observer_.restate(*memory_, eye);
     perceptual::Tolerated tolerated = observer_.tolerate(visible, *restated_, *memory_, motion, share);

@@ -23,8 +23,10 @@ enum class ErrorMaps { references, intra };
 struct CouplingSettings {
     perceptual::ObserverSettings observer;
     ErrorMaps maps = ErrorMaps::references;
-    std::optional<float> share;  ///< of what coding hides; none: by the quantiser (perceptual::default_share)
-    bool always_intra = false;   ///< take every picture for an intra one, as [Render2MPEG] does: for comparison
+    /// Of what coding hides, in pictures that nothing depends on; none: perceptual::default_share.
+    std::optional<float> share;
+    bool alike = false;         ///< the same share in all pictures, whatever depends on them: for comparison
+    bool always_intra = false;  ///< take every picture for an intra one, as [Render2MPEG] does: for comparison
 };
 
 /// The way back of the loop, from what was coded to what the next frames may err by: the eye's memory over one chunk.
@@ -57,7 +59,7 @@ class Coupling {
 
   private:
     bool counts(encoder::PictureType type) const;
-    float share_for(int quantiser) const;
+    float share_for(const encoder::PicturePlan& plan) const;
     perceptual::CodingPlan eye_plan(encoder::PictureType type, int quantiser) const;
     perceptual::CodedFacts facts_of(const encoder::CodedPicture& coded) const;
 

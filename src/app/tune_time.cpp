@@ -25,7 +25,7 @@ ToleranceRequest loosened(const ToleranceRequest& asked, float factor) {
     // chosen: what is asked without clustering is first lit as films are; a pixel's luminance is the end of all shares.
     if (asked.reference) tolerance.coupled = true;
     if (tolerance.coupled)
-        tolerance.share = std::min(asked.share.value_or(perceptual::default_share(1)) * factor, 100.0f);
+        tolerance.share = std::min(asked.share.value_or(perceptual::default_share) * factor, 100.0f);
     else
         tolerance.relative = std::min(std::max(asked.relative, 0.0025f) * factor, 0.5f);
     return tolerance;
@@ -37,8 +37,8 @@ std::string text_of(const ToleranceRequest& t) {
 
 /// From what was asked for to next to nothing.
 /// chosen: in this order steps cost least of the picture: tolerances up to four times what hides, then edges, then
-/// light points, whose light is another one; four steps of each where they differ (docs/fits/coupled-share.jsonl:
-/// 1.2 of what hides loses 0.2 to 0.5 dB, four eye samples for one 0.5 to 3 dB at edges).
+/// light points, whose light is another one; four steps of each where they differ (docs/fits/coupled-share.jsonl, one
+/// share for all pictures: 1.2 of what hides loses 0.2 to 0.5 dB, four eye samples for one 0.5 to 3 dB at edges).
 std::vector<Rung> ladder_of(const ToleranceRequest& tolerance, int samples, int vpls) {
     std::vector<Rung> rungs;
     const auto add = [&](float factor, int fewer_samples, int fewer_points) {

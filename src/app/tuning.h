@@ -12,7 +12,7 @@ namespace render2mpeg::app {
 
 /// One try of the sample.
 struct Probe {
-    std::string setting;  ///< "63.4", "coupled=0.6, 1 sample"
+    std::string setting;  ///< "63.4", "coupled=0.5, 1 sample"
     Trial trial;
     double value = 0;  ///< in the target's kind
     bool lit = true;   ///< false: light of another probe, coded again

@@ -1,10 +1,13 @@
 // What the coupled loop saves and costs, against a fixed tolerance of 2 % at the same quantiser and stopping rule.
 //
 //   bench_coupled [--pairs N] [--quantisers 1,8,24] [--shares default,1,0.3] [--keep-references DIR] [--name NAME]
-//                 [--always-intra] SCENE [render options]
+//                 [--draws N] [--alike] [--always-intra] SCENE [render options]
 //
 // One line of JSON per film. Quality is of the decoded film against frames lit without clustering and not coded: pairs
 // of adjacent frames, lit once and kept in the folder. `loss` is what the coupled film has less than the fixed one.
+// With several draws every film, the fixed one too, is made as often, each time with other representatives of the same
+// light points, and all figures are means; `_error` is the standard error of such a mean, of differences between films
+// of one draw. --alike gives all pictures one share, whatever is predicted from them.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -29,30 +32,61 @@ std::vector<std::string> parts_of(const std::string& list) {
     return parts;
 }
 
-void print(const std::string& name, int quantiser, const std::string& tolerance, const Outcome& o, const Outcome& fixed,
+/// One film with each draw of representatives.
+using Draws = std::vector<Outcome>;
+
+double mean(const Draws& films, double Outcome::*value) {
+    double sum = 0;
+    for (const Outcome& film : films) sum += film.*value;
+    return sum / static_cast<double>(films.size());
+}
+
+/// Standard error of the mean of what `films` have less than `fixed`, draw by draw; 0 where one draw tells nothing.
+double error_of(const Draws& films, const Draws& fixed, double Outcome::*value) {
+    const double middle = mean(fixed, value) - mean(films, value), count = static_cast<double>(films.size());
+    double squares = 0;
+    for (std::size_t i = 0; i < films.size(); ++i) {
+        const double off = fixed[i].*value - films[i].*value - middle;
+        squares += off * off;
+    }
+    return count > 1 ? std::sqrt(squares / (count * (count - 1))) : 0.0;
+}
+
+void print(const std::string& name, int quantiser, const std::string& tolerance, const Draws& films, const Draws& fixed,
            std::int64_t frames) {
+    const auto of = [&](double Outcome::*value) { return mean(films, value); };
+    const auto usual = [&](double Outcome::*value) { return mean(fixed, value); };
+    const auto gain = [&](double Outcome::*value) { return usual(value) / of(value); };
+    const auto loss = [&](double Outcome::*value) { return usual(value) - of(value); };
     const auto per_frame = [&](double seconds) { return seconds / static_cast<double>(frames); };
     fmt::print(
-        R"({{"scene":"{}","q":{},"tolerance":"{}","shade_s":{:.4f},"all_speedup":{:.3f},"gather_s":{:.4f},"speedup":{:.3f},"ray_ratio":{:.3f},"preview_share":{:.4f},)"
+        R"({{"scene":"{}","q":{},"tolerance":"{}","draws":{},"shade_s":{:.4f},"all_speedup":{:.3f},"gather_s":{:.4f},"speedup":{:.3f},"ray_ratio":{:.3f},"preview_share":{:.4f},)"
         R"("tolerate_ms":{:.3f},"cut":{:.5f},"capped":{:.5f},"caution":{:.3f},"tol_rel":{:.4f},"tol_luma":{:.3f},"over":{:.5f},)"
         R"("kbytes":{:.1f},"bytes_ratio":{:.4f},)",
-        name, quantiser, tolerance, per_frame(o.shade_seconds), fixed.shade_seconds / o.shade_seconds,
-        per_frame(o.gather_seconds), fixed.gather_seconds / o.gather_seconds, fixed.rays / o.rays,
-        o.preview_seconds / o.shade_seconds, 1e3 * per_frame(o.tolerate_seconds), o.cut, o.capped, o.caution,
-        o.tolerance, o.tolerance_luma, o.over, o.bytes / 1024, o.bytes / fixed.bytes);
+        name, quantiser, tolerance, films.size(), per_frame(of(&Outcome::shade_seconds)), gain(&Outcome::shade_seconds),
+        per_frame(of(&Outcome::gather_seconds)), gain(&Outcome::gather_seconds), gain(&Outcome::rays),
+        of(&Outcome::preview_seconds) / of(&Outcome::shade_seconds), 1e3 * per_frame(of(&Outcome::tolerate_seconds)),
+        of(&Outcome::cut), of(&Outcome::capped), of(&Outcome::caution), of(&Outcome::tolerance),
+        of(&Outcome::tolerance_luma), of(&Outcome::over), of(&Outcome::bytes) / 1024, 1 / gain(&Outcome::bytes));
     fmt::print(
         R"("psnr_y":{:.3f},"loss_db":{:.4f},"chroma_loss":{:.4f},"ssim_loss":{:.5f},"hvsm":{:.3f},"hvsm_loss":{:.4f},)"
-        R"("light_mse":{:.4f},"flicker":{:.4f},"fixed_flicker":{:.4f},"pumping":{:.4f},"fixed_pumping":{:.4f}}})"
+        R"("light_mse":{:.4f},"flicker":{:.4f},"fixed_flicker":{:.4f},"pumping":{:.4f},"fixed_pumping":{:.4f},)",
+        of(&Outcome::psnr_y), loss(&Outcome::psnr_y), loss(&Outcome::psnr_c), loss(&Outcome::ssim), of(&Outcome::hvs_m),
+        loss(&Outcome::hvs_m), of(&Outcome::light_mse), of(&Outcome::flicker), usual(&Outcome::flicker),
+        of(&Outcome::pumping), usual(&Outcome::pumping));
+    fmt::print(
+        R"("loss_error":{:.4f},"hvsm_error":{:.4f},"ssim_error":{:.5f},"bytes_error":{:.4f},"flicker_error":{:.4f},"pumping_error":{:.4f}}})"
         "\n",
-        o.psnr_y, fixed.psnr_y - o.psnr_y, fixed.psnr_c - o.psnr_c, fixed.ssim - o.ssim, o.hvs_m, fixed.hvs_m - o.hvs_m,
-        o.light_mse, o.flicker, fixed.flicker, o.pumping, fixed.pumping);
+        error_of(films, fixed, &Outcome::psnr_y), error_of(films, fixed, &Outcome::hvs_m),
+        error_of(films, fixed, &Outcome::ssim), error_of(films, fixed, &Outcome::bytes) / usual(&Outcome::bytes),
+        error_of(films, fixed, &Outcome::flicker), error_of(films, fixed, &Outcome::pumping));
     std::fflush(stdout);
 }
 
 int run(int argc, char** argv) {
     // Take our own options out; the rest is a command line of `render`.
-    int pairs = 2;
-    bool always_intra = false;
+    int pairs = 2, draws = 1;
+    bool always_intra = false, alike = false;
     std::string quantisers = "2,8,16", shares = "default,1", references = "bench_references", name;
     std::vector<std::string> rest{"render2mpeg", "render"};
     for (int i = 1; i < argc; ++i) {
@@ -64,8 +98,12 @@ int run(int argc, char** argv) {
                                                            : nullptr;
         if (word == "--pairs" && i + 1 < argc)
             pairs = std::max(1, std::atoi(argv[++i]));
+        else if (word == "--draws" && i + 1 < argc)
+            draws = std::max(1, std::atoi(argv[++i]));
         else if (word == "--always-intra")
             always_intra = true;
+        else if (word == "--alike")
+            alike = true;
         else if (value != nullptr && i + 1 < argc)
             *value = argv[++i];
         else
@@ -84,18 +122,29 @@ int run(int argc, char** argv) {
     if (!film.exposure) film.exposure = app::measure_exposure(film);
     if (name.empty()) name = options.input.stem().string();
     const Stage stage = stage_of(film, pairs, references);
-    const LitFilm fixed(film, stage);
+    std::vector<LitFilm> fixed;
+    for (int draw = 0; draw < draws; ++draw) {
+        film.rendering.draw = static_cast<std::uint64_t>(draw);
+        fixed.emplace_back(film, stage);
+    }
     for (const std::string& quantiser : parts_of(quantisers)) {
         const int q = std::atoi(quantiser.c_str());
-        const Outcome base = fixed.coded(q);
-        print(name, q, "fixed", base, base, film.frame_count());
+        Draws usual;
+        for (const LitFilm& one : fixed) usual.push_back(one.coded(q));
+        print(name, q, "fixed", usual, usual, film.frame_count());
         for (const std::string& share : parts_of(shares)) {
             app::Production loop = film;
             loop.tolerance = app::tolerance_from(share == "default" ? "coupled" : "coupled=" + share);
             loop.coupling.share = loop.tolerance.share;
             loop.coding.quantiser = q;
             loop.coupling.always_intra = always_intra;
-            print(name, q, share, made(loop, stage), base, film.frame_count());
+            loop.coupling.alike = alike;
+            Draws coupled;
+            for (int draw = 0; draw < draws; ++draw) {
+                loop.rendering.draw = static_cast<std::uint64_t>(draw);
+                coupled.push_back(made(loop, stage));
+            }
+            print(name, q, share, coupled, usual, film.frame_count());
         }
     }
     return 0;

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# tests/bench/coupled.sh [-s SCENES_FOLDER] [-d SIZE] [-f FRAMES] [-q QUANTISERS] [-k SHARES] [-p PAIRS] [-r REFERENCES]
+# tests/bench/coupled.sh [-s SCENES_FOLDER] [-d SIZE] [-f FRAMES] [-q QUANTISERS] [-k SHARES] [-p PAIRS] [-r REFERENCES] [-- OPTIONS]
 # What the coupled loop saves and costs against --tolerance fixed=2% at the same quantiser and stopping rule: films of animations/ and, where
 # SCENES_FOLDER has them, the walks through Sponza and Sibenik of tests/bench/real_scenes. One line of JSON per film, then the tables.
+# OPTIONS go to bench_coupled: --draws N makes every film with so many draws of representatives, --alike gives all pictures one share.
 # In full: tests/bench/coupled.sh -s SCENES -d 512x512 -f 48 -q 1,2,4,8,16,24,31 -p 6   (a day on one core; frames without clustering are kept in the folder REFERENCES)
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -15,11 +16,13 @@ while getopts s:d:f:q:k:p:r: option; do
         *) exit 1 ;;
     esac
 done
+shift $((OPTIND - 1))
+options=("$@")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 film() { # NAME INPUT FIRST_FRAME VPLS
-    "$bench" --name "$1" --pairs "$pairs" --quantisers "$quantisers" --shares "$shares" --keep-references "$references" "$2" --size "$size" --samples 1 \
+    "$bench" --name "$1" --pairs "$pairs" --quantisers "$quantisers" --shares "$shares" --keep-references "$references" "${options[@]}" "$2" --size "$size" --samples 1 \
         --vpls "$4" --cache off --frames "$3:$(($3 + frames - 1))" --threads 1 | tee -a "$work/films.jsonl"
 }
 

@@ -23,7 +23,7 @@ losses = (0.05, 0.1, 0.2, 0.5, 1.0)
 print("\nGathering, and rays, at a loss of PSNR-Y, interpolated between the shares; '> ' where no share lost as much, at the largest:\n")
 print("| film | q | " + " | ".join(f"{l} dB" for l in losses) + " |\n|---|---|" + "---|" * len(losses))
 for (scene, q), rows in films.items():
-    shares = sorted((0.3 if k == "default" else float(k), d) for k, d in rows.items() if k != "fixed")
+    shares = sorted((0.25 if k == "default" else float(k), d) for k, d in rows.items() if k != "fixed")
     points, worst = [(0.0, 1.0, 1.0)], 0.0
     for _, d in shares:
         worst = max(worst, d["loss_db"])

@@ -5,20 +5,22 @@
 namespace render2mpeg::perceptual {
 namespace {
 
-TEST(DefaultShare, LeavesMoreToCoarserQuantisersInAll) {
-    // The share falls, but what it is of grows faster: coarser films may be lit more coarsely.
-    for (int code = 1; code < 31; ++code) {
-        const float here = static_cast<float>(code) / 8.0f, next = static_cast<float>(code + 1) / 8.0f;
-        EXPECT_LE(default_share(next), default_share(here)) << code;
-        EXPECT_GT(next * default_share(next), here * default_share(here)) << code;
+TEST(HandedOn, LeavesPicturesAloneThatNothingDependsOn) {
+    EXPECT_EQ(handed_on(true, 0), 1.0f);
+    EXPECT_EQ(handed_on(false, 0), 1.0f);
+}
+
+TEST(HandedOn, IsLessTheMorePicturesInheritAndLeastInIntraPictures) {
+    for (std::int64_t n = 1; n <= 14; ++n) {
+        EXPECT_LT(handed_on(true, n), handed_on(true, n - 1)) << n;
+        EXPECT_LT(handed_on(false, n), handed_on(false, n - 1)) << n;
+        EXPECT_LT(handed_on(true, n), handed_on(false, n)) << n;
     }
 }
 
-TEST(DefaultShare, IsAShareForEveryQuantiser) {
-    for (const float scale : {1e-6f, 0.125f, 1.0f, 3.875f, 14.0f, 1e6f}) {
-        EXPECT_GT(default_share(scale), 0.0f) << scale;
-        EXPECT_LE(default_share(scale), 1.0f) << scale;
-    }
+TEST(HandedOn, ShrinksNoFurtherInGopsLongerThanThoseTried) {
+    EXPECT_EQ(handed_on(true, 300), handed_on(true, 14));
+    EXPECT_GT(handed_on(true, 300), 0.0f);
 }
 
 }  // namespace
