@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
 
@@ -11,6 +12,18 @@ inline constexpr glm::vec3 luminance_weights{0.2126f, 0.7152f, 0.0722f};
 /// Relative luminance of scene-linear BT.709 RGB.
 inline float luminance(glm::vec3 rgb) {
     return luminance_weights.x * rgb.x + luminance_weights.y * rgb.y + luminance_weights.z * rgb.z;
+}
+
+/// The larger of Cr and Cb of linear light, without sign [BT709, 3.3].
+inline float chroma(glm::vec3 rgb) {
+    const float y = luminance(rgb);
+    return std::max(std::abs(rgb.x - y) / 1.5748f, std::abs(rgb.z - y) / 1.8556f);
+}
+
+/// What an eye notices of a difference of light, in luminance: it forgives twice as much of chroma
+/// (docs/decisions/0014).
+inline float noticed(glm::vec3 difference) {
+    return std::max(std::abs(luminance(difference)), 0.5f * chroma(difference));
 }
 
 /// sRGB code value in [0, 1] to linear light. [sRGB, 5.2]

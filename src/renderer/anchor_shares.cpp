@@ -67,7 +67,7 @@ struct Way {
     }
     /// Past what moves.
     bool is_free(const RayTracer& scene) const {
-        return !(length > 0.0f) || !scene.meets_instances(from, direction, length);
+        return !(length > 0.0f) || !scene.meets_movers(from, direction, length);
     }
 };
 
@@ -164,7 +164,7 @@ AnchorSharing::Neighbours AnchorSharing::neighbours(std::uint32_t anchor, const 
 
 AnchorPartings AnchorSharing::partings(const RayTracer& scene) const {
     AnchorPartings found;
-    if (sights_.empty() || !scene.has_instances()) return found;
+    if (sights_.empty() || !scene.has_movers()) return found;
     found.parted.assign(sights_.size(), 0);
     const PointTree& still = groups_.front().tree;
     std::vector<std::uint8_t> rays(sights_.size(), 0);

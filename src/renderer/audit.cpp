@@ -30,11 +30,6 @@ glm::vec3 scattered(const GatherPoint& p, const GatheredLight& light, int lane) 
     return p.weight * (bsdf.diffuse * (direct + indirect) + glossy);
 }
 
-/// The larger of Cr and Cb of linear light [BT709, 3.3], without sign.
-float chroma_of(glm::vec3 light, float luminance) {
-    return std::max(std::abs(light.z - luminance) / 1.8556f, std::abs(light.x - luminance) / 1.5748f);
-}
-
 }  // namespace
 
 glm::ivec2 place_of(const Seen& seen, const LitPixel& p) {
@@ -112,9 +107,8 @@ AuditedPixel compare(glm::ivec2 place, glm::vec3 truth, const core::ToleranceMap
     a.y = place.y;
     a.luminance = core::luminance(truth);
     const glm::vec3 difference = radiance.combined.at(a.x, a.y) - truth;
-    const float off = core::luminance(difference);
-    a.error = std::abs(off);
-    a.chroma = chroma_of(difference, off);
+    a.error = std::abs(core::luminance(difference));
+    a.chroma = core::chroma(difference);
     a.capped = radiance.capped.at(a.x, a.y) != 0;
     a.tolerance = rounding * a.luminance;
     if (!tolerance.is_reference()) {

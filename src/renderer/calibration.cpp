@@ -1,6 +1,7 @@
 #include "renderer/calibration.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "renderer/audit.h"
@@ -10,10 +11,10 @@ namespace render2mpeg::renderer {
 namespace {
 
 /// fit: docs/fits/caution
-constexpr std::size_t rounds = 2;
-constexpr std::size_t largest_sample = 1024 / rounds;  ///< of a round
-constexpr std::size_t blocks_per_sample = 4;           ///< so that lighting a sample costs a fourth of a frame at most
-constexpr double watched_share = 0.02;                 ///< of a frame's rays
+constexpr std::size_t most_rounds = 2;
+constexpr std::size_t largest_sample = 1024 / most_rounds;  ///< of a round
+constexpr std::size_t blocks_per_sample = 4;  ///< so that lighting a sample costs a fourth of a frame at most
+constexpr double watched_share = 0.02;        ///< of a frame's rays
 constexpr std::size_t least_watched = 8, most_watched = 64;
 
 /// What is left of a frame when only the blocks of some pixels are of interest.
@@ -47,18 +48,37 @@ std::size_t affordable(const LightForest& forest, std::uint64_t rays) {
     return std::clamp(count, least_watched, most_watched);
 }
 
-/// Whether records had a part in a pixel's light, or would have had one if it had not been watched.
+/// Whether a pixel's light is no single cut's: records had a part in it, or would have had one if it had not been
+/// watched, or things that move.
 bool is_served(const LitPixel& p, const FrameLight& known) {
     const auto& tile = known[p.tile];
     return std::any_of(tile.begin() + p.first, tile.begin() + p.last,
-                       [](const PointLight& l) { return l.served || l.watched; });
+                       [](const PointLight& l) { return l.served || l.watched || l.parted; });
 }
 
 }  // namespace
 
+float typical_share(const Seen& seen, const core::ToleranceMap& tolerance) {
+    const std::vector<LitPixel> lit = lit_pixels(seen);
+    constexpr std::size_t every = 7;  // are enough for a mean
+    double logs = 0, count = 0;
+    for (std::size_t i = 0; i < lit.size(); i += every) {
+        const glm::ivec2 at = place_of(seen, lit[i]);
+        const core::Tolerance& t = tolerance.pixels.at(at.x, at.y);
+        const float share = t.usual > 0.0f ? std::max(t.relative, t.share()) : t.relative;
+        // What is all that a dark pixel shows has no share.
+        if (!(share > 0.0f && share < 1.0f)) continue;
+        logs += std::log(share);
+        ++count;
+    }
+    return count > 0 ? static_cast<float>(std::exp(logs / count)) : 0.0f;
+}
+
 std::size_t calibrate(Caution& caution, const LightForest& forest, const RayTracer& tracer, const Seen& seen,
                       glm::vec3 eye, const core::ToleranceMap& tolerance, ShadeSettings settings) {
-    caution.forget();
+    // Too few pixels of an earlier frame are no beginning.
+    if (!caution.knows()) caution.forget();
+    const std::size_t rounds = caution.knows() ? 1 : most_rounds;
     const std::vector<LitPixel> lit = lit_pixels(seen);
     const std::size_t wanted = std::min(largest_sample, lit.size() / lane_count / blocks_per_sample);
     if (wanted < Caution::least_pixels) return 0;

@@ -51,10 +51,10 @@ void Gatherer::trace(const GatherLanes& lanes, LightFamily family, const TreeLig
         blocked = tracer_.occluded(packet, passes);
         for (int i = 0; i < lane_count; ++i)
             for (int k = 0; k < 3 && (packet.active >> i & 1u) != 0; ++k) arrival.tint.passes[i][k] = passes[i][k];
+        out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
     } else {
-        blocked = tracer_.occluded(packet, nullptr);
+        blocked = withheld(packet, out);
     }
-    out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
     arrival.lit = static_cast<std::uint16_t>((arrival.lit | packet.active) & ~blocked);
     arrival.unknown = static_cast<std::uint16_t>(arrival.unknown & ~packet.active);
     arrival.is_blocked = (packet.active & ~blocked) == 0;
@@ -66,6 +66,24 @@ void Gatherer::trace(const GatherLanes& lanes, LightFamily family, const TreeLig
         arrival.unit.f0[i] *= visible;
         arrival.unit.schlick[i] *= visible;
     }
+}
+
+/// Bit i: ray i of the packet carries no light of the forest's.
+std::uint32_t Gatherer::withheld(const ShadowPacket& packet, GatheredLight& out) const {
+    if (forest_.shadows != Shadows::hidden_by_movers) {
+        out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
+        return forest_.shadows == Shadows::of_everything ? tracer_.occluded(packet, nullptr)
+                                                         : tracer_.occluded_by_still(packet, nullptr);
+    }
+    // What moves hides light that nothing still does.
+    ShadowPacket rays = packet;
+    rays.active &= movers_.met(packet);
+    if (rays.active == 0) return packet.active;
+    out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(rays.active));
+    rays.active &= tracer_.occluded_by_movers(rays);
+    if (rays.active == 0) return packet.active;
+    out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(rays.active));
+    return packet.active & ~(rays.active & ~tracer_.occluded_by_still(rays, nullptr));
 }
 
 UnitLight Gatherer::unit_of(const GatherLanes& lanes, const Arrival& arrival) const {
@@ -130,7 +148,8 @@ void Gatherer::start_cut(const GatherLanes& lanes, const CutLimits& limits, cons
         slots_[index].representative = tree.representative(tree.root, lanes.set);
         root_slot_[t] = index;
         Arrival arrival;
-        arrival.lit = arrival.unknown = all_lanes;
+        // Of light that movers would have to hide none counts before a ray says so.
+        arrival.lit = arrival.unknown = forest_.shadows == Shadows::hidden_by_movers ? 0 : all_lanes;
         std::fill(&arrival.tint.passes[0][0], &arrival.tint.passes[0][0] + lane_count * 3, 1.0f);
         trace_slot(lanes, index, arrival, out);
     }
@@ -233,12 +252,13 @@ void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance,
     if (limits.exact) gather_exact(lanes, sums, out);
     std::copy(std::begin(luminance_), std::end(luminance_), std::begin(exact_luminance_));
     shields_.choose(lanes, tracer_.shields());
+    if (forest_.shadows == Shadows::hidden_by_movers) movers_.choose(lanes, tracer_.movers(), 0.0f);
     rule_.start(limits.stop, limits.caution, tolerance);
     least_ = static_cast<std::size_t>(std::max(limits.least, 0));
     start_cut(lanes, limits, begin_with, out);
     limits.stop == Stop::classic ? refine_classic(lanes, limits, out) : refine_honest(lanes, limits, out);
 
-    if (limits.stop == Stop::honest) divide_behind_movers(lanes, limits, out);
+    if (limits.stop == Stop::honest && forest_.shadows == Shadows::of_everything) look_behind_movers(lanes, out);
     sum_slots(lanes, limits.stop == Stop::honest, sums, out);
     sums.store(out);
     put_back_near_light(forest_, tracer_, lanes, out);

@@ -69,6 +69,8 @@ class Gatherer {
     void gather_all(const GatherLanes& lanes, GatheredLight& out);
 
   private:
+    static constexpr std::uint32_t no_slot = 0xffffffffu, no_veil = 0xffffffffu;
+
     /// One cluster of the cut: what its representative sends and whom it reaches. Three cache lines: a cut of a
     /// thousand of them stays near.
     struct alignas(64) Slot {
@@ -89,6 +91,7 @@ class Gatherer {
         bool is_tested = false;                     ///< by shields
         bool is_hidden = false;                     ///< by shields: nothing of it reaches any lane
         std::uint16_t shields = GroupShields::all;  ///< that may hide its lights
+        std::uint32_t veil = no_veil;               ///< of a finished cut
     };
     /// The same slots' GGX lobes, by unit intensity; only for glossy lanes.
     struct alignas(64) SlotLobe {
@@ -100,7 +103,6 @@ class Gatherer {
         float passes[lane_count][3];
     };
 
-    static constexpr std::uint32_t no_slot = 0xffffffffu;
     struct Settled {
         float urgency;  ///< when last asked for
         std::uint32_t slot;
@@ -116,6 +118,7 @@ class Gatherer {
 
     void trace(const GatherLanes& lanes, LightFamily family, const TreeLight& light, const Spot* spot,
                GeometryClamp clamp, Arrival& arrival, GatheredLight& out);
+    std::uint32_t withheld(const ShadowPacket& packet, GatheredLight& out) const;
     void trace_slot(const GatherLanes& lanes, std::uint32_t slot, Arrival& arrival, GatheredLight& out);
     std::uint32_t add_slot(const GatherLanes& lanes, int tree, LightRef ref);
     inline UnitLight unit_of(std::uint32_t slot) const;
@@ -154,12 +157,11 @@ class Gatherer {
     void fetch_split(std::uint32_t slot) const;
     void fetch_light(const GatherLanes& lanes, std::uint32_t slot) const;
     bool hide(const GatherLanes& lanes, std::uint32_t slot);
-    bool is_half_hidden(const GatherLanes& lanes, std::uint32_t slot, GatheredLight& out);
-    void divide_behind_movers(const GatherLanes& lanes, const CutLimits& limits, GatheredLight& out);
-    /// A slot that what moves may hide in part, and how many levels below it parts may lie.
-    struct Behind {
-        std::uint32_t slot;
-        int levels;
+    void veil(const GatherLanes& lanes, std::uint32_t slot, GatheredLight& out);
+    void look_behind_movers(const GatherLanes& lanes, GatheredLight& out);
+    /// Of a slot that something moves before: the lanes in which each of its parts is seen.
+    struct Veil {
+        std::uint16_t lit[4];
     };
 
     const LightForest& forest_;
@@ -179,7 +181,7 @@ class Gatherer {
     std::vector<Settled> settled_;            ///< classic: what is fine enough, as far as is known
     std::vector<CutOutline::Split> history_;  ///< of the cut, where it began with nothing
     std::uint32_t root_slot_[LightForest::tree_count]{};
-    std::vector<Behind> behind_;          ///< to be looked at
+    std::vector<Veil> veils_;             ///< of the slots that have one
     std::vector<std::uint32_t> slot_of_;  ///< of each part, while a cut is replayed
     std::size_t least_ = 0;               ///< clusters of a cut
 };

@@ -50,19 +50,27 @@ void Gatherer::sum_finely(const GatherLanes& lanes, std::uint32_t index, const P
     const Slot& slot = slots_[index];
     const LightTree& tree = forest_.trees[slot.tree];
     const bool direct = LightForest::is_direct(slot.tree);
+    const Veil* const veil = slot.veil == no_veil ? nullptr : &veils_[slot.veil];
     alignas(64) Lanes visible;
-    for (int i = 0; i < lane_count; ++i) {
-        const float lit = (slot.unknown >> i & 1) != 0 ? 0.5f : 1.0f;
-        visible[i] = (slot.lit >> i & 1) != 0 ? lit : 0.0f;
-    }
+    const auto see = [&](std::uint16_t lanes_lit) {
+        for (int i = 0; i < lane_count; ++i) {
+            const float lit = (slot.unknown >> i & 1) != 0 ? 0.5f : 1.0f;
+            visible[i] = (lanes_lit >> i & 1) != 0 ? lit : 0.0f;
+        }
+    };
+    see(slot.lit);
     if (!lanes.glossy && !forest_.translucent) {
         // The representative's own light is what its rays let through of what it sends.
         StandIn lights[4];
         for (int p = 0; p < parts.count; ++p)
             lights[p] = {&tree.lights[parts.light[p]], tree.spot(parts.light[p]), parts.intensity[p]};
-        alignas(64) RgbLanes irradiance{};
-        add_irradiance(lanes, tree.family, lights, parts.count, forest_.clamp(slot.tree), irradiance);
-        sums.add(irradiance, visible, direct);
+        const int together = veil == nullptr ? parts.count : 1;
+        for (int p = 0; p < parts.count; p += together) {
+            if (veil != nullptr) see(veil->lit[p]);
+            alignas(64) RgbLanes irradiance{};
+            add_irradiance(lanes, tree.family, lights + p, together, forest_.clamp(slot.tree), irradiance);
+            sums.add(irradiance, visible, direct);
+        }
         return;
     }
     const UnitLight own = unit_of(index);
@@ -71,6 +79,7 @@ void Gatherer::sum_finely(const GatherLanes& lanes, std::uint32_t index, const P
             sums.add(own, parts.intensity[p], direct);
             continue;
         }
+        if (veil != nullptr) see(veil->lit[p]);
         LightLanes unit;
         evaluate_light(lanes, tree.family, tree.lights[parts.light[p]], tree.spot(parts.light[p]),
                        forest_.clamp(slot.tree), unit);
@@ -109,8 +118,9 @@ void Gatherer::slopes(const GatherLanes& lanes, SlopeLanes& out) const {
 
 void Gatherer::sum_slots(const GatherLanes& lanes, bool finely, CutSums& sums, GatheredLight& out) {
     const auto count = static_cast<std::uint32_t>(slots_.size());
+    const auto is_seen = [](const Slot& slot) { return slot.lit != 0 || slot.veil != no_veil; };
     // Look ahead, so that memory is there when it is wanted: a node, its children, theirs, and who stands for these.
-    const auto ahead = [&](std::uint32_t s) { return finely && s < count && slots_[s].lit != 0; };
+    const auto ahead = [&](std::uint32_t s) { return finely && s < count && is_seen(slots_[s]); };
     Parts next;
     if (ahead(0)) next = parts_of(lanes, slots_[0]);
     for (std::uint32_t s = 0; s < count; ++s) {
@@ -124,7 +134,7 @@ void Gatherer::sum_slots(const GatherLanes& lanes, bool finely, CutSums& sums, G
         const bool direct = LightForest::is_direct(slot.tree);
         if (slot.ref.is_leaf() || !finely)
             sums.add(unit_of(s), slot.intensity, direct);
-        else if (slot.lit != 0)
+        else if (is_seen(slot))
             sum_finely(lanes, s, parts, sums);
         if (slot.any_clamped) sums.add_clamped(tree.lights[slot.representative], unit_of(s), slot.intensity);
         ++(direct ? out.direct_clusters : out.indirect_clusters);

@@ -32,6 +32,14 @@ void Gatherer::push(const GatherLanes& lanes, std::uint32_t index) {
         return;
     }
     const LightTree& tree = forest_.trees[slot.tree];
+    if (forest_.shadows == Shadows::hidden_by_movers) {
+        const MiddleBox box = tree.box(slot.ref.index());
+        if (!movers_.can_hide(tree.family, box.middle, box.half)) {
+            std::fill(std::begin(slot.bound), std::end(slot.bound), 0.0f);
+            slot.lit = slot.unknown = 0;
+            return;
+        }
+    }
     bound_node(lanes, tree, slot.ref.index(), forest_.clamp(slot.tree), slot.bound);
     const float urgency = rule_.urgency(slot.bound);
     if (!(urgency > 0.0f)) return;

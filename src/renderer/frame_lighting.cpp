@@ -1,5 +1,7 @@
 #include "renderer/frame_lighting.h"
 
+#include <algorithm>
+
 #include "core/numeric.h"
 #include "parallel/loops.h"
 #include "renderer/cut.h"
@@ -16,17 +18,17 @@ constexpr int lattices[] = {4, 2, 1};
 /// least time (a fifth less than 0).
 constexpr std::size_t least_dense = 128;
 
-/// Luminance that is known of a point's pixel before its cut.
+/// Luminance that is known of a point's pixel before its cut; below 0 where things that move hide more than that.
 float known_luminance(const PointLight& light, const GatherPoint& p) {
     const float known = core::luminance(light.scattered(p));
-    return std::isfinite(known) ? std::max(known, 0.0f) : 0.0f;
+    return std::isfinite(known) ? known : 0.0f;
 }
 
 }  // namespace
 
 void FrameLighting::gather_exact(std::size_t tile, ShadeCounts& counts) {
     const GatherTile& points = seen_.tiles[tile];
-    Gatherer gatherer(forest_, tracer_);
+    Gatherer gatherer(parts_ != nullptr ? parts_->moving : forest_, tracer_);
     GatherLanes lanes;
     GatheredLight gathered;
     for (const GatherGroup& group : group_points(points, camera_.position(), 1)) {
@@ -42,27 +44,28 @@ void FrameLighting::gather_exact(std::size_t tile, ShadeCounts& counts) {
     }
 }
 
-/// Takes the light of points that are the very same as in the last frame. Whether all exact light is known by that.
-bool FrameLighting::recall(std::size_t t, const RecordCache::LitTiles& last, std::int64_t last_frame) {
+/// Takes the light of points that are the very same as in the last frame. Whether all exact light is known by that, and
+/// what movers change.
+bool FrameLighting::recall(std::size_t t, const RecordCache::LitTiles& last, std::int64_t last_frame, bool moved) {
     const GatherTile& points = seen_.tiles[t];
     if (last.size() != seen_.tiles.size() || last[t].size() != points.size()) return false;
-    bool all = true;
+    bool all = !moved;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const GatherPoint& p = points[i];
         const RecordCache::LitPoint& before = last[t][i];
-        if (before.address != p.point.address || before.outgoing != p.point.outgoing || before.weight != p.weight) {
+        if (before.address != p.point.address || before.outgoing != p.point.outgoing || before.weight != p.weight ||
+            (moved && moves(p))) {
             all = false;
             continue;
         }
         exact_[t][i] = before.exact;
-        // It was within its tolerance then, as far as records were trusted.
-        if (before.trees.doubt * trust_.strictness > 1.0f) continue;
         PointTolerance now = tolerances_[t][i];
         now.base += known_luminance(before.exact, p);
         if (now.part != before.tolerance.part &&
-            before.trees.error > now.allows(core::luminance(before.trees.scattered(p))))
+            trust_.recalled * before.trees.error > now.allows(core::luminance(before.trees.scattered(p))))
             continue;
         light_[t][i] = before.trees;
+        light_[t][i].error *= trust_.recalled;
         light_[t][i].direct_cut = light_[t][i].indirect_cut = 0;
         light_[t][i].served = true;
         light_[t][i].age += static_cast<float>(snapshot_.frame - last_frame);
@@ -76,7 +79,7 @@ bool FrameLighting::recall(std::size_t t, const RecordCache::LitTiles& last, std
 }
 
 void FrameLighting::prepare(const core::ToleranceMap& tolerance, const RecordCache::LitTiles& last,
-                            std::int64_t last_frame, ShadeCounts& counts) {
+                            std::int64_t last_frame, bool moved, ShadeCounts& counts) {
     map_.build(records_.all(), camera_);
     std::vector<ShadeCounts> of_tile(seen_.tiles.size());
     parallel::for_each(seen_.tiles.size(), [&](std::size_t t) {
@@ -85,7 +88,11 @@ void FrameLighting::prepare(const core::ToleranceMap& tolerance, const RecordCac
         light_[t].assign(points.size(), {});
         state_[t].assign(points.size(), PointState::open);
         tolerances_[t] = point_tolerances(seen_, t, tolerance);
-        if (!recall(t, last, last_frame) && !forest_.exact.empty()) gather_exact(t, of_tile[t]);
+        const bool knows = recall(t, last, last_frame, moved);
+        if (!knows && parts_ != nullptr) exact_[t].assign(points.size(), {});
+        if (!knows && !whole_.exact.empty()) gather_exact(t, of_tile[t]);
+        moving_[t].assign(points.size(), knows ? Moving::recalled : Moving::unknown);
+        movers_[t].assign(points.size(), {});
         for (std::size_t i = 0; i < points.size(); ++i)
             tolerances_[t][i].base += known_luminance(exact_[t][i], points[i]);
     });
@@ -109,7 +116,7 @@ std::vector<PointRef> FrameLighting::wanting(std::size_t t, int lattice) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         const GatherPoint& p = points[i];
         if (state_[t][i] >= PointState::settled || x_of(t, p) % lattice != 0 || y_of(t, p) % lattice != 0) continue;
-        if (takes_records(p, trials_)) {
+        if (takes(p)) {
             const auto query = state_[t][i] == PointState::open ? query_of(t, i) : std::nullopt;
             if (query) {
                 const RecordEstimate found = estimate(*query, map_, records_, trust_, snapshot_.frame);
@@ -139,17 +146,15 @@ void FrameLighting::keep(const GatheredRequests& g, std::size_t i, RecordCounts&
     const PointRef& ref = g.points[i];
     light_[ref.tile][ref.index] = g.light[i];
     state_[ref.tile][ref.index] = PointState::settled;
-    if (!takes_records(point(ref), trials_)) return;
+    if (!takes(point(ref))) return;
     if (const auto found = record(g, i)) {
         records_.add(*found);
         ++counts.created;
     }
 }
 
-/// Gathers, of areas of at least so many requests.
-std::vector<GatheredRequests> FrameLighting::gather(const std::vector<std::vector<PointRef>>& of_tile,
-                                                    std::size_t least, ShadeCounts& counts) const {
-    // Let the requests of some tiles find each other.
+/// Lets the requests of some tiles find each other.
+std::vector<std::vector<PointRef>> FrameLighting::by_area(const std::vector<std::vector<PointRef>>& of_tile) const {
     const int across = seen_.tiles_across(), areas = areas_across();
     const int down = (static_cast<int>(seen_.tiles.size()) + across - 1) / std::max(across, 1);
     std::vector<std::vector<PointRef>> of_area(
@@ -158,13 +163,25 @@ std::vector<GatheredRequests> FrameLighting::gather(const std::vector<std::vecto
         auto& list = of_area[area_of(t)];
         list.insert(list.end(), of_tile[t].begin(), of_tile[t].end());
     }
+    return of_area;
+}
+
+/// Gathers, of areas of at least so many requests.
+std::vector<GatheredRequests> FrameLighting::gather(const std::vector<std::vector<PointRef>>& of_tile,
+                                                    std::size_t least, ShadeCounts& counts) const {
+    std::vector<std::vector<PointRef>> of_area = by_area(of_tile);
     // A few scattered ones fill no packet: they wait for the finer lattice.
     for (auto& list : of_area)
         if (list.size() < least) list.clear();
     std::vector<GatheredRequests> found(of_area.size());
     parallel::for_each(of_area.size(), [&](std::size_t a) {
+        const auto on_movers = std::stable_partition(of_area[a].begin(), of_area[a].end(),
+                                                     [&](const PointRef& r) { return !moves(point(r)); });
+        const std::vector<PointRef> moving(on_movers, of_area[a].end());
+        of_area[a].erase(on_movers, of_area[a].end());
         gather_requests(forest_, tracer_, seen_, camera_.position(), tolerances_, limits_, trials_, of_area[a],
                         found[a]);
+        gather_requests(whole_, tracer_, seen_, camera_.position(), tolerances_, limits_, trials_, moving, found[a]);
     });
     for (const GatheredRequests& g : found) counts.add(g.counts);
     return found;
@@ -187,30 +204,40 @@ void FrameLighting::reopen(const std::vector<GatheredRequests>& of_area) {
     }
 }
 
-void FrameLighting::refine(RecordWatch& watched, ShadeCounts& counts, RecordCounts& record_counts) {
+/// The lattice's points that are not known yet ask, and are gathered where they ask in vain.
+void FrameLighting::fill_lattice(int lattice, ShadeCounts& counts, RecordCounts& record_counts) {
+    map_.extend(records_.all(), camera_);
+    std::vector<std::vector<PointRef>> of_tile(seen_.tiles.size());
+    parallel::for_each(seen_.tiles.size(), [&](std::size_t t) { of_tile[t] = wanting(t, lattice); });
+    const std::vector<GatheredRequests> found = gather(of_tile, lattice > 1 ? least_dense : 0, counts);
+    for (const GatheredRequests& g : found)
+        for (std::size_t i = 0; i < g.points.size(); ++i) keep(g, i, record_counts);
+    reopen(found);
+}
+
+void FrameLighting::refine(RecordWatch& known, ShadeCounts& counts, RecordCounts& record_counts) {
     for (const int lattice : lattices) {
-        // Those of the lattice before tell a film's first frame how far to trust the rest.
-        if (lattice == 1 && !watched.knows()) {
-            watch(watched, counts, record_counts);
+        // Those of the lattices before tell a film's first frame how far to trust the rest.
+        if (lattice == 1 && !known.knows()) {
+            watch(Watch::early, known, counts, record_counts);
             doubt_served();
         }
-        if (lattice != lattices[0]) map_.extend(records_.all(), camera_);
-        std::vector<std::vector<PointRef>> of_tile(seen_.tiles.size());
-        parallel::for_each(seen_.tiles.size(), [&](std::size_t t) { of_tile[t] = wanting(t, lattice); });
-        const std::vector<GatheredRequests> found = gather(of_tile, lattice > 1 ? least_dense : 0, counts);
-        for (const GatheredRequests& g : found)
-            for (std::size_t i = 0; i < g.points.size(); ++i) keep(g, i, record_counts);
-        reopen(found);
+        fill_lattice(lattice, counts, record_counts);
     }
-    watch(watched, counts, record_counts);
+    const float trusted = trust_.strictness;
+    watch(Watch::late, known, counts, record_counts);
+    // No point is left behind that this frame would not serve and the next one would ask for anew.
+    if (trust_.strictness > trusted) {
+        doubt_served();
+        fill_lattice(1, counts, record_counts);
+    }
 }
 
 void FrameLighting::tell(LobeTrials& trials) const {
     for (std::size_t t = 0; t < light_.size(); ++t) {
         for (std::size_t i = 0; i < light_[t].size(); ++i) {
             const GatherPoint& p = seen_.tiles[t][i];
-            if (state_[t][i] == PointState::recalled || !p.point.bsdf.has_glossy() || !takes_records(p, trials_))
-                continue;
+            if (state_[t][i] == PointState::recalled || !p.point.bsdf.has_glossy() || !takes(p)) continue;
             trials.note(p.point.material, 1, light_[t][i].served || light_[t][i].watched ? 1 : 0);
         }
     }
@@ -226,10 +253,21 @@ FrameLight FrameLighting::take(RecordCache::LitTiles& last, ShadeCounts& counts,
             PointLight& light = light_[t][i];
             const GatherPoint& p = seen_.tiles[t][i];
             last[t].push_back({p.point.address, p.point.outgoing, p.weight, tolerances_[t][i], exact_[t][i], light});
-            light.direct += exact_[t][i].direct;
-            light.glossy += exact_[t][i].glossy;
-            light.direct_cut += exact_[t][i].direct_cut;
-            light.clamped += exact_[t][i].clamped;
+            const PointLight& known = exact_[t][i];
+            light.direct += known.direct;
+            light.indirect += known.indirect;
+            light.glossy += known.glossy;
+            light.direct_cut += known.direct_cut;
+            light.indirect_cut += known.indirect_cut;
+            light.clamped += known.clamped;
+            if (parts_ == nullptr) continue;
+            // Two gatherings err each for itself.
+            light.error = std::hypot(light.error, known.error);
+            light.capped = light.capped || known.capped;
+            light.parted = movers_[t][i].scattered(p) != glm::vec3(0);
+            light.direct = glm::max(light.direct, glm::vec3(0));
+            light.indirect = glm::max(light.indirect, glm::vec3(0));
+            light.glossy = glm::max(light.glossy, glm::vec3(0));
         }
     }
     return std::move(light_);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/color.h"
+#include "renderer/light_parts.h"
 #include "renderer/record_cache.h"
 #include "renderer/record_gather.h"
 
@@ -16,10 +17,13 @@ namespace render2mpeg::renderer {
 /// becomes records for later points and frames.
 class FrameLighting {
   public:
+    /// `parts` of the forest's light, of which records hold what stays; none where they hold all of it.
     FrameLighting(const LightForest& forest, const RayTracer& tracer, const Seen& seen, const scene::Snapshot& snapshot,
-                  const CutLimits& limits, const RecordTrust& trust, const LobeTrials& trials, float strictness,
-                  Records& records)
-        : forest_(forest),
+                  const CutLimits& limits, const RecordTrust& trust, const LobeTrials& trials, Records& records,
+                  const LightParts* parts = nullptr)
+        : whole_(forest),
+          parts_(parts),
+          forest_(parts != nullptr ? parts->still : forest),
           tracer_(tracer),
           seen_(seen),
           snapshot_(snapshot),
@@ -33,19 +37,23 @@ class FrameLighting {
           light_(seen.tiles.size()),
           tolerances_(seen.tiles.size()),
           state_(seen.tiles.size()),
-          served_(seen.tiles.size(), 0) {
+          served_(seen.tiles.size(), 0),
+          movers_(seen.tiles.size()),
+          moving_(seen.tiles.size()) {
         limits_.exact = false;
         // Records keep their errors without caution, which is learnt anew at a cut.
         trust_.noise *= limits.caution;
-        trust_.strictness = strictness;
     }
 
+    /// `moved`: things lie elsewhere than in the last frame, though records are what they were.
     void prepare(const core::ToleranceMap& tolerance, const RecordCache::LitTiles& last, std::int64_t last_frame,
-                 ShadeCounts& counts);
+                 bool moved, ShadeCounts& counts);
     void renew(ShadeCounts& counts, RecordCounts& record_counts);
     /// Serves or gathers what is not known yet, lattice by lattice; and some of what was served all the same, for
     /// `watch`.
-    void refine(RecordWatch& watch, ShadeCounts& counts, RecordCounts& record_counts);
+    void refine(RecordWatch& known, ShadeCounts& counts, RecordCounts& record_counts);
+    /// What things that move change of light, for all points.
+    void add_movers(ShadeCounts& counts, RecordCounts& record_counts);
     void thin() { records_.thin(snapshot_.frame, map_); }
     /// Which materials' lobes were served, and which were not.
     void tell(LobeTrials& trials) const;
@@ -60,19 +68,34 @@ class FrameLighting {
         watched    ///< likewise: records served it, and it was gathered all the same
     };
 
-    bool recall(std::size_t tile, const RecordCache::LitTiles& last, std::int64_t last_frame);
+    bool recall(std::size_t tile, const RecordCache::LitTiles& last, std::int64_t last_frame, bool moved);
+    /// What moves has no records where light is parted.
+    bool moves(const GatherPoint& p) const {
+        return parts_ != nullptr &&
+               snapshot_.animation->objects[p.point.address.object].mobility != scene::Mobility::still;
+    }
+    bool takes(const GatherPoint& p) const { return takes_records(p, trials_) && !moves(p); }
+    bool is_between(std::size_t tile, std::size_t point, int lattice);
+    bool corner(int x, int y, const GatherPoint& like, PointRef& found) const;
+    std::vector<std::vector<PointRef>> wanting_movers(int lattice);
+    void gather_movers(const std::vector<std::vector<PointRef>>& of_tile, ShadeCounts& counts);
+    float allowed(std::size_t tile, std::size_t point) const;
+    std::vector<std::vector<PointRef>> doubt_hidden();
     void gather_exact(std::size_t tile, ShadeCounts& counts);
     std::optional<RecordQuery> query_of(std::size_t tile, std::size_t point) const;
     void reopen(const std::vector<GatheredRequests>& of_area);
     std::vector<PointRef> wanting(std::size_t tile, int lattice);
+    std::vector<std::vector<PointRef>> by_area(const std::vector<std::vector<PointRef>>& of_tile) const;
     std::vector<GatheredRequests> gather(const std::vector<std::vector<PointRef>>& of_tile, std::size_t least,
                                          ShadeCounts& counts) const;
-    std::vector<std::vector<PointRef>> watched(bool first, float& served_share) const;
+    enum class Watch : std::uint8_t { early, late };  ///< before a first frame's last lattice; after it
+    std::vector<std::vector<PointRef>> watched(Watch when, const RecordWatch& known, float& served_share) const;
     bool is_served(std::size_t tile, std::size_t point) const {
         return state_[tile][point] == PointState::settled && light_[tile][point].served;
     }
     void doubt_served();
-    void watch(RecordWatch& watch, ShadeCounts& counts, RecordCounts& record_counts);
+    void watch(Watch when, RecordWatch& known, ShadeCounts& counts, RecordCounts& record_counts);
+    void fill_lattice(int lattice, ShadeCounts& counts, RecordCounts& record_counts);
     std::optional<Record> record(const GatheredRequests& gathered, std::size_t i) const;
     void keep(const GatheredRequests& gathered, std::size_t i, RecordCounts& counts);
     int x_of(std::size_t tile, const GatherPoint& p) const {
@@ -88,7 +111,9 @@ class FrameLighting {
     }
     const GatherPoint& point(const PointRef& r) const { return seen_.tiles[r.tile][r.index]; }
 
-    const LightForest& forest_;
+    const LightForest& whole_;
+    const LightParts* parts_;
+    const LightForest& forest_;  ///< what records hold
     const RayTracer& tracer_;
     const Seen& seen_;
     const scene::Snapshot& snapshot_;
@@ -102,6 +127,15 @@ class FrameLighting {
     std::vector<std::vector<PointTolerance>> tolerances_;
     std::vector<std::vector<PointState>> state_;
     std::vector<std::uint64_t> served_;  ///< by tile
+    enum class Moving : std::uint8_t {
+        unknown,
+        gathered,
+        between,  ///< taken from points around
+        recalled  ///< as in the frame before, with the exact light
+    };
+    FrameLight movers_;                               ///< what they change
+    std::vector<std::vector<Moving>> moving_;         ///< whether that is known
+    std::vector<std::vector<std::uint32_t>> firsts_;  ///< of each pixel of a tile, its first point; and the end
 };
 
 }  // namespace render2mpeg::renderer

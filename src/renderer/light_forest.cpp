@@ -138,6 +138,16 @@ LightForest LastingForest::at(const LitPoints& now, bool may_replan) {
     return forest;
 }
 
+LightTree LastingForest::still_tree(std::span<const LightPoint> anchors) const {
+    constexpr int t = LightForest::still_tree;
+    LightTree tree = grow_light_tree(plans_[t], anchors, seed_of(t, seed_));
+    if (!tree.empty() && !(core::luminance(tree.intensity(tree.root)) > 0.0f)) {
+        tree = {};
+        tree.family = plans_[t].family;
+    }
+    return tree;
+}
+
 std::size_t LastingForest::bytes() const {
     std::size_t sum = exact_.capacity() * sizeof(std::uint32_t);
     for (const TreePlan& plan : plans_) sum += plan.bytes();

@@ -16,6 +16,14 @@ struct ExactLight {
     Spot spot;  ///< see LightTree::spot
 };
 
+/// Whose shadows a forest's light falls past. Two of them make the third: light past what is still, less what things
+/// that move hide of it, is light past everything.
+enum class Shadows : std::uint8_t {
+    of_everything,
+    of_what_is_still,
+    hidden_by_movers  ///< light that would arrive, did not something that moves stand in its way
+};
+
 /// All light of one instant, ready to be gathered: the direct light tree, which is one tree per family since their
 /// bounds differ, the indirect trees of still and of moving surfaces, and the few lights that are not clustered.
 struct LightForest {
@@ -27,6 +35,7 @@ struct LightForest {
     std::vector<ExactLight> exact;
     GeometryClamp direct_clamp, indirect_clamp;
     bool translucent = false;  ///< shadow rays may meet surfaces that let light through
+    Shadows shadows = Shadows::of_everything;  ///< else nothing is translucent
 
     static bool is_direct(int tree) { return tree < direct_trees; }
     GeometryClamp clamp(int tree) const { return is_direct(tree) ? direct_clamp : indirect_clamp; }
@@ -56,6 +65,9 @@ class LastingForest {
     /// whose plan fits these lights badly is planned anew by them first, for this instant and all later ones: to be
     /// said at instants that only the chunk decides, among them its first.
     LightForest at(const LitPoints& now, bool may_replan = false);
+
+    /// A tree over the anchors of still surfaces as `at` grows it, of other intensities.
+    LightTree still_tree(std::span<const LightPoint> anchors) const;
 
     /// Plans that were made anew since construction.
     int replanned() const { return replanned_; }

@@ -147,8 +147,8 @@ bool shortage(const GatherLanes& lanes, const TreeLight& light, GeometryClamp cl
 }
 
 /// What passes from the light to each lane that lacks something of it; traces a ray for each of those.
-void see(const GatherLanes& lanes, const TreeLight& light, const RayTracer& tracer, Lanes& lacks, glm::vec3* passes,
-         GatheredLight& out) {
+void see(const GatherLanes& lanes, const TreeLight& light, const RayTracer& tracer, Shadows shadows, Lanes& lacks,
+         glm::vec3* passes, GatheredLight& out) {
     ShadowPacket packet;
     aim(lanes, LightFamily::oriented, light, packet);
     for (int i = 0; i < lane_count; ++i) {
@@ -157,7 +157,16 @@ void see(const GatherLanes& lanes, const TreeLight& light, const RayTracer& trac
     }
     if (packet.active == 0) return;
     out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
-    const std::uint32_t blocked = tracer.occluded(packet, passes);
+    std::uint32_t blocked = 0;
+    if (shadows == Shadows::of_everything) {
+        blocked = tracer.occluded(packet, passes);
+    } else if (shadows == Shadows::of_what_is_still) {
+        blocked = tracer.occluded_by_still(packet, nullptr);
+    } else {
+        packet.active = tracer.occluded_by_movers(packet);
+        out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
+        blocked = ~packet.active | (packet.active != 0 ? tracer.occluded_by_still(packet, nullptr) : 0);
+    }
     for (int i = 0; i < lane_count; ++i)
         if ((blocked >> i & 1u) != 0) lacks[i] = 0.0f;
 }
@@ -166,8 +175,8 @@ void see(const GatherLanes& lanes, const TreeLight& light, const RayTracer& trac
 /// and the place of its plane that is nearest to the lane. Cells of anchors on slender things reach over their edges,
 /// those of anchors in a gap between a thing and the wall behind it along the wall. What lies as near to the lane's own
 /// surface is that, and does not count.
-void keep_to_surfaces(const GatherLanes& lanes, const TreeLight& light, const RayTracer& tracer, Lanes& lacks,
-                      GatheredLight& out) {
+void keep_to_surfaces(const GatherLanes& lanes, const TreeLight& light, const RayTracer& tracer, Shadows shadows,
+                      Lanes& lacks, GatheredLight& out) {
     const float radius = std::sqrt(light.disc2), widest = overlap * radius;
     const glm::vec3 facing = light.normal();
     ShadowPacket packet;
@@ -190,18 +199,25 @@ void keep_to_surfaces(const GatherLanes& lanes, const TreeLight& light, const Ra
     }
     if (packet.active == 0) return;
     out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
-    const std::uint32_t met = tracer.occluded(packet, nullptr);
+    const std::uint32_t met = shadows == Shadows::of_everything ? tracer.occluded(packet, nullptr)
+                                                                : tracer.occluded_by_still(packet, nullptr);
     for (int i = 0; i < lane_count; ++i)
         if ((met >> i & 1u) == 0) lacks[i] = 0.0f;
 }
 
-void put_back(const TreeLight& light, GeometryClamp clamp, const GatherLanes& lanes, const RayTracer& tracer,
+/// Whether anything that moves is so near to the points.
+bool has_mover(const Box& points, const RayTracer& tracer, float distance2) {
+    const auto near = [&](const MiddleBox& m) { return points.distance2(m.middle, m.half) < distance2; };
+    return std::any_of(tracer.movers().begin(), tracer.movers().end(), near);
+}
+
+void put_back(const TreeLight& light, const LightForest& forest, const GatherLanes& lanes, const RayTracer& tracer,
               GatheredLight& out) {
     Lanes lacks;
-    if (!shortage(lanes, light, clamp, lacks)) return;
+    if (!shortage(lanes, light, forest.indirect_clamp, lacks)) return;
     glm::vec3 passes[lane_count];
-    see(lanes, light, tracer, lacks, passes, out);
-    keep_to_surfaces(lanes, light, tracer, lacks, out);
+    see(lanes, light, tracer, forest.shadows, lacks, passes, out);
+    keep_to_surfaces(lanes, light, tracer, forest.shadows, lacks, out);
     for (int i = 0; i < lanes.count; ++i) {
         if (lacks[i] == 0.0f) continue;
         const glm::vec3 light_there = lacks[i] * light.intensity * passes[i];
@@ -235,8 +251,10 @@ void put_back_near_light(const LightForest& forest, const RayTracer& tracer, con
             if (ref.is_leaf()) {
                 const TreeLight& light = tree.lights[ref.index()];
                 if (light.disc2 > 0.0f && core::luminance(light.intensity) > 0.0f &&
-                    box.distance2(light.position, glm::vec3(0)) < far_radii * far_radii * light.disc2)
-                    put_back(light, forest.indirect_clamp, lanes, tracer, out);
+                    box.distance2(light.position, glm::vec3(0)) < far_radii * far_radii * light.disc2 &&
+                    (forest.shadows != Shadows::hidden_by_movers ||
+                     has_mover(box, tracer, far_radii * far_radii * light.disc2)))
+                    put_back(light, forest, lanes, tracer, out);
                 continue;
             }
             const LightNode& node = tree.nodes[ref.index()];

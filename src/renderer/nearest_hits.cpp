@@ -101,12 +101,12 @@ class HitPacket {
         rays_.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     }
 
-    /// Still things first, coherently; then what moves (TracedScene::still).
+    /// What is baked first, coherently; then instances (TracedScene::baked).
     void trace(RTCIntersectContext& context) {
         context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-        rtcIntersect16(valid_, scene_.still(), &context, &rays_);
+        rtcIntersect16(valid_, scene_.baked(), &context, &rays_);
         if (!scene_.has_instances()) return;
-        std::fill(std::begin(rays_.ray.mask), std::end(rays_.ray.mask), TracedScene::moving_mask);
+        std::fill(std::begin(rays_.ray.mask), std::end(rays_.ray.mask), TracedScene::instance_mask);
         context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
         rtcIntersect16(valid_, scene_.root(), &context, &rays_);
     }

@@ -21,6 +21,7 @@ struct PointLight {
     bool served = false;  ///< by records, or by an earlier frame: it may err otherwise than a cut with today's caution
     bool watched =
         false;  ///< records served it, and it was gathered all the same, with another caution than the frame's
+    bool parted = false;  ///< a sum of several cuts, some of them perhaps of places around
     bool capped = false;  ///< the largest cut came before the tolerance was kept
 
     /// What the point sends into its pixel.

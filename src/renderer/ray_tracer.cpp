@@ -129,6 +129,9 @@ struct RayTracer::Impl {
     }
 
     static void filter_shadow(const RTCFilterFunctionNArguments* arguments);
+
+    /// What RayTracer::occluded says of what is baked and these instances.
+    std::uint32_t occluded(const ShadowPacket& packet, unsigned instances, glm::vec3* light) const;
 };
 
 /// Lets a shadow ray go on through a layer: takes from its light what the layer keeps, until nothing is left or there
@@ -159,6 +162,31 @@ void RayTracer::Impl::filter_shadow(const RTCFilterFunctionNArguments* arguments
     }
 }
 
+std::uint32_t RayTracer::Impl::occluded(const ShadowPacket& packet, unsigned instances, glm::vec3* light) const {
+    const FlushDenormals flushed;
+    alignas(64) int valid[16];
+    RTCRay16 rays;
+    if (!load(packet, rays, valid)) return 0;
+
+    ShadowContext context;
+    begin(context, RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+    rtcOccluded16(valid, scene.baked(), &context.embree, &rays);
+    std::uint32_t blocked = take_blocked(rays, valid);
+    const bool all_blocked = std::all_of(valid, valid + 16, [](int v) { return v == 0; });
+    if (!all_blocked && instances != 0) {
+        // Rays that nothing baked blocks may meet instances.
+        std::fill(std::begin(rays.mask), std::end(rays.mask), instances);
+        context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+        rtcOccluded16(valid, scene.root(), &context.embree, &rays);
+        blocked |= take_blocked(rays, valid);
+    }
+    if (light != nullptr && context.met != 0) {
+        for (int i = 0; i < 16; ++i)
+            if ((context.met >> i) & 1u) light[i] *= light_through(context.depth[i]);
+    }
+    return blocked;
+}
+
 RayTracer::RayTracer(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent,
                      Transmittance transmittance)
     : impl_(new Impl{TracedScene(animation, isa, std::move(translucent), &Impl::filter_shadow),
@@ -172,7 +200,7 @@ RayTracer::RayTracer(RayTracer&&) noexcept = default;
 
 void RayTracer::pose(const scene::Snapshot& snapshot) {
     if (impl_->scene.pose(snapshot))
-        impl_->shields = ShieldList(shields_of(impl_->scene.opaque_still_triangles(), most_shields));
+        impl_->shields = ShieldList(shields_of(impl_->scene.opaque_still_triangles(2 * most_shields), most_shields));
     impl_->movers = impl_->scene.boxes_of_movers();
 }
 
@@ -202,15 +230,17 @@ bool RayTracer::meets(glm::vec3 origin, glm::vec3 direction, float far) const {
 }
 
 bool RayTracer::meets_still(glm::vec3 origin, glm::vec3 direction, float far) const {
-    return meets_any(impl_->scene.still(), 0xffffffffu, {origin, direction, far});
+    const TracedScene& scene = impl_->scene;
+    return meets_any(scene.has_still_instances() ? scene.root() : scene.baked(), TracedScene::still_mask,
+                     {origin, direction, far});
 }
 
-bool RayTracer::meets_instances(glm::vec3 origin, glm::vec3 direction, float far) const {
-    return has_instances() && meets_any(impl_->scene.root(), TracedScene::moving_mask, {origin, direction, far});
+bool RayTracer::meets_movers(glm::vec3 origin, glm::vec3 direction, float far) const {
+    return has_movers() && meets_any(impl_->scene.root(), TracedScene::moving_mask, {origin, direction, far});
 }
 
-bool RayTracer::has_instances() const {
-    return impl_->scene.has_instances();
+bool RayTracer::has_movers() const {
+    return impl_->scene.has_movers();
 }
 
 void RayTracer::record(std::vector<ShadowPacket>* packets) const {
@@ -219,28 +249,24 @@ void RayTracer::record(std::vector<ShadowPacket>* packets) const {
 
 std::uint32_t RayTracer::occluded(const ShadowPacket& packet, glm::vec3* light) const {
     if (impl_->recorded != nullptr) impl_->recorded->push_back(packet);
+    return impl_->occluded(packet, impl_->scene.has_instances() ? TracedScene::instance_mask : 0, light);
+}
+
+std::uint32_t RayTracer::occluded_by_still(const ShadowPacket& packet, glm::vec3* light) const {
+    return impl_->occluded(packet, impl_->scene.has_still_instances() ? TracedScene::copied_mask : 0, light);
+}
+
+std::uint32_t RayTracer::occluded_by_movers(const ShadowPacket& packet) const {
+    if (!has_movers()) return 0;
     const FlushDenormals flushed;
     alignas(64) int valid[16];
     RTCRay16 rays;
     if (!load(packet, rays, valid)) return 0;
-
+    std::fill(std::begin(rays.mask), std::end(rays.mask), TracedScene::moving_mask);
     Impl::ShadowContext context;
-    impl_->begin(context, RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
-    rtcOccluded16(valid, impl_->scene.still(), &context.embree, &rays);
-    std::uint32_t blocked = take_blocked(rays, valid);
-    const bool all_blocked = std::all_of(valid, valid + 16, [](int v) { return v == 0; });
-    if (!all_blocked && impl_->scene.has_instances()) {
-        // Rays that nothing still blocks may meet what moves.
-        std::fill(std::begin(rays.mask), std::end(rays.mask), TracedScene::moving_mask);
-        context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-        rtcOccluded16(valid, impl_->scene.root(), &context.embree, &rays);
-        blocked |= take_blocked(rays, valid);
-    }
-    if (light != nullptr && context.met != 0) {
-        for (int i = 0; i < 16; ++i)
-            if ((context.met >> i) & 1u) light[i] *= Impl::light_through(context.depth[i]);
-    }
-    return blocked;
+    impl_->begin(context, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+    rtcOccluded16(valid, impl_->scene.root(), &context.embree, &rays);
+    return take_blocked(rays, valid);
 }
 
 glm::vec3 RayTracer::passes(glm::vec3 origin, glm::vec3 direction, float far) const {

@@ -1,6 +1,7 @@
 #include "renderer/record_cache.h"
 
 #include "core/error.h"
+#include "core/numeric.h"
 #include "renderer/frame_lighting.h"
 #include "renderer/record_change.h"
 
@@ -24,15 +25,20 @@ void RecordCache::cut_to(const Seen& seen, const scene::Snapshot& snapshot) {
 
 FrameLight RecordCache::light(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
                               const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance,
-                              const CutLimits& limits, ShadeCounts& shade_counts, RecordCounts& counts) {
+                              const CutLimits& limits, ShadeCounts& shade_counts, RecordCounts& counts,
+                              const LightParts* parts) {
     EXPECTS(!tolerance.is_reference());
     if (snapshot.cut_before) cut_to(seen, snapshot);
-    FrameLighting frame(forest, tracer, seen, snapshot, limits, trust_, trials_, watch_.strictness(), records_);
-    frame.prepare(tolerance, last_, last_frame_, shade_counts);
+    trust_.strictness = watch_.strictness();
+    trust_.recalled = core::divide_or(limits.caution, last_caution_, 1.0f);
+    last_caution_ = limits.caution;
+    FrameLighting frame(forest, tracer, seen, snapshot, limits, trust_, trials_, records_, parts);
+    frame.prepare(tolerance, last_, last_frame_, moved_, shade_counts);
     last_frame_ = snapshot.frame;
     if (changed_ && records_.size() > 0) frame.renew(shade_counts, counts);
-    changed_ = false;
+    changed_ = moved_ = false;
     frame.refine(watch_, shade_counts, counts);
+    if (parts != nullptr) frame.add_movers(shade_counts, counts);
     frame.thin();
     frame.tell(trials_);
     trials_.judge();

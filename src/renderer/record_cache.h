@@ -1,5 +1,6 @@
 #pragma once
 
+#include "renderer/light_parts.h"
 #include "renderer/lobe_trials.h"
 #include "renderer/record_fit.h"
 #include "renderer/record_watch.h"
@@ -27,7 +28,7 @@ class RecordCache {
         trials_.forget();
         watch_.forget();
         last_ = {};
-        changed_ = false;
+        changed_ = moved_ = false;
     }
 
     /// How many records lie in each pixel of a picture, seen or hidden.
@@ -40,10 +41,19 @@ class RecordCache {
     /// Light is another than at the frame before.
     void change(const scene::Snapshot& before, const scene::Snapshot& now);
 
-    /// Light of all points of a frame within their tolerances (not for the reference), gathered or from records.
+    /// The same where light is parted (light_parts.h): whether the part that records hold is another now, too.
+    void move(bool still_changed) {
+        moved_ = true;
+        if (!still_changed) return;
+        last_ = {};
+        changed_ = true;
+    }
+
+    /// Light of all points of a frame within their tolerances (not for the reference), gathered or from records; these
+    /// hold what stays of it where it is given in parts, in all frames of a chunk or in none.
     FrameLight light(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
                      const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, const CutLimits& limits,
-                     ShadeCounts& shade_counts, RecordCounts& counts);
+                     ShadeCounts& shade_counts, RecordCounts& counts, const LightParts* parts = nullptr);
 
     void set_trust(const RecordTrust& trust) { trust_ = trust; }
 
@@ -70,7 +80,9 @@ class RecordCache {
     Records records_;
     LitTiles last_;
     std::int64_t last_frame_ = 0;  ///< that they are of
+    float last_caution_ = 1;       ///< that they were lit with
     bool changed_ = false;         ///< light is another than what the records tell
+    bool moved_ = false;           ///< things lie elsewhere than in the last frame; light is parted
     RecordTrust trust_;
     LobeTrials trials_;
     RecordWatch watch_;

@@ -58,6 +58,10 @@ class ChangeThere {
         float direct = 0, indirect = 0, off = 0;
     };
     void add(Record& record) const;
+    static void scale_slopes(Record& record, float factor) {
+        record.slopes.by_place *= factor;
+        record.slopes.by_normal *= factor;
+    }
     Ratio ratio() const;
 
     const RecordMap& map_;
@@ -97,8 +101,12 @@ void ChangeThere::add(Record& record) const {
         direct += plane_.weight(i) * (found_[i]->place.direct - found_[i]->direct_before);
         indirect += plane_.weight(i) * (found_[i]->place.indirect - found_[i]->indirect_before);
     }
+    const float before = core::luminance(record.direct + record.indirect);
     record.direct = glm::max(record.direct + direct, glm::vec3(0));
     record.indirect = glm::max(record.indirect + indirect, glm::vec3(0));
+    // Nobody knows the slopes of what came; of what is left after something went, there is no more than was.
+    const float now = core::luminance(record.direct + record.indirect);
+    scale_slopes(record, std::min(core::divide_or(now, before, 0.0f), 1.0f));
 }
 
 ChangeThere::Ratio ChangeThere::ratio() const {
@@ -133,9 +141,7 @@ bool ChangeThere::apply(Record& record) {
         const float before = core::luminance(record.direct + record.indirect);
         record.direct *= all.direct;
         record.indirect *= all.indirect;
-        const float change = core::divide_or(core::luminance(record.direct + record.indirect), before, 1.0f);
-        record.slopes.by_place *= change;
-        record.slopes.by_normal *= change;
+        scale_slopes(record, core::divide_or(core::luminance(record.direct + record.indirect), before, 1.0f));
         return true;
     }
     if (!(sum_off <= allowed_)) return false;
@@ -144,6 +150,24 @@ bool ChangeThere::apply(Record& record) {
 }
 
 }  // namespace
+
+bool same_light(const scene::Snapshot& a, const scene::Snapshot& b) {
+    const auto same_object = [](const scene::ObjectState& x, const scene::ObjectState& y) {
+        return x.to_world == y.to_world && x.present == y.present && x.deformed == y.deformed;
+    };
+    const auto same_lamp = [](const scene::LightState& x, const scene::LightState& y) {
+        return x.kind == y.kind && x.position == y.position && x.direction == y.direction &&
+               x.intensity == y.intensity && x.range == y.range && x.cos_inner == y.cos_inner &&
+               x.cos_outer == y.cos_outer && x.id == y.id;
+    };
+    const auto same_shape = [](const scene::DeformedMesh& x, const scene::DeformedMesh& y) {
+        return x.positions == y.positions && x.normals == y.normals;
+    };
+    return std::equal(a.objects.begin(), a.objects.end(), b.objects.begin(), b.objects.end(), same_object) &&
+           std::equal(a.lights.begin(), a.lights.end(), b.lights.begin(), b.lights.end(), same_lamp) &&
+           std::equal(a.deformed.begin(), a.deformed.end(), b.deformed.begin(), b.deformed.end(), same_shape) &&
+           a.emission_factor == b.emission_factor;
+}
 
 void drop_disturbed(Records& records, const scene::Snapshot& before, const scene::Snapshot& now) {
     const std::size_t count = std::min(before.objects.size(), now.objects.size());

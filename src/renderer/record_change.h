@@ -8,6 +8,9 @@
 
 namespace render2mpeg::renderer {
 
+/// Whether two instants have the same light: everything but the camera.
+bool same_light(const scene::Snapshot& a, const scene::Snapshot& b);
+
 /// Drops records that the change from one instant to the next leaves no hope for: those on what moves, and those near
 /// it, where its shadow is sharp.
 void drop_disturbed(Records& records, const scene::Snapshot& before, const scene::Snapshot& now);

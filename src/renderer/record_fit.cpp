@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "core/color.h"
@@ -37,8 +38,7 @@ constexpr float turn_error = 0.6f;
 /// A record so near, in pixels, stands for the pixel by itself where neighbours disagree, if light that changes as
 /// between it and them changes by no more than the tolerance over twice its distance. chosen: without the latter 19 %
 /// of these pixels err by more than they may (Sibenik's walk at 2 %, 160x160) and make most of all large errors; with
-/// it 6
-/// %. At 0.15 and 0.3 pixels they err more often than at 0.1 (22 instead of 3 % in Sponza, without the latter).
+/// it 6 %. At 0.15 and 0.3 pixels they err more often than at 0.1 (22 instead of 3 % in Sponza, without the latter).
 constexpr float own_distance = 0.1f, own_doubt = 2.0f;
 
 /// Records to one side of a pixel, or along a line, as at rims of surfaces and on thin mouldings, carry no plane. So
@@ -59,14 +59,15 @@ constexpr float most_change = 1.0f;
 
 /// A record's lobe towards the eye of a point that asks, by the point's material.
 struct SeenLobe {
-    glm::vec3 radiance{0};
-    glm::vec3 turned{0};  ///< half vectors that it was looked at by, off the point's, in widths; times luminance
+    glm::vec3 radiance;
+    glm::vec3 turned;  ///< half vectors that it was looked at by, off the point's, in widths; times luminance
 };
 
 /// None where it says nothing of the point's.
 std::optional<SeenLobe> lobe_at(const RecordQuery& q, const Record& r) {
     const SurfacePoint& p = q.point.point;
-    if (!p.bsdf.has_glossy()) return r.lobe.alpha == 0.0f ? std::optional(SeenLobe{}) : std::nullopt;
+    if (!p.bsdf.has_glossy())
+        return r.lobe.alpha == 0.0f ? std::optional(SeenLobe{glm::vec3(0), glm::vec3(0)}) : std::nullopt;
     const float alpha = p.bsdf.alpha;
     if (!(std::abs(r.lobe.alpha - alpha) <= alike_alpha * alpha)) return std::nullopt;
     // The eye turned about the record; and about the point it looks otherwise than about the record.
@@ -80,12 +81,20 @@ std::optional<SeenLobe> lobe_at(const RecordQuery& q, const Record& r) {
     return SeenLobe{radiance, core::luminance(q.point.weight * radiance) / alpha * (turn + bend)};
 }
 
+/// A record that is asked.
 struct Neighbour {
     const Record* record;
     std::uint32_t index;
     SeenLobe lobe;
-    glm::vec3 halfway, whole;  ///< what its irradiance is multiplied by (`changed`), for planes and for means
+    glm::vec3 change;  ///< what its irradiance is multiplied by (`changed`): halfway for planes, whole for means
     glm::vec3 diffuse, shiny;  ///< what it sends into the pixel, unchanged, by its irradiance and its lobe
+};
+
+/// One that lies on the point's surface.
+struct Candidate {
+    const RecordMark* mark;
+    glm::vec2 offset;  ///< from the point, pixels
+    float distance2;
 };
 
 /// What a record's irradiance is multiplied by where its slopes are followed for a part of the way to a point, and for
@@ -104,9 +113,11 @@ class Neighbours {
   public:
     /// Those within `radius` of the query on its surface; false where there are too many or too few.
     bool find(const RecordQuery& q, const RecordMap& map, const Records& records, int radius);
+    /// Whether more lie within the radius than a plane takes.
+    bool is_full() const { return is_full_; }
     /// By how much what they disagree by counts for more than in a plane through them; 0: they tell nothing, 1: a
     /// plane.
-    float fit();
+    float fit(const SurfacePoint& p);
     /// The nearest, if it is the point's own.
     const Neighbour* own() const;
     /// What luminance may change by between that and the point, by how it changes around.
@@ -117,60 +128,90 @@ class Neighbours {
     float noise(float receives) const;
     int count() const { return plane_.count(); }
     const Neighbour& operator[](int i) const { return found_[static_cast<std::size_t>(i)]; }
-    /// What a neighbour's irradiance is multiplied by.
-    glm::vec3 change(int i) const { return level_ ? (*this)[i].whole : (*this)[i].halfway; }
 
   private:
+    bool find_candidates(const RecordQuery& q, const RecordMap& map, int radius);
+
+    /// Those whose lobes say nothing of the point's leave room for others.
+    static constexpr int most_candidates = 4 * RecordPlane::most;
+    std::array<Candidate, most_candidates> candidates_;
+    int candidate_count_ = 0;
+    bool is_full_ = false;
     std::array<Neighbour, RecordPlane::most> found_;
     RecordPlane plane_;
-    bool level_ = false;  ///< a mean, no plane
 };
 
-bool Neighbours::find(const RecordQuery& q, const RecordMap& map, const Records& records, int radius) {
-    plane_.clear();
-    level_ = false;
+/// Those of the query's surface; false where there are too many, or so few that they tell nothing.
+bool Neighbours::find_candidates(const RecordQuery& q, const RecordMap& map, int radius) {
+    candidate_count_ = 0;
+    is_full_ = false;
     if (!map.reaches(q.at, radius)) return false;
     const auto reach = static_cast<float>(radius) + 0.5f;
     const int x = static_cast<int>(std::floor(q.at.x)), y = static_cast<int>(std::floor(q.at.y));
     const SurfacePoint& p = q.point.point;
     const RecordMark here{
         q.at, 0, surface_of(p.address, p.back_side), p.position, p.geometric_normal, p.shading_normal};
-    const glm::vec3 reflects = q.point.weight * q.point.point.bsdf.diffuse;
+    float nearest2 = std::numeric_limits<float>::max();
     for (int row = std::max(y - radius, -RecordMap::border);
          row <= std::min(y + radius, map.height() + RecordMap::border - 1); ++row) {
         for (const RecordMark& m : map.row(row, std::max(x - radius, -RecordMap::border),
                                            std::min(x + radius, map.width() + RecordMap::border - 1))) {
             const glm::vec2 offset = m.at - q.at;
             const float distance2 = glm::dot(offset, offset);
-            if (distance2 > reach * reach ||
+            if (distance2 > reach * reach || m.surface != here.surface ||
                 !on_one_surface(here, m, q.extent * std::sqrt(distance2), q.extent, p.position_error))
                 continue;
-            if (plane_.is_full()) return false;
-            const Record& r = records[m.record];
-            const auto lobe = lobe_at(q, r);
-            if (!lobe) continue;
-            const float falloff = 1.0f - distance2 / (reach * reach * 1.1f);
-            // A record's own value and what its slopes make of it err by light's curvature to opposite sides: between
-            // them lies what a plane wants, which follows by itself what slopes do not know.
-            const Neighbour n{&r,
-                              m.record,
-                              *lobe,
-                              changed(r, p, 0.5f),
-                              changed(r, p, 1.0f),
-                              reflects * (r.direct + r.indirect),
-                              q.point.weight * lobe->radiance};
-            found_[static_cast<std::size_t>(plane_.count())] = n;
-            plane_.add(offset, falloff * falloff / (0.25f + distance2), n.halfway * n.diffuse + n.shiny);
+            if (candidate_count_ == most_candidates) {
+                is_full_ = true;
+                return false;
+            }
+            candidates_[static_cast<std::size_t>(candidate_count_++)] = {&m, offset, distance2};
+            nearest2 = std::min(nearest2, distance2);
         }
+    }
+    return candidate_count_ >= RecordPlane::least ||
+           (candidate_count_ >= least_level && nearest2 <= level_distance * level_distance) ||
+           nearest2 <= own_distance * own_distance;
+}
+
+bool Neighbours::find(const RecordQuery& q, const RecordMap& map, const Records& records, int radius) {
+    plane_.clear();
+    if (!find_candidates(q, map, radius)) return false;
+    const auto reach = static_cast<float>(radius) + 0.5f;
+    const SurfacePoint& p = q.point.point;
+    const glm::vec3 reflects = q.point.weight * p.bsdf.diffuse;
+    for (int i = 0; i < candidate_count_; ++i) {
+        const Candidate& c = candidates_[static_cast<std::size_t>(i)];
+        const Record& r = records[c.mark->record];
+        const auto lobe = lobe_at(q, r);
+        if (!lobe) continue;
+        if (plane_.is_full()) {
+            is_full_ = true;
+            return false;
+        }
+        const float falloff = 1.0f - c.distance2 / (reach * reach * 1.1f);
+        // A record's own value and what its slopes make of it err by light's curvature to opposite sides: between
+        // them lies what a plane wants, which follows by itself what slopes do not know.
+        const Neighbour n{&r,
+                          c.mark->record,
+                          *lobe,
+                          changed(r, p, 0.5f),
+                          reflects * (r.direct + r.indirect),
+                          q.point.weight * lobe->radiance};
+        found_[static_cast<std::size_t>(plane_.count())] = n;
+        plane_.add(c.offset, falloff * falloff / (0.25f + c.distance2), n.change * n.diffuse + n.shiny);
     }
     return plane_.count() > 0;
 }
 
-float Neighbours::fit() {
+float Neighbours::fit(const SurfacePoint& p) {
     if (plane_.fit()) return 1.0f;
     if (count() < least_level || plane_.distance(plane_.nearest()) > level_distance) return 0.0f;
-    level_ = true;
-    for (int i = 0; i < count(); ++i) plane_.change(i, (*this)[i].whole * (*this)[i].diffuse + (*this)[i].shiny);
+    for (int i = 0; i < count(); ++i) {
+        Neighbour& n = found_[static_cast<std::size_t>(i)];
+        n.change = changed(*n.record, p, 1.0f);
+        plane_.change(i, n.change * n.diffuse + n.shiny);
+    }
     if (!plane_.fit_level()) return 0.0f;
     const float reach = plane_.reach();
     return reach < most_reach ? level_doubt * std::max(1.0f, reach) : 0.0f;
@@ -195,7 +236,9 @@ float Neighbours::noise(float receives) const {
     for (int i = 0; i < count(); ++i) {
         const Neighbour& n = (*this)[i];
         turned += weight(i) * n.lobe.turned;
-        of_set[n.record->set % of_set.size()] += std::abs(weight(i)) * n.record->error;
+        const glm::vec3 factor = n.change;
+        of_set[n.record->set % of_set.size()] +=
+            std::abs(weight(i)) * std::max({factor.x, factor.y, factor.z}) * n.record->error;
     }
     for (const float sum : of_set) square += sum * sum;
     return receives * std::sqrt(square) + turn_error * glm::length(turned);
@@ -218,7 +261,7 @@ PointLight blend(const Neighbours& n, const GatherPoint& p, std::int64_t frame) 
     glm::vec3 low[3]{glm::vec3(1e30f), glm::vec3(1e30f), glm::vec3(1e30f)}, high[3]{};
     for (int i = 0; i < n.count(); ++i) {
         const Record& r = *n[i].record;
-        const glm::vec3 direct = n.change(i) * r.direct, indirect = n.change(i) * r.indirect;
+        const glm::vec3 direct = n[i].change * r.direct, indirect = n[i].change * r.indirect;
         light.direct += n.weight(i) * direct;
         light.indirect += n.weight(i) * indirect;
         light.glossy += n.weight(i) * n[i].lobe.radiance;
@@ -261,10 +304,10 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
         result.radius = radius;
         if (!near.find(q, map, records, radius)) {
             // What is too many for this radius is too many for the next.
-            if (near.plane().is_full()) break;
+            if (near.is_full()) break;
             continue;
         }
-        if (const float more = near.fit(); more > 0.0f) {
+        if (const float more = near.fit(q.point.point); more > 0.0f) {
             const float tolerance = q.tolerance.allows(core::luminance(near.plane().value()));
             const float doubts = doubt(q.tolerance, near.plane().value(), tolerance);
             const float off = trust.residual * doubts * (more > 1.0f ? more * doubts : 1.0f) * near.plane().residual(),
@@ -285,10 +328,11 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
         if (own == nullptr) continue;
         PointLight light{own->record->direct, own->record->indirect, own->lobe.radiance};
         const float tolerance = q.tolerance.allows(core::luminance(light.scattered(q.point)));
-        const float noise =
-                        trust.noise * (q.receives * own->record->error + turn_error * glm::length(own->lobe.turned)),
+        // What a cut that was capped is off by would be no less if it were gathered again.
+        const float turned = trust.noise * turn_error * glm::length(own->lobe.turned),
+                    noise = turned + trust.noise * q.receives * own->record->error,
                     change = trust.residual * near.own_change();
-        if ((!own->record->capped && noise > tolerance) || trust.strictness * change > tolerance) continue;
+        if ((own->record->capped ? turned : noise) > tolerance || trust.strictness * change > tolerance) continue;
         light.served = true;
         light.clamped = own->record->clamped * core::luminance(light.scattered(q.point));
         light.capped = own->record->capped;

@@ -22,6 +22,7 @@ struct RecordTrust {
     float residual = 1;    ///< multiplies what neighbours disagree by
     float step = 0.5f;     ///< multiplies what light changes by up to the nearest record
     float noise = 1;       ///< multiplies what their gathering may be off by
+    float recalled = 1;    ///< multiplies what light of the last frame may be off by: caution may be another now
     float strictness = 1;  ///< multiplies the first two, by what a film shows (record_watch.h)
 };
 

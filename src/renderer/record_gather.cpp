@@ -29,6 +29,7 @@ void gather_group(const Seen& seen, const std::vector<std::vector<PointTolerance
                   const LobeTrials& trials, const RequestGroup& group, Gatherer& gatherer, GatheredRequests& out) {
     GatherPoint receivers[lane_count];
     const GatherPoint* pointers[lane_count];
+    bool makes_records = false;
     GroupTolerance tolerance;
     for (std::size_t i = 0; i < lane_count; ++i) {
         const PointRef& ref = group.points[std::min(i, group.points.size() - 1)];
@@ -36,12 +37,8 @@ void gather_group(const Seen& seen, const std::vector<std::vector<PointTolerance
         if (i >= group.points.size()) continue;
         pointers[i] = &seen.tiles[ref.tile][ref.index];
         if (!takes_records(*pointers[i], trials)) continue;
-        // Light a receiver that is grey at least: a record is for all textures. What a texture reflects more of than
-        // its luminance says, as deep blue, counts in full, so that light of many colours is told well enough for it.
-        receivers[i] = *pointers[i];
-        glm::vec3& albedo = receivers[i].point.bsdf.diffuse;
-        albedo = glm::max(glm::vec3(std::max(core::luminance(albedo), least_albedo)), albedo);
-        receivers[i].weight = glm::vec3(core::luminance(receivers[i].weight));
+        makes_records = true;
+        receivers[i] = plain_receiver(*pointers[i]);
         pointers[i] = &receivers[i];
     }
     GatherLanes lanes;
@@ -49,8 +46,8 @@ void gather_group(const Seen& seen, const std::vector<std::vector<PointTolerance
     lanes.set = group.set;
     GatheredLight gathered;
     gatherer.gather(lanes, tolerance, limits, gathered);
-    SlopeLanes slopes;
-    gatherer.slopes(lanes, slopes);
+    SlopeLanes slopes{};
+    if (makes_records) gatherer.slopes(lanes, slopes);
     out.counts.add(gathered, group.points.size());
     for (std::size_t i = 0; i < group.points.size(); ++i) {
         out.points.push_back(group.points[i]);
@@ -82,6 +79,14 @@ float receives(const GatherPoint& p) {
     const Bsdf& bsdf = p.point.bsdf;
     const float glossy = bsdf.has_glossy() ? core::luminance(glossy_albedo(bsdf)) : 0.0f;
     return core::luminance(p.weight) * (std::max(core::luminance(bsdf.diffuse), least_albedo) + glossy);
+}
+
+GatherPoint plain_receiver(const GatherPoint& p) {
+    GatherPoint receiver = p;
+    glm::vec3& albedo = receiver.point.bsdf.diffuse;
+    albedo = glm::max(glm::vec3(std::max(core::luminance(albedo), least_albedo)), albedo);
+    receiver.weight = glm::vec3(core::luminance(p.weight));
+    return receiver;
 }
 
 std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, const RecordLobe& lobe, float caution,

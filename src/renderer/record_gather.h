@@ -20,6 +20,11 @@ bool takes_records(const GatherPoint& p, const LobeTrials& trials);
 /// if it were not quite black.
 float receives(const GatherPoint& p);
 
+/// A receiver in a point's place whose light serves other textures as well: grey at least, and never quite black. What
+/// a texture reflects more of than its luminance says, as deep blue, counts in full, so that light of many colours is
+/// told well enough for it.
+GatherPoint plain_receiver(const GatherPoint& p);
+
 /// The record of what was gathered at a point with a caution; none where that is not finite.
 std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, const RecordLobe& lobe, float caution,
                                 std::int64_t frame, const LightSlopes& slopes = {});

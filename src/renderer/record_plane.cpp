@@ -10,10 +10,6 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// A plane takes three; the rest say how well it fits. chosen: 6 of 4 and 6: at 4 twice as many pixels err by more than
-/// they may.
-constexpr int least_records = 6;
-
 /// Sum of the weights' sizes: 1 within the records' hull. chosen: 1.25, which lets
 /// the rim of the picture be served; not tuned.
 constexpr float most_stretch = 1.25f;
@@ -24,7 +20,7 @@ constexpr float least_apart = 0.25f;
 }  // namespace
 
 bool RecordPlane::fit() {
-    if (count_ < least_records) return false;
+    if (count_ < least) return false;
     freedoms_ = 3;
     // Normal equations of a plane about the point.
     double s = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;

@@ -20,6 +20,8 @@ class RecordWatch {
   public:
     /// Fewer say too little.
     static constexpr std::size_t least_points = 192;
+    /// The newest are kept. chosen: docs/decisions/0018 ("Trust that is learnt")
+    static constexpr std::size_t window = 2048;
 
     /// Nothing is known: records are trusted as in halls and naves.
     void forget() {
@@ -28,13 +30,15 @@ class RecordWatch {
         strictness_ = 1;
     }
 
-    /// Takes what was watched in one frame, or part of one.
+    /// Takes what was watched in one frame, or part of one. Of nothing it learns nothing.
     void learn(std::span<const WatchedPoint> points);
 
-    /// What multiplies disagreement, >= 1, so that of all points at most the aimed share is served and off by more than
+    /// What multiplies disagreement, so that of all points at most the aimed share is served and off by more than
     /// it may.
     float strictness() const { return strictness_; }
     bool knows() const { return points_.size() >= least_points; }
+    /// As many points as are ever kept.
+    bool is_full() const { return points_.size() == window; }
     std::size_t bytes() const { return points_.capacity() * sizeof(WatchedPoint); }
 
   private:

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include "core/numeric.h"
@@ -102,21 +103,38 @@ void Records::use(std::uint32_t index, std::int64_t frame) {
 void Records::thin(std::int64_t frame, const RecordMap& map) {
     std::vector<std::uint8_t> keeps(records_.size(), 1);
     const std::span<const RecordMark> marks = map.marks();
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> of_pixel;  // surface, record
+    struct Crowding {
+        std::uint32_t surface;
+        std::int64_t born;
+        std::uint32_t record;
+    };
+    std::vector<Crowding> of_pixel;
     for (std::size_t first = 0, last = 0; first < marks.size(); first = last) {
         const glm::vec2 pixel = glm::floor(marks[first].at);
         while (last < marks.size() && glm::floor(marks[last].at) == pixel) ++last;
         if (last - first <= most_in_pixel) continue;
         // Surface by surface, the oldest first: after a cut to a far view a pixel may hold thousands.
         of_pixel.clear();
-        for (std::size_t i = first; i < last; ++i) of_pixel.emplace_back(marks[i].surface, marks[i].record);
-        std::sort(of_pixel.begin(), of_pixel.end());
+        for (std::size_t i = first; i < last; ++i)
+            of_pixel.push_back({marks[i].surface, records_[marks[i].record].born, marks[i].record});
+        std::sort(of_pixel.begin(), of_pixel.end(), [](const Crowding& a, const Crowding& b) {
+            return std::tie(a.surface, a.born, a.record) < std::tie(b.surface, b.born, b.record);
+        });
         for (std::size_t i = 0; i + most_in_pixel < of_pixel.size(); ++i)
-            if (of_pixel[i + most_in_pixel].first == of_pixel[i].first) keeps[of_pixel[i].second] = 0;
+            if (of_pixel[i + most_in_pixel].surface == of_pixel[i].surface) keeps[of_pixel[i].record] = 0;
     }
     for (std::size_t i = 0; i < records_.size(); ++i)
         if (frame - records_[i].used > keeps_unused) keeps[i] = 0;
-    keep(keeps);
+    // In the order of the picture, since pixels ask for those around them: what is neither dropped nor seen comes last.
+    std::vector<Record> kept;
+    kept.reserve(records_.size());
+    const auto take = [&](std::size_t i) {
+        if (keeps[i] != 0) kept.push_back(records_[i]);
+        keeps[i] = 0;
+    };
+    for (const RecordMark& m : marks) take(m.record);
+    for (std::size_t i = 0; i < records_.size(); ++i) take(i);
+    records_.swap(kept);
 }
 
 }  // namespace render2mpeg::renderer

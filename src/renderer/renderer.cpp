@@ -9,8 +9,10 @@
 #include "renderer/audit.h"
 #include "renderer/calibration.h"
 #include "renderer/light_forest.h"
+#include "renderer/light_parts.h"
 #include "renderer/light_points.h"
 #include "renderer/record_cache.h"
+#include "renderer/record_change.h"
 #include "renderer/see.h"
 #include "renderer/shade.h"
 
@@ -48,24 +50,9 @@ constexpr GeometryClamp emitter_clamp{0.25f};
 /// does not do so for long, and representatives never change from frame to frame.
 constexpr std::int64_t replan_distance = 15;
 
-/// What light depends on: everything of a snapshot but the camera.
-bool same_light(const scene::Snapshot& a, const scene::Snapshot& b) {
-    const auto same_object = [](const scene::ObjectState& x, const scene::ObjectState& y) {
-        return x.to_world == y.to_world && x.present == y.present && x.deformed == y.deformed;
-    };
-    const auto same_lamp = [](const scene::LightState& x, const scene::LightState& y) {
-        return x.kind == y.kind && x.position == y.position && x.direction == y.direction &&
-               x.intensity == y.intensity && x.range == y.range && x.cos_inner == y.cos_inner &&
-               x.cos_outer == y.cos_outer && x.id == y.id;
-    };
-    const auto same_shape = [](const scene::DeformedMesh& x, const scene::DeformedMesh& y) {
-        return x.positions == y.positions && x.normals == y.normals;
-    };
-    return std::equal(a.objects.begin(), a.objects.end(), b.objects.begin(), b.objects.end(), same_object) &&
-           std::equal(a.lights.begin(), a.lights.end(), b.lights.begin(), b.lights.end(), same_lamp) &&
-           std::equal(a.deformed.begin(), a.deformed.end(), b.deformed.begin(), b.deformed.end(), same_shape) &&
-           a.emission_factor == b.emission_factor;
-}
+/// Tolerances that are so much coarser are learnt as well, for the one caution of all. chosen: 1.5, since pictures
+/// differ by type by 2 to 4; not tuned.
+constexpr float coarser = 1.5f;
 
 /// All that decides which pixels a frame shows, how they are lit and how well. `lit_frame` stands for its light.
 struct Sight {
@@ -107,7 +94,10 @@ struct Renderer::Impl {
             const std::vector<LightPoint> none;
             const std::vector<LightPoint> still = anchors ? anchors->usual_still() : none,
                                           moving = anchors ? anchors->usual_moving() : none;
-            lasting = LastingForest({light_points.usual(), still, moving}, settings.seed);
+            // A forest takes two seeds, one for direct light and the next for indirect light.
+            lasting = LastingForest({light_points.usual(), still, moving}, settings.seed + 2 * settings.draw);
+            parted = settings.cache && LightParts::suit(scenery, plan, still.size(), moving.size());
+            parts.forget();
         }
         lit.reset();
         watched.reset();
@@ -120,7 +110,7 @@ struct Renderer::Impl {
     /// frame.
     void update_light(const scene::Snapshot& snapshot) {
         if (lit && same_light(*lit, snapshot)) return;
-        if (lit) records.change(*lit, snapshot);
+        if (lit && !parted) records.change(*lit, snapshot);
         std::vector<LightPoint> direct;
         {
             const Stopwatch watch(row(Pass::emissive_lights));
@@ -142,6 +132,7 @@ struct Renderer::Impl {
         forest.direct_clamp = bounded ? emitter_clamp : GeometryClamp::none();
         forest.indirect_clamp = bounded ? anchor_clamp : GeometryClamp::none();
         forest.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass);
+        if (parted) records.move(parts.take(forest, indirect.still, lasting));
         statistics.direct_points = direct.size();
         statistics.indirect_points = indirect.still.size() + indirect.moving.size();
         lit = snapshot;
@@ -170,11 +161,18 @@ struct Renderer::Impl {
         return {{settings.min_cut, settings.max_cut, settings.stop, 1.0f}, plan.runs(Pass::layers)};
     }
 
+    /// Before a frame is lit that resembles none before, or that may be off by so much more that what is known of the
+    /// others hardly says how far its coarser clusters err.
     void calibrate(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance,
                    const ShadeSettings& s) {
+        if (snapshot.cut_before) caution.forget();
+        const float share = typical_share(seen, tolerance);
+        if (caution.knows() && share <= coarser * calibrated_share) return;
         const Stopwatch watch(statistics.calibration_seconds);
-        statistics.calibrated_pixels +=
+        const std::size_t pixels =
             renderer::calibrate(caution, forest, scenery.tracer(), seen, snapshot.camera.position(), tolerance, s);
+        if (pixels > 0) calibrated_share = share;
+        statistics.calibrated_pixels += pixels;
         watched = sight_of(snapshot, tolerance);
     }
 
@@ -240,11 +238,14 @@ struct Renderer::Impl {
     std::optional<Anchors> anchors;  ///< of the film
     LastingForest lasting;           ///< of the chunk
     LightForest forest;
+    bool parted = false;  ///< records hold only what stays of its light
+    LightParts parts;
     std::optional<scene::Snapshot> lit;  ///< the instant that `forest` shows
     bool started = false;
     std::int64_t first_frame = 0;  ///< of the chunk
     Caution caution;
     std::optional<Sight> watched;  ///< the frame that caution was told of last
+    float calibrated_share = 0;    ///< typical_share of the coarsest that caution was learnt for
     RecordCache records;
     std::optional<float> given_caution;  ///< instead of it
     Statistics statistics;
@@ -279,15 +280,15 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     ShadeSettings settings = i.shade_settings();
     const bool learns =
         i.settings.calibrate && !i.given_caution && i.settings.stop == Stop::honest && !tolerance.is_reference();
-    if (learns && (!i.caution.knows() || snapshot.cut_before)) i.calibrate(snapshot, seen, tolerance, settings);
+    if (learns) i.calibrate(snapshot, seen, tolerance, settings);
     settings.limits.caution = i.given_caution.value_or(learns ? i.caution.value() : 1.0f);
     ShadeCounts counts;
     FrameLight known;
     const bool by_records = i.settings.cache && !tolerance.is_reference();
     if (by_records) {
         RecordCounts found;
-        known =
-            i.records.light(i.forest, i.scenery.tracer(), seen, snapshot, tolerance, settings.limits, counts, found);
+        known = i.records.light(i.forest, i.scenery.tracer(), seen, snapshot, tolerance, settings.limits, counts, found,
+                                i.parted ? &i.parts : nullptr);
         i.count(found);
     }
     core::Radiance radiance = renderer::shade(i.forest, i.scenery.tracer(), seen, snapshot.camera.position(), tolerance,

@@ -36,6 +36,7 @@ struct Settings {
     bool cache = false;     ///< keep light on surfaces as records from which pixels are lit (record_cache.h)
     core::Isa isa = core::Isa::sse2;
     std::uint64_t seed = 1;  ///< of representatives and light samples; photons use a fixed Halton sequence
+    std::uint64_t draw = 0;  ///< other representatives for the same light: cuts err anew, the truth stays
 };
 
 /// What was done and found, summed since construction. Counts of rays are rays, not packets.

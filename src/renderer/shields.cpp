@@ -9,6 +9,7 @@
 #include "core/numeric.h"
 #include "renderer/isa_clones.h"
 #include "renderer/lane_sums.h"
+#include "renderer/largest_triangles.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -22,12 +23,6 @@ constexpr float rounding = 4e-7f;
 
 /// Shields smaller than this solid angle are not worth asking. As a pseudo angle (see pseudo_angle): about 0.02 sr.
 constexpr float least_seen = 0.01f;
-
-float area2(const scene::Triangle& t) {
-    const glm::vec3 n = glm::cross(t.b - t.a, t.c - t.a);
-    const float v = glm::dot(n, n);
-    return std::isfinite(v) ? v : 0.0f;
-}
 
 using Corner = std::tuple<float, float, float>;
 Corner corner_of(glm::vec3 p) {

@@ -50,15 +50,19 @@ float error_at(const SurfaceShape& shape, const scene::Triangle& triangle, const
     if (!instanced) return own;
 
     // A ray that goes through a transform errs by ulps of what is added up on the way, times how much the transform
-    // distorts: the largest of its column lengths over the smallest.
+    // distorts.
     const glm::mat4& m = state.to_world;
-    const float lengths[3] = {glm::length(glm::vec3(m[0])), glm::length(glm::vec3(m[1])), glm::length(glm::vec3(m[2]))};
-    const auto [low, high] = std::minmax({lengths[0], lengths[1], lengths[2]});
-    const float distortion = std::min(core::divide_or(high, low, 1.0f), 1024.0f);
+    const float distortion = std::min(distortion_of(m), 1024.0f);
     return own + relative * distortion * (largest(shape.position) + largest(glm::vec3(m[3])));
 }
 
 }  // namespace
+
+float distortion_of(const glm::mat4& m) {
+    const float lengths[3] = {glm::length(glm::vec3(m[0])), glm::length(glm::vec3(m[1])), glm::length(glm::vec3(m[2]))};
+    const auto [low, high] = std::minmax({lengths[0], lengths[1], lengths[2]});
+    return core::divide_or(high, low, 1.0f);
+}
 
 glm::vec3 smooth_normal_at(const scene::Snapshot& snapshot, std::uint32_t object, const SurfaceShape& shape, float u,
                            float v) {

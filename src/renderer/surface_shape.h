@@ -25,6 +25,9 @@ struct SurfaceShape {
     glm::vec2 barycentric_dx{0}, barycentric_dy{0};
 };
 
+/// By how much rounding grows on the way through a transform: the largest of its column lengths over the smallest.
+float distortion_of(const glm::mat4& m);
+
 /// `instanced`: rays meet the object through a transform of its own (RayTracer::is_instanced).
 SurfaceShape shape_at(const scene::Snapshot& snapshot, const core::SurfaceAddress& address,
                       const SurfaceFootprint& footprint, bool instanced);

@@ -8,6 +8,8 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "renderer/flush_denormals.h"
+#include "renderer/largest_triangles.h"
+#include "renderer/surface_shape.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -16,6 +18,10 @@ namespace {
 /// triangles than this. chosen: about 10 MB of vertices and tree; tried 0 (a tenth slower) and no limit (gigabytes for
 /// forests).
 constexpr std::size_t most_copied_triangles = 65536;
+
+/// Instances that are distorted more than this are not known well enough where they lie to be shields, which allow for
+/// 1e-4 of rounding. chosen: 16, whose rounding (position_error) is a seventh of that.
+constexpr float most_distorted = 16.0f;
 
 std::string name_of_error(RTCError code) {
     switch (code) {
@@ -76,6 +82,9 @@ TracedScene::TracedScene(const scene::Animation& animation, core::Isa isa, std::
             placed_[i].kind = Kind::instanced;
         all_baked = all_baked && placed_[i].kind == Kind::baked;
         any_translucent_ = any_translucent_ || is_filtered(static_cast<std::uint32_t>(i));
+        const bool still = object.mobility == scene::Mobility::still;
+        has_movers_ = has_movers_ || !still;
+        has_still_instances_ = has_still_instances_ || (still && placed_[i].kind == Kind::instanced);
     }
 
     // Start with empty scenes: nothing is anywhere before it is posed.
@@ -83,7 +92,7 @@ TracedScene::TracedScene(const scene::Animation& animation, core::Isa isa, std::
     rtcCommitScene(still_.get());
     if (!all_baked) {
         top_ = new_scene(true);
-        still_instance_ = new_instance(still_.get(), static_cast<unsigned>(placed_.size()), still_mask);
+        still_instance_ = new_instance(still_.get(), static_cast<unsigned>(placed_.size()), baked_mask);
         rtcCommitScene(top_.get());
     }
     check("starting Embree");
@@ -108,6 +117,10 @@ TracedScene::Scene TracedScene::new_scene(bool instances) const {
 
 bool TracedScene::is_filtered(std::uint32_t object) const {
     return translucent_[static_cast<std::size_t>(animation_.objects[object].material)];
+}
+
+bool TracedScene::is_still(std::uint32_t object) const {
+    return animation_.objects[object].mobility == scene::Mobility::still;
 }
 
 /// The object's triangles, in Embree's own buffers: it reads some bytes past the end of shared ones.
@@ -152,37 +165,47 @@ RTCScene TracedScene::shared_mesh(std::uint32_t object) {
 bool TracedScene::pose(const scene::Snapshot& snapshot) {
     EXPECTS(snapshot.animation == &animation_ && snapshot.objects.size() == placed_.size());
     const FlushDenormals flushed;
-    bool still_changed = false, top_changed = false;
+    bool baked_changed = false, top_changed = false, still_changed = false;
     for (std::uint32_t i = 0; i < placed_.size(); ++i) {
-        bool& changed = placed_[i].kind == Kind::baked ? still_changed : top_changed;
-        changed = place(i, snapshot) || changed;
+        if (!place(i, snapshot)) continue;
+        (placed_[i].kind == Kind::baked ? baked_changed : top_changed) = true;
+        still_changed = still_changed || is_still(i);
     }
-    if (still_changed) rtcCommitScene(still_.get());
-    if (still_changed && still_instance_ != nullptr) rtcCommitGeometry(still_instance_);
-    if (top_ && (still_changed || top_changed)) rtcCommitScene(top_.get());
+    if (baked_changed) rtcCommitScene(still_.get());
+    if (baked_changed && still_instance_ != nullptr) rtcCommitGeometry(still_instance_);
+    if (top_ && (baked_changed || top_changed)) rtcCommitScene(top_.get());
     check("building the ray tracer's scene");
     return still_changed;
 }
 
-std::vector<scene::Triangle> TracedScene::opaque_still_triangles() const {
-    std::vector<scene::Triangle> triangles;
+std::vector<scene::Triangle> TracedScene::opaque_still_triangles(std::size_t most) const {
+    LargestTriangles largest(most);
+    std::vector<double> largest_of_mesh(animation_.meshes.size(), -1.0);
     for (std::uint32_t i = 0; i < placed_.size(); ++i) {
         const Placed& placed = placed_[i];
-        if (placed.kind != Kind::baked || !placed.present || is_filtered(i)) continue;
-        const scene::Mesh& mesh = animation_.meshes[static_cast<std::size_t>(animation_.objects[i].mesh)];
+        if (!is_still(i) || !placed.present || is_filtered(i)) continue;
+        const auto mesh_index = static_cast<std::size_t>(animation_.objects[i].mesh);
+        const scene::Mesh& mesh = animation_.meshes[mesh_index];
+        if (placed.kind == Kind::instanced) {
+            if (!(distortion_of(placed.to_world) <= most_distorted)) continue;
+            // A forest's leaves need not be looked at one by one.
+            double& own = largest_of_mesh[mesh_index];
+            if (own < 0.0) own = largest_area2(mesh);
+            if (own * widening2(placed.to_world) < largest.least()) continue;
+        }
         const auto world = [&](std::uint32_t v) {
             return glm::vec3(placed.to_world * glm::vec4(mesh.positions[v], 1.0f));
         };
-        for (const glm::uvec3& t : mesh.triangles) triangles.push_back({world(t.x), world(t.y), world(t.z)});
+        for (const glm::uvec3& t : mesh.triangles) largest.add({world(t.x), world(t.y), world(t.z)});
     }
-    return triangles;
+    return largest.in_order();
 }
 
 std::vector<MiddleBox> TracedScene::boxes_of_movers() const {
     std::vector<MiddleBox> boxes;
     for (std::uint32_t i = 0; i < placed_.size(); ++i) {
         const Placed& placed = placed_[i];
-        if (!placed.present || animation_.objects[i].mobility == scene::Mobility::still) continue;
+        if (!placed.present || is_still(i)) continue;
         RTCBounds bounds;
         rtcGetSceneBounds(
             placed.own ? placed.own.get() : shared_.at({animation_.objects[i].mesh, is_filtered(i)}).get(), &bounds);
@@ -242,7 +265,7 @@ bool TracedScene::bake(std::uint32_t object, const glm::mat4& to_world) {
 bool TracedScene::move_instance(std::uint32_t object, const glm::mat4& to_world) {
     Placed& placed = placed_[object];
     if (placed.geometry == nullptr)
-        placed.geometry = new_instance(shared_mesh(object), object, moving_mask);
+        placed.geometry = new_instance(shared_mesh(object), object, is_still(object) ? copied_mask : moving_mask);
     else if (placed.to_world == to_world)
         return false;
     rtcSetGeometryTransform(placed.geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &to_world[0][0]);

@@ -23,9 +23,10 @@ namespace render2mpeg::renderer {
 
 /// The geometry of an animation in Embree's scenes, posed (docs/model.md, "Visibility"). Part of RayTracer.
 ///
-/// Triangles of still objects lie together in one scene, in world space. If anything moves, that scene is one instance
-/// of the scene that rays are traced in, and every rigid or deforming object is another. All trees are built anew from
-/// what is posed and never refitted, so that nothing depends on what was posed before.
+/// Triangles of still objects lie together in one scene, in world space; but many copies of a large mesh are instances
+/// of it. If anything moves, or is such a copy, that scene is one instance of the scene that rays are traced in, and
+/// every rigid, deforming or copied object is another. All trees are built anew from what is posed and never refitted,
+/// so that nothing depends on what was posed before.
 class TracedScene {
   public:
     /// Called for shadow rays that meet a translucent object; see rtcSetGeometryOccludedFilterFunction.
@@ -37,20 +38,27 @@ class TracedScene {
     /// Returns whether what never moves was posed anew.
     bool pose(const scene::Snapshot& snapshot);
 
-    /// World triangles of what is posed, never moves and lets no light through, as rays meet them.
-    std::vector<scene::Triangle> opaque_still_triangles() const;
+    /// World triangles of what is posed, never moves and lets no light through, as rays meet them, instances or not:
+    /// the `most` largest, earlier ones first where areas agree, in the order of objects and triangles.
+    std::vector<scene::Triangle> opaque_still_triangles(std::size_t most) const;
 
     /// World boxes of what is posed and moves.
     std::vector<MiddleBox> boxes_of_movers() const;
 
     RTCSceneTy* root() const { return top_ ? top_.get() : still_.get(); }
 
-    /// What never moves, without any instance: the same as `root` where nothing moves. Embree never returns from some
+    /// What never moves, but for instances: the same as `root` where there are none. Embree never returns from some
     /// coherent packets that meet instances, so packets are traced here first and then, incoherently and with
-    /// `moving_mask` in their rays, in `root`.
-    RTCSceneTy* still() const { return still_.get(); }
+    /// `instance_mask` in their rays, in `root`.
+    RTCSceneTy* baked() const { return still_.get(); }
     bool has_instances() const { return top_ != nullptr; }
-    static constexpr unsigned still_mask = 1, moving_mask = 2;
+    bool has_movers() const { return has_movers_; }
+    bool has_still_instances() const { return has_still_instances_; }
+
+    /// Bits of a ray's mask in `root`: what lies in `baked`; what moves, changes its shape, comes or goes in the film;
+    /// and instances that never do.
+    static constexpr unsigned baked_mask = 1, moving_mask = 2, copied_mask = 4;
+    static constexpr unsigned still_mask = baked_mask | copied_mask, instance_mask = moving_mask | copied_mask;
 
     bool any_translucent() const { return any_translucent_; }
     bool is_instanced(std::uint32_t object) const { return placed_[object].kind == Kind::instanced; }
@@ -100,6 +108,7 @@ class TracedScene {
     RTCGeometryTy* new_triangles(const std::vector<glm::vec3>& positions, std::uint32_t object) const;
     RTCGeometryTy* new_instance(RTCSceneTy* of, unsigned id, unsigned mask) const;
     RTCSceneTy* shared_mesh(std::uint32_t object);
+    bool is_still(std::uint32_t object) const;
     bool place(std::uint32_t object, const scene::Snapshot& snapshot);
     bool bake(std::uint32_t object, const glm::mat4& to_world);
     bool move_instance(std::uint32_t object, const glm::mat4& to_world);
@@ -116,7 +125,7 @@ class TracedScene {
     Scene top_;  ///< none where everything is baked
     RTCGeometryTy* still_instance_ = nullptr;
     std::vector<Placed> placed_;
-    bool any_translucent_ = false;
+    bool any_translucent_ = false, has_movers_ = false, has_still_instances_ = false;
 };
 
 }  // namespace render2mpeg::renderer

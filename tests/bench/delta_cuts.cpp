@@ -3,6 +3,10 @@
 // Gathers that sum by the cut's own rule, from a tree of |dI|, within a share of what the pixel may be off by, and
 // counts the rays, against those of gathering indirect light afresh. bench_delta_cuts SCENE [frame=0] [size=192]
 // [vpls=9000] [percent=2]. A lower bound: walls that move, and light that is not of anchors, come on top.
+//
+// Then what things that move take, for points of what is still: the parts of light that they change
+// (renderer/light_parts.h), each within a share of the tolerance, against gathering all light afresh. Light is parted
+// at `frame` and gathered at the next one.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +18,11 @@
 #include "core/color.h"
 #include "core/error.h"
 #include "renderer/anchors.h"
+#include "renderer/cut.h"
+#include "renderer/gather_groups.h"
 #include "renderer/light_forest.h"
+#include "renderer/light_parts.h"
+#include "renderer/point_light.h"
 #include "renderer/scenery.h"
 #include "renderer/see.h"
 #include "renderer/shade.h"
@@ -47,6 +55,7 @@ class Trial {
     }
 
     void run(std::int64_t frame, float relative);
+    void part(std::int64_t frame, float relative);
 
   private:
     void pose(std::int64_t frame) {
@@ -126,6 +135,105 @@ void Trial::run(std::int64_t frame, float relative) {
     }
 }
 
+/// Sixteen points that are gathered together, and what was found of them.
+struct Group {
+    renderer::GatherLanes lanes;
+    float light[renderer::lane_count] = {};  ///< luminance
+    std::uint64_t rays = 0;                  ///< of gathering it afresh
+};
+
+std::uint64_t gather_within(renderer::Gatherer& gatherer, const Group& group, float share, float relative) {
+    renderer::GroupTolerance tolerance;
+    for (int i = 0; i < renderer::lane_count; ++i)
+        tolerance.set(i, {{share * std::max(half_code, relative * group.light[i]), 0, 0}, group.light[i]});
+    renderer::CutLimits limits{1, 1 << 20};
+    limits.exact = false;
+    renderer::GatheredLight light;
+    gatherer.gather(group.lanes, tolerance, limits, light);
+    return light.shadow_rays;
+}
+
+void Trial::part(std::int64_t frame, float relative) {
+    lights_.place(scenery_, film_.snapshot(frame));
+    renderer::LastingForest lasting({lights_.usual(), anchors_->usual_still(), anchors_->usual_moving()},
+                                    film_.rendering.seed);
+    renderer::LightParts parts;
+    renderer::LightForest forest;
+    for (const std::int64_t f : {frame, frame + 1}) {
+        pose(f);
+        const std::vector<renderer::LightPoint> direct = lights_.at(scenery_);
+        const renderer::Anchors::Lit lit = anchors_->at(scenery_, direct);
+        forest = lasting.at({direct, lit.still, lit.moving});
+        forest.direct_clamp = forest.indirect_clamp = renderer::GeometryClamp{0.25f};
+        parts.take(forest, lit.still, lasting);
+    }
+    renderer::SeeCounts counts;
+    const renderer::Seen seen =
+        renderer::see(scenery_, {{size_, size_, 1.0f}, 1, film_.rendering.specular_depth}, film_.plan, counts);
+    std::vector<Group> groups;
+    std::uint64_t afresh = 0;
+    int points = 0;
+    renderer::Gatherer whole(forest, scenery_.tracer());
+    for (const renderer::GatherTile& tile : seen.tiles) {
+        for (const renderer::GatherGroup& g : renderer::group_points(tile, world_.camera.position(), 4)) {
+            const renderer::GatherPoint* pointers[renderer::lane_count] = {};
+            bool counts_here = true;
+            for (std::size_t i = 0; i < g.points.size(); ++i) {
+                pointers[i] = &tile[g.points[i]];
+                const std::uint32_t object = pointers[i]->point.address.object;
+                counts_here = counts_here && !pointers[i]->point.bsdf.has_glossy() &&
+                              film_.animation->objects[object].mobility == scene::Mobility::still;
+            }
+            if (!counts_here) continue;
+            Group& group = groups.emplace_back();
+            renderer::fill(group.lanes, std::span<const renderer::GatherPoint* const>(pointers, g.points.size()));
+            group.lanes.set = g.set;
+            renderer::GatheredLight light;
+            const auto add = [&] {
+                for (int i = 0; i < renderer::lane_count; ++i) {
+                    const int k = std::min(i, group.lanes.count - 1);
+                    group.light[i] +=
+                        core::luminance(renderer::point_light(light, k, *pointers[k]).scattered(*pointers[k]));
+                }
+            };
+            whole.gather_exact(group.lanes, light);
+            add();
+            renderer::GroupTolerance tolerance;
+            for (int i = 0; i < renderer::lane_count; ++i) tolerance.set(i, {{half_code, relative, 0}, group.light[i]});
+            renderer::CutLimits limits;
+            limits.exact = false;
+            whole.gather(group.lanes, tolerance, limits, light);
+            add();
+            group.rays = light.shadow_rays;
+            afresh += group.rays;
+            points += group.lanes.count;
+        }
+    }
+    if (afresh == 0) return;
+    fmt::print("{} points of what is still, afresh {} rays each\n", points,
+               afresh / static_cast<std::uint64_t>(points));
+    const std::pair<const char*, const renderer::LightForest*> kinds[] = {
+        {"hidden", &parts.hidden}, {"moving", &parts.moving}, {"gained", &parts.gained}, {"lost", &parts.lost}};
+    for (const float share : {0.1f, 0.3f, 1.0f}) {
+        fmt::print("within {:.0f} %:", 100 * share);
+        for (const auto& [name, part] : kinds) {
+            renderer::Gatherer gatherer(*part, scenery_.tracer());
+            std::uint64_t rays = 0;
+            int without = 0, cheap = 0;
+            for (const Group& group : groups) {
+                const std::uint64_t taken = gather_within(gatherer, group, share, relative);
+                rays += taken;
+                without += taken == 0 ? group.lanes.count : 0;
+                cheap += 10 * taken <= group.rays ? group.lanes.count : 0;
+            }
+            fmt::print(" {} {:.3f} of afresh, none {:.0f} %, within a tenth {:.0f} %;", name,
+                       static_cast<double>(rays) / static_cast<double>(afresh), 100.0 * without / points,
+                       100.0 * cheap / points);
+        }
+        fmt::print("\n");
+    }
+}
+
 }  // namespace
 }  // namespace render2mpeg
 
@@ -143,8 +251,11 @@ int main(int argc, char** argv) try {
     const int size = wishes.number("size", 192);
     options.size = fmt::format("{0}x{0}", size);
     const app::Production film = app::prepare(options);
-    Trial(film, size, wishes.number("vpls", 9000))
-        .run(wishes.number("frame", 0), 0.01f * static_cast<float>(wishes.number("percent", 2)));
+    Trial trial(film, size, wishes.number("vpls", 9000));
+    const std::int64_t frame = wishes.number("frame", 0);
+    const float relative = 0.01f * static_cast<float>(wishes.number("percent", 2));
+    trial.run(frame, relative);
+    trial.part(frame, relative);
     return 0;
 } catch (const render2mpeg::core::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -1,8 +1,9 @@
 // How true indirect light is: what a path tracer finds at pixels of a frame against the sum over all anchors, without
-// clustering. bench_light_truth SCENE|nook [frame=0] [vpls=4096] [photons=0] [pixels=256] [paths=1024] [clamp=0.25,0]
-// (0: none). Prints, for each clamp, the light on the whole over the path tracer's, median and root mean square error
-// (the path tracer's own variance taken off), of all pixels and by how near the nearest other surface is, in radii of
-// the nearest anchor's disc. `nook` is a box in a corner of a room, 20 cm off its walls.
+// clustering. bench_light_truth SCENE|nook|MOVERS [frame=0] [vpls=4096] [photons=0] [pixels=256] [paths=1024]
+// [clamp=0.25,0] (0: none). Prints, for each clamp, the light on the whole over the path tracer's, median and root mean
+// square error (the path tracer's own variance taken off), of all pixels and by how near the nearest other surface is,
+// in radii of the nearest anchor's disc. `nook` is a box in a corner of a room, 20 cm off its walls; MOVERS one of the
+// films of mover_scenes.h.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,6 +25,7 @@
 #include "renderer/lobe.h"
 #include "renderer/see.h"
 #include "scene/traits.h"
+#include "tests/bench/mover_scenes.h"
 #include "tests/bench/wishes.h"
 #include "tests/reference/path_tracer.h"
 #include "tests/support/scene_builder.h"
@@ -53,6 +55,15 @@ Subject nook() {
     s.plan = renderer::make_plan(scene::traits_of(*s.animation), {});
     s.settings.isa = core::detect_isa();
     s.world = scene::snapshot_at(*s.animation, 0, {0, 1}, {picture_size, picture_size, 1.0f});
+    return s;
+}
+
+Subject mover_film(const std::string& name, int frame) {
+    Subject s;
+    s.animation = std::make_shared<scene::Animation>(bench::mover_scene(name).build());
+    s.plan = renderer::make_plan(scene::traits_of(*s.animation), {});
+    s.settings.isa = core::detect_isa();
+    s.world = scene::snapshot_at(*s.animation, frame, {frame, 25}, {picture_size, picture_size, 1.0f});
     return s;
 }
 
@@ -154,7 +165,10 @@ std::string judged(const std::vector<Place>& places, double least, double most) 
 }
 
 void run(const std::string& scene, const bench::Wishes& wishes) {
-    Subject s = scene == "nook" ? nook() : film(scene, wishes.number("frame", 0));
+    const int frame = wishes.number("frame", 0);
+    const std::vector<std::string> movers = bench::names_of_mover_scenes();
+    const bool is_mover = std::find(movers.begin(), movers.end(), scene) != movers.end();
+    Subject s = scene == "nook" ? nook() : is_mover ? mover_film(scene, frame) : film(scene, frame);
     renderer::Scenery scenery(*s.animation, s.settings.isa, s.plan);
     scenery.pose(s.world);
     renderer::LightPoints lights(scenery, s.plan, s.settings.direct_points, s.settings.seed);
@@ -196,7 +210,8 @@ void run(const std::string& scene, const bench::Wishes& wishes) {
 
 int main(int argc, char** argv) try {
     if (argc < 2) {
-        std::fputs("bench_light_truth SCENE|nook [frame=] [vpls=] [photons=] [pixels=] [paths=] [clamp=]\n", stderr);
+        std::fputs("bench_light_truth SCENE|nook|MOVERS [frame=] [vpls=] [photons=] [pixels=] [paths=] [clamp=]\n",
+                   stderr);
         return 2;
     }
     render2mpeg::run(argv[1], render2mpeg::bench::Wishes(argc, argv));

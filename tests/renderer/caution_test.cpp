@@ -6,9 +6,9 @@
 #include <cmath>
 #include <functional>
 
-#include "core/color.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
+#include "renderer/calibration.h"
 #include "tests/renderer/film_stage.h"
 
 namespace render2mpeg::renderer {
@@ -184,22 +184,13 @@ Settings room_settings(bool calibrate) {
     return settings;
 }
 
-double share_over(const core::Radiance& truth, const core::Radiance& cut, float tolerance) {
-    double over = 0;
-    for (std::size_t i = 0; i < truth.combined.size(); ++i) {
-        const float y = core::luminance(truth.combined.values()[i]);
-        over += std::abs(core::luminance(cut.combined.values()[i]) - y) > tolerance * y ? 1 : 0;
-    }
-    return over / static_cast<double>(truth.combined.size());
-}
-
 TEST(CalibrationSlow, KeepsThePromiseOfARoomWithFarFewerRays) {
     FilmStage lawful(test::furnished_room(), room_settings(false)), own(test::furnished_room(), room_settings(true));
     const core::Radiance truth = lawful.reference();
     for (const float tolerance : {0.02f, 0.08f}) {
         own.renderer().start_chunk(own.at(0));
         const std::uint64_t rays[] = {own.statistics().shadow_rays, lawful.statistics().shadow_rays};
-        EXPECT_LE(share_over(truth, own.cut(tolerance), tolerance), 0.01);
+        EXPECT_LE(test::share_over(own.cut(tolerance), truth, tolerance), 0.01);
         lawful.cut(tolerance);
         const double ratio = static_cast<double>(own.statistics().shadow_rays - rays[0]) /
                              static_cast<double>(lawful.statistics().shadow_rays - rays[1]);
@@ -244,6 +235,43 @@ TEST(Calibration, StillFilmsStayAsTheyAreToTheLastBit) {
     // Another tolerance is learnt from.
     stage.cut(0.1f, 6);
     EXPECT_GT(stage.statistics().calibrated_pixels, after_one.calibrated_pixels);
+}
+
+TEST(Calibration, LearnsOfCoarserTolerancesAsWell) {
+    Settings settings = room_settings(true);
+    settings.vpls = 200;
+    FilmStage stage(test::furnished_room(), settings);
+    const auto learnt = [&](float tolerance, int frame) {
+        const std::uint64_t before = stage.statistics().calibrated_pixels;
+        stage.cut(tolerance, frame);
+        return stage.statistics().calibrated_pixels - before;
+    };
+    const std::uint64_t first = learnt(0.05f, 0);
+    // Half as many, and what every frame teaches: 64 pixels at most.
+    const std::uint64_t coarser = learnt(0.2f, 1);
+    EXPECT_GE(coarser, first / 2);
+    EXPECT_LE(coarser, first / 2 + 64);
+    EXPECT_LE(learnt(0.25f, 2), 64u);
+    EXPECT_LE(learnt(0.05f, 3), 64u);
+    EXPECT_LE(learnt(0.2f, 4), 64u);
+    stage.renderer().start_chunk(stage.at(0));
+    EXPECT_GE(learnt(0.05f, 0), first);
+}
+
+TEST(Calibration, TypicalSharesAreOfPixelsThatGatherLight) {
+    FilmStage stage(test::furnished_room(), room_settings(true));
+    const Seen seen = stage.renderer().see(stage.at(0));
+    core::ToleranceMap map = core::ToleranceMap::uniform(side, side, {0.0f, 0.02f});
+    EXPECT_NEAR(typical_share(seen, map), 0.02f, 1e-6f);
+    // Half of them told of a tenth of their light, one in eight of all of it.
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x)
+            map.pixels.at(x, y) = {y % 8 == 0 ? 1.0f : x % 2 == 0 ? 0.1f : 0.0f, 0.001f, y % 8 == 0 ? 0.5f : 1.0f};
+    EXPECT_NEAR(typical_share(seen, map), std::sqrt(0.1f * 0.001f), 0.002f);
+    EXPECT_EQ(typical_share(seen, core::ToleranceMap::uniform(side, side, {1.0f, 0.0f, 0.5f})), 0.0f);
+    Seen nothing = seen;
+    for (GatherTile& tile : nothing.tiles) tile.clear();
+    EXPECT_EQ(typical_share(nothing, map), 0.0f);
 }
 
 TEST(Calibration, LeavesSmallFramesAlone) {

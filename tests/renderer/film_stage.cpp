@@ -1,7 +1,9 @@
 #include "tests/renderer/film_stage.h"
 
+#include <cmath>
 #include <cstring>
 
+#include "core/color.h"
 #include "scene/traits.h"
 
 namespace render2mpeg::test {
@@ -44,6 +46,15 @@ std::unique_ptr<renderer::Renderer> FilmStage::make(bool layers) const {
 bool same_bytes(const core::Radiance& a, const core::Radiance& b) {
     return a.combined.size() == b.combined.size() && std::memcmp(a.combined.values().data(), b.combined.values().data(),
                                                                  a.combined.size() * sizeof(glm::vec3)) == 0;
+}
+
+double share_over(const core::Radiance& frame, const core::Radiance& truth, float relative) {
+    int over = 0;
+    for (std::size_t i = 0; i < truth.combined.size(); ++i) {
+        const float expected = core::luminance(truth.combined.values()[i]);
+        over += std::abs(core::luminance(frame.combined.values()[i]) - expected) > relative * expected ? 1 : 0;
+    }
+    return static_cast<double>(over) / static_cast<double>(truth.combined.size());
 }
 
 SceneBuilder furnished_room(float light) {

@@ -36,6 +36,9 @@ class FilmStage {
 
 bool same_bytes(const core::Radiance& a, const core::Radiance& b);
 
+/// Share of pixels whose luminance is off by more than a share of the truth's.
+double share_over(const core::Radiance& frame, const core::Radiance& truth, float relative);
+
 /// A room lit by a panel in its ceiling, with a ball and a block: light of all orders.
 SceneBuilder furnished_room(float light = 20.0f);
 

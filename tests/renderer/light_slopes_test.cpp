@@ -38,6 +38,12 @@ void fill_about(glm::vec3 step, glm::vec3 turn, GatherLanes& lanes) {
     fill(lanes, points);
 }
 
+Vec3Lanes all_seen() {
+    Vec3Lanes visible;
+    for (int i = 0; i < lane_count; ++i) visible.x[i] = visible.y[i] = visible.z[i] = 1.0f;
+    return visible;
+}
+
 float irradiance(LightFamily family, glm::vec3 step, glm::vec3 turn) {
     GatherLanes lanes;
     fill_about(step, turn, lanes);
@@ -47,14 +53,12 @@ float irradiance(LightFamily family, glm::vec3 step, glm::vec3 turn) {
 }
 
 TEST(LightSlopes, AreWhatIrradianceChangesByOverASmallStep) {
-    Vec3Lanes visible;
-    for (int i = 0; i < lane_count; ++i) visible.x[i] = visible.y[i] = visible.z[i] = 1.0f;
     for (const LightFamily family : families) {
         GatherLanes lanes;
         fill_about({}, {}, lanes);
         SlopeLanes slopes{};
         const TreeLight light = light_of(family);
-        add_slopes(lanes, family, {&light, nullptr, {1, 2, 0}}, GeometryClamp::none(), visible, slopes);
+        add_slopes(lanes, family, {&light, nullptr, {1, 2, 0}}, GeometryClamp::none(), all_seen(), slopes);
         for (int axis = 0; axis < 3; ++axis) {
             glm::vec3 step(0);
             step[axis] = 0.01f;
@@ -68,6 +72,49 @@ TEST(LightSlopes, AreWhatIrradianceChangesByOverASmallStep) {
     }
 }
 
+TEST(LightSlopes, OfALightOnASurfaceAreItsDiscs) {
+    // Nearly as wide as it is far: G = cos cos / (d^2 + r^2).
+    TreeLight light = light_of(LightFamily::oriented);
+    light.disc2 = 3.0f;
+    const auto geometry = [&](glm::vec3 step, glm::vec3 turn) {
+        const glm::vec3 q = light.position - glm::vec3(0.1f, 0, 0.2f) - step;
+        const float d2 = glm::dot(q, q);
+        return glm::dot(glm::vec3(0.28f, 0.96f, 0) + turn, q) * -glm::dot(light.axis.unpack(), q) / d2 /
+               (d2 + light.disc2);
+    };
+    GatherLanes lanes;
+    fill_about({}, {}, lanes);
+    SlopeLanes slopes{};
+    add_slopes(lanes, LightFamily::oriented, {&light, nullptr, {1, 1, 1}}, GeometryClamp::none(), all_seen(), slopes);
+    for (int axis = 0; axis < 3; ++axis) {
+        glm::vec3 step(0);
+        step[axis] = 0.01f;
+        EXPECT_NEAR(at(slopes.by_place[0], 0)[axis], (geometry(step, {}) - geometry(-step, {})) / 0.02f, 2e-4f);
+        EXPECT_NEAR(at(slopes.by_normal[0], 0)[axis], (geometry({}, step) - geometry({}, -step)) / 0.02f, 2e-4f);
+    }
+}
+
+TEST(LightSlopes, TakeALampsRangeAndConeForConstant) {
+    TreeLight light = light_of(LightFamily::punctual);
+    GatherLanes lanes;
+    fill_about({}, {}, lanes);
+    SlopeLanes bare{}, shaded{};
+    LightLanes all, some;
+    evaluate_light(lanes, LightFamily::punctual, light, nullptr, GeometryClamp::none(), all);
+    add_slopes(lanes, LightFamily::punctual, {&light, nullptr, {1, 1, 1}}, GeometryClamp::none(), all_seen(), bare);
+    light.disc2 = 9.0f;
+    const Spot spot{0.5f, 0.2f};
+    evaluate_light(lanes, LightFamily::punctual, light, &spot, GeometryClamp::none(), some);
+    add_slopes(lanes, LightFamily::punctual, {&light, &spot, {1, 1, 1}}, GeometryClamp::none(), all_seen(), shaded);
+    const float factor = some.diffuse[0] / all.diffuse[0];
+    ASSERT_GT(factor, 0.05f);
+    ASSERT_LT(factor, 0.8f);
+    for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_NEAR(at(shaded.by_place[0], 0)[axis], factor * at(bare.by_place[0], 0)[axis], 1e-5f);
+        EXPECT_NEAR(at(shaded.by_normal[0], 0)[axis], factor * at(bare.by_normal[0], 0)[axis], 1e-5f);
+    }
+}
+
 TEST(LightSlopes, AreNoneOfWhatIsHiddenOrClamped) {
     GatherLanes lanes;
     fill_about({}, {}, lanes);
@@ -77,10 +124,8 @@ TEST(LightSlopes, AreNoneOfWhatIsHiddenOrClamped) {
     add_slopes(lanes, LightFamily::oriented, {&light, nullptr, {1, 1, 1}}, GeometryClamp::none(), nothing, slopes);
     EXPECT_EQ(at(slopes.by_place[0], 0), glm::vec3(0));
     EXPECT_EQ(at(slopes.by_normal[0], 0), glm::vec3(0));
-    Vec3Lanes visible;
-    for (int i = 0; i < lane_count; ++i) visible.x[i] = visible.y[i] = visible.z[i] = 1.0f;
     light.disc2 = 100.0f;  // G is at most a hundredth of the scale
-    add_slopes(lanes, LightFamily::oriented, {&light, nullptr, {1, 1, 1}}, GeometryClamp{0.25f}, visible, slopes);
+    add_slopes(lanes, LightFamily::oriented, {&light, nullptr, {1, 1, 1}}, GeometryClamp{0.25f}, all_seen(), slopes);
     EXPECT_EQ(at(slopes.by_place[0], 0), glm::vec3(0));
 }
 

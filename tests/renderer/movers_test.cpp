@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/sampling.h"
+#include "renderer/cut.h"
 #include "tests/renderer/lighting.h"
 
 namespace render2mpeg::renderer {
@@ -81,6 +83,34 @@ TEST(GroupMovers, KnowWhichWaysLeadThroughABox) {
     EXPECT_LE(wrong, through / 20);  // steps may miss an edge
 }
 
+TEST(GroupMovers, SayThatTheyCannotHideOnlyWhereNoRayMeetsThem) {
+    int met = 0, left_out = 0;
+    for (std::uint64_t i = 0; i < 4000; ++i) {
+        GatherLanes lanes = group_at(some_place(i, 0));
+        // Lanes far apart, clusters larger than their distance, boxes that hold either end.
+        const float apart = 2.0f * core::uniform(2, i, 0), wide = 3.0f * core::uniform(2, i, 1);
+        for (int k = 0; k < lane_count; ++k)
+            lanes.origin.x[k] += apart * core::uniform(3, i, static_cast<std::uint64_t>(k));
+        const MiddleBox box{some_place(i, 1), glm::vec3(0.2f, 0.5f, 0.3f) * core::uniform(2, i, 2)};
+        const glm::vec3 middle = some_place(i, 2), half = wide * glm::vec3(0.5f, 0.2f, 0.3f);
+        GroupMovers movers;
+        movers.choose(lanes, {&box, 1}, 0.0f);
+        std::uint32_t rays = 0;
+        for (std::uint64_t l = 0; l < 20; ++l) {
+            const glm::vec3 at = 0.25f * some_place(20 * i + l, 3);
+            rays |= movers.met(rays_to(lanes, middle + (2.0f * at - 1.0f) * half));
+        }
+        const bool can = movers.can_hide(LightFamily::oriented, middle, half);
+        if (rays != 0) {
+            EXPECT_TRUE(can) << i;
+            ++met;
+        }
+        left_out += can ? 0 : 1;
+    }
+    EXPECT_GT(met, 150);
+    EXPECT_GT(left_out, 400);
+}
+
 TEST(GroupMovers, LeaveOutWhatIsBehindAndFarAside) {
     const GatherLanes lanes = group_at(glm::vec3(0));
     const MiddleBox box{{0, 2, 0}, glm::vec3(0.3f)};
@@ -121,6 +151,60 @@ TEST(GroupMovers, OfATracerAreBoxesAboutWhatMovesAndIsThere) {
     SceneBuilder still;
     still.add_box({0, 0, 0}, {4, 3, 5}, still.add_material(), true);
     EXPECT_TRUE(LitStage(still).scenery().tracer().movers().empty());
+}
+
+/// A shining ceiling over a floor, and a board between, which moves or does not.
+SceneBuilder under_a_board(bool moves) {
+    SceneBuilder b;
+    b.add_quad({0, 0, 4}, {4, 0, 0}, {0, 0, -4}, b.add_material());
+    b.add_quad({0, 3, 0}, {4, 0, 0}, {0, 0, 4}, b.add_emitter(glm::vec3(2)));
+    const int board = b.add_box({-1, -0.01f, -1}, {1, 0.01f, 1}, b.add_material());
+    b.move_object(board, {{2, 1, 2}, moves ? glm::vec3(2, 1.2f, 2) : glm::vec3(2, 1, 2)});
+    return b;
+}
+
+/// Root mean square error of coarse cuts all over the floor, as a share of the light.
+double error_of_cuts(bool moves) {
+    LitStage stage(under_a_board(moves));
+    EXPECT_EQ(stage.scenery().tracer().movers().size(), moves ? 1u : 0u);
+    const LightForest forest = stage.light({1024, 0, 1, 0, GeometryClamp::none()});
+    Gatherer gatherer(forest, stage.scenery().tracer());
+    double squares = 0, lit = 0;
+    for (int g = 0; g < 400; ++g) {
+        std::vector<GatherPoint> points(lane_count);
+        const GatherPoint* pointers[lane_count];
+        for (int i = 0; i < lane_count; ++i) {
+            const glm::vec2 uv(0.05f + 0.045f * static_cast<float>(g % 20) + 0.005f * static_cast<float>(i % 4),
+                               0.05f + 0.045f * static_cast<float>(g / 20) + 0.005f * static_cast<float>(i / 4));
+            const Hit hit = stage.scenery().tracer().nearest({4 * uv.x, 0.1f, 4 * uv.y}, {0, -1, 0}, 1.0f);
+            points[static_cast<std::size_t>(i)].point = stage.scenery().surface_at(hit.address, {0, 1, 0});
+            pointers[i] = &points[static_cast<std::size_t>(i)];
+        }
+        GatherLanes lanes;
+        fill(lanes, pointers);
+        lanes.set = g % 4;
+        GroupTolerance tolerance{};
+        std::fill(std::begin(tolerance.relative), std::end(tolerance.relative), 0.1f);
+        GatheredLight cut, all;
+        gatherer.gather(lanes, tolerance, {8, 4000, Stop::honest}, cut);
+        gatherer.gather_all(lanes, all);
+        for (int i = 0; i < lane_count; ++i) {
+            if (!(all.direct.at(i).y > 0)) continue;
+            const double error = cut.direct.at(i).y / all.direct.at(i).y - 1;
+            squares += error * error;
+            lit += 1;
+        }
+    }
+    EXPECT_GT(lit, 5000);
+    return std::sqrt(squares / lit);
+}
+
+TEST(Movers, HidePartsOfClustersOneByOne) {
+    // The same light and shadow, where rays to representatives are all that is asked, and where what moves is asked
+    // for part by part.
+    const double still = error_of_cuts(false), moving = error_of_cuts(true);
+    EXPECT_GT(still, 0.005);
+    EXPECT_LT(moving, 0.8 * still) << moving << " of " << still;
 }
 
 }  // namespace

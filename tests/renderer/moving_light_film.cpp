@@ -1,6 +1,7 @@
 #include "tests/renderer/moving_light_film.h"
 
 #include <cmath>
+#include <ctime>
 
 #include "core/color.h"
 #include "renderer/shade.h"
@@ -15,7 +16,8 @@ MovingLightFilm::MovingLightFilm(const SceneBuilder& builder, int size)
       scenery_(*film_, core::detect_isa(), plan_),
       format_{size, size, 1.0f} {}
 
-FrameLuminances MovingLightFilm::lit(const FilmLight& light, int first, int count) {
+FrameLuminances MovingLightFilm::lit(const FilmLight& light, int first, int count, FilmCost* cost) {
+    FilmCost own;
     renderer::LightPoints points(scenery_, plan_, 128, 1);
     scene::Snapshot world = at(first);
     scenery_.pose(world);
@@ -34,7 +36,7 @@ FrameLuminances MovingLightFilm::lit(const FilmLight& light, int first, int coun
         if (!light.moving) lit.moving.clear();
         renderer::LightForest forest = lasting.at({direct, lit.still, lit.moving}, n == first);
         forest.direct_clamp = forest.indirect_clamp = {0.25f};
-        frames.push_back(shade(world, forest, light.tolerance));
+        frames.push_back(shade(world, forest, light.tolerance, cost != nullptr ? *cost : own));
     }
     return frames;
 }
@@ -64,11 +66,14 @@ renderer::Seen MovingLightFilm::see(const scene::Snapshot& world) {
 }
 
 core::Plane<float> MovingLightFilm::shade(const scene::Snapshot& world, const renderer::LightForest& forest,
-                                          const core::ToleranceMap& tolerance) {
+                                          const core::ToleranceMap& tolerance, FilmCost& cost) {
+    const std::clock_t start = std::clock();
     renderer::ShadeCounts counts;
     const renderer::Seen seen = see(world);
     const core::Radiance radiance =
         renderer::shade(forest, scenery_.tracer(), seen, world.camera.position(), tolerance, {}, counts);
+    cost.shadow_rays += counts.shadow_rays;
+    cost.seconds += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     core::Plane<float> luminances(format_.width, format_.height);
     for (std::size_t i = 0; i < luminances.size(); ++i)
         luminances.values()[i] = core::luminance(radiance.combined.values()[i]);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -19,6 +20,12 @@ struct FilmLight {
     bool direct = true, still = true, moving = true;  ///< which light points there are
 };
 
+/// What frames took: CPU seconds of seeing and shading all of them, over all threads.
+struct FilmCost {
+    std::uint64_t shadow_rays = 0;
+    double seconds = 0;
+};
+
 /// Luminance of each pixel of some frames on end, 25 a second.
 using FrameLuminances = std::vector<core::Plane<float>>;
 
@@ -27,7 +34,8 @@ class MovingLightFilm {
   public:
     MovingLightFilm(const SceneBuilder& builder, int size);
 
-    FrameLuminances lit(const FilmLight& light, int first, int count);
+    /// Adds to `cost`, if given.
+    FrameLuminances lit(const FilmLight& light, int first, int count, FilmCost* cost = nullptr);
 
     /// Mean difference along motion between frames on end, as a share of their mean: of pixels that show the same thing
     /// in both.
@@ -39,7 +47,7 @@ class MovingLightFilm {
     renderer::Seen see(const scene::Snapshot& world);
 
     core::Plane<float> shade(const scene::Snapshot& world, const renderer::LightForest& forest,
-                             const core::ToleranceMap& tolerance);
+                             const core::ToleranceMap& tolerance, FilmCost& cost);
 
     /// Light that the frame before has where a pixel was, if the same thing is all about there.
     static bool carried(const core::Plane<float>& light, const core::Visible& seen_before, const core::Visible& seen,

@@ -10,6 +10,7 @@ namespace render2mpeg::renderer {
 namespace {
 
 using test::FilmStage;
+using test::share_over;
 constexpr int size = 48;
 
 Settings settings(bool cache) {
@@ -26,15 +27,6 @@ test::SceneBuilder walk(bool moves = true) {
         b.add_track(scene::TrackTarget::translation, b.film().cameras[0].node, 3, {0, 10},
                     {2.0f, 1.6f, 3.8f, 2.4f, 1.6f, 3.8f});
     return b;
-}
-
-double share_over(const core::Radiance& frame, const core::Radiance& truth, float relative) {
-    int over = 0;
-    for (std::size_t i = 0; i < truth.combined.size(); ++i) {
-        const float expected = core::luminance(truth.combined.values()[i]);
-        over += std::abs(core::luminance(frame.combined.values()[i]) - expected) > relative * expected ? 1 : 0;
-    }
-    return static_cast<double>(over) / static_cast<double>(truth.combined.size());
 }
 
 TEST(RecordCache, LightsAWalkWithinItsToleranceForAFractionOfTheRays) {

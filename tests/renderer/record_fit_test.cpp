@@ -1,0 +1,208 @@
+#include "renderer/record_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "renderer/record_groups.h"
+#include "renderer/record_plane.h"
+#include "tests/renderer/record_wall.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+TEST_F(Wall, LightThatChangesEvenlyIsFoundBetweenRecords) {
+    const auto light = [](glm::vec2 at) { return 1.0f + 0.05f * at.x - 0.03f * at.y; };
+    strew(4, light);
+    int found = 0;
+    for (int y = 5; y < 19; ++y) {
+        for (int x = 5; x < 19; ++x) {
+            const RecordEstimate e = estimate_at(x, y, 0.02f);
+            if (!e.holds) continue;
+            ++found;
+            const float expected = light({static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
+            EXPECT_NEAR(e.light.indirect.x, expected, 1e-3f * expected) << x << ", " << y;
+        }
+    }
+    EXPECT_GE(found, 14 * 14 * 9 / 10);
+}
+
+TEST_F(Wall, LightThatBendsIsFoundWhereRecordsKnowItsSlopes) {
+    const auto light = [](glm::vec2 at) { return 1.0f + 0.01f * (at.x - 12.0f) * (at.x - 12.0f); };
+    strew(4, light);
+    const auto worst = [&] {
+        std::pair<int, float> found{0, 0.0f};
+        for (int y = 5; y < 19; ++y)
+            for (int x = 5; x < 19; ++x) {
+                const RecordEstimate e = estimate_at(x, y, 0.2f);
+                const float expected = light({static_cast<float>(x) + 0.5f, 0.0f});
+                if (!e.holds) continue;
+                ++found.first;
+                found.second = std::max(found.second, std::abs(e.light.indirect.x / expected - 1.0f));
+            }
+        return found;
+    };
+    const auto [found, off] = worst();
+    const float pixel = stage_.world().camera.pixel_size() * 2.0f;  // the wall's distance
+    for (std::uint32_t i = 0; i < records_.size(); ++i) {
+        const float x = stage_.world().camera.project(records_[i].position)->position.x;
+        records_.change(i).slopes.by_place[0] = glm::vec3(0.02f * (x - 12.0f) / pixel);
+    }
+    const auto [found_by_slopes, off_by_slopes] = worst();
+    EXPECT_GE(found_by_slopes, found);
+    EXPECT_GT(found, 14 * 14 / 2);
+    EXPECT_GT(off, 0.02f);
+    EXPECT_LT(off_by_slopes, 0.4f * off);
+}
+
+TEST_F(Wall, NobodyGuessesAcrossAnEdgeOfLight) {
+    const auto light = [](glm::vec2 at) { return at.x < 11.0f ? 1.0f : 1.3f; };
+    strew(2, light);
+    int found = 0;
+    for (int y = 4; y < 20; ++y) {
+        for (int x = 1; x < 23; ++x) {
+            const RecordEstimate e = estimate_at(x, y, 0.02f);
+            if (!e.holds) continue;
+            ++found;
+            const float expected = light({static_cast<float>(x) + 0.5f, 0.0f});
+            EXPECT_NEAR(e.light.indirect.x, expected, 0.05f * expected) << x << ", " << y;
+        }
+    }
+    EXPECT_GE(found, 100);
+    EXPECT_LE(found, 16 * 20);
+}
+
+TEST_F(Wall, RecordsOfAnotherSurfaceSayNothing) {
+    strew(1, [](glm::vec2) { return 1.0f; });
+    GatherPoint p = point_at(12, 12);
+    EXPECT_TRUE(estimate_at(p, 0.02f).holds);
+    GatherPoint other = p;
+    other.point.address.object = 7;
+    EXPECT_FALSE(estimate_at(other, 0.02f).holds);
+    other = p;
+    other.point.geometric_normal = other.point.shading_normal = glm::normalize(glm::vec3(1, 0, 1));
+    EXPECT_FALSE(estimate_at(other, 0.02f).holds);
+    // A step of the size of some pixels.
+    other = p;
+    other.point.position.z -= 0.5f;
+    EXPECT_FALSE(estimate_at(other, 0.02f).holds);
+}
+
+TEST_F(Wall, NobodyIsServedBeyondWhereRecordsLie) {
+    strew(1, [](glm::vec2 at) { return at.x < 12.0f ? 1.0f : 1.0f; });
+    Records half;
+    for (const Record& r : records_.all())
+        if (stage_.world().camera.project(r.position)->position.x < 12.0f) half.add(r);
+    records_ = half;
+    map_.build(records_.all(), stage_.world().camera);
+    EXPECT_TRUE(estimate_at(10, 12, 0.02f).holds);
+    for (int x = 14; x < wall_side; ++x) EXPECT_FALSE(estimate_at(x, 12, 0.02f).holds) << x;
+}
+
+TEST_F(Wall, RecordsAlongALineServeWhatLiesCloseToIt) {
+    // As on a moulding of one pixel.
+    const auto light = [](glm::vec2 at) { return 1.0f + 0.002f * at.y; };
+    strew(1, light);
+    Records line;
+    for (const Record& r : records_.all())
+        if (std::floor(stage_.world().camera.project(r.position)->position.x) == 12.0f) line.add(r);
+    records_ = line;
+    map_.build(records_.all(), stage_.world().camera);
+    const auto holds = [&](float x, float relative) {
+        GatherPoint p = point_at(12, 12);
+        p.point.position.x += (x - 12.0f) * stage_.world().camera.pixel_size() * 2.0f;
+        const RecordEstimate e = estimate_at(p, relative);
+        if (e.holds) {
+            EXPECT_NEAR(e.light.indirect.x, light({0.0f, 12.5f}), 0.01f) << x;
+        }
+        return e.holds;
+    };
+    EXPECT_TRUE(holds(12.4f, 0.05f));
+    EXPECT_TRUE(holds(13.0f, 0.05f));
+    EXPECT_FALSE(holds(13.8f, 0.05f));
+    // What changes along the line may change across it as well.
+    for (std::uint32_t i = 0; i < records_.size(); ++i) records_.change(i).indirect *= i % 2 == 0 ? 1.0f : 1.05f;
+    EXPECT_FALSE(holds(12.4f, 0.05f));
+}
+
+TEST_F(Wall, CoarselyGatheredRecordsServeNoFinePixel) {
+    strew(2, [](glm::vec2) { return 1.0f; });
+    Records coarse;
+    for (Record r : records_.all()) {
+        r.error = 0.2f;
+        coarse.add(r);
+    }
+    records_ = coarse;
+    map_.build(records_.all(), stage_.world().camera);
+    EXPECT_FALSE(estimate_at(12, 12, 0.02f).holds);
+    EXPECT_TRUE(estimate_at(12, 12, 0.4f).holds);
+}
+
+TEST_F(Wall, RecordsOfOneSetErrAlikeAndThoseOfFourDoNot) {
+    // 0.4 x 0.03 is more than 2 % of the wall's 0.41, half of it is less.
+    strew(2, [](glm::vec2) { return 1.0f; });
+    const auto holds = [&](bool one_set, bool capped, float error) {
+        for (std::uint32_t i = 0; i < records_.size(); ++i) {
+            const glm::vec2 at = stage_.world().camera.project(records_[i].position)->position;
+            Record& r = records_.change(i);
+            r.set = static_cast<std::uint8_t>(one_set ? 0 : record_set(static_cast<int>(at.x), static_cast<int>(at.y)));
+            r.error = error;
+            r.capped = capped;
+        }
+        return estimate_at(13, 13, 0.02f).holds;
+    };
+    EXPECT_TRUE(holds(false, false, 0.03f));
+    EXPECT_FALSE(holds(true, false, 0.03f));
+    EXPECT_TRUE(holds(true, false, 0.01f));
+    // What the largest cut left counts as well.
+    EXPECT_FALSE(holds(true, true, 0.03f));
+}
+
+TEST_F(Wall, APointsOwnRecordServesWhereLightHardlyChangesUpToIt) {
+    // Light with an edge everywhere: no plane fits, and only the record at the place itself knows.
+    strew(1, [](glm::vec2 at) { return (static_cast<int>(at.x) + static_cast<int>(at.y)) % 2 == 0 ? 1.0f : 1.3f; });
+    const auto estimate_off = [&](float off, float relative) {
+        GatherPoint p = point_at(12, 12);
+        const float pixel = stage_.world().camera.pixel_size() * 2.0f;
+        p.point.position.x += off * pixel;
+        return estimate_at(p, relative);
+    };
+    // 30 % a pixel: 0.6 of it times the distance is within 2 % up to a thirtieth of a pixel.
+    EXPECT_TRUE(estimate_off(0.0f, 0.02f).holds);
+    EXPECT_FLOAT_EQ(estimate_off(0.0f, 0.02f).light.indirect.x, 1.0f);
+    EXPECT_TRUE(estimate_off(0.02f, 0.02f).holds);
+    EXPECT_FALSE(estimate_off(0.05f, 0.02f).holds);
+    EXPECT_TRUE(estimate_off(0.05f, 0.04f).holds);
+    EXPECT_FALSE(estimate_off(0.2f, 0.08f).holds);
+}
+
+TEST_F(Wall, NobodyIsServedWhereThePictureDoesNotReach) {
+    strew(1, [](glm::vec2) { return 1.0f; });
+    const GatherPoint p = point_at(12, 12);
+    const float extent = stage_.world().camera.pixel_size() * 2.0f, none = std::numeric_limits<float>::quiet_NaN();
+    const auto holds = [&](glm::vec2 at) {
+        return estimate({p, {0, 0.02f, 0}, at, extent, 0.4f}, map_, records_, {}, 0).holds;
+    };
+    EXPECT_TRUE(holds({12.5f, 12.5f}));
+    for (const float off : {-1e30f, -40.0f, -15.5f, -14.0f, -10.0f, 33.5f, 38.0f, 39.5f, 60.0f, 1e30f, none}) {
+        EXPECT_FALSE(holds({off, 12.5f})) << off;
+        EXPECT_FALSE(holds({12.5f, off})) << off;
+    }
+}
+
+TEST(RecordPlane, ReachesNoFartherThanItsSamplesAreApart) {
+    RecordPlane together, about, beside;
+    for (int i = 0; i < 4; ++i) {
+        const glm::vec2 corner{i % 2 == 0 ? -0.5f : 0.5f, i / 2 == 0 ? -0.5f : 0.5f};
+        together.add({1.1f, 0.5f}, 0.37f, glm::vec3(1));
+        about.add(corner, 1.0f, glm::vec3(1));
+        beside.add(corner + glm::vec2{1, 1}, 1.0f, glm::vec3(1));
+    }
+    EXPECT_GT(together.reach(), 1e5f);  // whatever rounding makes of no distance at all
+    EXPECT_EQ(about.reach(), 0.0f);
+    EXPECT_NEAR(beside.reach(), 2.0f, 1e-5f);
+}
+
+}  // namespace
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,217 @@
+// Walls that share a mesh of many triangles are instances; they are walls all the same, and no movers.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/sampling.h"
+#include "renderer/anchor_shares.h"
+#include "renderer/cut.h"
+#include "tests/renderer/anchor_stage.h"
+#include "tests/renderer/lighting.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+using test::AnchorStage;
+using test::LitStage;
+using test::SceneBuilder;
+
+constexpr std::uint32_t first_wall = 1, last_wall = 3, mover = 4;
+
+/// A room with a lamp at one end, three walls across it with gaps between, and something that moves before them: a
+/// ball, or one more of these walls. `shared`: the walls share a mesh, in more triangles than are copied, most of which
+/// lie within them.
+SceneBuilder room(bool shared, bool wall_moves = false) {
+    SceneBuilder b;
+    const int grey = b.add_material({0.7f, 0.6f, 0.5f});
+    b.add_box({0, 0, 0}, {6, 3, 4}, grey, true);
+    scene::Mesh wall = SceneBuilder::box({-0.0625f, -1, -0.5f}, {0.0625f, 1, 0.5f}, false);
+    scene::Mesh filling = SceneBuilder::sphere(0.05f, 100);
+    filling.normals.clear();
+    SceneBuilder::append(wall, filling);
+    const int mesh = b.add_mesh(wall);
+    for (const double z : {0.5, 2.0, 3.5}) b.add_object(shared ? mesh : b.add_mesh(wall), grey, {3, 1, z});
+    const int moving = wall_moves ? b.add_object(mesh, grey) : b.add_sphere({0, 0, 0}, 0.375f, grey, 12);
+    b.move_object(moving, {{2, 1, 2}, {2, 1, 1}});
+    b.add_point_light({1, 2, 2}, 20.0f, {1, 0.8f, 0.6f});
+    b.add_point_light({1, 1, 3}, 10.0f);
+    b.add_camera({5.5f, 1.6f, 2}, {3, 1, 2}, 1.2f);
+    return b;
+}
+
+RayQuery some_ray(std::uint64_t i) {
+    const auto u = [&](std::uint64_t k) { return core::uniform(3, i, k); };
+    const glm::vec3 from(6 * u(0), 3 * u(1), 4 * u(2)), to(6 * u(3), 3 * u(4), 4 * u(5));
+    return {from, to - from, 1.0f};
+}
+
+ShadowPacket packet_of(std::uint64_t first) {
+    ShadowPacket packet;
+    packet.active = 0xffff;
+    for (std::uint64_t i = 0; i < 16; ++i) {
+        const RayQuery ray = some_ray(first + i);
+        packet.origin_x[i] = ray.origin.x, packet.direction_x[i] = ray.direction.x;
+        packet.origin_y[i] = ray.origin.y, packet.direction_y[i] = ray.direction.y;
+        packet.origin_z[i] = ray.origin.z, packet.direction_z[i] = ray.direction.z;
+        packet.far[i] = ray.far;
+    }
+    return packet;
+}
+
+TEST(StillInstances, AreMetAsOtherWallsAreAndAreNoMovers) {
+    for (const bool wall_moves : {false, true}) {
+        const LitStage copied(room(true, wall_moves)), baked(room(false, wall_moves));
+        const RayTracer &a = copied.scenery().tracer(), &b = baked.scenery().tracer();
+        for (std::uint32_t i = first_wall; i <= last_wall; ++i) {
+            EXPECT_TRUE(a.is_instanced(i));
+            EXPECT_FALSE(b.is_instanced(i));
+        }
+        EXPECT_TRUE(a.has_movers());
+        ASSERT_EQ(a.movers().size(), 1u);
+        ASSERT_EQ(b.movers().size(), 1u);
+        EXPECT_EQ(a.movers()[0].middle, b.movers()[0].middle);
+        int walls = 0, moving = 0, blocked = 0;
+        for (std::uint64_t i = 0; i < 4000; ++i) {
+            const RayQuery ray = some_ray(i);
+            const Hit hit = a.nearest(ray.origin, ray.direction, ray.far);
+            EXPECT_EQ(hit.address.object, b.nearest(ray.origin, ray.direction, ray.far).address.object) << i;
+            const bool still = a.meets_still(ray.origin, ray.direction, ray.far);
+            const bool moves = a.meets_movers(ray.origin, ray.direction, ray.far);
+            ASSERT_EQ(still, b.meets_still(ray.origin, ray.direction, ray.far)) << i;
+            ASSERT_EQ(moves, b.meets_movers(ray.origin, ray.direction, ray.far)) << i;
+            ASSERT_EQ(still || moves, hit.found()) << i;
+            walls += hit.found() && hit.address.object <= last_wall ? 1 : 0;
+            moving += moves ? 1 : 0;
+            if (i % 16 != 0) continue;
+            const ShadowPacket packet = packet_of(i);
+            const std::uint32_t occluded = a.occluded(packet, nullptr);
+            ASSERT_EQ(occluded, b.occluded(packet, nullptr)) << i;
+            ASSERT_EQ((occluded & 1u) != 0, still || moves) << i;
+            const std::uint32_t by_movers = a.occluded_by_movers(packet);
+            ASSERT_EQ(by_movers, b.occluded_by_movers(packet)) << i;
+            ASSERT_EQ((by_movers & 1u) != 0, moves) << i;
+            ASSERT_EQ(a.occluded_by_still(packet, nullptr) | by_movers, occluded) << i;
+            ASSERT_EQ((a.occluded_by_still(packet, nullptr) & 1u) != 0, still) << i;
+            blocked += static_cast<int>(__builtin_popcount(occluded));
+        }
+        EXPECT_GT(walls, 200);
+        EXPECT_GT(moving, 100);
+        EXPECT_GT(blocked, 400);
+    }
+}
+
+TEST(StillInstances, AreShieldsAsOtherWallsAre) {
+    const LitStage copied(room(true)), baked(room(false));
+    const ShieldList &a = copied.scenery().tracer().shields(), &b = baked.scenery().tracer().shields();
+    ASSERT_EQ(a.size(), b.size());
+    ASSERT_GT(a.size(), 20u);
+    for (std::size_t i = 0; i < a.size(); ++i)
+        for (int k = 0; k < 4; ++k) EXPECT_EQ(a[i].corner[k], b[i].corner[k]) << i;
+}
+
+TEST(StillInstances, AloneMakeNoFilmMove) {
+    SceneBuilder b = room(true);
+    b.film().tracks.clear();
+    const LitStage stage(b);
+    EXPECT_TRUE(stage.scenery().tracer().is_instanced(first_wall));
+    EXPECT_FALSE(stage.scenery().tracer().has_movers());
+    EXPECT_TRUE(stage.scenery().tracer().movers().empty());
+    const glm::vec3 before(2.5f, 1, 0.5f), way(1, 0, 0);
+    EXPECT_TRUE(stage.scenery().tracer().meets_still(before, way, 1.0f));
+    EXPECT_FALSE(stage.scenery().tracer().meets_movers(before, way, 1.0f));
+}
+
+/// Cuts for groups of sixteen neighbours all over the floor.
+struct Floor {
+    std::uint64_t rays = 0;
+    int clusters = 0;
+    std::vector<glm::vec3> light;
+};
+
+Floor lit_floor(LitStage& stage) {
+    const LightForest forest = stage.light({64, 4000, 2, 0, GeometryClamp::none()});
+    Gatherer gatherer(forest, stage.scenery().tracer());
+    Floor floor;
+    for (int g = 0; g < 60; ++g) {
+        std::vector<GatherPoint> points(lane_count);
+        const GatherPoint* pointers[lane_count];
+        for (std::size_t i = 0; i < lane_count; ++i) {
+            const glm::vec3 above(0.3f + 0.6f * static_cast<float>(g % 10) + 0.02f * static_cast<float>(i % 4), 0.05f,
+                                  0.3f + 0.6f * static_cast<float>(g / 10) + 0.02f * static_cast<float>(i / 4));
+            const Hit hit = stage.scenery().tracer().nearest(above, {0, -1, 0}, 1.0f);
+            points[i].point = stage.scenery().surface_at(hit.address, {0, 1, 0});
+            pointers[i] = &points[i];
+        }
+        GatherLanes lanes;
+        fill(lanes, pointers);
+        GroupTolerance tolerance{};
+        for (int i = 0; i < lane_count; ++i) tolerance.relative[i] = 0.02f;
+        GatheredLight light;
+        gatherer.gather(lanes, tolerance, {8, 4000, Stop::honest}, light);
+        floor.rays += light.shadow_rays;
+        floor.clusters += light.direct_clusters + light.indirect_clusters;
+        for (int i = 0; i < lane_count; ++i) floor.light.push_back(light.direct.at(i) + light.indirect.at(i));
+    }
+    return floor;
+}
+
+TEST(StillInstances, AreLitAndShadowByTheSameCutsAsOtherWalls) {
+    LitStage copied(room(true)), baked(room(false));
+    const Floor a = lit_floor(copied), b = lit_floor(baked);
+    EXPECT_EQ(a.rays, b.rays);
+    EXPECT_EQ(a.clusters, b.clusters);
+    ASSERT_GT(b.clusters, 60 * 20);
+    for (std::size_t i = 0; i < a.light.size(); ++i)
+        EXPECT_LE(glm::distance(a.light[i], b.light[i]), 1e-4f * glm::length(b.light[i])) << i;
+}
+
+/// Anchors all over the floor, some 25 cm from each other.
+std::vector<AnchorPlace> floor_places() {
+    std::vector<AnchorPlace> places;
+    for (std::uint64_t i = 0; i < 400; ++i) {
+        AnchorPlace place;
+        place.rest = {{6 * core::halton(0, i + 1), 0, 4 * core::halton(1, i + 1)}, {0, 1, 0}};
+        place.disc2 = 0.02f;
+        places.push_back(place);
+    }
+    return places;
+}
+
+TEST(StillInstances, PartAnchorsOnceAndForAll) {
+    const LitStage copied(room(true)), baked(room(false));
+    const RayTracer &a = copied.scenery().tracer(), &b = baked.scenery().tracer();
+    const std::vector<AnchorPlace> places = floor_places();
+    const AnchorSharing by_a(places, a), by_b(places, b);
+    EXPECT_EQ(by_a.rays(), by_b.rays());
+    const AnchorPartings parted_a = by_a.partings(a), parted_b = by_b.partings(b);
+    EXPECT_EQ(parted_a.rays, parted_b.rays);
+    EXPECT_EQ(parted_a.parted, parted_b.parted);
+
+    std::vector<LandedPhoton> photons;
+    for (std::uint64_t i = 0; i < 2000; ++i)
+        photons.push_back({0, {{6 * core::uniform(5, i, 0), 0, 4 * core::uniform(5, i, 1)}, {0, 1, 0}}, glm::vec3(1)});
+    std::vector<glm::dvec3> light_a(places.size(), glm::dvec3(0)), light_b = light_a;
+    EXPECT_EQ(by_a.spread(photons, a, &parted_a, light_a), by_b.spread(photons, b, &parted_b, light_b));
+    EXPECT_EQ(light_a, light_b);
+}
+
+TEST(StillInstances, HaveAnchorsAsOtherWallsHave) {
+    // Which places are chosen hangs on the last digits of where photons land; what they hold together does not.
+    AnchorStage copied(room(true)), baked(room(false));
+    const auto beyond = [](const Anchors::Lit& lit) {
+        double sum = 0;
+        for (const LightPoint& l : lit.still) sum += l.position.x > 3.1f ? glm::length(l.intensity) : 0.0f;
+        return sum;
+    };
+    for (const double seconds : {0.0, 0.6}) {
+        copied.pose(seconds);
+        baked.pose(seconds);
+        const Anchors::Lit a = copied.light(), b = baked.light();
+        ASSERT_GT(b.still.size(), 300u);
+        EXPECT_NEAR(static_cast<double>(a.rays) / static_cast<double>(b.rays), 1.0, 0.1);
+        EXPECT_NEAR(beyond(a) / beyond(b), 1.0, 0.02);
+    }
+}
+
+}  // namespace
+}  // namespace render2mpeg::renderer
