@@ -14,29 +14,27 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <limits>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "app/production.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
+#include "record_gradients_frame.h"
 #include "record_gradients_report.h"
-#include "renderer/anchors.h"
 #include "renderer/record_fit.h"
 #include "renderer/record_gather.h"
-#include "renderer/see.h"
+#include "renderer/record_groups.h"
 #include "tests/bench/wishes.h"
 
 namespace render2mpeg {
 namespace {
 
 using bench::Judged;
+using bench::LatticeFrame;
 using bench::Sample;
 using bench::SlopedLight;
 using bench::trust_of;
@@ -45,91 +43,6 @@ using bench::trust_of;
 constexpr float radii[bench::radius_count] = {1.0f, 1.5f};
 /// What is lost or won of a pixel's light where it counts as one visibility. chosen: 10 %; at 2 % no pixel is smooth.
 constexpr float alike_share = 0.1f;
-
-/// A frame, its light, and records at every second pixel.
-struct Frame {
-    scene::Snapshot world;
-    renderer::Seen seen;
-    renderer::LightForest forest;
-    const renderer::RayTracer* tracer = nullptr;
-    float floor = 0;
-
-    struct At {
-        renderer::PointRef ref;
-        int x, y;
-    };
-    std::vector<At> places;  ///< of records
-    std::vector<renderer::RecordMark> marks;
-    std::vector<std::vector<std::uint32_t>> of_pixel;
-
-    const renderer::GatherPoint& point(const renderer::PointRef& r) const { return seen.tiles[r.tile][r.index]; }
-    int width() const { return seen.visible.width(); }
-    int height() const { return seen.visible.height(); }
-};
-
-std::vector<Frame::At> points_of(const Frame& frame) {
-    std::vector<Frame::At> all;
-    const int across = frame.seen.tiles_across();
-    for (std::uint32_t t = 0; t < frame.seen.tiles.size(); ++t)
-        for (std::uint32_t i = 0; i < frame.seen.tiles[t].size(); ++i) {
-            const renderer::GatherPoint& p = frame.seen.tiles[t][i];
-            if (p.reached_by_specular || !(core::luminance(p.weight * p.point.bsdf.diffuse) > 0.0f)) continue;
-            const int tile = static_cast<int>(t);
-            all.push_back({{t, i},
-                           tile % across * renderer::tile_size + p.pixel % renderer::tile_size,
-                           tile / across * renderer::tile_size + p.pixel / renderer::tile_size});
-        }
-    return all;
-}
-
-void lay_lattice(Frame& frame) {
-    frame.of_pixel.assign(static_cast<std::size_t>(frame.width() * frame.height()), {});
-    for (const Frame::At& at : points_of(frame)) {
-        if (at.x % 2 != 0 || at.y % 2 != 0) continue;
-        const renderer::SurfacePoint& p = frame.point(at.ref).point;
-        const auto seen = frame.world.camera.project(p.position);
-        if (!seen) continue;
-        const auto index = static_cast<std::uint32_t>(frame.places.size());
-        frame.of_pixel[static_cast<std::size_t>(at.y * frame.width() + at.x)].push_back(index);
-        frame.places.push_back(at);
-        frame.marks.push_back({seen->position, index, renderer::surface_of(p.address, p.back_side), p.position,
-                               p.geometric_normal, p.shading_normal});
-    }
-}
-
-/// Records of a lattice of `step` pixels that lie around a point on its surface.
-struct Search {
-    const Frame& frame;
-    const renderer::GatherPoint& point;
-    glm::vec2 at{0};   ///< on the picture
-    float extent = 0;  ///< of a pixel, world
-
-    Search(const Frame& f, const renderer::GatherPoint& p) : frame(f), point(p) {
-        const auto seen = f.world.camera.project(p.point.position);
-        if (!seen) return;
-        at = seen->position;
-        extent = f.world.camera.pixel_size() * (f.world.camera.perspective() ? seen->depth : 1.0f);
-    }
-
-    template <class Use>
-    void each(int step, float reach, const Use& use) const {
-        const renderer::SurfacePoint& p = point.point;
-        const renderer::RecordMark here{
-            at, 0, renderer::surface_of(p.address, p.back_side), p.position, p.geometric_normal, p.shading_normal};
-        const int far = static_cast<int>(reach) + 2;
-        const int x = static_cast<int>(at.x), y = static_cast<int>(at.y);
-        for (int v = std::max(y - far, 0); v <= std::min(y + far, frame.height() - 1); ++v)
-            for (int u = std::max(x - far, 0); u <= std::min(x + far, frame.width() - 1); ++u) {
-                if (u % step != 0 || v % step != 0) continue;
-                for (const std::uint32_t i : frame.of_pixel[static_cast<std::size_t>(v * frame.width() + u)]) {
-                    const renderer::RecordMark& m = frame.marks[i];
-                    const float apart = glm::length(m.at - at);
-                    if (apart <= reach && on_one_surface(here, m, extent * apart, extent, p.position_error))
-                        use(i, m, apart);
-                }
-            }
-    }
-};
 
 /// record_fit.cpp, doubt.
 float doubt(float relative) {
@@ -173,7 +86,7 @@ bool sees_the_same(const Truth& t, const SlopedLight& record) {
     return other <= alike_share * all;
 }
 
-Truth light_exactly(const Frame& frame, const renderer::PointRef& ref) {
+Truth light_exactly(const LatticeFrame& frame, const renderer::PointRef& ref) {
     Truth t{ref, 0, {}, {}, {}};
     const renderer::GatherPoint& p = frame.point(ref);
     SlopedLight light = bench::gather_sloped(frame.forest, *frame.tracer, p, &t.unshadowed);
@@ -199,10 +112,10 @@ void measure_nearest(const bench::Place& place, const std::vector<bench::Near>& 
     s.left = truth - core::luminance(told(*nearest, place, 1, 1));
 }
 
-Sample sample_of(const Frame& frame, const Truth& t, const std::vector<SlopedLight>& exact,
+Sample sample_of(const LatticeFrame& frame, const Truth& t, const std::vector<SlopedLight>& exact,
                  const std::vector<SlopedLight>& light, int step, int least) {
     const renderer::GatherPoint& p = frame.point(t.ref);
-    const Search search(frame, p);
+    const bench::LatticeSearch search(frame, p);
     const bench::Place place{p.point.position, p.point.shading_normal, p.weight * p.point.bsdf.diffuse,
                              static_cast<float>(step) * search.extent};
     const float truth = core::luminance(place.reflects * t.light);
@@ -227,8 +140,8 @@ Sample sample_of(const Frame& frame, const Truth& t, const std::vector<SlopedLig
 }
 
 /// What the product itself says, at each trust.
-void ask_product(const Frame& frame, const std::vector<Truth>& truths, const std::vector<SlopedLight>& light, int step,
-                 std::vector<Sample>& samples, std::size_t first) {
+void ask_product(const LatticeFrame& frame, const std::vector<Truth>& truths, const std::vector<SlopedLight>& light,
+                 int step, std::vector<Sample>& samples, std::size_t first) {
     renderer::Records records;
     for (std::size_t i = 0; i < frame.places.size(); ++i) {
         if (frame.places[i].x % step != 0 || frame.places[i].y % step != 0) continue;
@@ -242,7 +155,7 @@ void ask_product(const Frame& frame, const std::vector<Truth>& truths, const std
     map.build(records.all(), frame.world.camera);
     for (std::size_t i = 0; i < truths.size(); ++i) {
         const renderer::GatherPoint& p = frame.point(truths[i].ref);
-        const Search search(frame, p);
+        const bench::LatticeSearch search(frame, p);
         Sample& s = samples[first + i];
         const float truth = s.luminance - truths[i].base;
         for (int t = 0; t < bench::tolerance_count; ++t)
@@ -258,7 +171,7 @@ void ask_product(const Frame& frame, const std::vector<Truth>& truths, const std
 }
 
 /// Light of the records of a lattice by cuts at a relative tolerance; the others' stays empty.
-std::vector<SlopedLight> light_by_cuts(const Frame& frame, int step, float relative) {
+std::vector<SlopedLight> light_by_cuts(const LatticeFrame& frame, int step, float relative) {
     std::vector<std::vector<renderer::PointRef>> areas;
     std::vector<std::vector<std::uint32_t>> index(frame.seen.tiles.size());
     for (std::size_t t = 0; t < index.size(); ++t) index[t].assign(frame.seen.tiles[t].size(), 0);
@@ -266,7 +179,7 @@ std::vector<SlopedLight> light_by_cuts(const Frame& frame, int step, float relat
     const int across = (frame.width() + area - 1) / area, down = (frame.height() + area - 1) / area;
     areas.resize(static_cast<std::size_t>(across * down));
     for (std::uint32_t i = 0; i < frame.places.size(); ++i) {
-        const Frame::At& at = frame.places[i];
+        const LatticeFrame::At& at = frame.places[i];
         if (at.x % step != 0 || at.y % step != 0) continue;
         areas[static_cast<std::size_t>(at.y / area * across + at.x / area)].push_back(at.ref);
         index[at.ref.tile][at.ref.index] = i;
@@ -290,71 +203,9 @@ std::vector<SlopedLight> light_by_cuts(const Frame& frame, int step, float relat
     return light;
 }
 
-std::vector<int> numbers(const std::string& list) {
-    std::vector<int> found;
-    for (std::size_t start = 0; start <= list.size();) {
-        const std::size_t comma = std::min(list.find(',', start), list.size());
-        found.push_back(std::atoi(list.substr(start, comma - start).c_str()));
-        start = comma + 1;
-    }
-    return found;
-}
-
-/// A film whose frames can be lit.
-class Film {
-  public:
-    Film(const std::string& input, const bench::Wishes& wishes) : film_(prepared(input, wishes)) {}
-
-    Frame frame(int number) {
-        Frame f;
-        f.world = film_.snapshot(number);
-        scenery_.pose(f.world);
-        lights_.place(scenery_, f.world);
-        if (!anchors_)
-            anchors_.emplace(scenery_, lights_,
-                             renderer::AnchorSettings{film_.rendering.vpls, film_.rendering.bounces});
-        const auto direct = lights_.at(scenery_);
-        const renderer::Anchors::Lit lit = anchors_->at(scenery_, direct);
-        const auto still = anchors_->usual_still(), moving = anchors_->usual_moving();
-        renderer::LastingForest forest({lights_.usual(), still, moving}, film_.rendering.seed);
-        f.forest = forest.at({direct, lit.still, lit.moving}, true);
-        f.forest.direct_clamp = f.forest.indirect_clamp = {0.25f};  // renderer.cpp
-        f.forest.translucent = film_.plan.runs(renderer::Pass::alpha) || film_.plan.runs(renderer::Pass::glass);
-        f.tracer = &scenery_.tracer();
-        f.floor = film_.tolerance_map().pixels.values()[0].absolute;
-        renderer::SeeCounts counts;
-        f.seen = renderer::see(scenery_, {film_.format, 1, film_.rendering.specular_depth}, film_.plan, counts);
-        // Only diffuse light of what takes records.
-        for (renderer::GatherTile& tile : f.seen.tiles)
-            for (renderer::GatherPoint& p : tile) {
-                if (!takes_records(p, {})) p.weight = glm::vec3(0);
-                p.point.bsdf.f0 = glm::vec3(0);
-            }
-        lay_lattice(f);
-        return f;
-    }
-
-  private:
-    static app::Production prepared(const std::string& input, const bench::Wishes& wishes) {
-        app::RenderOptions options;
-        options.input = input;
-        options.size = fmt::format("{0}x{0}", wishes.number("size", 192));
-        options.samples = 1;
-        options.vpls = wishes.number("vpls", 9000);
-        options.exposure = "0";
-        options.tolerance = "fixed=2%";
-        return app::prepare(options);
-    }
-
-    app::Production film_;
-    renderer::Scenery scenery_{*film_.animation, film_.rendering.isa, film_.plan};
-    renderer::LightPoints lights_{scenery_, film_.plan, film_.rendering.direct_points, film_.rendering.seed};
-    std::optional<renderer::Anchors> anchors_;
-};
-
-std::vector<Truth> truths_of(const Frame& frame, int count) {
-    std::vector<Frame::At> all;
-    for (const Frame::At& at : points_of(frame))
+std::vector<Truth> truths_of(const LatticeFrame& frame, int count) {
+    std::vector<LatticeFrame::At> all;
+    for (const LatticeFrame::At& at : points_of(frame))
         if (at.x % 2 != 0 || at.y % 2 != 0) all.push_back(at);
     std::vector<Truth> truths(std::min(all.size(), static_cast<std::size_t>(count)));
     parallel::for_each(truths.size(), [&](std::size_t i) {
@@ -366,18 +217,17 @@ std::vector<Truth> truths_of(const Frame& frame, int count) {
 }
 
 void run(const std::string& scene, const bench::Wishes& wishes) {
-    const std::vector<int> lattices = numbers(wishes.text("lattices", "2,4,8")),
-                           cuts = numbers(wishes.text("cuts", "2,8"));
+    const std::vector<int> lattices = wishes.numbers("lattices", "2,4,8"), cuts = wishes.numbers("cuts", "2,8");
     std::vector<std::vector<Sample>> exactly(lattices.size()), by_cuts(cuts.size());
     const int least = wishes.number("least", 3);
     const int finest = *std::min_element(lattices.begin(), lattices.end());
-    Film film(scene, wishes);
-    for (const int number : numbers(wishes.text("frames", "0,12"))) {
-        const Frame frame = film.frame(number);
+    bench::GradientFilm film(scene, wishes);
+    for (const int number : wishes.numbers("frames", "0,12")) {
+        const LatticeFrame frame = film.frame(number);
         const std::vector<Truth> truths = truths_of(frame, wishes.number("pixels", 2000));
         std::vector<SlopedLight> exact(frame.places.size());
         parallel::for_each(exact.size(), [&](std::size_t i) {
-            const Frame::At& at = frame.places[i];
+            const LatticeFrame::At& at = frame.places[i];
             if (at.x % finest == 0 && at.y % finest == 0)
                 exact[i] = bench::gather_sloped(frame.forest, *frame.tracer, frame.point(at.ref));
         });

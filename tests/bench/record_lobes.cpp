@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -26,50 +25,20 @@
 #include "renderer/see.h"
 #include "renderer/shadow_rays.h"
 #include "tests/bench/lobe_harmonics.h"
+#include "tests/bench/record_lobe_trials.h"
 #include "tests/bench/wishes.h"
 
 namespace render2mpeg {
 namespace {
 
+using bench::Trials;
+using bench::turn_count;
 using renderer::GatherPoint;
 using renderer::RecordLobe;
 
-constexpr float turns[] = {0, 2, 5, 10, 20};  ///< degrees
-constexpr int turn_count = 5;
-constexpr int distances[] = {1, 2, 4};  ///< pixels
-constexpr int place_count = 13;         ///< a pixel, and the four so far off it to each side
-constexpr float tolerances[] = {0.02f, 0.08f, 0.26f};
-
-/// What was kept: the lobe's light alone; with how it changes with the eye; harmonics alone; and the lobe's light with
-/// what these say that it changes by.
-enum Means {
-    lobe_alone,
-    slopes,
-    harmonics,
-    differences = harmonics + bench::tried_orders,
-    means_count = differences + bench::tried_orders
-};
-
-std::string name_of(int means, bench::Basis basis) {
-    if (means == lobe_alone) return "lobe, 40 bytes";
-    if (means == slopes) return "lobe and slopes, 88 bytes";
-    const int orders = bench::orders_of(basis, (means - harmonics) % bench::tried_orders);
-    const int bytes = 12 * bench::functions_of(basis, orders);
-    return means < differences ? fmt::format("{} orders, {} bytes", orders, bytes)
-                               : fmt::format("lobe and {} orders, {} bytes", orders, bytes + 40);
-}
-
-/// One try: by how much a pixel's luminance was off, and what was known of it before.
-struct Trial {
-    float error = 0;      ///< of the pixel's luminance
-    float lobe_part = 0;  ///< of the lobe in it, as the record says
-};
-/// Of a roughness: by means, and by turn, then by distance, of one neighbour and of the mean of four.
-struct Trials {
-    std::vector<Trial> of[means_count][turn_count + 6];
-    bench::Basis basis = bench::Basis::stretched;
-};
-
+constexpr float turns[bench::turn_count] = {0, 2, 5, 10, 20};  ///< degrees
+constexpr int distances[bench::distance_count] = {1, 2, 4};    ///< pixels
+constexpr int place_count = 13;                                ///< a pixel, and the four so far off it to each side
 /// Whatever lights a frame.
 struct Stage {
     std::shared_ptr<const scene::Animation> animation;
@@ -234,14 +203,14 @@ class Judge {
         for (int t = 0; t < turn_count; ++t) {
             const glm::vec3 eye = turned(places_[0].point, glm::radians(turns[t]), azimuth_);
             const RecordLobe lobe = lobe_of(own_, 0, there);
-            note(slopes, t, f0() * lobe.f0 + lobe.schlick + slope(t), lobe, t);
+            note(bench::slopes, t, f0() * lobe.f0 + lobe.schlick + slope(t), lobe, t);
             each_guess(0, eye, there, lobe, [&](int means, glm::vec3 guess) { note(means, t, guess, lobe, t); });
         }
     }
     void move() {
         const glm::vec3 eye = places_[0].point.outgoing;
-        for (int d = 0; d < 3; ++d) {
-            glm::vec3 mean[means_count]{};
+        for (int d = 0; d < bench::distance_count; ++d) {
+            glm::vec3 mean[bench::means_count]{};
             for (int k = 0; k < 4; ++k) {
                 const int i = 1 + 4 * d + k;
                 const glm::vec3 there = places_[static_cast<std::size_t>(i)].point.outgoing;
@@ -252,8 +221,9 @@ class Judge {
                 });
             }
             const RecordLobe lobe = lobe_of(own_, 1 + 4 * d, eye);
-            for (int m = 0; m < means_count; ++m)
-                if (m != slopes) note(static_cast<Means>(m), turn_count + 3 + d, mean[m], lobe, 0);
+            for (int m = 0; m < bench::means_count; ++m)
+                if (m != bench::slopes)
+                    note(static_cast<bench::Means>(m), turn_count + bench::distance_count + d, mean[m], lobe, 0);
         }
     }
 
@@ -282,12 +252,12 @@ class Judge {
         const bench::LobeHarmonics here = bench::project_lobe(light, p.shading_normal, eye, alpha_),
                                    before = bench::project_lobe(light, p.shading_normal, there, alpha_);
         const glm::vec3 kept = f0 * lobe.f0 + lobe.schlick;
-        note(lobe_alone, still);
+        note(bench::lobe_alone, still);
         for (int n = 0; n < bench::tried_orders; ++n) {
             const int functions = bench::functions_of(light.basis(), bench::orders_of(light.basis(), n));
             const glm::vec3 now = bench::scattered(light, here, f0, functions);
-            note(harmonics + n, now);
-            note(differences + n, kept + now - bench::scattered(light, before, f0, functions));
+            note(bench::harmonics + n, now);
+            note(bench::differences + n, kept + now - bench::scattered(light, before, f0, functions));
         }
     }
     void note(int means, int column, glm::vec3 guess, const RecordLobe& lobe, int eye) {
@@ -319,52 +289,6 @@ float azimuth_of(const Places& places, std::uint64_t index) {
     return azimuth;
 }
 
-std::string served(std::vector<Trial> trials) {
-    std::sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.lobe_part < b.lobe_part; });
-    std::string cell;
-    for (const float tolerance : tolerances) {
-        std::size_t beyond = 0, most = 0;
-        for (std::size_t i = 0; i < trials.size(); ++i) {
-            beyond += trials[i].error > tolerance ? 1 : 0;
-            if (100 * beyond <= i + 1) most = i + 1;
-        }
-        cell += fmt::format("{:.0f} ", 100.0 * static_cast<double>(most) /
-                                           static_cast<double>(std::max<std::size_t>(trials.size(), 1)));
-    }
-    return cell;
-}
-
-std::string median_error(std::vector<Trial> trials) {
-    if (trials.empty()) return "-";
-    std::nth_element(trials.begin(), trials.begin() + static_cast<std::ptrdiff_t>(trials.size() / 2), trials.end(),
-                     [](const Trial& a, const Trial& b) { return a.error < b.error; });
-    return fmt::format("{:.1f}", 100 * trials[trials.size() / 2].error);
-}
-
-void print_table(const Trials& trials, int roughness, const std::string& head, int first, int columns) {
-    fmt::print("| roughness {:.1f}: kept | {}\n", 0.01 * roughness, head);
-    fmt::print("|---|");
-    for (int c = 0; c < columns; ++c) fmt::print("---|");
-    fmt::print("\n");
-    for (int m = 0; m < means_count; ++m) {
-        if (trials.of[m][first].empty()) continue;
-        fmt::print("| {} |", name_of(m, trials.basis));
-        for (int c = first; c < first + columns; ++c)
-            fmt::print(" {}({} %) |", served(trials.of[m][c]), median_error(trials.of[m][c]));
-        fmt::print("\n");
-    }
-}
-
-std::vector<int> numbers_in(const std::string& text) {
-    std::vector<int> found;
-    for (std::size_t start = 0; start < text.size();) {
-        const std::size_t comma = std::min(text.find(',', start), text.size());
-        found.push_back(std::atoi(text.substr(start, comma - start).c_str()));
-        start = comma + 1;
-    }
-    return found;
-}
-
 Stage stage_of(const std::string& scene, const bench::Wishes& wishes) {
     app::RenderOptions options;
     options.input = scene;
@@ -392,7 +316,7 @@ Stage stage_of(const std::string& scene, const bench::Wishes& wishes) {
 void run(const std::string& scene, const bench::Wishes& wishes) {
     const Stage stage = stage_of(scene, wishes);
     const std::vector<Places> pixels = places_of(stage.seen, wishes.number("pixels", 200));
-    const std::vector<int> roughness = numbers_in(wishes.text("roughness", "20,30,40,50,70"));
+    const std::vector<int> roughness = wishes.numbers("roughness", "20,30,40,50,70");
     const bench::Basis basis = wishes.text("basis", "even") == "even" ? bench::Basis::even : bench::Basis::stretched;
     std::vector<Trials> trials(roughness.size());
     for (Trials& t : trials) t.basis = basis;
@@ -414,10 +338,7 @@ void run(const std::string& scene, const bench::Wishes& wishes) {
     }
     fmt::print("{} pixels of {}; per cent of pixels served at 2, 8 and 26 % (median error)\n",
                trials[0].of[0][0].size(), scene);
-    for (std::size_t r = 0; r < roughness.size(); ++r) {
-        print_table(trials[r], roughness[r], "turned by 0 | 2 | 5 | 10 | 20 degrees |", 0, turn_count);
-        print_table(trials[r], roughness[r], "1 pixel off | 2 | 4 | mean of four, 1 | 2 | 4 |", turn_count, 6);
-    }
+    for (std::size_t r = 0; r < roughness.size(); ++r) bench::print_tables(trials[r], roughness[r]);
 }
 
 }  // namespace

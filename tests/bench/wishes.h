@@ -1,8 +1,11 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdlib>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "core/error.h"
 
@@ -25,6 +28,17 @@ class Wishes {
     }
     int number(const std::string& name, int otherwise) const {
         return std::atoi(text(name, std::to_string(otherwise)).c_str());
+    }
+    /// Of a list with commas.
+    std::vector<int> numbers(const std::string& name, const std::string& otherwise) const {
+        const std::string list = text(name, otherwise);
+        std::vector<int> found;
+        for (std::size_t start = 0; start < list.size();) {
+            const std::size_t comma = std::min(list.find(',', start), list.size());
+            found.push_back(std::atoi(list.substr(start, comma - start).c_str()));
+            start = comma + 1;
+        }
+        return found;
     }
 
   private:
