@@ -7,9 +7,9 @@
 
 namespace render2mpeg::renderer {
 
-/// How a film's own light decides the caution of its cuts (docs/model.md, "Caution"). All of it is a function of what
-/// a chunk shows and of its tolerances, for any number of threads.
-///
+// How a film's own light decides the caution of its cuts (docs/model.md, "Caution"). All of it is a function of what
+// a chunk shows and of its tolerances, for any number of threads.
+
 /// What part of their luminance the pixels that gather light may be off by, as told before they are lit: the geometric
 /// mean, < 1, without those that may be off by all of it. 0: there are none.
 float typical_share(const Seen& seen, const core::ToleranceMap& tolerance);

@@ -10,9 +10,6 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Lattices on which points that no record serves become records, the coarsest first.
-constexpr int lattices[] = {4, 2, 1};
-
 /// On the coarser lattices an area of 64 x 64 pixels gathers only so many requests or more: fewer fill no packets, and
 /// are asked again on the next. chosen: of 0, 24, 48, 64 and 128 that with which later frames of Sponza's walk take
 /// least time (a fifth less than 0).

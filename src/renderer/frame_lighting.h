@@ -60,6 +60,9 @@ class FrameLighting {
     FrameLight take(RecordCache::LitTiles& last, ShadeCounts& counts, RecordCounts& record_counts);
 
   private:
+    /// Of pixels, on which points that are not known yet are gathered, the coarsest first.
+    static constexpr int lattices[] = {4, 2, 1};
+
     enum class PointState : std::uint8_t {
         open,
         in_vain,   ///< asked records, and none came since

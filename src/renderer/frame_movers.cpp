@@ -30,8 +30,6 @@ constexpr float share_left = 0.7f;
 /// many points are gathered.
 constexpr float least_found = 0.5f;
 
-constexpr int lattices[] = {4, 2, 1};
-
 void add(PointLight& sum, const PointLight& part, float sign) {
     sum.direct += sign * part.direct;
     sum.indirect += sign * part.indirect;
@@ -118,7 +116,7 @@ std::vector<std::vector<PointRef>> FrameLighting::wanting_movers(int lattice) {
             if (moving_[t][i] != Moving::unknown || x_of(t, p) % lattice != 0 || y_of(t, p) % lattice != 0) continue;
             bool found = moves(p);
             // What narrow lobes and mirrors show is as sharp as they are.
-            for (const int coarser : {4, 2})
+            for (const int coarser : lattices)
                 if (!found && coarser > lattice && !p.point.bsdf.has_glossy() && !p.reached_by_specular)
                     found = is_between(t, i, coarser);
             if (!found) of_tile[t].push_back({static_cast<std::uint32_t>(t), i});

@@ -23,8 +23,7 @@ void FrameLighting::renew(ShadeCounts& counts, RecordCounts& record_counts) {
     parallel::for_each(seen_.tiles.size(), [&](std::size_t t) {
         for (std::uint32_t i = 0; i < seen_.tiles[t].size(); ++i) {
             const GatherPoint& p = seen_.tiles[t][i];
-            if (x_of(t, p) % 4 != x0 || y_of(t, p) % 4 != y0 || p.point.bsdf.has_glossy() || !takes(p))
-                continue;
+            if (x_of(t, p) % 4 != x0 || y_of(t, p) % 4 != y0 || p.point.bsdf.has_glossy() || !takes(p)) continue;
             const auto query = query_of(t, i);
             if (!query) continue;
             const RecordEstimate told = estimate(*query, map_, records_, trust_, snapshot_.frame);

@@ -27,7 +27,7 @@ constexpr std::uint64_t dice = 0x7a1c;  ///< seed of core::uniform
 
 /// Those that the dice choose, by tiles; and how many of the points that have asked so far records serve.
 std::vector<std::vector<PointRef>> FrameLighting::watched(Watch when, const RecordWatch& known,
-                                                           float& served_share) const {
+                                                          float& served_share) const {
     double served = 0, asked = 0;
     for (std::size_t t = 0; t < state_.size(); ++t) {
         for (std::size_t i = 0; i < state_[t].size(); ++i) {

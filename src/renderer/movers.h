@@ -18,8 +18,8 @@ class GroupMovers {
     /// Of many movers those that look largest from the group. chosen: 8, as of shields; not tuned.
     static constexpr int most = 8;
 
-    /// What looks smaller hides too little to be asked where clusters are divided. chosen: 0.02, a ten-thousandth of
-    /// what a point sees: less than one light of a cut.
+    /// What looks smaller hides too little for parts of clusters to be looked at past it. chosen: 0.02, a
+    /// ten-thousandth of what a point sees: less than one light of a cut.
     static constexpr float least_seen = 0.02f;
 
     /// Those that look smaller than `least` (half their diagonal over their distance) are none.

@@ -88,11 +88,11 @@ TracedScene::TracedScene(const scene::Animation& animation, core::Isa isa, std::
     }
 
     // Start with empty scenes: nothing is anywhere before it is posed.
-    still_ = new_scene(false);
-    rtcCommitScene(still_.get());
+    baked_ = new_scene(false);
+    rtcCommitScene(baked_.get());
     if (!all_baked) {
         top_ = new_scene(true);
-        still_instance_ = new_instance(still_.get(), static_cast<unsigned>(placed_.size()), baked_mask);
+        baked_instance_ = new_instance(baked_.get(), static_cast<unsigned>(placed_.size()), baked_mask);
         rtcCommitScene(top_.get());
     }
     check("starting Embree");
@@ -171,8 +171,8 @@ bool TracedScene::pose(const scene::Snapshot& snapshot) {
         (placed_[i].kind == Kind::baked ? baked_changed : top_changed) = true;
         still_changed = still_changed || is_still(i);
     }
-    if (baked_changed) rtcCommitScene(still_.get());
-    if (baked_changed && still_instance_ != nullptr) rtcCommitGeometry(still_instance_);
+    if (baked_changed) rtcCommitScene(baked_.get());
+    if (baked_changed && baked_instance_ != nullptr) rtcCommitGeometry(baked_instance_);
     if (top_ && (baked_changed || top_changed)) rtcCommitScene(top_.get());
     check("building the ray tracer's scene");
     return still_changed;
@@ -254,9 +254,9 @@ bool TracedScene::bake(std::uint32_t object, const glm::mat4& to_world) {
     const auto mesh = static_cast<std::size_t>(animation_.objects[object].mesh);
     std::vector<glm::vec3> world = animation_.meshes[mesh].positions;
     for (glm::vec3& p : world) p = glm::vec3(to_world * glm::vec4(p, 1.0f));
-    if (placed.geometry != nullptr) rtcDetachGeometry(still_.get(), object);
+    if (placed.geometry != nullptr) rtcDetachGeometry(baked_.get(), object);
     placed.geometry = new_triangles(world, object);
-    rtcAttachGeometryByID(still_.get(), placed.geometry, object);
+    rtcAttachGeometryByID(baked_.get(), placed.geometry, object);
     rtcReleaseGeometry(placed.geometry);
     placed.to_world = to_world;
     return true;

@@ -45,12 +45,12 @@ class TracedScene {
     /// World boxes of what is posed and moves.
     std::vector<MiddleBox> boxes_of_movers() const;
 
-    RTCSceneTy* root() const { return top_ ? top_.get() : still_.get(); }
+    RTCSceneTy* root() const { return top_ ? top_.get() : baked_.get(); }
 
     /// What never moves, but for instances: the same as `root` where there are none. Embree never returns from some
     /// coherent packets that meet instances, so packets are traced here first and then, incoherently and with
     /// `instance_mask` in their rays, in `root`.
-    RTCSceneTy* baked() const { return still_.get(); }
+    RTCSceneTy* baked() const { return baked_.get(); }
     bool has_instances() const { return top_ != nullptr; }
     bool has_movers() const { return has_movers_; }
     bool has_still_instances() const { return has_still_instances_; }
@@ -96,7 +96,7 @@ class TracedScene {
         Kind kind = Kind::baked;
         bool present = false;
         RTCGeometryTy* geometry =
-            nullptr;  ///< baked: in `still_`; else the instance in `top_`. None until first present
+            nullptr;  ///< baked: in `baked_`; else the instance in `top_`. None until first present
         RTCGeometryTy* triangles = nullptr;  ///< deforming: in `own`
         Scene own;                           ///< deforming
         glm::mat4 to_world{0.0f};
@@ -121,9 +121,9 @@ class TracedScene {
     std::string message_;  ///< of Embree's first error since the last check
     Device device_;
     std::map<std::pair<int, bool>, Scene> shared_;  ///< meshes in their own space, without and with the filter
-    Scene still_;
+    Scene baked_;
     Scene top_;  ///< none where everything is baked
-    RTCGeometryTy* still_instance_ = nullptr;
+    RTCGeometryTy* baked_instance_ = nullptr;
     std::vector<Placed> placed_;
     bool any_translucent_ = false, has_movers_ = false, has_still_instances_ = false;
 };
