@@ -57,6 +57,7 @@ void each_count(Counts& s, Visit&& visit) {
     visit("layer_seconds", s.layer_seconds);
     visit("records_created", s.records_created);
     visit("records_served", s.records_served);
+    visit("records_moved", s.records_moved);
     visit("records_followed", s.records_followed);
     visit("records_watched", s.records_watched);
     visit("records_missed", s.records_missed);

@@ -30,6 +30,23 @@ glm::vec3 scattered(const GatherPoint& p, const GatheredLight& light, int lane) 
     return p.weight * (bsdf.diffuse * (direct + indirect) + glossy);
 }
 
+const MovedPoint* find(const MovedPoints& moved, std::uint32_t tile, std::uint32_t index) {
+    if (moved.empty()) return nullptr;
+    const auto found = std::lower_bound(moved[tile].begin(), moved[tile].end(), index,
+                                        [](const MovedPoint& m, std::uint32_t i) { return m.index < i; });
+    return found != moved[tile].end() && found->index == index ? &*found : nullptr;
+}
+
+/// Where the trees' light of a point was gathered.
+GatherPoint lit_at(GatherPoint p, const MovedPoint* moved) {
+    if (moved == nullptr) return p;
+    p.point.position = moved->position;
+    p.point.geometric_normal = moved->geometric_normal;
+    p.point.shading_normal = moved->shading_normal;
+    p.point.outgoing = moved->outgoing;
+    return p;
+}
+
 }  // namespace
 
 glm::ivec2 place_of(const Seen& seen, const LitPixel& p) {
@@ -76,15 +93,21 @@ std::vector<LitPixel> spread(const std::vector<LitPixel>& pixels, std::size_t co
 }
 
 std::vector<glm::vec3> gather_exactly(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
-                                      const std::vector<LitPixel>& pixels) {
-    std::vector<const GatherPoint*> points;
+                                      const std::vector<LitPixel>& pixels, const MovedPoints& moved) {
+    EXPECTS(moved.empty() || moved.size() == seen.tiles.size());
+    struct Place {
+        const GatherPoint* point;
+        const MovedPoint* moved;
+    };
+    std::vector<Place> places;
     for (const LitPixel& p : pixels)
-        for (std::uint32_t i = p.first; i < p.last; ++i) points.push_back(&seen.tiles[p.tile][i]);
-    std::vector<glm::vec3> light(points.size());
-    parallel::for_each(points.size(), [&](std::size_t i) {
+        for (std::uint32_t i = p.first; i < p.last; ++i)
+            places.push_back({&seen.tiles[p.tile][i], find(moved, p.tile, i)});
+    std::vector<glm::vec3> light(places.size());
+    parallel::for_each(places.size(), [&](std::size_t i) {
         GatheredLight gathered;
-        gather_all(forest, tracer, *points[i], gathered);
-        light[i] = scattered(*points[i], gathered, 0);
+        gather_all(forest, tracer, lit_at(*places[i].point, places[i].moved), *places[i].point, gathered);
+        light[i] = scattered(*places[i].point, gathered, 0);
     });
 
     std::vector<glm::vec3> sums;

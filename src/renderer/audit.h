@@ -31,10 +31,11 @@ std::vector<LitPixel> drawn(std::vector<LitPixel> pixels, std::size_t count, std
 /// As many, one out of each of `count` equal stretches of the list: spread over the picture. Other dice.
 std::vector<LitPixel> spread(const std::vector<LitPixel>& pixels, std::size_t count, std::int64_t frame);
 
-/// What the pixels send when their light is gathered from every light point by itself: radiance, >= 0 and finite. The
-/// same for any number of threads.
+/// What the pixels send when their light is gathered from every light point by itself: radiance, >= 0 and finite. Light
+/// of the trees is gathered where it was when the frame was lit: some points were `moved` (empty: none). The same for
+/// any number of threads.
 std::vector<glm::vec3> gather_exactly(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
-                                      const std::vector<LitPixel>& pixels);
+                                      const std::vector<LitPixel>& pixels, const MovedPoints& moved = {});
 
 /// Holds one pixel of a frame, lit by `tolerance`, against the radiance that it should have.
 AuditedPixel compare(glm::ivec2 place, glm::vec3 truth, const core::ToleranceMap& tolerance,

@@ -43,10 +43,12 @@ void FrameLighting::gather_exact(std::size_t tile, ShadeCounts& counts) {
 
 /// Takes the light of points that are the very same as in the last frame. Whether all exact light is known by that, and
 /// what movers change.
-bool FrameLighting::recall(std::size_t t, const RecordCache::LitTiles& last, std::int64_t last_frame, bool moved) {
+bool FrameLighting::recall(std::size_t t, const RecordCache::LitTiles& last, const MovedPoints& last_moved_points,
+                           std::int64_t last_frame, bool moved) {
     const GatherTile& points = seen_.tiles[t];
     if (last.size() != seen_.tiles.size() || last[t].size() != points.size()) return false;
     bool all = !moved;
+    auto elsewhere = last_moved_points[t].begin();
     for (std::size_t i = 0; i < points.size(); ++i) {
         const GatherPoint& p = points[i];
         const RecordCache::LitPoint& before = last[t][i];
@@ -67,6 +69,8 @@ bool FrameLighting::recall(std::size_t t, const RecordCache::LitTiles& last, std
         light_[t][i].served = true;
         light_[t][i].age += static_cast<float>(snapshot_.frame - last_frame);
         state_[t][i] = PointState::recalled;
+        while (elsewhere != last_moved_points[t].end() && elsewhere->index < i) ++elsewhere;
+        if (elsewhere != last_moved_points[t].end() && elsewhere->index == i) moved_points_[t].push_back(*elsewhere);
         ++served_[t];
         // Whoever may have served it is not forgotten.
         const int x = x_of(t, p), y = y_of(t, p);
@@ -76,7 +80,8 @@ bool FrameLighting::recall(std::size_t t, const RecordCache::LitTiles& last, std
 }
 
 void FrameLighting::prepare(const core::ToleranceMap& tolerance, const RecordCache::LitTiles& last,
-                            std::int64_t last_frame, bool moved, ShadeCounts& counts) {
+                            const MovedPoints& last_moved_points, std::int64_t last_frame, bool moved,
+                            ShadeCounts& counts) {
     map_.build(records_.all(), camera_);
     std::vector<ShadeCounts> of_tile(seen_.tiles.size());
     parallel::for_each(seen_.tiles.size(), [&](std::size_t t) {
@@ -85,7 +90,7 @@ void FrameLighting::prepare(const core::ToleranceMap& tolerance, const RecordCac
         light_[t].assign(points.size(), {});
         state_[t].assign(points.size(), PointState::open);
         tolerances_[t] = point_tolerances(seen_, t, tolerance);
-        const bool knows = recall(t, last, last_frame, moved);
+        const bool knows = recall(t, last, last_moved_points, last_frame, moved);
         if (!knows && parts_ != nullptr) exact_[t].assign(points.size(), {});
         if (!knows && !whole_.exact.empty()) gather_exact(t, of_tile[t]);
         moving_[t].assign(points.size(), knows ? Moving::recalled : Moving::unknown);
@@ -117,7 +122,16 @@ std::vector<PointRef> FrameLighting::wanting(std::size_t t, int lattice) {
             const auto query = state_[t][i] == PointState::open ? query_of(t, i) : std::nullopt;
             if (query) {
                 const RecordEstimate found = estimate(*query, map_, records_, trust_, snapshot_.frame);
-                state_[t][i] = found.holds ? PointState::settled : PointState::in_vain;
+                state_[t][i] = !found.holds      ? PointState::in_vain
+                               : found.elsewhere ? PointState::elsewhere
+                                                 : PointState::settled;
+                if (found.elsewhere) {
+                    const Record& r = records_[*found.elsewhere];
+                    const glm::vec3 here = p.point.outgoing,
+                                    outgoing = query->eye ? core::normalize_or(*query->eye - r.position, here) : here;
+                    moved_points_[t].push_back(
+                        {static_cast<std::uint32_t>(i), r.position, r.geometric_normal, r.shading_normal, outgoing});
+                }
                 if (found.holds) {
                     light_[t][i] = found.light;
                     ++served;
@@ -240,7 +254,13 @@ void FrameLighting::tell(LobeTrials& trials) const {
     }
 }
 
-FrameLight FrameLighting::take(RecordCache::LitTiles& last, ShadeCounts& counts, RecordCounts& record_counts) {
+FrameLight FrameLighting::take(RecordCache::LitTiles& last, MovedPoints& moved, ShadeCounts& counts,
+                               RecordCounts& record_counts) {
+    for (auto& tile : moved_points_) {
+        std::sort(tile.begin(), tile.end(), [](const auto& a, const auto& b) { return a.index < b.index; });
+        record_counts.moved += tile.size();
+    }
+    moved = std::move(moved_points_);
     last.resize(light_.size());
     for (std::size_t t = 0; t < light_.size(); ++t) {
         last[t].clear();

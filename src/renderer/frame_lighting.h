@@ -38,6 +38,7 @@ class FrameLighting {
           tolerances_(seen.tiles.size()),
           state_(seen.tiles.size()),
           served_(seen.tiles.size(), 0),
+          moved_points_(seen.tiles.size()),
           movers_(seen.tiles.size()),
           moving_(seen.tiles.size()) {
         limits_.exact = false;
@@ -46,8 +47,8 @@ class FrameLighting {
     }
 
     /// `moved`: things lie elsewhere than in the last frame, though records are what they were.
-    void prepare(const core::ToleranceMap& tolerance, const RecordCache::LitTiles& last, std::int64_t last_frame,
-                 bool moved, ShadeCounts& counts);
+    void prepare(const core::ToleranceMap& tolerance, const RecordCache::LitTiles& last,
+                 const MovedPoints& last_moved_points, std::int64_t last_frame, bool moved, ShadeCounts& counts);
     void renew(ShadeCounts& counts, RecordCounts& record_counts);
     /// Serves or gathers what is not known yet, lattice by lattice; and some of what was served all the same, for
     /// `watch`.
@@ -57,7 +58,7 @@ class FrameLighting {
     void thin() { records_.thin(snapshot_.frame, map_); }
     /// Which materials' lobes were served, and which were not.
     void tell(LobeTrials& trials) const;
-    FrameLight take(RecordCache::LitTiles& last, ShadeCounts& counts, RecordCounts& record_counts);
+    FrameLight take(RecordCache::LitTiles& last, MovedPoints& moved, ShadeCounts& counts, RecordCounts& record_counts);
 
   private:
     /// Of pixels, on which points that are not known yet are gathered, the coarsest first.
@@ -65,13 +66,15 @@ class FrameLighting {
 
     enum class PointState : std::uint8_t {
         open,
-        in_vain,   ///< asked records, and none came since
-        settled,   ///< its light is known
-        recalled,  ///< likewise, from the frame before
-        watched    ///< likewise: records served it, and it was gathered all the same
+        in_vain,    ///< asked records, and none came since
+        settled,    ///< its light is known
+        elsewhere,  ///< likewise: at the place of a record in the same pixel
+        recalled,   ///< likewise, from the frame before
+        watched     ///< likewise: records served it, and it was gathered all the same
     };
 
-    bool recall(std::size_t tile, const RecordCache::LitTiles& last, std::int64_t last_frame, bool moved);
+    bool recall(std::size_t tile, const RecordCache::LitTiles& last, const MovedPoints& last_moved_points,
+                std::int64_t last_frame, bool moved);
     /// What moves has no records where light is parted.
     bool moves(const GatherPoint& p) const {
         return parts_ != nullptr &&
@@ -130,6 +133,7 @@ class FrameLighting {
     std::vector<std::vector<PointTolerance>> tolerances_;
     std::vector<std::vector<PointState>> state_;
     std::vector<std::uint64_t> served_;  ///< by tile
+    MovedPoints moved_points_;           ///< in any order
     enum class Moving : std::uint8_t {
         unknown,
         gathered,

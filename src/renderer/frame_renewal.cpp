@@ -27,7 +27,7 @@ void FrameLighting::renew(ShadeCounts& counts, RecordCounts& record_counts) {
             const auto query = query_of(t, i);
             if (!query) continue;
             const RecordEstimate told = estimate(*query, map_, records_, trust_, snapshot_.frame);
-            if (!told.holds) continue;
+            if (!told.holds || told.elsewhere) continue;
             of_tile[t].push_back({static_cast<std::uint32_t>(t), i});
             before[t].emplace_back(i, told.light);
         }

@@ -49,15 +49,18 @@ void set_first(RgbLanes& lanes, glm::vec3 v) {
 
 }  // namespace
 
-void gather_all(const LightForest& forest, const RayTracer& tracer, const GatherPoint& point, GatheredLight& out) {
+void gather_all(const LightForest& forest, const RayTracer& tracer, const GatherPoint& point,
+                const GatherPoint& exact_at, GatheredLight& out) {
     const FlushDenormals flushed;
     const GatherPoint* copies[lane_count];
     std::fill(std::begin(copies), std::end(copies), &point);
     GatherLanes lanes, alone;
     fill(lanes, copies);
-    fill(alone, std::span(copies).first(1));
     GatheredLight exact;
+    const GatherPoint* const exactly[] = {&exact_at};
+    fill(alone, exactly);
     Gatherer(forest, tracer).gather_exact(alone, exact);
+    fill(alone, std::span(copies).first(1));
 
     CutSums sums(lanes);
     LightPacket lights;

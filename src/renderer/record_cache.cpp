@@ -33,7 +33,7 @@ FrameLight RecordCache::light(const LightForest& forest, const RayTracer& tracer
     trust_.recalled = core::divide_or(limits.caution, last_caution_, 1.0f);
     last_caution_ = limits.caution;
     FrameLighting frame(forest, tracer, seen, snapshot, limits, trust_, trials_, records_, parts);
-    frame.prepare(tolerance, last_, last_frame_, moved_, shade_counts);
+    frame.prepare(tolerance, last_, last_moved_points_, last_frame_, moved_, shade_counts);
     last_frame_ = snapshot.frame;
     if (changed_ && records_.size() > 0) frame.renew(shade_counts, counts);
     changed_ = moved_ = false;
@@ -43,7 +43,7 @@ FrameLight RecordCache::light(const LightForest& forest, const RayTracer& tracer
     frame.tell(trials_);
     trials_.judge();
     counts.live = records_.size();
-    return frame.take(last_, shade_counts, counts);
+    return frame.take(last_, last_moved_points_, shade_counts, counts);
 }
 
 }  // namespace render2mpeg::renderer

@@ -11,6 +11,7 @@ namespace render2mpeg::renderer {
 /// What the records did for a frame.
 struct RecordCounts {
     std::uint64_t served = 0;    ///< gather points whose light came from records, or from the very same point before
+    std::uint64_t moved = 0;     ///< of these, at the place of a record elsewhere in their pixel
     std::uint64_t created = 0;   ///< records
     std::uint64_t followed = 0;  ///< older records that changed as the light around them did
     std::uint64_t live = 0;      ///< records held after the frame
@@ -28,7 +29,14 @@ class RecordCache {
         trials_.forget();
         watch_.forget();
         last_ = {};
+        last_moved_points_ = {};
         changed_ = moved_ = false;
+    }
+
+    /// Which points of the last frame, lit by `tolerance`, were lit elsewhere in their pixels. The reference asks no
+    /// records.
+    MovedPoints moved_points(const core::ToleranceMap& tolerance) const {
+        return tolerance.is_reference() ? MovedPoints{} : last_moved_points_;
     }
 
     /// How many records lie in each pixel of a picture, seen or hidden.
@@ -61,6 +69,7 @@ class RecordCache {
     std::size_t bytes() const {
         std::size_t sum = records_.bytes() + trials_.bytes() + watch_.bytes();
         for (const auto& tile : last_) sum += tile.capacity() * sizeof(LitPoint);
+        for (const auto& tile : last_moved_points_) sum += tile.capacity() * sizeof(MovedPoint);
         return sum;
     }
 
@@ -79,6 +88,7 @@ class RecordCache {
 
     Records records_;
     LitTiles last_;
+    MovedPoints last_moved_points_;
     std::int64_t last_frame_ = 0;  ///< that they are of
     float last_caution_ = 1;       ///< that they were lit with
     bool changed_ = false;         ///< light is another than what the records tell

@@ -4,12 +4,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "core/color.h"
 #include "core/numeric.h"
 #include "renderer/gather_groups.h"
-#include "renderer/lobe.h"
+#include "renderer/record_lobe.h"
+#include "renderer/record_own.h"
 #include "renderer/record_plane.h"
 
 namespace render2mpeg::renderer {
@@ -20,26 +20,6 @@ constexpr int radii[] = {1, 2, 4, 6};
 /// With fewer than this, records may lie in two columns, through which a plane always passes: a step between them is no
 /// slope.
 constexpr int tells_steps = 4;
-
-/// Widths of lobes that count as one.
-constexpr float alike_alpha = 0.1f;
-/// Half vectors that a record's lobe was looked at by may lie so far, in widths of the lobe, off those that the point
-/// looks by: since the eye was elsewhere, and since the place's normal and its sight are not the point's. chosen: turns
-/// that some frames of a walk lie within; 0.25 instead of 0.125 serves hardly more, since `turn_error` counts. Bends of
-/// 1 of 0.5, 1 and 2, which leave 0.4, 0.6 and 1.1 % of pixels beyond 8 % in a corridor of polished metal, 0.5 % each
-/// in a colonnade, for 1, 0.92 and 0.85 and for 1, 0.87 and 0.77 of the rays of later frames (docs/decisions/0018,
-/// roughness 0.3).
-constexpr float most_turn = 0.125f, most_bend = 1.0f;
-/// What a lobe's light changes by as its half vectors turn by its width, as far as `seen_from` does not know. It counts
-/// by the weighted sum of what records are off, which is nothing where a plane lies through them and the eye stands
-/// still. chosen: 0.6 of 0, 0.3, 0.6 and 1.0, by which 1.2, 0.7, 0.5 and 0.3 % of pixels are beyond their tolerance of
-/// 8 % in a corridor of polished metal (docs/decisions/0018; bends of 0.5), for 0.87, 0.93, 1 and 1.08 times the rays.
-constexpr float turn_error = 0.6f;
-/// A record so near, in pixels, stands for the pixel by itself where neighbours disagree, if light that changes as
-/// between it and them changes by no more than the tolerance over twice its distance. chosen: without the latter 19 %
-/// of these pixels err by more than they may (Sibenik's walk at 2 %, 160x160) and make most of all large errors; with
-/// it 6 %. At 0.15 and 0.3 pixels they err more often than at 0.1 (22 instead of 3 % in Sponza, without the latter).
-constexpr float own_distance = 0.1f, own_doubt = 2.0f;
 
 /// Records to one side of a pixel, or along a line, as at rims of surfaces and on thin mouldings, carry no plane. So
 /// many of them serve by their mean if one is so near, in pixels, and if they disagree by so much less than the
@@ -56,30 +36,6 @@ constexpr float level_doubt = 3.0f, level_distance = 1.5f, most_reach = 4.0f;
 /// A record's slopes change its light by no more than this share of it: they hold near it, and not where light is so
 /// grazing. chosen: 1, which keeps light at 0 and more; not tuned.
 constexpr float most_change = 1.0f;
-
-/// A record's lobe towards the eye of a point that asks, by the point's material.
-struct SeenLobe {
-    glm::vec3 radiance;
-    glm::vec3 turned;  ///< half vectors that it was looked at by, off the point's, in widths; times luminance
-};
-
-/// None where it says nothing of the point's.
-std::optional<SeenLobe> lobe_at(const RecordQuery& q, const Record& r) {
-    const SurfacePoint& p = q.point.point;
-    if (!p.bsdf.has_glossy())
-        return r.lobe.alpha == 0.0f ? std::optional(SeenLobe{glm::vec3(0), glm::vec3(0)}) : std::nullopt;
-    const float alpha = p.bsdf.alpha;
-    if (!(std::abs(r.lobe.alpha - alpha) <= alike_alpha * alpha)) return std::nullopt;
-    // The eye turned about the record; and about the point it looks otherwise than about the record.
-    const glm::vec3 eye = q.eye ? core::normalize_or(*q.eye - r.position, p.outgoing) : p.outgoing;
-    const glm::vec3 turn = 0.5f * (r.lobe.outgoing - eye);
-    const glm::vec3 bend = 0.5f * (eye - p.outgoing) - (r.shading_normal - p.shading_normal);
-    if (glm::dot(turn, turn) > most_turn * most_turn * alpha * alpha ||
-        glm::dot(bend, bend) > most_bend * most_bend * alpha * alpha)
-        return std::nullopt;
-    const glm::vec3 radiance = seen_from(r.lobe, r.shading_normal, eye, p.bsdf);
-    return SeenLobe{radiance, core::luminance(q.point.weight * radiance) / alpha * (turn + bend)};
-}
 
 /// A record that is asked.
 struct Neighbour {
@@ -118,10 +74,6 @@ class Neighbours {
     /// By how much what they disagree by counts for more than in a plane through them; 0: they tell nothing, 1: a
     /// plane.
     float fit(const SurfacePoint& p);
-    /// The nearest, if it is the point's own.
-    const Neighbour* own() const;
-    /// What luminance may change by between that and the point, by how it changes around.
-    float own_change() const;
     RecordPlane& plane() { return plane_; }
     float weight(int i) const { return plane_.weight(i); }
     /// What gathering may be off by, given what the point makes of irradiance.
@@ -170,8 +122,7 @@ bool Neighbours::find_candidates(const RecordQuery& q, const RecordMap& map, int
         }
     }
     return candidate_count_ >= RecordPlane::least ||
-           (candidate_count_ >= least_level && nearest2 <= level_distance * level_distance) ||
-           nearest2 <= own_distance * own_distance;
+           (candidate_count_ >= least_level && nearest2 <= level_distance * level_distance);
 }
 
 bool Neighbours::find(const RecordQuery& q, const RecordMap& map, const Records& records, int radius) {
@@ -215,17 +166,6 @@ float Neighbours::fit(const SurfacePoint& p) {
     if (!plane_.fit_level()) return 0.0f;
     const float reach = plane_.reach();
     return reach < most_reach ? level_doubt * std::max(1.0f, reach) : 0.0f;
-}
-
-const Neighbour* Neighbours::own() const {
-    const int n = plane_.nearest();
-    return plane_.distance(n) <= own_distance ? &(*this)[n] : nullptr;
-}
-
-float Neighbours::own_change() const {
-    const int n = plane_.nearest();
-    const float distance = plane_.distance(n);
-    return distance > 0.0f ? own_doubt * distance * plane_.steepest(n) : 0.0f;
 }
 
 float Neighbours::noise(float receives) const {
@@ -286,16 +226,6 @@ PointLight blend(const Neighbours& n, const GatherPoint& p, std::int64_t frame) 
 
 }  // namespace
 
-/// A typical cosine of light stands for it in [Heitz2014, eq. 99].
-glm::vec3 seen_from(const RecordLobe& lobe, glm::vec3 normal, glm::vec3 outgoing, const Bsdf& bsdf) {
-    constexpr float typical = 0.6f, least = 0.05f;
-    const float a2 = bsdf.alpha * bsdf.alpha;
-    const float here = std::max(glm::dot(normal, outgoing), least),
-                there = std::max(glm::dot(normal, lobe.outgoing), least);
-    const float ratio = lobe::masking(typical, here, a2) / lobe::masking(typical, there, a2);
-    return ratio * (bsdf.f0 * lobe.f0 + lobe.schlick);
-}
-
 RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& records, const RecordTrust& trust,
                         std::int64_t frame) {
     RecordEstimate result;
@@ -324,26 +254,8 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
                 return result;
             }
         }
-        const Neighbour* own = near.own();
-        if (own == nullptr) continue;
-        PointLight light{own->record->direct, own->record->indirect, own->lobe.radiance};
-        const float tolerance = q.tolerance.allows(core::luminance(light.scattered(q.point)));
-        // What a cut that was capped is off by would be no less if it were gathered again.
-        const float turned = trust.noise * turn_error * glm::length(own->lobe.turned),
-                    noise = turned + trust.noise * q.receives * own->record->error,
-                    change = trust.residual * near.own_change();
-        if ((own->record->capped ? turned : noise) > tolerance || trust.strictness * change > tolerance) continue;
-        light.served = true;
-        light.clamped = own->record->clamped * core::luminance(light.scattered(q.point));
-        light.capped = own->record->capped;
-        light.age = static_cast<float>(frame - own->record->born);
-        light.doubt = core::divide_or(change, tolerance, 0.0f);
-        light.error = std::max(noise, trust.strictness * change);
-        result.holds = true;
-        result.light = light;
-        records.use(own->index, frame);
-        return result;
     }
+    take_own(q, map, records, trust, frame, result);
     return result;
 }
 

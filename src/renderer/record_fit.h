@@ -31,14 +31,13 @@ struct RecordEstimate {
     bool holds = false;  ///< within the point's tolerance, as far as they tell
     PointLight light;    ///< of the forest's trees
     int radius = 0;      ///< pixels that were looked at to each side
+    /// The record whose light that is, at its own place in the point's pixel; none where it is light at the point.
+    std::optional<std::uint32_t> elsewhere;
 };
 
-/// Radiance of a place's lobe towards another eye than the record's, `outgoing`: what hides and shadows its facets
-/// changes with the angle to the normal, for the rest it must be wide. By the material of `bsdf`.
-glm::vec3 seen_from(const RecordLobe& lobe, glm::vec3 normal, glm::vec3 outgoing, const Bsdf& bsdf);
-
 /// Light of a point by a weighted plane through its neighbours' records, the nearest that agree: radii of 1, 2, 4 and
-/// 6 pixels in turn (docs/model.md, "Records"). Notes the use of records where it holds.
+/// 6 pixels in turn; where none do, that of the nearest record in its own pixel, at the place of that (docs/model.md,
+/// "Records"). Notes the use of records where it holds.
 RecordEstimate estimate(const RecordQuery& query, const RecordMap& map, Records& records, const RecordTrust& trust,
                         std::int64_t frame);
 

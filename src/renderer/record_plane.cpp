@@ -14,9 +14,6 @@ namespace {
 /// the rim of the picture be served; not tuned.
 constexpr float most_stretch = 1.25f;
 
-/// Samples nearer to each other than so many pixels differ by their gathering's errors. chosen: 0.25; not tuned.
-constexpr float least_apart = 0.25f;
-
 }  // namespace
 
 bool RecordPlane::fit() {
@@ -113,18 +110,6 @@ int RecordPlane::nearest() const {
 
 float RecordPlane::distance(int i) const {
     return glm::length(samples_[static_cast<std::size_t>(i)].offset);
-}
-
-float RecordPlane::steepest(int from) const {
-    if (count_ < 2) return std::numeric_limits<float>::infinity();
-    const Sample& a = samples_[static_cast<std::size_t>(from)];
-    float slope = 0;
-    for (int i = 0; i < count_; ++i) {
-        const Sample& b = samples_[static_cast<std::size_t>(i)];
-        const float apart = std::max(glm::length(b.offset - a.offset), least_apart);
-        slope = std::max(slope, std::abs(core::luminance(b.value - a.value)) / apart);
-    }
-    return slope;
 }
 
 float RecordPlane::rise() const {

@@ -43,8 +43,6 @@ class RecordPlane {
     /// Index of that.
     int nearest() const;
     float distance(int i) const;
-    /// What luminance changes by per pixel on the steepest way from a sample to another; infinite where there is none.
-    float steepest(int from) const;
 
   private:
     struct Sample {

@@ -224,6 +224,7 @@ struct Renderer::Impl {
     void count(const RecordCounts& found) {
         statistics.records_created += found.created;
         statistics.records_served += found.served;
+        statistics.records_moved += found.moved;
         statistics.records_followed += found.followed;
         statistics.records_watched += found.watched;
         statistics.records_missed += found.missed;
@@ -316,13 +317,14 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
                                           int count) {
     EXPECTS(seen.visible.frame == snapshot.frame && radiance.frame == snapshot.frame);
     if (count <= 0) return {};
-    impl_->pose(snapshot);
-    const std::uint64_t photon_rays = impl_->statistics.photon_rays;
-    impl_->update_light(snapshot);
-    impl_->statistics.photon_rays = photon_rays;
+    Impl& i = *impl_;
+    i.pose(snapshot);
+    const std::uint64_t photon_rays = i.statistics.photon_rays;
+    i.update_light(snapshot);
+    i.statistics.photon_rays = photon_rays;
     const std::vector<LitPixel> pixels = drawn(lit_pixels(seen), static_cast<std::size_t>(count), seen.visible.frame);
-    return compare(seen, pixels, gather_exactly(impl_->forest, impl_->scenery.tracer(), seen, pixels), tolerance,
-                   radiance);
+    const auto truth = gather_exactly(i.forest, i.scenery.tracer(), seen, pixels, i.records.moved_points(tolerance));
+    return compare(seen, pixels, truth, tolerance, radiance);
 }
 
 void Renderer::set_stop(Stop stop) {

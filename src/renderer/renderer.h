@@ -58,6 +58,7 @@ struct Statistics {
     double layer_seconds = 0;             ///< likewise, of the time of shading: what translucent surfaces let through
     std::uint64_t records_created = 0;    ///< Settings::cache
     std::uint64_t records_served = 0;     ///< gather points whose light came from records
+    std::uint64_t records_moved = 0;      ///< of these, elsewhere in their pixels
     std::uint64_t records_followed = 0;   ///< times that one changed as the light around it did
     std::uint64_t records_watched = 0;    ///< points that records served and that were gathered all the same
     std::uint64_t records_missed = 0;     ///< of these, those that they were off by more than was allowed
@@ -86,8 +87,8 @@ class Renderer {
     /// nothing, and takes the law of the stopping rule as it is.
     core::Radiance sketch(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance);
 
-    /// Gathers `count` pixels of a frame again, from every light point: how well its tolerances were kept (audit.h).
-    /// Counts nowhere in the statistics.
+    /// Gathers `count` pixels of the frame shaded last again, from every light point, where they were lit: how well its
+    /// tolerances were kept (audit.h). Counts nowhere in the statistics.
     std::vector<AuditedPixel> audit(const scene::Snapshot& snapshot, const Seen& seen,
                                     const core::ToleranceMap& tolerance, const core::Radiance& radiance, int count);
 

@@ -12,12 +12,9 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Two samples of a pixel lie on one surface if their normals differ by less than this. chosen: cos 11 degrees, where
-/// the cosine of light at 45 degrees changes by a fifth over the pixel; tried 0.9..0.999 on the rim of a sphere.
-constexpr float same_normal = 0.98f;
-
-/// ... and if neither lies off the other's plane by more than this share of the distance between neighbouring pixels.
-/// chosen: steps lower than that are not seen as steps; tried 0.1..1.
+/// Two samples of a pixel lie on one surface if their normals are the same, and if neither lies off the other's plane
+/// by more than this share of the distance between neighbouring pixels. chosen: steps lower than that are not seen as
+/// steps; tried 0.1..1.
 constexpr float same_plane = 0.5f;
 
 bool same_surface(const GatherPoint& a, const Fragment& b, float pixel_extent) {

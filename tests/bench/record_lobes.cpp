@@ -21,7 +21,7 @@
 #include "renderer/anchors.h"
 #include "renderer/cut.h"
 #include "renderer/lobe.h"
-#include "renderer/record_fit.h"
+#include "renderer/record_lobe.h"
 #include "renderer/see.h"
 #include "renderer/shadow_rays.h"
 #include "tests/bench/lobe_harmonics.h"

@@ -1,5 +1,6 @@
 #include "tests/renderer/film_stage.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -30,9 +31,21 @@ core::Radiance FilmStage::shade(int second, const core::ToleranceMap& tolerance)
     return renderer_->shade(world, renderer_->see(world), tolerance);
 }
 
+core::ToleranceMap FilmStage::uniform(float relative) const {
+    return core::ToleranceMap::uniform(settings_.format.width, settings_.format.height, {0.0f, relative});
+}
+
 core::Radiance FilmStage::cut(float relative, int second) {
-    return shade(second,
-                 core::ToleranceMap::uniform(settings_.format.width, settings_.format.height, {0.0f, relative}));
+    return shade(second, uniform(relative));
+}
+
+double FilmStage::share_beyond(const core::Radiance& frame, float relative, int second) {
+    const scene::Snapshot world = at(second);
+    const auto pixels = static_cast<int>(frame.combined.size());
+    const auto audited = renderer_->audit(world, renderer_->see(world), uniform(relative), frame, pixels);
+    const auto over =
+        std::count_if(audited.begin(), audited.end(), [](const auto& p) { return p.error > p.tolerance; });
+    return static_cast<double>(over) / static_cast<double>(pixels);
 }
 
 std::unique_ptr<renderer::Renderer> FilmStage::make(bool layers) const {

@@ -52,9 +52,9 @@ class FrameWatch : public ::testing::Test {
         scene::Snapshot world = stage_.world();
         world.frame = frame;
         FrameLighting lighting(forest_, stage_.tracer(), seen_, world, {}, trust, trials_, records_);
-        lighting.prepare(tolerance_, last_, frame - 1, false, shade_counts_);
+        lighting.prepare(tolerance_, last_, moved_, frame - 1, false, shade_counts_);
         lighting.refine(watch_, shade_counts_, counts_);
-        return lighting.take(last_, shade_counts_, counts_);
+        return lighting.take(last_, moved_, shade_counts_, counts_);
     }
 
     /// As from frames before, in all of which records were right.
@@ -73,6 +73,7 @@ class FrameWatch : public ::testing::Test {
     LobeTrials trials_;
     RecordWatch watch_;
     RecordCache::LitTiles last_;
+    MovedPoints moved_;
     RecordCounts counts_;
     ShadeCounts shade_counts_;
 };

@@ -61,6 +61,31 @@ TEST(RecordCache, AStillFilmShootsNoSecondShadowRayAndStaysStill) {
     EXPECT_GT(more, 0u);
 }
 
+TEST(RecordCache, LightsMovedPointsRightWhereItMovedThemAndRemembersWhere) {
+    // The camera walks, and rests.
+    test::SceneBuilder b = walk(false);
+    b.add_track(scene::TrackTarget::translation, b.film().cameras[0].node, 3, {0, 2, 9},
+                {2.0f, 1.6f, 3.8f, 2.08f, 1.6f, 3.8f, 2.08f, 1.6f, 3.8f});
+    FilmStage stage(b, settings(true));
+    core::Radiance frame;
+    double beyond = 0;
+    for (int second = 0; second < 3; ++second) {
+        frame = stage.cut(0.02f, second);
+        beyond = stage.share_beyond(frame, 0.02f, second);
+        EXPECT_LE(beyond, 0.02) << second;
+    }
+    EXPECT_GE(stage.statistics().records_moved, static_cast<std::uint64_t>(size * size / 20));
+    EXPECT_LE(stage.statistics().records_moved, stage.statistics().records_served);
+    // Where they were seen, light is another.
+    FilmStage plain(b, settings(false));
+    EXPECT_GE(share_over(frame, plain.reference(2), 0.02f), beyond + 0.01);
+    const std::uint64_t moved = stage.statistics().records_moved;
+    stage.cut(0.02f, 3);
+    const core::Radiance rest = stage.cut(0.02f, 4);
+    EXPECT_GT(stage.statistics().records_moved, moved);
+    EXPECT_LE(stage.share_beyond(rest, 0.02f, 4), 0.02);
+}
+
 TEST(RecordCache, IsTheSameForAnyNumberOfThreads) {
     // Six areas whose records meet, two samples a pixel.
     Settings s = settings(true);
@@ -170,8 +195,8 @@ struct Errors {
 Errors errors_after(FilmStage& stage, int first, int last) {
     core::Radiance frame;
     for (int second = first; second <= last; ++second) frame = stage.cut(0.05f, second);
+    Errors errors{stage.share_beyond(frame, 0.05f, last)};
     const core::Radiance truth = stage.reference(last);
-    Errors errors{share_over(frame, truth, 0.05f)};
     const auto count = static_cast<double>(frame.combined.size());
     for (std::size_t i = 0; i < frame.combined.size(); ++i) {
         const double expected = core::luminance(truth.combined.values()[i]);
@@ -252,10 +277,10 @@ TEST(RecordCache, LightsVarnishedWallsWithinTheirTolerance) {
     b.material(polished).roughness = 0.3f;
     b.material(polished).ior = 1.5f;
     b.add_quad({2.4f, 0.5f, 0.1f}, {1.5f, 0, 0}, {0, 2, 0}, polished);
-    FilmStage plain(b, settings(false)), cached(b, settings(true));
+    FilmStage cached(b, settings(true));
     for (int second = 0; second < 3; ++second) {
         const core::Radiance frame = cached.cut(0.05f, second);
-        EXPECT_LE(share_over(frame, plain.reference(second), 0.05f), 0.03) << second;
+        EXPECT_LE(cached.share_beyond(frame, 0.05f, second), 0.03) << second;
     }
 }
 
@@ -276,9 +301,8 @@ TEST(RecordCache, LightsPolishedMetalForAFractionOfTheRays) {
         const core::Radiance cut = plain.cut(0.1f, second);
         rays += cached.statistics().shadow_rays - before;
         all += plain.statistics().shadow_rays - plain_before;
-        const core::Radiance truth = plain.reference(second);
-        over += share_over(frame, truth, 0.1f) / 3;
-        plain_over += share_over(cut, truth, 0.1f) / 3;
+        over += cached.share_beyond(frame, 0.1f, second) / 3;
+        plain_over += share_over(cut, plain.reference(second), 0.1f) / 3;
     }
     EXPECT_LE(over, plain_over + 0.01);
     EXPECT_LE(rays, all * 9 / 10) << "an eighth of so small a picture is watched";

@@ -112,11 +112,12 @@ TEST_F(Wall, RecordsAlongALineServeWhatLiesCloseToIt) {
     const auto holds = [&](float x, float relative) {
         GatherPoint p = point_at(12, 12);
         p.point.position.x += (x - 12.0f) * stage_.world().camera.pixel_size() * 2.0f;
+        p.point.address.u += x - 12.0f;
         const RecordEstimate e = estimate_at(p, relative);
         if (e.holds) {
             EXPECT_NEAR(e.light.indirect.x, light({0.0f, 12.5f}), 0.01f) << x;
         }
-        return e.holds;
+        return e.holds && !e.elsewhere;
     };
     EXPECT_TRUE(holds(12.4f, 0.05f));
     EXPECT_TRUE(holds(13.0f, 0.05f));
@@ -159,22 +160,84 @@ TEST_F(Wall, RecordsOfOneSetErrAlikeAndThoseOfFourDoNot) {
     EXPECT_FALSE(holds(true, true, 0.03f));
 }
 
-TEST_F(Wall, APointsOwnRecordServesWhereLightHardlyChangesUpToIt) {
-    // Light with an edge everywhere: no plane fits, and only the record at the place itself knows.
-    strew(1, [](glm::vec2 at) { return (static_cast<int>(at.x) + static_cast<int>(at.y)) % 2 == 0 ? 1.0f : 1.3f; });
-    const auto estimate_off = [&](float off, float relative) {
+/// Light with an edge everywhere: no plane fits, and each record knows its own place alone.
+float chequered(glm::vec2 at) {
+    return (static_cast<int>(at.x) + static_cast<int>(at.y)) % 2 == 0 ? 1.0f : 1.3f;
+}
+
+TEST_F(Wall, APixelsOwnRecordServesItAtTheRecordsPlaceWhereOthersDisagree) {
+    strew(1, chequered);
+    const float pixel = stage_.world().camera.pixel_size() * 2.0f;  // the wall's distance
+    const auto estimate_off = [&](float off, float relative = 0.02f) {
         GatherPoint p = point_at(12, 12);
-        const float pixel = stage_.world().camera.pixel_size() * 2.0f;
         p.point.position.x += off * pixel;
+        p.point.address.u += off;
         return estimate_at(p, relative);
     };
-    // 30 % a pixel: 0.6 of it times the distance is within 2 % up to a thirtieth of a pixel.
-    EXPECT_TRUE(estimate_off(0.0f, 0.02f).holds);
-    EXPECT_FLOAT_EQ(estimate_off(0.0f, 0.02f).light.indirect.x, 1.0f);
-    EXPECT_TRUE(estimate_off(0.02f, 0.02f).holds);
-    EXPECT_FALSE(estimate_off(0.05f, 0.02f).holds);
-    EXPECT_TRUE(estimate_off(0.05f, 0.04f).holds);
-    EXPECT_FALSE(estimate_off(0.2f, 0.08f).holds);
+    // 30 % a pixel: twice the tolerance lies 0.13 pixels off.
+    for (const float off : {0.0f, 0.02f, -0.06f, 0.12f}) {
+        const RecordEstimate e = estimate_off(off);
+        ASSERT_TRUE(e.holds) << off;
+        EXPECT_EQ(e.elsewhere.has_value(), off != 0.0f);
+        EXPECT_FLOAT_EQ(e.light.indirect.x, 1.0f) << off;
+        EXPECT_EQ(e.light.doubt, 0.0f);
+        if (!e.elsewhere) continue;
+        const glm::vec2 place = stage_.world().camera.project(records_[*e.elsewhere].position)->position;
+        EXPECT_EQ(glm::floor(place), glm::vec2(12, 12)) << off;
+    }
+    EXPECT_FALSE(estimate_off(0.15f).holds);
+    EXPECT_FALSE(estimate_off(0.3f).holds);
+    EXPECT_TRUE(estimate_off(0.3f, 0.05f).holds);
+    // The pixel beside has another.
+    EXPECT_FLOAT_EQ(estimate_off(0.95f).light.indirect.x, 1.3f);
+    EXPECT_FALSE(estimate_off(0.55f).holds);
+    // Where others agree it is light at the point itself.
+    records_.forget();
+    strew(1, [](glm::vec2) { return 1.0f; });
+    EXPECT_TRUE(estimate_off(0.3f).holds);
+    EXPECT_FALSE(estimate_off(0.3f).elsewhere);
+}
+
+TEST_F(Wall, OfSeveralRecordsInAPixelTheNearestThatIsFineEnoughServes) {
+    strew(1, chequered);
+    const float pixel = stage_.world().camera.pixel_size() * 2.0f;
+    const auto add = [&](float off, float light, float error) {
+        const auto r0 = std::find_if(records_.all().begin(), records_.all().end(), [&](const Record& known) {
+            return known.address == point_at(12, 12).point.address;
+        });
+        Record r = *r0;
+        r.address.u = 2.0f;  // another place
+        r.position.x += off * pixel;
+        r.indirect = glm::vec3(light);
+        r.error = error;
+        records_.add(r);
+        map_.build(records_.all(), stage_.world().camera);
+    };
+    add(0.2f, 1.01f, 0.0f);
+    GatherPoint p = point_at(12, 12);
+    EXPECT_FLOAT_EQ(estimate_at(p, 0.02f).light.indirect.x, 1.0f);
+    p.point.position.x += 0.25f * pixel;
+    EXPECT_FLOAT_EQ(estimate_at(p, 0.02f).light.indirect.x, 1.01f);
+    // 0.4 x 0.03 is more than 2 % of the wall's 0.41, and less than 4 %.
+    add(0.24f, 1.02f, 0.03f);
+    EXPECT_FLOAT_EQ(estimate_at(p, 0.02f).light.indirect.x, 1.01f);
+    EXPECT_FLOAT_EQ(estimate_at(p, 0.04f).light.indirect.x, 1.02f);
+}
+
+TEST_F(Wall, NoRecordServesAPixelItWouldShareNoGatherPointIn) {
+    strew(1, chequered);
+    ASSERT_TRUE(estimate_at(12, 12, 0.02f).holds);
+    const auto holds_turned = [&](float degrees) {
+        GatherPoint p = point_at(12, 12);
+        const float angle = glm::radians(degrees);
+        p.point.shading_normal = {std::sin(angle), 0, std::cos(angle)};
+        return estimate_at(p, 0.02f).holds;
+    };
+    EXPECT_TRUE(holds_turned(8));
+    EXPECT_FALSE(holds_turned(15));
+    GatherPoint p = point_at(12, 12);
+    p.point.position.z -= 2.0f * stage_.world().camera.pixel_size() * 0.6f;
+    EXPECT_FALSE(estimate_at(p, 0.02f).holds);
 }
 
 TEST_F(Wall, NobodyIsServedWhereThePictureDoesNotReach) {
