@@ -108,7 +108,8 @@ std::optional<RecordQuery> FrameLighting::query_of(std::size_t t, std::size_t i)
     if (!on_picture) return std::nullopt;
     const float extent = camera_.pixel_size() * (camera_.perspective() ? on_picture->depth : 1.0f);
     const auto eye = camera_.perspective() ? std::optional(camera_.position()) : std::nullopt;
-    return RecordQuery{p, tolerances_[t][i], on_picture->position, extent, receives(p), eye};
+    // Where light is parted, what moves changes it at the point, not where it were moved to.
+    return RecordQuery{p, tolerances_[t][i], on_picture->position, extent, receives(p), eye, parts_ == nullptr};
 }
 
 std::vector<PointRef> FrameLighting::wanting(std::size_t t, int lattice) {

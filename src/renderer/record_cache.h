@@ -33,10 +33,10 @@ class RecordCache {
         changed_ = moved_ = false;
     }
 
-    /// Which points of the last frame, lit by `tolerance`, were lit elsewhere in their pixels. The reference asks no
+    /// Which points were lit elsewhere in their pixels: none but in the last frame, nor by the reference, which asks no
     /// records.
-    MovedPoints moved_points(const core::ToleranceMap& tolerance) const {
-        return tolerance.is_reference() ? MovedPoints{} : last_moved_points_;
+    MovedPoints moved_points(std::int64_t frame, const core::ToleranceMap& tolerance) const {
+        return frame != last_frame_ || tolerance.is_reference() ? MovedPoints{} : last_moved_points_;
     }
 
     /// How many records lie in each pixel of a picture, seen or hidden.

@@ -213,7 +213,8 @@ FollowedRecords follow(Records& records, const RecordMap& map, const std::vector
             Record& record = records.change(marks[i].record);
             // What a lobe sends would need its own changes.
             if (record.lobe.alpha > 0.0f || !there.find(marks[i], pixel)) continue;
-            follows[marks[i].record] = there.apply(record) ? 1 : 0;
+            record.followed = there.apply(record);
+            follows[marks[i].record] = record.followed ? 1 : 0;
         }
     });
     FollowedRecords done;

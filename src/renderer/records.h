@@ -32,6 +32,7 @@ struct Record {
     core::SurfaceAddress address;
     bool back_side = false;
     bool capped = false;            ///< its cut ended before its tolerance was kept
+    bool followed = false;          ///< its light was changed since (record_change.h): errors are not only `error`
     std::uint8_t set = 0;           ///< of representatives that lit it, 0..3
     glm::vec3 position{0};          ///< world, at the instant of the frame
     glm::vec3 geometric_normal{0};  ///< likewise

@@ -1,6 +1,5 @@
 #include "renderer/renderer.h"
 
-#include <ctime>
 #include <numeric>
 #include <optional>
 
@@ -15,29 +14,10 @@
 #include "renderer/record_change.h"
 #include "renderer/see.h"
 #include "renderer/shade.h"
+#include "renderer/stopwatch.h"
 
 namespace render2mpeg::renderer {
 namespace {
-
-/// CPU seconds of this process, all threads.
-double cpu_seconds() {
-    timespec t{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-/// Adds the CPU time of its life to a row.
-class Stopwatch {
-  public:
-    explicit Stopwatch(double& row) : row_(row), start_(cpu_seconds()) {}
-    ~Stopwatch() { row_ += cpu_seconds() - start_; }
-    Stopwatch(const Stopwatch&) = delete;
-    Stopwatch& operator=(const Stopwatch&) = delete;
-
-  private:
-    double& row_;
-    double start_;
-};
 
 /// Up to which share of what its surroundings would give, if they filled the receiver's view, one light point may give.
 /// chosen: 25 % (2 radii of a point's disc) for anchors and points of emissive surfaces, which lie in even strata;
@@ -319,11 +299,12 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
     if (count <= 0) return {};
     Impl& i = *impl_;
     i.pose(snapshot);
-    const std::uint64_t photon_rays = i.statistics.photon_rays;
+    const Statistics before = i.statistics;
     i.update_light(snapshot);
-    i.statistics.photon_rays = photon_rays;
+    i.statistics = before;
     const std::vector<LitPixel> pixels = drawn(lit_pixels(seen), static_cast<std::size_t>(count), seen.visible.frame);
-    const auto truth = gather_exactly(i.forest, i.scenery.tracer(), seen, pixels, i.records.moved_points(tolerance));
+    const MovedPoints moved = i.records.moved_points(snapshot.frame, tolerance);
+    const auto truth = gather_exactly(i.forest, i.scenery.tracer(), seen, pixels, moved);
     return compare(seen, pixels, truth, tolerance, radiance);
 }
 

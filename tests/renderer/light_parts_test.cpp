@@ -167,7 +167,7 @@ TEST(LightParts, AreOfLampsWhereThereAreNoAnchors) {
     for (int chunk = 0; chunk < 2; ++chunk) {
         stage.renderer().start_chunk(stage.at(0));
         for (int second = 0; second < 3; ++second)
-            EXPECT_LE(stage.share_beyond(stage.cut(0.05f, second), 0.05f, second), 0.02) << second;
+            EXPECT_LE(share_over(stage.cut(0.05f, second), stage.reference(second), 0.05f), 0.02) << second;
     }
 }
 
@@ -179,7 +179,7 @@ TEST(LightParts, MeetACameraCutAndAnotherChunk) {
     for (int chunk = 0; chunk < 2; ++chunk) {
         stage.renderer().start_chunk(stage.at(chunk));
         for (int second = chunk; second < 4; ++second)
-            EXPECT_LE(stage.share_beyond(stage.cut(0.05f, second), 0.05f, second), 0.025) << second;
+            EXPECT_LE(share_over(stage.cut(0.05f, second), stage.reference(second), 0.05f), 0.025) << second;
     }
 }
 
