@@ -181,6 +181,9 @@ TEST(LightParts, MeetACameraCutAndAnotherChunk) {
         for (int second = chunk; second < 4; ++second)
             EXPECT_LE(share_over(stage.cut(0.05f, second), stage.reference(second), 0.05f), 0.025) << second;
     }
+    // What moves changes light at the points, wherever records lie.
+    EXPECT_GT(stage.statistics().records_served, 0u);
+    EXPECT_EQ(stage.statistics().records_moved, 0u);
 }
 
 TEST(LightParts, AreTheSameForAnyNumberOfThreads) {
