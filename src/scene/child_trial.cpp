@@ -12,8 +12,8 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -94,14 +94,25 @@ bool write_all(int pipe, std::string_view text) {
     return true;
 }
 
-/// Whether every other thread of this process sleeps.
+/// What the system tells of a thread; empty of one that has ended meanwhile, even between opening and reading.
+std::string state_of(const std::filesystem::path& thread) {
+    std::string text;
+    if (std::FILE* file = std::fopen((thread / "stat").c_str(), "r")) {
+        std::array<char, 512> buffer;
+        text.assign(buffer.data(), std::fread(buffer.data(), 1, buffer.size(), file));
+        std::fclose(file);
+    }
+    return text;
+}
+
+/// Whether every other thread of this process sleeps, or has ended.
 bool others_sleep() {
     std::error_code failure;
-    for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", failure)) {
-        if (thread.path().filename() == std::to_string(gettid())) continue;
+    std::filesystem::directory_iterator thread("/proc/self/task", failure);
+    for (; !failure && thread != std::filesystem::directory_iterator(); thread.increment(failure)) {
+        if (thread->path().filename() == std::to_string(gettid())) continue;
         // "ID (NAME) STATE ...": names may hold anything.
-        std::ifstream file(thread.path() / "stat");
-        const std::string stat{std::istreambuf_iterator<char>(file), {}};
+        const std::string stat = state_of(thread->path());
         const std::size_t name_end = stat.rfind(") ");
         if (name_end != std::string::npos && stat.find_first_of("RD", name_end) == name_end + 2) return false;
     }

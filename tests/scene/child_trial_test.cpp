@@ -178,6 +178,20 @@ TEST(ChildTrial, InheritsNoLockOfAThreadThatWorks) {
     EXPECT_EQ(trial.told().text, "has it");
 }
 
+TEST(ChildTrial, BeginsWhileOtherThreadsEnd) {
+    // As a pool's do that is let go: listed as threads of this process, and gone when they are looked at.
+    const std::jthread others([](const std::stop_token& over) {
+        while (!over.stop_requested()) {
+            std::vector<std::jthread> ended;
+            for (int i = 0; i < 4; ++i) ended.emplace_back([] { usleep(20); });
+        }
+    });
+    for (int i = 0; i < 20; ++i) {
+        ChildTrial trial("scene.xyz", {std::uintmax_t{1} << 30, 0, 5}, [](const TakeTurns&) { return "read"; });
+        EXPECT_EQ(trial.told().text, "read");
+    }
+}
+
 #ifndef RENDER2MPEG_SANITIZED
 TEST(ChildTrial, RefusesFilesThatTakeAllMemory) {
     // Room alone, which costs nothing until it is written to.
