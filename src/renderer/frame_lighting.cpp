@@ -88,6 +88,9 @@ void FrameLighting::prepare(const core::ToleranceMap& tolerance, const RecordCac
         const GatherTile& points = seen_.tiles[t];
         exact_[t].assign(points.size(), {});
         light_[t].assign(points.size(), {});
+        firsts_[t].assign(tile_size * tile_size + 1, 0);
+        for (const GatherPoint& p : points) ++firsts_[t][p.pixel + 1u];
+        for (std::size_t k = 1; k < firsts_[t].size(); ++k) firsts_[t][k] += firsts_[t][k - 1];
         state_[t].assign(points.size(), PointState::open);
         tolerances_[t] = point_tolerances(seen_, t, tolerance);
         const bool knows = recall(t, last, last_moved_points, last_frame, moved);
@@ -122,6 +125,13 @@ std::vector<PointRef> FrameLighting::wanting(std::size_t t, int lattice) {
         if (takes(p)) {
             const auto query = state_[t][i] == PointState::open ? query_of(t, i) : std::nullopt;
             if (query) {
+                const RecordSquare* square =
+                    p.point.bsdf.has_glossy() ? nullptr : squares_[t].at(p.pixel % tile_size, p.pixel / tile_size);
+                if (square != nullptr && square->tell(*query, trust_, light_[t][i])) {
+                    state_[t][i] = PointState::settled;
+                    ++served;
+                    continue;
+                }
                 const RecordEstimate found = estimate(*query, map_, records_, trust_, snapshot_.frame);
                 state_[t][i] = !found.holds      ? PointState::in_vain
                                : found.elsewhere ? PointState::elsewhere
@@ -235,6 +245,7 @@ void FrameLighting::refine(RecordWatch& known, ShadeCounts& counts, RecordCounts
             doubt_served();
         }
         fill_lattice(lattice, counts, record_counts);
+        if (lattice > 1) find_squares(lattice);
     }
     const float trusted = trust_.strictness;
     watch(Watch::late, known, counts, record_counts);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "renderer/light_parts.h"
 #include "renderer/record_cache.h"
 #include "renderer/record_gather.h"
+#include "renderer/record_square.h"
 
 namespace render2mpeg::renderer {
 
@@ -40,7 +42,9 @@ class FrameLighting {
           served_(seen.tiles.size(), 0),
           moved_points_(seen.tiles.size()),
           movers_(seen.tiles.size()),
-          moving_(seen.tiles.size()) {
+          moving_(seen.tiles.size()),
+          firsts_(seen.tiles.size()),
+          squares_(seen.tiles.size()) {
         limits_.exact = false;
         // Records keep their errors without caution, which is learnt anew at a cut.
         trust_.noise *= limits.caution;
@@ -63,6 +67,29 @@ class FrameLighting {
   private:
     /// Of pixels, on which points that are not known yet are gathered, the coarsest first.
     static constexpr int lattices[] = {4, 2, 1};
+
+    /// Squares of pixels of one tile, no two of which overlap.
+    class TileSquares {
+      public:
+        TileSquares() { cells_.fill(-1); }
+        /// That a pixel lies in; none: null.
+        const RecordSquare* at(int x, int y) const {
+            const int i = cells_[cell(x, y)];
+            return i < 0 ? nullptr : &squares_[static_cast<std::size_t>(i)];
+        }
+        void add(int x, int y, int side, const RecordSquare& square) {
+            for (int v = y; v < y + side; v += least)
+                for (int u = x; u < x + side; u += least)
+                    cells_[cell(u, v)] = static_cast<std::int8_t>(squares_.size());
+            squares_.push_back(square);
+        }
+
+      private:
+        static constexpr int least = 2, across = tile_size / least;  ///< sides of the smallest; so many in a row
+        static std::size_t cell(int x, int y) { return static_cast<std::size_t>(y / least * across + x / least); }
+        std::array<std::int8_t, static_cast<std::size_t>(across* across)> cells_;
+        std::vector<RecordSquare> squares_;
+    };
 
     enum class PointState : std::uint8_t {
         open,
@@ -89,6 +116,8 @@ class FrameLighting {
     std::vector<std::vector<PointRef>> doubt_hidden();
     void gather_exact(std::size_t tile, ShadeCounts& counts);
     std::optional<RecordQuery> query_of(std::size_t tile, std::size_t point) const;
+    std::optional<SquareCorner> served_corner(int x, int y, const RecordMark* like) const;
+    void find_squares(int side);
     void reopen(const std::vector<GatheredRequests>& of_area);
     std::vector<PointRef> wanting(std::size_t tile, int lattice);
     std::vector<std::vector<PointRef>> by_area(const std::vector<std::vector<PointRef>>& of_tile) const;
@@ -143,6 +172,7 @@ class FrameLighting {
     FrameLight movers_;                               ///< what they change
     std::vector<std::vector<Moving>> moving_;         ///< whether that is known
     std::vector<std::vector<std::uint32_t>> firsts_;  ///< of each pixel of a tile, its first point; and the end
+    std::vector<TileSquares> squares_;
 };
 
 }  // namespace render2mpeg::renderer

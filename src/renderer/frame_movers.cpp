@@ -200,12 +200,6 @@ std::vector<std::vector<PointRef>> FrameLighting::doubt_hidden() {
 }
 
 void FrameLighting::add_movers(ShadeCounts& counts, RecordCounts& record_counts) {
-    firsts_.resize(seen_.tiles.size());
-    parallel::for_each(seen_.tiles.size(), [&](std::size_t t) {
-        firsts_[t].assign(tile_size * tile_size + 1, 0);
-        for (const GatherPoint& p : seen_.tiles[t]) ++firsts_[t][p.pixel + 1u];
-        for (std::size_t k = 1; k < firsts_[t].size(); ++k) firsts_[t][k] += firsts_[t][k - 1];
-    });
     for (const int lattice : lattices) gather_movers(wanting_movers(lattice), counts);
     const std::vector<std::vector<PointRef>> doubted = doubt_hidden();
     const auto any = [](const std::vector<PointRef>& list) { return !list.empty(); };

@@ -184,17 +184,6 @@ float Neighbours::noise(float receives) const {
     return receives * std::sqrt(square) + turn_error * glm::length(turned);
 }
 
-/// What neighbours disagree by counts for more where the tolerance is fine, since light has many small edges and few
-/// large ones. chosen: about 2 at 2 %, which leaves 1.6 % of the pixels of Sponza's walk beyond what they may be off by
-/// (docs/decisions/0018; 1.6 at 2 % leaves four times as many in a frame as 2 does); it falls by half at 10 %: at 6, 10
-/// and 15 % coupled films at quantiser 8 leave 0.33, 0.22 and 0.06 % in Sponza (160x160, frames 0 to 5), 1.6, 1.2 and
-/// 1.1 % in Sibenik (128x128), and gather 1, 1.1 and 1.2 times as much.
-float doubt(const PointTolerance& t, glm::vec3 light, float tolerance) {
-    constexpr float coarse = 0.62f, fine = 2.1f, turn2 = 0.1f * 0.1f;
-    const float relative = core::divide_or(tolerance, t.base + std::max(core::luminance(light), 0.0f), 1.0f);
-    return coarse + (fine - coarse) * turn2 / (turn2 + relative * relative);
-}
-
 PointLight blend(const Neighbours& n, const GatherPoint& p, std::int64_t frame) {
     PointLight light;
     float clamped = 0, age = 0, sum = 0;
@@ -226,6 +215,17 @@ PointLight blend(const Neighbours& n, const GatherPoint& p, std::int64_t frame) 
 
 }  // namespace
 
+/// What neighbours disagree by counts for more where the tolerance is fine, since light has many small edges and few
+/// large ones. chosen: about 2 at 2 %, which leaves 1.6 % of the pixels of Sponza's walk beyond what they may be off by
+/// (docs/decisions/0018; 1.6 at 2 % leaves four times as many in a frame as 2 does); it falls by half at 10 %: at 6, 10
+/// and 15 % coupled films at quantiser 8 leave 0.33, 0.22 and 0.06 % in Sponza (160x160, frames 0 to 5), 1.6, 1.2 and
+/// 1.1 % in Sibenik (128x128), and gather 1, 1.1 and 1.2 times as much.
+float record_doubt(const PointTolerance& t, float light, float tolerance) {
+    constexpr float coarse = 0.62f, fine = 2.1f, turn2 = 0.1f * 0.1f;
+    const float relative = core::divide_or(tolerance, t.base + std::max(light, 0.0f), 1.0f);
+    return coarse + (fine - coarse) * turn2 / (turn2 + relative * relative);
+}
+
 RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& records, const RecordTrust& trust,
                         std::int64_t frame) {
     RecordEstimate result;
@@ -238,8 +238,8 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
             continue;
         }
         if (const float more = near.fit(q.point.point); more > 0.0f) {
-            const float tolerance = q.tolerance.allows(core::luminance(near.plane().value()));
-            const float doubts = doubt(q.tolerance, near.plane().value(), tolerance);
+            const float light = core::luminance(near.plane().value()), tolerance = q.tolerance.allows(light);
+            const float doubts = record_doubt(q.tolerance, light, tolerance);
             const float off = trust.residual * doubts * (more > 1.0f ? more * doubts : 1.0f) * near.plane().residual(),
                         noise = trust.noise * near.noise(q.receives);
             const float rise = radius < tells_steps ? trust.step * near.plane().rise() : 0.0f,

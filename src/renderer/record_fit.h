@@ -27,6 +27,10 @@ struct RecordTrust {
     float strictness = 1;  ///< multiplies the first two, by what a film shows (record_watch.h)
 };
 
+/// What records that disagree count for: more where the tolerance, which `light`, in luminance of a pixel, comes with,
+/// is fine.
+float record_doubt(const PointTolerance& t, float light, float tolerance);
+
 /// What records around a point say of it.
 struct RecordEstimate {
     bool holds = false;  ///< within the point's tolerance, as far as they tell

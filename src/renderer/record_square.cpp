@@ -1,0 +1,119 @@
+#include "renderer/record_square.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/color.h"
+#include "core/numeric.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Of the twist of a square, what light may be off in its midst: half of what it would be if light bent only crosswise.
+constexpr float share_of_twist = 0.25f;
+
+/// Points may lie so far beyond the corners, in sides: those lie anywhere in their pixels.
+constexpr float most_beyond = 0.25f;
+
+}  // namespace
+
+glm::vec2 RecordSquare::place_of(glm::vec2 p) const {
+    const glm::vec2 a = marks_[0].at, b = marks_[1].at, c = marks_[2].at, d = marks_[3].at;
+    const auto within = [](float x, float first, float last) {
+        return std::clamp(core::divide_or(x - first, last - first, 0.5f), -most_beyond, 1.0f + most_beyond);
+    };
+    // Points lie somewhere in their pixels, so that sides are nearly parallel: two rounds are enough.
+    float y = within(p.y, a.y, c.y), x = 0;
+    for (int round = 0; round < 2; ++round) {
+        x = within(p.x, glm::mix(a.x, c.x, y), glm::mix(b.x, d.x, y));
+        y = within(p.y, glm::mix(a.y, b.y, x), glm::mix(c.y, d.y, x));
+    }
+    return {x, y};
+}
+
+std::optional<RecordSquare> RecordSquare::of(const std::array<SquareCorner, 4>& corners, int side, const RecordMap& map,
+                                             Records& records, std::int64_t frame) {
+    RecordSquare s;
+    const float extent = corners[0].extent;
+    for (std::size_t k = 0; k < 4; ++k) {
+        const SquareCorner& c = corners[k];
+        const float apart = extent * glm::length(c.mark.at - corners[0].mark.at);
+        if (!on_one_surface(corners[0].mark, c.mark, apart, extent) || !(c.receives > 0.0f)) return std::nullopt;
+        s.marks_[k] = c.mark;
+        s.direct_[k] = c.light->direct;
+        s.indirect_[k] = c.light->indirect;
+        s.clamped_[k] = core::divide_or(c.light->clamped, c.scattered, 0.0f);
+        s.age_[k] = c.light->age;
+        s.error_ = std::max(s.error_, c.light->error / c.receives);
+        s.doubted_ = std::max(s.doubted_, c.light->doubt * c.allowed / c.receives);
+        s.capped_ = s.capped_ || c.light->capped;
+    }
+    const auto& m = s.marks_;
+    const float least = 0.5f * static_cast<float>(side);
+    if (!(std::min(m[1].at.x - m[0].at.x, m[3].at.x - m[2].at.x) > least &&
+          std::min(m[2].at.y - m[0].at.y, m[3].at.y - m[1].at.y) > least))
+        return std::nullopt;
+    s.judge(side, extent, map, records, frame);
+    return s;
+}
+
+void RecordSquare::judge(int side, float extent, const RecordMap& map, Records& records, std::int64_t frame) {
+    std::array<glm::vec3, 4> light;
+    for (std::size_t k = 0; k < 4; ++k) light[k] = direct_[k] + indirect_[k];
+    glm::vec3 square(0);
+    int count = 0;
+    const glm::ivec2 first = glm::floor(marks_[0].at);
+    for (int y = first.y; y <= first.y + side; ++y) {
+        for (const RecordMark& m : map.row(y, first.x, first.x + side)) {
+            const Record& r = records[m.record];
+            if (r.lobe.alpha > 0.0f || !on_one_surface(marks_[0], m, extent * glm::length(m.at - marks_[0].at), extent))
+                continue;
+            const glm::vec3 off = r.direct + r.indirect - at(place_of(m.at), light);
+            square += off * off;
+            ++count;
+            records.use(m.record, frame);
+        }
+    }
+    // What light at the corners is off a plane, as far as that is not because they are no parallelogram.
+    const auto& m = marks_;
+    const glm::vec2 skew = m[0].at - m[1].at - m[2].at + m[3].at;
+    const glm::vec3 across =
+        (light[1] - light[0] + light[3] - light[2]) / (m[1].at.x - m[0].at.x + m[3].at.x - m[2].at.x);
+    const glm::vec3 down =
+        (light[2] - light[0] + light[3] - light[1]) / (m[2].at.y - m[0].at.y + m[3].at.y - m[1].at.y);
+    const glm::vec3 twist = light[0] - light[1] - light[2] + light[3] - skew.x * across - skew.y * down;
+    off_ = glm::max(count > 0 ? glm::sqrt(square / static_cast<float>(count)) : glm::vec3(0),
+                    share_of_twist * glm::abs(twist));
+}
+
+bool RecordSquare::tell(const RecordQuery& q, const RecordTrust& trust, PointLight& light) const {
+    const SurfacePoint& p = q.point.point;
+    const RecordMark here{
+        q.at, 0, surface_of(p.address, p.back_side), p.position, p.geometric_normal, p.shading_normal};
+    for (const std::size_t k : {0u, 3u})
+        if (!on_one_surface(here, marks_[k], q.extent * glm::length(q.at - marks_[k].at), q.extent, p.position_error))
+            return false;
+    const glm::vec2 place = place_of(q.at);
+    const glm::vec3 direct = at(place, direct_), indirect = at(place, indirect_);
+    // Where normals turn otherwise than from corner to corner, light does.
+    std::array<glm::vec3, 4> normals;
+    for (std::size_t k = 0; k < 4; ++k) normals[k] = marks_[k].shading_normal;
+    const float turned = glm::length(at(place, normals) - p.shading_normal);
+    const glm::vec3 reflects = q.point.weight * p.bsdf.diffuse;
+    const float sent = core::luminance(reflects * (direct + indirect));
+    const float tolerance = q.tolerance.allows(sent);
+    const float off = trust.residual * record_doubt(q.tolerance, sent, tolerance) *
+                      (core::luminance(reflects * off_) + turned * sent);
+    const float doubted = std::max(off, q.receives * doubted_), error = q.receives * error_;
+    if (!(std::max(trust.strictness * doubted, error) <= tolerance)) return false;
+    light = {direct, indirect};
+    light.served = true;
+    light.clamped = at(place, clamped_) * sent;
+    light.age = at(place, age_);
+    light.capped = capped_;
+    light.doubt = core::divide_or(doubted, tolerance, 0.0f);
+    light.error = std::max(trust.strictness * doubted, error);
+    return true;
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,184 @@
+#include "renderer/record_square.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "tests/renderer/record_wall.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// A square of the wall between points that records were asked for.
+class Square : public Wall {
+  protected:
+    static constexpr int left = 8, top = 8, side = 4;
+    static constexpr float white = 0.4f;
+
+    glm::vec2 on_picture(const GatherPoint& p) const {
+        return stage_.world().camera.project(p.point.position)->position;
+    }
+    float extent_of(const GatherPoint& p) const {
+        return stage_.world().camera.pixel_size() * stage_.world().camera.project(p.point.position)->depth;
+    }
+
+    /// Points lie where `shift` moves them to within their pixels.
+    GatherPoint shifted(int x, int y, glm::vec2 shift) const {
+        GatherPoint p = point_at(x, y);
+        p.point.position += extent_of(p) * glm::vec3(shift.x, -shift.y, 0.0f);
+        return p;
+    }
+
+    template <class Light>
+    std::array<SquareCorner, 4> corners_of(Light&& light, glm::vec2 shift = {0, 0}) {
+        std::array<SquareCorner, 4> corners;
+        for (int k = 0; k < 4; ++k) {
+            const GatherPoint p = shifted(left + k % 2 * side, top + k / 2 * side, k == 1 ? -shift : shift);
+            PointLight& found = told_[static_cast<std::size_t>(k)];
+            found.direct = glm::vec3(0.25f * light(on_picture(p)));
+            found.indirect = glm::vec3(0.75f * light(on_picture(p)));
+            found.served = true;
+            corners[static_cast<std::size_t>(k)] = {
+                {on_picture(p), 0, surface_of(p.point.address, false), p.point.position, p.point.geometric_normal,
+                 p.point.shading_normal},
+                extent_of(p),
+                &found,
+                white,
+                core::luminance(found.scattered(p)),
+                1.0f};
+        }
+        return corners;
+    }
+
+    std::optional<RecordSquare> square_of(const std::array<SquareCorner, 4>& corners) {
+        return RecordSquare::of(corners, side, map_, records_, frame);
+    }
+    /// What the square tells of a point; nothing where that is not within so much of its light.
+    std::optional<float> told(const RecordSquare& square, const GatherPoint& p, float relative) const {
+        PointLight light;
+        const RecordQuery query{p, {{0, relative, 0}, 0}, on_picture(p), extent_of(p), white};
+        if (!square.tell(query, {}, light)) return std::nullopt;
+        EXPECT_TRUE(light.served);
+        return light.direct.y + light.indirect.y;
+    }
+    int count_told(const RecordSquare& square, float relative) const {
+        int count = 0;
+        for (int y = top; y < top + side; ++y)
+            for (int x = left; x < left + side; ++x)
+                count += told(square, point_at(x, y), relative).has_value() ? 1 : 0;
+        return count;
+    }
+
+    static constexpr std::int64_t frame = 3;
+    std::array<PointLight, 4> told_;
+};
+
+TEST_F(Square, LightThatChangesEvenlyIsToldWhereverPointsLie) {
+    const auto light = [](glm::vec2 at) { return 1.0f + 0.05f * at.x - 0.03f * at.y; };
+    strew(4, light);
+    for (const glm::vec2 shift : {glm::vec2(0), glm::vec2(0.3f, -0.4f), glm::vec2(-0.45f, 0.2f)}) {
+        const auto square = square_of(corners_of(light, shift));
+        ASSERT_TRUE(square);
+        for (int y = top + 1; y < top + side; ++y) {
+            for (int x = left + 1; x < left + side; ++x) {
+                const GatherPoint p = shifted(x, y, {0.2f, -0.3f});
+                const auto found = told(*square, p, 0.02f);
+                ASSERT_TRUE(found) << x << ", " << y;
+                EXPECT_NEAR(*found, light(on_picture(p)), 2e-3f) << x << ", " << y;
+            }
+        }
+    }
+}
+
+TEST_F(Square, RecordsInItThatKnowBetterAreBelieved) {
+    // A thin shadow, which passes the corners by.
+    strew(1, [](glm::vec2 at) { return std::floor(at.x) == left + 2 ? 0.8f : 1.0f; });
+    const auto corners = corners_of([](glm::vec2) { return 1.0f; });
+    const auto square = square_of(corners);
+    ASSERT_TRUE(square);
+    EXPECT_EQ(count_told(*square, 0.02f), 0);
+    EXPECT_EQ(count_told(*square, 0.5f), side * side);
+    for (std::uint32_t i = 0; i < records_.size(); ++i) records_.change(i).indirect = glm::vec3(1);
+    EXPECT_EQ(count_told(*square_of(corners), 0.02f), side * side);
+}
+
+TEST_F(Square, WhatItsCornersMayBeOffByCounts) {
+    strew(4, [](glm::vec2) { return 1.0f; });
+    auto corners = corners_of([](glm::vec2) { return 1.0f; });
+    told_[2].error = 0.03f * white;
+    EXPECT_EQ(count_told(*square_of(corners), 0.02f), 0);
+    EXPECT_EQ(count_told(*square_of(corners), 0.04f), side * side);
+    told_[2].error = 0;
+    told_[3].doubt = 0.03f * white;  // of the tolerance of 1 that they had
+    EXPECT_EQ(count_told(*square_of(corners), 0.02f), 0);
+    EXPECT_EQ(count_told(*square_of(corners), 0.04f), side * side);
+}
+
+TEST_F(Square, LightThatTwistsIsNotGuessed) {
+    const auto light = [](glm::vec2 at) { return 1.0f + 0.02f * (at.x - left) * (at.y - top); };
+    strew(4, light);
+    const auto square = square_of(corners_of(light));
+    ASSERT_TRUE(square);
+    EXPECT_EQ(count_told(*square, 0.01f), 0);
+    EXPECT_EQ(count_told(*square, 0.5f), side * side);
+}
+
+TEST_F(Square, OtherSurfacesHaveNoPartInIt) {
+    strew(4, [](glm::vec2) { return 1.0f; });
+    auto corners = corners_of([](glm::vec2) { return 1.0f; });
+    const auto square = square_of(corners);
+    ASSERT_TRUE(square);
+    GatherPoint p = point_at(left + 2, top + 2);
+    EXPECT_TRUE(told(*square, p, 0.02f));
+    p.point.position.z += 0.5f;
+    EXPECT_FALSE(told(*square, p, 0.02f));
+    p = point_at(left + 2, top + 2);
+    p.point.address.object = 7;
+    EXPECT_FALSE(told(*square, p, 0.02f));
+    // A bump: its normal is not what the corners' are.
+    p = point_at(left + 2, top + 2);
+    p.point.shading_normal = glm::normalize(glm::vec3(0.1f, 0, 1));
+    EXPECT_FALSE(told(*square, p, 0.02f));
+    EXPECT_TRUE(told(*square, p, 0.5f));
+    corners[3].mark.position.z += 0.5f;
+    EXPECT_FALSE(square_of(corners));
+}
+
+TEST_F(Square, CornersThatAreNoSquareTellNothing) {
+    strew(4, [](glm::vec2) { return 1.0f; });
+    const auto corners = corners_of([](glm::vec2) { return 1.0f; });
+    auto flat = corners;
+    for (SquareCorner& c : flat) c.mark.at = corners[0].mark.at;
+    EXPECT_FALSE(square_of(flat));
+    auto crossed = corners;
+    std::swap(crossed[0].mark.at, crossed[1].mark.at);
+    EXPECT_FALSE(square_of(crossed));
+    auto black = corners;
+    black[1].receives = 0;
+    EXPECT_FALSE(square_of(black));
+    auto folded = corners;
+    folded[3].mark.at = corners[0].mark.at;
+    EXPECT_FALSE(square_of(folded));
+}
+
+TEST_F(Square, DarknessIsTold) {
+    strew(2, [](glm::vec2) { return 0.0f; });
+    const auto square = square_of(corners_of([](glm::vec2) { return 0.0f; }));
+    ASSERT_TRUE(square);
+    EXPECT_EQ(told(*square, point_at(left + 1, top + 1), 0.02f), 0.0f);
+}
+
+TEST_F(Square, WhatItRestsOnIsKept) {
+    strew(1, [](glm::vec2) { return 1.0f; });
+    ASSERT_TRUE(square_of(corners_of([](glm::vec2) { return 1.0f; })));
+    for (std::uint32_t i = 0; i < records_.size(); ++i) {
+        const glm::vec2 at = stage_.world().camera.project(records_[i].position)->position;
+        const bool inside = at.x >= left && at.y >= top && at.x < left + side + 1 && at.y < top + side + 1;
+        EXPECT_EQ(records_[i].used, inside ? frame : 0) << at.x << ", " << at.y;
+    }
+}
+
+}  // namespace
+}  // namespace render2mpeg::renderer
