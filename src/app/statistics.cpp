@@ -64,7 +64,9 @@ json records_of(const Production& film, const renderer::Statistics& r) {
         {"watched", r.records_watched},
         {"missed", r.records_missed},
         {"served", core::divide_or(static_cast<double>(r.records_served), static_cast<double>(r.gather_points), 0.0)},
-        {"moved", core::divide_or(static_cast<double>(r.records_moved), static_cast<double>(r.gather_points), 0.0)}};
+        {"moved", core::divide_or(static_cast<double>(r.records_moved), static_cast<double>(r.gather_points), 0.0)},
+        {"between",
+         core::divide_or(static_cast<double>(r.records_between), static_cast<double>(r.gather_points), 0.0)}};
 }
 
 /// Null where no caution was learnt.

@@ -128,7 +128,7 @@ std::vector<PointRef> FrameLighting::wanting(std::size_t t, int lattice) {
                 const RecordSquare* square =
                     p.point.bsdf.has_glossy() ? nullptr : squares_[t].at(p.pixel % tile_size, p.pixel / tile_size);
                 if (square != nullptr && square->tell(*query, trust_, light_[t][i])) {
-                    state_[t][i] = PointState::settled;
+                    state_[t][i] = PointState::between;
                     ++served;
                     continue;
                 }
@@ -281,6 +281,7 @@ FrameLight FrameLighting::take(RecordCache::LitTiles& last, MovedPoints& moved, 
         for (std::size_t i = 0; i < light_[t].size(); ++i) {
             PointLight& light = light_[t][i];
             const GatherPoint& p = seen_.tiles[t][i];
+            record_counts.between += state_[t][i] == PointState::between ? 1 : 0;
             last[t].push_back({p.point.address, p.point.outgoing, p.weight, tolerances_[t][i], exact_[t][i], light});
             const PointLight& known = exact_[t][i];
             light.direct += known.direct;

@@ -96,6 +96,7 @@ class FrameLighting {
         in_vain,    ///< asked records, and none came since
         settled,    ///< its light is known
         elsewhere,  ///< likewise: at the place of a record in the same pixel
+        between,    ///< likewise: by the corners of its square
         recalled,   ///< likewise, from the frame before
         watched     ///< likewise: records served it, and it was gathered all the same
     };
@@ -116,7 +117,7 @@ class FrameLighting {
     std::vector<std::vector<PointRef>> doubt_hidden();
     void gather_exact(std::size_t tile, ShadeCounts& counts);
     std::optional<RecordQuery> query_of(std::size_t tile, std::size_t point) const;
-    std::optional<SquareCorner> served_corner(int x, int y, const RecordMark* like) const;
+    std::optional<SquareCorner> served_corner(int x, int y, const SquareCorner* like) const;
     void find_squares(int side);
     void reopen(const std::vector<GatheredRequests>& of_area);
     std::vector<PointRef> wanting(std::size_t tile, int lattice);
@@ -126,7 +127,8 @@ class FrameLighting {
     enum class Watch : std::uint8_t { early, late };  ///< before a first frame's last lattice; after it
     std::vector<std::vector<PointRef>> watched(Watch when, const RecordWatch& known, float& served_share) const;
     bool is_served(std::size_t tile, std::size_t point) const {
-        return state_[tile][point] == PointState::settled && light_[tile][point].served;
+        const PointState state = state_[tile][point];
+        return state == PointState::between || (state == PointState::settled && light_[tile][point].served);
     }
     void doubt_served();
     void watch(Watch when, RecordWatch& known, ShadeCounts& counts, RecordCounts& record_counts);

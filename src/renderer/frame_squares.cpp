@@ -1,30 +1,50 @@
-// Points between those of the coarsest lattice: where records serve its corners and these agree, most of a picture is
-// told without asking records for each.
+// Points between those of a coarser lattice: where these are served and agree, most of a picture is told without asking
+// records for each.
+#include <algorithm>
+
 #include "core/color.h"
 #include "parallel/loops.h"
 #include "renderer/frame_lighting.h"
 
 namespace render2mpeg::renderer {
-/// A point of this pixel that records serve as light of its own place, on the surface of `like` if there is one.
-std::optional<SquareCorner> FrameLighting::served_corner(int x, int y, const RecordMark* like) const {
+namespace {
+
+/// What shows one colour so much less than another hides that records disagree in it. chosen: 0.2, not tuned.
+constexpr float least_colour = 0.2f;
+
+float max(glm::vec3 v) {
+    return std::max({v.x, v.y, v.z});
+}
+float min(glm::vec3 v) {
+    return std::min({v.x, v.y, v.z});
+}
+
+}  // namespace
+/// A point of this pixel that is served with light of its own place, and shows it in all colours; on the surface of
+/// `like` if there is one.
+std::optional<SquareCorner> FrameLighting::served_corner(int x, int y, const SquareCorner* like) const {
     if (x >= seen_.visible.width() || y >= seen_.visible.height()) return std::nullopt;
     const auto t = static_cast<std::size_t>(y / tile_size * seen_.tiles_across() + x / tile_size);
     const auto pixel = static_cast<std::size_t>(y % tile_size * tile_size + x % tile_size);
     for (std::size_t i = firsts_[t][pixel]; i < firsts_[t][pixel + 1]; ++i) {
         const GatherPoint& p = seen_.tiles[t][i];
-        const std::uint32_t surface = surface_of(p.point.address, p.point.back_side);
-        if (!is_served(t, i) || p.point.bsdf.has_glossy() || (like != nullptr && like->surface != surface)) continue;
-        const auto on_picture = camera_.project(p.point.position);
-        if (!on_picture) continue;
-        const float scattered = core::luminance(light_[t][i].scattered(p));
-        const float extent = camera_.pixel_size() * (camera_.perspective() ? on_picture->depth : 1.0f);
-        return SquareCorner{
-            {on_picture->position, 0, surface, p.point.position, p.point.geometric_normal, p.point.shading_normal},
-            extent,
-            &light_[t][i],
-            receives(p),
-            scattered,
-            tolerances_[t][i].allows(scattered)};
+        const glm::vec3 reflects = p.weight * p.point.bsdf.diffuse;
+        if (!is_served(t, i) || p.point.bsdf.has_glossy() || least_colour * max(reflects) > min(reflects)) continue;
+        const auto query = query_of(t, i);
+        if (!query) continue;
+        SquareCorner c{{query->at, 0, surface_of(p.point.address, p.point.back_side), p.point.position,
+                        p.point.geometric_normal, p.point.shading_normal},
+                       query->extent,
+                       &light_[t][i],
+                       query->receives,
+                       core::luminance(reflects)};
+        if (like != nullptr &&
+            !on_one_surface(like->mark, c.mark, like->extent * glm::length(c.mark.at - like->mark.at), like->extent))
+            continue;
+        c.scattered = core::luminance(light_[t][i].scattered(p));
+        c.allowed = tolerances_[t][i].allows(c.scattered);
+        c.doubts = record_doubt(tolerances_[t][i], c.scattered, c.allowed);
+        return c;
     }
     return std::nullopt;
 }
@@ -42,8 +62,8 @@ void FrameLighting::find_squares(int side) {
                 std::array<SquareCorner, 4> corners;
                 bool found = true;
                 for (int c = 0; c < 4 && found; ++c) {
-                    const auto corner = served_corner(left + x + c % 2 * side, top + y + c / 2 * side,
-                                                      c > 0 ? &corners[0].mark : nullptr);
+                    const auto corner =
+                        served_corner(left + x + c % 2 * side, top + y + c / 2 * side, c > 0 ? &corners[0] : nullptr);
                     found = corner.has_value();
                     if (found) corners[static_cast<std::size_t>(c)] = *corner;
                 }

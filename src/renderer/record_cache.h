@@ -12,6 +12,7 @@ namespace render2mpeg::renderer {
 struct RecordCounts {
     std::uint64_t served = 0;    ///< gather points whose light came from records, or from the very same point before
     std::uint64_t moved = 0;     ///< of these, at the place of a record elsewhere in their pixel
+    std::uint64_t between = 0;   ///< likewise, by what other points around were served
     std::uint64_t created = 0;   ///< records
     std::uint64_t followed = 0;  ///< older records that changed as the light around them did
     std::uint64_t live = 0;      ///< records held after the frame

@@ -9,11 +9,18 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Of the twist of a square, what light may be off in its midst: half of what it would be if light bent only crosswise.
+/// Of the twist of a square, what light may be off in its midst: what it is where light bends along one diagonal alone.
 constexpr float share_of_twist = 0.25f;
 
-/// Points may lie so far beyond the corners, in sides: those lie anywhere in their pixels.
+/// Points are taken to lie so far beyond the corners at most, in sides: a pixel, which is where in theirs they may lie.
 constexpr float most_beyond = 0.25f;
+
+/// What differences of at most so much in each colour are noticed as at most, whatever their signs (core::noticed).
+float noticed_at_most(glm::vec3 d) {
+    const float red = (0.7874f * d.x + 0.7152f * d.y + 0.0722f * d.z) / 1.5748f,
+                blue = (0.2126f * d.x + 0.7152f * d.y + 0.9278f * d.z) / 1.8556f;
+    return std::max(core::luminance(d), 0.5f * std::max(red, blue));
+}
 
 }  // namespace
 
@@ -35,17 +42,21 @@ std::optional<RecordSquare> RecordSquare::of(const std::array<SquareCorner, 4>& 
                                              Records& records, std::int64_t frame) {
     RecordSquare s;
     const float extent = corners[0].extent;
+    if (!map.reaches(corners[0].mark.at, side)) return std::nullopt;
+    s.doubts_ = corners[0].doubts;
     for (std::size_t k = 0; k < 4; ++k) {
         const SquareCorner& c = corners[k];
         const float apart = extent * glm::length(c.mark.at - corners[0].mark.at);
-        if (!on_one_surface(corners[0].mark, c.mark, apart, extent) || !(c.receives > 0.0f)) return std::nullopt;
+        if (!on_one_surface(corners[0].mark, c.mark, apart, extent) || !(c.receives > 0.0f && c.reflects > 0.0f))
+            return std::nullopt;
         s.marks_[k] = c.mark;
         s.direct_[k] = c.light->direct;
         s.indirect_[k] = c.light->indirect;
         s.clamped_[k] = core::divide_or(c.light->clamped, c.scattered, 0.0f);
         s.age_[k] = c.light->age;
         s.error_ = std::max(s.error_, c.light->error / c.receives);
-        s.doubted_ = std::max(s.doubted_, c.light->doubt * c.allowed / c.receives);
+        s.doubted_ = std::max(s.doubted_, c.light->doubt * c.allowed / c.reflects);
+        s.doubts_ = std::min(s.doubts_, c.doubts);
         s.capped_ = s.capped_ || c.light->capped;
     }
     const auto& m = s.marks_;
@@ -63,8 +74,10 @@ void RecordSquare::judge(int side, float extent, const RecordMap& map, Records& 
     glm::vec3 square(0);
     int count = 0;
     const glm::ivec2 first = glm::floor(marks_[0].at);
-    for (int y = first.y; y <= first.y + side; ++y) {
-        for (const RecordMark& m : map.row(y, first.x, first.x + side)) {
+    constexpr int border = RecordMap::border;
+    for (int y = std::max(first.y, -border); y <= std::min(first.y + side, map.height() + border - 1); ++y) {
+        for (const RecordMark& m :
+             map.row(y, std::max(first.x, -border), std::min(first.x + side, map.width() + border - 1))) {
             const Record& r = records[m.record];
             if (r.lobe.alpha > 0.0f || !on_one_surface(marks_[0], m, extent * glm::length(m.at - marks_[0].at), extent))
                 continue;
@@ -94,7 +107,12 @@ bool RecordSquare::tell(const RecordQuery& q, const RecordTrust& trust, PointLig
         if (!on_one_surface(here, marks_[k], q.extent * glm::length(q.at - marks_[k].at), q.extent, p.position_error))
             return false;
     const glm::vec2 place = place_of(q.at);
-    const glm::vec3 direct = at(place, direct_), indirect = at(place, indirect_);
+    // Beyond the corners there is no more, nor less, than at one of them.
+    const auto within = [&](const std::array<glm::vec3, 4>& c) {
+        return glm::clamp(at(place, c), glm::min(glm::min(c[0], c[1]), glm::min(c[2], c[3])),
+                          glm::max(glm::max(c[0], c[1]), glm::max(c[2], c[3])));
+    };
+    const glm::vec3 direct = within(direct_), indirect = within(indirect_);
     // Where normals turn otherwise than from corner to corner, light does.
     std::array<glm::vec3, 4> normals;
     for (std::size_t k = 0; k < 4; ++k) normals[k] = marks_[k].shading_normal;
@@ -102,14 +120,16 @@ bool RecordSquare::tell(const RecordQuery& q, const RecordTrust& trust, PointLig
     const glm::vec3 reflects = q.point.weight * p.bsdf.diffuse;
     const float sent = core::luminance(reflects * (direct + indirect));
     const float tolerance = q.tolerance.allows(sent);
-    const float off = trust.residual * record_doubt(q.tolerance, sent, tolerance) *
-                      (core::luminance(reflects * off_) + turned * sent);
-    const float doubted = std::max(off, q.receives * doubted_), error = q.receives * error_;
+    const float doubts = record_doubt(q.tolerance, sent, tolerance);
+    const float off = trust.residual * doubts * (noticed_at_most(reflects * off_) + turned * sent);
+    // What corners doubt, they doubt by their own tolerances.
+    const float doubted = std::max(off, std::max(1.0f, doubts / doubts_) * q.receives * doubted_),
+                error = q.receives * error_;
     if (!(std::max(trust.strictness * doubted, error) <= tolerance)) return false;
     light = {direct, indirect};
     light.served = true;
-    light.clamped = at(place, clamped_) * sent;
-    light.age = at(place, age_);
+    light.clamped = std::max(at(place, clamped_), 0.0f) * sent;
+    light.age = std::max(at(place, age_), 0.0f);
     light.capped = capped_;
     light.doubt = core::divide_or(doubted, tolerance, 0.0f);
     light.error = std::max(trust.strictness * doubted, error);

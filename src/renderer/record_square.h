@@ -13,12 +13,14 @@ struct SquareCorner {
     float extent = 0;  ///< of a pixel there, across the line of sight; world
     const PointLight* light = nullptr;
     float receives = 0;   ///< as RecordQuery's
+    float reflects = 0;   ///< luminance of the pixel by unit of light from all around, however dark
     float scattered = 0;  ///< luminance of what it sends into its pixel
     float allowed = 0;    ///< luminance that its pixel may be off by for it
+    float doubts = 1;     ///< record_doubt, by that
 };
 
 /// Light between four points that records served, where it changes among them as it does from one to the next: tells of
-/// many points for the price of four estimates (docs/model.md, "Records"). Of surfaces without lobes.
+/// many points for the price of four estimates (docs/model.md, "Squares"). Of surfaces without lobes.
 class RecordSquare {
   public:
     /// Of the corners left above, right above, left below, right below, so many pixels apart; none where they do not
@@ -46,6 +48,7 @@ class RecordSquare {
     std::array<float, 4> clamped_, age_;          ///< the former as a share of light
     glm::vec3 off_{0};                            ///< irradiance over pi
     float error_ = 0, doubted_ = 0;               ///< luminance for a white receiver
+    float doubts_ = 0;                            ///< the least of the corners'
     bool capped_ = false;
 };
 

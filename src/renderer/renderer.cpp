@@ -205,6 +205,7 @@ struct Renderer::Impl {
         statistics.records_created += found.created;
         statistics.records_served += found.served;
         statistics.records_moved += found.moved;
+        statistics.records_between += found.between;
         statistics.records_followed += found.followed;
         statistics.records_watched += found.watched;
         statistics.records_missed += found.missed;

@@ -59,6 +59,7 @@ struct Statistics {
     std::uint64_t records_created = 0;    ///< Settings::cache
     std::uint64_t records_served = 0;     ///< gather points whose light came from records
     std::uint64_t records_moved = 0;      ///< of these, elsewhere in their pixels
+    std::uint64_t records_between = 0;    ///< likewise, by what other points around were served
     std::uint64_t records_followed = 0;   ///< times that one changed as the light around it did
     std::uint64_t records_watched = 0;    ///< points that records served and that were gathered all the same
     std::uint64_t records_missed = 0;     ///< of these, those that they were off by more than was allowed

@@ -97,7 +97,7 @@ bool write_all(int pipe, std::string_view text) {
 /// What the system tells of a thread; empty of one that has ended meanwhile, even between opening and reading.
 std::string state_of(const std::filesystem::path& thread) {
     std::string text;
-    if (std::FILE* file = std::fopen((thread / "stat").c_str(), "r")) {
+    if (std::FILE* file = std::fopen((thread / "stat").c_str(), "re")) {
         std::array<char, 512> buffer;
         text.assign(buffer.data(), std::fread(buffer.data(), 1, buffer.size(), file));
         std::fclose(file);
@@ -116,7 +116,7 @@ bool others_sleep() {
         const std::size_t name_end = stat.rfind(") ");
         if (name_end != std::string::npos && stat.find_first_of("RD", name_end) == name_end + 2) return false;
     }
-    return true;
+    return !failure;
 }
 
 /// A child has one thread alone, and whatever lock another one held when it was made stays locked there for ever: of a

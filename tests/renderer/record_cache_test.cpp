@@ -88,6 +88,21 @@ TEST(RecordCache, LightsMovedPointsRightWhereItMovedThemAndRemembersWhere) {
     EXPECT_LE(stage.share_beyond(rest, 0.02f, 4), 0.02);
 }
 
+TEST(RecordCache, TellsPointsBetweenThoseItServedWithinTheirTolerance) {
+    constexpr int side = 80;
+    Settings s = test::small_frame(side, side);
+    s.cache = true;
+    FilmStage stage(walk(), s);
+    for (int second = 0; second < 3; ++second) {
+        const std::uint64_t before = stage.statistics().records_between;
+        const core::Radiance frame = stage.cut(0.1f, second);
+        EXPECT_LE(stage.share_beyond(frame, 0.1f, second), 0.02) << second;
+        const std::uint64_t between = stage.statistics().records_between - before;
+        EXPECT_GE(between, static_cast<std::uint64_t>(second > 0 ? side * side / 4 : 0));
+    }
+    EXPECT_LE(stage.statistics().records_between, stage.statistics().records_served);
+}
+
 TEST(RecordCache, IsTheSameForAnyNumberOfThreads) {
     // Six areas whose records meet, two samples a pixel.
     Settings s = settings(true);
@@ -110,6 +125,8 @@ TEST(RecordCache, IsTheSameForAnyNumberOfThreads) {
     }
     EXPECT_EQ(one.statistics().records_created, two.statistics().records_created);
     EXPECT_EQ(one.statistics().records_moved, two.statistics().records_moved);
+    EXPECT_EQ(one.statistics().records_between, two.statistics().records_between);
+    EXPECT_GT(one.statistics().records_between, 0u);
 }
 
 TEST(RecordCache, StartsAnewWithAChunk) {

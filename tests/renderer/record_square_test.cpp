@@ -46,7 +46,9 @@ class Square : public Wall {
                 extent_of(p),
                 &found,
                 white,
+                white,
                 core::luminance(found.scattered(p)),
+                1.0f,
                 1.0f};
         }
         return corners;
@@ -57,11 +59,16 @@ class Square : public Wall {
     }
     /// What the square tells of a point; nothing where that is not within so much of its light.
     std::optional<float> told(const RecordSquare& square, const GatherPoint& p, float relative) const {
+        const auto light = light_of(square, p, relative);
+        return light ? std::optional(light->direct.y + light->indirect.y) : std::nullopt;
+    }
+    std::optional<PointLight> light_of(const RecordSquare& square, const GatherPoint& p, float relative,
+                                       const RecordTrust& trust = {}) const {
         PointLight light;
         const RecordQuery query{p, {{0, relative, 0}, 0}, on_picture(p), extent_of(p), white};
-        if (!square.tell(query, {}, light)) return std::nullopt;
+        if (!square.tell(query, trust, light)) return std::nullopt;
         EXPECT_TRUE(light.served);
-        return light.direct.y + light.indirect.y;
+        return light;
     }
     int count_told(const RecordSquare& square, float relative) const {
         int count = 0;
@@ -101,19 +108,90 @@ TEST_F(Square, RecordsInItThatKnowBetterAreBelieved) {
     EXPECT_EQ(count_told(*square, 0.02f), 0);
     EXPECT_EQ(count_told(*square, 0.5f), side * side);
     for (std::uint32_t i = 0; i < records_.size(); ++i) records_.change(i).indirect = glm::vec3(1);
-    EXPECT_EQ(count_told(*square_of(corners), 0.02f), side * side);
+    EXPECT_EQ(count_told(square_of(corners).value(), 0.02f), side * side);
 }
 
 TEST_F(Square, WhatItsCornersMayBeOffByCounts) {
     strew(4, [](glm::vec2) { return 1.0f; });
     auto corners = corners_of([](glm::vec2) { return 1.0f; });
     told_[2].error = 0.03f * white;
-    EXPECT_EQ(count_told(*square_of(corners), 0.02f), 0);
-    EXPECT_EQ(count_told(*square_of(corners), 0.04f), side * side);
+    EXPECT_EQ(count_told(square_of(corners).value(), 0.02f), 0);
+    EXPECT_EQ(count_told(square_of(corners).value(), 0.04f), side * side);
     told_[2].error = 0;
     told_[3].doubt = 0.03f * white;  // of the tolerance of 1 that they had
-    EXPECT_EQ(count_told(*square_of(corners), 0.02f), 0);
-    EXPECT_EQ(count_told(*square_of(corners), 0.04f), side * side);
+    EXPECT_EQ(count_told(square_of(corners).value(), 0.02f), 0);
+    EXPECT_EQ(count_told(square_of(corners).value(), 0.08f), side * side);
+}
+
+TEST_F(Square, AllThatIsKnownOfItsCornersIsTold) {
+    strew(4, [](glm::vec2) { return 1.0f; });
+    const auto corners = corners_of([](glm::vec2) { return 1.0f; });
+    for (PointLight& light : told_) {
+        light.age = 4;
+        light.clamped = 0.1f * corners[0].scattered;
+        light.error = 0.01f * white;
+        light.doubt = 0.02f * white;
+    }
+    told_[1].age = 8;
+    told_[3].capped = true;
+    const auto square = square_of(corners);
+    ASSERT_TRUE(square);
+    const GatherPoint p = point_at(left + 2, top);
+    const auto light = light_of(*square, p, 0.1f);
+    ASSERT_TRUE(light);
+    EXPECT_NEAR(light->direct.x, 0.25f, 1e-5f);
+    EXPECT_NEAR(light->indirect.x, 0.75f, 1e-5f);
+    EXPECT_NEAR(light->age, 6.0f, 1e-3f);
+    EXPECT_TRUE(light->capped);
+    const float sent = core::luminance(light->scattered(p));
+    EXPECT_NEAR(light->clamped, 0.1f * sent, 1e-3f * sent);
+    // In tolerances, by the doubt that fine tolerances ask for, against that of 1 that the corners had.
+    const float doubts = record_doubt({{0, 0.1f, 0}, 0}, sent, 0.1f * sent);
+    EXPECT_NEAR(light->doubt, 0.02f * white * white * std::max(doubts, 1.0f) / white / (0.1f * sent),
+                0.02f * light->doubt);
+    EXPECT_GE(light->error, 0.01f * white);
+    // Who is stricter doubts more.
+    EXPECT_TRUE(light_of(*square, p, 0.1f, {1, 0.5f, 1, 1, 1.0f}));
+    EXPECT_FALSE(light_of(*square, p, 0.1f, {1, 0.5f, 1, 1, 6.0f}));
+}
+
+TEST_F(Square, NothingIsBrighterOrDarkerThanItsCorners) {
+    const auto light = [](glm::vec2 at) { return at.x < left + 2 ? 0.0f : 1.0f; };
+    strew(4, [](glm::vec2 at) { return (at.x - left - 0.5f) / side; });
+    const auto square = square_of(corners_of(light));
+    ASSERT_TRUE(square);
+    for (int y = top; y < top + side; ++y) {
+        for (int x = left; x < left + side; ++x) {
+            for (const float shift : {-0.9f, 0.0f, 0.9f}) {
+                const auto found = light_of(*square, shifted(x, y, {shift, shift}), 1e6f);
+                ASSERT_TRUE(found) << x << ", " << y;
+                EXPECT_GE(found->direct.x, 0.0f);
+                EXPECT_LE(found->direct.x + found->indirect.x, 1.0f);
+                EXPECT_GE(found->age, 0.0f);
+            }
+        }
+    }
+}
+
+TEST_F(Square, WhatIsNoticedOfColoursCounts) {
+    // Between a blue light and none: hardly any luminance, but chroma.
+    strew(1, [](glm::vec2) { return 1.0f; });
+    for (std::uint32_t i = 0; i < records_.size(); ++i) records_.change(i).indirect = glm::vec3(1, 1, 1.3f);
+    const auto corners = corners_of([](glm::vec2) { return 1.0f; });
+    const auto square = square_of(corners);
+    ASSERT_TRUE(square);
+    GatherPoint p = point_at(left + 2, top + 2);
+    p.point.bsdf.diffuse = glm::vec3(1);
+    EXPECT_FALSE(told(*square, p, 0.08f)) << "luminance alone is off by 0.0217, doubted twice";
+    EXPECT_TRUE(told(*square, p, 0.3f));
+}
+
+TEST_F(Square, RecordsOfLobesSayNothingOfIt) {
+    strew(1, [](glm::vec2) { return 3.0f; });
+    const auto corners = corners_of([](glm::vec2) { return 1.0f; });
+    EXPECT_EQ(count_told(square_of(corners).value(), 0.02f), 0);
+    for (std::uint32_t i = 0; i < records_.size(); ++i) records_.change(i).lobe.alpha = lobe_width;
+    EXPECT_EQ(count_told(square_of(corners).value(), 0.02f), side * side);
 }
 
 TEST_F(Square, LightThatTwistsIsNotGuessed) {
@@ -157,6 +235,9 @@ TEST_F(Square, CornersThatAreNoSquareTellNothing) {
     EXPECT_FALSE(square_of(crossed));
     auto black = corners;
     black[1].receives = 0;
+    EXPECT_FALSE(square_of(black));
+    black = corners;
+    black[2].reflects = 0;  // shows no disagreement
     EXPECT_FALSE(square_of(black));
     auto folded = corners;
     folded[3].mark.at = corners[0].mark.at;
