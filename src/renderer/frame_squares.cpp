@@ -20,6 +20,7 @@ float min(glm::vec3 v) {
 }
 
 }  // namespace
+
 /// A point of this pixel that is served with light of its own place, and shows it in all colours; on the surface of
 /// `like` if there is one.
 std::optional<SquareCorner> FrameLighting::served_corner(int x, int y, const SquareCorner* like) const {

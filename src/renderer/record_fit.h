@@ -27,8 +27,8 @@ struct RecordTrust {
     float strictness = 1;  ///< multiplies the first two, by what a film shows (record_watch.h)
 };
 
-/// What records that disagree count for: more where the tolerance, which `light`, in luminance of a pixel, comes with,
-/// is fine.
+/// What multiplies what records disagree by: more where the tolerance is a small share of the luminance that they send
+/// into the pixel.
 float record_doubt(const PointTolerance& t, float light, float tolerance);
 
 /// What records around a point say of it.

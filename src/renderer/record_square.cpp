@@ -9,10 +9,12 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Of the twist of a square, what light may be off in its midst: what it is where light bends along one diagonal alone.
+/// Of the twist of a square, what light may be off in its midst: what it is where light bends along one diagonal
+/// alone. Not tuned.
 constexpr float share_of_twist = 0.25f;
 
-/// Points are taken to lie so far beyond the corners at most, in sides: a pixel, which is where in theirs they may lie.
+/// Points are taken to lie so far beyond the corners at most, in sides of 4 pixels: a pixel, since they lie anywhere in
+/// theirs. Not tuned.
 constexpr float most_beyond = 0.25f;
 
 /// What differences of at most so much in each colour are noticed as at most, whatever their signs (core::noticed).
