@@ -25,30 +25,22 @@
 #include "renderer/see.h"
 #include "renderer/shadow_rays.h"
 #include "tests/bench/lobe_harmonics.h"
+#include "tests/bench/record_lobe_stage.h"
 #include "tests/bench/record_lobe_trials.h"
 #include "tests/bench/wishes.h"
 
 namespace render2mpeg {
 namespace {
 
+using bench::place_count;
+using bench::Places;
+using bench::Stage;
 using bench::Trials;
 using bench::turn_count;
 using renderer::GatherPoint;
 using renderer::RecordLobe;
 
 constexpr float turns[bench::turn_count] = {0, 2, 5, 10, 20};  ///< degrees
-constexpr int distances[bench::distance_count] = {1, 2, 4};    ///< pixels
-constexpr int place_count = 13;                                ///< a pixel, and the four so far off it to each side
-/// Whatever lights a frame.
-struct Stage {
-    std::shared_ptr<const scene::Animation> animation;
-    renderer::Scenery scenery;
-    renderer::LightForest forest;
-    renderer::Seen seen;
-};
-
-/// A pixel and its neighbours.
-using Places = std::vector<GatherPoint>;
 
 /// Light of the trees and of lights gathered exactly, as seen by each lane.
 struct LaneSums {
@@ -69,40 +61,6 @@ glm::vec3 turned(const renderer::SurfacePoint& p, float angle, float azimuth) {
 
 bool faces(const renderer::SurfacePoint& p, glm::vec3 eye) {
     return glm::dot(p.shading_normal, eye) > 0.05f && glm::dot(p.geometric_normal, eye) > 0.05f;
-}
-
-/// Pixels with a lobe whose neighbours to all sides show the same surface.
-std::vector<Places> places_of(const renderer::Seen& seen, int count) {
-    const int width = seen.visible.width(), height = seen.visible.height();
-    std::vector<const GatherPoint*> of_pixel(static_cast<std::size_t>(width * height), nullptr);
-    for (std::size_t t = 0; t < seen.tiles.size(); ++t)
-        for (const GatherPoint& p : seen.tiles[t]) {
-            const int x = static_cast<int>(t) % seen.tiles_across() * 16 + p.pixel % 16,
-                      y = static_cast<int>(t) / seen.tiles_across() * 16 + p.pixel / 16;
-            if (!p.reached_by_specular && p.point.bsdf.has_glossy())
-                of_pixel[static_cast<std::size_t>(y * width + x)] = &p;
-        }
-    std::vector<Places> found;
-    for (std::uint64_t i = 0; found.size() < static_cast<std::size_t>(count) && i < 100000; ++i) {
-        const int x = static_cast<int>(core::uniform(3, i) * static_cast<float>(width)),
-                  y = static_cast<int>(core::uniform(4, i) * static_cast<float>(height));
-        Places places;
-        const auto take = [&](int px, int py) {
-            if (px < 0 || py < 0 || px >= width || py >= height) return;
-            const GatherPoint* p = of_pixel[static_cast<std::size_t>(py * width + px)];
-            if (p == nullptr) return;
-            if (!places.empty() && (places[0].point.address.object != p->point.address.object ||
-                                    glm::dot(places[0].point.shading_normal, p->point.shading_normal) < 0.95f))
-                return;
-            places.push_back(*p);
-        };
-        take(x, y);
-        for (const int d : distances)
-            for (const glm::ivec2 s : {glm::ivec2(d, 0), glm::ivec2(-d, 0), glm::ivec2(0, d), glm::ivec2(0, -d)})
-                take(x + s.x, y + s.y);
-        if (places.size() == place_count) found.push_back(std::move(places));
-    }
-    return found;
 }
 
 /// Adds a light, with its visibility from each place, to all packs and to the places' harmonics.
@@ -289,33 +247,9 @@ float azimuth_of(const Places& places, std::uint64_t index) {
     return azimuth;
 }
 
-Stage stage_of(const std::string& scene, const bench::Wishes& wishes) {
-    app::RenderOptions options;
-    options.input = scene;
-    const int size = wishes.number("size", 160);
-    options.size = fmt::format("{0}x{0}", size);
-    options.samples = 1;
-    options.exposure = "0";
-    options.vpls = wishes.number("vpls", 2000);
-    const app::Production film = app::prepare(options);
-    const renderer::Settings& settings = film.rendering;
-    const scene::Snapshot world = film.snapshot(wishes.number("frame", 0));
-    Stage stage{film.animation, renderer::Scenery(*film.animation, settings.isa, film.plan), {}, {}};
-    stage.scenery.pose(world);
-    renderer::LightPoints lights(stage.scenery, film.plan, settings.direct_points, settings.seed);
-    const renderer::Anchors anchors(stage.scenery, lights, {settings.vpls, settings.bounces});
-    lights.place(stage.scenery, world);
-    const std::vector<renderer::LightPoint> direct = lights.at(stage.scenery);
-    stage.forest = renderer::plant(direct, anchors.at(stage.scenery, direct).still, 1);
-    stage.forest.direct_clamp = stage.forest.indirect_clamp = renderer::GeometryClamp{0.25f};
-    renderer::SeeCounts counts;
-    stage.seen = renderer::see(stage.scenery, {{size, size, 1.0f}, 1, settings.specular_depth}, film.plan, counts);
-    return stage;
-}
-
 void run(const std::string& scene, const bench::Wishes& wishes) {
-    const Stage stage = stage_of(scene, wishes);
-    const std::vector<Places> pixels = places_of(stage.seen, wishes.number("pixels", 200));
+    const Stage stage = bench::stage_of(scene, wishes);
+    const std::vector<Places> pixels = bench::places_of(stage.seen, wishes.number("pixels", 200));
     const std::vector<int> roughness = wishes.numbers("roughness", "20,30,40,50,70");
     const bench::Basis basis = wishes.text("basis", "even") == "even" ? bench::Basis::even : bench::Basis::stretched;
     std::vector<Trials> trials(roughness.size());

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "renderer/gather_point.h"
+#include "renderer/light_forest.h"
+#include "renderer/scenery.h"
+#include "tests/bench/wishes.h"
+
+/// What the trials of lobes are lit by, and where.
+namespace render2mpeg::bench {
+
+/// Whatever lights a frame.
+struct Stage {
+    std::shared_ptr<const scene::Animation> animation;
+    renderer::Scenery scenery;
+    renderer::LightForest forest;
+    renderer::Seen seen;
+};
+
+/// A pixel and its neighbours.
+using Places = std::vector<renderer::GatherPoint>;
+
+inline constexpr int place_count = 13;  ///< a pixel, and the four so far off it to each side
+
+Stage stage_of(const std::string& scene, const Wishes& wishes);
+
+/// Pixels with a lobe whose neighbours to all sides show the same surface.
+std::vector<Places> places_of(const renderer::Seen& seen, int count);
+
+}  // namespace render2mpeg::bench
