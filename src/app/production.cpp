@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "parallel/loops.h"
 #include "perceptual/exposure.h"
+#include "renderer/light_parts.h"
 #include "scene/load.h"
 #include "scene/traits.h"
 
@@ -159,9 +160,11 @@ Production prepare(const RenderOptions& options) {
     wanted.indirect = options.vpls > 0;
     const scene::Traits traits = scene::traits_of(*animation);
     film.plan = renderer::make_plan(traits, wanted);
-    film.records = choose_records(options.cache, traits, film.tolerance.reference, film.frame_count(),
+    film.records = choose_records(options.cache, traits, renderer::LightParts::may_suit(*animation, film.plan),
+                                  film.tolerance.reference, film.frame_count(),
                                   std::int64_t{film.format.width} * film.format.height);
     film.rendering.cache = film.records.kept;
+    film.rendering.follow = film.records.follows;
     return film;
 }
 

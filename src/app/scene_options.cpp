@@ -96,7 +96,8 @@ void add_light_options(CLI::App& command, RenderOptions& options) {
         .add_option("--cache", options.cache,
                     "Where light comes from: `on` gathers it at places on surfaces, and keeps it there for other "
                     "pixels and frames while it stays what it is; `off` gathers it for every pixel of every frame; "
-                    "`auto` is `on` where only the camera moves and pictures are large enough, and `plan` says why")
+                    "`auto` is `on` where only the camera moves, or few things as well, and pictures are large enough; "
+                    "`plan` says why")
         ->check(CLI::IsMember({"on", "off", "auto"}))
         ->capture_default_str()
         ->group(light);

@@ -54,9 +54,9 @@ json audit_of(const Production& film, const Audit& audit) {
             {"seconds", audit.seconds}};
 }
 
-/// Null without --cache on.
+/// Null where no light is kept.
 json records_of(const Production& film, const renderer::Statistics& r) {
-    if (!film.rendering.cache) return nullptr;
+    if (!kept_records(film.rendering, r)) return nullptr;
     return {
         {"created", r.records_created},
         {"followed", r.records_followed},
@@ -241,8 +241,8 @@ json statistics_of(const Production& film, const Ledger& ledger, const RunFacts&
     statistics["quantisers"] = coded ? quantisers_of(ledger) : json(nullptr);
     if (!coded)
         for (const char* key : {"psnr_y", "ssim_y", "quantiser", "gop"}) statistics[key] = nullptr;
-    for (const FrameEntry& frame : ledger.frames)
-        statistics["per_frame"].push_back(entry_of(frame, coded, film.rendering.cache));
+    const bool by_records = kept_records(film.rendering, ledger.rendering);
+    for (const FrameEntry& frame : ledger.frames) statistics["per_frame"].push_back(entry_of(frame, coded, by_records));
     return statistics;
 }
 

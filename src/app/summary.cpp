@@ -210,7 +210,7 @@ std::string audit_lines(const Audit& audit) {
 
 std::string summary(const Production& film, const Ledger& ledger, const RunFacts& facts) {
     std::string text = opening_lines(film.film(), ledger, facts) + light_lines(ledger);
-    if (film.rendering.cache) text += record_lines(ledger.rendering);
+    if (kept_records(film.rendering, ledger.rendering)) text += record_lines(ledger.rendering);
     text += effect_lines(film, ledger) + band_lines(ledger.rendering.bands);
     if (ledger.rendering.calibrated_pixels > 0) text += caution_lines(ledger.rendering);
     if (film.audit > 0) text += audit_lines(ledger.audit);

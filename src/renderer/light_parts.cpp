@@ -20,19 +20,22 @@ constexpr double most_changed = 0.02;
 
 }  // namespace
 
-bool LightParts::suit(const Scenery& scenery, const Plan& plan, std::size_t still_anchors, std::size_t moving_anchors) {
-    const scene::Animation& animation = scenery.animation();
-    const scene::Traits traits = scene::traits_of(animation);
+bool LightParts::may_suit(const scene::Animation& film, const Plan& plan) {
+    const scene::Traits traits = scene::traits_of(film);
     if (traits.lights_change || plan.runs(Pass::alpha) || plan.runs(Pass::glass) ||
         !(traits.objects_move || traits.objects_deform))
         return false;
     int movers = 0;
-    for (const scene::Object& object : animation.objects) {
+    for (const scene::Object& object : film.objects) {
         if (object.mobility == scene::Mobility::still) continue;
-        if (animation.materials[static_cast<std::size_t>(object.material)].emits()) return false;
+        if (film.materials[static_cast<std::size_t>(object.material)].emits()) return false;
         ++movers;
     }
-    return movers <= GroupMovers::most &&
+    return movers <= GroupMovers::most;
+}
+
+bool LightParts::suit(const Scenery& scenery, const Plan& plan, std::size_t still_anchors, std::size_t moving_anchors) {
+    return may_suit(scenery.animation(), plan) &&
            static_cast<double>(moving_anchors) <= most_moving * static_cast<double>(still_anchors + moving_anchors);
 }
 

@@ -15,8 +15,10 @@ namespace render2mpeg::renderer {
 /// "Things that move").
 class LightParts {
   public:
-    /// Whether a film's light is worth parting: lights stay what they are, things move, but few, they hold few of the
-    /// anchors, and nothing lets light through.
+    /// Whether a film's light may be worth parting, before its anchors are known: lights stay what they are, things
+    /// move, but few, and nothing lets light through.
+    static bool may_suit(const scene::Animation& film, const Plan& plan);
+    /// Whether it is: what moves holds few of the anchors, too.
     static bool suit(const Scenery& scenery, const Plan& plan, std::size_t still_anchors, std::size_t moving_anchors);
 
     /// A chunk begins.

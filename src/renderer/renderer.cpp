@@ -77,6 +77,8 @@ struct Renderer::Impl {
             // A forest takes two seeds, one for direct light and the next for indirect light.
             lasting = LastingForest({light_points.usual(), still, moving}, settings.seed + 2 * settings.draw);
             parted = settings.cache && LightParts::suit(scenery, plan, still.size(), moving.size());
+            keeps =
+                settings.cache && (settings.follow || parted || !scene::traits_of(scenery.animation()).changes_light());
             parts.forget();
         }
         lit.reset();
@@ -220,7 +222,8 @@ struct Renderer::Impl {
     std::optional<Anchors> anchors;  ///< of the film
     LastingForest lasting;           ///< of the chunk
     LightForest forest;
-    bool parted = false;  ///< records hold only what stays of its light
+    bool keeps = false;   ///< light, in records
+    bool parted = false;  ///< they hold only what stays of it
     LightParts parts;
     std::optional<scene::Snapshot> lit;  ///< the instant that `forest` shows
     bool started = false;
@@ -266,7 +269,7 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     settings.limits.caution = i.given_caution.value_or(learns ? i.caution.value() : 1.0f);
     ShadeCounts counts;
     FrameLight known;
-    const bool by_records = i.settings.cache && !tolerance.is_reference();
+    const bool by_records = i.keeps && !tolerance.is_reference();
     if (by_records) {
         RecordCounts found;
         known = i.records.light(i.forest, i.scenery.tracer(), seen, snapshot, tolerance, settings.limits, counts, found,

@@ -34,6 +34,7 @@ struct Settings {
     Clamp clamp = Clamp::bounded;
     bool calibrate = true;  ///< Stop::honest: let the film's own light decide the caution of its cuts (calibration.h)
     bool cache = false;     ///< keep light on surfaces as records from which pixels are lit (record_cache.h)
+    bool follow = true;     ///< with `cache`: also where light changes as a whole, so that records must follow it
     core::Isa isa = core::Isa::sse2;
     std::uint64_t seed = 1;  ///< of representatives and light samples; photons use a fixed Halton sequence
     std::uint64_t draw = 0;  ///< other representatives for the same light: cuts err anew, the truth stays

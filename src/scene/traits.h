@@ -25,7 +25,8 @@ struct Traits {
     bool lights_change = false;            ///< move, or change their strength; emissive surfaces included
     bool has_cuts = false;
 
-    bool anything_moves() const { return camera_moves || objects_move || objects_deform || lights_change; }
+    bool changes_light() const { return objects_move || objects_deform || lights_change; }
+    bool anything_moves() const { return camera_moves || changes_light(); }
 };
 
 Traits traits_of(const Animation& animation);

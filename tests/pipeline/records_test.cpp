@@ -77,12 +77,12 @@ TEST(Records, ThatAreNotThereAreNotShown) {
 
 constexpr std::int64_t large = 320 * 240;  ///< pixels
 
-TEST(Records, AreKeptByThemselvesWhereOnlyTheCameraMoves) {
+TEST(Records, AreKeptByThemselvesWhereLightStaysOrCanBeParted) {
     scene::Traits walk;
     walk.has_diffuse_surfaces = walk.camera_moves = true;
     const auto keeps = [](const scene::Traits& traits, std::int64_t frames = 24, bool reference = false,
                           std::int64_t pixels = large) {
-        return app::choose_records("auto", traits, reference, frames, pixels).kept;
+        return app::choose_records("auto", traits, false, reference, frames, pixels).kept;
     };
     EXPECT_TRUE(keeps(walk));
     EXPECT_FALSE(keeps(walk, 1)) << "a picture alone";
@@ -93,13 +93,19 @@ TEST(Records, AreKeptByThemselvesWhereOnlyTheCameraMoves) {
         scene::Traits changes = walk;
         changes.*cause = true;
         EXPECT_FALSE(keeps(changes));
-        EXPECT_TRUE(app::choose_records("on", changes, false, 24, 1).kept) << "who asks gets it";
+        const app::RecordsChoice asked = app::choose_records("on", changes, true, false, 24, 1);
+        EXPECT_TRUE(asked.kept && asked.follows) << "who asks gets it";
+        const app::RecordsChoice parted = app::choose_records("auto", changes, true, false, 24, large);
+        EXPECT_EQ(parted.kept, !changes.lights_change) << parted.reason;
+        EXPECT_FALSE(parted.kept && parted.follows) << "only if light can be parted";
+        EXPECT_FALSE(app::choose_records("auto", changes, true, false, 1, large).kept);
+        EXPECT_FALSE(app::choose_records("auto", changes, true, false, 24, 96 * 96).kept);
     }
     scene::Traits still;
     EXPECT_FALSE(keeps(still)) << "nothing dull";
     still.has_diffuse_surfaces = true;
     EXPECT_TRUE(keeps(still));
-    EXPECT_FALSE(app::choose_records("off", walk, false, 24, large).kept);
+    EXPECT_FALSE(app::choose_records("off", walk, true, false, 24, large).kept);
 }
 
 TEST(Records, ThePlanSaysWhyTheyAreKept) {
@@ -109,11 +115,14 @@ TEST(Records, ThePlanSaysWhyTheyAreKept) {
         return at == std::string::npos ? "none" : table.substr(at - 3, table.find('\n', at) - at + 3);
     };
     const std::string walk = row(support::film("colonnade") + " --cache auto"),
-                      boxes = row(plain_film() + " --cache auto");
+                      lamps = row(support::film("many_lamps") + " --cache auto"),
+                      figure = row(support::film("character") + " --cache auto");
     EXPECT_TRUE(walk.starts_with("yes")) << walk;
     EXPECT_NE(walk.find("only the camera moves"), std::string::npos) << walk;
-    EXPECT_TRUE(boxes.starts_with("no ")) << boxes;
-    EXPECT_NE(boxes.find("would not pay"), std::string::npos) << boxes;
+    EXPECT_TRUE(lamps.starts_with("no ")) << lamps;
+    EXPECT_NE(lamps.find("would not pay: lights change"), std::string::npos) << lamps;
+    EXPECT_TRUE(figure.starts_with("yes")) << figure;
+    EXPECT_NE(figure.find("light past them stays"), std::string::npos) << figure;
     const std::string unwanted = row(plain_film() + " --cache off");
     EXPECT_NE(unwanted.find("not wanted"), std::string::npos) << unwanted;
     EXPECT_EQ(row(support::film("colonnade")), walk) << "auto is the default";

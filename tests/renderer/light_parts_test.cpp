@@ -121,6 +121,35 @@ TEST(LightParts, KeepAllRecordsWhereABoxMoves) {
     EXPECT_LT(stage.statistics().records_created - created, created / 4);
 }
 
+TEST(LightParts, DecideWhetherRecordsAreKeptThatMayNotFollow) {
+    Settings kept = settings(true), plain = settings(false);
+    kept.follow = false;
+    FilmStage parted(room({here, beside}), kept);
+    for (int second = 0; second < 2; ++second) parted.cut(0.05f, second);
+    EXPECT_GT(parted.statistics().records_created, 0u);
+    EXPECT_GT(parted.statistics().records_served, 0u);
+
+    // A box that fills the room holds more light points than light is parted for.
+    const test::SceneBuilder filled = room({here, beside}, false, {2.0f, 1.2f, 3.4f});
+    FilmStage whole(filled, kept), gathered(filled, plain);
+    for (int second = 0; second < 2; ++second)
+        EXPECT_TRUE(test::same_bytes(whole.cut(0.05f, second), gathered.cut(0.05f, second)));
+    EXPECT_EQ(whole.statistics().records_created, 0u);
+    kept.follow = true;
+    FilmStage followed(filled, kept);
+    followed.cut(0.05f, 0);
+    EXPECT_GT(followed.statistics().records_created, 0u);
+
+    // Where only the camera moves there is nothing to follow.
+    test::SceneBuilder walk = test::furnished_room();
+    walk.add_track(scene::TrackTarget::translation, walk.film().cameras[0].node, 3, {0, 10},
+                   {2.0f, 1.6f, 3.8f, 2.4f, 1.6f, 3.8f});
+    kept.follow = false;
+    FilmStage walked(walk, kept);
+    walked.cut(0.05f, 0);
+    EXPECT_GT(walked.statistics().records_created, 0u);
+}
+
 TEST(LightParts, ShowNoShadowOfWhatIsGoneAndShowItAgainOnceItIsBack) {
     const test::SceneBuilder b = room({here, here, below, here}, false, {0.9f, 0.5f, 2.8f});
     FilmStage stage(b, settings(true)), plain(b, settings(false));
