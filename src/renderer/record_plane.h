@@ -40,6 +40,9 @@ class RecordPlane {
     float residual() const;
     /// What its luminance rises by up to the nearest sample.
     float rise() const;
+    /// Whether samples lie in more than two columns across its steepest rise: through two a plane always passes, and a
+    /// step between them looks like a slope.
+    bool tells_steps() const;
     /// Index of that.
     int nearest() const;
     float distance(int i) const;
