@@ -13,6 +13,13 @@ namespace {
 /// alone. Not tuned.
 constexpr float share_of_twist = 0.25f;
 
+/// Where no record lies in the midst of a square, a step from corner to corner looks like a slope: of what light
+/// differs by, what it may be off by then, half of what it rises by up to the nearest corner, as in planes
+/// (record_fit.cpp).
+constexpr float share_of_step = 0.25f;
+/// In sides, what is no longer in the midst. chosen: 0.2, within a pixel of a corner; not tuned.
+constexpr float midst = 0.2f;
+
 /// Points are taken to lie so far beyond the corners at most, in sides of 4 pixels: a pixel, since they lie anywhere in
 /// theirs. Not tuned.
 constexpr float most_beyond = 0.25f;
@@ -75,6 +82,7 @@ void RecordSquare::judge(int side, float extent, const RecordMap& map, Records& 
     for (std::size_t k = 0; k < 4; ++k) light[k] = direct_[k] + indirect_[k];
     glm::vec3 square(0);
     int count = 0;
+    glm::vec2 tells(0);  // of a step across x and across y: 1 or 0
     const glm::ivec2 first = glm::floor(marks_[0].at);
     constexpr int border = RecordMap::border;
     for (int y = std::max(first.y, -border); y <= std::min(first.y + side, map.height() + border - 1); ++y) {
@@ -83,9 +91,12 @@ void RecordSquare::judge(int side, float extent, const RecordMap& map, Records& 
             const Record& r = records[m.record];
             if (r.lobe.alpha > 0.0f || !on_one_surface(marks_[0], m, extent * glm::length(m.at - marks_[0].at), extent))
                 continue;
-            const glm::vec3 off = r.direct + r.indirect - at(place_of(m.at), light);
+            const glm::vec2 place = place_of(m.at);
+            const glm::vec3 off = r.direct + r.indirect - at(place, light);
             square += off * off;
             ++count;
+            tells = glm::max(tells, glm::vec2(place.x > midst && place.x < 1.0f - midst ? 1 : 0,
+                                              place.y > midst && place.y < 1.0f - midst ? 1 : 0));
             records.use(m.record, frame);
         }
     }
@@ -97,8 +108,11 @@ void RecordSquare::judge(int side, float extent, const RecordMap& map, Records& 
     const glm::vec3 down =
         (light[2] - light[0] + light[3] - light[1]) / (m[2].at.y - m[0].at.y + m[3].at.y - m[1].at.y);
     const glm::vec3 twist = light[0] - light[1] - light[2] + light[3] - skew.x * across - skew.y * down;
+    const glm::vec3 step_x = glm::max(glm::abs(light[1] - light[0]), glm::abs(light[3] - light[2])),
+                    step_y = glm::max(glm::abs(light[2] - light[0]), glm::abs(light[3] - light[1]));
     off_ = glm::max(count > 0 ? glm::sqrt(square / static_cast<float>(count)) : glm::vec3(0),
                     share_of_twist * glm::abs(twist));
+    off_ = glm::max(off_, share_of_step * glm::max((1.0f - tells.x) * step_x, (1.0f - tells.y) * step_y));
 }
 
 bool RecordSquare::tell(const RecordQuery& q, const RecordTrust& trust, PointLight& light) const {

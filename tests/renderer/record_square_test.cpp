@@ -84,7 +84,7 @@ class Square : public Wall {
 
 TEST_F(Square, LightThatChangesEvenlyIsToldWhereverPointsLie) {
     const auto light = [](glm::vec2 at) { return 1.0f + 0.05f * at.x - 0.03f * at.y; };
-    strew(4, light);
+    strew(2, light);
     for (const glm::vec2 shift : {glm::vec2(0), glm::vec2(0.3f, -0.4f), glm::vec2(-0.45f, 0.2f)}) {
         const auto square = square_of(corners_of(light, shift));
         ASSERT_TRUE(square);
@@ -109,6 +109,21 @@ TEST_F(Square, RecordsInItThatKnowBetterAreBelieved) {
     EXPECT_EQ(count_told(*square, 0.5f), side * side);
     for (std::uint32_t i = 0; i < records_.size(); ++i) records_.change(i).indirect = glm::vec3(1);
     EXPECT_EQ(count_told(square_of(corners).value(), 0.02f), side * side);
+}
+
+TEST_F(Square, CornersAloneDoNotTellAStepFromASlope) {
+    for (const bool across : {true, false}) {
+        const auto light = [across](glm::vec2 at) { return (across ? at.x - left : at.y - top) < 2 ? 1.0f : 1.3f; };
+        records_ = {};
+        strew(4, light);
+        EXPECT_EQ(count_told(square_of(corners_of(light)).value(), 0.02f), 0) << across;
+        EXPECT_EQ(count_told(square_of(corners_of(light)).value(), 0.5f), side * side) << across;
+        // Records in its midst tell that it is a slope.
+        const auto slope = [across](glm::vec2 at) { return 1.0f + 0.02f * (across ? at.x : at.y); };
+        records_ = {};
+        strew(2, slope);
+        EXPECT_EQ(count_told(square_of(corners_of(slope)).value(), 0.02f), side * side) << across;
+    }
 }
 
 TEST_F(Square, WhatItsCornersMayBeOffByCounts) {
@@ -157,7 +172,7 @@ TEST_F(Square, AllThatIsKnownOfItsCornersIsTold) {
 
 TEST_F(Square, NothingIsBrighterOrDarkerThanItsCorners) {
     const auto light = [](glm::vec2 at) { return at.x < left + 2 ? 0.0f : 1.0f; };
-    strew(4, [](glm::vec2 at) { return (at.x - left - 0.5f) / side; });
+    strew(2, [](glm::vec2 at) { return (at.x - left - 0.5f) / side; });
     const auto square = square_of(corners_of(light));
     ASSERT_TRUE(square);
     for (int y = top; y < top + side; ++y) {
