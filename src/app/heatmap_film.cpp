@@ -91,8 +91,11 @@ const core::Plane<float>* of_records(HeatSubject subject, const core::Radiance& 
 }
 
 core::Plane<float> values_of(HeatSubject subject, const LitFrame& frame) {
-    if (const core::Plane<float>* plane = of_records(subject, frame.radiance)) return *plane;
     const core::Plane<glm::vec3>& light = frame.radiance.combined;
+    if (const core::Plane<float>* plane = of_records(subject, frame.radiance)) {
+        // None were kept where light turned out not to be parted.
+        return plane->size() == light.size() ? *plane : core::Plane<float>(light.width(), light.height(), 0.0f);
+    }
     core::Plane<float> values(light.width(), light.height(), 0.0f);
     for (std::size_t i = 0; i < values.size(); ++i) {
         const float luminance = core::luminance(light.values()[i]);

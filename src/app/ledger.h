@@ -20,7 +20,7 @@ double cpu_seconds();
 /// Seconds on a clock that never turns back.
 double clock_seconds();
 
-/// What records did for one frame; all 0 without --cache on.
+/// What records did for one frame; all 0 where none are kept.
 struct RecordsEntry {
     std::uint64_t created = 0, followed = 0;
     std::uint64_t live = 0;  ///< held after it

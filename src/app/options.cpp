@@ -50,9 +50,9 @@ void add_run_options(CLI::App& command, RenderOptions& options) {
         .add_option(
             "--heatmap", options.heatmaps,
             "Write a film in false colours beside: what each pixel's light may be off by (`tolerance`), clusters "
-            "(`cut`), what it may be off by as gathered (`error`), each macroblock's `quantiser`, or, with `--cache "
-            "on`, "
-            "how many `records` lie in each pixel, the `age` of its light in frames, and its `reuse`, the share of its "
+            "(`cut`), what it may be off by as gathered (`error`), each macroblock's `quantiser`, or, where "
+            "`--cache` keeps light, how many `records` lie in each pixel, the `age` of its light in frames, and its "
+            "`reuse`, the share of its "
             "points that it was not gathered for; may be given several times")
         ->allow_extra_args(false)  // at a time: else it would take INPUT behind it for a third word
         ->type_name("tolerance|cut|error|quantiser|records|age|reuse OUT.mpg")

@@ -164,7 +164,7 @@ Production prepare(const RenderOptions& options) {
                                   film.tolerance.reference, film.frame_count(),
                                   std::int64_t{film.format.width} * film.format.height);
     film.rendering.cache = film.records.kept;
-    film.rendering.follow = film.records.follows;
+    film.rendering.follow = film.records.follow;
     return film;
 }
 

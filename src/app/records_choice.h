@@ -12,7 +12,7 @@ namespace render2mpeg::app {
 struct RecordsChoice {
     bool kept = false;
     std::string reason;   ///< for the plan's table
-    bool follows = true;  ///< kept: also if light changes as a whole (renderer::Settings::follow)
+    bool follow = true;  ///< kept: also if light changes as a whole (renderer::Settings::follow)
 };
 
 /// `asked`: on, off, or auto, which keeps light where that pays in pictures of so many `pixels`. `reference`: every

@@ -9,6 +9,7 @@
 
 #include "app/frame_view.h"
 #include "app/pipeline.h"
+#include "app/records_choice.h"
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
@@ -218,7 +219,7 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
         });
         if (!goes_on) return std::nullopt;
         // Records are mostly made in a chunk's first frame.
-        if (film.rendering.cache && window.frames() > 1) {
+        if (kept_records(film.rendering, renderer_.statistics()) && window.frames() > 1) {
             const double later = (shaded() - unlit - lit_first) / static_cast<double>(window.frames() - 1);
             once += std::max(0.0, lit_first - later - lights / static_cast<double>(windows_.size()));
         }

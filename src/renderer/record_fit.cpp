@@ -17,9 +17,9 @@ namespace {
 
 /// Pixels to each side that are looked at, in turn. The largest lets a lattice of 4 be interpolated.
 constexpr int radii[] = {1, 2, 4, 6};
-/// Within fewer than this, planes are not asked whether they tell a step from a slope (RecordPlane::tells_steps): none
-/// is believed to.
-constexpr int asked_for_steps = 4;
+/// From this radius on planes are asked whether their records lie in two columns, so that a step may look like a slope
+/// (RecordPlane::unsure_rise); within fewer pixels that is taken for granted.
+constexpr int asked_for_columns = 4;
 
 /// Records to one side of a pixel, or along a line, as at rims of surfaces and on thin mouldings, carry no plane. So
 /// many of them serve by their mean if one is so near, in pixels, and if they disagree by so much less than the
@@ -243,8 +243,9 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
             const float doubts = record_doubt(q.tolerance, light, tolerance);
             const float off = trust.residual * doubts * (more > 1.0f ? more * doubts : 1.0f) * near.plane().residual(),
                         noise = trust.noise * near.noise(q.receives);
-            float rise = trust.step * near.plane().rise();
-            if (radius >= asked_for_steps && rise > off && near.plane().tells_steps()) rise = 0.0f;
+            const RecordPlane& plane = near.plane();
+            float rise = trust.step * plane.rise();
+            if (radius >= asked_for_columns && rise > off) rise = trust.step * plane.unsure_rise();
             const float doubted = std::max(off, rise);
             if (trust.strictness * doubted <= tolerance && noise <= tolerance) {
                 result.holds = true;

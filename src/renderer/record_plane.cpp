@@ -116,29 +116,38 @@ float RecordPlane::distance(int i) const {
     return glm::length(samples_[static_cast<std::size_t>(i)].offset);
 }
 
-bool RecordPlane::tells_steps() const {
-    const glm::vec2 steepest =
-        core::normalize_or(glm::vec3(core::luminance(plane_[1]), core::luminance(plane_[2]), 0), glm::vec3(1, 0, 0));
-    // Moments of the samples' places along it, about their middle.
-    double sum = 0, middle = 0, moments[5]{};
+/// Whether the samples' places along a direction are two, or nearly.
+bool RecordPlane::in_two_columns(glm::vec2 along) const {
+    float sum = 0, middle = 0;
     for (int i = 0; i < count_; ++i) {
         const Sample& n = samples_[static_cast<std::size_t>(i)];
-        sum += std::sqrt(n.closeness);
-        middle += std::sqrt(n.closeness) * glm::dot(n.offset, steepest);
+        const float w = std::sqrt(n.closeness);
+        sum += w;
+        middle += w * glm::dot(n.offset, along);
     }
-    middle = core::divide_or(middle, sum, 0.0);
+    middle = core::divide_or(middle, sum, 0.0f);
+    // Moments about their middle.
+    double second = 0, third = 0, fourth = 0;
     for (int i = 0; i < count_; ++i) {
         const Sample& n = samples_[static_cast<std::size_t>(i)];
-        const double at = glm::dot(n.offset, steepest) - middle;
-        double power = std::sqrt(n.closeness) / sum;
-        for (double& moment : moments) {
-            moment += power;
-            power *= at;
-        }
+        const double w = core::divide_or(std::sqrt(n.closeness), sum, 0.0f), at = glm::dot(n.offset, along) - middle;
+        second += w * at * at;
+        third += w * at * at * at;
+        fourth += w * at * at * at * at;
     }
     // Kurtosis exceeds the square of skewness by 1 for two columns, by more for all else [Pearson1916].
-    const double square = moments[2] * moments[2];
-    return moments[4] * moments[2] - moments[3] * moments[3] > (1.0 + two_columns) * square * moments[2];
+    return fourth * second - third * third <= (1.0 + two_columns) * second * second * second;
+}
+
+float RecordPlane::unsure_rise() const {
+    const glm::vec2 slope{core::luminance(plane_[1]), core::luminance(plane_[2])};
+    const float steepest = glm::length(slope);
+    float most = 0;
+    for (const glm::vec2 along : {glm::vec2(1, 0), glm::vec2(0, 1), slope / steepest}) {
+        const float rise = std::abs(glm::dot(slope, along));
+        if (rise > most && in_two_columns(along)) most = rise;
+    }
+    return most * distance(nearest());
 }
 
 float RecordPlane::rise() const {

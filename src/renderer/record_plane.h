@@ -40,14 +40,16 @@ class RecordPlane {
     float residual() const;
     /// What its luminance rises by up to the nearest sample.
     float rise() const;
-    /// Whether samples lie in more than two columns across its steepest rise: through two a plane always passes, and a
-    /// step between them looks like a slope.
-    bool tells_steps() const;
+    /// The same along rows and columns of the picture, and its own way up, where that is what samples in two columns
+    /// make: through two a plane always passes, and a step between them looks like a slope.
+    float unsure_rise() const;
     /// Index of that.
     int nearest() const;
     float distance(int i) const;
 
   private:
+    bool in_two_columns(glm::vec2 along) const;
+
     struct Sample {
         glm::vec2 offset;
         float closeness;

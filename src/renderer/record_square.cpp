@@ -13,11 +13,8 @@ namespace {
 /// alone. Not tuned.
 constexpr float share_of_twist = 0.25f;
 
-/// Where no record lies in the midst of a square, a step from corner to corner looks like a slope: of what light
-/// differs by, what it may be off by then, half of what it rises by up to the nearest corner, as in planes
-/// (record_fit.cpp).
-constexpr float share_of_step = 0.25f;
-/// In sides, what is no longer in the midst. chosen: 0.2, within a pixel of a corner; not tuned.
+/// Where no record lies in the midst of a square, a step from side to side looks like a slope, as in planes of two
+/// columns. In sides, what is no longer in the midst: 0.2, within a pixel of an edge of 4; not tuned.
 constexpr float midst = 0.2f;
 
 /// Points are taken to lie so far beyond the corners at most, in sides of 4 pixels: a pixel, since they lie anywhere in
@@ -112,7 +109,7 @@ void RecordSquare::judge(int side, float extent, const RecordMap& map, Records& 
                     step_y = glm::max(glm::abs(light[2] - light[0]), glm::abs(light[3] - light[1]));
     off_ = glm::max(count > 0 ? glm::sqrt(square / static_cast<float>(count)) : glm::vec3(0),
                     share_of_twist * glm::abs(twist));
-    off_ = glm::max(off_, share_of_step * glm::max((1.0f - tells.x) * step_x, (1.0f - tells.y) * step_y));
+    rise_ = 0.5f * glm::max((1.0f - tells.x) * step_x, (1.0f - tells.y) * step_y);
 }
 
 bool RecordSquare::tell(const RecordQuery& q, const RecordTrust& trust, PointLight& light) const {
@@ -139,7 +136,8 @@ bool RecordSquare::tell(const RecordQuery& q, const RecordTrust& trust, PointLig
     const float doubts = record_doubt(q.tolerance, sent, tolerance);
     const float off = trust.residual * doubts * (noticed_at_most(reflects * off_) + turned * sent);
     // What corners doubt, they doubt by their own tolerances.
-    const float doubted = std::max(off, std::max(1.0f, doubts / doubts_) * q.receives * doubted_),
+    const float rise = trust.step * noticed_at_most(reflects * rise_),
+                doubted = std::max({off, rise, std::max(1.0f, doubts / doubts_) * q.receives * doubted_}),
                 error = q.receives * error_;
     if (!(std::max(trust.strictness * doubted, error) <= tolerance)) return false;
     light = {direct, indirect};

@@ -40,13 +40,14 @@ class RecordSquare {
     }
     /// From the corner left above, in sides.
     glm::vec2 place_of(glm::vec2 on_picture) const;
-    /// What records in it are off the mean of the corners, and what that may be off a plane, by colour.
+    /// What records in it are off the mean of the corners, what that may be off a plane, and what light may rise by up
+    /// to the nearest corner where no record says that this is no step, by colour.
     void judge(int side, float extent, const RecordMap& map, Records& records, std::int64_t frame);
 
     std::array<RecordMark, 4> marks_;
     std::array<glm::vec3, 4> direct_, indirect_;  ///< irradiance over pi
     std::array<float, 4> clamped_, age_;          ///< the former as a share of light
-    glm::vec3 off_{0};                            ///< irradiance over pi
+    glm::vec3 off_{0}, rise_{0};                  ///< irradiance over pi
     float error_ = 0, doubted_ = 0;               ///< luminance for a white receiver
     float doubts_ = 0;                            ///< the least of the corners'
     bool capped_ = false;

@@ -15,6 +15,7 @@
 #include "renderer/see.h"
 #include "renderer/shade.h"
 #include "renderer/stopwatch.h"
+#include "scene/traits.h"
 
 namespace render2mpeg::renderer {
 namespace {

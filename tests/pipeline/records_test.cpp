@@ -94,10 +94,10 @@ TEST(Records, AreKeptByThemselvesWhereLightStaysOrCanBeParted) {
         changes.*cause = true;
         EXPECT_FALSE(keeps(changes));
         const app::RecordsChoice asked = app::choose_records("on", changes, true, false, 24, 1);
-        EXPECT_TRUE(asked.kept && asked.follows) << "who asks gets it";
+        EXPECT_TRUE(asked.kept && asked.follow) << "who asks gets it";
         const app::RecordsChoice parted = app::choose_records("auto", changes, true, false, 24, large);
         EXPECT_EQ(parted.kept, !changes.lights_change) << parted.reason;
-        EXPECT_FALSE(parted.kept && parted.follows) << "only if light can be parted";
+        EXPECT_FALSE(parted.kept && parted.follow) << "only if light can be parted";
         EXPECT_FALSE(app::choose_records("auto", changes, true, false, 1, large).kept);
         EXPECT_FALSE(app::choose_records("auto", changes, true, false, 24, 96 * 96).kept);
     }
@@ -127,6 +127,24 @@ TEST(Records, ThePlanSaysWhyTheyAreKept) {
     EXPECT_NE(unwanted.find("not wanted"), std::string::npos) << unwanted;
     EXPECT_EQ(row(support::film("colonnade")), walk) << "auto is the default";
     EXPECT_TRUE(row(plain_film() + " --cache on").starts_with("yes")) << row(plain_film() + " --cache on");
+}
+
+TEST(Records, AreNoneWhereWhatMovesHoldsMuchOfTheLight) {
+    const Folder folder;
+    const std::string cornell = support::program() + " render " + support::film("cornell") +
+                                " --size 160x160 --samples 1 --vpls 64 --exposure 0 --frames 3:4 --tolerance "
+                                "fixed=20% --quiet --stats " +
+                                (folder / "s.json").string();
+    const auto film =
+        run(cornell + " -o " + (folder / "f.m2v").string() + " --heatmap age " + (folder / "h.m2v").string());
+    ASSERT_EQ(film.status, 0) << film.output;
+    EXPECT_GT(contents(folder / "h.m2v").size(), 0u);
+    const auto statistics = nlohmann::json::parse(contents(folder / "s.json"));
+    EXPECT_TRUE(statistics.at("records").is_null());
+    EXPECT_FALSE(statistics.at("per_frame").at(1).contains("records"));
+    const auto plain = run(cornell + " --cache off -o " + (folder / "off.m2v").string());
+    ASSERT_EQ(plain.status, 0) << plain.output;
+    EXPECT_EQ(contents(folder / "f.m2v"), contents(folder / "off.m2v"));
 }
 
 }  // namespace

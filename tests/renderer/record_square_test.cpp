@@ -118,6 +118,13 @@ TEST_F(Square, CornersAloneDoNotTellAStepFromASlope) {
         strew(4, light);
         EXPECT_EQ(count_told(square_of(corners_of(light)).value(), 0.02f), 0) << across;
         EXPECT_EQ(count_told(square_of(corners_of(light)).value(), 0.5f), side * side) << across;
+        // Those in the midst of its other sides do not either.
+        for (std::uint32_t i = 0; i < records_.size(); ++i) {
+            glm::vec3& at = records_.change(i).position;
+            (across ? at.y : at.x) += 2.0f * extent_of(point_at(left, top)) * (across ? -1.0f : 1.0f);
+        }
+        map_.build(records_.all(), stage_.world().camera);
+        EXPECT_EQ(count_told(square_of(corners_of(light)).value(), 0.02f), 0) << across;
         // Records in its midst tell that it is a slope.
         const auto slope = [across](glm::vec2 at) { return 1.0f + 0.02f * (across ? at.x : at.y); };
         records_ = {};
