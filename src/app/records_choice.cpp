@@ -18,8 +18,8 @@ RecordsChoice choose_records(const std::string& asked, const scene::Traits& trai
     if (frames == 1) return {false, "would not pay: there is no later frame to keep light for"};
     if (pixels < least_pixels) return {false, "would not pay: the picture is small"};
     // Where light changes as a whole, a sixteenth of all pixels is gathered anew with every frame, and what is near the
-    // cause of it as well: that gains little time, and where the camera rests it loses quality (docs/decisions/0018,
-    // "On by itself").
+    // cause of it as well: that gains less, and loses quality where lamps flash (docs/decisions/0018, "On by
+    // itself").
     if (traits.lights_change) return {false, "would not pay: lights change"};
     if (parts)
         return {true, "few things move: light past them stays, unless they hold over a twentieth of its points", false};

@@ -11,7 +11,7 @@ namespace render2mpeg::app {
 /// Whether light is kept in records, and why.
 struct RecordsChoice {
     bool kept = false;
-    std::string reason;   ///< for the plan's table
+    std::string reason;  ///< for the plan's table
     bool follow = true;  ///< kept: also if light changes as a whole (renderer::Settings::follow)
 };
 
