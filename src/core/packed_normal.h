@@ -30,6 +30,17 @@ class PackedNormal {
         return n / std::sqrt(glm::dot(n, n));
     }
 
+    /// Whether the cosine between it and a unit vector exceeds `least`, without division or root: right to rounding.
+    bool faces(glm::vec3 direction, float least) const {
+        glm::vec3 n{x_, y_, 32767.0f - std::abs(static_cast<float>(x_)) - std::abs(static_cast<float>(y_))};
+        if (n.z < 0.0f) {
+            n.x = (32767.0f - std::abs(static_cast<float>(y_))) * sign(x_);
+            n.y = (32767.0f - std::abs(static_cast<float>(x_))) * sign(y_);
+        }
+        const float along = glm::dot(n, direction), bound2 = least * least * glm::dot(n, n);
+        return least < 0.0f ? along >= 0.0f || along * along < bound2 : along > 0.0f && along * along > bound2;
+    }
+
     bool operator==(const PackedNormal&) const = default;
 
  private:

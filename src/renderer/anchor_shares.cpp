@@ -18,17 +18,22 @@ constexpr float least_facing = 0.5f;
 /// Neighbours that every anchor has, and how many are looked at for them: a photon's nearest seventeen are among those
 /// of the nearest. chosen: twice and three times as many as share.
 constexpr int kept = 2 * shared_among, looked_at = 3 * shared_among;
-static_assert(looked_at <= 64, "sights and partings have 64 bits");
+static_assert(looked_at <= 64, "sights have 64 bits");
 
 /// How far off its surface an anchor looks, in radii of its disc, the smaller of two: over bumps, mouldings and
 /// carpets, not over walls. chosen: 2; at 0.5 anchors on cobbles lose so many neighbours that light gathers in
 /// blotches.
 constexpr float lift_radii = 2.0f;
 
+/// So many still anchors keep their lists of neighbours, 132 bytes each, so that no frame looks for them anew.
+/// chosen: 32,768, 4 MB.
+constexpr std::size_t listed = 1u << 15;
+
 constexpr std::uint32_t no_anchor = 0xffffffffu;
 
-/// Anchors that are asked in turn whether they see a photon: few at first, more where none of those does.
-constexpr int asked = 4, asked_at_last = 32;
+/// Anchors that are asked in turn whether they see a photon: more where none of those before does, since most are seen
+/// by the nearest.
+constexpr std::array<int, 3> asked = {1, 4, 32};
 
 /// The nearest so far, nearest first.
 class Nearest {
@@ -144,21 +149,26 @@ void AnchorSharing::look_about(const RayTracer& scene) {
         }
     });
     for (const std::uint8_t n : rays) rays_ += n;
+    if (sights_.size() > listed) return;
+    std::vector<Neighbours> lists(sights_.size());
+    parallel::for_ranges(lists.size(), 64, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) lists[i] = neighbours(static_cast<std::uint32_t>(i));
+    });
+    neighbours_.swap(lists);
 }
 
 float AnchorSharing::lift_between(std::uint32_t a, std::uint32_t b) const {
     return lift_radii * std::sqrt(std::min(disc2_[a], disc2_[b]));
 }
 
-AnchorSharing::Neighbours AnchorSharing::neighbours(std::uint32_t anchor, const AnchorPartings* partings) const {
+AnchorSharing::Neighbours AnchorSharing::neighbours(std::uint32_t anchor) const {
+    if (!neighbours_.empty()) return neighbours_[anchor];
     const PointTree& still = groups_.front().tree;
     std::array<Neighbour, looked_at> found;
-    const std::uint64_t parted = partings != nullptr ? partings->parted[anchor] : 0;
-    const std::uint64_t seen = sights_[anchor] & ~parted;
     const int count = still.nearest(still[anchor], least_facing, found);
     Neighbours list;
     for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
-        if ((seen >> k & 1u) != 0) list.anchor[static_cast<std::size_t>(list.count++)] = found[k].point;
+        if ((sights_[anchor] >> k & 1u) != 0) list.anchor[static_cast<std::size_t>(list.count++)] = found[k].point;
     return list;
 }
 
@@ -169,15 +179,14 @@ AnchorPartings AnchorSharing::partings(const RayTracer& scene) const {
     const PointTree& still = groups_.front().tree;
     std::vector<std::uint8_t> rays(sights_.size(), 0);
     parallel::for_ranges(found.parted.size(), 64, [&](std::size_t first, std::size_t last) {
-        std::array<Neighbour, looked_at> near;
         for (auto i = static_cast<std::uint32_t>(first); i < last; ++i) {
-            const int count = still.nearest(still[i], least_facing, near);
-            for (int k = 0; k < count; ++k) {
-                const std::uint32_t other = near[static_cast<std::size_t>(k)].point;
-                if (other == i || (sights_[i] >> k & 1u) == 0) continue;
+            const Neighbours near = neighbours(i);
+            for (int k = 0; k < near.count; ++k) {
+                const std::uint32_t other = near.anchor[static_cast<std::size_t>(k)];
+                if (other == i) continue;
                 ++rays[i];
                 if (!Way(still[i], still[other], lift_between(i, other)).is_free(scene))
-                    found.parted[i] |= std::uint64_t{1} << k;
+                    found.parted[i] |= std::uint32_t{1} << k;
             }
         }
     });
@@ -187,7 +196,7 @@ AnchorPartings AnchorSharing::partings(const RayTracer& scene) const {
 
 std::size_t AnchorSharing::bytes() const {
     std::size_t sum = disc2_.capacity() * sizeof(float) + mounts_.capacity() * sizeof(AnchorMount) +
-                      sights_.capacity() * sizeof(std::uint64_t);
+                      sights_.capacity() * sizeof(std::uint64_t) + neighbours_.capacity() * sizeof(Neighbours);
     for (const Group& group : groups_) sum += group.tree.bytes();
     return sum;
 }
@@ -197,9 +206,10 @@ std::size_t AnchorSharing::bytes() const {
 std::uint32_t AnchorSharing::nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, bool past_movers,
                                               int& rays) const {
     const PointTree& tree = groups_.front().tree;
-    std::array<Neighbour, asked_at_last> found;
+    std::array<Neighbour, asked.back()> found;
     std::optional<std::uint32_t> hidden;
-    for (int most = asked, next = 0;; most = asked_at_last) {
+    int next = 0;
+    for (const int most : asked) {
         const std::span<Neighbour> some(found.data(), static_cast<std::size_t>(most));
         int count = tree.nearest(at, least_facing, some);
         if (count == 0) count = tree.nearest(at, -2.0f, some);
@@ -211,7 +221,7 @@ std::uint32_t AnchorSharing::nearest_in_sight(const OrientedPoint& at, const Ray
             if (!past_movers || way.is_free(scene)) return anchor;
             if (!hidden) hidden = anchor;
         }
-        if (count < most || most == asked_at_last) break;
+        if (count < most) break;
     }
 
     // In a small room that something shuts there may be none that faces alike: rather one that does not, than outside.
@@ -225,13 +235,15 @@ std::uint32_t AnchorSharing::nearest_in_sight(const OrientedPoint& at, const Ray
     return hidden.value_or(nearest);
 }
 
-/// Of the nearest anchor's neighbours those nearest to the photon itself.
-AnchorShares AnchorSharing::share_among(const Neighbours& neighbours, const OrientedPoint& at) const {
+/// Of the nearest anchor's neighbours those nearest to the photon itself, but for those that are parted from it.
+AnchorShares AnchorSharing::share_among(const Neighbours& neighbours, std::uint32_t parted,
+                                        const OrientedPoint& at) const {
     const PointTree& still = groups_.front().tree;
     Nearest near;
     for (int k = 0; k < neighbours.count; ++k) {
+        if ((parted >> k & 1u) != 0) continue;
         const std::uint32_t anchor = neighbours.anchor[static_cast<std::size_t>(k)];
-        const glm::vec3 d = still[anchor].position - at.position;
+        const glm::vec3 d = still.position(anchor) - at.position;
         near.add({glm::dot(d, d), anchor});
     }
     return shares_of(near, disc2_);
@@ -277,15 +289,18 @@ void AnchorSharing::share(std::span<const Placed> placed, std::span<const Landed
                           const AnchorPartings* partings, std::span<AnchorShares> shares) const {
     parallel::for_ranges(placed.size(), 256, [&](std::size_t first, std::size_t last) {
         Neighbours list;
+        std::uint32_t parted = 0;
         for (std::size_t i = first; i < last; ++i) {
             const LandedPhoton& photon = photons[placed[i].photon];
             if (placed[i].nearest == no_anchor) {
                 shares[i] = share_among_alike(photon.group, photon.at);
                 continue;
             }
-            if (i == first || placed[i].nearest != placed[i - 1].nearest)
-                list = neighbours(placed[i].nearest, partings);
-            shares[i] = share_among(list, photon.at);
+            if (i == first || placed[i].nearest != placed[i - 1].nearest) {
+                list = neighbours(placed[i].nearest);
+                parted = partings != nullptr ? partings->parted[placed[i].nearest] : 0;
+            }
+            shares[i] = share_among(list, parted, photon.at);
         }
     });
 }

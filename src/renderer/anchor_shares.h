@@ -35,10 +35,10 @@ struct AnchorShares {
     std::array<float, shared_among> weight;
 };
 
-/// Of each still anchor, which of its neighbours what moves keeps apart from it at one instant, a door that is shut:
-/// bit k is the k-th nearest. Empty where nothing moves.
+/// Of each still anchor, which of the neighbours that it sees what moves keeps apart from it at one instant, a door that
+/// is shut: bit k is the k-th nearest of them. Empty where nothing moves.
 struct AnchorPartings {
-    std::vector<std::uint64_t> parted;
+    std::vector<std::uint32_t> parted;
     std::uint64_t rays = 0;  ///< that were traced to find them
 };
 
@@ -89,13 +89,14 @@ class AnchorSharing {
         std::array<std::uint32_t, 2 * shared_among> anchor;
         int count = 0;
     };
+    static_assert(2 * shared_among <= 32, "partings have 32 bits");
 
     void look_about(const RayTracer& scene);
     float lift_between(std::uint32_t a, std::uint32_t b) const;
-    Neighbours neighbours(std::uint32_t anchor, const AnchorPartings* partings) const;
+    Neighbours neighbours(std::uint32_t anchor) const;
     std::uint32_t nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, bool past_movers, int& rays) const;
     AnchorShares share_among_alike(std::uint32_t group, const OrientedPoint& at) const;
-    AnchorShares share_among(const Neighbours& neighbours, const OrientedPoint& at) const;
+    AnchorShares share_among(const Neighbours& neighbours, std::uint32_t parted, const OrientedPoint& at) const;
     /// The place of a photon in `photons`, and the nearest anchor that sees it where it is one of what is still.
     struct Placed {
         std::uint32_t nearest, photon;
@@ -110,6 +111,8 @@ class AnchorSharing {
     std::uint32_t still_count_ = 0;
     /// Of each still anchor, which of its nearest neighbours it sees: bit k is the k-th.
     std::vector<std::uint64_t> sights_;
+    /// Of each still anchor, where they are few; they are looked for whenever they are asked for where not.
+    std::vector<Neighbours> neighbours_;
     std::uint64_t rays_ = 0;
 };
 

@@ -161,7 +161,7 @@ void PointTree::visit(std::size_t first, std::size_t last, std::size_t range, Se
         const Point& candidate = points_[i];
         const glm::vec3 d = candidate.position - search.at.position;
         const float distance2 = glm::dot(d, d);
-        if (distance2 <= search.reach() && glm::dot(candidate.normal.unpack(), search.at.normal) > search.least_facing)
+        if (distance2 <= search.reach() && candidate.normal.faces(search.at.normal, search.least_facing))
             search.insert({distance2, name(i)});
         return d;
     };

@@ -35,7 +35,8 @@ class PointTree {
 
     std::size_t size() const { return points_.size(); }
     /// In the tree's order; normals are kept to 7e-5 rad.
-    OrientedPoint operator[](std::size_t i) const { return {points_[i].position, points_[i].normal.unpack()}; }
+    OrientedPoint operator[](std::size_t i) const { return {position(i), points_[i].normal.unpack()}; }
+    const glm::vec3& position(std::size_t i) const { return points_[i].position; }
 
     /// Which point, as they were given, lies at each place of the tree's order. From then on neighbours are told by
     /// their place in that order: for who keeps what belongs to the points in the same.

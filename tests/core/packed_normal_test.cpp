@@ -31,6 +31,20 @@ TEST(PackedNormal, KeepsTheAxesExactly) {
         }
 }
 
+TEST(PackedNormal, FacesWhatItsCosineSays) {
+    for (const float least : {-2.0f, -1.0f, -0.6f, 0.0f, 0.5f, 0.9f, 1.0f})
+        for (std::uint64_t i = 0; i < 10000; ++i) {
+            const PackedNormal n(sample_sphere({halton(0, i), halton(1, i)}));
+            const glm::vec3 way = sample_sphere({halton(2, i), halton(3, i)});
+            const float cosine = glm::dot(n.unpack(), way);
+            if (std::abs(cosine - least) < 1e-6f) continue;
+            EXPECT_EQ(n.faces(way, least), cosine > least) << cosine << " " << least;
+        }
+    EXPECT_TRUE(PackedNormal({0, 1, 0}).faces({1, 0, 0}, -0.5f));
+    EXPECT_FALSE(PackedNormal({0, 1, 0}).faces({1, 0, 0}, 0.0f));
+    EXPECT_FALSE(PackedNormal({0, 1, 0}).faces({0, -1, 0}, 0.5f));
+}
+
 TEST(PackedNormal, TakesVectorsThatAreNotUnit) {
     const glm::vec3 n = glm::normalize(glm::vec3(1, -2, -3));
     EXPECT_EQ(PackedNormal(n * 8.0f), PackedNormal(n));

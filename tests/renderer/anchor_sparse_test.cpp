@@ -218,11 +218,21 @@ TEST(SparseAnchors, OfAThingThatUnrollsFromALineLieOverAllOfIt) {
     EXPECT_LT(area, 12.0);  // the cells of its rim reach beyond it
 }
 
-TEST(SparseAnchors, TakeAtMost36BytesEachBetweenInstants) {
-    AnchorStage stage(test::hall(), {4096, 4});
+/// Bytes of a hall's anchors between instants, each.
+double bytes_each(int count) {
+    AnchorStage stage(test::hall(), {count, 1});
     const Anchors::Lit lit = stage.light();
-    const double each =
-        static_cast<double>(stage.anchors().bytes()) / static_cast<double>(lit.still.size() + lit.moving.size());
+    return static_cast<double>(stage.anchors().bytes()) / static_cast<double>(lit.still.size() + lit.moving.size());
+}
+
+TEST(SparseAnchors, KeepListsOfNeighboursWhereTheyAreFew) {
+    const double each = bytes_each(4096);
+    EXPECT_LE(each, 132 + 35.75);
+    EXPECT_GE(each, 132 + 32.0);
+}
+
+TEST(SparseAnchorsSlow, TakeAtMost36BytesEachBetweenInstants) {
+    const double each = bytes_each(40000);
     // With 4.25 of a light tree's plan and 80 of the tree: 120.
     EXPECT_LE(each, 35.75);
     EXPECT_GE(each, 32.0);
