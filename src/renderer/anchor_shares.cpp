@@ -131,6 +131,7 @@ OrientedPoint AnchorSharing::rest(std::uint32_t anchor) const {
 void AnchorSharing::look_about(const RayTracer& scene) {
     const PointTree& still = groups_.front().tree;
     sights_.assign(still.size(), 0);
+    std::vector<Neighbours> lists(still.size() <= listed ? still.size() : 0);
     std::vector<std::uint8_t> rays(still.size(), 0);
     parallel::for_ranges(sights_.size(), 64, [&](std::size_t first, std::size_t last) {
         std::array<Neighbour, looked_at> found;
@@ -144,16 +145,12 @@ void AnchorSharing::look_about(const RayTracer& scene) {
                     if (!Way(still[i], still[other], lift).is_open(scene)) continue;
                 }
                 sights_[i] |= std::uint64_t{1} << k;
+                if (!lists.empty()) lists[i].anchor[static_cast<std::size_t>(lists[i].count++)] = other;
                 ++seen;
             }
         }
     });
     for (const std::uint8_t n : rays) rays_ += n;
-    if (sights_.size() > listed) return;
-    std::vector<Neighbours> lists(sights_.size());
-    parallel::for_ranges(lists.size(), 64, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) lists[i] = neighbours(static_cast<std::uint32_t>(i));
-    });
     neighbours_.swap(lists);
 }
 
