@@ -15,19 +15,15 @@ namespace {
 /// How alike photons and anchors must face.
 constexpr float least_facing = 0.5f;
 
-/// Neighbours that every anchor has, and how many are looked at for them: a photon's nearest seventeen are among those
-/// of the nearest. chosen: twice and three times as many as share.
-constexpr int kept = 2 * shared_among, looked_at = 3 * shared_among;
+/// Neighbours that are looked at for those that an anchor has: a photon's nearest seventeen are among those of the
+/// nearest. chosen: three times as many as share.
+constexpr int looked_at = 3 * shared_among;
 static_assert(looked_at <= 64, "sights have 64 bits");
 
 /// How far off its surface an anchor looks, in radii of its disc, the smaller of two: over bumps, mouldings and
 /// carpets, not over walls. chosen: 2; at 0.5 anchors on cobbles lose so many neighbours that light gathers in
 /// blotches.
 constexpr float lift_radii = 2.0f;
-
-/// So many still anchors keep their lists of neighbours, 132 bytes each, so that no frame looks for them anew.
-/// chosen: 32,768, 4 MB.
-constexpr std::size_t listed = 1u << 15;
 
 constexpr std::uint32_t no_anchor = 0xffffffffu;
 
@@ -100,7 +96,7 @@ AnchorShares shares_of(const Nearest& near, std::span<const float> disc2) {
 
 }  // namespace
 
-AnchorSharing::AnchorSharing(std::span<const AnchorPlace> places, const RayTracer& scene) {
+AnchorSharing::AnchorSharing(std::span<const AnchorPlace> places, const RayTracer& scene, std::size_t listed) {
     disc2_.reserve(places.size());
     for (std::size_t first = 0; first < places.size();) {
         std::vector<OrientedPoint> points;
@@ -116,7 +112,7 @@ AnchorSharing::AnchorSharing(std::span<const AnchorPlace> places, const RayTrace
         if (group.id == 0) still_count_ = static_cast<std::uint32_t>(last);
         first = last;
     }
-    if (still_count_ > 0) look_about(scene);
+    if (still_count_ > 0) look_about(scene, listed);
 }
 
 OrientedPoint AnchorSharing::rest(std::uint32_t anchor) const {
@@ -128,7 +124,7 @@ OrientedPoint AnchorSharing::rest(std::uint32_t anchor) const {
 }
 
 /// Finds which neighbours each still anchor sees.
-void AnchorSharing::look_about(const RayTracer& scene) {
+void AnchorSharing::look_about(const RayTracer& scene, std::size_t listed) {
     const PointTree& still = groups_.front().tree;
     sights_.assign(still.size(), 0);
     std::vector<Neighbours> lists(still.size() <= listed ? still.size() : 0);
@@ -137,7 +133,7 @@ void AnchorSharing::look_about(const RayTracer& scene) {
         std::array<Neighbour, looked_at> found;
         for (std::size_t i = first; i < last; ++i) {
             const int count = still.nearest(still[i], least_facing, found);
-            for (int k = 0, seen = 0; k < count && seen < kept; ++k) {
+            for (int k = 0, seen = 0; k < count && seen < Neighbours::most; ++k) {
                 const std::uint32_t other = found[static_cast<std::size_t>(k)].point;
                 if (other != i) {
                     ++rays[i];
@@ -232,7 +228,8 @@ std::uint32_t AnchorSharing::nearest_in_sight(const OrientedPoint& at, const Ray
     return hidden.value_or(nearest);
 }
 
-/// Of the nearest anchor's neighbours those nearest to the photon itself, but for those that are parted from it.
+/// Of the nearest anchor's neighbours those nearest to the photon itself, but for those that are parted from that
+/// anchor.
 AnchorShares AnchorSharing::share_among(const Neighbours& neighbours, std::uint32_t parted,
                                         const OrientedPoint& at) const {
     const PointTree& still = groups_.front().tree;

@@ -35,12 +35,16 @@ struct AnchorShares {
     std::array<float, shared_among> weight;
 };
 
-/// Of each still anchor, which of the neighbours that it sees what moves keeps apart from it at one instant, a door that
-/// is shut: bit k is the k-th nearest of them. Empty where nothing moves.
+/// Of each still anchor, which of the neighbours that it sees what moves keeps apart from it at one instant, a door
+/// that is shut: bit k is the k-th nearest of them. Empty where nothing moves.
 struct AnchorPartings {
     std::vector<std::uint32_t> parted;
     std::uint64_t rays = 0;  ///< that were traced to find them
 };
+
+/// Up to so many still anchors keep the lists of their neighbours, 132 bytes each, so that no frame looks for them
+/// anew. chosen: 32,768, 4 MB.
+inline constexpr std::size_t most_listed = 1u << 15;
 
 /// Holds all anchors, and finds those among which a photon is shared (docs/model.md, "Anchor lights").
 class AnchorSharing {
@@ -49,8 +53,8 @@ class AnchorSharing {
 
     /// `places` lie by group, what is still (group 0) first; so do the anchors, in an order of their own. Of what is
     /// still only such anchors are neighbours as see each other over what is still of `scene`: light stays on its side
-    /// of a wall.
-    AnchorSharing(std::span<const AnchorPlace> places, const RayTracer& scene);
+    /// of a wall. If no more than `listed` are still, each keeps the list of its neighbours, which changes no result.
+    AnchorSharing(std::span<const AnchorPlace> places, const RayTracer& scene, std::size_t listed = most_listed);
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(disc2_.size()); }
     /// Those of group 0, which come first.
@@ -86,12 +90,13 @@ class AnchorSharing {
 
     /// Neighbours of a still anchor that it sees, the nearest first, itself among them.
     struct Neighbours {
-        std::array<std::uint32_t, 2 * shared_among> anchor;
+        static constexpr int most = 2 * shared_among;
+        static_assert(most <= 32, "partings have 32 bits");
+        std::array<std::uint32_t, most> anchor{};
         int count = 0;
     };
-    static_assert(2 * shared_among <= 32, "partings have 32 bits");
 
-    void look_about(const RayTracer& scene);
+    void look_about(const RayTracer& scene, std::size_t listed);
     float lift_between(std::uint32_t a, std::uint32_t b) const;
     Neighbours neighbours(std::uint32_t anchor) const;
     std::uint32_t nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, bool past_movers, int& rays) const;
@@ -111,7 +116,7 @@ class AnchorSharing {
     std::uint32_t still_count_ = 0;
     /// Of each still anchor, which of its nearest neighbours it sees: bit k is the k-th.
     std::vector<std::uint64_t> sights_;
-    /// Of each still anchor, where they are few; they are looked for whenever they are asked for where not.
+    /// Of each still anchor; empty where these are many: then they are looked for whenever they are asked for.
     std::vector<Neighbours> neighbours_;
     std::uint64_t rays_ = 0;
 };

@@ -13,7 +13,8 @@ def light(s):
     frames, seconds, passes = s['frames'], s['seconds'], s['passes']
     gathered = sum(v for name, v in passes.items() if name in ('direct light tree', 'indirect light tree', 'punctual lights', 'photons'))
     in_frames = seconds['shade'] + seconds['preview']
-    other = (seconds['see'] + seconds['tolerate'] + passes.get('motion', 0)) / frames
+    audit = (s.get('audit') or {}).get('seconds', 0)
+    other = (seconds['see'] + seconds['tolerate'] + seconds['develop'] + seconds['encode'] + passes.get('motion', 0) + audit) / frames
     first = s['per_frame'][0]['seconds'] - other
     return first, (in_frames - first) / (frames - 1), max(gathered - in_frames, 0)
 

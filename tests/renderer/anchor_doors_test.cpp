@@ -1,7 +1,10 @@
 // Light on either side of what moves.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/color.h"
+#include "renderer/anchor_shares.h"
 #include "tests/renderer/door_stage.h"
 
 namespace render2mpeg::renderer {
@@ -42,6 +45,34 @@ TEST(AnchorDoors, LetThroughWhatPhotonsCarryWhileTheyOpen) {
         ASSERT_GT(landed, 0.0);
         EXPECT_NEAR((sides(lit.still).beyond + sides(lit.moving).beyond) / landed, 1.0, 0.1) << seconds;
     }
+}
+
+TEST(AnchorDoors, PartTheSameNeighboursWhetherTheseAreKeptInListsOrNot) {
+    AnchorStage stage(test::rooms_with_a_door());
+    stage.pose(0.5);
+    std::vector<AnchorPlace> places;
+    for (const LightPoint& l : stage.light().still) {
+        places.emplace_back();
+        places.back().rest = {l.position, l.normal};
+        places.back().disc2 = l.disc2;
+    }
+    const RayTracer& scene = stage.scenery().tracer();
+    const AnchorSharing listed(places, scene), searched(places, scene, 0);
+    EXPECT_GT(listed.bytes(), searched.bytes() + 100 * places.size());
+    EXPECT_EQ(listed.rays(), searched.rays());
+    const AnchorPartings parted = listed.partings(scene), others = searched.partings(scene);
+    EXPECT_TRUE(std::any_of(parted.parted.begin(), parted.parted.end(), [](std::uint32_t bits) { return bits != 0; }));
+    EXPECT_EQ(parted.parted, others.parted);
+    EXPECT_EQ(parted.rays, others.rays);
+
+    std::vector<LandedPhoton> photons;
+    for (const LightPoint& vpl : stage.photons().vpls) photons.push_back({0, {vpl.position, vpl.normal}, glm::vec3(1)});
+    std::vector<glm::dvec3> light(places.size(), glm::dvec3(0)), as_searched = light, as_if_open = light;
+    listed.spread(photons, scene, &parted, light);
+    searched.spread(photons, scene, &others, as_searched);
+    listed.spread(photons, scene, nullptr, as_if_open);
+    EXPECT_EQ(light, as_searched);
+    EXPECT_NE(light, as_if_open);
 }
 
 TEST(AnchorDoors, LeaveLightOfStillRoomsAlone) {
