@@ -21,22 +21,13 @@ class PackedNormal {
     }
 
     glm::vec3 unpack() const {
-        const glm::vec2 p{x_ / 32767.0f, y_ / 32767.0f};
-        glm::vec3 n{p.x, p.y, 1 - std::abs(p.x) - std::abs(p.y)};
-        if (n.z < 0.0f) {
-            n.x = (1 - std::abs(p.y)) * sign(p.x);
-            n.y = (1 - std::abs(p.x)) * sign(p.y);
-        }
+        const glm::vec3 n = unfold(x_ / 32767.0f, y_ / 32767.0f, 1.0f);
         return n / std::sqrt(glm::dot(n, n));
     }
 
     /// Whether the cosine between it and a unit vector exceeds `least`, without division or root: right to rounding.
     bool faces(glm::vec3 direction, float least) const {
-        glm::vec3 n{x_, y_, 32767.0f - std::abs(static_cast<float>(x_)) - std::abs(static_cast<float>(y_))};
-        if (n.z < 0.0f) {
-            n.x = (32767.0f - std::abs(static_cast<float>(y_))) * sign(x_);
-            n.y = (32767.0f - std::abs(static_cast<float>(x_))) * sign(y_);
-        }
+        const glm::vec3 n = unfold(x_, y_, 32767.0f);
         const float along = glm::dot(n, direction), bound2 = least * least * glm::dot(n, n);
         return least < 0.0f ? along >= 0.0f || along * along < bound2 : along > 0.0f && along * along > bound2;
     }
@@ -44,6 +35,12 @@ class PackedNormal {
     bool operator==(const PackedNormal&) const = default;
 
  private:
+    /// On the octahedron whose corners lie at a distance of `one`.
+    static glm::vec3 unfold(float x, float y, float one) {
+        const float z = one - std::abs(x) - std::abs(y);
+        if (z < 0.0f) return {(one - std::abs(y)) * sign(x), (one - std::abs(x)) * sign(y), z};
+        return {x, y, z};
+    }
     static float sign(float v) { return v < 0.0f ? -1.0f : 1.0f; }
     static std::int16_t quantise(float v) {
         return static_cast<std::int16_t>(std::lround(std::clamp(v, -1.0f, 1.0f) * 32767.0f));

@@ -3,9 +3,9 @@
 # What records are worth where the camera walks, runs, a lamp moves, a box moves, a body deforms: CPU seconds of light of the first
 # frame (choice of light points included) and of a later one, and of a chunk of 48, --cache off over on; million shadow rays of a later
 # frame; the share of audited pixels beyond their tolerance. Coupled at quantiser 8 and at 2 %, or TOLERANCEs alone; all films, or
-# FILMs alone; 9,000 light points, 4,096 for films of animations/. Both
-# runs of a pair go at once, one thread each, so that a busy machine slows both: ratios are what to read. FRAMES (6; 2 at least) with records,
-# FRAMES_OFF (as many) without. Further options go to every render, e.g. --audit 200. SCENES_FOLDER as for real_scenes.sh.
+# FILMs alone; 9,000 light points, 4,096 for films of animations/. Both runs of a pair go at once, one thread each, so that a busy
+# machine slows both: ratios are what to read. FRAMES (6; 2 at least) with records, FRAMES_OFF (as many) without. Further options go
+# to every render, e.g. --audit 200. SCENES_FOLDER as for real_scenes.sh.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 . "$here/real_scenes/lay_out_film.sh"
