@@ -190,7 +190,7 @@ class Encoder {
   public:
     /// Throws as check() does.
     explicit Encoder(const Settings& settings);
-    /// For measurements alone (encoder/mpeg2/search.h, which is not installed).
+    /// For measurements alone (encoder/mpeg2/motion/search.h, which is not installed).
     Encoder(const Settings& settings, const mpeg2::Search& search);
     ~Encoder();
 

@@ -4,18 +4,18 @@
 #include <optional>
 
 #include "core/error.h"
-#include "renderer/anchors.h"
-#include "renderer/audit.h"
-#include "renderer/calibration.h"
-#include "renderer/light_forest.h"
-#include "renderer/light_parts.h"
-#include "renderer/light_points.h"
-#include "renderer/record_cache.h"
-#include "renderer/record_change.h"
-#include "renderer/see.h"
-#include "renderer/shade.h"
-#include "renderer/stopwatch.h"
-#include "scene/traits.h"
+#include "renderer/lights/anchors.h"
+#include "renderer/calibration/audit.h"
+#include "renderer/calibration/calibration.h"
+#include "renderer/tree/light_forest.h"
+#include "renderer/cache/light_parts.h"
+#include "renderer/lights/light_points.h"
+#include "renderer/cache/record_cache.h"
+#include "renderer/cache/record_change.h"
+#include "renderer/view/see.h"
+#include "renderer/cut/shade.h"
+#include "renderer/base/stopwatch.h"
+#include "scene/preparation/traits.h"
 
 namespace render2mpeg::renderer {
 namespace {

@@ -8,13 +8,13 @@
 #include "core/isa.h"
 #include "core/radiance.h"
 #include "core/tolerance_map.h"
-#include "renderer/audited_pixel.h"
-#include "renderer/gather_point.h"
-#include "renderer/plan.h"
-#include "renderer/ray_tracer.h"
-#include "renderer/stop.h"
-#include "renderer/tolerance_bands.h"
-#include "scene/snapshot.h"
+#include "renderer/calibration/audited_pixel.h"
+#include "renderer/surface/gather_point.h"
+#include "renderer/base/plan.h"
+#include "renderer/geometry/ray_tracer.h"
+#include "renderer/base/stop.h"
+#include "renderer/base/tolerance_bands.h"
+#include "scene/pose/snapshot.h"
 
 namespace render2mpeg::renderer {
 

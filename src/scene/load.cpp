@@ -5,10 +5,10 @@
 #include <system_error>
 
 #include "core/error.h"
-#include "scene/child_trial.h"
-#include "scene/choice.h"
+#include "scene/isolation/child_trial.h"
+#include "scene/model/choice.h"
 #include "scene/loaders.h"
-#include "scene/wording.h"
+#include "scene/model/wording.h"
 
 namespace render2mpeg::scene {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "scene/animation.h"
+#include "scene/model/animation.h"
 
 namespace render2mpeg::scene {
 

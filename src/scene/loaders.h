@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "scene/child_trial.h"
+#include "scene/isolation/child_trial.h"
 #include "scene/load.h"
 
 /// One function per outside format; `load` chooses among them. Each returns what the file says, not yet completed.

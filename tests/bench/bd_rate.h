@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/bd_rate.h"
+#include "app/experiments/bd_rate.h"
 
 namespace render2mpeg::bench {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "app/pipeline.h"
+#include "app/loop/pipeline.h"
 #include "tests/bench/coupled_stage.h"
 
 namespace render2mpeg::bench {

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <optional>
 
-#include "renderer/audit.h"
-#include "scene/motion.h"
+#include "renderer/calibration/audit.h"
+#include "scene/pose/motion.h"
 
 namespace render2mpeg::bench {
 namespace {

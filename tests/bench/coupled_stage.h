@@ -5,7 +5,7 @@
 #include <map>
 #include <vector>
 
-#include "app/production.h"
+#include "app/loop/production.h"
 #include "core/motion_field.h"
 #include "core/picture.h"
 #include "core/visible.h"

@@ -14,18 +14,18 @@
 #include <optional>
 #include <vector>
 
-#include "app/production.h"
+#include "app/loop/production.h"
 #include "core/color.h"
 #include "core/error.h"
-#include "renderer/anchors.h"
-#include "renderer/cut.h"
-#include "renderer/gather_groups.h"
-#include "renderer/light_forest.h"
-#include "renderer/light_parts.h"
-#include "renderer/point_light.h"
-#include "renderer/scenery.h"
-#include "renderer/see.h"
-#include "renderer/shade.h"
+#include "renderer/lights/anchors.h"
+#include "renderer/cut/cut.h"
+#include "renderer/cut/gather_groups.h"
+#include "renderer/tree/light_forest.h"
+#include "renderer/cache/light_parts.h"
+#include "renderer/cut/point_light.h"
+#include "renderer/surface/scenery.h"
+#include "renderer/view/see.h"
+#include "renderer/cut/shade.h"
 #include "tests/bench/wishes.h"
 
 namespace render2mpeg {

@@ -9,8 +9,8 @@
 
 #include "core/sampling.h"
 #include "encoder/encoder.h"
-#include "encoder/mpeg2/kernels.h"
-#include "encoder/mpeg2/quantiser.h"
+#include "encoder/mpeg2/kernels/kernels.h"
+#include "encoder/mpeg2/kernels/quantiser.h"
 #include "encoder_clip.h"
 #include "parallel/loops.h"
 

@@ -10,9 +10,9 @@
 #include <cstdio>
 #include <string>
 
-#include "app/ledger.h"
-#include "app/production.h"
-#include "app/statistics.h"
+#include "app/loop/ledger.h"
+#include "app/loop/production.h"
+#include "app/report/statistics.h"
 #include "core/error.h"
 #include "parallel/loops.h"
 #include "tests/bench/wishes.h"

@@ -14,17 +14,17 @@
 #include <string>
 #include <vector>
 
-#include "app/production.h"
+#include "app/loop/production.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
-#include "renderer/anchors.h"
-#include "renderer/cut.h"
-#include "renderer/lobe.h"
-#include "renderer/see.h"
-#include "scene/traits.h"
+#include "renderer/lights/anchors.h"
+#include "renderer/cut/cut.h"
+#include "renderer/base/lobe.h"
+#include "renderer/view/see.h"
+#include "scene/preparation/traits.h"
 #include "tests/bench/mover_scenes.h"
 #include "tests/bench/wishes.h"
 #include "tests/reference/path_tracer.h"

@@ -6,7 +6,7 @@
 
 #include "core/numeric.h"
 #include "core/sampling.h"
-#include "renderer/lobe.h"
+#include "renderer/base/lobe.h"
 
 namespace render2mpeg::bench {
 namespace {

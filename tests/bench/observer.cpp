@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "app/keep_memory.h"
+#include "app/system/keep_memory.h"
 #include "core/sampling.h"
 #include "perceptual/carry.h"
 #include "perceptual/masking.h"

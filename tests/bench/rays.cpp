@@ -9,8 +9,8 @@
 #include "core/isa.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
-#include "renderer/see.h"
-#include "scene/traits.h"
+#include "renderer/view/see.h"
+#include "scene/preparation/traits.h"
 #include "tests/support/scene_builder.h"
 
 namespace render2mpeg {

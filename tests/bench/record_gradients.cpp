@@ -25,9 +25,9 @@
 #include "parallel/loops.h"
 #include "record_gradients_frame.h"
 #include "record_gradients_report.h"
-#include "renderer/record_fit.h"
-#include "renderer/record_gather.h"
-#include "renderer/record_groups.h"
+#include "renderer/cache/record_fit.h"
+#include "renderer/cache/record_gather.h"
+#include "renderer/cache/record_groups.h"
 #include "tests/bench/wishes.h"
 
 namespace render2mpeg {

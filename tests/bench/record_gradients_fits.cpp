@@ -5,7 +5,7 @@
 
 #include "core/color.h"
 #include "core/numeric.h"
-#include "renderer/record_plane.h"
+#include "renderer/cache/record_plane.h"
 
 namespace render2mpeg::bench {
 namespace {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/color.h"
-#include "renderer/record_gather.h"
+#include "renderer/cache/record_gather.h"
 
 namespace render2mpeg::bench {
 namespace {

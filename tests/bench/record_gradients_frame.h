@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "app/production.h"
-#include "renderer/anchors.h"
-#include "renderer/light_forest.h"
-#include "renderer/light_points.h"
-#include "renderer/record_fit.h"
-#include "renderer/record_groups.h"
-#include "renderer/see.h"
+#include "app/loop/production.h"
+#include "renderer/lights/anchors.h"
+#include "renderer/tree/light_forest.h"
+#include "renderer/lights/light_points.h"
+#include "renderer/cache/record_fit.h"
+#include "renderer/cache/record_groups.h"
+#include "renderer/view/see.h"
 #include "tests/bench/wishes.h"
 
 namespace render2mpeg::bench {

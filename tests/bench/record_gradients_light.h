@@ -4,9 +4,9 @@
 #include <limits>
 #include <vector>
 
-#include "renderer/cut.h"
-#include "renderer/light_forest.h"
-#include "renderer/ray_tracer.h"
+#include "renderer/cut/cut.h"
+#include "renderer/tree/light_forest.h"
+#include "renderer/geometry/ray_tracer.h"
 
 namespace render2mpeg::bench {
 

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include "app/production.h"
+#include "app/loop/production.h"
 #include "core/sampling.h"
-#include "renderer/anchors.h"
-#include "renderer/see.h"
+#include "renderer/lights/anchors.h"
+#include "renderer/view/see.h"
 #include "tests/bench/record_lobe_trials.h"
 
 namespace render2mpeg::bench {

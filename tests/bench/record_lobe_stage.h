@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "renderer/gather_point.h"
-#include "renderer/light_forest.h"
-#include "renderer/scenery.h"
+#include "renderer/surface/gather_point.h"
+#include "renderer/tree/light_forest.h"
+#include "renderer/surface/scenery.h"
 #include "tests/bench/wishes.h"
 
 /// What the trials of lobes are lit by, and where.

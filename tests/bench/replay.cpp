@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "app/ledger.h"
-#include "app/production.h"
+#include "app/loop/ledger.h"
+#include "app/loop/production.h"
 #include "core/error.h"
 #include "parallel/loops.h"
 

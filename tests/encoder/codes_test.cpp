@@ -1,15 +1,15 @@
 // Every code word of every table, written by us and read by libavcodec: the picture it shows must be the one that the
 // coded levels mean by our own arithmetic.
 
-#include "encoder/mpeg2/codes.h"
+#include "encoder/mpeg2/bitstream/codes.h"
 
 #include <gtest/gtest.h>
 
 #include "decoders.h"
-#include "encoder/mpeg2/kernels.h"
-#include "encoder/mpeg2/quantiser.h"
-#include "encoder/mpeg2/row_coding.h"
-#include "encoder/mpeg2/syntax.h"
+#include "encoder/mpeg2/kernels/kernels.h"
+#include "encoder/mpeg2/kernels/quantiser.h"
+#include "encoder/mpeg2/macroblock/row_coding.h"
+#include "encoder/mpeg2/bitstream/syntax.h"
 #include "film.h"
 #include "streams.h"
 

@@ -1,10 +1,10 @@
-#include "encoder/mpeg2/dependency.h"
+#include "encoder/mpeg2/macroblock/dependency.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "encoder/mpeg2/tuning.h"
+#include "encoder/mpeg2/bitstream/tuning.h"
 #include "film.h"
 
 namespace render2mpeg::encoder::testing {

@@ -4,8 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include "encoder/mpeg2/levels.h"
-#include "encoder/mpeg2/vector.h"
+#include "encoder/mpeg2/bitstream/levels.h"
+#include "encoder/mpeg2/bitstream/vector.h"
 #include "film.h"
 #include "rate_check.h"
 

@@ -1,4 +1,4 @@
-#include "encoder/mpeg2/kernels.h"
+#include "encoder/mpeg2/kernels/kernels.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 
 #include "core/dct.h"
 #include "core/sampling.h"
-#include "encoder/mpeg2/quantiser.h"
+#include "encoder/mpeg2/kernels/quantiser.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 namespace {

@@ -1,12 +1,12 @@
-#include "encoder/mpeg2/levels.h"
+#include "encoder/mpeg2/bitstream/levels.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
 #include "core/error.h"
-#include "encoder/mpeg2/syntax.h"
-#include "encoder/mpeg2/vector.h"
+#include "encoder/mpeg2/bitstream/syntax.h"
+#include "encoder/mpeg2/bitstream/vector.h"
 #include "film.h"
 
 namespace render2mpeg::encoder::mpeg2 {

@@ -1,4 +1,4 @@
-#include "encoder/mpeg2/macroblock.h"
+#include "encoder/mpeg2/macroblock/macroblock.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <limits>
 #include <memory>
 
-#include "encoder/mpeg2/candidates.h"
-#include "encoder/mpeg2/levels.h"
-#include "encoder/mpeg2/tuning.h"
+#include "encoder/mpeg2/motion/candidates.h"
+#include "encoder/mpeg2/bitstream/levels.h"
+#include "encoder/mpeg2/bitstream/tuning.h"
 #include "film.h"
 #include "streams.h"
 

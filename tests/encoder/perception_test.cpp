@@ -1,4 +1,4 @@
-#include "encoder/mpeg2/perception.h"
+#include "encoder/mpeg2/macroblock/perception.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/error.h"
-#include "encoder/mpeg2/vbv_buffer.h"
-#include "encoder/mpeg2/vbv_schedule.h"
+#include "encoder/mpeg2/rate/vbv_buffer.h"
+#include "encoder/mpeg2/rate/vbv_schedule.h"
 #include "film.h"
 
 /// The buffer's arithmetic and what is demanded of future pictures, in closed form.

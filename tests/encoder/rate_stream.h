@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "encoder/mpeg2/codes.h"
+#include "encoder/mpeg2/bitstream/codes.h"
 
 /// Reads streams back for the rate tests: headers, sizes and every macroblock's bits. Of the encoder it shares the
 /// tables of code words only, which foreign decoders have confirmed (codes_test.cpp).

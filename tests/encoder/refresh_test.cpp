@@ -1,4 +1,4 @@
-#include "encoder/mpeg2/refresh.h"
+#include "encoder/mpeg2/macroblock/refresh.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "encoder/mpeg2/trellis.h"
+#include "encoder/mpeg2/macroblock/trellis.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/sampling.h"
-#include "encoder/mpeg2/quantiser.h"
+#include "encoder/mpeg2/kernels/quantiser.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 namespace {

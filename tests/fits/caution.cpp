@@ -17,14 +17,14 @@
 #include <string>
 #include <vector>
 
-#include "app/ledger.h"
-#include "app/production.h"
+#include "app/loop/ledger.h"
+#include "app/loop/production.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
-#include "renderer/audit.h"
-#include "renderer/gather_groups.h"
+#include "renderer/calibration/audit.h"
+#include "renderer/cut/gather_groups.h"
 
 namespace render2mpeg {
 namespace {

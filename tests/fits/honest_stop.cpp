@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "app/ledger.h"
-#include "app/production.h"
+#include "app/loop/ledger.h"
+#include "app/loop/production.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/sampling.h"

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "app/vector_layers.h"
+#include "app/loop/vector_layers.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "encoder/y4m_reader.h"

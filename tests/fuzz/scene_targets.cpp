@@ -10,8 +10,8 @@
 #include "fuzz/targets.h"
 #include "scene/load.h"
 #include "scene/loaders.h"
-#include "scene/snapshot.h"
-#include "scene/traits.h"
+#include "scene/pose/snapshot.h"
+#include "scene/preparation/traits.h"
 #include "tests/support/scene_builder.h"
 
 namespace render2mpeg::fuzz {

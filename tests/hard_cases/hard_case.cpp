@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "app/pipeline.h"
+#include "app/loop/pipeline.h"
 #include "core/color.h"
 #include "scene/loaders.h"
-#include "scene/traits.h"
+#include "scene/preparation/traits.h"
 #include "tests/encoder/decoders.h"
 
 namespace render2mpeg::test {

@@ -3,8 +3,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "app/ledger.h"
-#include "app/production.h"
+#include "app/loop/ledger.h"
+#include "app/loop/production.h"
 #include "core/color.h"
 #include "perceptual/display.h"
 #include "support/program.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "perceptual/display.h"
-#include "scene/motion.h"
+#include "scene/pose/motion.h"
 #include "tests/renderer/film_stage.h"
 
 /// What exact motion is for: a picture carried along it is the next one, where light does not change.

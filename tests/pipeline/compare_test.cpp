@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "app/comparison.h"
-#include "app/foreign_film.h"
-#include "app/reference_cache.h"
+#include "app/experiments/comparison.h"
+#include "app/experiments/foreign_film.h"
+#include "app/experiments/reference_cache.h"
 #include "image/image.h"
 #include "pipeline/foreign.h"
 

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "app/knee.h"
-#include "app/sweep.h"
-#include "app/trial.h"
-#include "app/trial_command.h"
+#include "app/experiments/knee.h"
+#include "app/experiments/sweep.h"
+#include "app/experiments/trial.h"
+#include "app/experiments/trial_command.h"
 #include "pipeline/foreign.h"
 
 /// `render2mpeg cost`: what accuracy costs, and what it buys.

@@ -1,4 +1,4 @@
-#include "app/curve_plot.h"
+#include "app/report/curve_plot.h"
 
 #include <gtest/gtest.h>
 

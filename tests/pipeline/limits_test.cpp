@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "app/memory.h"
+#include "app/loop/memory.h"
 #include "core/error.h"
 #include "pipeline/foreign.h"
 

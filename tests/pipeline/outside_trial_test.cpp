@@ -1,4 +1,4 @@
-#include "app/outside_trial.h"
+#include "app/system/outside_trial.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/interrupt.h"
+#include "app/system/interrupt.h"
 #include "image/image.h"
 #include "support/program.h"
 

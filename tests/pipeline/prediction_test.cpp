@@ -1,4 +1,4 @@
-#include "app/prediction.h"
+#include "app/loop/prediction.h"
 
 #include <gtest/gtest.h>
 

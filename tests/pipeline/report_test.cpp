@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/frame_plot.h"
+#include "app/report/frame_plot.h"
 #include "pipeline/foreign.h"
 
 /// --report: a page that stands alone, and its figures beside it.

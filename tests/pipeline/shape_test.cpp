@@ -1,12 +1,12 @@
-#include "app/shape.h"
+#include "app/options/shape.h"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 
-#include "app/film.h"
-#include "app/keyframes.h"
-#include "app/unused_options.h"
+#include "app/options/film.h"
+#include "app/options/keyframes.h"
+#include "app/options/unused_options.h"
 #include "core/error.h"
 #include "encoder/cadence.h"
 #include "support/program.h"

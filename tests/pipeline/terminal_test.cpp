@@ -4,8 +4,8 @@
 #include <sstream>
 #include <string>
 
-#include "app/help_format.h"
-#include "app/progress.h"
+#include "app/options/help_format.h"
+#include "app/system/progress.h"
 #include "support/program.h"
 
 /// What a user sees while waiting, and helps that a shell gives.

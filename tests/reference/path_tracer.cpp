@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/sampling.h"
-#include "renderer/bsdf.h"
+#include "renderer/surface/bsdf.h"
 
 namespace render2mpeg::reference {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 
-#include "renderer/scenery.h"
+#include "renderer/surface/scenery.h"
 
 namespace render2mpeg::reference {
 

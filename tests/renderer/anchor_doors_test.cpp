@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "core/color.h"
-#include "renderer/anchor_shares.h"
+#include "renderer/lights/anchor_shares.h"
 #include "tests/renderer/door_stage.h"
 
 namespace render2mpeg::renderer {

@@ -1,4 +1,4 @@
-#include "renderer/anchor_importance.h"
+#include "renderer/lights/anchor_importance.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "renderer/anchor_places.h"
+#include "renderer/lights/anchor_places.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/color.h"
-#include "renderer/anchor_paths.h"
-#include "renderer/anchors.h"
+#include "renderer/lights/anchor_paths.h"
+#include "renderer/lights/anchors.h"
 #include "tests/renderer/anchor_stage.h"
 
 namespace render2mpeg::renderer {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "renderer/anchors.h"
+#include "renderer/lights/anchors.h"
 #include "tests/renderer/lighting.h"
 
 namespace render2mpeg::test {

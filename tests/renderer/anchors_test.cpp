@@ -1,4 +1,4 @@
-#include "renderer/anchors.h"
+#include "renderer/lights/anchors.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 
 #include "core/color.h"
 #include "parallel/loops.h"
-#include "renderer/cut.h"
-#include "renderer/light_forest.h"
+#include "renderer/cut/cut.h"
+#include "renderer/tree/light_forest.h"
 #include "tests/renderer/anchor_stage.h"
 
 namespace render2mpeg::renderer {

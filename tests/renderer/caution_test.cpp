@@ -1,4 +1,4 @@
-#include "renderer/caution.h"
+#include "renderer/calibration/caution.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "core/sampling.h"
 #include "parallel/loops.h"
-#include "renderer/calibration.h"
+#include "renderer/calibration/calibration.h"
 #include "tests/renderer/film_stage.h"
 
 namespace render2mpeg::renderer {

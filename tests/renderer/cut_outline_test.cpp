@@ -1,4 +1,4 @@
-#include "renderer/cut_outline.h"
+#include "renderer/cut/cut_outline.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 
 #include "core/color.h"
 #include "core/sampling.h"
-#include "renderer/cut_rule.h"
+#include "renderer/cut/cut_rule.h"
 #include "tests/renderer/film_stage.h"
 #include "tests/renderer/lighting.h"
 

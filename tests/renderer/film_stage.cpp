@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "core/color.h"
-#include "scene/traits.h"
+#include "scene/preparation/traits.h"
 
 namespace render2mpeg::test {
 

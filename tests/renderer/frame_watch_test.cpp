@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/sampling.h"
-#include "renderer/frame_lighting.h"
+#include "renderer/cache/frame_lighting.h"
 #include "tests/renderer/lighting.h"
 #include "tests/renderer/stage.h"
 

@@ -1,10 +1,10 @@
-#include "renderer/light_forest.h"
+#include "renderer/tree/light_forest.h"
 
 #include <gtest/gtest.h>
 
 #include "core/color.h"
 #include "core/sampling.h"
-#include "renderer/light_clusters.h"
+#include "renderer/tree/light_clusters.h"
 #include "tests/renderer/anchor_stage.h"
 
 namespace render2mpeg::renderer {

@@ -1,4 +1,4 @@
-#include "renderer/light_kernels.h"
+#include "renderer/tree/light_kernels.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
-#include "renderer/bsdf.h"
+#include "renderer/surface/bsdf.h"
 
 namespace render2mpeg::renderer {
 namespace {

@@ -1,4 +1,4 @@
-#include "renderer/light_packing.h"
+#include "renderer/base/light_packing.h"
 
 #include <gtest/gtest.h>
 

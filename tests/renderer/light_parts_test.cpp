@@ -1,9 +1,9 @@
-#include "renderer/light_parts.h"
+#include "renderer/cache/light_parts.h"
 
 #include <gtest/gtest.h>
 
 #include "parallel/loops.h"
-#include "renderer/cut.h"
+#include "renderer/cut/cut.h"
 #include "tests/renderer/film_stage.h"
 #include "tests/renderer/lighting.h"
 

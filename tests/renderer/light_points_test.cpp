@@ -1,4 +1,4 @@
-#include "renderer/light_points.h"
+#include "renderer/lights/light_points.h"
 
 #include <gtest/gtest.h>
 

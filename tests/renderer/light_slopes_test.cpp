@@ -1,11 +1,11 @@
-#include "renderer/light_slopes.h"
+#include "renderer/cut/light_slopes.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "core/sampling.h"
-#include "renderer/cut.h"
+#include "renderer/cut/cut.h"
 #include "tests/renderer/lighting.h"
 #include "tests/renderer/stage.h"
 

@@ -1,8 +1,8 @@
 #include "tests/renderer/lighting.h"
 
 #include "core/color.h"
-#include "renderer/anchor_places.h"
-#include "scene/traits.h"
+#include "renderer/lights/anchor_places.h"
+#include "scene/preparation/traits.h"
 
 namespace render2mpeg::test {
 

@@ -3,11 +3,11 @@
 #include <memory>
 #include <vector>
 
-#include "renderer/cut.h"
-#include "renderer/light_forest.h"
-#include "renderer/light_points.h"
-#include "renderer/photons.h"
-#include "renderer/scenery.h"
+#include "renderer/cut/cut.h"
+#include "renderer/tree/light_forest.h"
+#include "renderer/lights/light_points.h"
+#include "renderer/lights/photons.h"
+#include "renderer/surface/scenery.h"
 #include "tests/support/scene_builder.h"
 
 namespace render2mpeg::test {

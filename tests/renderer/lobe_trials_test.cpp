@@ -1,4 +1,4 @@
-#include "renderer/lobe_trials.h"
+#include "renderer/cache/lobe_trials.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "renderer/lone_point.h"
+#include "renderer/cut/lone_point.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "renderer/movers.h"
+#include "renderer/cut/movers.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/sampling.h"
-#include "renderer/cut.h"
+#include "renderer/cut/cut.h"
 #include "tests/renderer/lighting.h"
 
 namespace render2mpeg::renderer {

@@ -4,9 +4,9 @@
 #include <ctime>
 
 #include "core/color.h"
-#include "renderer/shade.h"
-#include "scene/motion.h"
-#include "scene/traits.h"
+#include "renderer/cut/shade.h"
+#include "scene/pose/motion.h"
+#include "scene/preparation/traits.h"
 
 namespace render2mpeg::test {
 

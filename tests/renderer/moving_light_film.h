@@ -6,9 +6,9 @@
 
 #include "core/motion_field.h"
 #include "core/tolerance_map.h"
-#include "renderer/anchors.h"
-#include "renderer/light_forest.h"
-#include "renderer/see.h"
+#include "renderer/lights/anchors.h"
+#include "renderer/tree/light_forest.h"
+#include "renderer/view/see.h"
 #include "tests/support/scene_builder.h"
 
 namespace render2mpeg::test {

@@ -1,4 +1,4 @@
-#include "renderer/near_lights.h"
+#include "renderer/cut/near_lights.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "renderer/photons.h"
+#include "renderer/lights/photons.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "renderer/plan.h"
+#include "renderer/base/plan.h"
 
 #include <gtest/gtest.h>
 

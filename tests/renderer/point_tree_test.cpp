@@ -1,4 +1,4 @@
-#include "renderer/point_tree.h"
+#include "renderer/lights/point_tree.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "core/sampling.h"
-#include "renderer/ray_tracer.h"
+#include "renderer/geometry/ray_tracer.h"
 #include "stage.h"
 
 namespace render2mpeg::test {

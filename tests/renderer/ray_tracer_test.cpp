@@ -1,4 +1,4 @@
-#include "renderer/ray_tracer.h"
+#include "renderer/geometry/ray_tracer.h"
 
 #include <gtest/gtest.h>
 

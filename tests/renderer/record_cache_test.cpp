@@ -1,4 +1,4 @@
-#include "renderer/record_cache.h"
+#include "renderer/cache/record_cache.h"
 
 #include <gtest/gtest.h>
 

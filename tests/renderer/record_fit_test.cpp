@@ -1,12 +1,12 @@
-#include "renderer/record_fit.h"
+#include "renderer/cache/record_fit.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "renderer/record_groups.h"
-#include "renderer/record_plane.h"
+#include "renderer/cache/record_groups.h"
+#include "renderer/cache/record_plane.h"
 #include "tests/renderer/record_wall.h"
 
 namespace render2mpeg::renderer {

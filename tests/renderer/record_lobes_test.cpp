@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "renderer/record_gather.h"
+#include "renderer/cache/record_gather.h"
 #include "tests/renderer/record_wall.h"
 
 namespace render2mpeg::renderer {

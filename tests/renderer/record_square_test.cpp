@@ -1,4 +1,4 @@
-#include "renderer/record_square.h"
+#include "renderer/cache/record_square.h"
 
 #include <gtest/gtest.h>
 

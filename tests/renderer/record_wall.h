@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "renderer/record_fit.h"
+#include "renderer/cache/record_fit.h"
 #include "tests/renderer/stage.h"
 
 namespace render2mpeg::renderer {

@@ -1,4 +1,4 @@
-#include "renderer/record_watch.h"
+#include "renderer/cache/record_watch.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "renderer/records.h"
+#include "renderer/cache/records.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <set>
 
 #include "core/sampling.h"
-#include "renderer/record_gather.h"
-#include "renderer/record_groups.h"
+#include "renderer/cache/record_gather.h"
+#include "renderer/cache/record_groups.h"
 #include "tests/renderer/record_wall.h"
 
 namespace render2mpeg::renderer {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "core/sampling.h"
-#include "renderer/gather_groups.h"
+#include "renderer/cut/gather_groups.h"
 #include "tests/renderer/lighting.h"
 
 namespace render2mpeg::renderer {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "renderer/see.h"
+#include "renderer/view/see.h"
 #include "stage.h"
 
 namespace render2mpeg::test {

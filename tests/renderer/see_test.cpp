@@ -1,4 +1,4 @@
-#include "renderer/see.h"
+#include "renderer/view/see.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "renderer/shields.h"
+#include "renderer/cut/shields.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "core/isa.h"
-#include "renderer/see.h"
-#include "scene/traits.h"
+#include "renderer/view/see.h"
+#include "scene/preparation/traits.h"
 #include "tests/support/scene_builder.h"
 
 namespace render2mpeg::test {

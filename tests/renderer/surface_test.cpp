@@ -5,7 +5,7 @@
 #include <string>
 
 #include "image/image.h"
-#include "renderer/scenery.h"
+#include "renderer/surface/scenery.h"
 #include "stage.h"
 
 namespace render2mpeg::test {

@@ -1,4 +1,4 @@
-#include "renderer/tolerance_bands.h"
+#include "renderer/base/tolerance_bands.h"
 
 #include <gtest/gtest.h>
 

@@ -8,8 +8,8 @@
 
 #include "core/color.h"
 #include "core/sampling.h"
-#include "renderer/light_clusters.h"
-#include "renderer/light_tree.h"
+#include "renderer/tree/light_clusters.h"
+#include "renderer/tree/light_tree.h"
 
 namespace render2mpeg::renderer {
 namespace {

@@ -1,4 +1,4 @@
-#include "renderer/urgency_queue.h"
+#include "renderer/cut/urgency_queue.h"
 
 #include <gtest/gtest.h>
 

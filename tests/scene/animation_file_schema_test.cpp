@@ -8,7 +8,7 @@
 #include <set>
 
 #include "core/error.h"
-#include "scene/animation_file_keys.h"
+#include "scene/animation_file/keys.h"
 #include "scene/loaders.h"
 #include "tests/support/places.h"
 

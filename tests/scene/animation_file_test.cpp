@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "scene/loaders.h"
-#include "scene/snapshot.h"
+#include "scene/pose/snapshot.h"
 
 namespace render2mpeg::scene {
 namespace {

@@ -10,9 +10,9 @@
 
 #include "core/error.h"
 #include "core/sampling.h"
-#include "scene/animation_file_shapes.h"
+#include "scene/animation_file/shapes.h"
 #include "scene/loaders.h"
-#include "scene/snapshot.h"
+#include "scene/pose/snapshot.h"
 #include "tests/support/places.h"
 
 namespace render2mpeg::scene {

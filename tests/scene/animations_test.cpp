@@ -9,8 +9,8 @@
 #include "core/numeric.h"
 #include "core/rational.h"
 #include "scene/load.h"
-#include "scene/snapshot.h"
-#include "scene/traits.h"
+#include "scene/pose/snapshot.h"
+#include "scene/preparation/traits.h"
 #include "tests/support/places.h"
 
 namespace render2mpeg::scene {

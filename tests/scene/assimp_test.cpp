@@ -9,9 +9,9 @@
 
 #include "core/error.h"
 #include "core/sampling.h"
-#include "scene/assimp_rest_pose.h"
+#include "scene/assimp/rest_pose.h"
 #include "scene/loaders.h"
-#include "scene/snapshot.h"
+#include "scene/pose/snapshot.h"
 #include "tests/support/places.h"
 
 namespace render2mpeg::scene {

@@ -1,4 +1,4 @@
-#include "scene/child_trial.h"
+#include "scene/isolation/child_trial.h"
 
 #include <gtest/gtest.h>
 #include <poll.h>

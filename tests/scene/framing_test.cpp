@@ -5,7 +5,7 @@
 #include "core/numeric.h"
 #include "scene/load.h"
 #include "scene/loaders.h"
-#include "scene/snapshot.h"
+#include "scene/pose/snapshot.h"
 
 namespace render2mpeg::scene {
 namespace {

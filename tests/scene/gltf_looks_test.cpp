@@ -4,7 +4,7 @@
 
 #include "scene/gltf_file.h"
 #include "scene/load.h"
-#include "scene/snapshot.h"
+#include "scene/pose/snapshot.h"
 #include "support/program.h"
 
 // Materials, textures and lights of glTF, extensions included.

@@ -7,7 +7,7 @@
 #include "scene/gltf_file.h"
 #include "scene/load.h"
 #include "scene/loaders.h"
-#include "scene/snapshot.h"
+#include "scene/pose/snapshot.h"
 #include "support/program.h"
 
 namespace render2mpeg::scene {

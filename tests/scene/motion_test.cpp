@@ -1,4 +1,4 @@
-#include "scene/motion.h"
+#include "scene/pose/motion.h"
 
 #include <gtest/gtest.h>
 

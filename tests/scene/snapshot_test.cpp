@@ -1,4 +1,4 @@
-#include "scene/snapshot.h"
+#include "scene/pose/snapshot.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "scene/loaders.h"
-#include "scene/pose.h"
-#include "scene/traits.h"
+#include "scene/pose/pose.h"
+#include "scene/preparation/traits.h"
 
 namespace render2mpeg::scene {
 namespace {

@@ -1,4 +1,4 @@
-#include "scene/track.h"
+#include "scene/model/track.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "scene/load.h"
-#include "scene/validate.h"
+#include "scene/preparation/validate.h"
 
 namespace render2mpeg::scene {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "scene/animation.h"
-#include "scene/snapshot.h"
+#include "scene/model/animation.h"
+#include "scene/pose/snapshot.h"
 
 namespace render2mpeg::test {
 

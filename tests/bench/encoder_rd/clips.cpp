@@ -9,7 +9,7 @@
 #include <memory>
 #include <utility>
 
-#include "app/production.h"
+#include "app/loop/production.h"
 #include "core/error.h"
 #include "encoder/y4m.h"
 #include "encoder/y4m_reader.h"

@@ -9,8 +9,8 @@
 
 #include "core/error.h"
 #include "renderer/renderer.h"
-#include "scene/motion.h"
-#include "scene/traits.h"
+#include "scene/pose/motion.h"
+#include "scene/preparation/traits.h"
 
 namespace render2mpeg::bench {
 namespace {

@@ -5,7 +5,7 @@
 #include <map>
 #include <memory>
 
-#include "app/production.h"
+#include "app/loop/production.h"
 #include "core/motion_field.h"
 
 namespace render2mpeg::bench {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "core/numeric.h"
-#include "encoder/mpeg2/search.h"
+#include "encoder/mpeg2/motion/search.h"
 #include "encoder/unevenness.h"
 #include "encoder_rd/codecs.h"
 #include "perceptual/hvs.h"

@@ -1,0 +1,70 @@
+#include "encoder/mpeg2/macroblock/dependency.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "encoder/mpeg2/bitstream/tuning.h"
+#include "parallel/loops.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+namespace {
+
+/// chosen: an eighth of a pixel: less than what half-pel prediction tells apart, more than what a renderer's single
+/// precision adds to zero.
+constexpr float standstill = 0.125f;
+
+/// Share of the macroblock's pixels, every fourth of every fourth row, that are still in the picture at the end.
+float staying_share(const core::MotionField& onward, int column, int row) {
+    constexpr int step = 4;
+    const auto width = static_cast<float>(onward.vector.width()), height = static_cast<float>(onward.vector.height());
+    int staying = 0, all = 0;
+    for (int y = row * 16; y < std::min(row * 16 + 16, onward.vector.height()); y += step)
+        for (int x = column * 16; x < std::min(column * 16 + 16, onward.vector.width()); x += step) {
+            const glm::vec2 at = onward.vector.at(x, y) + glm::vec2(x, y);
+            ++all;
+            staying += onward.kind.at(x, y) != core::PixelClass::none && at.x >= 0 && at.y >= 0 && at.x <= width - 1 &&
+                       at.y <= height - 1;
+        }
+    return static_cast<float>(staying) / static_cast<float>(std::max(1, all));
+}
+
+/// Whether every second pixel of every second row stands still. Macroblocks beyond the field, which are there where
+/// pictures are fields, show nobody anything: they do not.
+bool stands_still(const core::MotionField& onward, int column, int row) {
+    constexpr int step = 2;
+    const int end_x = std::min(column * 16 + 16, onward.vector.width());
+    const int end_y = std::min(row * 16 + 16, onward.vector.height());
+    if (row * 16 >= end_y || column * 16 >= end_x) return false;
+    for (int y = row * 16; y < end_y; y += step)
+        for (int x = column * 16; x < end_x; x += step) {
+            const glm::vec2 v = onward.vector.at(x, y);
+            const bool still = std::abs(v.x) <= standstill && std::abs(v.y) <= standstill;
+            if (onward.kind.at(x, y) == core::PixelClass::none || !still) return false;
+        }
+    return true;
+}
+
+}  // namespace
+
+core::Plane<float> quantiser_factors(const core::MotionField& onward, int columns, int rows) {
+    EXPECTS(onward.reference > onward.picture);
+    core::Plane<float> factors(columns, rows, 1.0f);
+    const std::int64_t all = onward.reference - onward.picture;
+    const auto following = static_cast<float>(std::min(all, most_followers));
+    constexpr auto inheritance = static_cast<float>(inheritance_strength);
+    const float finer =
+        std::pow(1.0f + following, inheritance) * std::pow(1.0f + static_cast<float>(all), -dependency_strength);
+    parallel::for_each(static_cast<std::size_t>(rows), [&](std::size_t row) {
+        for (int column = 0; column < columns; ++column)
+            if (stands_still(onward, column, static_cast<int>(row))) {
+                factors.at(column, static_cast<int>(row)) = finer;
+            } else {
+                const float staying = following * staying_share(onward, column, static_cast<int>(row));
+                factors.at(column, static_cast<int>(row)) =
+                    std::pow((1.0f + following) / (1.0f + staying), inheritance);
+            }
+    });
+    return factors;
+}
+
+}  // namespace render2mpeg::encoder::mpeg2

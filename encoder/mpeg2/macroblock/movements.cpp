@@ -1,0 +1,85 @@
+#include "encoder/mpeg2/macroblock/movements.h"
+
+#include <algorithm>
+
+#include "encoder/mpeg2/bitstream/tuning.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+namespace {
+
+/// Keeps the cheapest movements in order.
+class Shortlist {
+  public:
+    void add(const Movement& movement, float cost) {
+        int place = choice_.count;
+        while (place > 0 && cost < costs_[place - 1]) --place;
+        if (place == MovementChoice::most) return;
+        choice_.count = std::min(choice_.count + 1, MovementChoice::most);
+        for (int i = choice_.count - 1; i > place; --i) {
+            costs_[i] = costs_[i - 1];
+            choice_.movement[i] = choice_.movement[i - 1];
+        }
+        costs_[place] = cost;
+        choice_.movement[place] = movement;
+    }
+    /// Those within reach of the best.
+    MovementChoice take(int evaluations) {
+        while (choice_.count > 1 && costs_[choice_.count - 1] > shortlist_reach * costs_[0]) --choice_.count;
+        choice_.evaluations = evaluations;
+        return choice_;
+    }
+
+  private:
+    MovementChoice choice_;
+    float costs_[MovementChoice::most] = {};
+};
+
+/// Bits of the vectors and of a macroblock_type with coefficients.
+float bits_of(const PictureCoding& picture, const SliceState& state, const Movement& movement) {
+    const MacroblockType type{false, movement.uses[0], true, false, movement.uses[1]};
+    return static_cast<float>(vector_bits(picture, state, movement) + macroblock_type_code(picture.type, type).length);
+}
+
+std::uint32_t difference_of(const PictureCoding& picture, int column, int row, const Movement& movement) {
+    alignas(32) std::uint8_t mean[256];
+    alignas(32) std::uint8_t later[256];
+    predict_luma(*picture.reference[0], column, row, movement.vector[0], mean);
+    predict_luma(*picture.reference[1], column, row, movement.vector[1], later);
+    kernels().average(mean, later, 256);
+    const core::Plane<std::uint8_t>& y = picture.source.y;
+    return kernels().satd_16x16(y.row(row * 16) + column * 16, y.width(), mean, 16);
+}
+
+}  // namespace
+
+MovementChoice choose_movements(const PictureCoding& picture, int column, int row, const SliceState& state,
+                                const VectorChoice& forward, const VectorChoice& backward, float cost_per_bit) {
+    Shortlist shortlist;
+    for (int d = 0; d < 2; ++d) {
+        const VectorChoice& vectors = d == 0 ? forward : backward;
+        for (int i = 0; i < vectors.count; ++i) {
+            Movement one{{}, {d == 0, d == 1}};
+            one.vector[d] = vectors.vector[i];
+            shortlist.add(one, static_cast<float>(vectors.difference[i]) + cost_per_bit * bits_of(picture, state, one));
+        }
+    }
+
+    // Means of the best two of each direction, and what the macroblock before used.
+    Movement means[evaluation_limit_of_means];
+    int count = 0;
+    const auto add = [&](Vector first, Vector second) {
+        const Movement mean{{first, second}, {true, true}};
+        if (std::find(means, means + count, mean) == means + count) means[count++] = mean;
+    };
+    add(forward.vector[0], backward.vector[0]);
+    const Movement* before = skipped_movement(picture, column, row, state);
+    if (before && before->uses[0] && before->uses[1]) add(before->vector[0], before->vector[1]);
+    if (forward.count > 1) add(forward.vector[1], backward.vector[0]);
+    if (backward.count > 1) add(forward.vector[0], backward.vector[1]);
+    for (int i = 0; i < count; ++i)
+        shortlist.add(means[i], static_cast<float>(difference_of(picture, column, row, means[i])) +
+                                    cost_per_bit * bits_of(picture, state, means[i]));
+    return shortlist.take(count);
+}
+
+}  // namespace render2mpeg::encoder::mpeg2

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "encoder/encoder.h"
+#include "encoder/mpeg2/macroblock/block_coding.h"
+#include "encoder/mpeg2/kernels/quantiser.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+
+/// The matrices that a film is coded with: the default ones for Tune::psnr.
+Matrices matrices_for(Tune tune);
+
+/// Weights of errors of luma, the same in every block; null: all 1.
+const Weights* weights_for(Tune tune);
+
+}  // namespace render2mpeg::encoder::mpeg2

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "encoder/mpeg2/macroblock/macroblock.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+
+/// A row of macroblocks, decided and reconstructed but not yet written: only then are the picture's best tables and
+/// f_codes known.
+struct RowCode {
+    std::vector<MacroblockCode> macroblocks;
+    int quantiser = 1;                ///< of the slice's header
+    std::vector<RunLevel> runs;       ///< of all blocks, in their order
+    std::int64_t table_one_gain = 0;  ///< bits saved by coding intra blocks with table B-15
+    std::uint64_t evaluations = 0;    ///< 16x16 differences computed to choose movements, skipping and intra
+};
+
+/// Decides every macroblock of a row by distortion + lambda * bits, and reconstructs it. `vectors` has one per
+/// macroblock of the row for each direction; not read for a direction that the picture has no reference in.
+/// `quantisers` has the quantiser_scale_code of every macroblock.
+RowCode decide_row(const PictureCoding& picture, int row, const std::uint8_t* quantisers,
+                   const VectorChoice* const (&vectors)[2]);
+
+/// What the writer needs beyond a row's code.
+struct RowSyntax {
+    PictureType type;
+    int lines;
+    int row;
+    int quantiser;  ///< of the slice's header
+    int f_code[2][2];
+    bool intra_vlc_format;
+    int dc_bits = 8;
+};
+
+/// Writes the row as one slice, whole bytes; notes the bits of every macroblock in its code.
+void write_row(BitWriter& out, const RowSyntax& syntax, RowCode& code);
+
+}  // namespace render2mpeg::encoder::mpeg2

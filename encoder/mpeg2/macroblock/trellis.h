@@ -1,0 +1,11 @@
+#pragma once
+
+#include "encoder/mpeg2/macroblock/block_coding.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+
+/// Makes each level what quantisation made it, one less, or 0, so that distortion + lambda * bits of the whole block,
+/// with real code lengths, is the least there is. Dearer and better than `economise`.
+void optimise(Block& block, const QuantTable& table, const CoefficientLengths& lengths, bool intra, float lambda);
+
+}  // namespace render2mpeg::encoder::mpeg2

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/plane.h"
+#include "encoder/encoder.h"
+#include "encoder/mpeg2/motion/candidates.h"
+#include "encoder/mpeg2/kernels/frame.h"
+#include "encoder/mpeg2/bitstream/vector.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+
+/// Where the vectors of a picture come from.
+struct MotionSources {
+    const Frame& picture;
+    const Frame& reference;                ///< reconstruction
+    const core::Plane<Candidates>* exact;  ///< null: predictors and zero only
+    const core::Plane<Vector>* previous;   ///< vectors of another picture, a predictor; null: none
+    int horizontal_f_code_limit;
+    float cost_per_bit;         ///< Hadamard sum
+    bool zero_is_unsaid;        ///< a zero vector costs next to nothing: P pictures
+    std::uint32_t enough = 0;   ///< QuickMotion: Hadamard sum at which no more vectors are tried
+    int evaluation_limit = 38;  ///< most 16x16 differences computed for one macroblock, 9..40
+    int search_range = 0;       ///< encoder/mpeg2/motion/search.h
+};
+
+/// The best vectors of a macroblock, best first.
+struct VectorChoice {
+    static constexpr int most = 3;
+    Vector vector[most];
+    std::uint32_t difference[most] = {};  ///< Hadamard sum
+    int count = 1;
+};
+
+struct MotionChoice {
+    core::Plane<VectorChoice> vectors;
+    std::uint64_t evaluations = 0;  ///< 16x16 differences computed
+};
+
+/// Most 16x16 differences computed for one macroblock: in all; to choose a vector in a P picture, and in each direction
+/// of a B picture; of means of both there; to see what skipping leaves, and whether intra coding may win.
+inline constexpr int evaluation_limit = 40, evaluation_limit_of_vectors = 38, evaluation_limit_per_direction = 17,
+                     evaluation_limit_of_means = 4, evaluation_limit_of_modes = 2;
+static_assert(evaluation_limit_of_vectors + evaluation_limit_of_modes <= evaluation_limit);
+static_assert(2 * evaluation_limit_per_direction + evaluation_limit_of_means + evaluation_limit_of_modes <=
+              evaluation_limit);
+
+/// Chooses a vector for every macroblock by Hadamard difference plus the price of the vector's bits, among the
+/// renderer's exact vectors, predictors (left, above, above right, their median, the picture before) and zero, then
+/// among half-pel neighbours of the best in at most two rounds. No search: a vector is never more than two half pixels
+/// from one of these.
+MotionChoice choose_vectors(const MotionSources& sources);
+
+/// Luma and chroma prediction of a macroblock: 16x16 samples, then 8x8 of Cb and Cr.
+struct Prediction {
+    alignas(32) std::uint8_t y[256];
+    alignas(32) std::uint8_t cb[64];
+    alignas(32) std::uint8_t cr[64];
+};
+/// [H262, 7.6.3.7 and 7.6.4]. The vector keeps inside the reference (vector_range).
+void predict_luma(const Frame& reference, int column, int row, Vector v, std::uint8_t* out);  ///< 16x16 samples
+void predict_chroma(const Frame& reference, int column, int row, Vector v, Prediction& out);
+
+}  // namespace render2mpeg::encoder::mpeg2

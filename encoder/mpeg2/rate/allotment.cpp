@@ -1,0 +1,190 @@
+#include "encoder/allotment.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/numeric.h"
+#include "encoder/cadence.h"
+#include "encoder/mpeg2/bitstream/checks.h"
+#include "encoder/mpeg2/bitstream/levels.h"
+#include "encoder/mpeg2/rate/rate_model.h"
+#include "encoder/mpeg2/rate/vbv_buffer.h"
+
+namespace render2mpeg::encoder {
+namespace {
+
+struct Item {
+    std::int64_t number;
+    PictureType type;
+    double complexity;  ///< bits at quantiser 1
+    double ratio;       ///< of its quantiser to the base
+    double arrivals;    ///< bits that the channel brings between this removal and the next
+    double seconds;     ///< of the same time
+    double least = 1;   ///< quantiser, for the buffer's sake
+
+    double quantiser(double base) const { return std::clamp(base * ratio, least, 31.0); }
+    double bits(double base) const { return complexity * std::pow(quantiser(base), -mpeg2::rate_slope(type)); }
+};
+using Items = std::span<Item>;
+
+double sum_of_bits(Items items, double base) {
+    double sum = 0;
+    for (const Item& item : items) sum += item.bits(base);
+    return sum;
+}
+
+/// The quantiser with which the items come to `wanted` bits, 0.5..62: beyond both ends nothing changes.
+double base_for(Items items, double wanted) {
+    double low = -1, high = std::log2(62.0);
+    for (int i = 0; i < 40; ++i) {
+        const double middle = 0.5 * (low + high);
+        (sum_of_bits(items, std::exp2(middle)) > wanted ? low : high) = middle;
+    }
+    return std::exp2(high);
+}
+
+/// Makes a stretch coarser, so that it comes to this share of its bits; false: it is as coarse as can be.
+bool coarsen(Items stretch, double base, double share) {
+    bool changed = false;
+    for (Item& item : stretch) {
+        const double before = item.quantiser(base);
+        item.least = std::min(31.0, before * std::pow(share, -1.0 / mpeg2::rate_slope(item.type)));
+        changed = changed || before < 31;
+    }
+    return changed;
+}
+
+/// What the buffer lacks behind a place that it begins with: it is worst up to here.
+struct Lack {
+    std::size_t end;   ///< behind the stretch: where the share is the smallest, or where the buffer is full again
+    double share = 1;  ///< of the stretch's bits that the buffer can bring
+    double fullness;   ///< behind the stretch once it has no more
+};
+
+/// Follows the buffer from a place on, until it is full.
+Lack lack_from(Items chunk, std::size_t begin, double fullness, double base, const mpeg2::Channel& channel,
+               bool hands_over) {
+    // chosen: a tenth of the buffer is left alone, since real sizes differ from those expected (0..0.2).
+    const auto size = static_cast<double>(channel.usable_bits), border = static_cast<double>(channel.border_bits);
+    Lack lack{chunk.size(), 1, size};
+    double bits = 0;
+    for (std::size_t i = begin; i < chunk.size(); ++i) {
+        bits += chunk[i].bits(base);
+        fullness -= chunk[i].bits(base);
+        const bool last = i + 1 == chunk.size();
+        const double floor = std::max(0.1 * size, last && hands_over ? border - chunk[i].arrivals : 0.0);
+        const double share = std::max(0.1, 1 - core::divide_or(floor - fullness, bits, 0.0));
+        if (share < lack.share) lack = {i + 1, share, std::min(size, floor + chunk[i].arrivals)};
+        fullness += chunk[i].arrivals;
+        if (fullness < size) continue;
+        if (lack.share == 1) lack.end = i + 1;
+        break;
+    }
+    return lack;
+}
+
+/// Makes the stretches of one chunk coarser that the buffer cannot bring; false: there is none that this helps. Behind
+/// one that is as coarse as can be, the buffer is where it has to be: its pictures will be made to fit.
+bool relieve(Items chunk, double base, const mpeg2::Channel& channel, bool hands_over) {
+    bool helped = false;
+    auto fullness = static_cast<double>(channel.border_bits);
+    for (std::size_t begin = 0; begin < chunk.size();) {
+        const Lack lack = lack_from(chunk, begin, fullness, base, channel, hands_over);
+        // A ten-thousandth too much is what rounding leaves of a stretch that was relieved.
+        if (lack.share < 0.9999) helped |= coarsen(chunk.subspan(begin, lack.end - begin), base, lack.share);
+        fullness = lack.fullness;
+        begin = lack.end;
+    }
+    return helped;
+}
+
+/// Chunks of a film in coding order.
+std::vector<Items> chunks_of(Items items, std::span<const PassPicture> film) {
+    std::vector<Items> chunks;
+    std::size_t begin = 0;
+    for (std::size_t i = 1; i <= items.size(); ++i)
+        if (i == items.size() || film[i].starts_chunk) {
+            chunks.push_back(items.subspan(begin, i - begin));
+            begin = i;
+        }
+    return chunks;
+}
+
+struct Settled {
+    double base;        ///< quantiser of I and P pictures
+    double affordable;  ///< Allotment::affordable
+};
+
+/// Solves for the quantiser of a group of chunks that share their bits, and relieves the buffer until all fits.
+Settled settle(Items group, std::span<const Items> chunks, const mpeg2::Channel& channel, bool film_ends) {
+    double seconds = 0;
+    for (const Item& item : group) seconds += item.seconds;
+    const double wanted = static_cast<double>(channel.average_rate) * seconds;
+    double base = base_for(group, wanted);
+    // chosen: every relief frees bits for others, which may then need one; films converge within 10 (5..200).
+    for (int round = 0; round < 60; ++round) {
+        bool relieved = false;
+        for (const Items& chunk : chunks)
+            relieved |= relieve(chunk, base, channel, !film_ends || chunk.data() != chunks.back().data());
+        if (!relieved) break;
+        base = base_for(group, wanted);
+    }
+    return {base, core::divide_or(wanted, sum_of_bits(group, base), 1.0)};
+}
+
+}  // namespace
+
+PassPicture pass_picture(const CodedPicture& coded, bool starts_chunk) {
+    return {coded.plan.number, coded.plan.type,
+            coded.quantiser,   8.0 * static_cast<double>(coded.bytes.size() - coded.stuffing_bytes),
+            starts_chunk,      mpeg2::ratio_of(coded.plan)};
+}
+
+std::vector<Allotment> allot(const Settings& settings, std::span<const PassPicture> film, double scale) {
+    EXPECTS(settings.rate_control.bit_rate > 0 && std::isfinite(scale) && scale > 0);
+    mpeg2::check_film(film);
+    const mpeg2::Channel channel = mpeg2::channel_for(settings, mpeg2::level_for(settings));
+    const double field = 0.5 / declared_rate(settings).hertz.value();
+    std::vector<Item> items;
+    for (std::size_t i = 0; i < film.size(); ++i) {
+        const PassPicture& p = film[i];
+        const double seconds = field * mpeg2::fields_after(settings, static_cast<std::int64_t>(i));
+        items.push_back({p.number, p.type, scale * p.bits * std::pow(p.quantiser, mpeg2::rate_slope(p.type)),
+                         p.ratio.value_or(mpeg2::usual_quantiser_ratio(p.type, settings.gop)),
+                         seconds * static_cast<double>(channel.bit_rate), seconds});
+    }
+    const std::vector<Items> chunks = chunks_of(items, film);
+
+    // Each has its place among the film's pictures as displayed, whatever its number.
+    std::vector<std::int64_t> numbers;
+    for (const Item& item : items) numbers.push_back(item.number);
+    std::sort(numbers.begin(), numbers.end());
+    const auto place_of = [&](const Item& item) {
+        return static_cast<std::size_t>(std::lower_bound(numbers.begin(), numbers.end(), item.number) -
+                                        numbers.begin());
+    };
+
+    // A constant rate gives every chunk its own share; else all have one.
+    std::vector<Allotment> allotted(items.size());
+    const Settled common = channel.constant || items.empty() ? Settled{} : settle(items, chunks, channel, true);
+    for (std::size_t c = 0; c < chunks.size(); ++c) {
+        const Items chunk = chunks[c];
+        const auto [base, affordable] =
+            channel.constant ? settle(chunk, {&chunks[c], 1}, channel, c + 1 == chunks.size()) : common;
+        double left = 0;
+        std::array<double, 3> left_by_type{};
+        std::vector<const Item*> shown;
+        for (const Item& item : chunk) shown.push_back(&item);
+        std::sort(shown.begin(), shown.end(), [](const Item* a, const Item* b) { return a->number > b->number; });
+        for (const Item* item : shown) {
+            left += item->bits(base);
+            left_by_type[static_cast<std::size_t>(item->type) - 1] += item->bits(base);
+            allotted[place_of(*item)] = {item->quantiser(base), item->bits(base), left, item->type, affordable,
+                                         item->ratio,           left_by_type};
+        }
+    }
+    return allotted;
+}
+
+}  // namespace render2mpeg::encoder

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "encoder/encoder.h"
+#include "encoder/mpeg2/picture/minimal_picture.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+
+/// The quantiser of a picture over that of a P picture that nothing refers to; `followers`: pictures that depend on it,
+/// directly or not.
+double quantiser_ratio(PictureType type, std::int64_t followers);
+
+/// The same where only the type and the length of GOPs are known.
+double usual_quantiser_ratio(PictureType type, int gop);
+
+/// Of a planned picture.
+double ratio_of(const PicturePlan& picture);
+
+/// How a picture's bits fall with its quantiser: overhead + complexity * quantiser^-slope.
+/// fit: docs/fits/rate-model
+double rate_slope(PictureType type);
+
+/// What pictures of each type will cost, learned from those already coded.
+class RateModel {
+  public:
+    RateModel(const Settings& settings, const MinimalBits& minimal);
+
+    /// Bits of the next picture of a type at a quantiser, >= 1, not necessarily whole.
+    double bits(PictureType type, double quantiser) const;
+    /// Learns that a picture came to `bits`.
+    void learn(PictureType type, int quantiser, std::int64_t bits);
+    /// Whether it is far more than expected of a type that is known.
+    bool surprised(PictureType type, int quantiser, std::int64_t bits) const;
+    /// Whether there was a picture of this type.
+    bool knows(PictureType type) const { return learned_[static_cast<std::size_t>(type) - 1].has_value(); }
+
+  private:
+    double complexity(PictureType type) const;
+
+    double overhead_[3];
+    double first_guess_;  ///< complexity of an I picture nobody has seen
+    std::array<std::optional<double>, 3> learned_;
+};
+
+/// How far a film's real bits are from what an earlier pass found. Pictures may be of another type now than they were
+/// then: what is allotted to those to come is known by their types then.
+class PassModel {
+  public:
+    /// Bits of a picture that was allotted so much, at another quantiser.
+    double bits(PictureType type, const Allotment& allotment, double quantiser) const;
+    void learn(PictureType type, const Allotment& allotment, int quantiser, std::int64_t bits);
+    /// Real over allotted bits where the allotted quantisers are used: mean over what was coded lately, of what was of
+    /// one type then (of all where there was none of it) and of all.
+    double excess(PictureType then) const;
+    double excess() const;
+
+  private:
+    std::array<std::array<std::optional<double>, 3>, 3> learned_;  ///< by type then, and by type now
+    std::array<double, 3> real_{}, expected_{};                    ///< bits by type then, fading
+};
+
+}  // namespace render2mpeg::encoder::mpeg2

@@ -1,0 +1,66 @@
+#include "app/options/coding_options.h"
+#include "core/rational.h"
+
+/// Options of the commands that begin with frames or films instead of a scene.
+namespace render2mpeg::app {
+
+CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
+    CLI::App* command = app.add_subcommand("encode", "Encode frames and motion of any renderer");
+    command->footer(
+        "Motion: OpenEXR files with the number of their frame, as `render --aov` writes them (docs/encode.md).\n"
+        "Example: render2mpeg encode shot.%04d.exr -o shot.mpg --motion shot.%04d.exr --exposure 0.5");
+    command
+        ->add_option("FRAMES", options.input,
+                     "A .y4m file (8-bit 4:2:0), or numbered images: frames.%04d.exr (scene-linear) or .png")
+        ->required();
+    command->add_option("-o,--output", options.output, "Film to write: .mpg, .vob, .ts, .m2v, .mkv or .mp4")
+        ->type_name("OUT")
+        ->required();
+    const std::string picture = "Picture and time", motion = "Motion", run = "Run";
+    command->add_option("--fps", options.rate, "Pictures per second (default: the Y4M file's, or 25)")
+        ->type_name("23.976|24|25|29.97|30|50|59.94|60")
+        ->check(checked(core::frame_rate_from, ""))
+        ->group(picture);
+    command
+        ->add_option("--frames", options.frames,
+                     "First and last frame, both included: numbers of the images, or places in the Y4M file from 0 "
+                     "(default: all)")
+        ->type_name("A:B")
+        ->check(checked(frames_from, ""))
+        ->group(picture);
+    add_shape_options(*command, options.coding);
+    command->add_option("--exposure", options.exposure, "EV for scene-linear frames (default: 0)")
+        ->type_name("EV")
+        ->check(CLI::Range(-64.0f, 64.0f))
+        ->group(picture);
+    command->add_option("--motion", options.motion, "Numbered OpenEXR files with the frames' exact motion")
+        ->type_name("PATTERN")
+        ->group(motion);
+    command->add_option("--motion-convention", options.motion_convention, "What their channels mean: blender or nuke")
+        ->check(CLI::IsMember({"blender", "nuke"}))
+        ->capture_default_str()
+        ->group(motion);
+    add_coding_options(*command, options.coding);
+    command->add_option("--threads", options.threads, "Threads; 0: one per core. The film's bytes do not depend on it")
+        ->check(CLI::Range(0, 1024))
+        ->capture_default_str()
+        ->group(run);
+    command->add_option("--stats", options.stats, "Write statistics as JSON (docs/stats.md)")
+        ->type_name("FILE.json")
+        ->group(run);
+    command->add_flag("--quiet", options.quiet, "Print nothing but errors")->group(run);
+    return command;
+}
+
+CLI::App* add_info_command(CLI::App& app, InfoOptions& options) {
+    CLI::App* command = app.add_subcommand("info", "Show how the pictures of an MPEG-2 file are coded");
+    command->footer(
+        "Whose encoder made the file does not matter. Exit status 1 where pictures are damaged (docs/info.md).\n"
+        "Example: render2mpeg info film.mpg --summary");
+    command->add_option("FILE", options.input, "Film in any container, or a bare MPEG-2 video stream")->required();
+    command->add_flag("--json", options.json, "Print JSON instead of tables");
+    command->add_flag("--summary", options.summary, "Leave out the pictures one by one");
+    return command;
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,236 @@
+#include "app/commands/info.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "app/report/coded_types.h"
+#include "app/report/figures.h"
+#include "app/system/outside_trial.h"
+#include "app/files/text_file.h"
+#include "core/error.h"
+#include "core/numeric.h"
+#include "encoder/av/inspect.h"
+
+namespace render2mpeg::app {
+namespace {
+
+using nlohmann::json;
+
+/// Seconds that the film lasts; repeated fields count. 0: the stream does not say its rate.
+double duration_of(const av::Inspection& film) {
+    double fields = 0;
+    for (const av::PictureFacts& picture : film.pictures) fields += 2 + picture.repeated_fields;
+    return core::divide_or(0.5 * fields, film.stream.rate.value(), 0.0);
+}
+
+std::int64_t damaged(const av::Inspection& film) {
+    return std::count_if(film.pictures.begin(), film.pictures.end(),
+                         [](const av::PictureFacts& picture) { return !picture.damage.empty(); });
+}
+
+std::string shape_text(const av::StreamFacts& stream) {
+    if (stream.pixel_aspect.num == 0 || stream.pixel_aspect.num == stream.pixel_aspect.den || stream.height == 0)
+        return {};
+    const core::Rational whole = core::product(stream.pixel_aspect, {stream.width, stream.height});
+    return fmt::format(" ({}:{})", whole.num, whole.den);
+}
+
+std::string stream_lines(const std::string& name, const av::Inspection& film) {
+    const av::StreamFacts& s = film.stream;
+    const double seconds = duration_of(film);
+    const auto bytes = static_cast<double>(coded_bytes(film));
+    std::string text = fmt::format("{}: MPEG-2", name);
+    if (!s.profile.empty() || !s.level.empty())
+        text += fmt::format(" {}@{}", s.profile.empty() ? "?" : s.profile, s.level.empty() ? "?" : s.level);
+    text += fmt::format(", {}x{}{} at {:.5g} Hz, {}, {:.2f} s\n", s.width, s.height, shape_text(s), s.rate.value(),
+                        pictures_text(static_cast<std::int64_t>(film.pictures.size())), seconds);
+    text += fmt::format("  container  {}, {} stream{}\n", s.container, s.streams, s.streams == 1 ? "" : "s");
+    text += fmt::format("  pictures   {}, {:.0f} kb/s", size_text(bytes), core::divide_or(8e-3 * bytes, seconds, 0.0));
+    if (s.bit_rate > 0) text += fmt::format("; declared: {:.0f} kb/s", 1e-3 * static_cast<double>(s.bit_rate));
+    if (s.buffer_bits > 0) text += fmt::format(", buffer of {} bits", s.buffer_bits);
+    const Groups groups = groups_of(film);
+    text += fmt::format("\n  groups     {}, of {} at most\n", groups.count, pictures_text(groups.longest));
+    const auto interlaced = std::count_if(film.pictures.begin(), film.pictures.end(),
+                                          [](const av::PictureFacts& picture) { return picture.interlaced; });
+    if (interlaced > 0) text += fmt::format("  fields     {} interlaced\n", pictures_text(interlaced));
+    const auto repeating = std::count_if(film.pictures.begin(), film.pictures.end(),
+                                         [](const av::PictureFacts& picture) { return picture.repeated_fields > 0; });
+    if (repeating > 0)
+        text += fmt::format("  repeats    {} {} shown for more than two fields\n", pictures_text(repeating),
+                            repeating == 1 ? "is" : "are");
+    if (film.unshown > 0)
+        text += fmt::format("  not shown  {}: broken, or what they refer to is missing\n", pictures_text(film.unshown));
+    return text;
+}
+
+std::string quantiser_text(double mean, double low, double high) {
+    return fmt::format("{:>5.1f} {:>6}", mean, low == high ? "" : fmt::format("{:g}-{:g}", low, high));
+}
+
+std::string vector_text(const av::VectorFacts& v) {
+    const auto length = [&](double pixels) { return v.moving > 0 ? fmt::format("{:.1f}", pixels) : "-"; };
+    return fmt::format("{:>4} {:>5} {:>5}", v.share > 0 ? fmt::format("{:.0f}%", 100 * v.share) : "-", length(v.mean),
+                       length(v.longest));
+}
+
+/// What the two kinds of rows have in common, above their columns; 80 columns in all, as the rows.
+std::string heading(const std::string& left) {
+    return fmt::format("\n{:>38} {:>5}  {:<16}  {}\n{:>25} {:>12} {:>5}  {:>4} {:>5} {:>5}  {:>4} {:>5} {:>5}\n",
+                       "quantiser", "", "from before, px", "from after, px", left, "mean  range", "intra", "part",
+                       "mean", "most", "part", "mean", "most");
+}
+
+std::string row(const std::string& left, const std::string& quantiser, double intra, const av::VectorFacts& forward,
+                const av::VectorFacts& backward) {
+    return fmt::format("{:>25} {} {:>4.0f}%  {}  {}\n", left, quantiser, 100 * intra, vector_text(forward),
+                       vector_text(backward));
+}
+
+std::string picture_table(const av::Inspection& film) {
+    std::string text = heading("number  coded type  bytes");
+    for (const av::PictureFacts& p : film.pictures) {
+        text += row(fmt::format("{:>6} {:>6} {:>3}  {:>6}", p.number, p.coded, p.type, p.bytes),
+                    quantiser_text(p.mean_quantiser, p.min_quantiser, p.max_quantiser), p.intra, p.forward, p.backward);
+        if (!p.damage.empty()) text += fmt::format("{:>17} {}\n", "damaged:", p.damage);
+    }
+    return text;
+}
+
+std::string type_table(const av::Inspection& film) {
+    const auto all = static_cast<double>(coded_bytes(film));
+    std::string text = heading("type pictures  bytes part");
+    for (const CodedType& t : coded_types(film))
+        text += row(fmt::format("{:>4} {:>8} {:>6.0f} {:>3.0f}%", t.type, t.pictures,
+                                static_cast<double>(t.bytes) / static_cast<double>(t.pictures),
+                                100 * core::divide_or(static_cast<double>(t.bytes), all, 0.0)),
+                    quantiser_text(t.quantiser, t.min_quantiser, t.max_quantiser), t.intra, t.forward, t.backward);
+    return text;
+}
+
+json vectors_json(const av::VectorFacts& v) {
+    return {{"share", v.share}, {"moving", v.moving}, {"mean", v.mean}, {"longest", v.longest}};
+}
+
+json picture_json(const av::PictureFacts& p) {
+    return {{"picture", p.number},
+            {"coded", p.coded},
+            {"type", std::string(1, p.type)},
+            {"bytes", p.bytes},
+            {"position", p.position < 0 ? json(nullptr) : json(p.position)},
+            {"random_access", p.random_access},
+            {"interlaced", p.interlaced},
+            {"top_field_first", p.top_field_first},
+            {"repeated_fields", p.repeated_fields},
+            {"quantiser", {{"mean", p.mean_quantiser}, {"min", p.min_quantiser}, {"max", p.max_quantiser}}},
+            {"intra", p.intra},
+            {"forward", vectors_json(p.forward)},
+            {"backward", vectors_json(p.backward)},
+            {"damage", p.damage.empty() ? json(nullptr) : json(p.damage)}};
+}
+
+json json_of(const std::string& name, const av::Inspection& film, bool summary) {
+    const av::StreamFacts& s = film.stream;
+    const Groups groups = groups_of(film);
+    const auto or_null = [](const auto& value, bool known) { return known ? json(value) : json(nullptr); };
+    json types = json::object();
+    for (const CodedType& t : coded_types(film))
+        types[std::string(1, t.type)] = {
+            {"pictures", t.pictures},
+            {"bytes", t.bytes},
+            {"quantiser", {{"mean", t.quantiser}, {"min", t.min_quantiser}, {"max", t.max_quantiser}}},
+            {"intra", t.intra},
+            {"forward", vectors_json(t.forward)},
+            {"backward", vectors_json(t.backward)}};
+    const double seconds = duration_of(film);
+    const std::int64_t bytes = coded_bytes(film);
+    json result{{"file", name},
+                {"container", s.container},
+                {"streams", s.streams},
+                {"profile", or_null(s.profile, !s.profile.empty())},
+                {"level", or_null(s.level, !s.level.empty())},
+                {"width", s.width},
+                {"height", s.height},
+                {"fps", or_null(s.rate.value(), s.rate.num > 0)},
+                {"pixel_aspect", or_null(json{s.pixel_aspect.num, s.pixel_aspect.den}, s.pixel_aspect.num > 0)},
+                {"max_rate", or_null(s.bit_rate, s.bit_rate > 0)},
+                {"vbv_bits", or_null(s.buffer_bits, s.buffer_bits > 0)},
+                {"pictures", film.pictures.size()},
+                {"seconds", seconds},
+                {"bytes", bytes},
+                {"average", core::divide_or(8.0 * static_cast<double>(bytes), seconds, 0.0)},
+                {"groups", {{"count", groups.count}, {"longest", groups.longest}}},
+                {"not_shown", film.unshown},
+                {"damaged", damaged(film)},
+                {"damage", film.damage},
+                {"types", types}};
+    if (!summary) {
+        result["per_picture"] = json::array();
+        for (const av::PictureFacts& picture : film.pictures) result["per_picture"].push_back(picture_json(picture));
+    }
+    return result;
+}
+
+/// Pictures that are not shown although what they refer to should be there. Those before the first picture shown, and B
+/// pictures right behind it, may refer to what was cut away.
+std::int64_t missing(const av::Inspection& film) {
+    std::set<std::int64_t> shown;
+    for (const av::PictureFacts& picture : film.pictures) shown.insert(picture.coded);
+    if (shown.empty()) return 0;
+    const auto all = static_cast<std::int64_t>(film.pictures.size()) + film.unshown;
+    std::int64_t begin = *shown.begin() + 1;
+    while (begin < all && !shown.contains(begin)) ++begin;
+    if (begin == all) begin = *shown.begin() + 1;
+    std::int64_t count = 0;
+    for (std::int64_t n = begin; n < all; ++n) count += shown.contains(n) ? 0 : 1;
+    return count;
+}
+
+/// One line that says what is broken; empty where nothing is.
+std::string damage_line(const std::string& name, const av::Inspection& film) {
+    if (film.pictures.empty()) return fmt::format("{}: not one picture can be decoded", name);
+    const std::int64_t count = damaged(film);
+    const auto first = std::find_if(film.pictures.begin(), film.pictures.end(),
+                                    [](const av::PictureFacts& picture) { return !picture.damage.empty(); });
+    if (first != film.pictures.end())
+        return fmt::format("{}: {} {} damaged, the first is number {}: {}", name, pictures_text(count),
+                           count == 1 ? "is" : "are", first->number, first->damage);
+    if (!film.damage.empty()) return fmt::format("{}: {}", name, film.damage.front());
+    const std::int64_t lost = missing(film);
+    return lost == 0 ? "" : fmt::format("{}: {} cannot be shown", name, pictures_text(lost));
+}
+
+/// Between the damage and the tables: neither names nor decoders' messages hold it.
+constexpr char end_of_damage = '\0';
+
+/// All that is told of a film: the damage, and the tables.
+std::string told_of(const InfoOptions& options, const scene::TakeTurns& take_turns) {
+    const std::string name = options.input.string();
+    const av::Inspection film = av::inspect(options.input);
+    take_turns(scene::Turn::ours);
+    std::string text = damage_line(name, film) + end_of_damage;
+    if (options.json) return text + json_text(json_of(name, film, options.summary));
+    text += stream_lines(name, film);
+    if (!options.summary) text += picture_table(film);
+    return text + type_table(film);
+}
+
+}  // namespace
+
+int info(const InfoOptions& options) {
+    scene::ChildTrial trial(options.input.string(), film_limits(options.input),
+                            [&](const scene::TakeTurns& take_turns) { return told_of(options, take_turns); });
+    const scene::ChildTrial::Told told = trial.told();
+    if (told.refused) throw core::Error(told.text);
+    const std::size_t end = told.text.find(end_of_damage);
+    const std::string damage = told.text.substr(0, end);
+    print(told.text.substr(end + 1));
+    if (damage.empty()) return 0;
+    std::fputs(("render2mpeg: " + damage + "\n").c_str(), stderr);
+    return 1;
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,323 @@
+#include "app/commands/render.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "app/system/attempts.h"
+#include "app/loop/film_identity.h"
+#include "app/report/frame_portrait.h"
+#include "app/report/heatmap_film.h"
+#include "app/system/interrupt.h"
+#include "app/loop/memory.h"
+#include "app/system/outside_trial.h"
+#include "app/loop/pipeline.h"
+#include "app/system/progress.h"
+#include "app/files/publish.h"
+#include "app/report/report.h"
+#include "app/loop/resume.h"
+#include "app/report/statistics.h"
+#include "app/files/text_file.h"
+#include "app/options/unused_options.h"
+#include "core/error.h"
+#include "parallel/loops.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// What the scene lacks, and which options do nothing.
+void say_notes(const Production& film, const RenderOptions& options) {
+    if (options.quiet) return;
+    std::vector<std::string> notes = film.animation->notes;
+    for (const std::string& line : unused_options(options, film.kind, film.tolerance)) notes.push_back(line);
+    notes.push_back(film.kind == OutputKind::film ? unused_keyframes(film.keyframes, film.frames) : "");
+    notes.push_back(film.kind == OutputKind::film ? keyframes_without_chapter(film.film()) : "");
+    if (film.end && film.frames.last > *film.end)
+        notes.push_back(fmt::format("--frames goes beyond the scene's own film, which ends with frame {}", *film.end));
+    for (const std::string& note : notes)
+        if (!note.empty()) std::fputs((note + "\n").c_str(), stderr);
+}
+
+/// As prepare(), within the memory that the options allow. Not done where an interrupt was requested meanwhile.
+Production prepare_within_memory(const RenderOptions& options) {
+    if (!options.memory) return prepare(options);
+    const std::uint64_t limit = memory_from(*options.memory);
+    hold_to(limit, parallel::thread_count());
+    Production film = prepare(options);
+    if (!try_images(*film.animation, image_trials(true))) return film;
+    // Their headers may be read now.
+    film.images_in_turn = !may_decode_at_once(film, memory_need(film), limit, parallel::thread_count());
+    return film;
+}
+
+int interrupted_before_frames(const RenderOptions& options) {
+    if (!options.quiet) std::fputs("interrupted before the first frame: nothing was written\n", stderr);
+    return InterruptGuard::status();
+}
+
+std::string dry_run_text(const Production& film, const RenderOptions& options) {
+    const auto chunks = chunks_of(film.frames, film.coding.gop);
+    return fmt::format("{}: would render frames {} to {} ({:.2f} s at {} Hz) of {} at {}x{}, in {} chunk{}\n",
+                       options.output.string(), film.frames.first, film.frames.last,
+                       static_cast<double>(film.frame_count()) / film.rate.hertz.value(), film.rate.name,
+                       film.animation->source, film.format.width, film.format.height, chunks.size(),
+                       chunks.size() == 1 ? "" : "s") +
+           plan_table(film, {});
+}
+
+/// What is done with chunks that an earlier run of this film left; empty where there are none.
+std::string left_text(const Production& film, const RenderOptions& options, const nlohmann::json& identity) {
+    const std::vector<Chunk> chunks = chunks_of(film.frames, film.coding.gop);
+    const std::size_t left = WorkFolder::left(options.output, identity, chunks);
+    if (left == 0) return {};
+    const std::int64_t done = chunks[left - 1].last + 1 - film.frames.first;
+    return fmt::format("{}: {} of {} frames are left of an earlier run, {}\n", options.output.string(), done,
+                       film.frame_count(),
+                       options.resume ? "which goes on" : "and given up, since --resume is not given");
+}
+
+/// Whether the output is one file, which is made in a work folder.
+bool is_one_file(const Production& film) {
+    return film.kind == OutputKind::film || film.kind == OutputKind::y4m;
+}
+
+WorkFolder::Earlier earlier_of(const RenderOptions& options) {
+    return options.resume ? WorkFolder::Earlier::resumed : WorkFolder::Earlier::removed;
+}
+
+/// Refuses outputs that would take the place of other files, or show what there is none of. Writes nothing.
+void check_outputs(const Production& film, const RenderOptions& options) {
+    std::vector<Files> outputs{is_one_file(film) ? Files(options.output) : Files(options.output, film.frames),
+                               options.stats.value_or("")};
+    for (const auto& [subject, file] : options.heatmaps) outputs.emplace_back(file);
+    if (options.report) {
+        outputs.emplace_back(*options.report);
+        outputs.emplace_back(report_json_of(*options.report));
+    }
+    if (options.layers) outputs.emplace_back(layers_in(*options.layers), film.frames);
+    check_apart(inputs_of(film, options), outputs);
+    for (const Files& output : outputs)
+        if (!output.name.empty()) check_reachable(output.name);
+    if (options.report) check_report(*options.report);
+    check_heatmaps(options, film);
+    WorkFolder::check(options.output);
+}
+
+/// Sees that all outputs can be written before hours go into them; from now on no other run has the film.
+std::unique_ptr<WorkFolder> open_outputs(const RenderOptions& options, const nlohmann::json& identity) {
+    check_writable(options.output);
+    if (options.layers) check_writable(layers_in(*options.layers));
+    if (options.stats) check_writable(*options.stats);
+    if (options.report) check_writable(*options.report);
+    if (options.report) check_writable(report_json_of(*options.report));
+    for (const auto& [subject, file] : options.heatmaps) check_writable(file);
+    return std::make_unique<WorkFolder>(options.output, identity, earlier_of(options));
+}
+
+/// The ledger with what the renderer has done since it was made.
+Ledger told(const Ledger& ledger, const renderer::Renderer& renderer) {
+    Ledger sum = ledger;
+    sum.rendering = sum_of(ledger.rendering, renderer.statistics());
+    for (std::size_t i = 0; i < sum.pass_seconds.size(); ++i)
+        sum.pass_seconds[i] += renderer.seconds(static_cast<renderer::Pass>(i));
+    sum.pass_seconds[static_cast<std::size_t>(renderer::Pass::develop)] = sum.stage_seconds(Stage::develop);
+    sum.pass_seconds[static_cast<std::size_t>(renderer::Pass::encode)] = sum.stage_seconds(Stage::encode);
+    return sum;
+}
+
+/// Seconds on the clock of this run, and of those that it goes on from.
+class WallClock {
+  public:
+    double seconds(const Ledger& ledger) const {
+        return ledger.earlier_wall + std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    }
+
+  private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Renders the chunks that are not in `files` yet and adds them, the last of them incomplete after an interruption.
+/// Returns whether the film is whole.
+bool render_chunks(const Production& film, const RenderOptions& options, WorkFolder& work, Watcher* watcher,
+                   const WallClock& clock, Ledger& ledger, std::vector<ChunkFile>& files) {
+    const std::vector<Chunk> chunks = chunks_of(film.frames, film.coding.gop);
+    if (files.size() == chunks.size()) return true;
+    renderer::Renderer renderer = renderer_of(film);
+    Progress progress(film.frame_count(), options.quiet, "frame", Counted::frames, ledger.earlier_wall);
+    if (!files.empty()) progress.advance_to(static_cast<std::int64_t>(ledger.frames.size()), film.frame_count());
+    bool whole = true;
+    while (files.size() < chunks.size()) {
+        const Chunk& chunk = chunks[files.size()];
+        files.push_back(work.open(chunk));
+        const std::unique_ptr<Sink> sink = make_sink(film, frames_of(film, options, work, chunk));
+        const Destination destination{film.kind == OutputKind::film ? &files.back() : nullptr, sink.get(),
+                                      options.layers ? &*options.layers : nullptr, watcher};
+        whole = render_chunk(film, renderer, chunk, destination, ledger, [&] {
+            progress.advance();
+            return !InterruptGuard::requested();
+        });
+        if (sink) sink->finish();
+        if (!whole) {
+            files.back().abandon();
+            break;
+        }
+        Ledger so_far = told(ledger, renderer);
+        so_far.earlier_wall = clock.seconds(ledger);
+        so_far.earlier_cpu += cpu_seconds();
+        files.back().finish(facts_of(film, options, work, chunk, so_far));
+        if (InterruptGuard::requested()) break;
+    }
+    ledger = told(ledger, renderer);
+    return whole && files.size() == chunks.size();
+}
+
+/// Gives the film its name, or what there is of it another.
+Published publish_frames(const Production& film, const RenderOptions& options, WorkFolder& work,
+                         const std::vector<ChunkFile>& chunks, bool complete) {
+    if (film.kind == OutputKind::film) return publish(chunks, film.film(), work, options.output, complete);
+    if (film.kind == OutputKind::y4m) {
+        std::vector<std::filesystem::path> parts;
+        for (const ChunkFile& chunk : chunks) parts.push_back(frames_of(film, options, work, chunk.chunk()));
+        const std::filesystem::path file = work.begin("film.y4m");
+        join_y4m(film, parts, file);
+        return give_name(file, work, options.output, complete);
+    }
+    // Images have their names already.
+    return {options.output, 0};
+}
+
+/// How many of the chunks are whole.
+std::size_t whole_of(const std::vector<ChunkFile>& chunks) {
+    return static_cast<std::size_t>(std::count_if(chunks.begin(), chunks.end(), [](const ChunkFile& chunk) {
+        std::error_code error;
+        return std::filesystem::exists(ChunkFile::record_of(chunk.file()), error);
+    }));
+}
+
+/// As render_chunks(); a failure says what is not lost by it.
+bool render_or_tell(const Production& film, const RenderOptions& options, WorkFolder& work, Watcher* watcher,
+                    const WallClock& clock, Ledger& ledger, std::vector<ChunkFile>& files) {
+    try {
+        return render_chunks(film, options, work, watcher, clock, ledger, files);
+    } catch (const core::Error& error) {
+        const std::size_t whole = whole_of(files);
+        if (whole == 0) throw;
+        throw core::Error(std::string(error.what()) + "; " + resuming_text(film, whole));
+    }
+}
+
+/// Writes what is told of the film. Returns whether all was written.
+bool write_told(const Production& film, const RenderOptions& options, const Ledger& ledger, const RunFacts& facts,
+                const FramePortrait& portrait, Attempts& attempts) {
+    bool stats = !options.stats, report = !options.report;
+    if (!stats)
+        attempts.attempt([&] {
+            write_statistics(*options.stats, film, ledger, facts);
+            stats = true;
+        });
+    if (!report)
+        attempts.attempt([&] {
+            write_report(*options.report, film, ledger, facts, portrait.figures());
+            report = true;
+        });
+    return stats && report;
+}
+
+/// Marks what is whole, and removes what it was made of: to be called when nothing of that is needed any more.
+void clear_away(const Production& film, const RenderOptions& options, const nlohmann::json& identity,
+                HeatmapFilms& heatmaps, WorkFolder& work) {
+    Products products = products_of(film, options);
+    // A heatmap that failed while it was made can only be made anew.
+    for (const std::filesystem::path& lost : heatmaps.lost()) std::erase(products.beside, lost);
+    mark_as_whole(products, identity);
+    heatmaps.clear_away();
+    work.clear_away();  // last, since it knows of the others
+}
+
+}  // namespace
+
+int render(const RenderOptions& options, const std::string& command, Rendered* rendered) try {
+    const WallClock clock;
+    const parallel::ThreadLimit threads(options.threads);
+    const InterruptGuard guard(options.quiet);
+
+    // Read and settle everything before anything is written.
+    Ledger ledger;
+    Production film = timed(ledger, Stage::load, [&] { return prepare_within_memory(options); });
+    if (InterruptGuard::requested()) return interrupted_before_frames(options);
+    say_notes(film, options);
+    check_outputs(film, options);
+    const nlohmann::json identity = timed(ledger, Stage::load, [&] { return identity_of(film, options); });
+    // `tune` looks at what it renders, and so renders.
+    if (const auto status = rendered == nullptr ? settled_before(film, options, identity) : std::nullopt)
+        return *status;
+    if (options.resume) WorkFolder::check(options.output, identity);
+    const std::string left = left_text(film, options, identity);
+    if (options.dry_run) {
+        if (!options.quiet) print(left + dry_run_text(film, options));
+        return 0;
+    }
+    if (!options.memory) timed(ledger, Stage::load, [&] { return try_images(*film.animation, image_trials(false)); });
+    if (InterruptGuard::requested()) return interrupted_before_frames(options);
+    if (!options.quiet && !options.resume) std::fputs(left.c_str(), stderr);
+    const std::unique_ptr<WorkFolder> work = open_outputs(options, identity);
+    HeatmapFilms heatmaps(options, film, identity, *work);
+    std::vector<ChunkFile> chunks = take_up(film, options, *work, heatmaps, ledger);
+    settle(film, options, *work, ledger);
+    if (InterruptGuard::requested()) return interrupted_before_frames(options);
+
+    FramePortrait portrait(film);
+    Watchers watchers;
+    if (!heatmaps.empty()) watchers.add(heatmaps);
+    if (options.report) watchers.add(portrait);
+    const bool complete =
+        render_or_tell(film, options, *work, watchers.empty() ? nullptr : &watchers, clock, ledger, chunks);
+
+    // Publish what is whole; leave what is not beside the target. Whatever fails costs no more than itself.
+    Attempts attempts;
+    RunFacts facts{command, options.input.string(), options.output.string(), 0, false};
+    bool published = false;
+    attempts.attempt([&] {
+        const Published film_file = publish_frames(film, options, *work, chunks, complete);
+        facts.bytes = film_file.bytes;
+        facts.output = film_file.name.string();
+        facts.complete = complete;
+        published = true;
+    });
+    bool all_written = complete && heatmaps.finish() && published;
+    attempts.attempt([&] { heatmaps.rethrow(); });
+    ledger.wall = clock.seconds(ledger);
+    all_written = write_told(film, options, ledger, facts, portrait, attempts) && all_written;
+    if (all_written) clear_away(film, options, identity, heatmaps, *work);
+    if (complete && !all_written && !options.quiet)
+        std::fputs((resuming_text(film, chunks.size()) + "\n").c_str(), stderr);
+    if (!options.quiet && published) attempts.attempt([&] { print(summary(film, ledger, facts)); });
+    if (!complete && !options.quiet)
+        std::fputs(fmt::format("interrupted after {} of {} frames; {}\n", ledger.frames.size(), film.frame_count(),
+                               resuming_text(film, whole_of(chunks),
+                                             rendered != nullptr ? "the command above" : "the same command"))
+                       .c_str(),
+                   stderr);
+    attempts.rethrow();
+    if (rendered != nullptr) *rendered = {ledger, facts.output, facts.bytes};
+    return complete ? 0 : InterruptGuard::status();
+} catch (const std::bad_alloc&) {
+    if (!options.memory) throw;
+    throw core::Error("rendering", options.input.string(),
+                      "it takes more memory than --memory " + *options.memory + " allows");
+}
+
+int plan(const PlanOptions& options) {
+    const Production film = prepare(options.render);
+    say_notes(film, options.render);
+    print(plan_table(film, options.statistics.value_or("")));
+    return 0;
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "app/loop/ledger.h"
+#include "app/options/options.h"
+
+namespace render2mpeg::app {
+
+/// What a render comes to, for commands that make a film of their own accord.
+struct Rendered {
+    Ledger ledger;
+    std::filesystem::path film;
+    std::uint64_t bytes = 0;
+};
+
+/// `render2mpeg render`. Returns the exit status: 0, or 130 after an interruption. Throws core::Error. `rendered` is
+/// filled where it is not null.
+int render(const RenderOptions& options, const std::string& command, Rendered* rendered = nullptr);
+
+/// `render2mpeg plan`.
+int plan(const PlanOptions& options);
+
+}  // namespace render2mpeg::app

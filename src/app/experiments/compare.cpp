@@ -1,0 +1,191 @@
+#include "app/experiments/compare.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "app/system/attempts.h"
+#include "app/experiments/compare_report.h"
+#include "app/experiments/ffmpeg_program.h"
+#include "app/system/interrupt.h"
+#include "app/report/statistics_json.h"
+#include "app/files/text_file.h"
+#include "app/experiments/trial_command.h"
+#include "core/error.h"
+#include "parallel/loops.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// One command in the making: rows are told as they come.
+class Comparing {
+  public:
+    Comparing(const CompareOptions& options, const Production& film, const std::string& ffmpeg);
+
+    /// Returns whether nobody interrupted. In this order.
+    bool light_references();
+    /// Everything that is timed, once; rows are known after the first.
+    bool run_all();
+    /// Makes the times those of all runs.
+    void conclude();
+    void look_at_foreign_film();
+
+    const Comparison& found() const { return found_; }
+    const Production& film() const { return trials_.film(); }
+
+  private:
+    /// Takes a row of a way, or of what is known already its times.
+    void add(std::size_t way, const Trial& trial);
+    bool light_fixed();
+    void say(const std::string& text) const {
+        if (!options_.render.quiet) print(text);
+    }
+    std::string in_run(const std::string& name) const {
+        return options_.runs == 1 ? name : fmt::format("run {}, {}", runs_ + 1, name);
+    }
+
+    const CompareOptions& options_;
+    std::vector<int> quantisers_;
+    Trials trials_;
+    Comparison found_;
+    LitWindows fixed_;
+    int runs_ = 0;  ///< whole ones
+};
+
+Comparing::Comparing(const CompareOptions& options, const Production& film, const std::string& ffmpeg)
+    : options_(options),
+      quantisers_(quantisers_from(options.quantisers)),
+      trials_(film, windows_of(film.frames, sample_from(options.sample)), options.references) {
+    found_.windows = trials_.windows();
+    if (options.kept_references) trials_.keep_references_in(ReferenceCache(*options.kept_references));
+    trials_.mask_all();
+    found_.ffmpeg = ffmpeg;
+    tell_memory(trials_.bytes_held(true), options.render.quiet);
+    const FfmpegWay usual = usual_ffmpeg(), strongest = strongest_ffmpeg(), free = strongest_free_ffmpeg();
+    const auto by_ffmpeg = [](const FfmpegWay& way) { return "fixed 2 %, ffmpeg -c:v mpeg2video " + way.options; };
+    found_.ways = {{"coupled", "--tolerance coupled", {}, {}},
+                   {"fixed 2 %, ours", "--tolerance fixed=2%", {}, {}},
+                   {"fixed 2 %, ours, free", fmt::format("--tolerance fixed=2% --gop {}", free_gop), {}, {}},
+                   {usual.name, by_ffmpeg(usual), {}, {}},
+                   {strongest.name, by_ffmpeg(strongest), {}, {}},
+                   {free.name, by_ffmpeg(free), {}, {}}};
+}
+
+bool Comparing::light_references() {
+    if (!app::light_references(trials_, options_.render.quiet)) return false;
+    const renderer::Statistics& statistics = trials_.statistics();
+    found_.light_points = statistics.direct_points + statistics.indirect_points;
+    found_.references = trials_.references();
+    found_.reference_seconds = trials_.reference_seconds();
+    say(compare_heading(film(), found_));
+    return true;
+}
+
+bool Comparing::light_fixed() {
+    LitWindows again;
+    LitWindows& keep = runs_ == 0 ? fixed_ : again;
+    const auto trial =
+        run_trial(trials_, {}, film().coding.quantiser, in_run("fixed 2 %"), options_.render.quiet, &keep);
+    if (trial) fixed_.light = *trial;  // its pictures are the same, its time is this run's
+    return trial.has_value();
+}
+
+void Comparing::add(std::size_t index, const Trial& trial) {
+    Way& way = found_.ways[index];
+    if (runs_ == 0) {
+        way.rows.push_back(trial);
+        way.times.emplace_back();
+        say(way_row(way.name, trial));
+    }
+    for (std::size_t i = 0; i < way.rows.size(); ++i)
+        if (way.rows[i].quantiser == trial.quantiser) {
+            way.times[i].light.push_back(trial.seconds);
+            way.times[i].code.push_back(trial.code_seconds);
+        }
+}
+
+bool Comparing::run_all() {
+    if (!light_fixed()) return false;
+    if (runs_ == 0) say(way_heading());
+    for (const int quantiser : quantisers_) {
+        const auto coupled = run_trial(trials_, {false, 0, true, {}}, quantiser,
+                                       in_run(fmt::format("coupled, quantiser {}", quantiser)), options_.render.quiet);
+        if (!coupled) return false;
+        add(coupled_way, *coupled);
+        add(fixed_way, trials_.coded_again(fixed_, quantiser));
+        Coarseness free(quantiser);
+        free.gop = free_gop;
+        add(free_way, trials_.coded_again(fixed_, free));
+        const auto by_ffmpeg = [&](std::size_t way, const FfmpegWay& ffmpeg, int gop) {
+            add(way, trials_.coded_by(ffmpeg_codec(ffmpeg, quantiser, gop, film().rate), fixed_, quantiser));
+            return !InterruptGuard::requested();
+        };
+        if (!by_ffmpeg(usual_way, usual_ffmpeg(), film().coding.gop) ||
+            !by_ffmpeg(strongest_way, strongest_ffmpeg(), film().coding.gop) ||
+            !by_ffmpeg(strongest_free_way, strongest_free_ffmpeg(), free_gop))
+            return false;
+    }
+    found_.runs = ++runs_;
+    found_.complete = runs_ == options_.runs;
+    return true;
+}
+
+void Comparing::conclude() {
+    for (Way& way : found_.ways)
+        for (std::size_t i = 0; i < way.rows.size(); ++i) {
+            way.rows[i].seconds = median(way.times[i].light);
+            way.rows[i].code_seconds = median(way.times[i].code);
+        }
+    if (!found_.complete) return;
+    say(time_table(found_));
+    if (found_.foreign) say(foreign_lines(found_));
+}
+
+void Comparing::look_at_foreign_film() {
+    if (!options_.film) return;
+    found_.foreign = look_at_foreign(*options_.film, *options_.reference, film().exposure.value_or(0));
+}
+
+}  // namespace
+
+int compare(const CompareOptions& options, const std::string& command) {
+    const parallel::ThreadLimit threads(options.render.threads);
+    const InterruptGuard guard(options.render.quiet);
+    const bool quiet = options.render.quiet;
+    if (quantisers_from(options.quantisers).size() < 2)
+        throw core::Error("quantisers " + options.quantisers + ": curves need two or more");
+    const std::string ffmpeg = ffmpeg_version();
+    const auto interrupted = [&] {
+        if (!quiet) std::fputs("interrupted before the first row: nothing was found out\n", stderr);
+        return InterruptGuard::status();
+    };
+    const Production film = prepare_trials(options.render);
+    if (InterruptGuard::requested()) return interrupted();
+    check_trial_outputs(film, options.render, options.json, options.report);
+
+    Comparing comparing(options, film, ffmpeg);
+    comparing.look_at_foreign_film();
+    if (comparing.light_references())
+        for (int i = 0; i < options.runs && comparing.run_all(); ++i) {
+        }
+    comparing.conclude();
+    const Comparison& found = comparing.found();
+    if (found.ways[coupled_way].rows.empty()) return interrupted();
+
+    Attempts attempts;
+    if (options.json)
+        attempts.attempt([&] { write_json(*options.json, compare_json(comparing.film(), found, command)); });
+    if (options.report)
+        attempts.attempt([&] { write_compare_report(*options.report, comparing.film(), found, command); });
+    if (!quiet && found.complete)
+        attempts.attempt([&] {
+            print(difference_table(found));
+            print_sentence(sentence_of(found));
+        });
+    if (!found.complete && !quiet) std::fputs("interrupted: this is a part of the table\n", stderr);
+    attempts.rethrow();
+    return found.complete ? 0 : InterruptGuard::status();
+}
+
+}  // namespace render2mpeg::app

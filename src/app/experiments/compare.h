@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "app/options/options.h"
+
+namespace render2mpeg::app {
+
+/// `render2mpeg compare`: the same frames by this program and by rendering first and encoding with ffmpeg then
+/// (docs/compare.md). Returns the exit status: 0, or 130 after an interruption, with what was finished until then.
+/// Throws core::Error, also where there is no ffmpeg.
+int compare(const CompareOptions& options, const std::string& command);
+
+}  // namespace render2mpeg::app

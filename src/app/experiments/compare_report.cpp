@@ -1,0 +1,214 @@
+#include "app/experiments/compare_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "app/report/curve_plot.h"
+#include "app/report/frame_plot.h"
+#include "app/report/portrait_view.h"
+#include "app/experiments/quality.h"
+#include "app/report/report.h"
+#include "app/report/statistics_json.h"
+#include "app/experiments/sweep.h"
+#include "app/files/text_file.h"
+#include "core/numeric.h"
+
+namespace render2mpeg::app {
+namespace {
+
+using nlohmann::json;
+
+json row_json(const Trial& t, const Times& times) {
+    const Quality q = quality_of(t, true);
+    return {{"quantiser", t.quantiser},
+            {"light_runs", times.light},
+            {"code_runs", times.code},
+            {"flicker", t.flicker},
+            {"light_seconds", t.seconds},
+            {"light_window_seconds", t.window_seconds},
+            {"requantised", t.requantised},
+            {"code_seconds", t.code_seconds},
+            {"bytes", t.bytes},
+            {"psnr_y", finite_or_null(q.psnr_y)},
+            {"ssim_y", q.ssim_y},
+            {"psnr_hvs_m", finite_or_null(q.psnr_hvs_m)},
+            {"at_references",
+             {{"psnr_y", finite_or_null(t.decoded.psnr_y())},
+              {"ssim_y", t.decoded.ssim_y()},
+              {"psnr_hvs_m", finite_or_null(t.psnr_hvs_m())}}}};
+}
+
+json difference_json(const Way& way, const Way& from) {
+    const Difference d = difference_of(way, from);
+    return {{"way", way.name},
+            {"against", from.name},
+            {"bits",
+             {{"psnr_y", finite_or_null(d.psnr_y)},
+              {"ssim_y", finite_or_null(d.ssim_y)},
+              {"psnr_hvs_m", finite_or_null(d.psnr_hvs_m)}}},
+            {"time", finite_or_null(d.seconds)}};
+}
+
+json differences_json(const Comparison& found) {
+    json all = json::array();
+    if (!found.complete) return all;
+    for (const auto& [way, from] : held_against) all.push_back(difference_json(found.ways[way], found.ways[from]));
+    return all;
+}
+
+json foreign_json(const Comparison& found) {
+    if (!found.foreign) return nullptr;
+    const ForeignFilm& f = *found.foreign;
+    return {{"film", f.name},
+            {"width", f.width},
+            {"height", f.height},
+            {"pictures", f.pictures},
+            {"compared", f.compared},
+            {"bytes", f.bytes},
+            {"psnr_y", finite_or_null(f.psnr_y)},
+            {"ssim_y", f.ssim_y},
+            {"psnr_hvs_m", finite_or_null(f.psnr_hvs_m)},
+            {"bits_of_coupled", finite_or_null(bits_beside(found))}};
+}
+
+/// What the last reference shows at the coarsest quantiser, and what becomes of it.
+std::string views(const Production& film, const Comparison& found) {
+    const std::vector<Trial>& rows = found.ways[coupled_way].rows;
+    const perceptual::ColorMatrix matrix = perceptual::matrix_for(film.format.height);
+    const std::size_t row = rows.size() - 1;
+    std::string text = portrait_figures(fmt::format("coupled, quantiser {}", rows[row].quantiser), rows[row], matrix);
+    const Way& other = found.ways[strongest_way];
+    if (row < other.rows.size())
+        text += decoded_pair(fmt::format("The same frame by {}, whose film has {:.2f} times the bytes", other.name,
+                                         core::divide_or(other.rows[row].bytes, rows[row].bytes, 0.0)),
+                             "coupled", rows[row], other.name, other.rows[row], matrix);
+    return text.empty() ? "" : "<h2>Side by side</h2>\n" + text;
+}
+
+template <class X>
+std::string plot(const Comparison& found, const std::string& title, const std::string& axis, X&& x) {
+    constexpr const char* colors[] = {"i", "one", "p", "two", "b", "b"};
+    CurvePlot plot{title, {axis, true}, {"PSNR-Y, dB", false}, {}};
+    for (std::size_t i = 0; i < found.ways.size(); ++i) {
+        Curve curve{found.ways[i].name, colors[i], {}};
+        for (const Trial& t : found.ways[i].rows)
+            curve.points.push_back(
+                {x(t), quality_of(t, true).psnr_y, i == coupled_way ? fmt::format("q {}", t.quantiser) : "", false});
+        plot.curves.push_back(std::move(curve));
+    }
+    return figure_of(plot);
+}
+
+std::string tables(const Comparison& found) {
+    std::string text = "<h2>All figures</h2>\n<div class=\"wide\"><table>\n<tr><th>Way</th>";
+    for (const char* head : {"Quantiser", "Light, s", "Coding, s", "Bytes", "PSNR-Y", "SSIM", "HVS-M", "Flicker"})
+        text += fmt::format("<th class=\"n\">{}</th>", head);
+    text += "</tr>\n";
+    const auto decibels = [](double v) { return std::isfinite(v) ? fmt::format("{:.2f}", v) : std::string("same"); };
+    const auto seconds = [](double middle, const std::vector<double>& runs) {
+        const std::string figure = short_figure(middle);
+        return runs.size() < 2 ? figure : fmt::format("{} &#177; {:.0f} %", figure, 50 * spread(runs));
+    };
+    for (const Way& way : found.ways)
+        for (std::size_t i = 0; i < way.rows.size(); ++i) {
+            const Trial& t = way.rows[i];
+            const Quality q = quality_of(t, true);
+            text += "<tr><td>" + escaped(way.name) + "</td>";
+            for (const std::string& cell :
+                 {fmt::format("{}", t.quantiser), seconds(t.seconds, way.times[i].light),
+                  seconds(t.code_seconds, way.times[i].code), fmt::format("{:.0f}", t.bytes), decibels(q.psnr_y),
+                  fmt::format("{:.4f}", q.ssim_y), decibels(q.psnr_hvs_m), fmt::format("{:.3f}", t.flicker)})
+                text += "<td class=\"n\">" + cell + "</td>";
+            text += "</tr>\n";
+        }
+    text += "</table></div>\n";
+    if (!found.complete) return text;
+    text += "<h2>At equal quality</h2>\n<div class=\"wide\"><table>\n<tr><th>Way</th><th>against</th>";
+    for (const char* head : {"Bits, PSNR-Y", "Bits, SSIM", "Bits, HVS-M", "Time, PSNR-Y"})
+        text += fmt::format("<th class=\"n\">{}</th>", head);
+    text += "</tr>\n";
+    for (const auto& [way, from] : held_against) {
+        const Difference d = difference_of(found.ways[way], found.ways[from]);
+        text += "<tr><td>" + escaped(found.ways[way].name) + "</td><td>" + escaped(found.ways[from].name) + "</td>";
+        for (const double value : {d.psnr_y, d.ssim_y, d.psnr_hvs_m, d.seconds})
+            text += "<td class=\"n\">" + change_text(value) + "</td>";
+        text += "</tr>\n";
+    }
+    return text + "</table></div>\n";
+}
+
+std::string foreign_paragraph(const Comparison& found) {
+    if (!found.foreign) return {};
+    std::string text = foreign_lines(found);
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return "<h2>A film by somebody else</h2>\n<p>" + escaped(text) + "</p>\n";
+}
+
+std::string commands(const Comparison& found) {
+    std::string text = "<h2>The ways</h2>\n<div class=\"wide\"><table>\n";
+    for (const Way& way : found.ways)
+        text += "<tr><td>" + escaped(way.name) + "</td><td>" + escaped(way.how) + "</td></tr>\n";
+    return text + "<tr><td>version</td><td>" + escaped(found.ffmpeg) + "</td></tr>\n</table></div>\n";
+}
+
+}  // namespace
+
+json compare_json(const Production& film, const Comparison& found, const std::string& command) {
+    json windows = json::array(), ways = json::array();
+    for (const Chunk& window : found.windows) windows.push_back({window.first, window.last});
+    for (const Way& way : found.ways) {
+        json rows = json::array();
+        for (std::size_t i = 0; i < way.rows.size(); ++i) rows.push_back(row_json(way.rows[i], way.times[i]));
+        ways.push_back({{"name", way.name}, {"how", way.how}, {"rows", rows}});
+    }
+    return {{"command", command},
+            {"version", RENDER2MPEG_VERSION},
+            {"isa", core::name_of(film.rendering.isa)},
+            {"ffmpeg", found.ffmpeg},
+            {"input", film.animation->source},
+            {"width", film.format.width},
+            {"height", film.format.height},
+            {"fps", film.rate.hertz.value()},
+            {"gop", film.coding.gop},
+            {"samples", film.rendering.samples},
+            {"vpls", film.rendering.vpls},
+            {"masking", film.coupling.observer.strategy == perceptual::Strategy::quantised ? "quantised" : "carried"},
+            {"cache", records_word(film.rendering)},
+            {"light_points", found.light_points},
+            {"windows", windows},
+            {"reference", {{"frames", found.references}, {"seconds", found.reference_seconds}}},
+            {"runs", found.runs},
+            {"ways", ways},
+            {"foreign", foreign_json(found)},
+            {"differences", differences_json(found)},
+            {"summary", sentence_of(found)},
+            {"complete", found.complete}};
+}
+
+void write_compare_report(const std::filesystem::path& html, const Production& film, const Comparison& found,
+                          const std::string& command) {
+    const std::filesystem::path source = film.animation->source;
+    const std::string name = (source.has_filename() ? source : source.parent_path()).filename().string();
+    std::string body = "<h2>Curves</h2>\n";
+    body += plot(found, "Quality over size", "bytes per frame", [](const Trial& t) { return t.bytes; });
+    body += plot(found, "Quality over time for light, motion and coding", "CPU seconds per frame",
+                 [](const Trial& t) { return t.seconds + t.code_seconds; });
+    body +=
+        views(film, found) + tables(found) + foreign_paragraph(found) +
+        "<p class=\"soft\">Light: CPU seconds of all threads per frame; coding: with exact motion, or with ffmpeg's "
+        "search for it on one thread. PSNR-Y, SSIM and PSNR-HVS-M (HVS-M): all decoded pictures against themselves as "
+        "lit, with what light adds on those that were also lit by every light point. Flicker: what adjacent ones "
+        "change "
+        "along motion more than they should. At equal quality: mean differences over the qualities that both reach "
+        "(Bjontegaard).</p>\n" +
+        commands(found) + "<h2>To find it out again</h2>\n<pre>" + escaped(command) +
+        "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (docs/compare.md).</p>\n";
+    const std::string lead = found.complete ? sentence_of(found) : "Interrupted: this is a part of it.";
+    write_whole(html, report_page("Coupled, and rendered first: " + name, lead, body));
+    write_json(report_json_of(html), compare_json(film, found, command));
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,173 @@
+#include "app/experiments/comparison.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "app/experiments/bd_rate.h"
+#include "app/report/figures.h"
+#include "app/experiments/quality.h"
+#include "app/experiments/sweep.h"
+#include "core/numeric.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// SSIM as decibels, so that equal steps mean about as much everywhere.
+double in_decibels(double ssim) {
+    return -10 * std::log10(std::max(1 - ssim, 1e-9));
+}
+
+template <class Cost, class Quality>
+double change(const Way& way, const Way& from, Cost&& cost, Quality&& quality) {
+    const auto points = [&](const Way& w) {
+        std::vector<RatePoint> all;
+        for (const Trial& t : w.rows)
+            if (cost(t) > 0 && std::isfinite(quality(t))) all.push_back({cost(t), quality(t)});
+        return all;
+    };
+    return bd_rate(points(from), points(way));
+}
+
+double total_seconds(const Trial& t) {
+    return t.seconds + t.code_seconds;
+}
+
+/// "12.3 % fewer", "3 % more"
+std::string more_text(double per_cent) {
+    return fmt::format("{:.1f} % {}", std::abs(per_cent), per_cent < 0 ? "fewer" : "more");
+}
+
+std::string psnr_text(double psnr) {
+    return std::isfinite(psnr) ? fmt::format("{:.2f}", psnr) : "same";
+}
+
+}  // namespace
+
+Difference difference_of(const Way& way, const Way& from) {
+    const auto bytes = [](const Trial& t) { return t.bytes; };
+    const auto psnr = [](const Trial& t) { return quality_of(t, true).psnr_y; };
+    return {change(way, from, bytes, psnr),
+            change(way, from, bytes, [](const Trial& t) { return in_decibels(quality_of(t, true).ssim_y); }),
+            change(way, from, bytes, [](const Trial& t) { return quality_of(t, true).psnr_hvs_m; }),
+            change(way, from, total_seconds, psnr)};
+}
+
+std::string sentence_of(const Comparison& found) {
+    if (!found.complete) return {};
+    const Way& coupled = found.ways[coupled_way];
+    const Difference usual = difference_of(coupled, found.ways[usual_way]),
+                     strongest = difference_of(coupled, found.ways[strongest_way]);
+    if (!std::isfinite(usual.psnr_y) || !std::isfinite(strongest.psnr_y))
+        return "These films have no quality in common that they could be compared at.";
+    std::string text = fmt::format(
+        "At equal PSNR-Y the coupled film has {} bits than a fixed 2 % coded by ffmpeg, and {} than by its strongest "
+        "command",
+        more_text(usual.psnr_y), more_text(strongest.psnr_y));
+    if (std::isfinite(usual.seconds) && std::isfinite(strongest.seconds))
+        text += fmt::format("; light, motion and coding take {:.2f} and {:.2f} times their time",
+                            1 + usual.seconds / 100, 1 + strongest.seconds / 100);
+    return text + ".";
+}
+
+std::string compare_heading(const Production& film, const Comparison& found) {
+    std::int64_t frames = 0;
+    for (const Chunk& window : found.windows) frames += window.frames();
+    return fmt::format("{}: {} frames of {}x{} in {} window{}; {} by {} light points\n", film.animation->source, frames,
+                       film.format.width, film.format.height, found.windows.size(),
+                       found.windows.size() == 1 ? "" : "s", found.references, found.light_points) +
+           fmt::format("as reference, {} s of CPU each for light\n", short_figure(found.reference_seconds));
+}
+
+std::string way_heading() {
+    return fmt::format(
+        "\nCPU seconds and size per frame; decoded against every light point before coding.\n"
+        "{:<23}{:>2} {:>6} {:>6} {:>8} {:>6} {:>7} {:>6} {:>7}\n",
+        "", "q", "light", "code", "size", "PSNR-Y", "SSIM", "HVS-M", "flicker");
+}
+
+std::string way_row(const std::string& name, const Trial& t) {
+    const Quality q = quality_of(t, true);
+    return fmt::format("{:<23}{:>2} {:>6} {:>6} {:>8} {:>6} {:>7.4f} {:>6} {:>7.3f}\n", name, t.quantiser,
+                       short_figure(t.seconds), short_figure(t.code_seconds), size_text(t.bytes), psnr_text(q.psnr_y),
+                       q.ssim_y, psnr_text(q.psnr_hvs_m), t.flicker);
+}
+
+std::string difference_table(const Comparison& found) {
+    std::string text = "\nBits at equal quality, and time at equal PSNR-Y, against a fixed 2 % coded by\n";
+    std::optional<std::size_t> last;
+    for (const auto& [way, from] : held_against) {
+        if (last != from)
+            text += fmt::format("{:<28}{:>10} {:>10} {:>10} {:>10}\n", found.ways[from].name, "PSNR-Y", "SSIM", "HVS-M",
+                                "time");
+        last = from;
+        const Difference d = difference_of(found.ways[way], found.ways[from]);
+        text += fmt::format("  {:<26}{:>10} {:>10} {:>10} {:>10}\n", found.ways[way].name, change_text(d.psnr_y),
+                            change_text(d.ssim_y), change_text(d.psnr_hvs_m), change_text(d.seconds));
+    }
+    return text;
+}
+
+std::string time_table(const Comparison& found) {
+    if (found.runs < 2) return {};
+    std::string text = fmt::format(
+        "\nTimes: medians of {} runs, and how far these are apart\n{:<23}{:>2} {:>8} {:>6} "
+        "{:>8} {:>6}\n",
+        found.runs, "", "q", "light", "", "code", "");
+    // Of what no clock shows nothing is told.
+    const auto apart = [](double middle, const std::vector<double>& runs) {
+        return middle < 0.0005 ? std::string("-") : fmt::format("{:.0f} %", 100 * spread(runs));
+    };
+    for (const Way& way : found.ways)
+        for (std::size_t i = 0; i < way.rows.size(); ++i) {
+            const Trial& row = way.rows[i];
+            text += fmt::format("{:<23}{:>2} {:>8} {:>6} {:>8} {:>6}\n", way.name, row.quantiser,
+                                short_figure(row.seconds), apart(row.seconds, way.times[i].light),
+                                short_figure(row.code_seconds), apart(row.code_seconds, way.times[i].code));
+        }
+    return text;
+}
+
+double bits_beside(const Comparison& found) {
+    if (!found.foreign || found.ways.empty()) return std::numeric_limits<double>::quiet_NaN();
+    std::vector<RatePoint> ours;
+    for (const Trial& t : found.ways[coupled_way].rows)
+        if (const double psnr = quality_of(t, true).psnr_y; std::isfinite(psnr)) ours.push_back({t.bytes, psnr});
+    const RatePoint theirs{found.foreign->bytes, found.foreign->psnr_y};
+    if (!std::isfinite(theirs.psnr)) return std::numeric_limits<double>::quiet_NaN();
+    // A curve from that point alone: over next to nothing it has one rate.
+    return 1 + bd_rate({theirs, {theirs.bits, theirs.psnr + 1e-6}}, ours) / 100;
+}
+
+std::string foreign_lines(const Comparison& found) {
+    if (!found.foreign) return {};
+    const ForeignFilm& f = *found.foreign;
+    std::string text = fmt::format(
+        "\n{}: {} per picture; {} of {} pictures against their reference:\nPSNR-Y {}, SSIM {:.4f}, HVS-M {}\n", f.name,
+        size_text(f.bytes), f.compared, f.pictures, psnr_text(f.psnr_y), f.ssim_y, psnr_text(f.psnr_hvs_m));
+    const double ratio = bits_beside(found);
+    if (std::isfinite(ratio))
+        text += fmt::format("at that PSNR-Y the coupled film has {:.2f} times its bytes per picture\n", ratio);
+    return text;
+}
+
+double median(std::vector<double> seconds) {
+    if (seconds.empty()) return 0;
+    std::sort(seconds.begin(), seconds.end());
+    const std::size_t n = seconds.size();
+    return 0.5 * (seconds[(n - 1) / 2] + seconds[n / 2]);
+}
+
+double spread(const std::vector<double>& seconds) {
+    if (seconds.empty()) return 0;
+    const auto [least, most] = std::minmax_element(seconds.begin(), seconds.end());
+    return core::divide_or(*most - *least, median(seconds), 0.0);
+}
+
+std::string change_text(double per_cent) {
+    return std::isfinite(per_cent) ? fmt::format("{:+.1f} %", per_cent) : "-";
+}
+
+}  // namespace render2mpeg::app

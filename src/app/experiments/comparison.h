@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/experiments/foreign_film.h"
+#include "app/experiments/trial.h"
+
+namespace render2mpeg::app {
+
+/// CPU seconds per frame of one row, run by run.
+struct Times {
+    std::vector<double> light, code;
+};
+
+/// The middle of what several runs took (of an even number the mean of the two in the middle), and how far they are
+/// apart: largest less least over it, 0 where it is 0.
+double median(std::vector<double> seconds);
+double spread(const std::vector<double>& seconds);
+
+/// One way from a scene to a film, by quantiser.
+struct Way {
+    std::string name;
+    std::string how;           ///< the command, or what stands for it
+    std::vector<Trial> rows;   ///< times are the runs' medians
+    std::vector<Times> times;  ///< of each row
+};
+
+/// All that `compare` finds out.
+struct Comparison {
+    std::vector<Chunk> windows;
+    int references = 0;
+    double reference_seconds = 0;  ///< CPU for light, each
+    std::size_t light_points = 0;
+    std::string ffmpeg;  ///< its version
+    int runs = 1;
+    /// Coupled; a fixed 2 % with this program's encoder, by the film's GOPs and by free ones; with ffmpeg, with its
+    /// strongest command, and with that one's for free GOPs.
+    std::vector<Way> ways;
+    std::optional<ForeignFilm> foreign;
+    bool complete = false;  ///< false: interrupted
+};
+inline constexpr std::size_t coupled_way = 0, fixed_way = 1, free_way = 2, usual_way = 3, strongest_way = 4,
+                             strongest_free_way = 5;
+/// Pictures of a free GOP: as many as the strongest command found has (docs/encoder-benchmark.md).
+inline constexpr int free_gop = 60;
+
+/// Ways that are held against each other: the first against the second.
+inline constexpr std::array<std::pair<std::size_t, std::size_t>, 6> held_against{{{coupled_way, usual_way},
+                                                                                  {fixed_way, usual_way},
+                                                                                  {coupled_way, strongest_way},
+                                                                                  {fixed_way, strongest_way},
+                                                                                  {coupled_way, strongest_free_way},
+                                                                                  {free_way, strongest_free_way}}};
+
+/// How a way differs from another at equal quality, in per cent; NaN where they have no quality in common (bd_rate.h).
+struct Difference {
+    double psnr_y = 0, ssim_y = 0, psnr_hvs_m = 0;  ///< of bits, at equal quality by each
+    double seconds = 0;                             ///< CPU for light, motion and coding, at equal PSNR-Y
+};
+/// In bits, and in time.
+Difference difference_of(const Way& way, const Way& from);
+
+/// Bits of the coupled film over those of a foreign one at that one's PSNR-Y; NaN where ours does not reach it.
+double bits_beside(const Comparison& found);
+
+/// The comparison in a sentence or two; empty where it is not complete.
+std::string sentence_of(const Comparison& found);
+
+/// Lines of at most 80 columns, each with its end.
+std::string compare_heading(const Production& film, const Comparison& found);
+std::string way_heading();
+std::string way_row(const std::string& name, const Trial& trial);
+std::string difference_table(const Comparison& found);
+/// Medians and spreads; empty for one run.
+std::string time_table(const Comparison& found);
+/// The film that somebody else made; empty where there is none.
+std::string foreign_lines(const Comparison& found);
+
+/// "-12.3 %", or "-" where it is not known.
+std::string change_text(double per_cent);
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "app/options/options.h"
+
+namespace render2mpeg::app {
+
+/// `render2mpeg cost`: lights and codes a sample of a film with one tolerance after the other (docs/cost.md). Returns
+/// the exit status: 0, or 130 after an interruption, with what was finished until then. Throws core::Error.
+int cost(const CostOptions& options, const std::string& command);
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,251 @@
+#include "app/experiments/cost_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "app/report/curve_plot.h"
+#include "app/report/figures.h"
+#include "app/report/frame_plot.h"
+#include "app/report/portrait_view.h"
+#include "app/report/report.h"
+#include "app/report/statistics_json.h"
+#include "app/files/text_file.h"
+
+namespace render2mpeg::app {
+namespace {
+
+using nlohmann::json;
+
+json quality_json(const perceptual::FilmQuality& quality) {
+    return {{"psnr_y", finite_or_null(quality.psnr_y())}, {"ssim_y", quality.ssim_y()}};
+}
+
+/// A share as it was given: a float has digits that nobody wrote.
+double plain(float share) {
+    return std::stod(fmt::format("{:.6g}", share));
+}
+
+json trial_json(const Trial& t) {
+    json decoded = quality_json(t.decoded);
+    decoded["psnr_hvs_m"] = finite_or_null(t.psnr_hvs_m());
+    return {{"tolerance", t.tolerance.coupled ? json("coupled") : json(plain(t.tolerance.relative))},
+            {"quantiser", t.quantiser},
+            {"seconds", t.seconds},
+            {"window_seconds", t.window_seconds},
+            {"requantised", t.requantised},
+            {"points", t.points},
+            {"rays_per_point", t.rays},
+            {"cut", t.cut},
+            {"capped", t.capped},
+            {"error",
+             {{"p50", finite_or_null(t.errors.quantile(0.5))},
+              {"p95", finite_or_null(t.errors.quantile(0.95))},
+              {"p99", finite_or_null(t.errors.quantile(0.99))},
+              {"over_tolerance", t.share_over()},
+              {"over_twice", t.share_over_twice()},
+              {"pixels", t.errors.count()}}},
+            {"lit", quality_json(t.lit)},
+            {"decoded", decoded},
+            {"bytes", t.bytes}};
+}
+
+json pair_json(const CoupledPair& pair) {
+    const auto or_null = [](const std::optional<double>& value) { return value ? json(*value) : json(nullptr); };
+    return {{"coupled", trial_json(pair.coupled)},
+            {"fixed", trial_json(pair.fixed)},
+            {"time_ratio", or_null(pair.time_ratio())},
+            {"psnr_y_loss", or_null(pair.psnr_loss())},
+            {"ssim_y_loss", pair.ssim_loss()}};
+}
+
+Curve curve_of(const std::string& name, const std::string& color) {
+    return {name, color, {}};
+}
+
+const CurveAxis seconds_axis{"CPU seconds of light per frame", true};
+
+CurvePlot quality_plot(const Sweep& sweep, int quantiser) {
+    CurvePlot plot{"Quality of the decoded film over time", seconds_axis, {"PSNR-Y, dB", false}, {}};
+    const std::optional<std::size_t> knee = knee_of(sweep);
+    Curve fixed = curve_of("fixed tolerance", "one"), coupled = curve_of("coupled", "i");
+    for (std::size_t i = 0; i < sweep.fixed.size(); ++i) {
+        const Trial& t = sweep.fixed[i];
+        const bool marked = knee == i;
+        fixed.points.push_back(
+            {t.seconds, t.decoded.psnr_y(), tolerance_text(t.tolerance.relative) + (marked ? " (knee)" : ""), marked});
+    }
+    for (const CoupledPair& pair : sweep.pairs)
+        if (pair.coupled.quantiser == quantiser)
+            coupled.points.push_back({pair.coupled.seconds, pair.coupled.decoded.psnr_y(), "coupled", false});
+    plot.curves = {fixed, coupled};
+    return plot;
+}
+
+CurvePlot error_plot(const Sweep& sweep) {
+    CurvePlot plot{"True error of a pixel's light over time", seconds_axis, {"error, %", true}, {}};
+    Curve high = curve_of("95 of 100 pixels err by no more than", "one"),
+          middle = curve_of("half of the pixels", "two");
+    for (const Trial& t : sweep.fixed) {
+        high.points.push_back({t.seconds, 100 * t.errors.quantile(0.95), tolerance_text(t.tolerance.relative), false});
+        middle.points.push_back({t.seconds, 100 * t.errors.quantile(0.5), "", false});
+    }
+    plot.curves = {high, middle};
+    return plot;
+}
+
+/// One figure of coupled light and of a fixed 2 %, over another.
+template <class X, class Y>
+CurvePlot pair_plot(const Sweep& sweep, CurvePlot plot, X&& x, Y&& y) {
+    Curve coupled = curve_of("coupled", "i"), fixed = curve_of("fixed 2 %", "one");
+    for (const CoupledPair& pair : sweep.pairs) {
+        coupled.points.push_back({x(pair.coupled), y(pair.coupled), "", false});
+        fixed.points.push_back({x(pair.fixed), y(pair.fixed), fmt::format("q {}", pair.fixed.quantiser), false});
+    }
+    plot.curves = {coupled, fixed};
+    return plot;
+}
+
+std::string plots(const Sweep& sweep, int quantiser) {
+    std::string text = figure_of(quality_plot(sweep, quantiser)) + figure_of(error_plot(sweep));
+    text += figure_of(pair_plot(
+        sweep,
+        {"Time for light over the quantiser it is coupled to", {"quantiser", true}, {"CPU s per frame", true}, {}},
+        [](const Trial& t) { return static_cast<double>(t.quantiser); }, [](const Trial& t) { return t.seconds; }));
+    text += figure_of(pair_plot(
+        sweep, {"Quality over size", {"bytes per frame", true}, {"PSNR-Y, dB", false}, {}},
+        [](const Trial& t) { return t.bytes; }, [](const Trial& t) { return t.decoded.psnr_y(); }));
+    return text.empty() ? "" : "<h2>Curves</h2>\n" + text;
+}
+
+constexpr const char* heads[] = {"CPU, s",   "Rays",   "Cut",  "Median, %", "95th, %", "Over, %",
+                                 "Twice, %", "PSNR-Y", "SSIM", "HVS-M",     "Bytes"};
+
+std::string head_row(const std::string& first) {
+    std::string text = "<div class=\"wide\"><table>\n<tr><th>" + first + "</th>";
+    for (const char* head : heads) text += fmt::format("<th class=\"n\">{}</th>", head);
+    return text + "</tr>\n";
+}
+
+std::string decibel_cell(double value) {
+    return std::isfinite(value) ? fmt::format("{:.2f}", value) : "same";
+}
+
+std::string table_row(const std::string& name, const Trial& t, bool marked) {
+    std::string text = fmt::format("<tr><td>{}</td>", marked ? "<b>" + name + ", knee</b>" : name);
+    for (const std::string& cell :
+         {short_figure(t.seconds), count_text(t.rays), count_text(t.cut), short_figure(100 * t.errors.quantile(0.5)),
+          short_figure(100 * t.errors.quantile(0.95)), short_figure(100 * t.share_over()),
+          short_figure(100 * t.share_over_twice()), decibel_cell(t.decoded.psnr_y()),
+          fmt::format("{:.4f}", t.decoded.ssim_y()), decibel_cell(t.psnr_hvs_m()), fmt::format("{:.0f}", t.bytes)})
+        text += "<td class=\"n\">" + cell + "</td>";
+    return text + "</tr>\n";
+}
+
+std::string tables(const Sweep& sweep, int quantiser) {
+    std::string text;
+    if (!sweep.fixed.empty()) {
+        text += fmt::format("<h2>Fixed tolerances, coded with quantiser {}</h2>\n", quantiser) + head_row("Tolerance");
+        const std::optional<std::size_t> knee = knee_of(sweep);
+        for (std::size_t i = 0; i < sweep.fixed.size(); ++i)
+            text += table_row(tolerance_text(sweep.fixed[i].tolerance.relative), sweep.fixed[i], knee == i);
+        text += "</table></div>\n";
+    }
+    if (!sweep.pairs.empty()) {
+        text += "<h2>Coupled to the quantiser, and a fixed 2 % coded with it</h2>\n" + head_row("Quantiser");
+        for (const CoupledPair& pair : sweep.pairs)
+            text += table_row(fmt::format("{}, coupled", pair.coupled.quantiser), pair.coupled, false) +
+                    table_row(fmt::format("{}, 2 %", pair.fixed.quantiser), pair.fixed, false);
+        text += "</table></div>\n";
+    }
+    return text +
+           "<p class=\"soft\">CPU: seconds of all threads for light, per frame. Rays: shadow rays per gather point; "
+           "cut: "
+           "clusters of lights per point. Median and 95th percentile of the error of a pixel's luminance against light "
+           "by every light point. Over: share of the pixels that err by more than their tolerance; twice: by more than "
+           "twice of it. PSNR-Y, SSIM and PSNR-HVS-M (HVS-M): decoded pictures against pictures lit by every light "
+           "point and not coded. Bytes per frame.</p>\n";
+}
+
+/// The frame that is looked at: as the film's own quantiser has it, or the nearest that was tried, and by the loosest
+/// fixed tolerance.
+std::string views(const Production& film, const Sweep& sweep) {
+    const perceptual::ColorMatrix matrix = perceptual::matrix_for(film.format.height);
+    const auto nearest =
+        std::min_element(sweep.pairs.begin(), sweep.pairs.end(), [&](const CoupledPair& a, const CoupledPair& b) {
+            return std::abs(a.coupled.quantiser - film.coding.quantiser) <
+                   std::abs(b.coupled.quantiser - film.coding.quantiser);
+        });
+    std::string text;
+    if (nearest != sweep.pairs.end())
+        text += portrait_figures(fmt::format("coupled, quantiser {}", nearest->coupled.quantiser), nearest->coupled,
+                                 matrix);
+    if (!sweep.fixed.empty())
+        text += portrait_figures("fixed " + tolerance_text(sweep.fixed.front().tolerance.relative), sweep.fixed.front(),
+                                 matrix);
+    return text.empty() ? "" : "<h2>Side by side</h2>\n" + text;
+}
+
+std::string cards(const Production& film, const Sweep& sweep) {
+    const auto card = [](const std::string& name, const std::string& value) {
+        return "<div><dt>" + name + "</dt><dd>" + escaped(value) + "</dd></div>\n";
+    };
+    std::int64_t frames = 0;
+    for (const Chunk& window : sweep.windows) frames += window.frames();
+    return "<dl class=\"cards\">\n" + card("Size", fmt::format("{} x {}", film.format.width, film.format.height)) +
+           card("Frames tried", fmt::format("{} in {} windows", frames, sweep.windows.size())) +
+           card("Light points", fmt::format("{} + {}", sweep.direct_points, sweep.indirect_points)) +
+           card("References", fmt::format("{}", sweep.references)) +
+           card("CPU time of one", short_figure(sweep.reference_seconds) + " s") + "</dl>\n";
+}
+
+}  // namespace
+
+json cost_json(const Production& film, const Sweep& sweep, const std::string& command) {
+    json windows = json::array(), fixed = json::array(), coupled = json::array();
+    for (const Chunk& window : sweep.windows) windows.push_back({window.first, window.last});
+    for (const Trial& trial : sweep.fixed) fixed.push_back(trial_json(trial));
+    for (const CoupledPair& pair : sweep.pairs) coupled.push_back(pair_json(pair));
+    const std::optional<std::size_t> knee = knee_of(sweep);
+    return {{"command", command},
+            {"version", RENDER2MPEG_VERSION},
+            {"isa", core::name_of(film.rendering.isa)},
+            {"input", film.animation->source},
+            {"width", film.format.width},
+            {"height", film.format.height},
+            {"fps", film.rate.hertz.value()},
+            {"exposure", film.exposure.value_or(0)},
+            {"stop", film.rendering.stop == renderer::Stop::classic ? "classic" : "honest"},
+            {"samples", film.rendering.samples},
+            {"vpls", film.rendering.vpls},
+            {"masking", film.coupling.observer.strategy == perceptual::Strategy::quantised ? "quantised" : "carried"},
+            {"cache", records_word(film.rendering)},
+            {"light_points", {{"direct", sweep.direct_points}, {"indirect", sweep.indirect_points}}},
+            {"quantiser", film.coding.quantiser},
+            {"windows", windows},
+            {"reference", {{"frames", sweep.references}, {"seconds", sweep.reference_seconds}}},
+            {"fixed", fixed},
+            {"coupled", coupled},
+            {"knee", knee ? json(plain(sweep.fixed[*knee].tolerance.relative)) : json(nullptr)},
+            {"summary", sentence_of(sweep, film.coding.quantiser)},
+            {"complete", sweep.complete}};
+}
+
+void write_cost_report(const std::filesystem::path& html, const Production& film, const Sweep& sweep,
+                       const std::string& command) {
+    const int quantiser = film.coding.quantiser;
+    const std::filesystem::path source = film.animation->source;
+    const std::string name = (source.has_filename() ? source : source.parent_path()).filename().string();
+    std::string body = cards(film, sweep) + plots(sweep, quantiser) + views(film, sweep) + tables(sweep, quantiser);
+    body += "<h2>To find it out again</h2>\n<pre>" + escaped(command) +
+            "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (docs/cost.md).</p>\n";
+    const std::string lead =
+        (sweep.complete ? "" : "Interrupted: this is a part of it. ") + sentence_of(sweep, quantiser);
+    write_whole(html, report_page("What accuracy costs in " + name, lead, body));
+    write_json(report_json_of(html), cost_json(film, sweep, command));
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "app/experiments/sweep.h"
+
+namespace render2mpeg::app {
+
+/// Everything that `cost` found out (docs/cost.md).
+nlohmann::json cost_json(const Production& film, const Sweep& sweep, const std::string& command);
+
+/// The same as a page with plots, and report_json_of() it.
+void write_cost_report(const std::filesystem::path& html, const Production& film, const Sweep& sweep,
+                       const std::string& command);
+
+}  // namespace render2mpeg::app

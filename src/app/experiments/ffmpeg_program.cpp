@@ -1,0 +1,189 @@
+#include "app/experiments/ffmpeg_program.h"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <iterator>
+#include <sstream>
+
+#include "core/error.h"
+#include "encoder/av/av.h"
+#include "encoder/av/inspect.h"
+#include "encoder/y4m.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// What a program printed, and what it cost.
+struct Finished {
+    std::string text;
+    double seconds = 0;  ///< CPU
+    int status = 0;      ///< 127: there is no such program
+};
+
+std::vector<std::string> words_of(const std::string& text) {
+    std::istringstream split(text);
+    return {std::istream_iterator<std::string>(split), {}};
+}
+
+/// Runs a program without a shell; both its outputs together are the text.
+Finished run(std::vector<std::string> words) {
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0) throw core::Error("running", words[0], std::strerror(errno));
+    const pid_t child = fork();
+    if (child == 0) {
+        setpgid(0, 0);  // an interruption at the terminal is for us: what runs is finished
+        dup2(ends[1], 1);
+        dup2(ends[1], 2);
+        execvp(arguments[0], arguments.data());
+        _exit(127);
+    }
+    close(ends[1]);
+    Finished finished;
+    char buffer[4096];
+    for (;;) {
+        const ssize_t n = read(ends[0], buffer, sizeof buffer);
+        if (n > 0) finished.text.append(buffer, static_cast<std::size_t>(n));
+        if (n == 0 || (n < 0 && errno != EINTR)) break;
+    }
+    close(ends[0]);
+    if (child < 0) throw core::Error("running", words[0], "no process to be had");
+    int status = 0;
+    rusage usage{};
+    while (wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
+    }
+    finished.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    const auto seconds = [](const timeval& t) {
+        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
+    finished.seconds = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+    return finished;
+}
+
+std::string first_line(const std::string& text) {
+    return text.substr(0, text.find('\n'));
+}
+
+double seconds_of(const std::vector<std::string>& words) {
+    const Finished finished = run(words);
+    if (finished.status != 0)
+        throw core::Error("running", "ffmpeg",
+                          finished.text.empty() ? "it failed without a word" : first_line(finished.text));
+    return finished.seconds;
+}
+
+/// A new folder that goes with the object.
+class TemporaryFolder {
+  public:
+    TemporaryFolder() {
+        std::string pattern = (std::filesystem::temp_directory_path() / "render2mpeg-XXXXXX").string();
+        if (mkdtemp(pattern.data()) == nullptr) throw core::Error("making", pattern, std::strerror(errno));
+        path_ = pattern;
+    }
+    ~TemporaryFolder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    std::string file(const char* name) const { return (path_ / name).string(); }
+
+  private:
+    std::filesystem::path path_;
+};
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
+        text.replace(at, what.size(), by);
+    return text;
+}
+
+/// Bytes of a stream without a surplus I picture.
+double bytes_of(const av::Inspection& stream, int gop) {
+    double bytes = 0, sums[2] = {};
+    int counts[2] = {};
+    for (const av::PictureFacts& picture : stream.pictures) {
+        bytes += static_cast<double>(picture.bytes);
+        if (picture.type == 'B') continue;
+        const int kind = picture.type == 'I' ? 0 : 1;
+        sums[kind] += static_cast<double>(picture.bytes);
+        ++counts[kind];
+    }
+    const int due = 1 + (static_cast<int>(stream.pictures.size()) - 1) / gop;
+    if (counts[0] != due + 1 || counts[1] == 0) return bytes;
+    return bytes - std::max(0.0, sums[0] / counts[0] - sums[1] / counts[1]);
+}
+
+/// What the strongest commands have in common.
+constexpr const char* strongest =
+    "-b:v 400M -lmin {L} -lmax {L} -qmin 1 -qmax 31 -qcomp 0.6 -i_qfactor 0.8 -i_qoffset 0 -b_qfactor 1.5 "
+    "-b_qoffset 0 -mbd rd -trellis 2 -mpv_flags +skip_rd+mv0 -mbcmp rd -subcmp satd -dia_size 770 -pre_dia_size 4 "
+    "-mepre 2 -last_pred 3 -g {g} ";
+
+}  // namespace
+
+std::string ffmpeg_version() {
+    const Finished finished = run({"ffmpeg", "-version"});
+    if (finished.status != 0)
+        throw core::Error("running", "ffmpeg", "there is no such program; its package is called ffmpeg");
+    return first_line(finished.text);
+}
+
+FfmpegWay usual_ffmpeg() {
+    return {"ffmpeg", "-qscale:v {q} -g {g} -bf 2"};
+}
+
+FfmpegWay strongest_ffmpeg() {
+    return {"ffmpeg, strongest", std::string(strongest) + "-bf 2"};
+}
+
+FfmpegWay strongest_free_ffmpeg() {
+    return {"ffmpeg, free GOPs", std::string(strongest) + "-bf 3 -b_strategy 2"};
+}
+
+Trials::Codec ffmpeg_codec(const FfmpegWay& way, int quantiser, int gop, const core::FrameRate& rate) {
+    const std::string options = replaced(
+        replaced(replaced(way.options, "{q}", std::to_string(quantiser)), "{L}", std::to_string(118 * quantiser)),
+        "{g}", std::to_string(gop));
+    return [options, gop, rate](const Chunk& window, const std::vector<const core::Picture*>& pictures,
+                                const std::function<void(const core::Picture&)>& decoded) {
+        const TemporaryFolder folder;
+        const std::string frames = folder.file("frames.y4m"), stream = folder.file("coded.m2v");
+        av::Y4mWriter writer(frames, pictures.front()->width(), pictures.front()->height(), rate);
+        for (const core::Picture* picture : pictures) writer.write(*picture);
+        writer.finish();
+
+        // Code, and see what reading alone costs.
+        std::vector<std::string> reading = words_of("ffmpeg -v error -nostdin -y -threads 1 -filter_threads 1 -i");
+        reading.push_back(frames);
+        std::vector<std::string> coding = reading, nothing = reading;
+        for (const std::string& word : words_of("-c:v mpeg2video -threads 1 " + options + " -f mpeg2video"))
+            coding.push_back(word);
+        coding.push_back(stream);
+        for (const char* word : {"-f", "null", "-"}) nothing.emplace_back(word);
+        Trials::Coded coded;
+        coded.seconds = std::max(0.0, seconds_of(coding) - seconds_of(nothing));
+        coded.bytes = bytes_of(av::inspect(stream), gop);
+
+        std::int64_t count = 0;
+        av::decode(stream, [&](const core::Picture& picture) {
+            ++count;
+            if (picture.number < window.frames()) decoded(picture);
+        });
+        if (count != window.frames())
+            throw core::Error("decoding", "what ffmpeg coded",
+                              std::to_string(count) + " pictures of " + std::to_string(window.frames()));
+        return coded;
+    };
+}
+
+}  // namespace render2mpeg::app

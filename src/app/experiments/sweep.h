@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/experiments/trial.h"
+
+namespace render2mpeg::app {
+
+/// Light coupled to a quantiser, and light by a fixed 2 % coded with it.
+struct CoupledPair {
+    Trial coupled, fixed;
+
+    /// CPU time of coupled light over that of fixed; none where either took none.
+    std::optional<double> time_ratio() const;
+    /// PSNR-Y that coupling loses, dB; none where either is infinite.
+    std::optional<double> psnr_loss() const;
+    double ssim_loss() const { return fixed.decoded.ssim_y() - coupled.decoded.ssim_y(); }
+};
+
+/// All that `cost` finds out.
+struct Sweep {
+    std::vector<Chunk> windows;
+    int references = 0;
+    double reference_seconds = 0;  ///< CPU for light per frame
+    std::size_t direct_points = 0, indirect_points = 0;
+    std::vector<Trial> fixed;  ///< from loose to tight
+    std::vector<CoupledPair> pairs;
+    bool complete = false;  ///< false: interrupted
+};
+
+/// The fixed tolerance after which more time buys least of the decoded film's PSNR-Y (knee.h); none where that is
+/// nowhere in particular.
+std::optional<std::size_t> knee_of(const Sweep& sweep);
+
+/// What to take from it, in two or three sentences; empty where nothing was finished.
+std::string sentence_of(const Sweep& sweep, int quantiser);
+
+/// "0.25 %"
+std::string tolerance_text(float share);
+/// With three digits at most, as columns have room for.
+std::string short_figure(double value);
+
+}  // namespace render2mpeg::app

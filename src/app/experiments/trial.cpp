@@ -1,0 +1,313 @@
+#include "app/experiments/trial.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+#include <utility>
+
+#include "app/report/frame_view.h"
+#include "app/loop/pipeline.h"
+#include "app/loop/records_choice.h"
+#include "core/color.h"
+#include "core/numeric.h"
+#include "core/sampling.h"
+#include "parallel/loops.h"
+#include "perceptual/flicker.h"
+#include "perceptual/hvs.h"
+#include "renderer/calibration/audit.h"
+
+namespace render2mpeg::app {
+namespace {
+
+Production plainly_coded(Production film) {
+    film.coding.rate_control.mode = encoder::RateMode::constant_quantiser;
+    film.two_passes = false;
+    film.audit = 0;
+    return film;
+}
+
+}  // namespace
+
+std::vector<Chunk> windows_of(FrameRange film, const Sample& sample) {
+    const std::int64_t all = film.last - film.first + 1, length = std::min<std::int64_t>(sample.frames, all);
+    const std::int64_t count = std::min<std::int64_t>(sample.windows, all / length);
+    std::vector<Chunk> windows;
+    for (std::int64_t i = 0; i < count; ++i) {
+        const std::int64_t begin = i * all / count, end = (i + 1) * all / count;
+        const std::int64_t first = film.first + begin + (end - begin - length) / 2;
+        windows.push_back({static_cast<int>(i), first, first + length - 1});
+    }
+    return windows;
+}
+
+void Coarseness::apply_to(encoder::Settings& coding) const {
+    coding.quantiser = quantiser;
+    coding.rate_control.mode = quality ? encoder::RateMode::constant_quality : encoder::RateMode::constant_quantiser;
+    if (quality) coding.rate_control.quality = *quality;
+    if (gop) coding.gop = *gop;
+}
+
+double Trial::share_over() const {
+    return core::divide_or(static_cast<double>(over), static_cast<double>(errors.count()), 0.0);
+}
+double Trial::share_over_twice() const {
+    return core::divide_or(static_cast<double>(over_twice), static_cast<double>(errors.count()), 0.0);
+}
+
+/// Holds what is lit and coded against the truth, where that is known.
+class Trials::Judge : public Watcher {
+  public:
+    Judge(const Trials& trials, Trial& trial, LitWindows* keep) : trials_(trials), trial_(trial), keep_(keep) {}
+
+    void lit(const LitFrame& frame) override {
+        waiting_.insert_or_assign(frame.world.frame, frame.picture);
+        if (keep_ != nullptr)
+            keep_->frames.insert_or_assign(frame.world.frame, LitWindows::Frame{frame.picture, frame.visible});
+        const auto known = trials_.truths_.find(frame.world.frame);
+        if (known == trials_.truths_.end()) return;
+        const Truth& truth = known->second;
+        for (const glm::ivec2 place : truth.gathering) {
+            const renderer::AuditedPixel p =
+                renderer::compare(place, truth.light.at(place.x, place.y), frame.tolerance, frame.radiance);
+            trial_.errors.add(core::divide_or(p.error, std::max(p.luminance, trials_.half_code_), 0.0f));
+            trial_.over += p.over() ? 1 : 0;
+            trial_.over_twice += p.noticed() > 2 * p.tolerance ? 1 : 0;
+        }
+        trial_.lit.add(frame.picture, truth.picture);
+        if (known == std::prev(trials_.truths_.end())) portray(frame, truth);
+    }
+
+    void coded(const encoder::CodedPicture& picture) override {
+        trial_.bytes += static_cast<double>(picture.bytes.size());
+        trial_.requantised += picture.tries > 1 ? 1 : 0;
+        const auto lit = waiting_.find(picture.plan.number);
+        decoded(picture.plan.number, picture.reconstruction, lit->second);
+        waiting_.erase(lit);
+    }
+
+    void decoded(std::int64_t number, const core::Picture& picture, const core::Picture& lit) {
+        trial_.shown.add(picture, lit);
+        const double masked = trials_.masks_all_ ? perceptual::masked_error(picture.y, lit.y) : 0.0;
+        trial_.shown_masked += masked / trials_.frames();
+        const auto known = trials_.truths_.find(number);
+        if (known == trials_.truths_.end()) return;
+        trial_.decoded.add(picture, known->second.picture);
+        if (trial_.portrait && trial_.portrait->frame == number) {
+            auto portrait = std::make_shared<Portrait>(*trial_.portrait);
+            portrait->decoded = part_of(picture, view_of(picture.width(), picture.height()));
+            trial_.portrait = std::move(portrait);
+        }
+        trial_.shown_there.add(picture, lit);
+        trial_.shown_masked_there += masked / trials_.references();
+        watch_change(number, picture.y);
+        trial_.masked_error += perceptual::masked_error(picture.y, known->second.picture.y) / trials_.references();
+    }
+
+  private:
+    /// Keeps what the frame looks like, and what its light is and may be off by.
+    void portray(const LitFrame& frame, const Truth& truth) {
+        const ViewBox box = view_of(frame.picture.width(), frame.picture.height());
+        const core::Plane<glm::vec3>& light = frame.radiance.combined;
+        core::Plane<float> error(light.width(), light.height()), tolerance(light.width(), light.height());
+        for (std::size_t i = 0; i < light.size(); ++i) {
+            const float right = core::luminance(truth.light.values()[i]);
+            const float whole = std::max(right, trials_.half_code_);
+            error.values()[i] = core::divide_or(std::abs(core::luminance(light.values()[i]) - right), whole, 0.0f);
+            if (frame.tolerance.is_reference()) continue;
+            const core::Tolerance& t = frame.tolerance.pixels.values()[i];
+            tolerance.values()[i] = core::divide_or(t.allows(right), whole, 0.0f);
+        }
+        trial_.portrait = std::make_shared<Portrait>(Portrait{truth.picture.number,
+                                                              part_of(truth.picture, box),
+                                                              part_of(frame.picture, box),
+                                                              {},
+                                                              part_of(error, box),
+                                                              part_of(tolerance, box)});
+    }
+
+    /// Adds what a pair changes along motion, once both are decoded.
+    void watch_change(std::int64_t number, const core::Plane<std::uint8_t>& luma) {
+        decoded_.insert_or_assign(number, luma);
+        for (const std::int64_t later : {number, number + 1}) {
+            const auto now = decoded_.find(later), before = decoded_.find(later - 1);
+            const auto truth = trials_.truths_.find(later);
+            if (now == decoded_.end() || before == decoded_.end() || !truth->second.to_previous) continue;
+            change_ += perceptual::change_along(*truth->second.to_previous, now->second, before->second) -
+                       truth->second.change;
+            trial_.flicker = change_ / ++pairs_;
+        }
+    }
+
+    const Trials& trials_;
+    Trial& trial_;
+    LitWindows* keep_;
+    std::map<std::int64_t, core::Picture> waiting_;              ///< lit, and not coded yet
+    std::map<std::int64_t, core::Plane<std::uint8_t>> decoded_;  ///< luma of references
+    double change_ = 0;
+    int pairs_ = 0;
+};
+
+Trials::Trials(const Production& film, std::vector<Chunk> windows, int references)
+    : film_(plainly_coded(film)),
+      windows_(std::move(windows)),
+      renderer_(*film_.animation, film_.rendering, film_.plan),
+      references_(std::clamp(references, 0, static_cast<int>(windows_.front().frames()))) {
+    Production fixed = film_;
+    fixed.tolerance = {};
+    half_code_ = fixed.tolerance_map().pixels.values()[0].absolute;
+}
+
+int Trials::frames() const {
+    return std::accumulate(windows_.begin(), windows_.end(), 0,
+                           [](int sum, const Chunk& window) { return sum + static_cast<int>(window.frames()); });
+}
+
+double Trials::bytes_held(bool keeps_frames) const {
+    const double pixels = static_cast<double>(film_.format.width) * film_.format.height;
+    constexpr double picture = 1.5 + sizeof(float);
+    constexpr double visible = sizeof(core::SurfaceAddress) + sizeof(float) + 2 * sizeof(core::PackedNormal) +
+                               sizeof(std::uint32_t) + sizeof(core::PixelClass);
+    constexpr double truth = sizeof(glm::vec3) + picture + sizeof(glm::ivec2) + sizeof(glm::vec2) + sizeof(float);
+    return pixels * (truth * references_ * static_cast<double>(windows_.size()) +
+                     (keeps_frames ? (picture + visible) * frames() : 0.0));
+}
+
+double Trials::share_of_chunk() const {
+    return static_cast<double>(windows_.front().frames()) /
+           static_cast<double>(chunks_of(film_.frames, film_.coding.gop).front().frames());
+}
+
+std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarseness& coarseness,
+                                 const std::function<bool()>& frame_done, LitWindows* keep) {
+    Trial trial;
+    trial.tolerance = tolerance;
+    trial.quantiser = coarseness.quantiser;
+    trial.quality = coarseness.quality;
+    trial.frames = frames();
+    Judge judge(*this, trial, keep);
+    Production film = film_;
+    film.tolerance = tolerance;
+    film.coupling.share = tolerance.share;
+    coarseness.apply_to(film.coding);
+    Ledger ledger;
+    const renderer::Statistics before = renderer_.statistics();
+    // CPU for what a chunk takes once: making what light stands still (the rough first look does, if there is one),
+    // first looks, caution. What frame after frame has to make is no start.
+    const double lights = (tolerance.coupled ? 0.0 : first_light_seconds_) - next_light_seconds_;
+    double once = lights;
+    const double began = clock_seconds(), cpu_began = cpu_seconds();
+    for (const Chunk& window : windows_) {
+        // Each is a film of its own: it owes the next one nothing of the decoder's buffer.
+        film.frames = {window.first, window.last};
+        bool goes_on = true, first = true;
+        const auto started = [&] {
+            return renderer_.statistics().calibration_seconds + ledger.stage_seconds(Stage::preview);
+        };
+        const auto shaded = [&] {
+            return ledger.stage_seconds(Stage::shade) - renderer_.statistics().calibration_seconds;
+        };
+        const double earlier = started(), unlit = shaded();
+        double lit_first = 0;
+        render_chunk(film, renderer_, window, {nullptr, nullptr, nullptr, &judge}, ledger, [&] {
+            if (std::exchange(first, false)) {
+                once += started() - earlier;
+                lit_first = shaded() - unlit;
+            }
+            return goes_on = frame_done();
+        });
+        if (!goes_on) return std::nullopt;
+        // Records are mostly made in a chunk's first frame.
+        if (kept_records(film.rendering, renderer_.statistics()) && window.frames() > 1) {
+            const double later = (shaded() - unlit - lit_first) / static_cast<double>(window.frames() - 1);
+            once += std::max(0.0, lit_first - later - lights / static_cast<double>(windows_.size()));
+        }
+    }
+
+    const double clock = clock_seconds() - began, cpu = cpu_seconds() - cpu_began;
+    const renderer::Statistics& after = renderer_.statistics();
+    trial.points = after.gather_points - before.gather_points;
+    const auto points = static_cast<double>(trial.points);
+    const auto per_point = [&](std::uint64_t count) {
+        return core::divide_or(static_cast<double>(count), points, 0.0);
+    };
+    trial.rays = per_point(after.shadow_rays - before.shadow_rays);
+    trial.cut =
+        per_point(after.direct_clusters + after.indirect_clusters - before.direct_clusters - before.indirect_clusters);
+    trial.capped = per_point(after.capped_points - before.capped_points);
+    trial.seconds = ledger.stage_seconds(Stage::shade) + ledger.stage_seconds(Stage::preview);
+    if (tolerance.coupled) trial.seconds += ledger.stage_seconds(Stage::tolerate);
+    once = std::clamp(once, 0.0, trial.seconds);
+    trial.bytes /= trial.frames;
+    trial.window_seconds = trial.seconds / trial.frames;
+    trial.seconds = (trial.seconds - once + once * share_of_chunk()) / trial.frames;
+    trial.clock = clock * (1 - core::divide_or(once * (1 - share_of_chunk()), cpu, 0.0)) / trial.frames;
+    trial.code_seconds =
+        (ledger.stage_seconds(Stage::encode) + ledger.pass_seconds[static_cast<std::size_t>(renderer::Pass::motion)]) /
+        trial.frames;
+    if (keep != nullptr) keep->light = trial;
+    return trial;
+}
+
+Trial Trials::coded_again(const LitWindows& lit, const Coarseness& coarseness) const {
+    Production film = film_;
+    coarseness.apply_to(film.coding);
+    return coded_by(
+        [&film, &lit](const Chunk& window, const std::vector<const core::Picture*>& pictures,
+                      const std::function<void(const core::Picture&)>& decoded) {
+            film.frames = {window.first, window.last};
+            Coded sum;
+            const auto take = [&](const std::vector<encoder::CodedPicture>& coded) {
+                for (const encoder::CodedPicture& picture : coded) {
+                    sum.bytes += static_cast<double>(picture.bytes.size());
+                    sum.requantised += picture.tries > 1 ? 1 : 0;
+                    core::Picture shown = picture.reconstruction;
+                    shown.number = picture.plan.number - window.first;
+                    decoded(shown);
+                }
+            };
+            encoder::Encoder encoder(film.coding);
+            for (std::int64_t n = window.first; n <= window.last; ++n) {
+                const core::Visible& visible = lit.frames.at(n).visible;
+                const scene::Snapshot world = film.snapshot(n);
+                take(timed(sum.seconds, [&] {
+                    encoder::PictureFacts facts = facts_of(film, world, window);
+                    tell_motion(film, window, visible, world, facts);
+                    const encoder::PicturePlan plan = encoder.plan(n, facts, n == window.first);
+                    const auto onward = onward_motion(film, plan, visible, world);
+                    return encoder.push(*pictures[static_cast<std::size_t>(n - window.first)], plan,
+                                        motion_of(film, plan, visible, world), {onward ? &*onward : nullptr});
+                }));
+            }
+            take(timed(sum.seconds, [&] { return encoder.flush(); }));
+            return sum;
+        },
+        lit, coarseness);
+}
+
+Trial Trials::coded_by(const Codec& codec, const LitWindows& lit, const Coarseness& coarseness) const {
+    Trial trial = lit.light;
+    trial.quantiser = coarseness.quantiser;
+    trial.quality = coarseness.quality;
+    trial.decoded = trial.shown = trial.shown_there = {};
+    trial.shown_masked = trial.shown_masked_there = 0;
+    trial.masked_error = trial.bytes = trial.code_seconds = trial.flicker = 0;
+    trial.requantised = 0;
+    Judge judge(*this, trial, nullptr);
+    for (const Chunk& window : windows_) {
+        std::vector<const core::Picture*> pictures;
+        for (std::int64_t n = window.first; n <= window.last; ++n) pictures.push_back(&lit.frames.at(n).picture);
+        const Coded coded = codec(window, pictures, [&](const core::Picture& picture) {
+            judge.decoded(window.first + picture.number, picture, *pictures[static_cast<std::size_t>(picture.number)]);
+        });
+        trial.bytes += coded.bytes;
+        trial.requantised += coded.requantised;
+        trial.code_seconds += coded.seconds;
+    }
+    trial.bytes /= trial.frames;
+    trial.code_seconds /= trial.frames;
+    return trial;
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,196 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "app/options/chunk.h"
+#include "app/system/error_histogram.h"
+#include "app/loop/ledger.h"
+#include "app/loop/production.h"
+#include "app/experiments/reference_cache.h"
+#include "perceptual/metrics.h"
+
+namespace render2mpeg::app {
+
+/// Stretches of a film that stand for it: the middles of equal parts, as many as there is room for, each coded as a
+/// chunk of its own.
+std::vector<Chunk> windows_of(FrameRange film, const Sample& sample);
+
+/// A frame lit by every light point by itself, and what it looks like.
+struct Truth {
+    core::Plane<glm::vec3> light;  ///< radiance
+    core::Picture picture;
+    std::vector<glm::ivec2> gathering;  ///< pixels that have anything to gather
+    /// To the frame before, and what changes along it; none where that has no truth.
+    std::optional<core::MotionField> to_previous;
+    double change = 0;
+};
+
+/// The frames of a window that are lit by every light point: the last alone, or pairs of adjacent ones at even
+/// distances, of which the last ends the window, and an odd one about its middle. `count` is 0 to the window's frames.
+std::set<std::int64_t> reference_frames(const Chunk& window, int count);
+
+/// How coarsely pictures are coded: with one quantiser, or by a quality (--quality), which is finer than whole
+/// quantisers.
+struct Coarseness {
+    int quantiser = 4;
+    std::optional<double> quality;
+    std::optional<int> gop;  ///< pictures; none: the film's
+
+    Coarseness(int code = 4) : quantiser(code) {}
+    static Coarseness of_quality(double quality) {
+        Coarseness coarseness;
+        coarseness.quality = quality;
+        return coarseness;
+    }
+    void apply_to(encoder::Settings& coding) const;
+};
+
+/// The middle (frame_view.h) of the last frame that a truth is known of, to be looked at.
+struct Portrait {
+    std::int64_t frame = 0;
+    core::Picture truth, lit, decoded;
+    core::Plane<float> error;      ///< of luminance over what it should be, or over half a code value
+    core::Plane<float> tolerance;  ///< likewise
+};
+
+/// What one way to light and code the windows costs and comes to: light's cost and bytes over all their frames, errors
+/// and quality over those that a truth is known of.
+struct Trial {
+    ToleranceRequest tolerance;
+    int quantiser = 4;
+    std::optional<double> quality;  ///< it was coded by this instead
+    int frames = 0;
+    /// CPU per frame for light, with what coupling it to its coding takes: as in the film, which pays once in a chunk
+    /// for what every window pays for (caution's calibration, the rough first look, light that stands still).
+    double seconds = 0;
+    double window_seconds = 0;  ///< the same as it was measured in the windows
+    double rays = 0;            ///< shadow rays per gather point
+    double cut = 0;             ///< clusters per gather point
+    double capped = 0;          ///< share of the gather points that the largest cut stopped
+    std::uint64_t points = 0;   ///< gathered for; 0: nothing is lit
+    ErrorHistogram errors;      ///< of luminance over what it should be, or over half a code value where that is more
+    std::uint64_t over = 0;     ///< pixels that err by more than their tolerance
+    std::uint64_t over_twice = 0;  ///< by more than twice of it
+    perceptual::FilmQuality lit;   ///< before coding, against the truth
+    perceptual::FilmQuality decoded;
+    double flicker = 0;  ///< what decoded pairs change along motion more than the truth; code values, mean
+    double shown_masked = 0, shown_masked_there = 0;  ///< mean, as `shown` and `shown_there`; 0 where nobody asked
+    double masked_error = 0;  ///< of the decoded pictures, mean; code values squared (perceptual/hvs.h)
+    double bytes = 0;         ///< per frame
+    int requantised = 0;      ///< pictures that the decoder's buffer had no room for at their quantiser
+    double code_seconds = 0;  ///< CPU per frame for coding, and for motion where that is not searched for
+    double clock = 0;         ///< seconds on the clock per frame for all of it, seeing included; as in the film, too
+    std::shared_ptr<const Portrait> portrait;  ///< null without references
+    perceptual::FilmQuality shown;             ///< decoded, against the pictures as they were lit: of all frames
+    perceptual::FilmQuality shown_there;       ///< the same of those that a truth is known of
+
+    double share_over() const;
+    double share_over_twice() const;
+    double psnr_hvs_m() const { return perceptual::psnr(masked_error); }
+};
+
+/// Frames as they were lit once, to be coded in several ways.
+struct LitWindows {
+    struct Frame {
+        core::Picture picture;
+        core::Visible visible;
+    };
+    Trial light;
+    std::map<std::int64_t, Frame> frames;
+};
+
+/// How far the references are.
+struct ReferenceStanding {
+    int done = 0, parts = 0;  ///< of all of them
+    double seconds = 0;       ///< that they took, by the clock
+
+    double seconds_left() const { return done > 0 ? seconds / done * (parts - done) : 0.0; }
+};
+
+/// Lights and codes a film's windows in one way after the other. All that it says but times follows from the film and
+/// the windows, for any number of threads.
+class Trials {
+  public:
+    /// The film's rate control, if any, gives way to plain quantisers. Of every window so many frames are references;
+    /// 0: none, and no error is known.
+    Trials(const Production& film, std::vector<Chunk> windows, int references = 1);
+
+    /// From now on masked errors are told of all frames, which takes its time (Trial::shown_masked).
+    void mask_all() { masks_all_ = true; }
+    /// From now on references are taken from there where they are, and kept there.
+    void keep_references_in(const ReferenceCache& cache) { cache_ = cache; }
+
+    /// Lights the references by every light point, in parts that are alike. `part_done` is called
+    /// after each and ends it all by returning false; returns whether it went on to the end.
+    bool light_references(const std::function<bool(const ReferenceStanding&)>& part_done);
+
+    /// Instead of lighting them: those of other trials of the same windows, which may be lit by other light points or
+    /// seen by other samples.
+    void take_references(const Trials& other);
+
+    /// Only after light_references(). None where `frame_done` said false before the end. With `keep`, the frames are
+    /// kept there too.
+    std::optional<Trial> run(const ToleranceRequest& tolerance, const Coarseness& coarseness,
+                             const std::function<bool()>& frame_done, LitWindows* keep = nullptr);
+
+    /// The same light, coded otherwise: what run() would come to, since a fixed tolerance does not look at
+    /// coding.
+    Trial coded_again(const LitWindows& lit, const Coarseness& coarseness) const;
+
+    /// Codes one window of frames, hands over the decoded pictures, numbered from 0 in display order, and returns their
+    /// size in bytes and the CPU seconds that coding took.
+    struct Coded {
+        double bytes = 0, seconds = 0;
+        int requantised = 0;  ///< pictures that a buffer had no room for at first
+    };
+    using Codec = std::function<Coded(const Chunk& window, const std::vector<const core::Picture*>& pictures,
+                                      const std::function<void(const core::Picture&)>& decoded)>;
+    /// The same light, coded by another encoder.
+    Trial coded_by(const Codec& codec, const LitWindows& lit, const Coarseness& coarseness) const;
+
+    const std::vector<Chunk>& windows() const { return windows_; }
+    const Production& film() const { return film_; }
+    int frames() const;  ///< of all windows
+    /// Of memory, for the references, and for the frames where they are kept to be coded again.
+    double bytes_held(bool keeps_frames) const;
+    int references() const { return static_cast<int>(truths_.size()); }
+    double reference_seconds() const;  ///< CPU per reference
+    const std::map<std::int64_t, Truth>& truths() const { return truths_; }
+    const renderer::Statistics& statistics() const { return renderer_.statistics(); }
+
+  private:
+    class Judge;
+
+    /// Notes what a window's light takes before anything is gathered.
+    void measure_start(const Chunk& window);
+    /// Windows' frames over those of the chunks that the film would be rendered in.
+    double share_of_chunk() const;
+
+    /// Lights what a frame has to gather, in parts; false: `part_done` ended it.
+    bool light_parts(const scene::Snapshot& world, renderer::Seen& seen, int left, ReferenceStanding& standing,
+                     const std::function<bool(const ReferenceStanding&)>& part_done, KeptReference& reference);
+    /// One of them; `left` are to come with it.
+    bool light_reference(std::int64_t frame, int left, ReferenceStanding& standing,
+                         const std::function<bool(const ReferenceStanding&)>& part_done);
+
+    Production film_;
+    std::vector<Chunk> windows_;
+    renderer::Renderer renderer_;
+    float half_code_ = 0;  ///< luminance
+    std::map<std::int64_t, Truth> truths_;
+    double reference_seconds_ = 0;
+    double first_light_seconds_ = 0;  ///< CPU to make the lights of all windows' first frames
+    double next_light_seconds_ = 0;   ///< and of the frames beside them: next to nothing where light stands still
+    int references_ = 1;              ///< of each window
+    ReferenceCache cache_;
+    bool masks_all_ = false;
+};
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,94 @@
+#include "app/experiments/trial_command.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "app/loop/film_identity.h"
+#include "app/options/help_format.h"
+#include "app/system/interrupt.h"
+#include "app/system/outside_trial.h"
+#include "app/files/publish.h"
+#include "app/report/report.h"
+#include "app/system/terminal.h"
+#include "app/files/text_file.h"
+#include "core/error.h"
+
+namespace render2mpeg::app {
+
+void check_trial_outputs(const Production& film, const RenderOptions& options,
+                         const std::optional<std::filesystem::path>& json,
+                         const std::optional<std::filesystem::path>& report) {
+    std::vector<Files> outputs{json.value_or("")};
+    if (report) {
+        check_report(*report);
+        outputs.emplace_back(*report);
+        outputs.emplace_back(report_json_of(*report));
+    }
+    for (const Files& output : outputs)
+        if (!output.name.empty()) check_writable(output.name);
+    if (!options.output.empty()) outputs.emplace_back(options.output);
+    check_apart(inputs_of(film, options), outputs);
+}
+
+Production prepare_trials(const RenderOptions& options) {
+    Production film = prepare(options);
+    for (const std::string& note : film.animation->notes)
+        if (!options.quiet && !note.empty()) std::fputs((note + "\n").c_str(), stderr);
+    if (!try_images(*film.animation, image_trials(false))) return film;
+    if (!film.exposure) film.exposure = measure_exposure(film);
+    return film;
+}
+
+std::string memory_note(double bytes, double machine) {
+    const std::string held = fmt::format("the sample's references and frames take {:.1f} GB of memory", bytes / 1e9);
+    if (bytes > machine)
+        throw core::Error(held +
+                          fmt::format(", of {:.1f} GB that there are: try less (--sample, --size)", machine / 1e9));
+    // chosen: what a machine that renders can spare without a word (0.5..4 GB).
+    return bytes > 1e9 ? held + "; a smaller --sample takes less" : "";
+}
+
+void tell_memory(double bytes, bool quiet) {
+    const double machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    const std::string note = memory_note(bytes, machine);
+    if (!quiet && !note.empty()) std::fputs((note + "\n").c_str(), stderr);
+}
+
+bool light_references(Trials& trials, bool quiet) {
+    std::unique_ptr<Progress> progress;
+    return trials.light_references([&](const ReferenceStanding& standing) {
+        if (!progress) {
+            if (!quiet && standing.seconds_left() > 1)
+                std::fputs(fmt::format("lighting {} by every light point takes about {}; interrupt to leave it\n",
+                                       standing.parts == 1 ? "the reference" : "the references",
+                                       clock_text(standing.seconds + standing.seconds_left()))
+                               .c_str(),
+                           stderr);
+            progress = std::make_unique<Progress>(standing.parts, quiet, "reference", Counted::parts_of_step,
+                                                  standing.seconds);
+        }
+        progress->advance_to(standing.done, standing.parts);
+        return !InterruptGuard::requested();
+    });
+}
+
+std::optional<Trial> run_trial(Trials& trials, const ToleranceRequest& tolerance, const Coarseness& coarseness,
+                               const std::string& name, bool quiet, LitWindows* keep) {
+    Progress progress(trials.frames(), quiet || !can_rewrite_errors(), name, Counted::frames_of_step);
+    return trials.run(
+        tolerance, coarseness,
+        [&] {
+            progress.advance();
+            return !InterruptGuard::requested();
+        },
+        keep);
+}
+
+void print_sentence(const std::string& text) {
+    if (!text.empty()) print("\n" + wrapped(text, std::clamp(columns_of_output(), 60, 110)) + "\n");
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "app/options/options.h"
+#include "app/system/progress.h"
+#include "app/experiments/trial.h"
+
+/// What commands that try films have in common.
+namespace render2mpeg::app {
+
+/// Refuses outputs that would take the place of other files, and such as cannot be written.
+void check_trial_outputs(const Production& film, const RenderOptions& options,
+                         const std::optional<std::filesystem::path>& json,
+                         const std::optional<std::filesystem::path>& report);
+
+/// Reads and settles everything, the exposure included; tells the scene's notes. Not all of it where an interrupt was
+/// requested meanwhile.
+Production prepare_trials(const RenderOptions& options);
+
+/// What to say of so many bytes of memory before any work: nothing where any machine has them. Throws core::Error where
+/// they are more than `machine` has.
+std::string memory_note(double bytes, double machine);
+/// Says it, of this machine.
+void tell_memory(double bytes, bool quiet);
+
+/// Lights the references and tells how far that is. Returns whether nobody interrupted.
+bool light_references(Trials& trials, bool quiet);
+
+/// Lights and codes the windows, and tells how far that is on a terminal: a log has the rows themselves. None where
+/// somebody interrupted.
+std::optional<Trial> run_trial(Trials& trials, const ToleranceRequest& tolerance, const Coarseness& coarseness,
+                               const std::string& name, bool quiet, LitWindows* keep = nullptr);
+
+/// Prints a text as wide as the terminal, after an empty line; nothing where there is none.
+void print_sentence(const std::string& text);
+
+}  // namespace render2mpeg::app

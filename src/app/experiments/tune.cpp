@@ -1,0 +1,268 @@
+#include "app/experiments/tune.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "app/system/attempts.h"
+#include "app/options/command_words.h"
+#include "app/files/container_share.h"
+#include "app/system/interrupt.h"
+#include "app/files/publish.h"
+#include "app/options/rate_options.h"
+#include "app/commands/render.h"
+#include "app/report/statistics_json.h"
+#include "app/files/text_file.h"
+#include "app/experiments/trial_command.h"
+#include "app/experiments/tune_report.h"
+#include "app/experiments/tune_table.h"
+#include "core/error.h"
+#include "core/numeric.h"
+#include "encoder/av/av.h"
+#include "encoder/capabilities.h"
+#include "parallel/loops.h"
+
+namespace render2mpeg::app {
+namespace {
+
+using Kind = Target::Kind;
+
+/// Options that `render` has not, or that mean another file there.
+constexpr std::array tune_only{"--target-psnr", "--target-ssim", "--target-bitrate", "--max-size",
+                               "--max-time",    "--sample",      "--references",     "--reference-frames",
+                               "--json",        "--report",      "--keep-references"};
+
+Target target_of(const TuneOptions& o) {
+    std::vector<Target> asked;
+    if (o.psnr) asked.push_back({Kind::psnr, *o.psnr});
+    if (o.ssim) asked.push_back({Kind::ssim, *o.ssim});
+    if (o.bitrate) asked.push_back({Kind::bitrate, static_cast<double>(bits_from(*o.bitrate, "target-bitrate"))});
+    if (o.size) asked.push_back({Kind::size, size_in_bytes(*o.size)});
+    if (o.time) asked.push_back({Kind::time, time_in_seconds(*o.time)});
+    if (asked.size() != 1)
+        throw core::Error(
+            "tune: what is to be reached? Give one of target-psnr, target-ssim, target-bitrate, max-size and max-time");
+    return asked.front();
+}
+
+/// Refuses what contradicts the target, or leaves no film to be made.
+void check_options(const TuneOptions& o, const Target& target) {
+    const CodingOptions& coding = o.render.coding;
+    if (target.kind != Kind::time && (coding.quality || coding.quantiser))
+        throw core::Error(std::string(coding.quality ? "quality" : "quantiser") +
+                          ": it is what is looked for; it goes with max-time only");
+    if (o.render.output.empty() && !o.render.dry_run)
+        throw core::Error("tune: which film is to be made? Give output, or dry-run");
+    if (!o.render.output.empty() && kind_of(o.render.output) != OutputKind::film)
+        throw core::Error("tune: " + o.render.output.string() + " is not coded, and so has nothing to tune");
+}
+
+/// What trials search for: the pictures of a file of so many bytes have a rate.
+Target searched(const Target& target, const Production& film, const std::filesystem::path& output) {
+    if (target.kind != Kind::size) return target;
+    const double seconds = static_cast<double>(film.frame_count()) / film.rate.hertz.value();
+    return {Kind::bitrate, pictures_in_file(target.value, film.frame_count(), output, film.disc) * 8 / seconds};
+}
+
+/// Refuses a rate that `render` would refuse, before anything dear is done. What no level brings is beyond reach.
+void check_rate(const Target& target, const Production& film) {
+    if (target.kind != Kind::bitrate || film.coding.rate_control.max_rate == 0) return;
+    encoder::Settings coding = film.coding;
+    coding.rate_control.mode = encoder::RateMode::variable;
+    coding.rate_control.bit_rate = std::llround(target.value);
+    encoder::check(coding);
+}
+
+/// Bits per second that the film as it was tried can have: more would make its level a higher one.
+double highest_rate(const Production& film) {
+    const std::int64_t wanted = film.coding.rate_control.max_rate;
+    return static_cast<double>(wanted > 0 ? wanted : encoder::level_of(film.coding).bit_rate);
+}
+
+/// One command in the making.
+class TuneCommand {
+  public:
+    TuneCommand(const TuneOptions& options, const std::vector<std::string>& words)
+        : options_(options), words_(words), began_(clock_seconds()) {
+        tuning_.target = target_of(options);
+        check_options(options, tuning_.target);
+    }
+
+    /// Finds the setting. Returns whether nobody interrupted.
+    bool search();
+    /// Makes the film. Returns its exit status.
+    int make();
+    void write_reports() const;
+
+    const Tuning& tuning() const { return tuning_; }
+    double hertz() const { return trials_->film().rate.hertz.value(); }
+
+  private:
+    bool quiet() const { return options_.render.quiet; }
+    void say(const std::string& text) const {
+        if (!quiet()) print(text);
+    }
+    void find(const TellProbe& tell);
+    void settle_options();
+    void look_at_film(const Rendered& rendered);
+
+    const TuneOptions& options_;
+    const std::vector<std::string>& words_;
+    double began_;
+    Tuning tuning_;
+    std::optional<Trials> trials_;
+};
+
+bool TuneCommand::search() {
+    const parallel::ThreadLimit threads(options_.render.threads);
+    const InterruptGuard guard(quiet());
+    const Target& target = tuning_.target;
+    const Production film = prepare_trials(options_.render);
+    if (InterruptGuard::requested()) return false;
+    check_rate(target, film);
+    check_trial_outputs(film, options_.render, options_.json, options_.report);
+    if (!options_.render.dry_run) check_reachable(options_.render.output);
+
+    // Try the film: rates are told of whole GOPs, and need no references.
+    // chosen: groups of more than 60 pictures are not waited for, their I pictures then count for too much.
+    const std::string whole_gops = fmt::format("2x{}", std::clamp(film.coding.gop, 15, 60));
+    const Sample sample = sample_from(options_.sample.value_or(target.kind == Kind::time ? "2x3" : whole_gops));
+    trials_.emplace(film, windows_of(film.frames, sample), options_.references.value_or(target.is_rate() ? 0 : 1));
+    if (options_.kept_references) trials_->keep_references_in(ReferenceCache(*options_.kept_references));
+    tell_memory(trials_->bytes_held(target.kind != Kind::time), quiet());
+    const double ready = clock_seconds();
+    if (!light_references(*trials_, quiet())) return false;
+    tuning_.windows = trials_->windows();
+    tuning_.references = trials_->references();
+    tuning_.reference_seconds = trials_->reference_seconds();
+    say(tune_heading(film, tuning_));
+    const TellProbe tell = [&](const Probe& probe) { say(probe_row(tuning_, probe, hertz())); };
+    if (target.kind == Kind::time)
+        tune_time(*trials_, options_.render, ready - began_, quiet(), tuning_, tell);
+    else
+        tune_coding(*trials_, searched(target, film, options_.render.output), quiet(), tuning_, tell);
+    if (tuning_.found == Found::stopped) return false;
+    settle_options();
+    return true;
+}
+
+void TuneCommand::settle_options() {
+    const Target& target = tuning_.target;
+    const Probe& chosen = tuning_.probes[*tuning_.chosen];
+    if (target.is_quality()) {
+        tuning_.options = {{"--quality", chosen.setting}};
+    } else if (target.is_rate()) {
+        double rate = searched(target, trials_->film(), options_.render.output).value;
+        // A file that even the finest film does not fill is small enough; but the sample is not the film.
+        const bool finest = target.kind == Kind::size && tuning_.found == Found::beyond && *chosen.trial.quality > 50;
+        if (finest) {
+            tuning_.found = Found::between;
+            rate = std::min(rate, highest_rate(trials_->film()));
+        }
+        tuning_.options = {{"--bitrate", fmt::format("{:.0f}", rate)}};
+    }
+    if (tuning_.found == Found::beyond) return;
+    std::vector<std::string> without(tune_only.begin(), tune_only.end());
+    for (const auto& [name, value] : tuning_.options) without.push_back(name);
+    std::vector<std::pair<std::string, std::string>> with = tuning_.options;
+    if (options_.render.output.empty())
+        with.emplace_back("-o",
+                          std::filesystem::absolute(options_.render.input).lexically_normal().stem().string() + ".mpg");
+    tuning_.command = line_of(changed_command(words_, "render", without, {"--dry-run"}, with));
+}
+
+int TuneCommand::make() {
+    RenderOptions render_options = options_.render;
+    for (const auto& [name, value] : tuning_.options) {
+        if (name == "--quality") render_options.coding.quality = std::stod(value);
+        if (name == "--bitrate") render_options.coding.bitrate = value;
+        if (name == "--tolerance") render_options.tolerance = value;
+        if (name == "--samples") render_options.samples = std::stoi(value);
+        if (name == "--vpls") render_options.vpls = std::stoi(value);
+    }
+    // As the printed command says it, so that this can go on with --resume.
+    for (const char* looked_for : tune_only) render_options.said.erase(looked_for);
+    for (const auto& [name, value] : tuning_.options) render_options.said[name] = value;
+    Rendered rendered;
+    const int status = render(render_options, *tuning_.command, &rendered);
+    if (status == 0) look_at_film(rendered);
+    return status;
+}
+
+void TuneCommand::look_at_film(const Rendered& rendered) {
+    WholeFilm film;
+    film.frames = static_cast<std::int64_t>(rendered.ledger.frames.size());
+    film.bytes = static_cast<double>(rendered.bytes);
+    film.seconds = rendered.ledger.wall;
+    film.bit_rate = core::divide_or(8 * static_cast<double>(rendered.ledger.rate_outcome().bytes) * hertz(),
+                                    static_cast<double>(film.frames), 0.0);
+    film.psnr_y = rendered.ledger.psnr_y();
+    film.ssim_y = rendered.ledger.ssim_y();
+
+    // Look at the same frames as in the sample, where what they should be is known.
+    perceptual::FilmQuality decoded;
+    double error = 0, similarity = 0;
+    if (tuning_.against_references())
+        av::decode(rendered.film, [&](const core::Picture& picture) {
+            const auto known = trials_->truths().find(trials_->film().frames.first + picture.number);
+            if (known == trials_->truths().end()) return;
+            decoded.add(picture, known->second.picture);
+            const FrameEntry& entry = rendered.ledger.frames[static_cast<std::size_t>(picture.number)];
+            error += entry.mse_y;
+            similarity += entry.ssim_y;
+            ++film.references;
+        });
+    const double count = std::max(1, film.references);
+    film.reference = with_light({film.psnr_y, film.ssim_y}, {perceptual::psnr(error / count), similarity / count},
+                                {decoded.psnr_y(), decoded.ssim_y()});
+    tuning_.film = film;
+}
+
+void TuneCommand::write_reports() const {
+    Attempts attempts;
+    const std::string command = line_of(words_);
+    if (options_.json)
+        attempts.attempt([&] { write_json(*options_.json, tune_json(trials_->film(), tuning_, command)); });
+    if (options_.report)
+        attempts.attempt([&] { write_tune_report(*options_.report, trials_->film(), tuning_, command); });
+    attempts.rethrow();
+}
+
+}  // namespace
+
+int tune(const TuneOptions& options, const std::vector<std::string>& words) {
+    TuneCommand command(options, words);
+    const Tuning& tuning = command.tuning();
+    const bool quiet = options.render.quiet;
+    if (!command.search()) {
+        if (!quiet) std::fputs("interrupted: nothing was settled\n", stderr);
+        return InterruptGuard::status();
+    }
+    if (!quiet) print_sentence(sentence_of(tuning, command.hertz()));
+    if (tuning.found == Found::beyond) {
+        command.write_reports();
+        std::fputs(("render2mpeg: " + target_text(tuning.target) + ": out of reach\n").c_str(), stderr);
+        return 1;
+    }
+    if (!quiet) print("\n" + *tuning.command + "\n");
+    int status = 0;
+    if (!options.render.dry_run) {
+        if (!quiet) print("\n");
+        command.write_reports();  // the search may have been dear; they are told of the film after it
+        status = command.make();
+        if (status != 0) return status;
+        if (!quiet) print_sentence(film_sentence(tuning, command.hertz()));
+        status = film_is_near(tuning) ? 0 : 1;
+        if (status != 0)
+            std::fputs(("render2mpeg: " + target_text(tuning.target) + ": the film that was made missed it\n").c_str(),
+                       stderr);
+    }
+    command.write_reports();
+    return status;
+}
+
+}  // namespace render2mpeg::app

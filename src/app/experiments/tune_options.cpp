@@ -1,0 +1,87 @@
+#include "app/options/coding_options.h"
+#include "app/options/rate_options.h"
+#include "app/options/scene_options.h"
+#include "app/experiments/target.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// What is found out instead, or would make it another film than the sample.
+constexpr const char* unwanted[] = {"--bitrate", "--cbr", "--passes"};
+
+void add_targets(CLI::App& command, TuneOptions& options) {
+    const std::string target = "What is to be reached (one of these)";
+    command
+        .add_option("--target-psnr", options.psnr,
+                    "PSNR-Y in dB of the decoded pictures, to 0.1 dB on the sample: finds --quality")
+        ->type_name("DB")
+        ->check(CLI::Range(1.0, 99.0))
+        ->group(target);
+    command.add_option("--target-ssim", options.ssim, "Their SSIM, to 0.002 on the sample: finds --quality")
+        ->type_name("SSIM")
+        ->check(CLI::Range(0.01, 0.9999))
+        ->group(target);
+    command
+        .add_option("--target-bitrate", options.bitrate,
+                    "Bits per second of pictures, to 2 %: --bitrate in two passes, and what quality that is")
+        ->type_name("RATE")
+        ->check(checked([](const std::string& text) { bits_from(text, "target-bitrate"); }, ""))
+        ->group(target);
+    command.add_option("--max-size", options.size, "Bytes of the file at most, e.g. 700M: likewise")
+        ->type_name("SIZE")
+        ->check(checked(size_in_bytes, ""))
+        ->group(target);
+    command
+        .add_option("--max-time", options.time,
+                    "Time on the clock at most, e.g. 2h or 90m: loosens --tolerance, --samples and --vpls as far as "
+                    "needed")
+        ->type_name("TIME")
+        ->check(checked(time_in_seconds, ""))
+        ->group(target);
+}
+
+void add_tried(CLI::App& command, TuneOptions& options) {
+    const std::string tried = "What is tried";
+    command
+        .add_option("--sample", options.sample,
+                    "Windows spread over the film, by consecutive frames of each (default: 2 by a GOP of 15 to 60; "
+                    "with --max-time 2x3)")
+        ->type_name("WINDOWSxFRAMES")
+        ->check(checked(sample_from, ""))
+        ->group(tried);
+    command
+        .add_option(
+            "--references,--reference-frames", options.references,
+            "Frames of each window that are also lit by every light point, which is dear: they tell what light adds "
+            "to the errors of all frames. 0: quality is told against the pictures as they were lit (default: 1; "
+            "with --target-bitrate and --max-size 0)")
+        ->type_name("N")
+        ->check(CLI::Range(0, 1000))
+        ->group(tried);
+}
+
+}  // namespace
+
+CLI::App* add_tune_command(CLI::App& app, TuneOptions& options) {
+    CLI::App* command = app.add_subcommand("tune", "Find the setting that reaches a quality, rate, size or time");
+    command->footer(
+        "Tries a sample of the film, each try a row of a table, then renders the film and tells what became of it "
+        "(docs/tune.md). Exit status 1 where the target is out of reach, or the film missed its rate, size or time.\n"
+        "Example: render2mpeg tune scene.glb --target-psnr 40 --dry-run");
+    add_scene_options(*command, options.render);
+    command->add_option("-o,--output", options.render.output, "Film to make; with --dry-run not needed")
+        ->type_name("OUT");
+    add_targets(*command, options);
+    add_tried(*command, options);
+    add_picture_options(*command, options.render);
+    add_light_options(*command, options.render);
+    add_coding_options(*command, options.render.coding);
+    for (const char* name : unwanted) command->remove_option(command->get_option(name));
+    add_trial_run_options(*command, options);
+    command
+        ->add_flag("--dry-run", options.render.dry_run, "Render nothing in the end: print the command that would do it")
+        ->group("Run");
+    return command;
+}
+
+}  // namespace render2mpeg::app

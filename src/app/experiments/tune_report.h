@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "app/loop/production.h"
+#include "app/experiments/tuning.h"
+
+namespace render2mpeg::app {
+
+/// Everything that `tune` found out (docs/tune.md).
+nlohmann::json tune_json(const Production& film, const Tuning& tuning, const std::string& command);
+
+/// The same as a page with plots, and report_json_of() it.
+void write_tune_report(const std::filesystem::path& html, const Production& film, const Tuning& tuning,
+                       const std::string& command);
+
+}  // namespace render2mpeg::app

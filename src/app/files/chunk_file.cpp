@@ -1,0 +1,117 @@
+#include "app/files/chunk_file.h"
+
+#include <cerrno>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "app/files/disk.h"
+#include "app/files/text_file.h"
+#include "core/error.h"
+
+namespace render2mpeg::app {
+namespace {
+
+using nlohmann::json;
+
+json record_of(const PictureRecord& picture) {
+    return {{"number", picture.number},
+            {"coding_order", picture.coding_order},
+            {"starts_gop", picture.starts_gop},
+            {"bytes", picture.bytes},
+            {"checksum", text_of(picture.checksum)}};
+}
+
+/// Throws json::exception or std::logic_error for what record_of() would not write.
+PictureRecord picture_from(const json& record) {
+    return {record.at("number").get<std::int64_t>(), record.at("coding_order").get<std::int64_t>(),
+            record.at("starts_gop").get<bool>(), record.at("bytes").get<std::uint64_t>(),
+            std::stoull(record.at("checksum").get<std::string>(), nullptr, 16)};
+}
+
+json read_json(const std::filesystem::path& file) {
+    std::ifstream stream(file);
+    return json::parse(stream, nullptr, false);
+}
+
+/// Why a stream could not be written.
+std::string reason() {
+    return errno != 0 ? std::strerror(errno) : "the disk is full";
+}
+
+}  // namespace
+
+ChunkFile::ChunkFile(const std::filesystem::path& file, const Chunk& chunk)
+    : file_(file), chunk_(chunk), stream_(file, std::ios::binary | std::ios::trunc) {
+    if (!stream_) throw core::Error("writing", file_.string(), "the folder cannot be written");
+}
+
+ChunkFile::ChunkFile(std::filesystem::path file, const Chunk& chunk, std::vector<PictureRecord> pictures)
+    : file_(std::move(file)), chunk_(chunk), pictures_(std::move(pictures)) {}
+
+std::optional<ChunkFile> ChunkFile::reopened(const std::filesystem::path& file, const Chunk& chunk) {
+    const json record = read_json(record_of(file));
+    try {
+        if (!record.is_object() || record.at("first") != chunk.first || record.at("last") != chunk.last) return {};
+        std::vector<PictureRecord> pictures;
+        std::uint64_t bytes = 0;
+        for (const json& picture : record.at("pictures")) {
+            pictures.push_back(picture_from(picture));
+            bytes += pictures.back().bytes;
+        }
+        const bool sound = std::filesystem::file_size(file) == bytes &&
+                           record.at("checksum") == text_of(checksum_of(file)) && record.contains("facts");
+        if (!sound) return {};
+        return ChunkFile(file, chunk, std::move(pictures));
+    } catch (const std::exception&) {
+        return {};  // a record that is none, or a stream that is gone
+    }
+}
+
+void ChunkFile::append(const encoder::CodedPicture& coded) {
+    errno = 0;
+    stream_.write(reinterpret_cast<const char*>(coded.bytes.data()), static_cast<std::streamsize>(coded.bytes.size()));
+    if (!stream_) throw core::Error("writing", file_.string(), reason());
+    checksum_.add(coded.bytes);
+    if (pictures_.empty()) vbv_in_ = coded.fullness_before;
+    vbv_out_ = coded.fullness_next;
+    pictures_.push_back({coded.plan.number, static_cast<std::int64_t>(pictures_.size()), coded.plan.starts_gop,
+                         coded.bytes.size(), checksum_of(coded.reconstruction)});
+}
+
+void ChunkFile::finish(const json& facts) {
+    abandon();
+    bring_to_disk(file_);  // its record must not outlive it
+    json record{{"first", chunk_.first}, {"last", chunk_.last}, {"pictures", json::array()}, {"facts", facts}};
+    std::uint64_t bits = 0;
+    for (const PictureRecord& picture : pictures_) {
+        record["pictures"].push_back(app::record_of(picture));
+        bits += 8 * picture.bytes;
+    }
+    record["checksum"] = text_of(checksum_.value());
+    record["bits"] = bits;
+    record["vbv_in"] = vbv_in_;
+    record["vbv_out"] = vbv_out_;
+    write_whole(record_of(file_), record.dump() + "\n");
+}
+
+void ChunkFile::abandon() {
+    errno = 0;
+    stream_.close();
+    if (!stream_) throw core::Error("writing", file_.string(), reason());
+}
+
+json ChunkFile::facts() const {
+    const json record = read_json(record_of(file_));
+    if (!record.is_object() || !record.contains("facts"))
+        throw core::Error("reading", record_of(file_).string(), "it is no record of a chunk");
+    return record["facts"];
+}
+
+std::filesystem::path ChunkFile::record_of(const std::filesystem::path& file) {
+    return std::filesystem::path(file).replace_extension(".json");
+}
+
+}  // namespace render2mpeg::app

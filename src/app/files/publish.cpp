@@ -1,0 +1,137 @@
+#include "app/files/publish.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <system_error>
+
+#include "app/files/assembly.h"
+#include "app/files/disk.h"
+#include "app/options/output_kind.h"
+#include "core/error.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// A pipe or the like, which is written to and not replaced.
+bool is_device(const std::filesystem::file_status& status) {
+    return std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+}
+
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+    std::error_code error;
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(file, error).parent_path(), error);
+}
+
+bool same(const std::filesystem::path& a, const std::filesystem::path& b) {
+    std::error_code error;
+    if (std::filesystem::equivalent(a, b, error)) return true;
+    const auto canonical = [&](const std::filesystem::path& file) {
+        return std::filesystem::weakly_canonical(std::filesystem::absolute(file, error), error);
+    };
+    return canonical(a) == canonical(b);
+}
+
+bool holds(const FrameRange& frames, const std::optional<std::int64_t>& number) {
+    return number && *number >= frames.first && *number <= frames.last;
+}
+
+/// Whether a file is one of a sequence's, by its own name or by where it leads.
+bool is_of(const Files& sequence, const std::filesystem::path& file) {
+    std::error_code error;
+    const auto led = std::filesystem::weakly_canonical(std::filesystem::absolute(file, error), error);
+    const std::filesystem::path folder = folder_of(sequence.name);
+    return (folder_of(file) == folder && holds(*sequence.frames, number_in(sequence.name, file))) ||
+           (led.parent_path() == folder && holds(*sequence.frames, number_in(sequence.name, led)));
+}
+
+/// Whether two have a file in common.
+bool meet(const Files& a, const Files& b) {
+    if (!a.frames && !b.frames) return same(a.name, b.name);
+    if (!a.frames) return is_of(b, a.name);
+    if (!b.frames) return is_of(a, b.name);
+    if (folder_of(a.name) != folder_of(b.name)) return false;
+    // chosen: names that have no number in common in a million frames will have none later; a longer look takes
+    // seconds.
+    const std::int64_t last = std::min(a.frames->last, a.frames->first + 1'000'000);
+    for (std::int64_t n = a.frames->first; n <= last; ++n)
+        if (holds(*b.frames, number_in(b.name, numbered(a.name, n)))) return true;
+    return false;
+}
+
+}  // namespace
+
+void check_reachable(const std::filesystem::path& file) {
+    std::error_code error;
+    const std::filesystem::file_status status = std::filesystem::status(file, error);
+    if (std::filesystem::is_directory(status)) throw core::Error("writing", file.string(), "it is a folder");
+    // It would be replaced, which its own protection does not prevent.
+    if (std::filesystem::exists(status) && access(file.c_str(), W_OK) != 0)
+        throw core::Error("writing", file.string(), std::strerror(errno));
+    if (is_device(status)) return;
+    // The folders that are there already; the others will be made in the last of them.
+    std::filesystem::path folder = std::filesystem::absolute(file, error).lexically_normal().parent_path();
+    while (!std::filesystem::exists(folder, error) && folder.has_relative_path()) folder = folder.parent_path();
+    if (!std::filesystem::is_directory(folder, error))
+        throw core::Error("writing", file.string(), folder.string() + " is not a folder");
+    if (access(folder.c_str(), W_OK | X_OK) != 0)
+        throw core::Error("writing", file.string(), folder.string() + ": " + std::strerror(errno));
+}
+
+void check_writable(const std::filesystem::path& file) {
+    check_reachable(file);
+    std::error_code error;
+    if (is_device(std::filesystem::status(file, error))) return;
+    const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+    std::filesystem::create_directories(folder, error);
+    if (error) throw core::Error("writing", file.string(), error.message());
+
+    // Make a file of a name that nobody has: mkstemp sees to that.
+    std::string probe = (folder / ".render2mpeg-XXXXXX").string();
+    const int descriptor = mkstemp(probe.data());
+    if (descriptor < 0)
+        throw core::Error("writing", file.string(),
+                          std::string("the folder cannot be written: ") + std::strerror(errno));
+    close(descriptor);
+    std::filesystem::remove(probe, error);
+}
+
+void check_apart(const std::vector<Files>& inputs, const std::vector<Files>& outputs) {
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+        if (outputs[i].name.empty()) continue;
+        for (const Files& input : inputs)
+            if (!input.name.empty() && meet(outputs[i], input))
+                throw core::Error("writing", outputs[i].name.string(), "it is an input: " + input.name.string());
+        for (std::size_t j = 0; j < i; ++j)
+            if (!outputs[j].name.empty() && meet(outputs[i], outputs[j]))
+                throw core::Error("writing", outputs[i].name.string(),
+                                  "two outputs have this name: " + outputs[j].name.string());
+    }
+}
+
+Published publish(const std::vector<ChunkFile>& chunks, const Film& film, WorkFolder& work,
+                  const std::filesystem::path& output, bool complete) {
+    const std::filesystem::path file = work.begin("film" + output.extension().string());
+    assemble(chunks, film, file, output);
+    verify(file, chunks);
+    return give_name(file, work, output, complete);
+}
+
+Published give_name(const std::filesystem::path& file, WorkFolder& work, const std::filesystem::path& output,
+                    bool complete) {
+    std::error_code error;
+    const std::uint64_t bytes = std::filesystem::file_size(file, error);
+    if (!error && !complete) return {work.leave(file), bytes};
+    // What it was made of may go once it is there for good.
+    bring_to_disk(file);
+    if (!error) std::filesystem::rename(file, output, error);
+    if (error) throw core::Error("writing", output.string(), error.message());
+    bring_name_to_disk(output);
+    return {output, bytes};
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,262 @@
+#include "app/files/work_folder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "app/loop/film_identity.h"
+#include "app/options/output_kind.h"
+#include "app/files/text_file.h"
+#include "core/error.h"
+
+namespace render2mpeg::app {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char *lock_name = "lock", *manifest_name = "manifest.json";
+
+/// A file as it was left: another size or time is another file.
+json leftover_of(const std::filesystem::path& file) {
+    std::error_code error;
+    const auto bytes = std::filesystem::file_size(file, error);
+    if (error) return nullptr;
+    const auto written = std::filesystem::last_write_time(file, error).time_since_epoch().count();
+    if (error) return nullptr;
+    return {{"file", file.filename().string()}, {"bytes", bytes}, {"written", static_cast<std::int64_t>(written)}};
+}
+
+/// What is in a folder, as a list that may be worked off.
+std::vector<std::filesystem::path> entries_of(const std::filesystem::path& folder) {
+    std::error_code ignored;
+    std::vector<std::filesystem::path> entries;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) entries.push_back(entry.path());
+    return entries;
+}
+
+/// The manifest that an earlier run left; an empty object where there is none that can be read.
+json manifest_in(const std::filesystem::path& folder) {
+    std::ifstream stream(folder / manifest_name);
+    json manifest = json::parse(stream, nullptr, false);
+    return manifest.is_object() ? manifest : json::object();
+}
+
+/// JSON as it will be read again: what is no UTF-8 is replaced.
+json as_written(const json& value) {
+    return json::parse(json_text(value));
+}
+
+std::string name_of(const Chunk& chunk) {
+    return fmt::format("chunk_{:05}.m2v", chunk.index);
+}
+
+/// Refuses to go on with what is another film's. A folder without a manifest holds nothing yet; where one cannot be
+/// read, chunks may still be worth something.
+void refuse_other(const std::filesystem::path& output, const json& identity) {
+    const std::filesystem::path folder = work_folder_of(output);
+    const json earlier = manifest_in(folder);
+    std::error_code ignored;
+    if (earlier.empty() && !std::filesystem::exists(folder / manifest_name, ignored)) return;
+    const std::string difference = earlier.empty() ? manifest_name + std::string(" is damaged in ") + folder.string()
+                                                   : difference_of(earlier.value("identity", json()), identity);
+    if (!difference.empty())
+        throw core::Error("resuming", output.string(), difference + "; without --resume the film begins anew");
+}
+
+}  // namespace
+
+WorkFolder::WorkFolder(const std::filesystem::path& output, const json& identity, Earlier earlier)
+    : output_(output),
+      folder_((check(output), work_folder_of(output))),
+      lock_(folder_ / lock_name, output),
+      manifest_(std::make_unique<json>(json{{"identity", as_written(identity)}})) {
+    if (earlier == Earlier::resumed) refuse_other(output, (*manifest_)["identity"]);
+    try {
+        take_over(earlier);
+    } catch (const std::filesystem::filesystem_error& error) {
+        if (!resumed_) remove();
+        throw core::Error("writing", folder_.string(), error.code().message());
+    } catch (...) {
+        if (!resumed_) remove();
+        throw;
+    }
+}
+
+void WorkFolder::take_over(Earlier earlier) {
+    const json before = manifest_in(folder_);
+    const bool same = difference_of(before.value("identity", json()), (*manifest_)["identity"]).empty();
+    resumed_ = same && earlier == Earlier::resumed;
+    const json leftovers = before.value("leftovers", json::array()), settled = before.value("kept", json::object());
+    (*manifest_)["leftovers"] = same && leftovers.is_array() ? leftovers : json::array();
+    const json companions = before.value("companions", json::array());
+    (*manifest_)["companions"] = companions.is_array() ? companions : json::array();
+    (*manifest_)["kept"] = resumed_ && settled.is_object() ? settled : json::object();
+    begun_ = resumed_;
+    if (!resumed_) drop_all_but({});
+    write_manifest();
+}
+
+WorkFolder::~WorkFolder() {
+    if (begun_ || removed_ || (manifest_->contains("leftovers") && !(*manifest_)["leftovers"].empty())) return;
+    remove_companions();
+    remove();
+}
+
+void WorkFolder::write_manifest() {
+    write_whole(folder_ / manifest_name, json_text(*manifest_));
+}
+
+void WorkFolder::check(const std::filesystem::path& output) {
+    const std::filesystem::path folder = work_folder_of(output);
+    if (!std::filesystem::exists(folder)) return;
+    OutputLock::check(folder / lock_name, output);
+    // Take only a folder that is ours to empty: one with a manifest, or none yet.
+    std::error_code error;
+    bool ours = std::filesystem::is_directory(folder, error), empty = true;
+    for (const std::filesystem::path& entry : entries_of(folder)) {
+        const std::string name = entry.filename().string();
+        // A run that was killed may have left the beginning of its manifest.
+        empty = empty && (name == lock_name || (name.starts_with(manifest_name) && name.ends_with(".tmp")));
+    }
+    ours = ours && (empty || std::filesystem::exists(folder / manifest_name));
+    if (!ours)
+        throw core::Error("writing", folder.string(),
+                          "something of that name is in the way that is no unfinished film");
+}
+
+void WorkFolder::check(const std::filesystem::path& output, const json& identity) {
+    check(output);
+    refuse_other(output, as_written(identity));
+}
+
+std::size_t WorkFolder::left(const std::filesystem::path& output, const json& identity,
+                             const std::vector<Chunk>& chunks) {
+    const std::filesystem::path folder = work_folder_of(output);
+    if (!difference_of(manifest_in(folder).value("identity", json()), as_written(identity)).empty()) return 0;
+    std::size_t count = 0;
+    std::error_code error;
+    while (count < chunks.size() &&
+           std::filesystem::exists(ChunkFile::record_of(folder / name_of(chunks[count])), error))
+        ++count;
+    return count;
+}
+
+std::filesystem::path WorkFolder::file_of(const Chunk& chunk) const {
+    return place(name_of(chunk));
+}
+
+std::vector<ChunkFile> WorkFolder::finished(const std::vector<Chunk>& chunks) const {
+    std::vector<ChunkFile> files;
+    for (const Chunk& chunk : chunks) {
+        std::optional<ChunkFile> file = resumed_ ? ChunkFile::reopened(file_of(chunk), chunk) : std::nullopt;
+        if (!file) break;
+        files.push_back(std::move(*file));
+    }
+    return files;
+}
+
+void WorkFolder::drop_all_but(const std::vector<ChunkFile>& chunks) {
+    for (const std::filesystem::path& entry : entries_of(folder_)) {
+        const bool own = entry.filename() == lock_name || entry.filename() == manifest_name;
+        const bool wanted = std::any_of(chunks.begin(), chunks.end(), [&](const ChunkFile& chunk) {
+            return entry.stem() == chunk.file().stem();  // stream, record, frames
+        });
+        if (!own && !wanted) std::filesystem::remove_all(entry);
+    }
+}
+
+json WorkFolder::kept(const std::string& name) const {
+    return (*manifest_)["kept"].value(name, json());
+}
+
+void WorkFolder::keep(const std::string& name, const json& value) {
+    (*manifest_)["kept"][name] = value;
+    write_manifest();
+}
+
+std::filesystem::path WorkFolder::begin(const std::string& name) {
+    begun_ = true;
+    return place(name);
+}
+
+void WorkFolder::remember_companion(const std::filesystem::path& output, const json& identity) {
+    std::error_code error;
+    const std::filesystem::path name = std::filesystem::absolute(output, error).lexically_normal();
+    const json one = as_written({{"file", name.string()}, {"identity", identity}});
+    json& companions = (*manifest_)["companions"];
+    if (std::find(companions.begin(), companions.end(), one) != companions.end()) return;
+    companions.push_back(one);
+    write_manifest();
+}
+
+std::vector<std::filesystem::path> WorkFolder::companions() const {
+    std::vector<std::filesystem::path> files;
+    for (const json& one : manifest_->value("companions", json::array()))
+        if (one.is_object() && one.value("file", json()).is_string())
+            files.emplace_back(one["file"].get<std::string>());
+    return files;
+}
+
+void WorkFolder::remove_companions() const {
+    for (const json& one : manifest_->value("companions", json::array())) {
+        if (!one.is_object() || !one.value("file", json()).is_string()) continue;
+        const std::filesystem::path file(one["file"].get<std::string>());
+        // Only what was made for this film; the folders of this run are locked.
+        if (one.value("identity", json()) != manifest_in(work_folder_of(file)).value("identity", json(false))) continue;
+        try {
+            check(file);
+            WorkFolder(file, one["identity"]).remove();
+        } catch (const std::exception&) {
+            // Another run has it, or it is not to be removed: it harms nobody.
+        }
+    }
+}
+
+ChunkFile WorkFolder::open(const Chunk& chunk) {
+    begun_ = true;
+    return {file_of(chunk), chunk};
+}
+
+std::filesystem::path WorkFolder::leave(const std::filesystem::path& file) {
+    std::error_code error;
+    std::filesystem::path name = partial_film_of(output_);
+    for (int i = 2; std::filesystem::exists(std::filesystem::symlink_status(name, error)); ++i)
+        name = partial_film_of(output_, i);
+    std::filesystem::rename(file, name, error);
+    if (error) throw core::Error("writing", name.string(), error.message());
+    (*manifest_)["leftovers"].push_back(leftover_of(name));
+    write_manifest();
+    return name;
+}
+
+void WorkFolder::clear_away() {
+    const std::filesystem::path folder = output_.parent_path();
+    for (const json& leftover : (*manifest_)["leftovers"]) {
+        if (!leftover.is_object() || !leftover.contains("file") || !leftover["file"].is_string()) continue;
+        // Only a name, whatever the record says.
+        const std::filesystem::path name = std::filesystem::path(leftover["file"].get<std::string>()).filename();
+        std::error_code ignored;
+        if (leftover == leftover_of(folder / name)) std::filesystem::remove(folder / name, ignored);
+    }
+    remove_companions();
+    remove();
+}
+
+void WorkFolder::remove() {
+    if (removed_) return;  // what is there now is the next run's
+    // The lock comes last: without it, what is there may be the next run's. The manifest until then says that the
+    // folder is ours. The film is whole; a leftover folder harms nobody.
+    std::error_code ignored;
+    for (const std::filesystem::path& entry : entries_of(folder_))
+        if (entry.filename() != lock_name && entry.filename() != manifest_name)
+            std::filesystem::remove_all(entry, ignored);
+    std::filesystem::remove(folder_ / manifest_name, ignored);
+    std::filesystem::remove(folder_ / lock_name, ignored);
+    std::filesystem::remove(folder_, ignored);
+    removed_ = true;
+}
+
+}  // namespace render2mpeg::app

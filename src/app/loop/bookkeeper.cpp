@@ -1,0 +1,59 @@
+#include "app/loop/bookkeeper.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/error.h"
+#include "core/numeric.h"
+#include "perceptual/metrics.h"
+
+namespace render2mpeg::app {
+
+void Bookkeeper::rendered(std::int64_t frame, const renderer::Statistics& before, const renderer::Statistics& after) {
+    FrameEntry entry;
+    entry.frame = frame;
+    entry.shadow_rays = after.shadow_rays - before.shadow_rays;
+    const auto points = static_cast<double>(std::max<std::uint64_t>(1, after.gather_points - before.gather_points));
+    entry.direct_cut = static_cast<double>(after.direct_clusters - before.direct_clusters) / points;
+    entry.indirect_cut = static_cast<double>(after.indirect_clusters - before.indirect_clusters) / points;
+    entry.records = {after.records_created - before.records_created, after.records_followed - before.records_followed,
+                     after.records_held, static_cast<double>(after.records_served - before.records_served) / points};
+    ledger_.frames.push_back(entry);
+}
+
+void Bookkeeper::audited(const std::vector<renderer::AuditedPixel>& pixels, const core::ToleranceMap& tolerance) {
+    for (const renderer::AuditedPixel& p : pixels) {
+        const float absolute = tolerance.is_reference() ? 0.0f : tolerance.pixels.at(p.x, p.y).absolute;
+        ledger_.audit.errors.add(core::divide_or(p.error, std::max(p.luminance, absolute), 0.0f));
+        ledger_.audit.over += p.over() ? 1 : 0;
+    }
+}
+
+void Bookkeeper::keep(core::Picture picture) {
+    const std::int64_t number = picture.number;
+    waiting_.emplace(number, std::move(picture));
+}
+
+void Bookkeeper::coded(const encoder::CodedPicture& coded) {
+    const auto original = waiting_.find(coded.plan.number);
+    EXPECTS(original != waiting_.end());
+    FrameEntry& entry =
+        ledger_.frames[first_ + static_cast<std::size_t>(coded.plan.number - ledger_.frames[first_].frame)];
+    entry.type = "-IPB"[static_cast<int>(coded.plan.type)];
+    entry.quantiser = coded.quantiser;
+    double sum = 0;
+    for (const encoder::MacroblockRecord& macroblock : coded.macroblocks.values()) sum += macroblock.quantiser;
+    entry.mean_quantiser = core::divide_or(sum, static_cast<double>(coded.macroblocks.size()), 0.0);
+    entry.planned_quantiser = coded.plan.quantiser;
+    entry.bytes = coded.bytes.size();
+    entry.tries = coded.tries;
+    entry.minimal = coded.minimal;
+    entry.stuffing = coded.stuffing_bytes;
+    entry.fullness_before = coded.fullness_before;
+    entry.fullness_after = coded.fullness_after;
+    entry.mse_y = perceptual::mean_squared_error(original->second.y, coded.reconstruction.y);
+    entry.ssim_y = perceptual::ssim(original->second.y, coded.reconstruction.y);
+    waiting_.erase(original);
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,79 @@
+#include "app/loop/first_pass.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/system/interrupt.h"
+#include "app/loop/pipeline.h"
+#include "app/system/progress.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// Sides of the first pass's pictures are a fourth of the film's.
+/// chosen: 1/4; half the sides cost three times the light and find the same shares within a few per cent.
+constexpr int shrink = 4;
+
+/// Bits of the film's pictures over those of the first pass at the same quantiser: more pixels, but each told more by
+/// its neighbours. Only the first pictures of a chunk depend on it; then their own sizes are known.
+/// fit: docs/fits/rate-model
+constexpr double size_ratio = 7;
+
+/// Keeps what every picture comes to.
+class Collector : public Watcher {
+  public:
+    void coded(const encoder::CodedPicture& picture) override {
+        film.push_back(encoder::pass_picture(picture, starts_chunk));
+        starts_chunk = false;
+    }
+    std::vector<encoder::PassPicture> film;  ///< in coding order
+    bool starts_chunk = false;
+};
+
+Production small(const Production& film) {
+    Production pass = film;
+    pass.format.width = (film.format.width + shrink - 1) / shrink;
+    pass.format.height = (film.format.height + shrink - 1) / shrink;
+    pass.rendering.format = pass.format;
+    pass.rendering.samples = 1;
+    pass.rendering.calibrate = false;  // nothing is promised of its light
+    // chosen: textures, edges and motion make most of the bits, not the last light points (64..4096).
+    pass.rendering.vpls = std::min(film.rendering.vpls, 256);
+    pass.tolerance = {};
+    pass.tolerance.relative = 0.2f;
+    pass.coding.width = pass.format.width;
+    pass.coding.height = pass.format.height;
+    pass.coding.effort = encoder::Effort::fast;
+    pass.coding.rate_control = {};
+    pass.coding.quantiser = usual_quantiser(film.coding);
+    return pass;
+}
+
+}  // namespace
+
+int usual_quantiser(const encoder::Settings& settings) {
+    const double samples = static_cast<double>(settings.width) * settings.height * settings.rate.hertz.value();
+    const double density = static_cast<double>(settings.rate_control.bit_rate) / samples;
+    // chosen: walks need 0.8 bits per sample at quantiser 1, and about 1 / quantiser of it at others
+    // (docs/fits/rate-model.md); the ends are where films seldom are.
+    return std::clamp(static_cast<int>(std::lround(0.8 / std::max(density, 1e-3))), 2, 24);
+}
+
+std::vector<encoder::Allotment> first_pass(const Production& film, bool quiet) {
+    const Production pass = small(film);
+    renderer::Renderer renderer = renderer_of(pass);
+    Progress progress(film.frame_count(), quiet, "first pass");
+    Collector collector;
+    Ledger ledger;
+    for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {
+        collector.starts_chunk = true;
+        render_chunk(pass, renderer, chunk, {nullptr, nullptr, nullptr, &collector}, ledger, [&] {
+            progress.advance();
+            return !InterruptGuard::requested();
+        });
+        if (InterruptGuard::requested()) return {};
+    }
+    return encoder::allot(film.coding, collector.film, size_ratio);
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,145 @@
+#include "app/loop/frame_source.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "app/options/output_kind.h"
+#include "core/error.h"
+#include "core/radiance.h"
+#include "encoder/y4m_reader.h"
+#include "image/image.h"
+#include "perceptual/display.h"
+
+namespace render2mpeg::app {
+namespace {
+
+void check_range(const FrameRange& wanted, const FrameRange& there, const std::string& name) {
+    if (wanted.first < there.first || wanted.last > there.last)
+        throw core::Error(
+            "reading", name,
+            fmt::format("it has frames {} to {}, not {} to {}", there.first, there.last, wanted.first, wanted.last));
+}
+
+class Y4mFrames : public FrameSource {
+  public:
+    Y4mFrames(const std::filesystem::path& file, const std::optional<FrameRange>& wanted)
+        : reader_(file), frames_{0, reader_.frames() - 1} {
+        if (wanted) check_range(*wanted, frames_, file.string());
+        if (wanted) frames_ = *wanted;
+    }
+    Size size() const override { return {reader_.format().width, reader_.format().height}; }
+    FrameRange frames() const override { return frames_; }
+    std::optional<core::Rational> rate() const override { return reader_.format().hertz; }
+    std::optional<core::Rational> pixel_aspect() const override { return reader_.format().pixel_aspect; }
+    core::Picture read(std::int64_t frame) override { return reader_.read(frame); }
+
+  private:
+    av::Y4mReader reader_;
+    FrameRange frames_;
+};
+
+/// The numbers of the files that a pattern names, which must follow one another.
+FrameRange frames_on_disk(const std::filesystem::path& pattern) {
+    const std::vector<std::int64_t> numbers = numbers_on_disk(pattern);
+    if (numbers.empty()) throw core::Error("reading", pattern.string(), "no file has such a name");
+    for (std::size_t i = 1; i < numbers.size(); ++i)
+        if (numbers[i] != numbers[i - 1] + 1)
+            throw core::Error("reading", pattern.string(),
+                              fmt::format("frame {} is missing; --frames takes a part", numbers[i - 1] + 1));
+    return {numbers.front(), numbers.back()};
+}
+
+class ImageFrames : public FrameSource {
+  public:
+    ImageFrames(const std::filesystem::path& pattern, std::optional<float> exposure,
+                const std::optional<FrameRange>& wanted, std::optional<perceptual::ColorMatrix> matrix)
+        : pattern_(pattern), frames_(wanted ? *wanted : frames_on_disk(pattern)), exposure_(exposure.value_or(0.0f)) {
+        // Look at the first frame for what all have in common; see that the others are there.
+        for (std::int64_t n = frames_.first; n <= frames_.last; ++n)
+            if (!std::filesystem::exists(numbered(pattern_, n)))
+                throw core::Error("reading", numbered(pattern_, n).string(), "no such file");
+        const image::Image first = read_image(frames_.first);
+        size_ = {first.pixels.width(), first.pixels.height()};
+        matrix_ = matrix.value_or(perceptual::matrix_for(size_.height));
+        if (first.pixel_aspect > 0.001f && first.pixel_aspect < 1000) pixel_aspect_ = first.pixel_aspect;
+        if (exposure && !first.high_range)
+            throw core::Error("exposure: the frames of " + pattern.string() +
+                              " are as a display shows them; only scene-linear ones (EXR) are exposed");
+    }
+    Size size() const override { return size_; }
+    FrameRange frames() const override { return frames_; }
+    std::uint64_t non_finite() const override { return non_finite_; }
+    /// Square pixels are what files say that know of no other.
+    std::optional<core::Rational> pixel_aspect() const override {
+        if (pixel_aspect_ == 1) return {};
+        return core::product({std::lround(10000 * pixel_aspect_), 10000}, {1, 1});
+    }
+
+    core::Picture read(std::int64_t frame) override {
+        const image::Image image = read_image(frame);
+        if (image.pixels.width() != size_.width || image.pixels.height() != size_.height)
+            throw core::Error("reading", numbered(pattern_, frame).string(),
+                              fmt::format("it has {}x{} pixels, the first frame {}x{}", image.pixels.width(),
+                                          image.pixels.height(), size_.width, size_.height));
+        const core::Plane<glm::vec3> colors = finite_colors(image);
+        core::Picture picture;
+        if (image.high_range) {
+            core::Radiance radiance;
+            radiance.combined = colors;
+            picture = perceptual::Display(exposure_, matrix_).develop(radiance);
+        } else {
+            picture = perceptual::picture_of_signals(colors, matrix_);
+        }
+        picture.number = frame;
+        return picture;
+    }
+
+  private:
+    image::Image read_image(std::int64_t frame) const {
+        const std::filesystem::path file = numbered(pattern_, frame);
+        return image::read_image(file, {}, file.string());
+    }
+    /// Alpha does not count: what a renderer writes is the colour over black.
+    core::Plane<glm::vec3> finite_colors(const image::Image& image) {
+        core::Plane<glm::vec3> colors(image.pixels.width(), image.pixels.height());
+        for (std::size_t i = 0; i < colors.size(); ++i)
+            for (int c = 0; c < 3; ++c) {
+                const float value = image.pixels.values()[i][c];
+                non_finite_ += std::isfinite(value) ? 0u : 1u;
+                colors.values()[i][c] = std::isfinite(value) ? value : 0.0f;
+            }
+        return colors;
+    }
+
+    std::filesystem::path pattern_;
+    FrameRange frames_;
+    float exposure_;
+    Size size_;
+    perceptual::ColorMatrix matrix_ = perceptual::ColorMatrix::bt709;
+    float pixel_aspect_ = 1;
+    std::uint64_t non_finite_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std::optional<float> exposure,
+                                         const std::optional<FrameRange>& wanted,
+                                         std::optional<perceptual::ColorMatrix> matrix) {
+    const std::string ending = input.extension().string();
+    if (ending == ".y4m") {
+        if (exposure)
+            throw core::Error("exposure: the frames of " + input.string() +
+                              " are as a display shows them; only scene-linear ones (EXR) are exposed");
+        return std::make_unique<Y4mFrames>(input, wanted);
+    }
+    if (ending != ".exr" && ending != ".png")
+        throw core::Error("reading", input.string(),
+                          "frames are a .y4m file, or numbered images such as frames.%04d.exr or .png");
+    if (!is_numbered(input))
+        throw core::Error("reading", input.string(),
+                          "numbered images need one frame number in their name, e.g. frames.%04d" + ending);
+    return std::make_unique<ImageFrames>(input, exposure, wanted, matrix);
+}
+
+}  // namespace render2mpeg::app

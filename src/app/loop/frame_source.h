@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "app/options/options.h"
+#include "core/picture.h"
+#include "core/rational.h"
+#include "perceptual/display.h"
+
+namespace render2mpeg::app {
+
+/// Finished frames from outside: a Y4M file, or numbered images.
+class FrameSource {
+  public:
+    virtual ~FrameSource() = default;
+
+    /// Of every frame.
+    virtual Size size() const = 0;
+    /// The frames there are, without a gap.
+    virtual FrameRange frames() const = 0;
+    /// Pictures per second, and width by height of a pixel; none: the frames do not say.
+    virtual std::optional<core::Rational> rate() const { return {}; }
+    virtual std::optional<core::Rational> pixel_aspect() const { return {}; }
+    /// Reads one of frames(). Throws core::Error, also where its size is another.
+    virtual core::Picture read(std::int64_t frame) = 0;
+    /// Values that were not finite and became 0 in the frames read so far.
+    virtual std::uint64_t non_finite() const { return 0; }
+};
+
+/// Opens FRAMES: `film.y4m`, `frames.%04d.exr` (scene-linear; developed with `exposure` EV, 0 where none is given) or
+/// `frames.%04d.png` (display-referred). `wanted`: only these frames need be there; else all from the first number to
+/// the last. `matrix`: of the pictures that images become; none: by their height. Throws core::Error, also for an
+/// exposure that frames have no use for.
+std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std::optional<float> exposure,
+                                         const std::optional<FrameRange>& wanted,
+                                         std::optional<perceptual::ColorMatrix> matrix = {});
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,117 @@
+#include "app/loop/ledger.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <numeric>
+
+#include "core/numeric.h"
+#include "perceptual/metrics.h"
+
+namespace render2mpeg::app {
+
+double cpu_seconds() {
+    timespec t{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+double clock_seconds() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer::Statistics& later) {
+    renderer::Statistics sum = later;
+    for (std::uint64_t renderer::Statistics::*count :
+         {&renderer::Statistics::primary_rays, &renderer::Statistics::shadow_rays, &renderer::Statistics::photon_rays,
+          &renderer::Statistics::specular_rays, &renderer::Statistics::gather_points,
+          &renderer::Statistics::capped_points, &renderer::Statistics::direct_clusters,
+          &renderer::Statistics::indirect_clusters, &renderer::Statistics::non_finite,
+          &renderer::Statistics::calibrated_pixels, &renderer::Statistics::records_created,
+          &renderer::Statistics::records_served, &renderer::Statistics::records_moved,
+          &renderer::Statistics::records_between, &renderer::Statistics::records_followed,
+          &renderer::Statistics::records_watched, &renderer::Statistics::records_missed,
+          &renderer::Statistics::frames_watched})
+        sum.*count += earlier.*count;
+    sum.records_live = std::max(earlier.records_live, later.records_live);
+    sum.calibration_seconds += earlier.calibration_seconds;
+    sum.sky_seconds += earlier.sky_seconds;
+    sum.layer_seconds += earlier.layer_seconds;
+    sum.bands.add(earlier.bands);
+    if (!earlier.first_non_finite.empty()) sum.first_non_finite = earlier.first_non_finite;
+
+    // What was lit decides whose means count how much; without later frames the earlier ones are all there is.
+    const auto frames = static_cast<double>(earlier.frames_watched), all = static_cast<double>(sum.frames_watched);
+    sum.mean_caution += core::divide_or(frames, all, 0.0) * (earlier.mean_caution - later.mean_caution);
+    sum.largest_caution = std::max(earlier.largest_caution, later.largest_caution);
+    if (earlier.frames_watched > 0 && later.frames_watched > 0)
+        sum.least_caution = std::min(earlier.least_caution, later.least_caution);
+    else if (earlier.frames_watched > 0)
+        sum.least_caution = earlier.least_caution;
+    sum.luminance += earlier.luminance;
+    sum.clamped_energy = core::divide_or(
+        earlier.clamped_energy * earlier.luminance + later.clamped_energy * later.luminance, sum.luminance, 0.0);
+    if (later.gather_points == 0) {
+        sum.direct_points = earlier.direct_points;
+        sum.indirect_points = earlier.indirect_points;
+    }
+    return sum;
+}
+
+double Ledger::total_seconds() const {
+    return std::accumulate(seconds.begin(), seconds.end(), 0.0);
+}
+
+double Audit::share_over() const {
+    return core::divide_or(static_cast<double>(over), static_cast<double>(errors.count()), 0.0);
+}
+
+double Ledger::psnr_y() const {
+    double sum = 0;
+    for (const FrameEntry& entry : frames) sum += entry.mse_y;
+    return perceptual::psnr(core::divide_or(sum, static_cast<double>(frames.size()), 0.0));
+}
+
+double Ledger::ssim_y() const {
+    double sum = 0;
+    for (const FrameEntry& entry : frames) sum += entry.ssim_y;
+    return core::divide_or(sum, static_cast<double>(frames.size()), 1.0);
+}
+
+RateOutcome Ledger::rate_outcome() const {
+    RateOutcome outcome;
+    for (const FrameEntry& entry : frames) {
+        outcome.bytes += entry.bytes;
+        outcome.stuffing += entry.stuffing;
+        outcome.requantised += entry.tries > 1 ? 1 : 0;
+        outcome.minimal += entry.minimal ? 1 : 0;
+        outcome.off_plan += entry.quantiser != entry.planned_quantiser ? 1 : 0;
+    }
+    return outcome;
+}
+
+QuantiserRange Ledger::quantisers() const {
+    QuantiserRange range;
+    for (const FrameEntry& entry : frames) {
+        range.mean += entry.mean_quantiser;
+        range.min = range.min == 0 ? entry.quantiser : std::min(range.min, entry.quantiser);
+        range.max = std::max(range.max, entry.quantiser);
+        range.finest += entry.quantiser == 1 ? 1 : 0;
+        range.coarsest += entry.quantiser == 31 ? 1 : 0;
+    }
+    range.mean = core::divide_or(range.mean, static_cast<double>(frames.size()), 0.0);
+    return range;
+}
+
+double Ledger::mean_direct_cut() const {
+    return core::divide_or(static_cast<double>(rendering.direct_clusters), static_cast<double>(rendering.gather_points),
+                           0.0);
+}
+
+double Ledger::mean_indirect_cut() const {
+    return core::divide_or(static_cast<double>(rendering.indirect_clusters),
+                           static_cast<double>(rendering.gather_points), 0.0);
+}
+
+}  // namespace render2mpeg::app

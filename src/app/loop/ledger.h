@@ -1,0 +1,123 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/system/error_histogram.h"
+#include "renderer/renderer.h"
+
+namespace render2mpeg::app {
+
+enum class Stage { load, first_pass, see, preview, tolerate, shade, develop, encode, count };
+inline constexpr std::array stage_names{"load",     "first_pass", "see",     "preview",
+                                        "tolerate", "shade",      "develop", "encode"};
+
+/// CPU seconds of this process so far, summed over threads.
+double cpu_seconds();
+/// Seconds on a clock that never turns back.
+double clock_seconds();
+
+/// What records did for one frame; all 0 where none are kept.
+struct RecordsEntry {
+    std::uint64_t created = 0, followed = 0;
+    std::uint64_t live = 0;  ///< held after it
+    double served = 0;       ///< share of its gather points that they, or the frame before, lit
+};
+
+/// What became of one frame.
+struct FrameEntry {
+    std::int64_t frame = 0;
+    char type = '-';  ///< I, P, B; '-': not coded
+    int quantiser = 0;
+    double mean_quantiser = 0;  ///< of its macroblocks
+    std::uint64_t bytes = 0;
+    int planned_quantiser = 0;   ///< that it was rendered for
+    int tries = 1;               ///< codings until the decoder's buffer could bring it in time
+    bool minimal = false;        ///< only a picture without detail fitted
+    std::uint64_t stuffing = 0;  ///< bytes
+    std::int64_t fullness_before = 0, fullness_after = 0;  ///< of the buffer, bits
+    double mse_y = 0, ssim_y = 1;                          ///< of the decoded picture against the rendered one
+    std::uint64_t shadow_rays = 0;
+    double direct_cut = 0, indirect_cut = 0;  ///< clusters per gather point
+    RecordsEntry records;
+    double seconds = 0;                       ///< CPU
+};
+
+/// What rate control had to do; counts of pictures.
+struct RateOutcome {
+    std::uint64_t bytes = 0;     ///< of all coded pictures
+    std::uint64_t stuffing = 0;  ///< of these
+    int requantised = 0;         ///< coded more than once to fit the buffer
+    int minimal = 0;             ///< of these, without any detail
+    int off_plan = 0;            ///< with another quantiser than they were rendered for
+};
+
+/// The pictures' quantisers as they came out.
+struct QuantiserRange {
+    double mean = 0;       ///< of all macroblocks
+    int min = 0, max = 0;  ///< of the pictures
+    int finest = 0;        ///< how many pictures have quantiser 1
+    int coarsest = 0;      ///< and how many 31
+};
+
+/// How well tolerances were kept, from pixels that were gathered again without clustering.
+struct Audit {
+    /// Of pixels: luminance's error over the luminance it should have, or over its absolute tolerance where that is
+    /// larger.
+    ErrorHistogram errors;
+    std::uint64_t over = 0;  ///< pixels whose error exceeds their tolerance
+    double seconds = 0;      ///< CPU
+
+    double share_over() const;
+};
+
+/// What a run spent, where, and what came of it.
+struct Ledger {
+    std::array<double, static_cast<std::size_t>(Stage::count)> seconds{};  ///< CPU, summed over threads
+    double wall = 0;
+    double earlier_cpu = 0, earlier_wall = 0;  ///< of the runs that this one goes on from; `wall` has it in it
+    std::vector<FrameEntry> frames;
+    int brightest_luma = 0;  ///< code value
+    renderer::Statistics rendering;
+    Audit audit;
+    /// CPU, by row of the plan; 0 for rows that did not run, or not by themselves: their time is in the row they serve.
+    std::array<double, static_cast<std::size_t>(renderer::Pass::count)> pass_seconds{};
+
+    double stage_seconds(Stage stage) const { return seconds[static_cast<std::size_t>(stage)]; }
+    double total_seconds() const;
+    /// Means over the film. PSNR from the mean squared error of all frames; +infinity when nothing was lost.
+    double psnr_y() const;
+    double ssim_y() const;
+    RateOutcome rate_outcome() const;
+    QuantiserRange quantisers() const;
+    double mean_direct_cut() const;
+    double mean_indirect_cut() const;
+};
+
+/// Counts of two runs over parts of one film, the earlier one first.
+renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer::Statistics& later);
+
+/// Calls `work`, adds the CPU time it took to `sum`, and returns what it returned.
+template <class Work>
+auto timed(double& sum, Work&& work) {
+    struct Clock {
+        double& sum;
+        double start = cpu_seconds();
+        ~Clock() { sum += cpu_seconds() - start; }
+    };
+    const Clock clock{sum};
+    return work();
+}
+template <class Work>
+auto timed(Ledger& ledger, Stage stage, Work&& work) {
+    return timed(ledger.seconds[static_cast<std::size_t>(stage)], std::forward<Work>(work));
+}
+template <class Work>
+auto timed(Ledger& ledger, renderer::Pass pass, Work&& work) {
+    return timed(ledger.pass_seconds[static_cast<std::size_t>(pass)], std::forward<Work>(work));
+}
+
+}  // namespace render2mpeg::app

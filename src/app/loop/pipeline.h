@@ -1,0 +1,67 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "app/options/chunk.h"
+#include "app/files/chunk_file.h"
+#include "app/loop/ledger.h"
+#include "app/loop/production.h"
+#include "app/loop/sink.h"
+
+namespace render2mpeg::app {
+
+/// One frame when its light is gathered.
+struct LitFrame {
+    const scene::Snapshot& world;
+    const core::Visible& visible;
+    const core::ToleranceMap& tolerance;  ///< that it was lit by
+    const core::Radiance& radiance;
+    const core::Picture& picture;
+};
+
+/// Looks on while a chunk is made, and changes nothing. Frames come in order, pictures in coding order.
+class Watcher {
+  public:
+    virtual ~Watcher() = default;
+    virtual void lit(const LitFrame&) {}
+    virtual void coded(const encoder::CodedPicture&) {}
+    /// Before a chunk's first frame, and after its last.
+    virtual void begins(const Chunk&) {}
+    virtual void ends(const Chunk&) {}
+};
+
+/// Where the products of a chunk go; what is null is not wanted. Pictures are coded where the production is a film.
+struct Destination {
+    ChunkFile* film = nullptr;
+    Sink* sink = nullptr;
+    const std::filesystem::path* layers = nullptr;  ///< folder of the multilayer files
+    Watcher* watcher = nullptr;
+};
+
+/// What the encoder is told of a frame before it is lit.
+encoder::PictureFacts facts_of(const Production& film, const scene::Snapshot& world, const Chunk& chunk);
+
+/// Adds what motion against the picture before decides of types and quantisers; nothing where a chunk or a shot begins,
+/// and where nothing moves.
+void tell_motion(const Production& film, const Chunk& chunk, const core::Visible& visible, const scene::Snapshot& world,
+                 encoder::PictureFacts& facts);
+
+/// Motion from a picture to each of its references: exact at any distance, since a snapshot of any frame can be had.
+/// None where nothing moves: then the encoder's zero vector is exact.
+std::vector<core::MotionField> motion_of(const Production& film, const encoder::PicturePlan& coding,
+                                         const core::Visible& visible, const scene::Snapshot& world);
+
+/// Motion to the last picture that depends on this one; none where the encoder asks for none.
+std::optional<core::MotionField> onward_motion(const Production& film, const encoder::PicturePlan& coding,
+                                               const core::Visible& visible, const scene::Snapshot& world);
+
+/// Renders and codes one chunk (DESIGN.md, "The loop"): the only place that knows scene, renderer, eye and encoder.
+/// Calls `frame_done` after every frame and stops early, leaving complete pictures, when it returns false. The ledger
+/// grows by the chunk's frames; it is returned whether the chunk is whole.
+bool render_chunk(const Production& film, renderer::Renderer& renderer, const Chunk& chunk,
+                  const Destination& destination, Ledger& ledger, const std::function<bool()>& frame_done);
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "app/loop/coupling.h"
+#include "app/options/film.h"
+#include "app/options/options.h"
+#include "app/options/output_kind.h"
+#include "app/loop/records_choice.h"
+#include "core/rational.h"
+#include "core/tolerance_map.h"
+#include "encoder/encoder.h"
+#include "perceptual/display.h"
+#include "renderer/base/plan.h"
+#include "renderer/renderer.h"
+#include "scene/model/animation.h"
+#include "scene/pose/snapshot.h"
+
+namespace render2mpeg::app {
+
+/// Everything that decides a film: the scene and all settings, with the options' gaps filled. Constant while it is
+/// rendered.
+struct Production {
+    std::shared_ptr<const scene::Animation> animation;
+    core::FrameRate rate;
+    FrameRange frames;
+    std::optional<std::int64_t> end;  ///< last frame of the film that the scene tells; none: nothing moves
+    scene::PictureFormat format;
+    renderer::Settings rendering;
+    renderer::Plan plan{{}};
+    RecordsChoice records;  ///< as `rendering` has it
+    encoder::Settings coding;
+    Keyframes keyframes;
+    bool disc = false;                  ///< program streams are a DVD's
+    core::Rational pixel_aspect{1, 1};  ///< width by height of a pixel, as in `format`
+    ToleranceRequest tolerance;
+    CouplingSettings coupling;  ///< where the tolerance is coupled
+    OutputKind kind = OutputKind::film;
+    std::optional<float> exposure;               ///< EV; none: to be measured
+    bool measures_exposure = false;              ///< nobody says it
+    bool two_passes = false;                     ///< the first one finds `allotments`
+    std::vector<encoder::Allotment> allotments;  ///< one per frame, or none
+    bool images_in_turn = false;                 ///< decode one at a time: memory is short
+    int audit = 0;                               ///< pixels of every frame that are gathered again without clustering
+
+    std::int64_t frame_count() const { return frames.last - frames.first + 1; }
+    scene::Snapshot snapshot(std::int64_t frame) const {
+        return scene::snapshot_at(*animation, frame, core::time_of(frame, rate), format);
+    }
+    core::ToleranceMap tolerance_map() const;
+    Film film() const { return {animation->source, frames, coding, keyframes, disc, core::name_of(rendering.isa)}; }
+};
+
+/// The film's renderer, its textures read.
+renderer::Renderer renderer_of(const Production& film);
+
+/// Loads the scene and settles every setting. Throws core::Error for all that cannot be rendered or coded.
+Production prepare(const RenderOptions& options);
+
+/// One exposure for the film, in EV: a few small, coarse frames spread over it are lit and their luminances judged.
+float measure_exposure(const Production& film);
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,223 @@
+#include "app/loop/resume.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+
+#include "app/files/checksum.h"
+#include "app/files/disk.h"
+#include "app/loop/first_pass.h"
+#include "app/system/interrupt.h"
+#include "app/report/ledger_json.h"
+#include "app/files/text_file.h"
+#include "core/error.h"
+
+namespace render2mpeg::app {
+namespace {
+
+using nlohmann::json;
+
+/// The files that a chunk's frames become beside the coded stream.
+std::vector<std::filesystem::path> products_of(const Production& film, const RenderOptions& options,
+                                               const WorkFolder& work, const Chunk& chunk) {
+    std::vector<std::filesystem::path> files;
+    if (film.kind == OutputKind::y4m) files.push_back(frames_of(film, options, work, chunk));
+    for (std::int64_t n = chunk.first; n <= chunk.last; ++n) {
+        if (film.kind == OutputKind::exr || film.kind == OutputKind::png) files.push_back(numbered(options.output, n));
+        if (options.layers) files.push_back(numbered(layers_in(*options.layers), n));
+    }
+    return files;
+}
+
+/// Their checksums; null for one that is not there.
+json sums_of(const std::vector<std::filesystem::path>& files) {
+    json sums = json::array();
+    for (const std::filesystem::path& file : files) {
+        std::error_code error;
+        const bool there = std::filesystem::is_regular_file(file, error);
+        sums.push_back(there ? json(text_of(checksum_of(file))) : json());
+    }
+    return sums;
+}
+
+/// Takes in what a chunk's record says. Whether it says all and its products are there; else the ledger stays as it is.
+bool take_in(const Production& film, const RenderOptions& options, const WorkFolder& work, const ChunkFile& chunk,
+             Ledger& ledger) {
+    try {
+        const json facts = chunk.facts();
+        if (facts.at("products") != sums_of(products_of(film, options, work, chunk.chunk()))) return false;
+        Ledger trial = ledger;
+        restore(trial, facts.at("ledger"));
+        const bool whole =
+            static_cast<std::int64_t>(trial.frames.size() - ledger.frames.size()) == chunk.chunk().frames();
+        if (whole) ledger = std::move(trial);
+        return whole;
+    } catch (const std::exception&) {
+        return false;  // a damaged record is none
+    }
+}
+
+json json_of(const encoder::Allotment& a) {
+    return {{"quantiser", a.quantiser},      {"bits", a.bits},
+            {"bits_left", a.bits_left},      {"type", a.type ? json(static_cast<int>(*a.type)) : json(nullptr)},
+            {"affordable", a.affordable},    {"ratio", a.ratio ? json(*a.ratio) : json(nullptr)},
+            {"left_by_type", a.left_by_type}};
+}
+
+/// Throws json::exception for what json_of() would not write.
+encoder::Allotment allotment_from(const json& written) {
+    encoder::Allotment a;
+    written.at("quantiser").get_to(a.quantiser);
+    written.at("bits").get_to(a.bits);
+    written.at("bits_left").get_to(a.bits_left);
+    if (!written.at("type").is_null()) a.type = static_cast<encoder::PictureType>(written["type"].get<int>());
+    written.at("affordable").get_to(a.affordable);
+    if (!written.at("ratio").is_null()) a.ratio = written["ratio"].get<double>();
+    written.at("left_by_type").get_to(a.left_by_type);
+    return a;
+}
+
+/// The allotments that an earlier run found; none where it did not come so far.
+std::vector<encoder::Allotment> kept_allotments(const Production& film, const WorkFolder& work) {
+    const json written = work.kept("allotments");
+    if (!written.is_array() || static_cast<std::int64_t>(written.size()) != film.frame_count()) return {};
+    std::vector<encoder::Allotment> allotments;
+    try {
+        for (const json& one : written) allotments.push_back(allotment_from(one));
+    } catch (const json::exception&) {
+        return {};  // damaged: they are found again
+    }
+    return allotments;
+}
+
+/// Heatmaps that an earlier run began and this one does not go on with; they go when the film is whole.
+void say_given_up(const RenderOptions& options, const WorkFolder& work) {
+    for (const std::filesystem::path& file : work.companions()) {
+        std::error_code error;
+        const bool wanted = std::any_of(options.heatmaps.begin(), options.heatmaps.end(), [&](const auto& heatmap) {
+            return as_json_keeps(std::filesystem::absolute(heatmap.second, error).lexically_normal()) == file;
+        });
+        if (!wanted && !options.quiet && std::filesystem::exists(work_folder_of(file), error))
+            std::fputs((file.string() + " is given up, since --heatmap is not given for it\n").c_str(), stderr);
+    }
+}
+
+}  // namespace
+
+std::filesystem::path frames_of(const Production& film, const RenderOptions& options, const WorkFolder& work,
+                                const Chunk& chunk) {
+    return film.kind == OutputKind::y4m ? work.place(fmt::format("chunk_{:05}.y4m", chunk.index)) : options.output;
+}
+
+Products products_of(const Production& film, const RenderOptions& options) {
+    Products products;
+    const bool images = film.kind == OutputKind::exr || film.kind == OutputKind::png;
+    if (!images) products.frames.push_back(options.output);
+    for (std::int64_t n = film.frames.first; n <= film.frames.last; ++n) {
+        if (images) products.frames.push_back(numbered(options.output, n));
+        if (options.layers) products.frames.push_back(numbered(layers_in(*options.layers), n));
+    }
+    for (const auto& [subject, file] : options.heatmaps) products.beside.emplace_back(file);
+    if (options.stats) products.beside.emplace_back(*options.stats);
+    if (options.report) products.beside.emplace_back(*options.report);
+    return products;
+}
+
+std::optional<int> settled_before(const Production& film, const RenderOptions& options, const json& identity) {
+    if (!options.resume) return std::nullopt;
+    const std::string name = options.output.string();
+    const auto say = [&](const std::string& text) {
+        if (!options.quiet) std::fputs((name + text + "\n").c_str(), stderr);
+    };
+    const Wholeness found = wholeness_of(products_of(film, options), identity);
+    std::error_code error;
+    const bool begun = std::filesystem::exists(work_folder_of(options.output), error);
+    switch (found.state) {
+        case Wholeness::State::unknown:
+            return std::nullopt;
+        case Wholeness::State::other:
+            if (!begun) say(" is whole, but " + found.difference + ": it begins anew");
+            return std::nullopt;
+        case Wholeness::State::lacking:
+            if (begun) return std::nullopt;
+            throw core::Error("resuming", name,
+                              "it is whole already, and " + found.difference +
+                                  " can only be made with it; without --resume the film begins anew");
+        case Wholeness::State::whole:
+            break;
+    }
+    say(" is whole already: nothing is left to be done");
+    if (options.dry_run || !begun) return 0;
+    try {
+        WorkFolder(options.output, identity, WorkFolder::Earlier::resumed).clear_away();
+    } catch (const core::Error& refusal) {
+        // What somebody else has begun there, or is at work on, is no part of this film.
+        say(fmt::format(": what lies beside it is left alone ({})", refusal.what()));
+    }
+    return 0;
+}
+
+json facts_of(const Production& film, const RenderOptions& options, const WorkFolder& work, const Chunk& chunk,
+              const Ledger& so_far) {
+    const std::size_t first = so_far.frames.size() - static_cast<std::size_t>(chunk.frames());
+    const std::vector<std::filesystem::path> products = products_of(film, options, work, chunk);
+    for (const std::filesystem::path& file : products) bring_to_disk(file);
+    return {{"ledger", json_of(so_far, first)}, {"products", sums_of(products)}};
+}
+
+std::vector<ChunkFile> take_up(const Production& film, const RenderOptions& options, WorkFolder& work,
+                               HeatmapFilms& heatmaps, Ledger& ledger) {
+    if (!options.resume) return {};
+    std::vector<ChunkFile> left = work.finished(chunks_of(film.frames, film.coding.gop)), chunks;
+    Ledger earlier;
+    for (ChunkFile& chunk : left) {
+        if (!take_in(film, options, work, chunk, earlier)) break;
+        chunks.push_back(std::move(chunk));
+    }
+    // Reading the scene is all that this run has done yet.
+    for (std::size_t i = 0; i < ledger.seconds.size(); ++i) earlier.seconds[i] += ledger.seconds[i];
+    ledger = std::move(earlier);
+    heatmaps.take_up(chunks.size());
+    work.drop_all_but(chunks);
+    say_given_up(options, work);
+    if (!options.quiet) {
+        const std::string name = options.output.string();
+        const std::string text =
+            chunks.empty() ? fmt::format("--resume: no chunk was left of {}, which begins anew", name)
+                           : fmt::format("resuming {} with frame {}: {} of {} are there", name,
+                                         chunks.back().chunk().last + 1, ledger.frames.size(), film.frame_count());
+        std::fputs((text + "\n").c_str(), stderr);
+    }
+    return chunks;
+}
+
+void settle(Production& film, const RenderOptions& options, WorkFolder& work, Ledger& ledger) {
+    if (const json exposure = work.kept("exposure"); !film.exposure && exposure.is_number())
+        film.exposure = exposure.get<float>();
+    if (!film.exposure) {
+        film.exposure = timed(ledger, Stage::load, [&] { return measure_exposure(film); });
+        work.keep("exposure", *film.exposure);
+    }
+    if (!film.two_passes || InterruptGuard::requested()) return;
+    film.allotments = kept_allotments(film, work);
+    if (!film.allotments.empty()) return;
+    film.allotments = timed(ledger, Stage::first_pass, [&] { return first_pass(film, options.quiet); });
+    json written = json::array();
+    for (const encoder::Allotment& a : film.allotments) written.push_back(json_of(a));
+    if (!film.allotments.empty()) work.keep("allotments", written);
+}
+
+std::string resuming_text(const Production& film, std::size_t whole_chunks, const std::string& command) {
+    const std::vector<Chunk> chunks = chunks_of(film.frames, film.coding.gop);
+    if (whole_chunks == 0)
+        return fmt::format("no chunk of {} frames is whole yet, so that --resume would begin anew",
+                           chunks.front().frames());
+    if (whole_chunks == chunks.size()) return "with --resume only what comes after the last frame is done again";
+    return fmt::format("{} with --resume goes on with frame {}", command, chunks[whole_chunks].first);
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,85 @@
+#include "app/loop/sink.h"
+
+#include "encoder/y4m.h"
+#include "encoder/y4m_reader.h"
+#include "image/image.h"
+#include "perceptual/display.h"
+
+namespace render2mpeg::app {
+namespace {
+
+class Y4mSink : public Sink {
+  public:
+    Y4mSink(const Production& film, const std::filesystem::path& output)
+        : writer_(output, film.format.width, film.format.height, film.rate, film.pixel_aspect) {}
+    void write(const core::Radiance&, const core::Picture& picture) override { writer_.write(picture); }
+    void finish() override { writer_.finish(); }
+
+  private:
+    av::Y4mWriter writer_;
+};
+
+/// Scene-linear half floats, alpha 1: what compositors expect under the plain names R, G, B, A.
+class ExrSink : public Sink {
+  public:
+    ExrSink(const Production& film, const std::filesystem::path& pattern)
+        : pattern_(pattern), pixel_aspect_(film.format.pixel_aspect) {}
+    void write(const core::Radiance& radiance, const core::Picture& picture) override {
+        const auto& pixels = radiance.combined;
+        std::vector<image::Channel> channels{{"R", {}, true}, {"G", {}, true}, {"B", {}, true}};
+        for (int c = 0; c < 3; ++c)
+            for (const glm::vec3& pixel : pixels.values()) channels[c].values.push_back(pixel[c]);
+        channels.push_back({"A", std::vector<float>(pixels.size(), 1.0f), true});
+        image::write_exr(numbered(pattern_, picture.number), pixels.width(), pixels.height(), channels, pixel_aspect_);
+    }
+
+  private:
+    std::filesystem::path pattern_;
+    float pixel_aspect_;
+};
+
+/// Display-referred 8-bit RGB, as the film would be shown.
+class PngSink : public Sink {
+  public:
+    PngSink(const Production& film, const std::filesystem::path& pattern)
+        : display_(film.exposure.value_or(0), perceptual::matrix_for(film.format.height)),
+          pattern_(pattern),
+          pixel_aspect_(film.format.pixel_aspect) {}
+    void write(const core::Radiance& radiance, const core::Picture& picture) override {
+        image::write_png(numbered(pattern_, picture.number), picture.width(), picture.height(),
+                         display_.develop_rgb(radiance), pixel_aspect_);
+    }
+
+  private:
+    perceptual::Display display_;
+    std::filesystem::path pattern_;
+    float pixel_aspect_;
+};
+
+}  // namespace
+
+void join_y4m(const Production& film, const std::vector<std::filesystem::path>& parts,
+              const std::filesystem::path& file) {
+    av::Y4mWriter writer(file, film.format.width, film.format.height, film.rate, film.pixel_aspect);
+    for (const std::filesystem::path& part : parts) {
+        av::Y4mReader reader(part);
+        for (std::int64_t n = 0; n < reader.frames(); ++n) writer.write(reader.read(n));
+    }
+    writer.finish();
+}
+
+std::unique_ptr<Sink> make_sink(const Production& film, const std::filesystem::path& output) {
+    switch (film.kind) {
+        case OutputKind::y4m:
+            return std::make_unique<Y4mSink>(film, output);
+        case OutputKind::exr:
+            return std::make_unique<ExrSink>(film, output);
+        case OutputKind::png:
+            return std::make_unique<PngSink>(film, output);
+        case OutputKind::film:
+            break;
+    }
+    return nullptr;
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,182 @@
+#include "app/loop/vector_layers.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/options/output_kind.h"
+#include "core/error.h"
+#include "core/numeric.h"
+#include "image/image.h"
+
+namespace render2mpeg::app {
+namespace {
+
+using Values = const std::vector<float>*;
+
+/// Channels of a file found by the end of their names: "ViewLayer.Vector.X" is "Vector.X" of some layer.
+class Layers {
+  public:
+    explicit Layers(const std::filesystem::path& file)
+        : file_(image::read_exr(file, [](const std::string& name) {
+              for (const char* end : {"Vector.X", "Vector.Y", "Vector.Z", "Vector.W", "forward.u", "forward.v",
+                                      "backward.u", "backward.v", "motion.u", "motion.v", "render2mpeg.Class.X"})
+                  if (ends_with(name, end)) return true;
+              return false;
+          })) {}
+
+    int width() const { return file_.width; }
+    int height() const { return file_.height; }
+
+    /// Two channels of the same layer: the first such pair. Nothing unless both are there.
+    std::optional<std::pair<Values, Values>> pair(const std::string& first, const std::string& second) const {
+        for (const image::Channel& channel : file_.channels) {
+            if (!ends_with(channel.name, first)) continue;
+            const std::string layer = channel.name.substr(0, channel.name.size() - first.size());
+            if (const Values other = exact(layer + second)) return std::pair{&channel.values, other};
+        }
+        return {};
+    }
+    /// Null where there is none.
+    Values exact(const std::string& name) const {
+        for (const image::Channel& channel : file_.channels)
+            if (channel.name == name) return &channel.values;
+        return nullptr;
+    }
+
+  private:
+    /// Whether a name is `end`, alone or behind a layer's name and a dot.
+    static bool ends_with(const std::string& name, const std::string& end) {
+        return name.ends_with(end) && (name.size() == end.size() || name[name.size() - end.size() - 1] == '.');
+    }
+
+    image::ExrChannels file_;
+};
+
+/// Adds a direction to a field: `scale` times the values are reference minus current position, y up.
+void fill(core::MotionField& field, const std::pair<Values, Values>& values, float scale) {
+    for (std::size_t i = 0; i < field.vector.size(); ++i) {
+        const glm::vec2 v{scale * (*values.first)[i], -scale * (*values.second)[i]};
+        if (core::is_finite(v))
+            field.vector.values()[i] = v;
+        else
+            field.kind.values()[i] = core::PixelClass::none;
+    }
+}
+
+/// X and Y: previous minus current. Z and W: current minus next. [BlenderVector]
+bool fill_blender(FrameMotion& motion, const Layers& layers) {
+    const auto previous = layers.pair("Vector.X", "Vector.Y"), next = layers.pair("Vector.Z", "Vector.W");
+    if (!previous || !next) return false;
+    fill(motion.to_previous, *previous, 1);
+    fill(motion.to_next, *next, -1);
+    return true;
+}
+
+/// `forward`: next minus current; `backward`: previous minus current; `motion` alone is forward [NukeVectors]. What is
+/// missing of both is the other turned round: what moves evenly goes on as it came.
+bool fill_nuke(FrameMotion& motion, const Layers& layers) {
+    const auto backward = layers.pair("backward.u", "backward.v");
+    auto forward = layers.pair("forward.u", "forward.v");
+    if (!forward && !backward) forward = layers.pair("motion.u", "motion.v");
+    if (!forward && !backward) return false;
+    fill(motion.to_previous, backward ? *backward : *forward, backward ? 1.0f : -1.0f);
+    fill(motion.to_next, forward ? *forward : *backward, forward ? 1.0f : -1.0f);
+    return true;
+}
+
+/// What our own files say beside Vector; others tell surfaces and sky not apart.
+core::Plane<core::PixelClass> classes(const Layers& layers) {
+    core::Plane<core::PixelClass> kinds(layers.width(), layers.height(), core::PixelClass::surface);
+    if (const Values values = layers.exact("render2mpeg.Class.X"))
+        for (std::size_t i = 0; i < kinds.size(); ++i) {
+            const float value = (*values)[i];
+            kinds.values()[i] = value >= 0.0f && value < 3.5f ? static_cast<core::PixelClass>(std::lround(value))
+                                                              : core::PixelClass::none;
+        }
+    return kinds;
+}
+
+/// Follows `step`, a field of the frame where the way stands, one frame on.
+void extend(core::MotionField& way, const core::MotionField& step) {
+    for (int y = 0; y < way.vector.height(); ++y)
+        for (int x = 0; x < way.vector.width(); ++x) {
+            core::PixelClass& kind = way.kind.at(x, y);
+            if (kind == core::PixelClass::none) continue;
+            glm::vec2& v = way.vector.at(x, y);
+            const float at_x = std::floor(static_cast<float>(x) + v.x + 0.5f),
+                        at_y = std::floor(static_cast<float>(y) + v.y + 0.5f);
+            const bool inside = at_x >= 0 && at_y >= 0 && at_x < static_cast<float>(way.vector.width()) &&
+                                at_y < static_cast<float>(way.vector.height());
+            if (inside && step.kind.at(static_cast<int>(at_x), static_cast<int>(at_y)) == kind)
+                v += step.vector.at(static_cast<int>(at_x), static_cast<int>(at_y));
+            else
+                kind = core::PixelClass::none;
+        }
+}
+
+}  // namespace
+
+FrameMotion read_motion(const std::filesystem::path& file, std::int64_t frame, int width, int height,
+                        MotionConvention convention) {
+    const Layers layers(file);
+    if (layers.width() != width || layers.height() != height)
+        throw core::Error("reading", file.string(),
+                          fmt::format("its motion is {}x{} pixels, the pictures are {}x{}", layers.width(),
+                                      layers.height(), width, height));
+    FrameMotion motion;
+    for (core::MotionField* field : {&motion.to_previous, &motion.to_next}) {
+        field->picture = frame;
+        field->reference = field == &motion.to_previous ? frame - 1 : frame + 1;
+        field->vector = core::Plane<glm::vec2>(width, height, glm::vec2(0));
+        field->kind = classes(layers);
+    }
+    const bool found =
+        convention == MotionConvention::blender ? fill_blender(motion, layers) : fill_nuke(motion, layers);
+    if (!found)
+        throw core::Error("reading", file.string(),
+                          convention == MotionConvention::blender
+                              ? "it has no motion: Blender's convention has channels Vector.X, .Y, .Z and .W"
+                              : "it has no motion: Nuke's convention has channels forward.u and .v, backward.u and .v, "
+                                "or motion.u and .v");
+    return motion;
+}
+
+VectorLayers::VectorLayers(std::filesystem::path pattern, MotionConvention convention, int width, int height)
+    : pattern_(std::move(pattern)), convention_(convention), width_(width), height_(height) {
+    EXPECTS(is_numbered(pattern_));
+}
+
+void VectorLayers::check(std::int64_t first, std::int64_t last) {
+    for (std::int64_t n = first; n <= last; ++n)
+        if (!std::filesystem::exists(numbered(pattern_, n)))
+            throw core::Error("reading", numbered(pattern_, n).string(), "no such file");
+    if (first <= last) frame(first);
+}
+
+core::MotionField VectorLayers::between(std::int64_t picture, std::int64_t reference) {
+    EXPECTS(picture != reference);
+    const std::int64_t direction = reference > picture ? 1 : -1;
+    const auto step = [&](std::int64_t n) -> const core::MotionField& {
+        return direction > 0 ? frame(n).to_next : frame(n).to_previous;
+    };
+    core::MotionField way = step(picture);
+    for (std::int64_t n = picture + direction; n != reference; n += direction) extend(way, step(n));
+    way.reference = reference;
+    return way;
+}
+
+const FrameMotion& VectorLayers::frame(std::int64_t number) {
+    const auto known = read_.find(number);
+    if (known != read_.end()) return known->second;
+    std::erase_if(read_, [&](const auto& entry) { return std::abs(entry.first - number) > reach; });
+    return read_.emplace(number, read_motion(numbered(pattern_, number), number, width_, height_, convention_))
+        .first->second;
+}
+
+}  // namespace render2mpeg::app

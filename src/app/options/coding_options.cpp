@@ -1,0 +1,75 @@
+#include "app/options/coding_options.h"
+
+#include "app/options/keyframes.h"
+#include "app/options/preset.h"
+#include "app/options/rate_options.h"
+#include "core/rational.h"
+
+namespace render2mpeg::app {
+
+void add_coding_options(CLI::App& command, CodingOptions& options) {
+    const std::string coding = "MPEG-2";
+    command
+        .add_option("--for", options.preset,
+                    "Where the film goes: dvd-ntsc, dvd-pal or atsc. Sets size, rate, shape, GOPs, rates and buffer "
+                    "(docs/presets.md); options that contradict are refused")
+        ->type_name("WORLD")
+        ->check(CLI::IsMember(preset_names()))
+        ->group(coding);
+    command
+        .add_option(
+            "--quantiser", options.quantiser,
+            "quantiser_scale_code of P pictures: 1 is the finest, 31 the coarsest; what many pictures follow from\n"
+            "is a little finer, B pictures are coarser")
+        ->check(CLI::Range(1, 31))
+        ->default_str("4")
+        ->group(coding);
+    add_rate_options(command, options);
+    command
+        .add_option("--gop", options.gop,
+                    "Pictures per closed group of pictures; with --for, its world's where not given")
+        ->check(CLI::Range(1, 1000))
+        ->default_str("15")
+        ->group(coding);
+    command
+        .add_option("--b-pictures", options.b_pictures,
+                    "Most B pictures in a row, fewer where motion is uneven; with --for, its world's where not given")
+        ->check(CLI::Range(0, 3))
+        ->default_str("3")
+        ->group(coding);
+    command
+        .add_option("--tune", options.tune,
+                    "What is kept: `psnr`, all detail alike; `perceptual`, more of what the eye sees")
+        ->check(CLI::IsMember({"psnr", "perceptual"}))
+        ->capture_default_str()
+        ->group(coding);
+    command.add_option("--encoder", options.encoder, "How much is tried: `fast`, or `quality` for fewer bits")
+        ->check(CLI::IsMember({"fast", "quality"}))
+        ->capture_default_str()
+        ->group(coding);
+    command
+        .add_option("--keyframes", options.keyframes,
+                    "Frames that begin a group of pictures whatever is seen: 0,48,96, or a file with their numbers")
+        ->type_name("LIST|FILE")
+        ->check(checked(keyframes_from, ""))
+        ->group(coding);
+}
+
+void add_shape_options(CLI::App& command, CodingOptions& options) {
+    const std::string picture = "Picture and time";
+    CLI::Option* display =
+        command
+            .add_option("--display-aspect", options.display_aspect,
+                        "Shape of the whole picture as shown, e.g. 16:9 (default: as the animation file or the frames "
+                        "say, else of square pixels)")
+            ->type_name("W:H")
+            ->check(checked(core::ratio_from, ""))
+            ->group(picture);
+    command.add_option("--pixel-aspect", options.pixel_aspect, "Shape of a pixel instead, e.g. 16:15")
+        ->type_name("W:H")
+        ->check(checked(core::ratio_from, ""))
+        ->excludes(display)
+        ->group(picture);
+}
+
+}  // namespace render2mpeg::app

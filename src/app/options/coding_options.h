@@ -1,0 +1,35 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "app/options/options.h"
+#include "core/error.h"
+
+namespace render2mpeg::app {
+
+/// Runs a parser of ours as a CLI11 check, so that a mistake is told as soon as the command line is read.
+template <class Parser>
+CLI::Validator checked(Parser parser, const std::string& type) {
+    return CLI::Validator(
+        [parser](std::string& text) -> std::string {
+            try {
+                parser(text);
+                return {};
+            } catch (const core::Error& error) {
+                return error.what();
+            }
+        },
+        type);
+}
+
+/// How pictures are coded, and for whom: `render` and `encode` share these.
+void add_coding_options(CLI::App& command, CodingOptions& options);
+/// What shape pictures are shown in: likewise.
+void add_shape_options(CLI::App& command, CodingOptions& options);
+
+/// Commands that begin with frames or films instead of a scene.
+CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options);
+CLI::App* add_info_command(CLI::App& app, InfoOptions& options);
+
+}  // namespace render2mpeg::app

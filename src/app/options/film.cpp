@@ -1,0 +1,84 @@
+#include "app/options/film.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/options/rate_options.h"
+#include "core/error.h"
+#include "encoder/capabilities.h"
+#include "perceptual/display.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// Rates and buffer. A level may allow less than the world does: 704x480 at 24 Hz is of Main level.
+void apply_rates(const Preset& preset, const CodingOptions& options, encoder::Settings& coding) {
+    const encoder::LevelLimits level = encoder::level_of(coding);
+    encoder::RateControl& rate = coding.rate_control;
+    const std::int64_t most = std::max(rate.bit_rate, rate.max_rate);
+    if (most > std::min(preset.bit_rate, level.bit_rate))
+        throw core::Error(
+            fmt::format("{}: {} takes at most {} bits per second",
+                        options.maxrate ? "--maxrate " + *options.maxrate : "--bitrate " + *options.bitrate,
+                        preset.option(), std::min(preset.bit_rate, level.bit_rate)));
+    if (rate.max_rate == 0 && rate.mode != encoder::RateMode::constant)
+        rate.max_rate = std::max(rate.bit_rate, std::min(preset.usual_rate, level.bit_rate));
+
+    std::int64_t buffer = std::min(preset.buffer_bits, level.buffer_bits);
+    const auto fastest = static_cast<double>(rate.max_rate > 0 ? rate.max_rate : rate.bit_rate);
+    if (preset.longest_delay > 0) {
+        const auto held = static_cast<std::int64_t>(std::llround(preset.longest_delay * fastest));
+        buffer = std::min(buffer, held);
+    }
+    if (rate.buffer_bits > buffer)
+        throw core::Error(
+            fmt::format("--vbv {}: {} takes at most {} bits at these rates", *options.vbv, preset.option(), buffer));
+    if (rate.buffer_bits == 0) rate.buffer_bits = buffer;
+}
+
+/// Refuses what the preset's world does not take, and fills in what nobody said.
+void apply(const Preset& preset, const CodingOptions& options, encoder::Settings& coding) {
+    if (preset.fields) coding.cadence = coding.rate.code == 1 ? encoder::Cadence::pulldown : encoder::Cadence::fields;
+    if (!options.gop) coding.gop = preset.usual_gop(coding.rate);
+    const int longest = preset.longest_gop(coding.rate);
+    if (longest > 0 && coding.gop > longest)
+        throw core::Error(fmt::format("--gop {}: {} has at most {} pictures in a GOP at {} Hz", coding.gop,
+                                      preset.option(), longest, coding.rate.name));
+    if (!options.b_pictures) coding.b_pictures = std::min(coding.b_pictures, preset.b_pictures);
+    if (coding.b_pictures > preset.b_pictures)
+        throw core::Error(fmt::format("--b-pictures {}: {} has at most {} in a row", coding.b_pictures, preset.option(),
+                                      preset.b_pictures));
+    apply_rates(preset, options, coding);
+}
+
+}  // namespace
+
+const Preset* preset_of(const CodingOptions& options) {
+    return options.preset ? &preset_from(*options.preset) : nullptr;
+}
+
+Keyframes keyframes_of(const CodingOptions& options) {
+    return options.keyframes ? keyframes_from(*options.keyframes) : Keyframes{};
+}
+
+encoder::Settings coding_settings(const CodingOptions& options, const Shape& shape, std::int64_t first) {
+    encoder::Settings coding;
+    coding.width = shape.size.width;
+    coding.height = shape.size.height;
+    coding.rate = shape.rate;
+    coding.first_number = first;
+    coding.quantiser = options.quantiser.value_or(4);
+    coding.rate_control = rate_control(options);
+    coding.gop = options.gop.value_or(15);
+    coding.b_pictures = options.b_pictures.value_or(coding.b_pictures);
+    coding.tune = options.tune == "perceptual" ? encoder::Tune::perceptual : encoder::Tune::psnr;
+    coding.effort = options.encoder == "fast" ? encoder::Effort::fast : encoder::Effort::quality;
+    coding.aspect_ratio_code = shape.aspect_ratio_code;
+    coding.matrix_coefficients = static_cast<int>(perceptual::matrix_for(shape.size.height));
+    if (const Preset* preset = preset_of(options)) apply(*preset, options, coding);
+    return coding;
+}
+
+}  // namespace render2mpeg::app

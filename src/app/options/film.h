@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "app/options/keyframes.h"
+#include "app/options/options.h"
+#include "app/options/preset.h"
+#include "app/options/shape.h"
+#include "core/rational.h"
+#include "encoder/encoder.h"
+
+namespace render2mpeg::app {
+
+/// What a coded film is, wherever its pictures come from.
+struct Film {
+    std::string source;  ///< file that the pictures are made from
+    FrameRange frames;
+    encoder::Settings coding;
+    Keyframes keyframes;
+    bool disc = false;  ///< program streams are a DVD's
+    std::string isa;    ///< instruction set that the pictures depend on; empty: on none
+
+    std::int64_t frame_count() const { return frames.last - frames.first + 1; }
+};
+
+/// The preset that the options name, or null.
+const Preset* preset_of(const CodingOptions& options);
+
+/// The encoder's settings for pictures of this shape, with the matrix that their height asks for; `first` is the film's
+/// first frame. Throws core::Error where an option contradicts the preset.
+encoder::Settings coding_settings(const CodingOptions& options, const Shape& shape, std::int64_t first);
+
+/// The keyframes that the options name.
+Keyframes keyframes_of(const CodingOptions& options);
+
+}  // namespace render2mpeg::app

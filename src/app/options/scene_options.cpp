@@ -1,0 +1,130 @@
+#include "app/options/scene_options.h"
+
+#include <cmath>
+#include <cstdlib>
+
+#include "app/options/coding_options.h"
+#include "core/error.h"
+#include "core/rational.h"
+
+namespace render2mpeg::app {
+
+std::string check_exposure(const std::string& text) {
+    if (text == "auto") return {};
+    char* end = nullptr;
+    const double ev = std::strtod(text.c_str(), &end);
+    if (text.empty() || *end != '\0' || !std::isfinite(ev) || std::abs(ev) > 64)
+        throw core::Error("exposure " + text + ": expected `auto` or a number of EV from -64 to 64, e.g. -1.5");
+    return {};
+}
+
+void add_scene_options(CLI::App& command, RenderOptions& options) {
+    command
+        .add_option(
+            "INPUT", options.input,
+            "Scene: .gltf, .glb, an animation file (.json, or a folder with film.json), or any format that Assimp "
+            "reads (.obj, .ply, .fbx, .dae, .3ds, ...)")
+        ->required();
+    const std::string scene = "Scene";
+    command.add_option("--camera", options.camera, "Camera to look through, by name or index (default: the first)")
+        ->type_name("NAME")
+        ->group(scene);
+    command.add_option("--animation", options.animation, "Animation to play, by name or index (default: all at once)")
+        ->type_name("NAME")
+        ->group(scene);
+    command
+        .add_option("--sky", options.sky, "Sky image (EXR, HDR, latitude-longitude), or `none` (default: the scene's)")
+        ->type_name("FILE|none")
+        ->group(scene);
+    command.add_option("--vpls", options.vpls, "Light points that carry indirect light; 0: direct light only")
+        ->check(CLI::Range(0, 1 << 22))
+        ->capture_default_str()
+        ->group("Light");
+}
+
+void add_tolerance_option(CLI::App& command, RenderOptions& options, const std::string& group) {
+    command
+        .add_option(
+            "--tolerance", options.tolerance,
+            "Error allowed in a pixel's light. `coupled`: what the film's coding and the eye hide; coupled=K: K times "
+            "what they hide at most (default: 0.25), less in pictures that others are predicted from; fixed=P% of its "
+            "luminance; `reference`: every light point, slow (default: coupled for films, fixed=2% for frames)")
+        ->type_name("coupled|fixed=P%|reference")
+        ->check(checked(tolerance_from, ""))
+        ->group(group);
+}
+
+void add_light_options(CLI::App& command, RenderOptions& options) {
+    const std::string light = "Light";
+    command
+        .add_option("--samples", options.samples,
+                    "Eye samples per pixel: edges and textures; light is gathered once per surface")
+        ->check(CLI::Range(1, 256))
+        ->capture_default_str()
+        ->group(light);
+    add_tolerance_option(command, options, light);
+    command
+        .add_option(
+            "--masking", options.masking,
+            "What hides errors in coupled films: the picture before, `carried` along motion, or place by place as "
+            "decoded, its coding errors included (`quantised`; for films that hardly move)")
+        ->check(CLI::IsMember({"carried", "quantised"}))
+        ->capture_default_str()
+        ->group(light);
+    // For docs/decisions/0008 to be measured again; not for users.
+    command.add_option("--error-maps", options.error_maps, "Pictures judged: `references` (I and P) or `intra`")
+        ->check(CLI::IsMember({"references", "intra"}))
+        ->group("");
+    command.add_option("--error-spread", options.error_spread, "A block's error in its pixels: `block` or `pixel`")
+        ->check(CLI::IsMember({"block", "pixel"}))
+        ->group("");
+    command
+        .add_option(
+            "--stop", options.stop,
+            "When light is gathered finely enough: `honest` once the pixel's whole error is reckoned to be within "
+            "its tolerance, `classic` once every single cluster's is")
+        ->check(CLI::IsMember({"honest", "classic"}))
+        ->capture_default_str()
+        ->group(light);
+    command
+        .add_option("--clamp", options.clamp,
+                    "Light points too near a surface: `bounded` limits them, `none` does not (bright dots)")
+        ->check(CLI::IsMember({"bounded", "none"}))
+        ->capture_default_str()
+        ->group(light);
+    command
+        .add_option("--cache", options.cache,
+                    "Where light comes from: `on` gathers it at places on surfaces, and keeps it there for other "
+                    "pixels and frames while it stays what it is; `off` gathers it for every pixel of every frame; "
+                    "`auto` is `on` where only the camera moves, or few things as well, and pictures are large enough; "
+                    "`plan` says why")
+        ->check(CLI::IsMember({"on", "off", "auto"}))
+        ->capture_default_str()
+        ->group(light);
+}
+
+void add_picture_options(CLI::App& command, RenderOptions& options) {
+    const std::string picture = "Picture and time";
+    command.add_option("--size", options.size, "Picture size (default: the animation file's, or 512x512)")
+        ->type_name("WxH")
+        ->check(checked(size_from, ""))
+        ->group(picture);
+    command.add_option("--fps", options.rate, "Pictures per second (default: the animation file's, or 25)")
+        ->type_name("23.976|24|25|29.97|30|50|59.94|60")
+        ->check(checked(core::frame_rate_from, ""))
+        ->group(picture);
+    command
+        .add_option("--frames", options.frames,
+                    "First and last frame, counted from 0, both included (default: the whole film)")
+        ->type_name("A:B")
+        ->check(checked(frames_from, ""))
+        ->group(picture);
+    add_shape_options(command, options.coding);
+    command.add_option("--exposure", options.exposure, "EV, or `auto`: one value for the film")
+        ->type_name("auto|EV")
+        ->check(checked(check_exposure, ""))
+        ->capture_default_str()
+        ->group(picture);
+}
+
+}  // namespace render2mpeg::app

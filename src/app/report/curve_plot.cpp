@@ -1,0 +1,274 @@
+#include "app/report/curve_plot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "app/report/figures.h"
+#include "app/report/frame_plot.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// What a drawing is sized for, in its own units, which are pixels at that width.
+struct Paper {
+    const char* name;
+    double width, height;
+    int columns, rows;  ///< values on the axes, about
+};
+constexpr Paper broad{"broad", 860, 380, 8, 6}, narrow{"narrow", 370, 330, 4, 6};
+constexpr double left = 52, right_margin = 14, top = 14, bottom_margin = 48, font = 12;
+
+struct Place {
+    double x = 0, y = 0;
+};
+
+struct Box {
+    double left = 0, top = 0, width = 0, height = 0;
+    bool holds(Place p) const { return p.x >= left && p.x <= left + width && p.y >= top && p.y <= top + height; }
+    double overlap(const Box& o) const {
+        const double w = std::min(left + width, o.left + o.width) - std::max(left, o.left);
+        const double h = std::min(top + height, o.top + o.height) - std::max(top, o.top);
+        return w > 0 && h > 0 ? w * h : 0.0;
+    }
+};
+
+bool shows(const CurvePlot& plot, const CurvePoint& p) {
+    return std::isfinite(p.x) && std::isfinite(p.y) && (!plot.x.logarithmic || p.x > 0) &&
+           (!plot.y.logarithmic || p.y > 0);
+}
+
+/// One axis: values on it, and where they lie between 0 and 1.
+struct Scale {
+    double low = 0, high = 1;
+    bool logarithmic = false;
+
+    double share(double value) const {
+        return logarithmic ? std::log(value / low) / std::log(high / low) : (value - low) / (high - low);
+    }
+};
+
+/// Spans all points with room for their marks and labels.
+Scale scale_of(const CurvePlot& plot, bool horizontal) {
+    const CurveAxis& axis = horizontal ? plot.x : plot.y;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Curve& curve : plot.curves)
+        for (const CurvePoint& p : curve.points) {
+            if (!shows(plot, p)) continue;
+            low = std::min(low, horizontal ? p.x : p.y);
+            high = std::max(high, horizontal ? p.x : p.y);
+        }
+    constexpr double room = 0.07;
+    if (axis.logarithmic) {
+        const double factor = std::max(std::pow(high / low, room), 1.1);
+        return {low / factor, high * factor, true};
+    }
+    // Equal values get an axis of some extent too.
+    const double extent = std::max((high - low) * room, 1e-3 * std::max(std::abs(high), 1.0));
+    return {low - extent, high + extent, false};
+}
+
+std::string figure(double value) {
+    return std::abs(value) >= 1e4 ? count_text(value) : fmt::format("{:.4g}", value);
+}
+
+/// chosen: letters of this font are some 0.56 of its size wide.
+double width_of(const std::string& text) {
+    return 0.56 * font * static_cast<double>(text.size());
+}
+
+/// Which values are written where there is no room for all: first powers of ten, then halves of them, then doubles.
+int shortness(double value) {
+    if (value == 0) return 0;
+    const double digits = std::abs(value) / std::pow(10.0, std::floor(std::log10(std::abs(value)) + 1e-9));
+    const auto is = [&](double digit) { return std::abs(digits - digit) < 1e-6; };
+    return is(1) ? 0 : is(5) ? 1 : is(2) || is(3) ? 2 : 3;
+}
+
+class Drawing {
+  public:
+    Drawing(const CurvePlot& plot, const Paper& paper)
+        : plot_(plot),
+          paper_(paper),
+          x_(scale_of(plot, true)),
+          y_(scale_of(plot, false)),
+          right_(paper.width - right_margin),
+          bottom_(paper.height - bottom_margin) {}
+
+    std::string text();
+
+  private:
+    Place place(const CurvePoint& p) const {
+        return {left + (right_ - left) * x_.share(p.x), bottom_ - (bottom_ - top) * y_.share(p.y)};
+    }
+    std::string axes() const;
+    std::string line(const Curve& curve) const;
+    std::string mark(std::size_t kind, Place at, double size) const;
+    std::string marks(const Curve& curve, std::size_t kind) const;
+    void obstruct();
+    double cost(const Box& box) const;
+    std::string label(const CurvePoint& point);
+
+    const CurvePlot& plot_;
+    const Paper& paper_;
+    Scale x_, y_;
+    double right_, bottom_;
+    std::vector<Place> taken_;  ///< points, and places along the lines
+    std::vector<Box> labels_;
+};
+
+std::string Drawing::axes() const {
+    std::string text;
+    for (const double value : round_values(y_.low, y_.high, y_.logarithmic, paper_.rows)) {
+        const double y = bottom_ - (bottom_ - top) * y_.share(value);
+        text += fmt::format(R"(<line class="grid" x1="{}" x2="{}" y1="{:.1f}" y2="{:.1f}"/>)", left, right_, y, y);
+        text += fmt::format(R"(<text x="{}" y="{:.1f}" text-anchor="end">{}</text>)", left - 6, y + 4, figure(value));
+    }
+    std::vector<double> values = round_values(x_.low, x_.high, x_.logarithmic, paper_.columns);
+    std::stable_sort(values.begin(), values.end(), [](double a, double b) { return shortness(a) < shortness(b); });
+    std::vector<std::pair<double, double>> written;  // from, to
+    for (const double value : values) {
+        const double x = left + (right_ - left) * x_.share(value);
+        text += fmt::format(R"(<line class="grid" x1="{:.1f}" x2="{:.1f}" y1="{}" y2="{}"/>)", x, x, top, bottom_);
+        const double half = 0.5 * width_of(figure(value)) + 3;
+        if (std::any_of(written.begin(), written.end(),
+                        [&](const auto& other) { return x - half < other.second && other.first < x + half; }))
+            continue;
+        written.emplace_back(x - half, x + half);
+        text +=
+            fmt::format(R"(<text x="{:.1f}" y="{}" text-anchor="middle">{}</text>)", x, bottom_ + 17, figure(value));
+    }
+    return text + fmt::format(R"(<text x="{:.1f}" y="{}" text-anchor="middle">{}</text>)", (left + right_) / 2,
+                              paper_.height - 8, escaped(plot_.x.name));
+}
+
+std::string Drawing::line(const Curve& curve) const {
+    std::string path;
+    for (const CurvePoint& p : curve.points) {
+        if (!shows(plot_, p)) continue;
+        const Place at = place(p);
+        path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", at.x, at.y);
+    }
+    return path.empty() ? "" : fmt::format(R"(<path class="line" d="{}"/>)", path);
+}
+
+/// Round, square, on its tip, triangle.
+std::string Drawing::mark(std::size_t kind, Place at, double size) const {
+    const auto [x, y] = at;
+    switch (kind % 4) {
+        case 0:
+            return fmt::format(R"(<circle cx="{:.1f}" cy="{:.1f}" r="{:.1f}"/>)", x, y, size);
+        case 1:
+            return fmt::format(R"(<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}"/>)", x - size, y - size,
+                               2 * size, 2 * size);
+        case 2:
+            return fmt::format(R"(<path d="M{:.1f} {:.1f}l{} {}l-{} {}l-{} -{}z"/>)", x, y - 1.4 * size, 1.4 * size,
+                               1.4 * size, 1.4 * size, 1.4 * size, 1.4 * size, 1.4 * size);
+        default:
+            return fmt::format(R"(<path d="M{:.1f} {:.1f}l{} {}h-{}z"/>)", x, y - 1.3 * size, 1.3 * size, 2.4 * size,
+                               2.6 * size);
+    }
+}
+
+std::string Drawing::marks(const Curve& curve, std::size_t kind) const {
+    std::string text;
+    for (const CurvePoint& p : curve.points) {
+        if (!shows(plot_, p)) continue;
+        const Place at = place(p);
+        text += "<g>" + mark(kind, at, 4);
+        if (p.marked) text += fmt::format(R"(<circle class="ring" cx="{:.1f}" cy="{:.1f}" r="9"/>)", at.x, at.y);
+        text += fmt::format("<title>{}{}{}: {} {}, {} {}</title></g>", escaped(curve.name), p.label.empty() ? "" : ", ",
+                            escaped(p.label), escaped(plot_.x.name), figure(p.x), escaped(plot_.y.name), figure(p.y));
+    }
+    return text;
+}
+
+/// Notes what labels had better not cover.
+void Drawing::obstruct() {
+    for (const Curve& curve : plot_.curves) {
+        const CurvePoint* before = nullptr;
+        for (const CurvePoint& p : curve.points) {
+            if (!shows(plot_, p)) continue;
+            const Place b = place(p);
+            taken_.insert(taken_.end(), 3, b);
+            if (before != nullptr) {
+                const Place a = place(*before);
+                const int steps = static_cast<int>(std::hypot(b.x - a.x, b.y - a.y) / 4);
+                for (int i = 1; i < steps; ++i)
+                    taken_.push_back({a.x + (b.x - a.x) * i / steps, a.y + (b.y - a.y) * i / steps});
+            }
+            before = &p;
+        }
+    }
+}
+
+double Drawing::cost(const Box& box) const {
+    double cost = 0;
+    for (const Place p : taken_) cost += box.holds(p) ? 10 : 0;
+    for (const Box& other : labels_) cost += 4 * box.overlap(other);
+    // Outside of the axes there are figures, or no paper.
+    const Box inside{left, top, right_ - left, bottom_ - top};
+    return cost + 4 * (box.width * box.height - box.overlap(inside));
+}
+
+std::string Drawing::label(const CurvePoint& point) {
+    if (point.label.empty() || !shows(plot_, point)) return {};
+    const Place at = place(point);
+    const double width = width_of(point.label), near = point.marked ? 12 : 7;
+    Box best;
+    double least = std::numeric_limits<double>::infinity();
+    for (const double gap : {near, near + font, near + 2 * font})
+        for (const Place way : {Place{-1, -1}, {1, 1}, {0, -1}, {0, 1}, {1, -1}, {-1, 1}, {-1, 0}, {1, 0}}) {
+            const double x = at.x + gap * way.x + width * (way.x - 1) / 2;
+            const double y = at.y + gap * way.y + font * (way.y - 1) / 2;
+            const Box box{x, y, width, font};
+            const double c = cost(box) + (gap - near);  // far from its point a label says less
+            if (c >= least) continue;
+            least = c;
+            best = box;
+        }
+    labels_.push_back(best);
+    return fmt::format(R"(<text x="{:.1f}" y="{:.1f}">{}</text>)", best.left, best.top + 0.85 * font,
+                       escaped(point.label));
+}
+
+std::string Drawing::text() {
+    std::string drawn = fmt::format(R"(<svg class="{}" viewBox="0 0 {} {}" role="img" aria-label="{}">)", paper_.name,
+                                    paper_.width, paper_.height, escaped(plot_.title)) +
+                        axes();
+    for (std::size_t i = 0; i < plot_.curves.size(); ++i)
+        drawn += fmt::format(R"~(<g style="color:var(--{})">)~", plot_.curves[i].color) + line(plot_.curves[i]) +
+                 marks(plot_.curves[i], i) + "</g>";
+    obstruct();
+    for (const Curve& curve : plot_.curves)
+        for (const CurvePoint& p : curve.points) drawn += label(p);
+    return drawn + "</svg>";
+}
+
+/// The curve's own mark and colour before its name.
+std::string key(const Curve& curve, std::size_t kind) {
+    constexpr const char* signs[] = {"&#9679;", "&#9632;", "&#9670;", "&#9650;"};
+    return fmt::format(R"~(<span class="key"><span style="color:var(--{})">{}</span> {}</span>)~", curve.color,
+                       signs[kind % 4], escaped(curve.name));
+}
+
+}  // namespace
+
+std::string figure_of(const CurvePlot& plot) {
+    const auto any = [&](const Curve& curve) {
+        return std::any_of(curve.points.begin(), curve.points.end(),
+                           [&](const CurvePoint& p) { return shows(plot, p); });
+    };
+    if (std::none_of(plot.curves.begin(), plot.curves.end(), any)) return {};
+    std::string legend;
+    for (std::size_t i = 0; i < plot.curves.size(); ++i)
+        if (any(plot.curves[i])) legend += key(plot.curves[i], i);
+    return fmt::format(
+        "<figure class=\"curves\"><figcaption><h3>{} <small>{}</small></h3><span>{}</span></figcaption>"
+        "{}{}</figure>\n",
+        escaped(plot.title), escaped(plot.y.name), legend, Drawing(plot, broad).text(), Drawing(plot, narrow).text());
+}
+
+}  // namespace render2mpeg::app

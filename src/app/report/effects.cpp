@@ -1,0 +1,68 @@
+#include "app/report/effects.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/numeric.h"
+
+namespace render2mpeg::app {
+namespace {
+
+using renderer::Pass;
+
+/// "lamps, shining shapes and the sky", as far as the scene has them.
+std::string sources_of(const renderer::Plan& plan) {
+    std::vector<std::string> names;
+    if (plan.runs(Pass::punctual_lights)) names.emplace_back("lamps");
+    if (plan.runs(Pass::emissive_lights)) names.emplace_back("shining surfaces");
+    if (plan.runs(Pass::sky_light)) names.emplace_back("the sky");
+    std::string text;
+    for (std::size_t i = 0; i < names.size(); ++i)
+        text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+    return text;
+}
+
+}  // namespace
+
+std::vector<Effect> effects_of(const Production& film, const Ledger& ledger) {
+    const renderer::Plan& plan = film.plan;
+    const renderer::Statistics& r = ledger.rendering;
+    const auto pass = [&](Pass p) { return ledger.pass_seconds[static_cast<std::size_t>(p)]; };
+    std::vector<Effect> effects;
+    // What a clock that samples tells may come to more than the whole it is part of.
+    const double see = ledger.stage_seconds(Stage::see), sky = std::min(r.sky_seconds, see);
+    effects.push_back({"seeing", see - sky, r.primary_rays, {}, ""});
+    if (plan.runs(Pass::sky_background))
+        effects.push_back({"the sky seen", sky, {}, {}, "about; what it lights is in direct light"});
+    if (plan.runs(Pass::mirrors) || plan.runs(Pass::glass)) {
+        const char* name = !plan.runs(Pass::glass)     ? "mirrors"
+                           : !plan.runs(Pass::mirrors) ? "glass"
+                                                       : "mirrors and glass";
+        effects.push_back({name, {}, r.specular_rays, {}, "time in seeing, and in the light of what is seen there"});
+    }
+    // Layers are met by shadow rays to all lights alike.
+    const bool photons = plan.runs(Pass::photons);
+    const double direct = pass(Pass::punctual_lights) + pass(Pass::emissive_lights) + pass(Pass::direct_tree);
+    const double bounced = photons ? pass(Pass::indirect_tree) : 0.0;
+    const double layers = std::min(r.layer_seconds, direct + bounced);
+    const double rest = core::divide_or(direct + bounced - layers, direct + bounced, 1.0);
+    if (const std::string sources = sources_of(plan); !sources.empty())
+        effects.push_back({"direct light", rest * direct, {}, r.direct_clusters, sources});
+    if (photons) {
+        effects.push_back({"photons", pass(Pass::photons), r.photon_rays, {}, "that carry light to where it bounces"});
+        effects.push_back({"bounced light", rest * bounced, {}, r.indirect_clusters, ""});
+    }
+    if (plan.runs(Pass::alpha) || plan.runs(Pass::glass))
+        effects.push_back({"transparent shadows", layers, {}, {}, "about: what layers let through of light"});
+    if (film.tolerance.coupled && film.kind == OutputKind::film)
+        effects.push_back({"what the eye misses",
+                           ledger.stage_seconds(Stage::preview) + ledger.stage_seconds(Stage::tolerate),
+                           {},
+                           {},
+                           "tolerances from the pictures before"});
+    if (plan.runs(Pass::motion)) effects.push_back({"motion", pass(Pass::motion), {}, {}, ""});
+    if (film.kind == OutputKind::film) effects.push_back({"coding", ledger.stage_seconds(Stage::encode), {}, {}, ""});
+    return effects;
+}
+
+}  // namespace render2mpeg::app

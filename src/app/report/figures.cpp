@@ -1,0 +1,27 @@
+#include "app/report/figures.h"
+
+#include <fmt/format.h>
+
+namespace render2mpeg::app {
+
+std::string size_text(double bytes) {
+    if (bytes < 1e3) return fmt::format("{:.0f} B", bytes);
+    if (bytes < 1e6) return fmt::format("{:.1f} kB", bytes / 1e3);
+    return bytes < 1e9 ? fmt::format("{:.2f} MB", bytes / 1e6) : fmt::format("{:.2f} GB", bytes / 1e9);
+}
+
+std::string count_text(double count) {
+    if (count < 1e4) return fmt::format("{:.0f}", count);
+    if (count < 1e6) return fmt::format("{:.1f} k", count / 1e3);
+    return count < 1e9 ? fmt::format("{:.1f} M", count / 1e6) : fmt::format("{:.2f} G", count / 1e9);
+}
+
+std::string percent_text(double share) {
+    return fmt::format("{:.1f} %", 100 * share);
+}
+
+std::string pictures_text(std::int64_t count) {
+    return fmt::format("{} picture{}", count, count == 1 ? "" : "s");
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,56 @@
+#include "app/report/frame_portrait.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/report/figures.h"
+#include "app/report/heatmap_film.h"
+#include "core/color.h"
+#include "core/numeric.h"
+
+namespace render2mpeg::app {
+
+FramePortrait::FramePortrait(const Production& film)
+    : frame_(film.frames.first + (film.frame_count() - 1) / 2), matrix_(perceptual::matrix_for(film.format.height)) {}
+
+void FramePortrait::lit(const LitFrame& frame) {
+    if (frame.world.frame != frame_) return;
+    const ViewBox box = view_of(frame.picture.width(), frame.picture.height());
+    lit_ = part_of(frame.picture, box);
+    const core::Plane<glm::vec3>& light = frame.radiance.combined;
+    const auto over_luminance = [&](auto&& value) {
+        core::Plane<float> plane(light.width(), light.height());
+        for (std::size_t i = 0; i < plane.size(); ++i)
+            plane.values()[i] = core::divide_or(value(i), core::luminance(light.values()[i]), 1.0f);
+        return part_of(plane, box);
+    };
+    if (!frame.tolerance.is_reference())
+        tolerance_ = over_luminance([&](std::size_t i) {
+            const core::Tolerance& t = frame.tolerance.pixels.values()[i];
+            return t.allows(core::luminance(light.values()[i]));
+        });
+    if (!frame.radiance.error.empty())
+        error_ = over_luminance([&](std::size_t i) { return frame.radiance.error.values()[i]; });
+}
+
+void FramePortrait::coded(const encoder::CodedPicture& coded) {
+    if (coded.plan.number != frame_) return;
+    decoded_ = part_of(coded.reconstruction, view_of(coded.reconstruction.width(), coded.reconstruction.height()));
+    coding_ = fmt::format("{} picture, quantiser {}, {}", "-IPB"[static_cast<int>(coded.plan.type)], coded.quantiser,
+                          size_text(static_cast<double>(coded.bytes.size())));
+}
+
+std::string FramePortrait::figures() const {
+    if (!lit_) return {};
+    std::string text;
+    if (decoded_)
+        text += slider_figure(fmt::format("Frame {}: {}", frame_, coding_), {"decoded", *decoded_},
+                              {"as it was lit", *lit_}, matrix_);
+    if (!tolerance_.empty())
+        text += heat_figure("What each pixel's light may be off by", tolerance_, scale_of(HeatSubject::tolerance));
+    if (!error_.empty()) text += heat_figure("What it may be off by as gathered", error_, scale_of(HeatSubject::error));
+    return text.empty() ? "" : "<h2>A frame looked at</h2>\n" + text;
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,98 @@
+#include "app/report/frame_view.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "app/report/frame_plot.h"
+#include "core/error.h"
+#include "image/image.h"
+#include "perceptual/shown.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// chosen: what a desktop's page has room for, some 150 to 250 kB as PNG (320x240..640x480).
+constexpr int most_width = 480, most_height = 360;
+
+template <class T>
+core::Plane<T> cut_out(const core::Plane<T>& plane, int left, int top, int width, int height) {
+    core::Plane<T> part(width, height);
+    for (int y = 0; y < height; ++y) std::copy_n(plane.row(top + y) + left, width, part.row(y));
+    return part;
+}
+
+/// [RFC4648, 4]
+std::string base64(const std::vector<unsigned char>& bytes) {
+    constexpr const char* letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    text.reserve(bytes.size() / 3 * 4 + 4);
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
+        unsigned value = 0;
+        for (std::size_t k = 0; k < 3; ++k) value = value << 8 | (k < left ? bytes[i + k] : 0u);
+        for (std::size_t k = 0; k < 4; ++k) text += k <= left ? letters[value >> (18 - 6 * k) & 63] : '=';
+    }
+    return text;
+}
+
+std::string image_of(const std::string& name, const core::Picture& picture, perceptual::ColorMatrix matrix) {
+    const std::vector<std::uint8_t> rgb = perceptual::shown_rgb(picture, matrix);
+    return fmt::format(R"(<img alt="{}" width="{}" height="{}" src="data:image/png;base64,{}"/>)", escaped(name),
+                       picture.width(), picture.height(),
+                       base64(image::png_bytes(picture.width(), picture.height(), rgb, name)));
+}
+
+/// How wide a picture is shown where the page has room: thumbnails enlarged by a whole number, which keeps their pixels
+/// square. chosen: 240, the narrowest in which a heatmap's legend and a slider can be read.
+int shown_width(int width) {
+    constexpr int least = 240;
+    return width * std::max(1, (least + width - 1) / width);
+}
+
+}  // namespace
+
+ViewBox view_of(int width, int height) {
+    const int w = std::min(width, most_width), h = std::min(height, most_height);
+    return {(width - w) / 4 * 2, (height - h) / 4 * 2, w, h};
+}
+
+core::Picture part_of(const core::Picture& picture, const ViewBox& box) {
+    core::Picture part;
+    part.number = picture.number;
+    part.y = cut_out(picture.y, box.left, box.top, box.width, box.height);
+    const int width = (box.width + 1) / 2, height = (box.height + 1) / 2;
+    part.cb = cut_out(picture.cb, box.left / 2, box.top / 2, width, height);
+    part.cr = cut_out(picture.cr, box.left / 2, box.top / 2, width, height);
+    return part;
+}
+
+core::Plane<float> part_of(const core::Plane<float>& plane, const ViewBox& box) {
+    return cut_out(plane, box.left, box.top, box.width, box.height);
+}
+
+std::string slider_figure(const std::string& title, const ShownPicture& left, const ShownPicture& right,
+                          perceptual::ColorMatrix matrix) {
+    EXPECTS(left.picture.width() == right.picture.width() && left.picture.height() == right.picture.height());
+    return fmt::format(
+        "<figure class=\"pair\"><figcaption><h3>{}</h3></figcaption>\n<div class=\"two\" style=\"max-width:{}px\">{}{}"
+        "</div>\n<div class=\"grip\" style=\"max-width:{}px\"><span>{}</span><span>{}</span>"
+        "<input type=\"range\" min=\"0\" max=\"100\" value=\"50\" aria-label=\"how much of {} is shown\" "
+        "oninput=\"this.closest('figure').style.setProperty('--at', this.value + '%')\"/></div></figure>\n",
+        escaped(title), shown_width(left.picture.width()), image_of(left.name, left.picture, matrix),
+        image_of(right.name, right.picture, matrix), shown_width(left.picture.width()), escaped(left.name),
+        escaped(right.name), escaped(left.name));
+}
+
+std::string heat_figure(const std::string& title, const core::Plane<float>& values,
+                        const perceptual::HeatScale& scale) {
+    // Full-range colours need no film's matrix.
+    const perceptual::ColorMatrix matrix = perceptual::ColorMatrix::bt709;
+    const core::Picture picture = perceptual::heatmap(values, scale, matrix);
+    return fmt::format(
+        "<figure class=\"heat\"><figcaption><h3>{}</h3></figcaption><div style=\"max-width:{}px\">{}</div></figure>\n",
+        escaped(title), shown_width(picture.width()), image_of(title, picture, matrix));
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,264 @@
+#include "app/report/heatmap_film.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+#include "app/files/assembly.h"
+#include "app/options/output_kind.h"
+#include "app/files/publish.h"
+#include "core/color.h"
+#include "core/error.h"
+#include "core/numeric.h"
+
+namespace render2mpeg::app {
+perceptual::HeatScale scale_of(HeatSubject subject) {
+    switch (subject) {
+        case HeatSubject::tolerance:
+            return {"TOLERANCE / LUMINANCE",
+                    0.01f,
+                    1.0f,
+                    true,
+                    {{0.01f, "1%"},
+                     {0.02f, "2%"},
+                     {0.05f, "5%"},
+                     {0.1f, "10%"},
+                     {0.2f, "20%"},
+                     {0.5f, "50%"},
+                     {1.0f, "100%"}}};
+        case HeatSubject::cut:
+            return {"CUT: CLUSTERS PER PIXEL",
+                    5.0f,
+                    4000.0f,
+                    true,
+                    {{5, "5"}, {10, "10"}, {30, "30"}, {100, "100"}, {300, "300"}, {1000, "1000"}, {4000, "4000"}}};
+        case HeatSubject::error:
+            return {"ERROR REACHED / LUMINANCE",
+                    0.001f,
+                    1.0f,
+                    true,
+                    {{0.001f, "0.1%"},
+                     {0.01f, "1%"},
+                     {0.02f, "2%"},
+                     {0.05f, "5%"},
+                     {0.1f, "10%"},
+                     {0.3f, "30%"},
+                     {1.0f, "100%"}}};
+        case HeatSubject::records:
+            return {"RECORDS IN THE PIXEL", 0, 8, false, {{0, "0"}, {1, "1"}, {2, "2"}, {4, "4"}, {6, "6"}, {8, "8"}}};
+        case HeatSubject::age:
+            return {"AGE OF LIGHT: FRAMES",
+                    0,
+                    60,
+                    false,
+                    {{0, "0"}, {10, "10"}, {20, "20"}, {30, "30"}, {40, "40"}, {50, "50"}, {60, "60"}}};
+        case HeatSubject::reuse:
+            return {
+                "LIGHT REUSED", 0, 1, false, {{0, "0%"}, {0.25f, "25%"}, {0.5f, "50%"}, {0.75f, "75%"}, {1, "100%"}}};
+        case HeatSubject::quantiser:
+            break;
+    }
+    return {
+        "QUANTISER SCALE CODE",
+        1.0f,
+        31.0f,
+        true,
+        {{1, "1"}, {2, "2"}, {3, "3"}, {4, "4"}, {6, "6"}, {8, "8"}, {12, "12"}, {16, "16"}, {24, "24"}, {31, "31"}}};
+}
+
+namespace {
+
+constexpr std::pair<const char*, HeatSubject> subjects[] = {
+    {"tolerance", HeatSubject::tolerance}, {"cut", HeatSubject::cut},         {"error", HeatSubject::error},
+    {"quantiser", HeatSubject::quantiser}, {"records", HeatSubject::records}, {"age", HeatSubject::age},
+    {"reuse", HeatSubject::reuse},
+};
+
+/// What records did, a plane as it is; null for other subjects.
+const core::Plane<float>* of_records(HeatSubject subject, const core::Radiance& radiance) {
+    switch (subject) {
+        case HeatSubject::records:
+            return &radiance.record_density;
+        case HeatSubject::age:
+            return &radiance.record_age;
+        case HeatSubject::reuse:
+            return &radiance.record_reuse;
+        default:
+            return nullptr;
+    }
+}
+
+core::Plane<float> values_of(HeatSubject subject, const LitFrame& frame) {
+    const core::Plane<glm::vec3>& light = frame.radiance.combined;
+    if (const core::Plane<float>* plane = of_records(subject, frame.radiance)) {
+        // None were kept where light turned out not to be parted.
+        return plane->size() == light.size() ? *plane : core::Plane<float>(light.width(), light.height(), 0.0f);
+    }
+    core::Plane<float> values(light.width(), light.height(), 0.0f);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const float luminance = core::luminance(light.values()[i]);
+        // Black counts as far off: any light is infinitely more.
+        if (subject == HeatSubject::tolerance && !frame.tolerance.is_reference()) {
+            const core::Tolerance& t = frame.tolerance.pixels.values()[i];
+            values.values()[i] = core::divide_or(t.allows(luminance), luminance, 1.0f);
+        } else if (subject == HeatSubject::cut) {
+            values.values()[i] = frame.radiance.direct_cut.values()[i] + frame.radiance.indirect_cut.values()[i];
+        } else if (subject == HeatSubject::error) {
+            values.values()[i] = core::divide_or(frame.radiance.error.values()[i], luminance, 0.0f);
+        }
+    }
+    return values;
+}
+
+/// Macroblocks as pixels.
+core::Plane<float> quantisers_of(const encoder::CodedPicture& coded) {
+    core::Plane<float> values(coded.reconstruction.width(), coded.reconstruction.height());
+    for (int y = 0; y < values.height(); ++y)
+        for (int x = 0; x < values.width(); ++x) values.at(x, y) = coded.macroblocks.at(x / 16, y / 16).quantiser;
+    return values;
+}
+
+/// Stretched or shrunk to another width; every pixel is one of those that were.
+core::Plane<float> widened(const core::Plane<float>& values, int width) {
+    core::Plane<float> result(width, values.height());
+    for (int y = 0; y < values.height(); ++y)
+        for (int x = 0; x < width; ++x) result.at(x, y) = values.at((2 * x + 1) * values.width() / (2 * width), y);
+    return result;
+}
+
+/// How a heatmap of the film is coded: every picture by itself and finely, since edges of false colours are not to
+/// smear. In square pixels, whatever the film's are: with the legend the whole has a shape that MPEG-2 cannot say.
+encoder::Settings heatmap_settings(const Production& film) {
+    encoder::Settings settings;
+    settings.width =
+        std::max(1, static_cast<int>(std::lround(static_cast<float>(film.format.width) * film.format.pixel_aspect)));
+    settings.height = film.format.height + perceptual::legend_height;
+    settings.rate = film.rate;
+    settings.quantiser = 2;
+    settings.gop = 1;
+    settings.b_pictures = 0;
+    settings.effort = encoder::Effort::fast;
+    settings.matrix_coefficients = static_cast<int>(perceptual::matrix_for(film.format.height));
+    return settings;
+}
+
+/// A heatmap that an interrupted run left belongs to the same film and shows the same.
+nlohmann::json identity_of(HeatSubject subject, nlohmann::json film) {
+    film["options"]["--heatmap"] = std::to_string(static_cast<int>(subject));
+    return film;
+}
+
+}  // namespace
+
+HeatSubject heat_subject_from(const std::string& name) {
+    for (const auto& [known, subject] : subjects)
+        if (name == known) return subject;
+    throw core::Error("heatmap " + name + ": expected tolerance, cut, error, quantiser, records, age or reuse");
+}
+
+HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const Production& film,
+                         const nlohmann::json& identity, WorkFolder::Earlier earlier, WorkFolder& whole)
+    : subject_(subject),
+      output_(output),
+      work_(output, identity_of(subject, identity), earlier),
+      film_(film.film()),
+      grid_(chunks_of(film.frames, film.coding.gop)),
+      matrix_(perceptual::matrix_for(film.format.height)),
+      scale_(scale_of(subject)) {
+    film_.coding = heatmap_settings(film);
+    film_.disc = false;
+    whole.remember_companion(output, identity_of(subject, identity));
+}
+
+HeatmapFilm::~HeatmapFilm() = default;
+
+void HeatmapFilm::lit(const LitFrame& frame) {
+    if (subject_ != HeatSubject::quantiser) show(frame.world.frame, values_of(subject_, frame));
+}
+
+void HeatmapFilm::coded(const encoder::CodedPicture& coded) {
+    if (subject_ == HeatSubject::quantiser) show(coded.plan.number, quantisers_of(coded));
+}
+
+void HeatmapFilm::take_up(std::size_t chunks) {
+    chunks_ = work_.finished(grid_);
+    if (chunks_.size() < chunks)
+        throw core::Error("resuming", output_.string(),
+                          "there is no heatmap of the frames that are there; leave out --heatmap, or begin the film "
+                          "anew without --resume");
+    while (chunks_.size() > chunks) chunks_.pop_back();
+    work_.drop_all_but(chunks_);
+}
+
+void HeatmapFilm::begins(const Chunk& chunk) {
+    chunks_.push_back(work_.open(chunk));
+    encoder_ = std::make_unique<encoder::Encoder>(film_.coding);
+    next_ = chunk.first;
+    early_.clear();
+}
+
+void HeatmapFilm::ends(const Chunk&) {
+    EXPECTS(early_.empty());
+    chunks_.back().finish({});
+}
+
+void HeatmapFilm::show(std::int64_t number, core::Plane<float> values) {
+    const Chunk& chunk = chunks_.back().chunk();
+    early_.emplace(number, std::move(values));
+    for (auto next = early_.find(next_); next != early_.end(); next = early_.find(next_)) {
+        core::Picture picture = perceptual::heatmap(
+            next->second.width() == film_.coding.width ? next->second : widened(next->second, film_.coding.width),
+            scale_, matrix_);
+        picture.number = next_;
+        encoder::PictureFacts facts;
+        facts.left_in_chunk = chunk.last - next_;
+        facts.last_chunk = chunk.last == film_.frames.last;
+        const encoder::PicturePlan plan = encoder_->plan(next_, facts, next_ == chunk.first);
+        for (const encoder::CodedPicture& coded : encoder_->push(picture, plan, {})) chunks_.back().append(coded);
+        early_.erase(next);
+        ++next_;
+    }
+}
+
+void HeatmapFilm::finish() {
+    const std::filesystem::path file = work_.begin("film" + output_.extension().string());
+    assemble(chunks_, film_, file, output_);
+    give_name(file, work_, output_, true);
+}
+
+void check_heatmaps(const RenderOptions& options, const Production& film) {
+    for (const auto& [name, output] : options.heatmaps) {
+        const HeatSubject subject = heat_subject_from(name);
+        if (kind_of(output) != OutputKind::film)
+            throw core::Error("heatmap " + name + ": " + output + " is no film; choose an ending such as .mpg");
+        if (subject == HeatSubject::quantiser && film.kind != OutputKind::film)
+            throw core::Error("heatmap quantiser: only films have one");
+        const bool of_records =
+            subject == HeatSubject::records || subject == HeatSubject::age || subject == HeatSubject::reuse;
+        if (of_records && (!film.rendering.cache || film.tolerance.reference))
+            throw core::Error("heatmap " + name + ": there are no records without `--cache on`, nor with " +
+                              "`--tolerance reference`");
+        if (subject == HeatSubject::tolerance && film.tolerance.reference)
+            throw core::Error("heatmap tolerance: `--tolerance reference` has none");
+        try {
+            encoder::check(heatmap_settings(film));
+        } catch (const core::Error& error) {
+            throw core::Error("heatmap " + name + ": the film with a legend of " +
+                              std::to_string(perceptual::legend_height) +
+                              " lines below cannot be coded: " + error.what());
+        }
+        WorkFolder::check(output);
+    }
+}
+
+HeatmapFilms::HeatmapFilms(const RenderOptions& options, const Production& film, const nlohmann::json& identity,
+                           WorkFolder& whole) {
+    for (const auto& [name, output] : options.heatmaps)
+        films_.push_back(std::make_unique<HeatmapFilm>(
+            heat_subject_from(name), output, film, identity,
+            options.resume ? WorkFolder::Earlier::resumed : WorkFolder::Earlier::removed, whole));
+}
+
+}  // namespace render2mpeg::app

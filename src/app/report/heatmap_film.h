@@ -1,0 +1,151 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "app/system/attempts.h"
+#include "app/loop/pipeline.h"
+#include "app/loop/production.h"
+#include "app/files/work_folder.h"
+#include "core/plane.h"
+#include "perceptual/heatmap.h"
+
+namespace render2mpeg::app {
+
+/// What a false-colour film can show of a render.
+enum class HeatSubject {
+    tolerance,  ///< a pixel's tolerance over its luminance
+    cut,        ///< clusters gathered
+    error,      ///< by what the gathered light may be off over the pixel's luminance, as the stopping rule reckons
+    quantiser,  ///< of macroblocks
+    records,    ///< that lie in a pixel
+    age,        ///< frames since a pixel's light was gathered
+    reuse,      ///< share of a pixel's points whose light was not gathered for them
+};
+
+/// The subject of that name. Throws core::Error with the list of names.
+HeatSubject heat_subject_from(const std::string& name);
+
+/// What its colours mean.
+perceptual::HeatScale scale_of(HeatSubject subject);
+
+/// Refuses what --heatmap asks for where it has nothing to show, or its film cannot be coded. Writes nothing. Throws
+/// core::Error that names the heatmap or its file.
+void check_heatmaps(const RenderOptions& options, const Production& film);
+
+/// A false-colour film of a render with a legend below, as long as the render and in square pixels. It has its name
+/// once it is whole; until then it lies in a work folder of its own.
+class HeatmapFilm : public Watcher {
+  public:
+    /// `identity` is the film's; `whole` its work folder, which remembers this one.
+    HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const Production& film,
+                const nlohmann::json& identity, WorkFolder::Earlier earlier, WorkFolder& whole);
+    ~HeatmapFilm() override;
+
+    /// Goes on after so many chunks that an earlier run left. Throws core::Error where it left fewer.
+    void take_up(std::size_t chunks);
+    void begins(const Chunk& chunk) override;
+    void ends(const Chunk& chunk) override;
+
+    void lit(const LitFrame& frame) override;
+    void coded(const encoder::CodedPicture& coded) override;
+    /// After the film's last picture: gives it its name. What it was made of stays.
+    void finish();
+    void clear_away() { work_.clear_away(); }
+    /// As the options name it.
+    const std::filesystem::path& file() const { return output_; }
+    /// Leaves nothing of it.
+    void discard() { work_.remove(); }
+
+  private:
+    /// Coded pictures come in another order.
+    void show(std::int64_t number, core::Plane<float> values);
+
+    HeatSubject subject_;
+    std::filesystem::path output_;
+    WorkFolder work_;
+    Film film_;  ///< the heatmap's, not the one that it shows
+    std::vector<Chunk> grid_;
+    std::vector<ChunkFile> chunks_;
+    perceptual::ColorMatrix matrix_;
+    perceptual::HeatScale scale_;
+    std::int64_t next_ = 0;
+    std::map<std::int64_t, core::Plane<float>> early_;
+    std::unique_ptr<encoder::Encoder> encoder_;  ///< of a chunk
+};
+
+/// All that --heatmap asks for. One that fails ends; the render and the others go on.
+class HeatmapFilms : public Watcher {
+  public:
+    /// Creates every file. Throws core::Error where one cannot be written; check_heatmaps() comes before.
+    HeatmapFilms(const RenderOptions& options, const Production& film, const nlohmann::json& identity,
+                 WorkFolder& whole);
+
+    bool empty() const { return films_.empty(); }
+    /// As HeatmapFilm::take_up().
+    void take_up(std::size_t chunks) {
+        for (const std::unique_ptr<HeatmapFilm>& film : films_) film->take_up(chunks);
+    }
+    void begins(const Chunk& chunk) override {
+        each([&](HeatmapFilm& film) { film.begins(chunk); });
+    }
+    void ends(const Chunk& chunk) override {
+        each([&](HeatmapFilm& film) { film.ends(chunk); });
+    }
+    void lit(const LitFrame& frame) override {
+        each([&](HeatmapFilm& film) { film.lit(frame); });
+    }
+    void coded(const encoder::CodedPicture& coded) override {
+        each([&](HeatmapFilm& film) { film.coded(coded); });
+    }
+    /// After the film's last picture: gives them their names. Whether nothing is left to be done: what could not have
+    /// its name now may have it later, by --resume.
+    bool finish() {
+        std::size_t named = 0, made = 0;
+        for (const std::unique_ptr<HeatmapFilm>& film : films_) {
+            if (film == nullptr) continue;
+            ++made;
+            failures_.attempt([&] {
+                film->finish();
+                ++named;
+            });
+        }
+        return named == made;
+    }
+    /// The files of those that failed on the way: only a film that begins anew makes them.
+    const std::vector<std::filesystem::path>& lost() const { return lost_; }
+    /// Removes what they were made of.
+    void clear_away() {
+        each([](HeatmapFilm& film) { film.clear_away(); });
+    }
+    /// Throws what went wrong first, be it while the film was made.
+    void rethrow() const { failures_.rethrow(); }
+
+  private:
+    template <class Step>
+    void each(Step&& step) {
+        for (std::unique_ptr<HeatmapFilm>& film : films_) {
+            bool done = film == nullptr;
+            if (!done)
+                failures_.attempt([&] {
+                    step(*film);
+                    done = true;
+                });
+            if (!done && film != nullptr) {
+                lost_.push_back(film->file());
+                film->discard();
+                film.reset();
+            }
+        }
+    }
+
+    std::vector<std::unique_ptr<HeatmapFilm>> films_;
+    std::vector<std::filesystem::path> lost_;
+    Attempts failures_;
+};
+
+}  // namespace render2mpeg::app

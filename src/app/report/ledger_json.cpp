@@ -1,0 +1,122 @@
+#include "app/report/ledger_json.h"
+
+#include <nlohmann/json.hpp>
+
+namespace render2mpeg::app {
+namespace {
+
+using nlohmann::json;
+
+/// Names every member of an entry, for writing and reading alike.
+template <class Entry, class Visit>
+void each_member(Entry& e, Visit&& visit) {
+    visit("frame", e.frame);
+    visit("type", e.type);
+    visit("quantiser", e.quantiser);
+    visit("mean_quantiser", e.mean_quantiser);
+    visit("bytes", e.bytes);
+    visit("planned_quantiser", e.planned_quantiser);
+    visit("tries", e.tries);
+    visit("minimal", e.minimal);
+    visit("stuffing", e.stuffing);
+    visit("fullness_before", e.fullness_before);
+    visit("fullness_after", e.fullness_after);
+    visit("mse_y", e.mse_y);
+    visit("ssim_y", e.ssim_y);
+    visit("shadow_rays", e.shadow_rays);
+    visit("direct_cut", e.direct_cut);
+    visit("indirect_cut", e.indirect_cut);
+    visit("seconds", e.seconds);
+}
+
+template <class Counts, class Visit>
+void each_count(Counts& s, Visit&& visit) {
+    visit("primary_rays", s.primary_rays);
+    visit("shadow_rays", s.shadow_rays);
+    visit("photon_rays", s.photon_rays);
+    visit("specular_rays", s.specular_rays);
+    visit("gather_points", s.gather_points);
+    visit("capped_points", s.capped_points);
+    visit("direct_clusters", s.direct_clusters);
+    visit("indirect_clusters", s.indirect_clusters);
+    visit("non_finite", s.non_finite);
+    visit("first_non_finite", s.first_non_finite);
+    visit("band_points", s.bands.points);
+    visit("band_clusters", s.bands.clusters);
+    visit("clamped_energy", s.clamped_energy);
+    visit("luminance", s.luminance);
+    visit("direct_points", s.direct_points);
+    visit("indirect_points", s.indirect_points);
+    visit("least_caution", s.least_caution);
+    visit("largest_caution", s.largest_caution);
+    visit("mean_caution", s.mean_caution);
+    visit("frames_watched", s.frames_watched);
+    visit("calibrated_pixels", s.calibrated_pixels);
+    visit("calibration_seconds", s.calibration_seconds);
+    visit("sky_seconds", s.sky_seconds);
+    visit("layer_seconds", s.layer_seconds);
+    visit("records_created", s.records_created);
+    visit("records_served", s.records_served);
+    visit("records_moved", s.records_moved);
+    visit("records_between", s.records_between);
+    visit("records_followed", s.records_followed);
+    visit("records_watched", s.records_watched);
+    visit("records_missed", s.records_missed);
+    visit("records_live", s.records_live);
+}
+
+/// Sums over the film so far.
+template <class Sums, class Visit>
+void each_sum(Sums& l, Visit&& visit) {
+    visit("seconds", l.seconds);
+    visit("pass_seconds", l.pass_seconds);
+    visit("wall", l.earlier_wall);
+    visit("cpu", l.earlier_cpu);
+    visit("brightest_luma", l.brightest_luma);
+    visit("audit_over", l.audit.over);
+    visit("audit_seconds", l.audit.seconds);
+}
+
+/// Writes each member that it is shown.
+struct Writer {
+    json& to;
+    template <class Value>
+    void operator()(const char* name, const Value& value) const {
+        to[name] = value;
+    }
+};
+
+/// Reads each member that it is shown; throws json::exception where one is missing or of another kind.
+struct Reader {
+    const json& from;
+    template <class Value>
+    void operator()(const char* name, Value& value) const {
+        from.at(name).get_to(value);
+    }
+};
+
+}  // namespace
+
+json json_of(const Ledger& ledger, std::size_t first_frame) {
+    json written, rendering, frames = json::array();
+    each_sum(ledger, Writer{written});
+    if (ledger.audit.errors.count() > 0) written["audit_errors"] = ledger.audit.errors.counts();
+    each_count(ledger.rendering, Writer{rendering});
+    written["rendering"] = rendering;
+    for (std::size_t i = first_frame; i < ledger.frames.size(); ++i) {
+        json frame;
+        each_member(ledger.frames[i], Writer{frame});
+        frames.push_back(frame);
+    }
+    written["frames"] = frames;
+    return written;
+}
+
+void restore(Ledger& ledger, const json& written) {
+    each_sum(ledger, Reader{written});
+    ledger.audit.errors.restore(written.value("audit_errors", std::vector<std::uint64_t>()));
+    each_count(ledger.rendering, Reader{written.at("rendering")});
+    for (const json& frame : written.at("frames")) each_member(ledger.frames.emplace_back(), Reader{frame});
+}
+
+}  // namespace render2mpeg::app

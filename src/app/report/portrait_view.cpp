@@ -1,0 +1,28 @@
+#include "app/report/portrait_view.h"
+
+#include <fmt/format.h>
+
+#include "app/report/frame_view.h"
+#include "app/report/heatmap_film.h"
+
+namespace render2mpeg::app {
+
+std::string portrait_figures(const std::string& name, const Trial& trial, perceptual::ColorMatrix matrix) {
+    if (!trial.portrait) return {};
+    const Portrait& own = *trial.portrait;
+    perceptual::HeatScale error = scale_of(HeatSubject::error);
+    error.title = "TRUE ERROR / LUMINANCE";
+    return slider_figure(
+               fmt::format("Frame {}: {} decoded, beside light by every light point, not coded", own.frame, name),
+               {name, own.decoded}, {"every light point", own.truth}, matrix) +
+           heat_figure("What each pixel's light may be off by", own.tolerance, scale_of(HeatSubject::tolerance)) +
+           heat_figure("What it is off by", own.error, error);
+}
+
+std::string decoded_pair(const std::string& title, const std::string& name, const Trial& trial,
+                         const std::string& other_name, const Trial& other, perceptual::ColorMatrix matrix) {
+    if (!trial.portrait || !other.portrait) return {};
+    return slider_figure(title, {name, trial.portrait->decoded}, {other_name, other.portrait->decoded}, matrix);
+}
+
+}  // namespace render2mpeg::app

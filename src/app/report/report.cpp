@@ -1,0 +1,268 @@
+#include "app/report/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "app/report/figures.h"
+#include "app/report/frame_plot.h"
+#include "app/system/progress.h"
+#include "app/report/report_style.h"
+#include "app/report/statistics_json.h"
+#include "app/files/text_file.h"
+#include "core/error.h"
+#include "core/numeric.h"
+#include "perceptual/metrics.h"
+
+namespace render2mpeg::app {
+namespace {
+
+using nlohmann::json;
+
+std::string kilobits(const json& s) {
+    const double seconds = core::divide_or(s.at("frames").get<double>(), s.at("fps").get<double>(), 0.0);
+    return fmt::format("{:.0f} kb/s", core::divide_or(8e-3 * s.at("bytes").get<double>(), seconds, 0.0));
+}
+
+double number(const json& s, const char* object, const char* key) {
+    return s.at(object).at(key).get<double>();
+}
+
+/// The render in one or two sentences, as a reader would be told it.
+std::string sentence_of(const json& s) {
+    const double cpu = number(s, "seconds", "cpu"), light = number(s, "seconds", "shade");
+    std::string text = fmt::format(
+        "{} frames of {}x{} took {} on the clock and {:.1f} s of CPU time, {:.0f} % of it gathering light, with {:.0f} "
+        "clusters per point of {} light points.",
+        s.at("frames").get<std::int64_t>(), s.at("width").get<int>(), s.at("height").get<int>(),
+        clock_text(number(s, "seconds", "wall")), cpu, 100 * core::divide_or(light, cpu, 0.0),
+        number(s, "mean_cut", "direct") + number(s, "mean_cut", "indirect"),
+        s.at("light_points").at("direct").get<std::int64_t>() +
+            s.at("light_points").at("indirect").get<std::int64_t>());
+    if (s.contains("rate")) {
+        text += fmt::format(" The film has {} ({})", size_text(s.at("bytes").get<double>()), kilobits(s));
+        text += s.at("psnr_y").is_number()
+                    ? fmt::format("; decoded, it is {:.2f} dB PSNR-Y and {:.4f} SSIM-Y from what was rendered.",
+                                  s.at("psnr_y").get<double>(), s.at("ssim_y").get<double>())
+                    : "; decoding it gives exactly what was rendered.";
+    }
+    if (s.at("audit").is_object())
+        text += fmt::format(" Of {} pixels gathered again from every light point, {:.2f} % are beyond their tolerance.",
+                            s.at("audit").at("pixels").get<std::int64_t>(), 100 * number(s, "audit", "over_tolerance"));
+    if (!s.at("complete").get<bool>()) text = "Interrupted: this is a part of the film. " + text;
+    return text;
+}
+
+std::string cards(const json& s) {
+    std::vector<std::pair<std::string, std::string>> all{
+        {"Pictures", fmt::format("{} at {:.5g} Hz", s.at("frames").get<std::int64_t>(), s.at("fps").get<double>())},
+        {"Size", fmt::format("{} x {}", s.at("width").get<int>(), s.at("height").get<int>())},
+        {"CPU time", fmt::format("{:.1f} s", number(s, "seconds", "cpu"))},
+        {"On the clock", clock_text(number(s, "seconds", "wall"))},
+        {"Mean cut",
+         fmt::format("{:.0f} + {:.0f}", number(s, "mean_cut", "direct"), number(s, "mean_cut", "indirect"))},
+        {"Shadow rays", count_text(number(s, "rays", "shadow"))},
+        {"Peak memory", fmt::format("{:.0f} MiB", s.at("peak_rss_mib").get<double>())}};
+    if (s.contains("rate")) {
+        all.emplace_back("Film", size_text(s.at("bytes").get<double>()));
+        all.emplace_back("Bit rate", kilobits(s));
+        all.emplace_back("Quantiser",
+                         fmt::format("{:.1f} ({}..{})", number(s, "quantisers", "mean"),
+                                     s.at("quantisers").at("min").get<int>(), s.at("quantisers").at("max").get<int>()));
+        if (s.at("psnr_y").is_number())
+            all.emplace_back("PSNR-Y", fmt::format("{:.2f} dB", s.at("psnr_y").get<double>()));
+        all.emplace_back("SSIM-Y", fmt::format("{:.4f}", s.at("ssim_y").get<double>()));
+    }
+    std::string text = "<dl class=\"cards\">\n";
+    for (const auto& [name, value] : all)
+        text += "<div><dt>" + escaped(name) + "</dt><dd>" + escaped(value) + "</dd></div>\n";
+    return text + "</dl>\n";
+}
+
+/// A layer of a plot: one value per frame, by `value`.
+template <class Value>
+PlotLayer layer(const json& s, const char* name, const char* style, Value&& value) {
+    PlotLayer result{name, style, {}};
+    for (const json& frame : s.at("per_frame")) result.values.push_back(value(frame));
+    return result;
+}
+
+/// One layer for each picture type, so that types are told apart by colour.
+template <class Value>
+std::vector<PlotLayer> by_type(const json& s, Value&& value) {
+    std::vector<PlotLayer> layers;
+    for (const auto& named : {std::pair{"I", "i"}, {"P", "p"}, {"B", "b"}}) {
+        const char* type = named.first;
+        layers.push_back(layer(s, type, named.second,
+                               [&](const json& frame) { return frame.at("type") == type ? value(frame) : no_value; }));
+    }
+    return layers;
+}
+
+std::string plots(const json& s) {
+    if (s.at("per_frame").empty()) return {};
+    const std::int64_t first = s.at("per_frame").front().at("frame").get<std::int64_t>();
+    const auto field = [](const char* key) { return [key](const json& f) { return f.at(key).get<double>(); }; };
+    const auto cut = [](const char* key) { return [key](const json& f) { return f.at("cut").at(key).get<double>(); }; };
+    std::string text = "<h2>Frame by frame</h2>\n";
+    if (s.contains("rate")) {
+        text += svg_of({"Size of the coded pictures", "bytes", first, by_type(s, field("bytes"))});
+        text += svg_of({"Quantiser, mean over macroblocks", "", first, by_type(s, field("mean_quantiser"))});
+        FramePlot quality{"PSNR-Y of the decoded picture", "dB", first, by_type(s, [](const json& f) {
+                              const double error = f.at("mse_y").get<double>();
+                              return error > 0 ? perceptual::psnr(error) : 100.0;  // chosen: beyond any 8-bit error
+                          })};
+        quality.marks = true;
+        text += svg_of(quality);
+    }
+    text += svg_of({"Cut: clusters of lights per point",
+                    "",
+                    first,
+                    {layer(s, "direct", "one", cut("direct")), layer(s, "indirect", "two", cut("indirect"))}});
+    return text + svg_of({"CPU time", "s", first, {layer(s, "CPU", "one", field("seconds"))}});
+}
+
+std::string time_table(const json& s) {
+    const double cpu = number(s, "seconds", "cpu");
+    std::string text =
+        "<h2>Where the time went</h2>\n<div class=\"wide\"><table>\n<tr><th>Stage</th><th "
+        "class=\"n\">CPU, s</th><th class=\"n\">Share</th><th></th></tr>\n";
+    double rest = cpu;
+    const auto row = [&](const std::string& name, double seconds) {
+        const double share = core::divide_or(seconds, cpu, 0.0);
+        text += fmt::format(
+            "<tr><td>{}</td><td class=\"n\">{:.2f}</td><td class=\"n\">{}</td><td class=\"bar\"><div class=\"one\" "
+            "style=\"width:{:.1f}%\"></div></td></tr>\n",
+            escaped(name), seconds, percent_text(share), 100 * share);
+    };
+    for (const char* stage : stage_names) {
+        std::string name = stage;
+        if (const std::size_t at = name.find('_'); at != std::string::npos) name[at] = ' ';
+        const double seconds = s.at("seconds").at(stage).get<double>();
+        rest -= seconds;
+        if (seconds > 0) row(name, seconds);
+    }
+    if (rest > 0) row("all else", rest);
+    return text + "</table></div>\n";
+}
+
+std::string effect_table(const json& s) {
+    if (!s.contains("effects")) return {};
+    const auto count = [](const json& value) { return value.is_number() ? count_text(value.get<double>()) : ""; };
+    std::string text =
+        "<h2>What the picture consists of</h2>\n<div class=\"wide\"><table>\n<tr><th>Effect</th><th class=\"n\">CPU, "
+        "s</th><th class=\"n\">Rays</th><th class=\"n\">Clusters</th><th></th></tr>\n";
+    for (const json& row : s.at("effects"))
+        text += fmt::format(
+            "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td></tr>\n",
+            escaped(row.at("effect").get<std::string>()),
+            row.at("seconds").is_number() ? fmt::format("{:.2f}", row.at("seconds").get<double>()) : "",
+            count(row.at("rays")), count(row.at("clusters")), escaped(row.at("note").get<std::string>()));
+    return text + "</table></div>\n";
+}
+
+std::string plan_rows(const json& plan) {
+    std::string text =
+        "<h2>What ran, and why</h2>\n<div class=\"wide\"><table>\n<tr><th>Pass</th><th>Runs</th><th class=\"n\">CPU, "
+        "s</th><th>Reason</th></tr>\n";
+    for (const json& row : plan) {
+        const bool runs = row.at("runs").get<bool>();
+        text +=
+            fmt::format("<tr{}><td>{}</td><td>{}</td><td class=\"n\">{}</td><td>{}</td></tr>\n",
+                        runs ? "" : " class=\"off\"", escaped(row.at("pass").get<std::string>()), runs ? "yes" : "no",
+                        row.at("seconds").is_number() ? fmt::format("{:.2f}", row.at("seconds").get<double>()) : "",
+                        escaped(row.at("reason").get<std::string>()));
+    }
+    return text + "</table></div>\n";
+}
+
+/// A value of the statistics as people read it: "mode coupled, masking carried".
+std::string plain(const json& value) {
+    if (value.is_string()) return value.get<std::string>();
+    if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
+    if (!value.is_object()) return value.dump();
+    std::string text;
+    for (const auto& [key, part] : value.items())
+        if (!part.is_null()) text += (text.empty() ? "" : ", ") + key + " " + plain(part);
+    std::replace(text.begin(), text.end(), '_', ' ');
+    return text;
+}
+
+/// All that decides the film besides its scene.
+std::string settings_table(const json& s) {
+    std::string text = "<h2>To make it again</h2>\n<pre>" + escaped(s.at("command").get<std::string>()) +
+                       "</pre>\n<div class=\"wide\"><table>\n";
+    for (const char* key : {"version", "isa", "input", "exposure", "tolerance", "stop", "quantiser", "gop", "rate",
+                            "light_points", "aspect_ratio_code", "cadence"}) {
+        if (!s.contains(key) || s.at(key).is_null()) continue;
+        std::string name = key;
+        std::replace(name.begin(), name.end(), '_', ' ');
+        text += "<tr><td>" + name + "</td><td>" + escaped(plain(s.at(key))) + "</td></tr>\n";
+    }
+    return text +
+           "</table></div>\n<p class=\"soft\">Every figure is in the JSON file beside this page "
+           "(docs/report.md).</p>\n";
+}
+
+constexpr const char* generator = "<meta name=\"generator\" content=\"render2mpeg";
+
+bool is_page_of_ours(const std::filesystem::path& file) {
+    std::string start(4096, '\0');
+    std::ifstream stream(file, std::ios::binary);
+    stream.read(start.data(), static_cast<std::streamsize>(start.size()));
+    start.resize(static_cast<std::size_t>(stream.gcount()));
+    return start.starts_with("<!DOCTYPE html>") && start.find(generator) != std::string::npos;
+}
+
+bool is_json_of_ours(const std::filesystem::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    const json value = json::parse(stream, nullptr, false);
+    if (!value.is_object() || !value.contains("summary")) return false;
+    return (value.contains("per_frame") && value.contains("plan")) ||
+           (value.contains("fixed") && value.contains("coupled")) ||
+           (value.contains("ways") && value.contains("differences")) ||
+           (value.contains("probes") && value.contains("target"));
+}
+
+}  // namespace
+
+std::filesystem::path report_json_of(const std::filesystem::path& html) {
+    return std::filesystem::path(html).replace_extension(".report.json");
+}
+
+void check_report(const std::filesystem::path& html) {
+    if (html.extension() != ".html" && html.extension() != ".htm")
+        throw core::Error("report " + html.string() + ": expected a name that ends in .html");
+    for (const auto& [file, ours] : {std::pair{html, &is_page_of_ours}, {report_json_of(html), &is_json_of_ours}}) {
+        std::error_code error;
+        if (std::filesystem::is_regular_file(file, error) && !std::filesystem::is_empty(file, error) && !ours(file))
+            throw core::Error("writing", file.string(), "what has this name is no earlier report, and is left alone");
+    }
+}
+
+std::string report_page(const std::string& title, const std::string& lead, const std::string& body) {
+    std::string page = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\n";
+    page += generator;
+    page += " " RENDER2MPEG_VERSION "\"/>\n";
+    return page + "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>" +
+           escaped(title) + " - render2mpeg</title>\n<style>" + report_style + "</style></head>\n<body><main>\n<h1>" +
+           escaped(title) + "</h1>\n<p class=\"lead\">" + escaped(lead) + "</p>\n" + body + "</main></body></html>\n";
+}
+
+void write_report(const std::filesystem::path& html, const Production& film, const Ledger& ledger,
+                  const RunFacts& facts, const std::string& views) {
+    json s = statistics_of(film, ledger, facts);
+    s["summary"] = sentence_of(s);
+    s["plan"] = plan_of(film, s);
+    write_whole(html,
+                report_page(std::filesystem::path(facts.output).filename().string(), s.at("summary").get<std::string>(),
+                            cards(s) + plots(s) + views + time_table(s) + effect_table(s) + plan_rows(s.at("plan")) +
+                                settings_table(s)));
+    write_json(report_json_of(html), s);
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,268 @@
+#include "app/report/statistics.h"
+
+#include <sys/resource.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "app/report/effects.h"
+#include "app/report/statistics_json.h"
+#include "app/files/text_file.h"
+#include "core/numeric.h"
+
+namespace render2mpeg::app {
+namespace {
+
+using nlohmann::json;
+
+json seconds_of(const Ledger& ledger) {
+    json seconds;
+    for (std::size_t i = 0; i < ledger.seconds.size(); ++i) seconds[stage_names[i]] = ledger.seconds[i];
+    seconds["wall"] = ledger.wall;
+    seconds["cpu"] = ledger.earlier_cpu + cpu_seconds();
+    return seconds;
+}
+
+json passes_of(const Production& film, const Ledger& ledger) {
+    json passes = json::object();
+    for (const renderer::PlanRow& row : film.plan.rows()) {
+        const double seconds = ledger.pass_seconds[static_cast<std::size_t>(row.pass)];
+        if (row.runs && seconds > 0) passes[row.name] = seconds;
+    }
+    return passes;
+}
+
+json effects_json(const Production& film, const Ledger& ledger) {
+    json all = json::array();
+    const auto or_null = [](const auto& value) { return value ? json(*value) : json(nullptr); };
+    for (const Effect& e : effects_of(film, ledger))
+        all.push_back({{"effect", e.name},
+                       {"seconds", or_null(e.seconds)},
+                       {"rays", or_null(e.rays)},
+                       {"clusters", or_null(e.clusters)},
+                       {"note", e.note}});
+    return all;
+}
+
+json audit_of(const Production& film, const Audit& audit) {
+    if (film.audit == 0) return nullptr;
+    return {{"pixels", audit.errors.count()},
+            {"over_tolerance", audit.share_over()},
+            {"error_p50", finite_or_null(audit.errors.quantile(0.5))},
+            {"error_p95", finite_or_null(audit.errors.quantile(0.95))},
+            {"error_p99", finite_or_null(audit.errors.quantile(0.99))},
+            {"seconds", audit.seconds}};
+}
+
+/// Null where no light is kept.
+json records_of(const Production& film, const renderer::Statistics& r) {
+    if (!kept_records(film.rendering, r)) return nullptr;
+    return {
+        {"created", r.records_created},
+        {"followed", r.records_followed},
+        {"most", r.records_live},
+        {"watched", r.records_watched},
+        {"missed", r.records_missed},
+        {"served", core::divide_or(static_cast<double>(r.records_served), static_cast<double>(r.gather_points), 0.0)},
+        {"moved", core::divide_or(static_cast<double>(r.records_moved), static_cast<double>(r.gather_points), 0.0)},
+        {"between",
+         core::divide_or(static_cast<double>(r.records_between), static_cast<double>(r.gather_points), 0.0)}};
+}
+
+/// Null where no caution was learnt.
+json caution_of(const renderer::Statistics& r) {
+    if (r.calibrated_pixels == 0) return nullptr;
+    return {{"mean", r.mean_caution},
+            {"least", r.least_caution},
+            {"largest", r.largest_caution},
+            {"pixels", r.calibrated_pixels},
+            {"seconds", r.calibration_seconds}};
+}
+
+/// What light was spent on pixels that may be off by much or little.
+json bands_of(const renderer::ToleranceBands& bands) {
+    json all = json::array();
+    double points = 0, clusters = 0;
+    for (std::size_t i = 0; i < bands.count; ++i) {
+        points += static_cast<double>(bands.points[i]);
+        clusters += static_cast<double>(bands.clusters[i]);
+    }
+    for (std::size_t i = 0; i < bands.count; ++i)
+        all.push_back(
+            {{"below",
+              i < bands.ends.size() ? json(std::round(1e4 * static_cast<double>(bands.ends[i])) / 1e4) : json(nullptr)},
+             {"points", core::divide_or(static_cast<double>(bands.points[i]), points, 0.0)},
+             {"clusters", core::divide_or(static_cast<double>(bands.clusters[i]), clusters, 0.0)}});
+    return all;
+}
+
+void add_coding(json& entry, const FrameEntry& frame) {
+    entry["type"] = std::string(1, frame.type);
+    entry["quantiser"] = frame.quantiser;
+    entry["mean_quantiser"] = frame.mean_quantiser;
+    entry["bytes"] = frame.bytes;
+    entry["exceeds_level"] = false;
+    entry["planned_quantiser"] = frame.planned_quantiser;
+    entry["tries"] = frame.tries;
+    entry["minimal"] = frame.minimal;
+    entry["stuffing"] = frame.stuffing;
+    entry["vbv"] = {frame.fullness_before, frame.fullness_after};
+    entry["mse_y"] = frame.mse_y;
+    entry["ssim_y"] = frame.ssim_y;
+}
+
+json entry_of(const FrameEntry& frame, bool coded, bool by_records) {
+    json entry{{"frame", frame.frame},
+               {"seconds", frame.seconds},
+               {"shadow_rays", frame.shadow_rays},
+               {"cut", {{"direct", frame.direct_cut}, {"indirect", frame.indirect_cut}}}};
+    if (by_records)
+        entry["records"] = {{"created", frame.records.created},
+                            {"followed", frame.records.followed},
+                            {"live", frame.records.live},
+                            {"served", frame.records.served}};
+    if (coded) add_coding(entry, frame);
+    return entry;
+}
+
+/// What was asked of the film's rate, what its headers declare, and what became of it.
+json rate_of(const Film& film, const Ledger& ledger) {
+    constexpr const char* modes[] = {"quantiser", "quality", "variable", "constant"};
+    const encoder::RateControl& asked = film.coding.rate_control;
+    const encoder::Declaration declared = encoder::declaration_of(film.coding);
+    const RateOutcome outcome = ledger.rate_outcome();
+    json rate{{"mode", modes[static_cast<int>(asked.mode)]},
+              {"level", declared.level},
+              {"max_rate", declared.bit_rate},
+              {"vbv_bits", declared.buffer_bits},
+              {"chunk_fullness", declared.border_bits},
+              {"requantised", outcome.requantised},
+              {"minimal", outcome.minimal},
+              {"off_plan", outcome.off_plan},
+              {"stuffing", outcome.stuffing}};
+    const double seconds = static_cast<double>(ledger.frames.size()) / film.coding.rate.hertz.value();
+    rate["average"] = core::divide_or(8.0 * static_cast<double>(outcome.bytes), seconds, 0.0);
+    if (asked.bit_rate > 0) rate["bit_rate"] = asked.bit_rate;
+    if (asked.mode == encoder::RateMode::constant_quality) rate["quality"] = asked.quality;
+    return rate;
+}
+
+/// The quantiser that was asked for; null where a quality or a rate decided.
+json asked_quantiser(const encoder::Settings& coding) {
+    return coding.rate_control.mode == encoder::RateMode::constant_quantiser ? json(coding.quantiser) : json(nullptr);
+}
+
+json quantisers_of(const Ledger& ledger) {
+    const QuantiserRange range = ledger.quantisers();
+    return {{"mean", range.mean}, {"min", range.min}, {"max", range.max}};
+}
+
+/// What a pixel's light was allowed to be off by.
+json tolerance_of(const Production& film) {
+    if (film.tolerance.reference) return {{"mode", "reference"}};
+    if (!film.tolerance.coupled) return {{"mode", "fixed"}, {"relative", film.tolerance.relative}};
+    return {{"mode", "coupled"},
+            {"share", film.tolerance.share ? json(*film.tolerance.share) : json(nullptr)},
+            {"masking", film.coupling.observer.strategy == perceptual::Strategy::quantised ? "quantised" : "carried"}};
+}
+
+/// What is said of every run. Quality counts where the film was coded.
+json common_of(const Film& film, const Ledger& ledger, const RunFacts& facts) {
+    const encoder::Settings& coding = film.coding;
+    return {{"version", RENDER2MPEG_VERSION},
+            {"command", facts.command},
+            {"input", facts.input},
+            {"output", facts.output},
+            {"complete", facts.complete},
+            {"width", coding.width},
+            {"height", coding.height},
+            {"fps", coding.rate.hertz.value()},
+            {"aspect_ratio_code", coding.aspect_ratio_code},
+            {"cadence", coding.cadence == encoder::Cadence::frames   ? "frames"
+                        : coding.cadence == encoder::Cadence::fields ? "fields"
+                                                                     : "pulldown"},
+            {"fps_exact", {coding.rate.hertz.num, coding.rate.hertz.den}},
+            {"frames", ledger.frames.size()},
+            {"bytes", facts.bytes},
+            {"quantiser", asked_quantiser(coding)},
+            {"gop", coding.gop},
+            {"seconds", seconds_of(ledger)},
+            {"peak_rss_mib", peak_memory_mib()},
+            {"non_finite", ledger.rendering.non_finite},
+            {"psnr_y", finite_or_null(ledger.psnr_y())},
+            {"ssim_y", ledger.ssim_y()},
+            {"per_frame", json::array()}};
+}
+
+}  // namespace
+
+json finite_or_null(double value) {
+    return std::isfinite(value) ? json(value) : json(nullptr);
+}
+
+void write_json(const std::filesystem::path& file, const json& value) {
+    write_whole(file, json_text(value));
+}
+
+double peak_memory_mib() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+json statistics_of(const Production& film, const Ledger& ledger, const RunFacts& facts) {
+    const renderer::Statistics& r = ledger.rendering;
+    const bool coded = film.kind == OutputKind::film;
+    json statistics = common_of(film.film(), ledger, facts);
+    statistics.update({
+        {"exposure", film.exposure.value_or(0)},
+        {"isa", core::name_of(film.rendering.isa)},
+        {"tolerance", tolerance_of(film)},
+        {"passes", passes_of(film, ledger)},
+        {"effects", effects_json(film, ledger)},
+        {"rays",
+         {{"primary", r.primary_rays},
+          {"specular", r.specular_rays},
+          {"shadow", r.shadow_rays},
+          {"photon", r.photon_rays}}},
+        {"light_points", {{"direct", r.direct_points}, {"indirect", r.indirect_points}}},
+        {"mean_cut", {{"direct", ledger.mean_direct_cut()}, {"indirect", ledger.mean_indirect_cut()}}},
+        {"gather_points", r.gather_points},
+        {"capped_points", r.capped_points},
+        {"tolerance_bands", bands_of(r.bands)},
+        {"stop", film.rendering.stop == renderer::Stop::classic ? "classic" : "honest"},
+        {"caution", caution_of(r)},
+        {"records", records_of(film, r)},
+        {"audit", audit_of(film, ledger.audit)},
+        {"first_non_finite", r.first_non_finite},
+        {"clamped_energy", r.clamped_energy},
+    });
+    if (coded) statistics["rate"] = rate_of(film.film(), ledger);
+    statistics["quantisers"] = coded ? quantisers_of(ledger) : json(nullptr);
+    if (!coded)
+        for (const char* key : {"psnr_y", "ssim_y", "quantiser", "gop"}) statistics[key] = nullptr;
+    const bool by_records = kept_records(film.rendering, ledger.rendering);
+    for (const FrameEntry& frame : ledger.frames) statistics["per_frame"].push_back(entry_of(frame, coded, by_records));
+    return statistics;
+}
+
+void write_statistics(const std::filesystem::path& file, const Production& film, const Ledger& ledger,
+                      const RunFacts& facts) {
+    write_json(file, statistics_of(film, ledger, facts));
+}
+
+void write_encode_statistics(const std::filesystem::path& file, const Film& film, bool with_motion,
+                             const Ledger& ledger, const RunFacts& facts) {
+    json statistics = common_of(film, ledger, facts);
+    statistics["motion"] = with_motion;
+    statistics["quantisers"] = quantisers_of(ledger);
+    statistics["rate"] = rate_of(film, ledger);
+    for (const FrameEntry& frame : ledger.frames) {
+        json entry{{"frame", frame.frame}, {"seconds", frame.seconds}};
+        add_coding(entry, frame);
+        statistics["per_frame"].push_back(entry);
+    }
+    write_json(file, statistics);
+}
+
+}  // namespace render2mpeg::app

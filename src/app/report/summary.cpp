@@ -1,0 +1,228 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <string>
+
+#include "app/report/effects.h"
+#include "app/report/figures.h"
+#include "app/system/progress.h"
+#include "app/report/statistics.h"
+#include "core/numeric.h"
+#include "encoder/cadence.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// The shape that the film is shown in, where it is not that of square pixels.
+const char* shape_text(const encoder::Settings& coding) {
+    static constexpr std::array shapes{"", "", " (4:3)", " (16:9)", " (2.21:1)"};
+    return shapes.at(static_cast<std::size_t>(coding.aspect_ratio_code));
+}
+
+std::string rate_text(const encoder::Settings& coding) {
+    const std::string rate = std::string(coding.rate.name) + " Hz";
+    if (coding.cadence != encoder::Cadence::pulldown) return rate;
+    return rate + " (" + encoder::declared_rate(coding).name + " with repeated fields)";
+}
+
+/// What making the film took, in lines that fit a terminal of 80 columns.
+std::string time_lines(const Ledger& ledger) {
+    std::string text, line = "  CPU time  ";
+    for (std::size_t i = 0; i < ledger.seconds.size(); ++i) {
+        if (ledger.seconds[i] <= 0) continue;
+        std::string stage = stage_names[i];
+        std::replace(stage.begin(), stage.end(), '_', ' ');
+        const std::string part = fmt::format(" {} {:.2f} ", stage, ledger.seconds[i]);
+        if (line.size() + part.size() > 80) {
+            text += line + "\n";
+            line = std::string(12, ' ');
+        }
+        line += part;
+    }
+    return text + line + "\n" +
+           fmt::format("             {:.2f} s in all; {} on the clock; peak memory {:.0f} MiB\n",
+                       ledger.earlier_cpu + cpu_seconds(), clock_text(ledger.wall), peak_memory_mib());
+}
+
+/// The film and what making it took.
+std::string opening_lines(const Film& film, const Ledger& ledger, const RunFacts& facts) {
+    const auto frames = static_cast<double>(ledger.frames.size());
+    const double duration = frames / film.coding.rate.hertz.value();
+    std::string text = fmt::format("{}: {} frame{}, {}x{}{} at {}, {:.2f} s", facts.output, ledger.frames.size(),
+                                   ledger.frames.size() == 1 ? "" : "s", film.coding.width, film.coding.height,
+                                   shape_text(film.coding), rate_text(film.coding), duration);
+    if (facts.bytes > 0)
+        text += fmt::format(", {}, {:.0f} kb/s", size_text(static_cast<double>(facts.bytes)),
+                            core::divide_or(8e-3 * static_cast<double>(facts.bytes), duration, 0.0));
+    return text + "\n" + time_lines(ledger);
+}
+
+/// Why a film has not the rate that was wanted of it, as far as its pictures tell.
+std::string rate_cause(const Ledger& ledger, double real, double wanted) {
+    // chosen: two passes are to be within 2 %; less needs no cause.
+    constexpr double close = 0.02;
+    const QuantiserRange quantisers = ledger.quantisers();
+    const RateOutcome rate = ledger.rate_outcome();
+    std::string cause;
+    if (real < (1 - close) * wanted) {
+        if (quantisers.finest > 0)
+            cause = pictures_text(quantisers.finest) + " at quantiser 1 need no more";
+        else if (rate.requantised > 0)
+            cause = pictures_text(rate.requantised) + " had to be coarser to reach the decoder in time";
+    } else if (real > (1 + close) * wanted && quantisers.coarsest > 0) {
+        cause = pictures_text(quantisers.coarsest) + " at quantiser 31 need that much";
+    }
+    return cause.empty() ? "" : "\n             " + cause;
+}
+
+std::string rate_lines(const Film& film, const Ledger& ledger) {
+    const auto wanted = static_cast<double>(film.coding.rate_control.bit_rate);
+    if (wanted <= 0) return {};
+    const RateOutcome rate = ledger.rate_outcome();
+    const double seconds = static_cast<double>(ledger.frames.size()) / film.coding.rate.hertz.value();
+    const double real = core::divide_or(8.0 * static_cast<double>(rate.bytes), seconds, 0.0);
+    std::string text = fmt::format("  rate       {:.0f} of {:.0f} kb/s wanted ({:+.1f} %)", 1e-3 * real, 1e-3 * wanted,
+                                   100.0 * (real / wanted - 1.0));
+    if (rate.stuffing > 0)
+        text += fmt::format(", {} of it stuffing", percent_text(core::divide_or(static_cast<double>(rate.stuffing),
+                                                                                static_cast<double>(rate.bytes), 0.0)));
+    return text + rate_cause(ledger, real, wanted) + "\n";
+}
+
+/// The quantisers, where they were not one number that the user gave, and what the buffer did to them.
+std::string quantiser_lines(const Film& film, const Ledger& ledger) {
+    const RateOutcome rate = ledger.rate_outcome();
+    std::string text;
+    if (film.coding.rate_control.mode != encoder::RateMode::constant_quantiser) {
+        const QuantiserRange range = ledger.quantisers();
+        text += range.min == range.max ? fmt::format("  quantiser  {} in all pictures\n", range.min)
+                                       : fmt::format("  quantiser  {:.1f} on average, pictures from {} to {}\n",
+                                                     range.mean, range.min, range.max);
+    }
+    const char* label = text.empty() ? "quantiser" : "";
+    if (rate.off_plan > 0)
+        text += fmt::format("  {:<9}  {} of {} {} coded with another than made for\n", label, rate.off_plan,
+                            pictures_text(static_cast<int>(ledger.frames.size())), rate.off_plan == 1 ? "was" : "were");
+    if (rate.requantised > 0)
+        text += fmt::format("  buffer     {} {} coded again, coarser, to reach the decoder in time\n",
+                            pictures_text(rate.requantised), rate.requantised == 1 ? "was" : "were");
+    if (rate.minimal > 0)
+        text += fmt::format("             {} of them {} no detail at all: the rate is too low\n", rate.minimal,
+                            rate.minimal == 1 ? "shows" : "show");
+    return text;
+}
+
+/// How a coded film came out. `made`: what was done to its pictures before they were coded.
+std::string closing_lines(const Film& film, const Ledger& ledger, const char* made) {
+    return rate_lines(film, ledger) + quantiser_lines(film, ledger) +
+           fmt::format("  quality    decoded against {}: PSNR-Y {:.2f} dB, SSIM-Y {:.4f}\n", made, ledger.psnr_y(),
+                       ledger.ssim_y());
+}
+
+/// What gathering light took.
+std::string light_lines(const Ledger& ledger) {
+    const renderer::Statistics& r = ledger.rendering;
+    std::string text = fmt::format(
+        "  light      {} direct and {} indirect light points; mean cut {:.1f} and {:.1f}\n"
+        "             {} points to light, {} shadow rays\n",
+        r.direct_points, r.indirect_points, ledger.mean_direct_cut(), ledger.mean_indirect_cut(),
+        count_text(static_cast<double>(r.gather_points)), count_text(static_cast<double>(r.shadow_rays)));
+    if (r.capped_points > 0)
+        text += fmt::format("             {} of the points stopped at the largest cut, their tolerance not certified\n",
+                            percent_text(core::divide_or(static_cast<double>(r.capped_points),
+                                                         static_cast<double>(r.gather_points), 0.0)));
+    if (r.clamped_energy > 0.0005)
+        text +=
+            fmt::format("             {} of the light was clamped near light points\n", percent_text(r.clamped_energy));
+    if (ledger.brightest_luma <= 16)
+        text += "             every pixel is black: no light reaches what the camera sees\n";
+    if (r.non_finite > 0)
+        text += fmt::format("             {} value{} not finite and became 0, the first in {}\n", r.non_finite,
+                            r.non_finite == 1 ? " was" : "s were", r.first_non_finite);
+    return text;
+}
+
+/// What light that was gathered once did for other pixels and frames.
+std::string record_lines(const renderer::Statistics& r) {
+    const double served =
+        core::divide_or(static_cast<double>(r.records_served), static_cast<double>(r.gather_points), 0.0);
+    std::string text = fmt::format("  records    {} made, at most {} held; they lit {} of the points\n",
+                                   count_text(static_cast<double>(r.records_created)),
+                                   count_text(static_cast<double>(r.records_live)), percent_text(served));
+    if (r.records_watched > 0)
+        text +=
+            fmt::format("             {} of {} that were gathered all the same were off by more than allowed\n",
+                        percent_text(static_cast<double>(r.records_missed) / static_cast<double>(r.records_watched)),
+                        count_text(static_cast<double>(r.records_watched)));
+    return text;
+}
+
+/// Which tolerances the clusters were spent on, where there are several.
+std::string band_lines(const renderer::ToleranceBands& bands) {
+    const auto all =
+        static_cast<double>(std::accumulate(bands.clusters.begin(), bands.clusters.end(), std::uint64_t{0}));
+    std::string shares;
+    int kinds = 0;
+    for (std::size_t i = 0; i < bands.count; ++i) {
+        const double share = 100 * core::divide_or(static_cast<double>(bands.clusters[i]), all, 0.0);
+        if (share < 0.5) continue;
+        const std::string low = i == 0 ? "0" : fmt::format("{:g}", 100 * bands.ends[i - 1]);
+        const std::string high = i < bands.ends.size() ? fmt::format("-{:g}", 100 * bands.ends[i]) : "+";
+        shares += fmt::format("{}{:.0f} % at {}{}", kinds++ == 0 ? "" : ", ", share, low, high);
+    }
+    return kinds < 2 ? "" : "  spent      by tolerance in %: " + shares + "\n";
+}
+
+/// What each part of the picture took, in lines that fit a terminal of 80 columns.
+std::string effect_lines(const Production& film, const Ledger& ledger) {
+    std::string text, line = "  effects   ";
+    for (const Effect& e : effects_of(film, ledger)) {
+        if (!e.seconds || *e.seconds < 0.005) continue;
+        const std::string part = fmt::format(" {} {:.2f} ", e.name, *e.seconds);
+        if (line.size() + part.size() > 80) {
+            text += line + "\n";
+            line = std::string(12, ' ');
+        }
+        line += part;
+    }
+    return text + line + "\n";
+}
+
+/// What the film's own light taught its cuts.
+std::string caution_lines(const renderer::Statistics& r) {
+    return fmt::format(
+        "  caution    {:.2f} ({:.2f} to {:.2f}) of what the worst films need; {} pixels,\n"
+        "             lit again by every light point, said so in {:.2f} s\n",
+        r.mean_caution, r.least_caution, r.largest_caution, r.calibrated_pixels, r.calibration_seconds);
+}
+
+std::string audit_lines(const Audit& audit) {
+    return fmt::format(
+        "  audit      {:.2f} % of {} pixels, gathered again from every light point, are\n"
+        "             beyond their tolerance; errors {:.2f} % (median), {:.2f} % (95 %), {:.2f} % (99 %)\n",
+        100 * audit.share_over(), audit.errors.count(), 100 * audit.errors.quantile(0.5),
+        100 * audit.errors.quantile(0.95), 100 * audit.errors.quantile(0.99));
+}
+
+}  // namespace
+
+std::string summary(const Production& film, const Ledger& ledger, const RunFacts& facts) {
+    std::string text = opening_lines(film.film(), ledger, facts) + light_lines(ledger);
+    if (kept_records(film.rendering, ledger.rendering)) text += record_lines(ledger.rendering);
+    text += effect_lines(film, ledger) + band_lines(ledger.rendering.bands);
+    if (ledger.rendering.calibrated_pixels > 0) text += caution_lines(ledger.rendering);
+    if (film.audit > 0) text += audit_lines(ledger.audit);
+    if (film.kind == OutputKind::film) text += closing_lines(film.film(), ledger, "rendered");
+    return text;
+}
+
+std::string encode_summary(const Film& film, const Ledger& ledger, const RunFacts& facts) {
+    std::string text = opening_lines(film, ledger, facts);
+    if (const std::uint64_t count = ledger.rendering.non_finite; count > 0)
+        text += fmt::format("  frames     {} value{} not finite and became 0\n", count, count == 1 ? " was" : "s were");
+    return text + closing_lines(film, ledger, "the frames given");
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "scene/preparation/traits.h"
+
+namespace render2mpeg::renderer {
+
+/// Everything that may run for a frame, in dependency order: no pass reads what a later one writes in the same frame.
+enum class Pass {
+    pose,
+    textures,
+    normal_maps,
+    alpha,
+    mirrors,
+    glass,
+    sky_background,
+    see,
+    motion,
+    punctual_lights,
+    emissive_lights,
+    sky_light,
+    direct_tree,
+    photons,
+    indirect_tree,
+    glossy,
+    shade,
+    layers,
+    develop,
+    encode,
+    count
+};
+
+/// What the user asked for, as far as it decides which passes run.
+struct Wanted {
+    bool picture = true;     ///< shaded pixels at all
+    bool film = true;        ///< coded pictures: develop, motion, encode
+    bool layers = false;     ///< --aov
+    bool indirect = true;    ///< --vpls above 0
+    bool developed = false;  ///< pictures for a display that are not coded (.y4m, .png): develop alone
+};
+
+/// One row of the plan: whether a pass runs, and why.
+struct PlanRow {
+    Pass pass;
+    const char* name;
+    bool runs = false;
+    std::string reason;  ///< "no cause: nothing is transparent", "nobody reads it", or what calls for it
+    const char* reads =
+        "";  ///< what it reads, and of which frames: n this one, n-1, the chunk (its first frame), the film
+    const char* writes = "";
+};
+
+/// Which passes run (DESIGN.md, "called for by the scene"): a pass runs if its cause is in the scene and its product is
+/// wanted.
+class Plan {
+  public:
+    explicit Plan(std::vector<PlanRow> rows) : rows_(std::move(rows)) {}
+    bool runs(Pass pass) const { return rows_[static_cast<std::size_t>(pass)].runs; }
+    const std::vector<PlanRow>& rows() const { return rows_; }
+
+  private:
+    std::vector<PlanRow> rows_;
+};
+
+Plan make_plan(const scene::Traits& traits, const Wanted& wanted);
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "renderer/tree/light_forest.h"
+#include "renderer/base/light_point.h"
+#include "renderer/base/plan.h"
+#include "renderer/surface/scenery.h"
+
+namespace render2mpeg::renderer {
+
+/// The light of an instant, parted: what stays while things move, and what they change of it. On surfaces that never
+/// move, light is `still` + `gained` - `lost` - `hidden` + `moving`, and records hold the first alone (docs/model.md,
+/// "Things that move").
+class LightParts {
+  public:
+    /// Whether a film's light may be worth parting, before its anchors are known: lights stay what they are, things
+    /// move, but few, and nothing lets light through.
+    static bool may_suit(const scene::Animation& film, const Plan& plan);
+    /// Whether it is: what moves holds few of the anchors, too.
+    static bool suit(const Scenery& scenery, const Plan& plan, std::size_t still_anchors, std::size_t moving_anchors);
+
+    /// A chunk begins.
+    void forget() {
+        then_.clear();
+        taken_ = false;
+        still = {};
+    }
+
+    /// Takes the forest of an instant, and the still anchors that are in it. Whether `still` is another now: anchors
+    /// have come to shine otherwise than they did when it was taken.
+    bool take(const LightForest& now, std::span<const LightPoint> still_anchors, const LastingForest& lasting);
+
+    LightForest still;         ///< past what is still: of lights, and of anchors as they shone then
+    LightForest gained, lost;  ///< likewise: of anchors, by what they shine more and less than they did then
+    LightForest hidden;        ///< of lights and still anchors of now: what things that move hide of it
+    LightForest moving;        ///< past everything: of anchors on what moves; and lights that are not clustered
+
+  private:
+    bool taken_ = false;            ///< `still` is that of a frame of this chunk
+    std::vector<LightPoint> then_;  ///< by id
+};
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,49 @@
+#include "renderer/cache/record_cache.h"
+
+#include "core/error.h"
+#include "core/numeric.h"
+#include "renderer/cache/frame_lighting.h"
+#include "renderer/cache/record_change.h"
+
+namespace render2mpeg::renderer {
+
+void RecordCache::change(const scene::Snapshot& before, const scene::Snapshot& now) {
+    last_ = {};
+    changed_ = true;
+    drop_disturbed(records_, before, now);
+}
+
+void RecordCache::cut_to(const Seen& seen, const scene::Snapshot& snapshot) {
+    // Their errors are of another caution.
+    last_ = {};
+    trials_.forget();
+    watch_.forget();
+    RecordMap map(seen.visible.width(), seen.visible.height());
+    map.build(records_.all(), snapshot.camera);
+    records_.thin(snapshot.frame, map);
+}
+
+FrameLight RecordCache::light(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
+                              const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance,
+                              const CutLimits& limits, ShadeCounts& shade_counts, RecordCounts& counts,
+                              const LightParts* parts) {
+    EXPECTS(!tolerance.is_reference());
+    if (snapshot.cut_before) cut_to(seen, snapshot);
+    trust_.strictness = watch_.strictness();
+    trust_.recalled = core::divide_or(limits.caution, last_caution_, 1.0f);
+    last_caution_ = limits.caution;
+    FrameLighting frame(forest, tracer, seen, snapshot, limits, trust_, trials_, records_, parts);
+    frame.prepare(tolerance, last_, last_moved_points_, last_frame_, moved_, shade_counts);
+    last_frame_ = snapshot.frame;
+    if (changed_ && records_.size() > 0) frame.renew(shade_counts, counts);
+    changed_ = moved_ = false;
+    frame.refine(watch_, shade_counts, counts);
+    if (parts != nullptr) frame.add_movers(shade_counts, counts);
+    frame.thin();
+    frame.tell(trials_);
+    trials_.judge();
+    counts.live = records_.size();
+    return frame.take(last_, last_moved_points_, shade_counts, counts);
+}
+
+}  // namespace render2mpeg::renderer

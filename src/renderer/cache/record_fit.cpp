@@ -1,0 +1,265 @@
+#include "renderer/cache/record_fit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "renderer/cut/gather_groups.h"
+#include "renderer/cache/record_lobe.h"
+#include "renderer/cache/record_own.h"
+#include "renderer/cache/record_plane.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Pixels to each side that are looked at, in turn. The largest lets a lattice of 4 be interpolated.
+constexpr int radii[] = {1, 2, 4, 6};
+/// From this radius on planes are asked whether their records lie in two columns, so that a step may look like a slope
+/// (RecordPlane::unsure_rise); within fewer pixels that is taken for granted.
+constexpr int asked_for_columns = 4;
+
+/// Records to one side of a pixel, or along a line, as at rims of surfaces and on thin mouldings, carry no plane. So
+/// many of them serve by their mean if one is so near, in pixels, and if they disagree by so much less than the
+/// tolerance, and by less in proportion where the pixel lies farther from their middle than they do: as if light
+/// changed on as it does among them. chosen: in Sponza's walk (coupled at quantiser 8, 192x192, frames 0 to 6) 0.67 %
+/// of pixels are beyond their tolerance without means, with a doubt of 1, 2 and 3 1.3, 0.86 and 0.62 %, and a later
+/// frame gathers 33, 47 and 54 % of what it did. 6 instead of 4 records gather a tenth more. From 1.5 pixels a row of
+/// records in a shadow that is one pixel wide served the rows beside it, black (cornell at 2 %, frames 3 to 9 with
+/// --cache on: errors of 1.0 to 2.4 code values, root of the mean square, instead of 0.4), for 1 to 7 % fewer rays.
+/// Records that all lie in one place say nothing of another, however well they agree: no farther than four times what
+/// they are apart by (chosen without trial: seldom met).
+constexpr int least_level = 4;
+constexpr float level_doubt = 3.0f, level_distance = 0.75f, most_reach = 4.0f;
+
+/// A record's slopes change its light by no more than this share of it: they hold near it, and not where light is so
+/// grazing. chosen: 1, which keeps light at 0 and more; not tuned.
+constexpr float most_change = 1.0f;
+
+/// A record that is asked.
+struct Neighbour {
+    const Record* record;
+    std::uint32_t index;
+    SeenLobe lobe;
+    glm::vec3 change;  ///< what its irradiance is multiplied by (`changed`): halfway for planes, whole for means
+    glm::vec3 diffuse, shiny;  ///< what it sends into the pixel, unchanged, by its irradiance and its lobe
+};
+
+/// One that lies on the point's surface.
+struct Candidate {
+    const RecordMark* mark;
+    glm::vec2 offset;  ///< from the point, pixels
+    float distance2;
+};
+
+/// What a record's irradiance is multiplied by where its slopes are followed for a part of the way to a point, and for
+/// all of the turn of normals.
+glm::vec3 changed(const Record& r, const SurfacePoint& p, float way) {
+    const glm::vec3 change = r.slopes.by_place * (way * (p.position - r.position)) +
+                             r.slopes.by_normal * (p.shading_normal - r.shading_normal);
+    const glm::vec3 light = r.direct + r.indirect;
+    glm::vec3 factor;
+    for (int k = 0; k < 3; ++k)
+        factor[k] = 1.0f + std::clamp(core::divide_or(change[k], light[k], 0.0f), -most_change, most_change);
+    return factor;
+}
+
+class Neighbours {
+  public:
+    /// Those within `radius` of the query on its surface; false where there are too many or too few.
+    bool find(const RecordQuery& q, const RecordMap& map, const Records& records, int radius);
+    /// Whether more lie within the radius than a plane takes.
+    bool is_full() const { return is_full_; }
+    /// By how much what they disagree by counts for more than in a plane through them; 0: they tell nothing, 1: a
+    /// plane.
+    float fit(const SurfacePoint& p);
+    RecordPlane& plane() { return plane_; }
+    float weight(int i) const { return plane_.weight(i); }
+    /// What gathering may be off by, given what the point makes of irradiance.
+    float noise(float receives) const;
+    int count() const { return plane_.count(); }
+    const Neighbour& operator[](int i) const { return found_[static_cast<std::size_t>(i)]; }
+
+  private:
+    bool find_candidates(const RecordQuery& q, const RecordMap& map, int radius);
+
+    /// Those whose lobes say nothing of the point's leave room for others.
+    static constexpr int most_candidates = 4 * RecordPlane::most;
+    std::array<Candidate, most_candidates> candidates_;
+    int candidate_count_ = 0;
+    bool is_full_ = false;
+    std::array<Neighbour, RecordPlane::most> found_;
+    RecordPlane plane_;
+};
+
+/// Those of the query's surface; false where there are too many, or so few that they tell nothing.
+bool Neighbours::find_candidates(const RecordQuery& q, const RecordMap& map, int radius) {
+    candidate_count_ = 0;
+    is_full_ = false;
+    if (!map.reaches(q.at, radius)) return false;
+    const auto reach = static_cast<float>(radius) + 0.5f;
+    const int x = static_cast<int>(std::floor(q.at.x)), y = static_cast<int>(std::floor(q.at.y));
+    const SurfacePoint& p = q.point.point;
+    const RecordMark here{
+        q.at, 0, surface_of(p.address, p.back_side), p.position, p.geometric_normal, p.shading_normal};
+    float nearest2 = std::numeric_limits<float>::max();
+    for (int row = std::max(y - radius, -RecordMap::border);
+         row <= std::min(y + radius, map.height() + RecordMap::border - 1); ++row) {
+        for (const RecordMark& m : map.row(row, std::max(x - radius, -RecordMap::border),
+                                           std::min(x + radius, map.width() + RecordMap::border - 1))) {
+            const glm::vec2 offset = m.at - q.at;
+            const float distance2 = glm::dot(offset, offset);
+            if (distance2 > reach * reach || m.surface != here.surface ||
+                !on_one_surface(here, m, q.extent * std::sqrt(distance2), q.extent, p.position_error))
+                continue;
+            if (candidate_count_ == most_candidates) {
+                is_full_ = true;
+                return false;
+            }
+            candidates_[static_cast<std::size_t>(candidate_count_++)] = {&m, offset, distance2};
+            nearest2 = std::min(nearest2, distance2);
+        }
+    }
+    return candidate_count_ >= RecordPlane::least ||
+           (candidate_count_ >= least_level && nearest2 <= level_distance * level_distance);
+}
+
+bool Neighbours::find(const RecordQuery& q, const RecordMap& map, const Records& records, int radius) {
+    plane_.clear();
+    if (!find_candidates(q, map, radius)) return false;
+    const auto reach = static_cast<float>(radius) + 0.5f;
+    const SurfacePoint& p = q.point.point;
+    const glm::vec3 reflects = q.point.weight * p.bsdf.diffuse;
+    for (int i = 0; i < candidate_count_; ++i) {
+        const Candidate& c = candidates_[static_cast<std::size_t>(i)];
+        const Record& r = records[c.mark->record];
+        const auto lobe = lobe_at(q, r);
+        if (!lobe) continue;
+        if (plane_.is_full()) {
+            is_full_ = true;
+            return false;
+        }
+        const float falloff = 1.0f - c.distance2 / (reach * reach * 1.1f);
+        // A record's own value and what its slopes make of it err by light's curvature to opposite sides: between
+        // them lies what a plane wants, which follows by itself what slopes do not know.
+        const Neighbour n{&r,
+                          c.mark->record,
+                          *lobe,
+                          changed(r, p, 0.5f),
+                          reflects * (r.direct + r.indirect),
+                          q.point.weight * lobe->radiance};
+        found_[static_cast<std::size_t>(plane_.count())] = n;
+        plane_.add(c.offset, falloff * falloff / (0.25f + c.distance2), n.change * n.diffuse + n.shiny);
+    }
+    return plane_.count() > 0;
+}
+
+float Neighbours::fit(const SurfacePoint& p) {
+    if (plane_.fit()) return 1.0f;
+    if (count() < least_level || plane_.distance(plane_.nearest()) > level_distance) return 0.0f;
+    for (int i = 0; i < count(); ++i) {
+        Neighbour& n = found_[static_cast<std::size_t>(i)];
+        n.change = changed(*n.record, p, 1.0f);
+        plane_.change(i, n.change * n.diffuse + n.shiny);
+    }
+    if (!plane_.fit_level()) return 0.0f;
+    const float reach = plane_.reach();
+    return reach < most_reach ? level_doubt * std::max(1.0f, reach) : 0.0f;
+}
+
+float Neighbours::noise(float receives) const {
+    // Records of one set err alike, since the same lights stand for their clusters; those of different sets do not.
+    std::array<float, representative_sets> of_set{};
+    float square = 0;
+    glm::vec3 turned(0);
+    for (int i = 0; i < count(); ++i) {
+        const Neighbour& n = (*this)[i];
+        turned += weight(i) * n.lobe.turned;
+        const glm::vec3 factor = n.change;
+        of_set[n.record->set % of_set.size()] +=
+            std::abs(weight(i)) * std::max({factor.x, factor.y, factor.z}) * n.record->error;
+    }
+    for (const float sum : of_set) square += sum * sum;
+    return receives * std::sqrt(square) + turn_error * glm::length(turned);
+}
+
+PointLight blend(const Neighbours& n, const GatherPoint& p, std::int64_t frame) {
+    PointLight light;
+    float clamped = 0, age = 0, sum = 0;
+    glm::vec3 low[3]{glm::vec3(1e30f), glm::vec3(1e30f), glm::vec3(1e30f)}, high[3]{};
+    for (int i = 0; i < n.count(); ++i) {
+        const Record& r = *n[i].record;
+        const glm::vec3 direct = n[i].change * r.direct, indirect = n[i].change * r.indirect;
+        light.direct += n.weight(i) * direct;
+        light.indirect += n.weight(i) * indirect;
+        light.glossy += n.weight(i) * n[i].lobe.radiance;
+        light.capped = light.capped || r.capped;
+        clamped += n.weight(i) * r.clamped;
+        age += std::abs(n.weight(i)) * static_cast<float>(frame - r.born);
+        sum += std::abs(n.weight(i));
+        low[0] = glm::min(low[0], direct);
+        high[0] = glm::max(high[0], direct);
+        low[1] = glm::min(low[1], indirect);
+        high[1] = glm::max(high[1], indirect);
+        low[2] = glm::min(low[2], n[i].lobe.radiance);
+        high[2] = glm::max(high[2], n[i].lobe.radiance);
+    }
+    light.direct = glm::clamp(light.direct, low[0], high[0]);
+    light.indirect = glm::clamp(light.indirect, low[1], high[1]);
+    light.glossy = glm::clamp(light.glossy, low[2], high[2]);
+    light.clamped = std::max(clamped, 0.0f) * core::luminance(light.scattered(p));
+    light.age = core::divide_or(age, sum, 0.0f);
+    return light;
+}
+
+}  // namespace
+
+/// What neighbours disagree by counts for more where the tolerance is fine, since light has many small edges and few
+/// large ones. chosen: about 2 at 2 %, which leaves 1.6 % of the pixels of Sponza's walk beyond what they may be off by
+/// (docs/decisions/0018; 1.6 at 2 % leaves four times as many in a frame as 2 does); it falls by half at 10 %: at 6, 10
+/// and 15 % coupled films at quantiser 8 leave 0.33, 0.22 and 0.06 % in Sponza (160x160, frames 0 to 5), 1.6, 1.2 and
+/// 1.1 % in Sibenik (128x128), and gather 1, 1.1 and 1.2 times as much.
+float record_doubt(const PointTolerance& t, float light, float tolerance) {
+    constexpr float coarse = 0.62f, fine = 2.1f, turn2 = 0.1f * 0.1f;
+    const float relative = core::divide_or(tolerance, t.base + std::max(light, 0.0f), 1.0f);
+    return coarse + (fine - coarse) * turn2 / (turn2 + relative * relative);
+}
+
+RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& records, const RecordTrust& trust,
+                        std::int64_t frame) {
+    RecordEstimate result;
+    Neighbours near;
+    for (const int radius : radii) {
+        result.radius = radius;
+        if (!near.find(q, map, records, radius)) {
+            // What is too many for this radius is too many for the next.
+            if (near.is_full()) break;
+            continue;
+        }
+        if (const float more = near.fit(q.point.point); more > 0.0f) {
+            const float light = core::luminance(near.plane().value()), tolerance = q.tolerance.allows(light);
+            const float doubts = record_doubt(q.tolerance, light, tolerance);
+            const float off = trust.residual * doubts * (more > 1.0f ? more * doubts : 1.0f) * near.plane().residual(),
+                        noise = trust.noise * near.noise(q.receives);
+            const RecordPlane& plane = near.plane();
+            float rise = trust.step * plane.rise();
+            if (radius >= asked_for_columns && rise > off) rise = trust.step * plane.unsure_rise();
+            const float doubted = std::max(off, rise);
+            if (trust.strictness * doubted <= tolerance && noise <= tolerance) {
+                result.holds = true;
+                result.light = blend(near, q.point, frame);
+                result.light.served = true;
+                result.light.doubt = core::divide_or(doubted, tolerance, 0.0f);
+                result.light.error = std::max(trust.strictness * doubted, noise);
+                for (int i = 0; i < near.count(); ++i) records.use(near[i].index, frame);
+                return result;
+            }
+        }
+    }
+    take_own(q, map, records, trust, frame, result);
+    return result;
+}
+
+}  // namespace render2mpeg::renderer

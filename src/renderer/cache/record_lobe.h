@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+
+#include "renderer/cache/record_fit.h"
+
+namespace render2mpeg::renderer {
+
+/// What a lobe's light changes by as its half vectors turn by its width, as far as `seen_from` does not know. It counts
+/// by the weighted sum of what records are off, which is nothing where a plane lies through them and the eye stands
+/// still. chosen: 0.6 of 0, 0.3, 0.6 and 1.0, by which 1.2, 0.7, 0.5 and 0.3 % of pixels are beyond their tolerance of
+/// 8 % in a corridor of polished metal (docs/decisions/0018; bends of 0.5), for 0.87, 0.93, 1 and 1.08 times the rays.
+inline constexpr float turn_error = 0.6f;
+
+/// A record's lobe towards the eye of a point that asks, by the point's material.
+struct SeenLobe {
+    glm::vec3 radiance;
+    glm::vec3 turned;  ///< half vectors that it was looked at by, off the point's, in widths; times luminance
+};
+
+/// None where it says nothing of the point's.
+std::optional<SeenLobe> lobe_at(const RecordQuery& query, const Record& record);
+
+/// Radiance of a place's lobe towards another eye than the record's, `outgoing`: what hides and shadows its facets
+/// changes with the angle to the normal, for the rest it must be wide. By the material of `bsdf`.
+glm::vec3 seen_from(const RecordLobe& lobe, glm::vec3 normal, glm::vec3 outgoing, const Bsdf& bsdf);
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,154 @@
+#include "renderer/calibration/audit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/color.h"
+#include "core/error.h"
+#include "core/numeric.h"
+#include "core/sampling.h"
+#include "parallel/loops.h"
+#include "renderer/base/lobe.h"
+#include "renderer/cut/lone_point.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Keep the dice of each kind of choice apart from all others.
+constexpr std::uint64_t drawing_seed = 0xa0d17, spreading_seed = 0x5b3ead;
+
+/// By how much sums over all lights differ in another order, as a share. chosen: 1e-5; 1e-6 is usual.
+constexpr float rounding = 1e-5f;
+
+/// As in shade.cpp.
+glm::vec3 scattered(const GatherPoint& p, const GatheredLight& light, int lane) {
+    const Bsdf& bsdf = p.point.bsdf;
+    const glm::vec3 direct = light.direct.at(lane) * lobe::inverse_pi;
+    const glm::vec3 indirect = light.indirect.at(lane) * lobe::inverse_pi;
+    glm::vec3 glossy(0);
+    if (bsdf.has_glossy()) glossy = bsdf.f0 * light.f0.at(lane) + light.schlick.at(lane);
+    return p.weight * (bsdf.diffuse * (direct + indirect) + glossy);
+}
+
+const MovedPoint* find(const MovedPoints& moved, std::uint32_t tile, std::uint32_t index) {
+    if (moved.empty()) return nullptr;
+    const auto found = std::lower_bound(moved[tile].begin(), moved[tile].end(), index,
+                                        [](const MovedPoint& m, std::uint32_t i) { return m.index < i; });
+    return found != moved[tile].end() && found->index == index ? &*found : nullptr;
+}
+
+/// Where the trees' light of a point was gathered.
+GatherPoint lit_at(GatherPoint p, const MovedPoint* moved) {
+    if (moved == nullptr) return p;
+    p.point.position = moved->position;
+    p.point.geometric_normal = moved->geometric_normal;
+    p.point.shading_normal = moved->shading_normal;
+    p.point.outgoing = moved->outgoing;
+    return p;
+}
+
+}  // namespace
+
+glm::ivec2 place_of(const Seen& seen, const LitPixel& p) {
+    const int pixel = seen.tiles[p.tile][p.first].pixel, across = seen.tiles_across();
+    return {static_cast<int>(p.tile) % across * tile_size + pixel % tile_size,
+            static_cast<int>(p.tile) / across * tile_size + pixel / tile_size};
+}
+
+std::vector<LitPixel> lit_pixels(const Seen& seen) {
+    std::vector<LitPixel> pixels;
+    for (std::uint32_t t = 0; t < seen.tiles.size(); ++t) {
+        const GatherTile& tile = seen.tiles[t];
+        for (std::uint32_t i = 0; i < tile.size(); ++i) {
+            if (i == 0 || tile[i].pixel != tile[i - 1].pixel) pixels.push_back({t, i, i});
+            ++pixels.back().last;
+        }
+    }
+    return pixels;
+}
+
+std::vector<LitPixel> drawn(std::vector<LitPixel> pixels, std::size_t count, std::int64_t frame) {
+    count = std::min(count, pixels.size());
+    // The first of a shuffle.
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto left = static_cast<float>(pixels.size() - i);
+        const auto step =
+            static_cast<std::size_t>(core::uniform(drawing_seed, static_cast<std::uint64_t>(frame), i) * left);
+        std::swap(pixels[i], pixels[std::min(i + step, pixels.size() - 1)]);
+    }
+    pixels.resize(count);
+    return pixels;
+}
+
+std::vector<LitPixel> spread(const std::vector<LitPixel>& pixels, std::size_t count, std::int64_t frame) {
+    count = std::min(count, pixels.size());
+    std::vector<LitPixel> chosen;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t first = i * pixels.size() / count, last = (i + 1) * pixels.size() / count;
+        const float dice = core::uniform(spreading_seed, static_cast<std::uint64_t>(frame), i);
+        const auto step = static_cast<std::size_t>(dice * static_cast<float>(last - first));
+        chosen.push_back(pixels[std::min(first + step, last - 1)]);
+    }
+    return chosen;
+}
+
+std::vector<glm::vec3> gather_exactly(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
+                                      const std::vector<LitPixel>& pixels, const MovedPoints& moved) {
+    EXPECTS(moved.empty() || moved.size() == seen.tiles.size());
+    struct Place {
+        const GatherPoint* point;
+        const MovedPoint* moved;
+    };
+    std::vector<Place> places;
+    for (const LitPixel& p : pixels)
+        for (std::uint32_t i = p.first; i < p.last; ++i)
+            places.push_back({&seen.tiles[p.tile][i], find(moved, p.tile, i)});
+    std::vector<glm::vec3> light(places.size());
+    parallel::for_each(places.size(), [&](std::size_t i) {
+        GatheredLight gathered;
+        gather_all(forest, tracer, lit_at(*places[i].point, places[i].moved), *places[i].point, gathered);
+        light[i] = scattered(*places[i].point, gathered, 0);
+    });
+
+    std::vector<glm::vec3> sums;
+    std::size_t next = 0;
+    for (const LitPixel& p : pixels) {
+        glm::vec3 own(0);
+        for (std::uint32_t i = p.first; i < p.last; ++i) own += light[next++];
+        const glm::ivec2 place = place_of(seen, p);
+        const glm::vec3 sum = seen.unscattered.at(place.x, place.y) + own;
+        // What is not finite was replaced in the frame, and is counted there.
+        sums.push_back(core::is_finite(sum) ? glm::max(sum, glm::vec3(0)) : glm::vec3(0));
+    }
+    return sums;
+}
+
+AuditedPixel compare(glm::ivec2 place, glm::vec3 truth, const core::ToleranceMap& tolerance,
+                     const core::Radiance& radiance) {
+    AuditedPixel a;
+    a.x = place.x;
+    a.y = place.y;
+    a.luminance = core::luminance(truth);
+    const glm::vec3 difference = radiance.combined.at(a.x, a.y) - truth;
+    a.error = std::abs(core::luminance(difference));
+    a.chroma = core::chroma(difference);
+    a.capped = radiance.capped.at(a.x, a.y) != 0;
+    a.tolerance = rounding * a.luminance;
+    if (!tolerance.is_reference()) {
+        const core::Tolerance& t = tolerance.pixels.at(a.x, a.y);
+        a.tolerance = t.allows(a.luminance);
+    }
+    return a;
+}
+
+std::vector<AuditedPixel> compare(const Seen& seen, const std::vector<LitPixel>& pixels,
+                                  const std::vector<glm::vec3>& truth, const core::ToleranceMap& tolerance,
+                                  const core::Radiance& radiance) {
+    EXPECTS(truth.size() == pixels.size() && radiance.combined.width() == seen.visible.width());
+    std::vector<AuditedPixel> audited;
+    for (std::size_t i = 0; i < pixels.size(); ++i)
+        audited.push_back(compare(place_of(seen, pixels[i]), truth[i], tolerance, radiance));
+    return audited;
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "core/radiance.h"
+#include "core/tolerance_map.h"
+#include "renderer/calibration/audited_pixel.h"
+#include "renderer/surface/gather_point.h"
+#include "renderer/tree/light_forest.h"
+#include "renderer/geometry/ray_tracer.h"
+
+namespace render2mpeg::renderer {
+
+/// A pixel that has anything to gather. Its gather points lie side by side in its tile.
+struct LitPixel {
+    std::uint32_t tile = 0;
+    std::uint32_t first = 0, last = 0;  ///< gather points, `last` not included
+};
+
+/// Where in the frame it is.
+glm::ivec2 place_of(const Seen& seen, const LitPixel& pixel);
+
+/// In order of their tiles, then of their rows.
+std::vector<LitPixel> lit_pixels(const Seen& seen);
+
+/// `count` of the pixels (all, where there are fewer), chosen by dice that only the frame's number decides.
+std::vector<LitPixel> drawn(std::vector<LitPixel> pixels, std::size_t count, std::int64_t frame);
+
+/// As many, one out of each of `count` equal stretches of the list: spread over the picture. Other dice.
+std::vector<LitPixel> spread(const std::vector<LitPixel>& pixels, std::size_t count, std::int64_t frame);
+
+/// What the pixels send when their light is gathered from every light point by itself: radiance, >= 0 and finite. Light
+/// of the trees is gathered where it was when the frame was lit: some points were `moved` (empty: none). The same for
+/// any number of threads.
+std::vector<glm::vec3> gather_exactly(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
+                                      const std::vector<LitPixel>& pixels, const MovedPoints& moved = {});
+
+/// Holds one pixel of a frame, lit by `tolerance`, against the radiance that it should have.
+AuditedPixel compare(glm::ivec2 place, glm::vec3 truth, const core::ToleranceMap& tolerance,
+                     const core::Radiance& radiance);
+
+/// Holds the frame, lit by `tolerance`, against that.
+std::vector<AuditedPixel> compare(const Seen& seen, const std::vector<LitPixel>& pixels,
+                                  const std::vector<glm::vec3>& truth, const core::ToleranceMap& tolerance,
+                                  const core::Radiance& radiance);
+
+}  // namespace render2mpeg::renderer

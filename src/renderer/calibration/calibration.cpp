@@ -1,0 +1,114 @@
+#include "renderer/calibration/calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "renderer/calibration/audit.h"
+#include "renderer/cut/gather_groups.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// fit: docs/fits/caution
+constexpr std::size_t most_rounds = 2;
+constexpr std::size_t largest_sample = 1024 / most_rounds;  ///< of a round
+constexpr std::size_t blocks_per_sample = 4;  ///< so that lighting a sample costs a fourth of a frame at most
+constexpr double watched_share = 0.02;        ///< of a frame's rays
+constexpr std::size_t least_watched = 8, most_watched = 64;
+
+/// What is left of a frame when only the blocks of some pixels are of interest.
+Seen blocks_of(const Seen& seen, const std::vector<LitPixel>& pixels) {
+    Seen thin;
+    thin.visible = seen.visible;
+    thin.unscattered = seen.unscattered;
+    thin.tiles.resize(seen.tiles.size());
+    for (std::size_t i = 0; i < pixels.size();) {
+        // All blocks of one tile at once, so that its points keep their order.
+        const std::uint32_t tile = pixels[i].tile;
+        std::set<int> blocks;
+        for (; i < pixels.size() && pixels[i].tile == tile; ++i)
+            blocks.insert(block_of(seen.tiles[tile][pixels[i].first].pixel, representative_sets));
+        for (const GatherPoint& p : seen.tiles[tile])
+            if (blocks.contains(block_of(p.pixel, representative_sets))) thin.tiles[tile].push_back(p);
+    }
+    return thin;
+}
+
+std::size_t light_count(const LightForest& forest) {
+    std::size_t count = forest.exact.size();
+    for (const LightTree& tree : forest.trees) count += tree.lights.size();
+    return count;
+}
+
+/// Pixels that a frame can afford to have gathered again.
+std::size_t affordable(const LightForest& forest, std::uint64_t rays) {
+    const double lights = std::max(static_cast<double>(light_count(forest)), 1.0);
+    const auto count = static_cast<std::size_t>(watched_share * static_cast<double>(rays) / lights);
+    return std::clamp(count, least_watched, most_watched);
+}
+
+/// Whether a pixel's light is no single cut's: records had a part in it, or would have had one if it had not been
+/// watched, or things that move.
+bool is_served(const LitPixel& p, const FrameLight& known) {
+    const auto& tile = known[p.tile];
+    return std::any_of(tile.begin() + p.first, tile.begin() + p.last,
+                       [](const PointLight& l) { return l.served || l.watched || l.parted; });
+}
+
+}  // namespace
+
+float typical_share(const Seen& seen, const core::ToleranceMap& tolerance) {
+    const std::vector<LitPixel> lit = lit_pixels(seen);
+    constexpr std::size_t every = 7;  // are enough for a mean
+    double logs = 0, count = 0;
+    for (std::size_t i = 0; i < lit.size(); i += every) {
+        const glm::ivec2 at = place_of(seen, lit[i]);
+        const core::Tolerance& t = tolerance.pixels.at(at.x, at.y);
+        const float share = t.usual > 0.0f ? std::max(t.relative, t.share()) : t.relative;
+        // What is all that a dark pixel shows has no share.
+        if (!(share > 0.0f && share < 1.0f)) continue;
+        logs += std::log(share);
+        ++count;
+    }
+    return count > 0 ? static_cast<float>(std::exp(logs / count)) : 0.0f;
+}
+
+std::size_t calibrate(Caution& caution, const LightForest& forest, const RayTracer& tracer, const Seen& seen,
+                      glm::vec3 eye, const core::ToleranceMap& tolerance, ShadeSettings settings) {
+    // Too few pixels of an earlier frame are no beginning.
+    if (!caution.knows()) caution.forget();
+    const std::size_t rounds = caution.knows() ? 1 : most_rounds;
+    const std::vector<LitPixel> lit = lit_pixels(seen);
+    const std::size_t wanted = std::min(largest_sample, lit.size() / lane_count / blocks_per_sample);
+    if (wanted < Caution::least_pixels) return 0;
+    const std::vector<LitPixel> all = spread(lit, rounds * wanted, seen.visible.frame);
+    settings.layers = false;
+    for (std::size_t round = 0; round < rounds; ++round) {
+        // Every round has its own pixels, since those that were lit twice err alike.
+        std::vector<LitPixel> sample;
+        for (std::size_t i = round; i < all.size(); i += rounds) sample.push_back(all[i]);
+        const std::vector<glm::vec3> truth = gather_exactly(forest, tracer, seen, sample);
+        settings.limits.caution = caution.value();
+        ShadeCounts uncounted;
+        const core::Radiance radiance =
+            shade(forest, tracer, blocks_of(seen, sample), eye, tolerance, settings, uncounted);
+        caution.learn(compare(seen, sample, truth, tolerance, radiance), settings.limits.caution);
+        caution.settle();
+    }
+    return all.size();
+}
+
+std::size_t watch(Caution& caution, const LightForest& forest, const RayTracer& tracer, const Seen& seen,
+                  const core::ToleranceMap& tolerance, const ShadeSettings& settings, const core::Radiance& radiance,
+                  std::uint64_t rays, const FrameLight* known) {
+    if (!caution.knows()) return 0;
+    std::vector<LitPixel> lit = lit_pixels(seen);
+    if (known != nullptr) std::erase_if(lit, [&](const LitPixel& p) { return is_served(p, *known); });
+    const std::vector<LitPixel> pixels = spread(lit, affordable(forest, rays), seen.visible.frame);
+    caution.learn(compare(seen, pixels, gather_exactly(forest, tracer, seen, pixels), tolerance, radiance),
+                  settings.limits.caution);
+    return pixels.size();
+}
+
+}  // namespace render2mpeg::renderer

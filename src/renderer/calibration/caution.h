@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "renderer/calibration/audited_pixel.h"
+
+namespace render2mpeg::renderer {
+
+/// How far a film's cuts err against what CutRule thinks: learnt from pixels that were gathered a second time without
+/// clustering. The law of CutRule is that of the worst scenes; rooms err by a third of it.
+///
+/// What an audited pixel needs is the caution with which its error would just have been its tolerance, since errors
+/// fall with caution in proportion. The value is a high quantile of that over the newest pixels: what half the promised
+/// share exceeds if the largest twentieth thins out as an exponential's tail does [Pickands1975], and at least so much
+/// that a next pixel keeps its tolerance with the promised probability whatever the errors' distribution: split
+/// conformal prediction [Lei2018, 2.2].
+class Caution {
+  public:
+    /// Fewer say too little of a hundredth.
+    static constexpr std::size_t least_pixels = 128;
+
+    /// No pixels at all: the law as it stands counts.
+    void forget();
+
+    /// Takes pixels of a frame that was lit with `caution`. Those stopped by the largest cut say nothing,
+    /// nor do black ones: their light may come on.
+    void learn(std::span<const AuditedPixel> pixels, float caution);
+
+    /// What multiplies the law, > 0; 1 while too few pixels are known. In steps, and held while what is learnt scatters
+    /// about it, so that a film's cuts do not change from frame to frame for the sake of the audit's dice.
+    float value() const { return value_; }
+    /// Lets go of what is held: what is known now counts.
+    void settle();
+    std::size_t pixels() const { return needed_.size(); }
+    bool knows() const { return pixels() >= least_pixels; }
+
+  private:
+    /// The quantile, before steps; 0 while too few pixels are known.
+    float needed() const;
+
+    std::vector<float> needed_;  ///< ring of the newest
+    std::size_t next_ = 0;
+    bool holds_ = false;
+    float value_ = 1.0f;
+};
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,99 @@
+#include "renderer/cut/lone_point.h"
+
+#include <algorithm>
+
+#include "renderer/cut/cut_sums.h"
+#include "renderer/base/flush_denormals.h"
+#include "renderer/base/isa_clones.h"
+#include "renderer/cut/near_lights.h"
+#include "renderer/cut/shadow_rays.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// A ray from the point, which all lanes are, to each light that shines and could reach it.
+RENDER2MPEG_CLONES
+void aim_at_each(const GatherLanes& lanes, LightFamily family, const LightPacket& lights, const LightLanes& unit,
+                 ShadowPacket& packet) {
+    aim<Aimed::at_each>(lanes, family, lights.position.x, lights.position.y, lights.position.z, packet);
+    std::uint32_t active = 0;
+    for (int i = 0; i < lane_count; ++i) {
+        const float shines = lights.intensity.x[i] + lights.intensity.y[i] + lights.intensity.z[i];
+        active |= unit.diffuse[i] > 0.0f && shines > 0.0f ? 1u << i : 0u;
+    }
+    packet.active = active;
+}
+
+RENDER2MPEG_CLONES
+void darken(const GatherLanes& lanes, std::uint32_t lit, LightLanes& unit) {
+    for (int i = 0; i < lane_count; ++i) {
+        const float visible = (lit >> i & 1u) != 0 ? 1.0f : 0.0f;
+        unit.diffuse[i] *= visible;
+        if (!lanes.glossy) continue;
+        unit.f0[i] *= visible;
+        unit.schlick[i] *= visible;
+    }
+}
+
+glm::vec3 total(const RgbLanes& lanes) {
+    glm::vec3 sum(0);
+    for (int i = 0; i < lane_count; ++i) sum += lanes.at(i);
+    return sum;
+}
+
+void set_first(RgbLanes& lanes, glm::vec3 v) {
+    lanes.r[0] = v.x;
+    lanes.g[0] = v.y;
+    lanes.b[0] = v.z;
+}
+
+}  // namespace
+
+void gather_all(const LightForest& forest, const RayTracer& tracer, const GatherPoint& point,
+                const GatherPoint& exact_at, GatheredLight& out) {
+    const FlushDenormals flushed;
+    const GatherPoint* copies[lane_count];
+    std::fill(std::begin(copies), std::end(copies), &point);
+    GatherLanes lanes, alone;
+    fill(lanes, copies);
+    GatheredLight exact;
+    const GatherPoint* const exactly[] = {&exact_at};
+    fill(alone, exactly);
+    Gatherer(forest, tracer).gather_exact(alone, exact);
+    fill(alone, std::span(copies).first(1));
+
+    CutSums sums(lanes);
+    LightPacket lights;
+    LightLanes unit;
+    ShadowPacket packet;
+    glm::vec3 passes[lane_count];
+    for (int t = 0; t < LightForest::tree_count; ++t) {
+        const LightTree& tree = forest.trees[t];
+        for (std::size_t first = 0; first < tree.lights.size(); first += lane_count) {
+            const std::size_t count = std::min<std::size_t>(lane_count, tree.lights.size() - first);
+            fill_lights(lights, tree, first, count);
+            evaluate_lights(lanes, tree.family, lights, forest.clamp(t), unit);
+            aim_at_each(lanes, tree.family, lights, unit, packet);
+            if (packet.active == 0) continue;
+            std::fill(std::begin(passes), std::end(passes), glm::vec3(1));
+            const std::uint32_t blocked = tracer.occluded(packet, forest.translucent ? passes : nullptr);
+            darken(lanes, packet.active & ~blocked, unit);
+            if (forest.translucent)
+                for (int i = 0; i < lane_count; ++i) {
+                    lights.intensity.x[i] *= passes[i].x;
+                    lights.intensity.y[i] *= passes[i].y;
+                    lights.intensity.z[i] *= passes[i].z;
+                }
+            sums.add(unit_light(lanes, unit), lights.intensity, LightForest::is_direct(t));
+        }
+    }
+    sums.store(out);
+    set_first(out.direct, exact.direct.at(0) + total(out.direct));
+    set_first(out.indirect, exact.indirect.at(0) + total(out.indirect));
+    put_back_near_light(forest, tracer, alone, out);
+    if (!lanes.glossy) return;
+    set_first(out.f0, exact.f0.at(0) + total(out.f0));
+    set_first(out.schlick, exact.schlick.at(0) + total(out.schlick));
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "renderer/cut/cut.h"
+
+namespace render2mpeg::renderer {
+
+/// What one point receives from every light point by itself; lane 0 of `out` is all that is written.
+/// Gatherer::gather_all asks for one light from sixteen points, which are a packet only where they are near each other;
+/// this asks for sixteen neighbouring lights of a tree from one point, whose rays are as alike wherever it lies. Lights
+/// that are not clustered light `exact_at`.
+void gather_all(const LightForest& forest, const RayTracer& tracer, const GatherPoint& point,
+                const GatherPoint& exact_at, GatheredLight& out);
+
+inline void gather_all(const LightForest& forest, const RayTracer& tracer, const GatherPoint& point,
+                       GatheredLight& out) {
+    gather_all(forest, tracer, point, point, out);
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "renderer/cut/cut.h"
+#include "renderer/tree/light_kernels.h"
+
+namespace render2mpeg::renderer {
+
+/// Lights on surfaces that are nearer than this to a point, in radii of their discs, are discs to it; those farther
+/// than `far_radii` are points; between, partly. chosen: 2, from where on the clamp bounds what points send, and 3.
+inline constexpr float near_radii = 2.0f, far_radii = 3.0f;
+
+/// What a point receives from unit intensity of a light on a surface, without visibility, when it leaves the light's
+/// whole disc, as far as that lies before the point's surface; and the share, 0..1, with which that counts. Both 0
+/// where the light is farther than far_radii.
+struct DiscLight {
+    float irradiance = 0, share = 0;
+};
+DiscLight disc_light(const GatherLanes& lanes, int lane, const TreeLight& light);
+
+/// Adds to what was gathered, of all light points or by a cut, what indirect light points near the lanes send as discs
+/// beyond what they sent as points, clamped. Does nothing where nothing is clamped.
+void put_back_near_light(const LightForest& forest, const RayTracer& tracer, const GatherLanes& lanes,
+                         GatheredLight& out);
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,46 @@
+#include "renderer/cut/point_light.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "renderer/cut/cut.h"
+#include "renderer/base/lobe.h"
+
+namespace render2mpeg::renderer {
+
+PointLight point_light(const GatheredLight& gathered, int lane, const GatherPoint& point) {
+    PointLight light;
+    light.direct = gathered.direct.at(lane) * lobe::inverse_pi;
+    light.indirect = gathered.indirect.at(lane) * lobe::inverse_pi;
+    if (point.point.bsdf.has_glossy())
+        light.glossy = point.point.bsdf.f0 * gathered.f0.at(lane) + gathered.schlick.at(lane);
+    light.direct_cut = static_cast<float>(gathered.direct_clusters);
+    light.indirect_cut = static_cast<float>(gathered.indirect_clusters);
+    light.error = gathered.error[lane];
+    light.clamped = gathered.clamped[lane];
+    light.capped = (gathered.capped >> lane & 1u) != 0;
+    return light;
+}
+
+std::vector<PointTolerance> point_tolerances(const Seen& seen, std::size_t tile, const core::ToleranceMap& tolerance) {
+    const GatherTile& points = seen.tiles[tile];
+    std::array<float, tile_size * tile_size> weight{};
+    for (const GatherPoint& p : points) weight[p.pixel] += core::luminance(p.weight);
+    const auto across = static_cast<std::size_t>(seen.tiles_across());
+    const int tile_x = static_cast<int>(tile % across) * tile_size,
+              tile_y = static_cast<int>(tile / across) * tile_size;
+    std::vector<PointTolerance> parts;
+    parts.reserve(points.size());
+    for (const GatherPoint& p : points) {
+        const int x = tile_x + p.pixel % tile_size, y = tile_y + p.pixel / tile_size;
+        const core::Tolerance& t = tolerance.pixels.at(x, y);
+        const float part = core::divide_or(core::luminance(p.weight), weight[p.pixel], 1.0f);
+        parts.push_back({{std::max(t.absolute, 0.0f) * part, std::max(t.relative, 0.0f), t.usual * part},
+                         std::max(core::luminance(seen.unscattered.at(x, y)), 0.0f) * part});
+    }
+    return parts;
+}
+
+}  // namespace render2mpeg::renderer

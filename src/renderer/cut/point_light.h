@@ -1,0 +1,53 @@
+#pragma once
+
+#include <algorithm>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "core/tolerance_map.h"
+#include "renderer/surface/gather_point.h"
+
+namespace render2mpeg::renderer {
+
+/// Light of one gather point, textures not yet applied.
+struct PointLight {
+    glm::vec3 direct{0}, indirect{0};        ///< irradiance over pi
+    glm::vec3 glossy{0};                     ///< radiance
+    float direct_cut = 0, indirect_cut = 0;  ///< clusters that were gathered for it; 0: for other points
+    float error = 0;                         ///< luminance of the pixel
+    float clamped = 0;                       ///< likewise, what the clamp of near lights took
+    float age = 0;        ///< frames since it was gathered; 0: in this one. A mean, where it comes from many records
+    float doubt = 0;      ///< of records that served: what they disagree by over the tolerance, at a strictness of 1
+    bool served = false;  ///< by records, or by an earlier frame: it may err otherwise than a cut with today's caution
+    bool watched =
+        false;  ///< records served it, and it was gathered all the same, with another caution than the frame's
+    bool parted = false;  ///< a sum of several cuts, some of them perhaps of places around
+    bool capped = false;  ///< the largest cut came before the tolerance was kept
+
+    /// What the point sends into its pixel.
+    glm::vec3 scattered(const GatherPoint& p) const {
+        return p.weight * (p.point.bsdf.diffuse * (direct + indirect) + glossy);
+    }
+};
+
+struct GatheredLight;
+
+/// What a lane's gathering comes to at its point.
+PointLight point_light(const GatheredLight& gathered, int lane, const GatherPoint& point);
+
+/// Light of all gather points of a frame, tile by tile.
+using FrameLight = std::vector<std::vector<PointLight>>;
+
+/// What one gather point's light may be off by, in luminance of its pixel.
+struct PointTolerance {
+    core::Tolerance part;  ///< this point's part of its pixel's
+    float base = 0;        ///< luminance of the pixel that is known already, this point's part of it
+
+    float allows(float luminance) const { return part.allows(base + std::max(luminance, 0.0f)); }
+};
+
+/// Parts the tolerances of a tile's pixels among their points by weight; what a pixel shows without gathering counts as
+/// light. In the order of the tile.
+std::vector<PointTolerance> point_tolerances(const Seen& seen, std::size_t tile, const core::ToleranceMap& tolerance);
+
+}  // namespace render2mpeg::renderer

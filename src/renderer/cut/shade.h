@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/radiance.h"
+#include "core/tolerance_map.h"
+#include "renderer/cut/cut.h"
+#include "renderer/surface/gather_point.h"
+#include "renderer/tree/light_forest.h"
+#include "renderer/cut/point_light.h"
+#include "renderer/geometry/ray_tracer.h"
+#include "renderer/base/tolerance_bands.h"
+
+namespace render2mpeg::renderer {
+
+struct ShadeSettings {
+    CutLimits limits;
+    bool layers = false;  ///< fill all planes of Radiance, not only `combined`
+};
+
+/// What one frame's gathering did and found.
+struct ShadeCounts {
+    std::uint64_t gather_points = 0, capped_points = 0, groups = 0;
+    std::uint64_t direct_clusters = 0, indirect_clusters = 0;  ///< summed over gather points
+    std::uint64_t shadow_rays = 0;
+    std::uint64_t non_finite = 0;
+    std::int64_t first_non_finite = -1;  ///< y * width + x of the first in raster order of tiles; -1: none
+    double gathered = 0, clamped = 0;    ///< luminance summed over pixels: what arrived, what the clamp took
+    ToleranceBands bands;
+
+    /// What gathering a group of so many points took; what it found counts where it is added to pixels.
+    void add(const GatheredLight& gathered, std::size_t points);
+    void add(const ShadeCounts& more);
+};
+
+/// Gathers the light of every gather point of a frame, multiplies it by its textures and adds it up in pixels
+/// (docs/model.md, "Lightcut"). Where all of it is `known` already, nothing is gathered. The same bytes for any number
+/// of threads.
+core::Radiance shade(const LightForest& forest, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
+                     const core::ToleranceMap& tolerance, const ShadeSettings& settings, ShadeCounts& counts,
+                     const FrameLight* known = nullptr);
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,194 @@
+// Nearest hits, by two looks: one for the nearest surface, one at everything about the same distance, of which the
+// lowest id wins. Rays of the eye go in packets of sixteen.
+#include "renderer/geometry/nearest_hits.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "renderer/base/flush_denormals.h"
+#include "renderer/geometry/traced_scene.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+constexpr int packet_size = 16;
+
+/// The ray, and a hit that says nothing was met.
+RTCRayHit unanswered(const RayQuery& query, float near, float far) {
+    RTCRayHit ray{};
+    ray.ray = ray_of(query, near, far);
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    return ray;
+}
+
+/// What Embree hands through to the filter; its own part comes first, so that its pointer is ours.
+struct TieContext {
+    RTCIntersectContext embree;
+    const TracedScene* scene;
+    Hit* best;  ///< by the rays' ids
+};
+
+/// Remembers the lowest id among all surfaces that a ray meets, and refuses every hit so that all are seen.
+void take_lowest(const RTCFilterFunctionNArguments* arguments) {
+    const auto& context = *reinterpret_cast<const TieContext*>(arguments->context);
+    const unsigned n = arguments->N;
+    RTCHitN* const hit = arguments->hit;
+    for (unsigned i = 0; i < n; ++i) {
+        if (arguments->valid[i] != -1) continue;
+        arguments->valid[i] = 0;
+        Hit& best = context.best[RTCRayN_id(arguments->ray, n, i)];
+        const core::SurfaceAddress address =
+            context.scene->address(RTCHitN_instID(hit, n, i, 0), RTCHitN_geomID(hit, n, i), RTCHitN_primID(hit, n, i),
+                                   RTCHitN_u(hit, n, i), RTCHitN_v(hit, n, i));
+        if (std::pair(address.object, address.primitive) >= std::pair(best.address.object, best.address.primitive))
+            continue;
+        const glm::vec3 normal{RTCHitN_Ng_x(hit, n, i), RTCHitN_Ng_y(hit, n, i), RTCHitN_Ng_z(hit, n, i)};
+        best = {address, RTCRayN_tfar(arguments->ray, n, i), normal};
+    }
+}
+
+void begin(TieContext& context, const TracedScene& scene, Hit* best) {
+    rtcInitIntersectContext(&context.embree);
+    context.embree.filter = &take_lowest;
+    context.scene = &scene;
+    context.best = best;
+}
+
+/// Up to sixteen rays on their way, lane by lane.
+class HitPacket {
+  public:
+    HitPacket(const TracedScene& scene, std::span<const RayQuery> queries) : scene_(scene), queries_(queries) {
+        for (int i = 0; i < packet_size; ++i) {
+            const bool asked = static_cast<std::size_t>(i) < queries.size();
+            valid_[i] = asked && is_traceable(queries[static_cast<std::size_t>(i)]) ? -1 : 0;
+            const RayQuery query = valid_[i] != 0 ? queries[static_cast<std::size_t>(i)] : RayQuery{};
+            set(i, query, 0.0f, query.far);
+        }
+    }
+
+    /// `hits`: as many as queries.
+    void answer(Hit* hits) {
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        trace(context);
+        for (std::size_t i = 0; i < queries_.size(); ++i) hits[i] = take(static_cast<int>(i));
+
+        TieContext ties;
+        begin(ties, scene_, hits);
+        trace(ties.embree);
+        for (std::size_t i = 0; i < queries_.size(); ++i) {
+            if (!hits[i].found()) continue;
+            hits[i].geometric_normal = scene_.world_normal(hits[i].address.object, hits[i].geometric_normal);
+        }
+    }
+
+  private:
+    void set(int i, const RayQuery& query, float near, float far) {
+        RTCRay16& ray = rays_.ray;
+        ray.org_x[i] = query.origin.x, ray.org_y[i] = query.origin.y, ray.org_z[i] = query.origin.z;
+        ray.dir_x[i] = query.direction.x, ray.dir_y[i] = query.direction.y, ray.dir_z[i] = query.direction.z;
+        ray.tnear[i] = near;
+        ray.tfar[i] = far;
+        ray.time[i] = 0.0f;
+        ray.mask[i] = 0xffffffffu;
+        ray.id[i] = static_cast<unsigned>(i);
+        ray.flags[i] = 0;
+        rays_.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+        rays_.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+    }
+
+    /// What is baked first, coherently; then instances (TracedScene::baked).
+    void trace(RTCIntersectContext& context) {
+        context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+        rtcIntersect16(valid_, scene_.baked(), &context, &rays_);
+        if (!scene_.has_instances()) return;
+        std::fill(std::begin(rays_.ray.mask), std::end(rays_.ray.mask), TracedScene::instance_mask);
+        context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+        rtcIntersect16(valid_, scene_.root(), &context, &rays_);
+    }
+
+    /// What ray i met, and prepares it to look once more about there.
+    Hit take(int i) {
+        const RTCHit16& h = rays_.hit;
+        if (valid_[i] == 0 || h.geomID[i] == RTC_INVALID_GEOMETRY_ID) {
+            valid_[i] = 0;
+            return {};
+        }
+        const float t = rays_.ray.tfar[i];
+        const Hit hit{scene_.address(h.instID[0][i], h.geomID[i], h.primID[i], h.u[i], h.v[i]),
+                      t,
+                      {h.Ng_x[i], h.Ng_y[i], h.Ng_z[i]}};
+        const RayQuery& query = queries_[static_cast<std::size_t>(i)];
+        set(i, query, t * (1.0f - coplanar), std::min(query.far, t * (1.0f + coplanar)));
+        return hit;
+    }
+
+    const TracedScene& scene_;
+    std::span<const RayQuery> queries_;
+    alignas(64) int valid_[packet_size];
+    RTCRayHit16 rays_;
+};
+
+}  // namespace
+
+bool is_traceable(const RayQuery& query) {
+    const auto fits = [](float v) { return std::abs(v) <= largest_component; };  // false for NaN
+    return fits(query.origin.x) && fits(query.origin.y) && fits(query.origin.z) && fits(query.direction.x) &&
+           fits(query.direction.y) && fits(query.direction.z) && query.far > 0.0f;
+}
+
+RTCRay ray_of(const RayQuery& query, float near, float far) {
+    RTCRay ray{};
+    ray.org_x = query.origin.x, ray.org_y = query.origin.y, ray.org_z = query.origin.z;
+    ray.dir_x = query.direction.x, ray.dir_y = query.direction.y, ray.dir_z = query.direction.z;
+    ray.tnear = near;
+    ray.tfar = far;
+    ray.mask = 0xffffffffu;
+    return ray;
+}
+
+Hit nearest_hit(const TracedScene& scene, const RayQuery& query) {
+    if (!is_traceable(query)) return {};
+    const FlushDenormals flushed;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit found = unanswered(query, 0.0f, query.far);
+    rtcIntersect1(scene.root(), &context, &found);
+    if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+
+    const float t = found.ray.tfar;
+    Hit hit{scene.address(found.hit.instID[0], found.hit.geomID, found.hit.primID, found.hit.u, found.hit.v),
+            t,
+            {found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z}};
+    TieContext ties;
+    begin(ties, scene, &hit);
+    RTCRayHit again = unanswered(query, t * (1.0f - coplanar), std::min(query.far, t * (1.0f + coplanar)));
+    rtcIntersect1(scene.root(), &ties.embree, &again);
+    hit.geometric_normal = scene.world_normal(hit.address.object, hit.geometric_normal);
+    return hit;
+}
+
+void nearest_hits(const TracedScene& scene, std::span<const RayQuery> queries, std::span<Hit> hits) {
+    const FlushDenormals flushed;
+    for (std::size_t first = 0; first < queries.size(); first += packet_size) {
+        const std::size_t count = std::min<std::size_t>(packet_size, queries.size() - first);
+        HitPacket(scene, queries.subspan(first, count)).answer(&hits[first]);
+    }
+}
+
+bool meets_any(RTCSceneTy* scene, unsigned mask, const RayQuery& query) {
+    if (!is_traceable(query)) return false;
+    const FlushDenormals flushed;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit found = unanswered(query, 0.0f, query.far);
+    found.ray.mask = mask;
+    rtcIntersect1(scene, &context, &found);
+    return found.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <span>
+
+#include "renderer/geometry/ray_tracer.h"
+
+struct RTCRay;
+struct RTCSceneTy;
+
+namespace render2mpeg::renderer {
+
+class TracedScene;
+
+// What rays meet first, for RayTracer.
+
+/// Components beyond this overflow in Embree's products and are refused by its own check.
+inline constexpr float largest_component = 1e18f;
+
+/// Half the width of the interval about a hit, relative to its distance, in which surfaces count as lying in one plane.
+/// chosen: 16 ulp, several times the rounding of two tessellations of one plane; tried 4..64 ulp.
+inline constexpr float coplanar = 0x1p-19f;
+
+/// Whether Embree takes the ray: Debian's aborts on those that are not finite.
+bool is_traceable(const RayQuery& query);
+
+/// Embree's form of a ray that begins at distance `near`.
+RTCRay ray_of(const RayQuery& query, float near, float far);
+
+/// See RayTracer::nearest.
+Hit nearest_hit(const TracedScene& scene, const RayQuery& query);
+void nearest_hits(const TracedScene& scene, std::span<const RayQuery> queries, std::span<Hit> hits);
+
+/// Whether a ray meets anything with a bit of the mask in a scene, translucent or not.
+bool meets_any(RTCSceneTy* scene, unsigned mask, const RayQuery& query);
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,121 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/isa.h"
+#include "core/surface_address.h"
+#include "scene/pose/snapshot.h"
+
+namespace render2mpeg::renderer {
+
+class ShieldList;
+struct MiddleBox;
+
+/// A ray and how far it goes, in units of the direction's length.
+struct RayQuery {
+    glm::vec3 origin{0}, direction{0, 0, -1};
+    float far = 0;
+};
+
+/// What a ray meets. The normal is that of the triangle as it is wound, not turned to the ray, not normalised.
+struct Hit {
+    core::SurfaceAddress address;  ///< no surface: the ray left the scene
+    float distance = 0;            ///< in units of the direction's length
+    glm::vec3 geometric_normal{0};
+    bool found() const { return address.is_surface(); }
+};
+
+/// Up to 16 shadow rays from the points of a tile towards one light point: the shape that this machine traces fastest.
+struct alignas(64) ShadowPacket {
+    float origin_x[16], origin_y[16], origin_z[16];           ///< already moved off their surfaces (offset_origin)
+    float direction_x[16], direction_y[16], direction_z[16];  ///< need not be unit
+    float far[16];                                            ///< end of the ray in units of the direction's length
+    std::uint32_t active = 0;  ///< bit i: ray i is asked for; the others' values do not matter
+};
+
+/// The only class that knows Embree. Non-finite rays are answered as misses (Debian's Embree aborts on them); the scene
+/// is built ROBUST. Answers are a function of what is posed, whatever was posed before and whatever the number of
+/// threads.
+class RayTracer {
+  public:
+    /// Share of light, per channel, that a surface lets through at a point met by a shadow or eye ray: 0 opaque, 1
+    /// invisible. Called from many threads.
+    using Transmittance = std::function<glm::vec3(const core::SurfaceAddress&)>;
+
+    /// `translucent[m]`: surfaces of material m let some light through and are asked `transmittance`; all others are
+    /// opaque. The animation is complete and outlives this. Throws core::Error where Embree cannot start or runs out of
+    /// memory.
+    RayTracer(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent,
+              Transmittance transmittance);
+    ~RayTracer();
+    RayTracer(RayTracer&&) noexcept;
+
+    /// Moves everything to where it is in the snapshot; cheap for what has not moved since the last call. Before the
+    /// first call every ray misses. Not to be called while rays are traced.
+    void pose(const scene::Snapshot& snapshot);
+
+    /// The nearest surface at a distance in (0, far), translucent ones included. Of surfaces that lie in one plane
+    /// (within 2^-19 of the distance) the one with the lowest object, then primitive wins, so that they do not flicker.
+    Hit nearest(glm::vec3 origin, glm::vec3 direction, float far) const;
+
+    /// The same for many rays, as many as `hits`; for less than half of the price where sixteen in a row are
+    /// neighbours.
+    void nearest(std::span<const RayQuery> rays, std::span<Hit> hits) const;
+
+    /// Whether the ray meets anything at a distance in (0, far), translucent or not: whether `nearest` finds something,
+    /// for less.
+    bool meets(glm::vec3 origin, glm::vec3 direction, float far) const;
+
+    /// Whether the ray meets anything that never moves at a distance in (0, far), translucent or not. Objects that
+    /// share a mesh count as others do.
+    bool meets_still(glm::vec3 origin, glm::vec3 direction, float far) const;
+
+    /// The same for what `meets_still` does not ask: what moves, changes its shape, comes or goes in the film.
+    bool meets_movers(glm::vec3 origin, glm::vec3 direction, float far) const;
+    bool has_movers() const;
+
+    /// Bit i: ray i of the packet is blocked by something opaque. Translucent surfaces do not block; where the packet
+    /// met any, `light` (16 values, if given) is multiplied by what passes (at most `max_layers` surfaces; beyond them:
+    /// blocked).
+    std::uint32_t occluded(const ShadowPacket& packet, glm::vec3* light) const;
+
+    /// The same of what never moves alone.
+    std::uint32_t occluded_by_still(const ShadowPacket& packet, glm::vec3* light) const;
+
+    /// Bit i: ray i of the packet is blocked by something opaque that moves.
+    std::uint32_t occluded_by_movers(const ShadowPacket& packet) const;
+
+    /// Keeps a copy of every packet that `occluded` is asked from now on, in order, so that a benchmark can ask them
+    /// again; null: no longer. Only while one thread traces.
+    void record(std::vector<ShadowPacket>* packets) const;
+
+    /// The same for one ray: what passes of light, 0 where blocked.
+    glm::vec3 passes(glm::vec3 origin, glm::vec3 direction, float far) const;
+
+    /// The largest pieces of what never moves and is opaque, as posed.
+    const ShieldList& shields() const;
+
+    /// Boxes about what moves and is there, as posed.
+    std::span<const MiddleBox> movers() const;
+
+    /// Whether rays meet this object through a transform of its own, which costs some digits.
+    bool is_instanced(std::uint32_t object) const;
+
+    static constexpr int max_layers = 16;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// A ray origin moved off its surface to the side of `direction`, by a bound of the rounding error of a point that was
+/// computed on it: 32 ulp of |p|, and at least `error` (scene units). There is no fixed epsilon, so that scenes of any
+/// scale and at any place look alike. `geometric_normal` is unit.
+glm::vec3 offset_origin(glm::vec3 position, glm::vec3 geometric_normal, glm::vec3 direction, float error = 0);
+
+}  // namespace render2mpeg::renderer

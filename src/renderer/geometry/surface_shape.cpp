@@ -1,0 +1,159 @@
+#include "renderer/geometry/surface_shape.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/numeric.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+glm::vec3 absolute(glm::vec3 v) {
+    return {std::abs(v.x), std::abs(v.y), std::abs(v.z)};
+}
+float largest(glm::vec3 v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+template <class T>
+T mix3(const std::vector<T>& values, glm::uvec3 corners, glm::vec3 weights) {
+    return weights.x * values[corners.x] + weights.y * values[corners.y] + weights.z * values[corners.z];
+}
+
+const std::vector<glm::vec3>& normals_of(const scene::Snapshot& snapshot, std::uint32_t object,
+                                         const scene::Mesh& mesh) {
+    const int deformed = snapshot.objects[object].deformed;
+    return deformed >= 0 ? snapshot.deformed[static_cast<std::size_t>(deformed)].normals : mesh.normals;
+}
+
+/// The footprint's edge as a change of barycentrics: least squares over the triangle's plane, 0 for triangles without
+/// area.
+glm::vec2 to_barycentric(glm::dvec3 e1, glm::dvec3 e2, glm::dvec3 edge) {
+    const double a = glm::dot(e1, e1), b = glm::dot(e1, e2), c = glm::dot(e2, e2);
+    const double p = glm::dot(e1, edge), q = glm::dot(e2, edge);
+    const double determinant = a * c - b * b;
+    return {static_cast<float>(core::divide_or(c * p - b * q, determinant, 0.0)),
+            static_cast<float>(core::divide_or(a * q - b * p, determinant, 0.0))};
+}
+
+/// How far the point may lie off the surface that rays meet, along its normal.
+float error_at(const SurfaceShape& shape, const scene::Triangle& triangle, const scene::ObjectState& state,
+               bool instanced) {
+    // Interpolating corners, and intersecting them with rays from about here, each err by some ulp of the coordinates,
+    // axis by axis: in a plane x = const the error along the normal is that of x alone. chosen: 8 ulp; with 2^-22 no
+    // ray of 24 closed spheres (1e-4..1e6 in size, up to 1e4 radii away, still and instanced) meets the surface it
+    // leaves, with 2^-24 1 % do.
+    constexpr float relative = 0x1p-20f;
+    const glm::vec3 extent = glm::max(glm::max(absolute(triangle.a), absolute(triangle.b)), absolute(triangle.c));
+    // Where that is 0, on the floor y = 0, a ray still must not start in the plane: Embree takes distance 0 for a hit.
+    const float own = relative * (glm::dot(absolute(shape.front_normal), extent) + relative * largest(extent));
+    if (!instanced) return own;
+
+    // A ray that goes through a transform errs by ulps of what is added up on the way, times how much the transform
+    // distorts.
+    const glm::mat4& m = state.to_world;
+    const float distortion = std::min(distortion_of(m), 1024.0f);
+    return own + relative * distortion * (largest(shape.position) + largest(glm::vec3(m[3])));
+}
+
+}  // namespace
+
+float distortion_of(const glm::mat4& m) {
+    const float lengths[3] = {glm::length(glm::vec3(m[0])), glm::length(glm::vec3(m[1])), glm::length(glm::vec3(m[2]))};
+    const auto [low, high] = std::minmax({lengths[0], lengths[1], lengths[2]});
+    return core::divide_or(high, low, 1.0f);
+}
+
+glm::vec3 smooth_normal_at(const scene::Snapshot& snapshot, std::uint32_t object, const SurfaceShape& shape, float u,
+                           float v) {
+    const std::vector<glm::vec3>& normals = normals_of(snapshot, object, *shape.mesh);
+    if (normals.empty()) return shape.front_normal;
+    const glm::vec3 mixed = mix3(normals, shape.corners, {1.0f - u - v, u, v});
+    const scene::ObjectState& state = snapshot.objects[object];
+    const glm::vec3 world = state.deformed >= 0 ? mixed : state.normal_to_world * mixed;
+    const glm::vec3 normal = core::normalize_or(world, shape.front_normal);
+    // Normals on the wrong side come from files that are wrong; the triangle's own is right.
+    return glm::dot(normal, shape.front_normal) > 0.0f ? normal : shape.front_normal;
+}
+
+SurfaceShape shape_at(const scene::Snapshot& snapshot, const core::SurfaceAddress& address,
+                      const SurfaceFootprint& footprint, bool instanced) {
+    const scene::Animation& animation = *snapshot.animation;
+    const scene::ObjectState& state = snapshot.objects[address.object];
+    const auto mesh = static_cast<std::size_t>(animation.objects[address.object].mesh);
+    const scene::Triangle triangle = scene::triangle_of(snapshot, address.object, address.primitive);
+
+    SurfaceShape shape;
+    shape.mesh = &animation.meshes[mesh];
+    shape.corners = shape.mesh->triangles[address.primitive];
+    shape.weights = {1.0f - address.u - address.v, address.u, address.v};
+    shape.edge1 = triangle.b - triangle.a;
+    shape.edge2 = triangle.c - triangle.a;
+    shape.position = shape.weights.x * triangle.a + shape.weights.y * triangle.b + shape.weights.z * triangle.c;
+
+    const bool mirrored = state.deformed < 0 && glm::determinant(glm::mat3(state.to_world)) < 0.0f;
+    const glm::vec3 wound = glm::cross(shape.edge1, shape.edge2);
+    shape.front_normal = core::normalize_or(mirrored ? -wound : wound, {0, 0, 1});
+    shape.smooth_normal = smooth_normal_at(snapshot, address.object, shape, address.u, address.v);
+    shape.position_error = error_at(shape, triangle, state, instanced);
+    if (footprint.dx != glm::vec3{0.0f} || footprint.dy != glm::vec3{0.0f}) {
+        shape.barycentric_dx = to_barycentric(shape.edge1, shape.edge2, footprint.dx);
+        shape.barycentric_dy = to_barycentric(shape.edge1, shape.edge2, footprint.dy);
+    }
+    return shape;
+}
+
+TextureSite site_of(const SurfaceShape& shape, const scene::TextureUse& use) {
+    const std::vector<glm::vec2>& uv = shape.mesh->uv[static_cast<std::size_t>(use.uv_set)];
+    if (uv.empty()) return {};
+    const glm::vec2 at = mix3(uv, shape.corners, shape.weights);
+    const glm::vec2 du = uv[shape.corners.y] - uv[shape.corners.x], dv = uv[shape.corners.z] - uv[shape.corners.x];
+    const auto& m = use.transform;
+    const auto turn = [&](glm::vec2 d) {
+        return glm::vec2{m[0][0] * d.x + m[0][1] * d.y, m[1][0] * d.x + m[1][1] * d.y};
+    };
+    TextureSite site;
+    site.uv = turn(at) + glm::vec2{m[0][2], m[1][2]};
+    site.footprint.dx = turn(shape.barycentric_dx.x * du + shape.barycentric_dx.y * dv);
+    site.footprint.dy = turn(shape.barycentric_dy.x * du + shape.barycentric_dy.y * dv);
+    return site;
+}
+
+bool tangents_of(const scene::Snapshot& snapshot, std::uint32_t object, const SurfaceShape& shape,
+                 const scene::TextureUse& use, glm::vec3& right, glm::vec3& up) {
+    // Take the mesh's own tangents where its vertices have not moved among themselves.
+    const glm::vec3 n = shape.smooth_normal;
+    const scene::ObjectState& state = snapshot.objects[object];
+    if (!shape.mesh->tangents.empty() && state.deformed < 0) {
+        const glm::vec4 t = mix3(shape.mesh->tangents, shape.corners, shape.weights);
+        const glm::mat3 turn(state.to_world);
+        const float mirror = glm::determinant(turn) < 0.0f ? -1.0f : 1.0f;
+        const glm::vec3 along = turn * glm::vec3(t);
+        right = core::normalize_or(along - glm::dot(along, n) * n, glm::vec3{0.0f});
+        up = glm::cross(n, right) * (t.w < 0.0f ? -mirror : mirror);
+        return right != glm::vec3{0.0f};
+    }
+
+    // Else solve for the directions in which the texture coordinates grow; the image's up is towards smaller v.
+    const std::vector<glm::vec2>& uv = shape.mesh->uv[static_cast<std::size_t>(use.uv_set)];
+    if (uv.empty()) return false;
+    const auto& m = use.transform;
+    const auto turn = [&](glm::vec2 d) {
+        return glm::vec2{m[0][0] * d.x + m[0][1] * d.y, m[1][0] * d.x + m[1][1] * d.y};
+    };
+    const glm::vec2 d1 = turn(uv[shape.corners.y] - uv[shape.corners.x]);
+    const glm::vec2 d2 = turn(uv[shape.corners.z] - uv[shape.corners.x]);
+    const float sign = d1.x * d2.y - d2.x * d1.y < 0.0f ? -1.0f : 1.0f;
+    const glm::vec3 along_u = sign * (d2.y * shape.edge1 - d1.y * shape.edge2);
+    const glm::vec3 along_v = sign * (d1.x * shape.edge2 - d2.x * shape.edge1);
+    right = core::normalize_or(along_u - glm::dot(along_u, n) * n, glm::vec3{0.0f});
+    up = glm::cross(n, right);
+    if (glm::dot(up, along_v) > 0.0f) up = -up;
+    return right != glm::vec3{0.0f} && d1.x * d2.y != d2.x * d1.y;
+}
+
+glm::vec4 vertex_color(const SurfaceShape& shape) {
+    return shape.mesh->colors.empty() ? glm::vec4{1.0f} : mix3(shape.mesh->colors, shape.corners, shape.weights);
+}
+
+}  // namespace render2mpeg::renderer

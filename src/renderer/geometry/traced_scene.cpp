@@ -1,0 +1,300 @@
+#include "renderer/geometry/traced_scene.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "core/error.h"
+#include "core/numeric.h"
+#include "renderer/base/flush_denormals.h"
+#include "renderer/geometry/largest_triangles.h"
+#include "renderer/geometry/surface_shape.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Still objects that share a mesh are copied into world space, which traces fastest, unless the copies have more
+/// triangles than this. chosen: about 10 MB of vertices and tree; tried 0 (a tenth slower) and no limit (gigabytes for
+/// forests).
+constexpr std::size_t most_copied_triangles = 65536;
+
+/// Instances that are distorted more than this are not known well enough where they lie to be shields, which allow for
+/// 1e-4 of rounding. chosen: 16, whose rounding (position_error) is a seventh of that.
+constexpr float most_distorted = 16.0f;
+
+std::string name_of_error(RTCError code) {
+    switch (code) {
+        case RTC_ERROR_OUT_OF_MEMORY:
+            return "out of memory";
+        case RTC_ERROR_UNSUPPORTED_CPU:
+            return "this processor is not supported";
+        case RTC_ERROR_INVALID_ARGUMENT:
+            return "invalid argument";
+        case RTC_ERROR_INVALID_OPERATION:
+            return "invalid operation";
+        case RTC_ERROR_CANCELLED:
+            return "cancelled";
+        default:
+            return "unknown error";
+    }
+}
+
+/// Cofactors: they take normals of wound triangles to normals of the moved triangles, mirrored or not.
+glm::mat3 cofactors(const glm::mat4& m) {
+    const glm::vec3 x(m[0]), y(m[1]), z(m[2]);
+    return {glm::cross(y, z), glm::cross(z, x), glm::cross(x, y)};
+}
+
+}  // namespace
+
+void TracedScene::ReleaseDevice::operator()(RTCDeviceTy* device) const {
+    rtcReleaseDevice(device);
+}
+void TracedScene::ReleaseScene::operator()(RTCSceneTy* scene) const {
+    rtcReleaseScene(scene);
+}
+
+TracedScene::TracedScene(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent, Filter filter)
+    : animation_(animation), translucent_(std::move(translucent)), filter_(filter), placed_(animation.objects.size()) {
+    EXPECTS(translucent_.size() == animation.materials.size());
+    const FlushDenormals flushed;
+    device_.reset(rtcNewDevice((std::string("isa=") + core::name_of(isa)).c_str()));
+    if (!device_) throw core::Error("starting Embree: " + name_of_error(rtcGetDeviceError(nullptr)));
+    const auto remember = [](void* self, RTCError code, const char* text) {
+        std::string& first = static_cast<TracedScene*>(self)->message_;
+        if (first.empty()) first = name_of_error(code) + (text != nullptr ? std::string(": ") + text : std::string());
+    };
+    rtcSetDeviceErrorFunction(device_.get(), remember, this);
+
+    // Decide object by object how it is placed.
+    std::vector<std::size_t> users(animation.meshes.size(), 0);
+    for (const scene::Object& object : animation.objects)
+        if (object.mobility == scene::Mobility::still) ++users[static_cast<std::size_t>(object.mesh)];
+    bool all_baked = true;
+    for (std::size_t i = 0; i < placed_.size(); ++i) {
+        const scene::Object& object = animation.objects[i];
+        const auto mesh = static_cast<std::size_t>(object.mesh);
+        const std::size_t copied = users[mesh] > 1 ? (users[mesh] - 1) * animation.meshes[mesh].triangles.size() : 0;
+        if (object.mobility == scene::Mobility::deforming)
+            placed_[i].kind = Kind::deforming;
+        else if (object.mobility == scene::Mobility::rigid || copied > most_copied_triangles)
+            placed_[i].kind = Kind::instanced;
+        all_baked = all_baked && placed_[i].kind == Kind::baked;
+        any_translucent_ = any_translucent_ || is_filtered(static_cast<std::uint32_t>(i));
+        const bool still = object.mobility == scene::Mobility::still;
+        has_movers_ = has_movers_ || !still;
+        has_still_instances_ = has_still_instances_ || (still && placed_[i].kind == Kind::instanced);
+    }
+
+    // Start with empty scenes: nothing is anywhere before it is posed.
+    baked_ = new_scene(false);
+    rtcCommitScene(baked_.get());
+    if (!all_baked) {
+        top_ = new_scene(true);
+        baked_instance_ = new_instance(baked_.get(), static_cast<unsigned>(placed_.size()), baked_mask);
+        rtcCommitScene(top_.get());
+    }
+    check("starting Embree");
+}
+
+TracedScene::~TracedScene() = default;
+
+void TracedScene::check(const char* doing) {
+    const RTCError code = rtcGetDeviceError(device_.get());
+    if (code == RTC_ERROR_NONE && message_.empty()) return;
+    throw core::Error(std::string(doing) + ": " +
+                      (message_.empty() ? name_of_error(code) : std::exchange(message_, {})));
+}
+
+TracedScene::Scene TracedScene::new_scene(bool instances) const {
+    Scene scene(rtcNewScene(device_.get()));
+    const int flags = RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION |
+                      (instances ? RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_NONE);
+    rtcSetSceneFlags(scene.get(), static_cast<RTCSceneFlags>(flags));
+    return scene;
+}
+
+bool TracedScene::is_filtered(std::uint32_t object) const {
+    return translucent_[static_cast<std::size_t>(animation_.objects[object].material)];
+}
+
+bool TracedScene::is_still(std::uint32_t object) const {
+    return animation_.objects[object].mobility == scene::Mobility::still;
+}
+
+/// The object's triangles, in Embree's own buffers: it reads some bytes past the end of shared ones.
+RTCGeometry TracedScene::new_triangles(const std::vector<glm::vec3>& positions, std::uint32_t object) const {
+    const auto mesh = static_cast<std::size_t>(animation_.objects[object].mesh);
+    const std::vector<glm::uvec3>& triangles = animation_.meshes[mesh].triangles;
+    RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+    void* const vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                   sizeof(glm::vec3), positions.size());
+    void* const indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                  sizeof(glm::uvec3), triangles.size());
+    if (vertices != nullptr) std::memcpy(vertices, positions.data(), positions.size() * sizeof(glm::vec3));
+    if (indices != nullptr) std::memcpy(indices, triangles.data(), triangles.size() * sizeof(glm::uvec3));
+    if (is_filtered(object)) rtcSetGeometryOccludedFilterFunction(geometry, filter_);
+    rtcCommitGeometry(geometry);
+    return geometry;
+}
+
+RTCGeometry TracedScene::new_instance(RTCScene of, unsigned id, unsigned mask) const {
+    RTCGeometry instance = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(instance, of);
+    rtcSetGeometryMask(instance, mask);
+    rtcCommitGeometry(instance);
+    rtcAttachGeometryByID(top_.get(), instance, id);
+    rtcReleaseGeometry(instance);
+    return instance;
+}
+
+RTCScene TracedScene::shared_mesh(std::uint32_t object) {
+    const int mesh = animation_.objects[object].mesh;
+    Scene& scene = shared_[{mesh, is_filtered(object)}];
+    if (!scene) {
+        scene = new_scene(false);
+        RTCGeometry geometry = new_triangles(animation_.meshes[static_cast<std::size_t>(mesh)].positions, object);
+        rtcAttachGeometryByID(scene.get(), geometry, 0);
+        rtcReleaseGeometry(geometry);
+        rtcCommitScene(scene.get());
+    }
+    return scene.get();
+}
+
+bool TracedScene::pose(const scene::Snapshot& snapshot) {
+    EXPECTS(snapshot.animation == &animation_ && snapshot.objects.size() == placed_.size());
+    const FlushDenormals flushed;
+    bool baked_changed = false, top_changed = false, still_changed = false;
+    for (std::uint32_t i = 0; i < placed_.size(); ++i) {
+        if (!place(i, snapshot)) continue;
+        (placed_[i].kind == Kind::baked ? baked_changed : top_changed) = true;
+        still_changed = still_changed || is_still(i);
+    }
+    if (baked_changed) rtcCommitScene(baked_.get());
+    if (baked_changed && baked_instance_ != nullptr) rtcCommitGeometry(baked_instance_);
+    if (top_ && (baked_changed || top_changed)) rtcCommitScene(top_.get());
+    check("building the ray tracer's scene");
+    return still_changed;
+}
+
+std::vector<scene::Triangle> TracedScene::opaque_still_triangles(std::size_t most) const {
+    LargestTriangles largest(most);
+    std::vector<double> largest_of_mesh(animation_.meshes.size(), -1.0);
+    for (std::uint32_t i = 0; i < placed_.size(); ++i) {
+        const Placed& placed = placed_[i];
+        if (!is_still(i) || !placed.present || is_filtered(i)) continue;
+        const auto mesh_index = static_cast<std::size_t>(animation_.objects[i].mesh);
+        const scene::Mesh& mesh = animation_.meshes[mesh_index];
+        if (placed.kind == Kind::instanced) {
+            if (!(distortion_of(placed.to_world) <= most_distorted)) continue;
+            // A forest's leaves need not be looked at one by one.
+            double& own = largest_of_mesh[mesh_index];
+            if (own < 0.0) own = largest_area2(mesh);
+            if (own * widening2(placed.to_world) < largest.least()) continue;
+        }
+        const auto world = [&](std::uint32_t v) {
+            return glm::vec3(placed.to_world * glm::vec4(mesh.positions[v], 1.0f));
+        };
+        for (const glm::uvec3& t : mesh.triangles) largest.add({world(t.x), world(t.y), world(t.z)});
+    }
+    return largest.in_order();
+}
+
+std::vector<MiddleBox> TracedScene::boxes_of_movers() const {
+    std::vector<MiddleBox> boxes;
+    for (std::uint32_t i = 0; i < placed_.size(); ++i) {
+        const Placed& placed = placed_[i];
+        if (!placed.present || is_still(i)) continue;
+        RTCBounds bounds;
+        rtcGetSceneBounds(
+            placed.own ? placed.own.get() : shared_.at({animation_.objects[i].mesh, is_filtered(i)}).get(), &bounds);
+        const glm::vec3 low{bounds.lower_x, bounds.lower_y, bounds.lower_z},
+            high{bounds.upper_x, bounds.upper_y, bounds.upper_z};
+        if (!(low.x <= high.x)) continue;
+        // The box about a box that is turned.
+        const glm::mat4& m = placed.own ? glm::mat4(1.0f) : placed.to_world;
+        const glm::vec3 half = 0.5f * (high - low);
+        boxes.push_back({glm::vec3(m * glm::vec4(0.5f * (low + high), 1.0f)), half.x * glm::abs(glm::vec3(m[0])) +
+                                                                                  half.y * glm::abs(glm::vec3(m[1])) +
+                                                                                  half.z * glm::abs(glm::vec3(m[2]))});
+    }
+    return boxes;
+}
+
+/// Brings one object to where the snapshot has it; whether anything changed.
+bool TracedScene::place(std::uint32_t object, const scene::Snapshot& snapshot) {
+    const scene::ObjectState& state = snapshot.objects[object];
+    Placed& placed = placed_[object];
+    const bool deforms = placed.kind == Kind::deforming;
+    const bool present = state.present && core::is_finite(state.to_world) && (!deforms || state.deformed >= 0);
+    if (!present) {
+        if (placed.present) rtcDisableGeometry(placed.geometry);
+        return std::exchange(placed.present, false);
+    }
+    bool changed = false;
+    switch (placed.kind) {
+        case Kind::baked:
+            changed = bake(object, state.to_world);
+            break;
+        case Kind::instanced:
+            changed = move_instance(object, state.to_world);
+            break;
+        case Kind::deforming:
+            changed = deform(object, snapshot.deformed[static_cast<std::size_t>(state.deformed)]);
+            break;
+    }
+    if (!placed.present) rtcEnableGeometry(placed.geometry);
+    return !std::exchange(placed.present, true) || changed;
+}
+
+bool TracedScene::bake(std::uint32_t object, const glm::mat4& to_world) {
+    Placed& placed = placed_[object];
+    if (placed.geometry != nullptr && placed.to_world == to_world) return false;
+    const auto mesh = static_cast<std::size_t>(animation_.objects[object].mesh);
+    std::vector<glm::vec3> world = animation_.meshes[mesh].positions;
+    for (glm::vec3& p : world) p = glm::vec3(to_world * glm::vec4(p, 1.0f));
+    if (placed.geometry != nullptr) rtcDetachGeometry(baked_.get(), object);
+    placed.geometry = new_triangles(world, object);
+    rtcAttachGeometryByID(baked_.get(), placed.geometry, object);
+    rtcReleaseGeometry(placed.geometry);
+    placed.to_world = to_world;
+    return true;
+}
+
+bool TracedScene::move_instance(std::uint32_t object, const glm::mat4& to_world) {
+    Placed& placed = placed_[object];
+    if (placed.geometry == nullptr)
+        placed.geometry = new_instance(shared_mesh(object), object, is_still(object) ? copied_mask : moving_mask);
+    else if (placed.to_world == to_world)
+        return false;
+    rtcSetGeometryTransform(placed.geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &to_world[0][0]);
+    rtcCommitGeometry(placed.geometry);
+    placed.to_world = to_world;
+    placed.wound_normal = cofactors(to_world);
+    return true;
+}
+
+bool TracedScene::deform(std::uint32_t object, const scene::DeformedMesh& mesh) {
+    Placed& placed = placed_[object];
+    if (placed.geometry == nullptr) {
+        placed.own = new_scene(false);
+        placed.triangles = new_triangles(mesh.positions, object);
+        rtcAttachGeometryByID(placed.own.get(), placed.triangles, 0);
+        rtcReleaseGeometry(placed.triangles);
+        rtcCommitScene(placed.own.get());
+        placed.geometry = new_instance(placed.own.get(), object, moving_mask);
+        return true;
+    }
+    void* const vertices = rtcGetGeometryBufferData(placed.triangles, RTC_BUFFER_TYPE_VERTEX, 0);
+    const std::size_t bytes = mesh.positions.size() * sizeof(glm::vec3);
+    if (std::memcmp(vertices, mesh.positions.data(), bytes) == 0) return false;
+    std::memcpy(vertices, mesh.positions.data(), bytes);
+    rtcUpdateGeometryBuffer(placed.triangles, RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(placed.triangles);
+    rtcCommitScene(placed.own.get());
+    rtcCommitGeometry(placed.geometry);
+    return true;
+}
+
+}  // namespace render2mpeg::renderer

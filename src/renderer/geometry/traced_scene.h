@@ -1,0 +1,131 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/isa.h"
+#include "core/surface_address.h"
+#include "renderer/base/light_packing.h"
+#include "scene/pose/snapshot.h"
+
+struct RTCDeviceTy;
+struct RTCSceneTy;
+struct RTCGeometryTy;
+struct RTCFilterFunctionNArguments;
+
+namespace render2mpeg::renderer {
+
+/// The geometry of an animation in Embree's scenes, posed (docs/model.md, "Visibility"). Part of RayTracer.
+///
+/// Triangles of still objects lie together in one scene, in world space; but many copies of a large mesh are instances
+/// of it. If anything moves, or is such a copy, that scene is one instance of the scene that rays are traced in, and
+/// every rigid, deforming or copied object is another. All trees are built anew from what is posed and never refitted,
+/// so that nothing depends on what was posed before.
+class TracedScene {
+  public:
+    /// Called for shadow rays that meet a translucent object; see rtcSetGeometryOccludedFilterFunction.
+    using Filter = void (*)(const RTCFilterFunctionNArguments*);
+
+    TracedScene(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent, Filter filter);
+    ~TracedScene();
+
+    /// Returns whether what never moves was posed anew.
+    bool pose(const scene::Snapshot& snapshot);
+
+    /// World triangles of what is posed, never moves and lets no light through, as rays meet them, instances or not:
+    /// the `most` largest, earlier ones first where areas agree, in the order of objects and triangles.
+    std::vector<scene::Triangle> opaque_still_triangles(std::size_t most) const;
+
+    /// World boxes of what is posed and moves.
+    std::vector<MiddleBox> boxes_of_movers() const;
+
+    RTCSceneTy* root() const { return top_ ? top_.get() : baked_.get(); }
+
+    /// What never moves, but for instances: the same as `root` where there are none. Embree never returns from some
+    /// coherent packets that meet instances, so packets are traced here first and then, incoherently and with
+    /// `instance_mask` in their rays, in `root`.
+    RTCSceneTy* baked() const { return baked_.get(); }
+    bool has_instances() const { return top_ != nullptr; }
+    bool has_movers() const { return has_movers_; }
+    bool has_still_instances() const { return has_still_instances_; }
+
+    /// Bits of a ray's mask in `root`: what lies in `baked`; what moves, changes its shape, comes or goes in the film;
+    /// and instances that never do.
+    static constexpr unsigned baked_mask = 1, moving_mask = 2, copied_mask = 4;
+    static constexpr unsigned still_mask = baked_mask | copied_mask, instance_mask = moving_mask | copied_mask;
+
+    bool any_translucent() const { return any_translucent_; }
+    bool is_instanced(std::uint32_t object) const { return placed_[object].kind == Kind::instanced; }
+
+    /// The object that Embree means by an instance and a geometry id.
+    std::uint32_t object_of(unsigned instance, unsigned geometry) const {
+        const bool within_still = instance == no_instance || instance == placed_.size();
+        return within_still ? geometry : instance;
+    }
+
+    /// What Embree's ids and barycentrics mean, which may lie outside by rounding.
+    core::SurfaceAddress address(unsigned instance, unsigned geometry, unsigned primitive, float u, float v) const {
+        const float inside_u = std::clamp(u, 0.0f, 1.0f);
+        return {object_of(instance, geometry), primitive, inside_u, std::clamp(v, 0.0f, 1.0f - inside_u)};
+    }
+
+    /// An Embree normal in world space, along the triangle's winding there; any length.
+    glm::vec3 world_normal(std::uint32_t object, glm::vec3 normal) const {
+        return is_instanced(object) ? placed_[object].wound_normal * normal : normal;
+    }
+
+  private:
+    static constexpr unsigned no_instance = 0xffffffffu;
+    struct ReleaseDevice {
+        void operator()(RTCDeviceTy* device) const;
+    };
+    struct ReleaseScene {
+        void operator()(RTCSceneTy* scene) const;
+    };
+    using Device = std::unique_ptr<RTCDeviceTy, ReleaseDevice>;
+    using Scene = std::unique_ptr<RTCSceneTy, ReleaseScene>;
+
+    enum class Kind { baked, instanced, deforming };
+    struct Placed {
+        Kind kind = Kind::baked;
+        bool present = false;
+        RTCGeometryTy* geometry =
+            nullptr;  ///< baked: in `baked_`; else the instance in `top_`. None until first present
+        RTCGeometryTy* triangles = nullptr;  ///< deforming: in `own`
+        Scene own;                           ///< deforming
+        glm::mat4 to_world{0.0f};
+        glm::mat3 wound_normal{1.0f};  ///< instanced: cofactors of to_world
+    };
+
+    Scene new_scene(bool instances) const;
+    bool is_filtered(std::uint32_t object) const;
+    RTCGeometryTy* new_triangles(const std::vector<glm::vec3>& positions, std::uint32_t object) const;
+    RTCGeometryTy* new_instance(RTCSceneTy* of, unsigned id, unsigned mask) const;
+    RTCSceneTy* shared_mesh(std::uint32_t object);
+    bool is_still(std::uint32_t object) const;
+    bool place(std::uint32_t object, const scene::Snapshot& snapshot);
+    bool bake(std::uint32_t object, const glm::mat4& to_world);
+    bool move_instance(std::uint32_t object, const glm::mat4& to_world);
+    bool deform(std::uint32_t object, const scene::DeformedMesh& mesh);
+    void check(const char* doing);
+
+    const scene::Animation& animation_;
+    std::vector<bool> translucent_;
+    Filter filter_;
+    std::string message_;  ///< of Embree's first error since the last check
+    Device device_;
+    std::map<std::pair<int, bool>, Scene> shared_;  ///< meshes in their own space, without and with the filter
+    Scene baked_;
+    Scene top_;  ///< none where everything is baked
+    RTCGeometryTy* baked_instance_ = nullptr;
+    std::vector<Placed> placed_;
+    bool any_translucent_ = false, has_movers_ = false, has_still_instances_ = false;
+};
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,100 @@
+#include "renderer/lights/anchor_importance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/numeric.h"
+#include "core/sampling.h"
+#include "parallel/loops.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Seen points that each place is held against. chosen: 8, since a stratum of an anchor holds some 16 places.
+constexpr int looks = 8;
+
+/// Importance that every place has whatever the camera sees: light bounces on, mirrors show what is behind, and the
+/// film has more instants than are looked at. chosen: a quarter.
+constexpr float least = 0.25f;
+
+/// Places nearer to a seen point than this share of the usual distance count as if they were there: one pair must not
+/// outweigh all others. chosen: a tenth.
+constexpr double nearest_share = 0.1;
+
+struct SeenPoint {
+    glm::vec3 position, normal;
+};
+
+std::vector<SeenPoint> seen_points(const Scenery& scenery) {
+    const scene::Camera& camera = scenery.posed().camera;
+    std::vector<SeenPoint> seen;
+    for (int y = 0; y < importance_format.height; ++y)
+        for (int x = 0; x < importance_format.width; ++x) {
+            const scene::Ray ray = camera.ray_through(glm::vec2(x, y) + 0.5f);
+            const Hit hit = scenery.tracer().nearest(ray.origin, ray.direction, std::numeric_limits<float>::infinity());
+            if (!hit.found()) continue;
+            const SurfacePoint p = scenery.surface_at(hit.address, -ray.direction);
+            seen.push_back({offset_origin(p, p.geometric_normal), p.geometric_normal});
+        }
+    return seen;
+}
+
+/// What passes between a place and a seen point: both cosines, and the squared distance; 0 where something is between.
+struct Look {
+    float cosines = 0, distance2 = 0;
+};
+
+Look look(const LightPoint& from, const SeenPoint& to, const RayTracer& tracer) {
+    const glm::vec3 way = to.position - from.position;
+    const float distance2 = glm::dot(way, way);
+    if (!(distance2 > 0.0f) || !std::isfinite(distance2)) return {};
+    const float distance = std::sqrt(distance2);
+    const glm::vec3 direction = way / distance;
+    const float cosines =
+        std::max(0.0f, glm::dot(direction, from.normal)) * std::max(0.0f, -glm::dot(direction, to.normal));
+    if (cosines <= 0.0f || tracer.meets(from.position, direction, 0.999f * distance)) return {};
+    return {cosines, distance2};
+}
+
+}  // namespace
+
+std::vector<float> importance_to_eye(const Scenery& scenery, std::span<const LightPoint> places) {
+    std::vector<float> importance(places.size(), 1.0f);
+    const std::vector<SeenPoint> seen = seen_points(scenery);
+    if (seen.empty()) return importance;
+
+    std::vector<Look> looked(places.size() * looks);
+    parallel::for_ranges(places.size(), 256, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            for (std::uint64_t k = 0; k < looks; ++k) {
+                const float choice = core::uniform(1, i, k) * static_cast<float>(seen.size());
+                const auto index = std::min(seen.size() - 1, static_cast<std::size_t>(choice));
+                looked[i * looks + k] = look(places[i], seen[index], scenery.tracer());
+            }
+    });
+
+    // The usual distance is the geometric mean of those that light passes.
+    double logs = 0, passed = 0;
+    for (const Look& l : looked) {
+        if (l.cosines <= 0.0f) continue;
+        logs += std::log(static_cast<double>(l.distance2));
+        passed += 1;
+    }
+    if (passed == 0) return importance;
+    const double near2 = std::exp(logs / passed) * nearest_share * nearest_share;
+    std::vector<double> sum(places.size(), 0);
+    double mean = 0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        for (std::size_t k = 0; k < looks; ++k) {
+            const Look& l = looked[i * looks + k];
+            sum[i] += l.cosines / (static_cast<double>(l.distance2) + near2);
+        }
+        mean += sum[i] / static_cast<double>(places.size());
+    }
+    for (std::size_t i = 0; i < places.size(); ++i)
+        importance[i] = std::sqrt(least + (1.0f - least) * static_cast<float>(core::divide_or(sum[i], mean, 1.0)));
+    return importance;
+}
+
+}  // namespace render2mpeg::renderer

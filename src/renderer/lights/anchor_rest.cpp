@@ -1,0 +1,93 @@
+#include "renderer/lights/anchor_rest.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/numeric.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// A mesh rests in its own shape if that has this share of its largest area. chosen: a quarter; no less, so that
+/// `most_growth` holds for the whole of it with room for its parts.
+constexpr double least_rest_area = 0.25;
+
+/// Most that a triangle of a deforming object may be thought to grow. chosen: 16, four times what the whole does: a
+/// sliver that opens would else claim a disc as large as the world, and all its light be clamped.
+constexpr float most_growth = 16.0f;
+
+float area_of(glm::vec3 a, glm::vec3 b, glm::vec3 c) {
+    return 0.5f * glm::length(glm::cross(b - a, c - a));
+}
+
+double area_of(const scene::Mesh& mesh, const std::vector<glm::vec3>& positions) {
+    double area = 0;
+    for (const glm::uvec3& t : mesh.triangles) area += area_of(positions[t.x], positions[t.y], positions[t.z]);
+    return area;
+}
+
+/// What no triangle grows beyond under an affine map.
+float largest_scale(const glm::mat4& m) {
+    float a = glm::length(glm::vec3(m[0])), b = glm::length(glm::vec3(m[1])), c = glm::length(glm::vec3(m[2]));
+    if (a < b) std::swap(a, b);
+    if (b < c) std::swap(b, c);
+    if (a < b) std::swap(a, b);
+    return 2.0f * a * b;
+}
+
+}  // namespace
+
+const scene::Mesh& RestPoses::mesh_of(std::uint32_t object) const {
+    return film_->meshes[static_cast<std::size_t>(film_->objects[object].mesh)];
+}
+
+const std::vector<glm::vec3>& RestPoses::positions_of(std::uint32_t object) const {
+    const auto grown = grown_.find(object);
+    return grown != grown_.end() ? grown->second.positions : mesh_of(object).positions;
+}
+
+void RestPoses::consider(const scene::Snapshot& now) {
+    for (std::uint32_t object = 0; object < film_->objects.size(); ++object) {
+        const scene::ObjectState& state = now.objects[object];
+        if (!state.present || state.deformed < 0) continue;
+        const scene::Mesh& mesh = mesh_of(object);
+        const std::vector<glm::vec3>& positions = now.deformed[static_cast<std::size_t>(state.deformed)].positions;
+        const double area = area_of(mesh, positions);
+        const auto known = grown_.find(object);
+        const double rest =
+            known != grown_.end() ? known->second.area : area_of(mesh, mesh.positions) / least_rest_area;
+        if (std::isfinite(area) && area > rest) grown_[object] = {area, positions};
+    }
+}
+
+OrientedPoint RestPoses::at(const core::SurfaceAddress& a, bool front) const {
+    const std::vector<glm::vec3>& positions = positions_of(a.object);
+    const glm::uvec3 t = mesh_of(a.object).triangles[a.primitive];
+    const glm::vec3 p = positions[t.x], e1 = positions[t.y] - p, e2 = positions[t.z] - p;
+    const glm::vec3 normal = core::normalize_or(glm::cross(e1, e2), {0, 0, 1});
+    return {p + a.u * e1 + a.v * e2, front ? normal : -normal};
+}
+
+float RestPoses::area_scale(const scene::Snapshot& now, const core::SurfaceAddress& a) const {
+    const std::vector<glm::vec3>& positions = positions_of(a.object);
+    const glm::uvec3 t = mesh_of(a.object).triangles[a.primitive];
+    const scene::Triangle world = scene::triangle_of(now, a.object, a.primitive);
+    const float scale = core::divide_or(area_of(world.a, world.b, world.c),
+                                        area_of(positions[t.x], positions[t.y], positions[t.z]), 1.0f);
+    const scene::ObjectState& state = now.objects[a.object];
+    return std::min(scale, state.deformed >= 0 ? most_growth : largest_scale(state.to_world));
+}
+
+float RestPoses::extent2(std::uint32_t object) const {
+    const std::vector<glm::vec3>& positions = positions_of(object);
+    glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
+    for (const glm::vec3& p : positions) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    const glm::vec3 size = positions.empty() ? glm::vec3(0) : high - low;
+    return glm::dot(size, size);
+}
+
+}  // namespace render2mpeg::renderer

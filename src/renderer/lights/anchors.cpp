@@ -1,0 +1,341 @@
+// Anchor lights [Render2MPEG, 7.3.1]: fixed places whose intensities follow the photons of each instant by density
+// estimation. Changed: places are a stratified choice among places that photons reach over the film, half by area and
+// half by flux, and by what cameras see, instead of even over surfaces (so that none lies where no light comes);
+// photons share their flux among the nearest anchors by a kernel times the area that each anchor stands for, which
+// loses no energy at edges; surfaces that move have anchors of their own, which move along.
+#include "renderer/lights/anchors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "core/sampling.h"
+#include "parallel/loops.h"
+#include "renderer/lights/anchor_importance.h"
+#include "renderer/lights/anchor_paths.h"
+#include "renderer/lights/anchor_places.h"
+#include "renderer/lights/anchor_rest.h"
+#include "renderer/lights/anchor_shares.h"
+#include "renderer/lights/anchor_surfaces.h"
+#include "renderer/lights/usual_light.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Instants of the film at which places are looked for. chosen: 64, a lamp that crosses a film is then seen within a
+/// 64th of its way; each asks for a 64th of the photons.
+constexpr int instants = 64;
+
+/// Instants at which the shapes of what deforms are looked at, to find one to rest in.
+constexpr int shapes = 8;
+
+/// Points spread evenly over all still surfaces, as a share of the places looked at. chosen: an eighth.
+constexpr std::uint64_t even_part = 8;
+
+/// Places looked at per anchor. chosen: 16; fewer leave strata uneven where what is seen gets a small part of the
+/// light.
+constexpr std::uint64_t candidates_per_anchor = 16;
+constexpr std::uint64_t least_candidates = 4096;
+
+/// From so many places on, 16,384 anchors' worth, fewer are looked at for each anchor, but 4 at least: strata that are
+/// uneven matter less where anchors lie that densely, and each place takes some 150 bytes while they are chosen.
+constexpr std::uint64_t many_candidates = 1u << 18;
+constexpr std::uint64_t least_per_anchor = 4;
+
+/// Paths, or places, that are traced at once: bounds the memory that they take.
+constexpr std::uint64_t batch = 1u << 15;
+
+/// Photons that are shared out at once, about: they take 40 bytes each until then, and less time the more there are.
+constexpr std::size_t most_landed = 1u << 20;
+
+/// Every anchor counts with at least this share of the mean light when trees are planned: it may be lit one day.
+constexpr float least_usual = 0.01f;
+
+bool moves(const scene::Animation& film, std::uint32_t object) {
+    return film.objects[object].mobility != scene::Mobility::still;
+}
+
+/// Where in the Halton sequence a set of photons begins: the same sequence from a start at random is another randomised
+/// one. [Wang2000]
+std::uint64_t first_of(std::uint64_t set) {
+    return set == 0 ? 1 : 1 + core::mix(set) % (1u << 30);
+}
+
+/// A still anchor, without intensity; its rest is the world.
+LightPoint still_light(const AnchorSharing& anchors, std::uint32_t id) {
+    LightPoint p;
+    p.position = anchors.rest(id).position;
+    p.normal = anchors.rest(id).normal;
+    p.disc2 = anchors.disc2(id);
+    p.id = id;
+    return p;
+}
+
+/// The film at one of `count` instants spread over it, its lights at their usual strength, its camera one of its
+/// shots'.
+scene::Snapshot usual_instant(const scene::Animation& film, int i, int count) {
+    const auto microseconds = static_cast<std::int64_t>(1e6 * film.duration * (i + 0.5) / count);
+    const std::size_t shots = film.shots.size();
+    const std::int64_t frame =
+        shots == 0 ? 0 : film.shots[static_cast<std::size_t>(i) * shots / static_cast<std::size_t>(count)].frame;
+    return at_usual_strength(scene::snapshot_at(film, frame, {microseconds, 1000000}, importance_format));
+}
+
+}  // namespace
+
+std::uint64_t candidates_for(std::uint64_t anchors) {
+    const std::uint64_t most = std::max(many_candidates, least_per_anchor * anchors);
+    return std::max(std::min(candidates_per_anchor * anchors, most), least_candidates);
+}
+
+struct Anchors::Impl {
+    Impl(const scene::Animation& animation, const AnchorSettings& s) : film(animation), settings(s), rest(animation) {}
+
+    std::uint32_t group_of(std::uint32_t object) const { return moves(film, object) ? object + 1 : 0; }
+    OrientedPoint rest_of(const LightPoint& vpl, const core::SurfaceAddress& address, bool front) const {
+        return moves(film, address.object) ? rest.at(address, front) : OrientedPoint{vpl.position, vpl.normal};
+    }
+
+    AnchorCandidate candidate(const Scenery& scenery, const LightPoint& vpl, const core::SurfaceAddress& address) const;
+    void look(Scenery& scenery, LightPoints& lights);
+    void look_at(const Scenery& scenery, const std::vector<LightPoint>& lights, std::uint64_t wanted);
+    void add_even(const Scenery& scenery, std::uint64_t count);
+    void add_unlit();
+    void reckon_usual(const RayTracer& tracer);
+    LightPoint moving_light(const Scenery& scenery, std::uint32_t place) const;
+    LandedPhoton landed(const Scenery& scenery, const LightPoint& vpl, const core::SurfaceAddress& address,
+                        float part) const;
+
+    const scene::Animation& film;
+    AnchorSettings settings;
+    RestPoses rest;
+    std::vector<AnchorCandidate> candidates;
+    std::vector<glm::vec3> candidate_light;  ///< radiant intensity of each, as a VPL
+    Landings seen;                           ///< of the candidates' paths
+
+    std::uint64_t paths = 0, rays = 0;
+    AnchorSharing anchors;
+    std::vector<float> usual;  ///< luminance of each anchor's intensity
+    float apart = 0;           ///< how far from each other objects that move are thought to be
+};
+
+AnchorCandidate Anchors::Impl::candidate(const Scenery& scenery, const LightPoint& vpl,
+                                         const core::SurfaceAddress& address) const {
+    AnchorCandidate c;
+    c.address = address;
+    c.front = glm::dot(scenery.front_normal(address.object, address.primitive), vpl.normal) >= 0.0f;
+    c.rest = rest_of(vpl, address, c.front);
+    c.group = group_of(address.object);
+    c.flux = core::luminance(vpl.intensity);
+    const glm::vec3 world = film.bounds_max - film.bounds_min;
+    c.extent2 = glm::dot(world, world);
+    if (c.group != 0) {
+        c.area_scale = rest.area_scale(scenery.posed(), address);
+        c.extent2 = rest.extent2(address.object);
+    }
+    return c;
+}
+
+/// Gathers candidates at instants spread over the film, and chooses among them.
+void Anchors::Impl::look(Scenery& scenery, LightPoints& lights) {
+    const int count = film.duration > 0.0 ? instants : 1;
+    const std::uint64_t wanted = candidates_for(static_cast<std::uint64_t>(settings.count));
+    const bool deforms = std::any_of(film.objects.begin(), film.objects.end(),
+                                     [](const scene::Object& o) { return o.mobility == scene::Mobility::deforming; });
+    for (int i = 0; deforms && i < shapes; ++i) rest.consider(usual_instant(film, i, shapes));
+    const scene::Snapshot first = usual_instant(film, 0, count);
+    lights.place(scenery, first);
+    scene::Snapshot instant;
+    for (int i = 0; i < count; ++i) {
+        scene::Snapshot next = usual_instant(film, i, count);
+        std::swap(instant, next);
+        scenery.pose(instant);
+        look_at(scenery, lights.at(scenery), std::max<std::uint64_t>(wanted / static_cast<std::uint64_t>(count), 1));
+    }
+    // What is still lies the same at any instant.
+    scenery.pose(first);
+    add_even(scenery, wanted / even_part);
+    add_unlit();
+    anchors = AnchorSharing(choose_places(candidates, settings.count), scenery.tracer());
+    rays += anchors.rays();
+    reckon_usual(scenery.tracer());
+    if (anchors.size() > 0) paths = paths_of_anchors(settings.count, settings.photons, settings.bounces, seen);
+}
+
+void Anchors::Impl::look_at(const Scenery& scenery, const std::vector<LightPoint>& lights, std::uint64_t wanted) {
+    const std::uint64_t needed = paths_for(scenery, lights, static_cast<int>(wanted), settings.bounces);
+    if (needed == 0) return;
+    // Every instant takes other paths, so that no two look at the same places.
+    const PhotonResult photons = trace_photons(scenery, lights, {1 + seen.paths, needed, settings.bounces});
+    seen.paths += needed;
+    seen.landed += photons.vpls.size();
+    rays += photons.rays;
+    const std::vector<float> importance = importance_to_eye(scenery, photons.vpls);
+    for (std::size_t i = 0; i < photons.vpls.size(); ++i) {
+        candidates.push_back(candidate(scenery, photons.vpls[i], photons.addresses[i]));
+        candidates.back().importance = importance[i];
+        candidate_light.push_back(photons.vpls[i].intensity);
+    }
+}
+
+/// Gives still surfaces places whether photons met them or not: light may come between the instants.
+void Anchors::Impl::add_even(const Scenery& scenery, std::uint64_t count) {
+    for (const SurfacePoint& p : even_points(scenery, count)) {
+        LightPoint point;
+        point.normal = p.geometric_normal;
+        point.position = offset_origin(p, p.geometric_normal);
+        candidates.push_back(candidate(scenery, point, p.address));
+        candidates.back().even = true;
+        candidate_light.push_back(glm::vec3(0));
+    }
+}
+
+/// Gives objects that move one place where no photon met them.
+void Anchors::Impl::add_unlit() {
+    std::vector<bool> met(film.objects.size(), false);
+    for (const AnchorCandidate& c : candidates) met[c.address.object] = true;
+    for (std::uint32_t object = 0; object < film.objects.size(); ++object) {
+        const scene::Mesh& mesh = film.meshes[static_cast<std::size_t>(film.objects[object].mesh)];
+        const scene::Material& material = film.materials[static_cast<std::size_t>(film.objects[object].material)];
+        if (met[object] || !moves(film, object) || mesh.triangles.empty() || material.unlit) continue;
+        AnchorCandidate c;
+        c.address = {object, static_cast<std::uint32_t>(mesh.triangles.size() / 2), 1.0f / 3.0f, 1.0f / 3.0f};
+        c.rest = rest.at(c.address, true);
+        c.group = group_of(object);
+        c.extent2 = rest.extent2(object);
+        candidates.push_back(c);
+        candidate_light.push_back(glm::vec3(0));
+    }
+}
+
+/// An anchor that moves, at the posed instant, without intensity.
+LightPoint Anchors::Impl::moving_light(const Scenery& scenery, std::uint32_t index) const {
+    const AnchorMount& place = anchors.mount(index);
+    const glm::vec3 front = scenery.front_normal(place.address.object, place.address.primitive);
+    LightPoint p;
+    p.normal = place.front ? front : -front;
+    p.position = offset_origin(scenery.surface_at(place.address, p.normal), p.normal);
+    p.moving = true;
+    p.disc2 = anchors.disc2(index) * rest.area_scale(scenery.posed(), place.address);
+    p.id = index - anchors.still_count();
+    p.object = place.address.object;
+    return p;
+}
+
+/// What a photon leaves, as a part of those of all batches.
+LandedPhoton Anchors::Impl::landed(const Scenery& scenery, const LightPoint& vpl, const core::SurfaceAddress& address,
+                                   float part) const {
+    const bool at_front = glm::dot(scenery.front_normal(address.object, address.primitive), vpl.normal) >= 0.0f;
+    return {group_of(address.object), rest_of(vpl, address, at_front), part * vpl.intensity};
+}
+
+/// Spreads the candidates' own light.
+void Anchors::Impl::reckon_usual(const RayTracer& tracer) {
+    std::vector<glm::dvec3> light(anchors.size(), glm::dvec3(0));
+    std::vector<LandedPhoton> landed;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        if (candidates[i].flux > 0.0f) landed.push_back({candidates[i].group, candidates[i].rest, candidate_light[i]});
+        if (landed.size() < most_landed && i + 1 < candidates.size()) continue;
+        rays += anchors.spread(landed, tracer, nullptr, light);
+        landed.clear();
+    }
+    usual.clear();
+    usual.reserve(light.size());
+    for (const glm::dvec3& l : light) usual.push_back(core::luminance(glm::vec3(l)));
+    double sum = 0;
+    for (const float l : usual) sum += l;
+    const auto mean = static_cast<float>(core::divide_or(sum, static_cast<double>(usual.size()), 0.0));
+    for (float& l : usual) l += least_usual * mean + 1e-20f;
+    // Trees of what moves are planned at rest, every object far from all others: they part ways.
+    for (const AnchorCandidate& c : candidates)
+        if (c.group != 0) apart = std::max(apart, 4.0f * std::sqrt(c.extent2));
+}
+
+Anchors::Anchors(Scenery& scenery, LightPoints& lights, const AnchorSettings& settings)
+    : impl_(std::make_unique<Impl>(scenery.animation(), settings)) {
+    Impl& a = *impl_;
+    const scene::Snapshot& before = scenery.posed();
+    a.look(scenery, lights);
+    scenery.pose(before);
+    a.candidates = {};
+    a.candidate_light = {};
+}
+Anchors::~Anchors() = default;
+Anchors::Anchors(Anchors&&) noexcept = default;
+
+std::vector<LightPoint> Anchors::usual_still() const {
+    std::vector<LightPoint> points;
+    points.reserve(impl_->anchors.still_count());
+    for (std::uint32_t i = 0; i < impl_->anchors.still_count(); ++i) {
+        points.push_back(still_light(impl_->anchors, i));
+        points.back().intensity = glm::vec3(impl_->usual[i]);
+    }
+    return points;
+}
+
+std::vector<LightPoint> Anchors::usual_moving() const {
+    const Impl& a = *impl_;
+    const std::uint32_t first = a.anchors.still_count();
+    std::vector<LightPoint> points;
+    std::uint32_t objects = 0;
+    for (std::uint32_t i = first; i < a.anchors.size(); ++i) {
+        if (i > first && a.anchors.mount(i).address.object != a.anchors.mount(i - 1).address.object) ++objects;
+        LightPoint p = still_light(a.anchors, i);
+        p.position += glm::vec3(a.apart * static_cast<float>(objects), 0, 0);
+        p.intensity = glm::vec3(a.usual[i]);
+        p.id = i - first;
+        points.push_back(p);
+    }
+    return points;
+}
+
+std::uint64_t Anchors::paths() const {
+    return impl_->paths;
+}
+
+std::uint64_t Anchors::rays() const {
+    return impl_->rays;
+}
+
+std::size_t Anchors::bytes() const {
+    return impl_->usual.capacity() * sizeof(float) + impl_->anchors.bytes();
+}
+
+Anchors::Lit Anchors::at(const Scenery& scenery, std::span<const LightPoint> lights) const {
+    const Impl& a = *impl_;
+    std::vector<glm::dvec3> light(a.anchors.size(), glm::dvec3(0));
+    Lit lit;
+    const AnchorPartings partings = a.anchors.partings(scenery.tracer());
+    lit.rays += partings.rays;
+    std::vector<LandedPhoton> landed;
+    for (std::uint64_t done = 0; done < a.paths; done += batch) {
+        const std::uint64_t count = std::min(batch, a.paths - done);
+        const std::uint64_t first_path = first_of(a.settings.photon_set) + done;
+        const PhotonResult photons = trace_photons(scenery, lights, {first_path, count, a.settings.bounces});
+        lit.rays += photons.rays;
+        const float part = static_cast<float>(static_cast<double>(count) / static_cast<double>(a.paths));
+        const std::size_t before = landed.size();
+        landed.resize(before + photons.vpls.size());
+        parallel::for_ranges(photons.vpls.size(), 256, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i)
+                landed[before + i] = a.landed(scenery, photons.vpls[i], photons.addresses[i], part);
+        });
+        if (landed.size() < most_landed && done + count < a.paths) continue;
+        lit.rays += a.anchors.spread(landed, scenery.tracer(), &partings, light);
+        landed.clear();
+    }
+    const std::uint32_t still = a.anchors.still_count();
+    lit.still.reserve(still);
+    lit.moving.reserve(a.anchors.size() - still);
+    for (std::uint32_t i = 0; i < a.anchors.size(); ++i) {
+        const bool moving = i >= still;
+        if (moving && !scenery.posed().objects[a.anchors.mount(i).address.object].present) continue;
+        LightPoint p = moving ? a.moving_light(scenery, i) : still_light(a.anchors, i);
+        p.intensity = glm::vec3(light[i]);
+        (moving ? lit.moving : lit.still).push_back(p);
+    }
+    return lit;
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "renderer/base/light_point.h"
+#include "renderer/lights/light_points.h"
+#include "renderer/lights/photons.h"
+#include "renderer/surface/scenery.h"
+
+namespace render2mpeg::renderer {
+
+struct AnchorSettings {
+    int count = 4096;              ///< anchors in all, about; at least one for every surface that moves
+    int bounces = 8;               ///< see PhotonSettings
+    std::uint64_t photon_set = 0;  ///< another one takes other photons, independent ones, for tests
+    std::uint64_t photons =
+        0;  ///< VPLs that are spread over the anchors in a frame, about; 0: as many as `count` asks for
+};
+
+/// Places that are looked at to choose so many anchors: most of the memory that anchors ever take is theirs.
+std::uint64_t candidates_for(std::uint64_t anchors);
+
+/// The light points of indirect light: a constant number for the whole film, at fixed places on their surfaces, on
+/// which every instant's photons are spread (SPEC 2.1, 4.1; docs/model.md, "Anchor lights"). Those of surfaces that
+/// move are carried along by them. A function of the animation and the settings alone.
+class Anchors {
+  public:
+    /// Chooses the places. `scenery` gets posed at instants of the film and is posed as before at the end; `lights` is
+    /// placed anew for the film's beginning.
+    Anchors(Scenery& scenery, LightPoints& lights, const AnchorSettings& settings);
+    ~Anchors();
+    Anchors(Anchors&&) noexcept;
+
+    /// What the anchors are over the film, on the average, with a little light for all: what trees are planned by.
+    std::vector<LightPoint> usual_still() const;
+    std::vector<LightPoint> usual_moving() const;
+
+    /// Photons that every instant follows: as many as leave what the settings ask for at the usual instant, but no more
+    /// than 64 for each anchor, however few of them meet anything.
+    std::uint64_t paths() const;
+
+    /// Rays that the choice took.
+    std::uint64_t rays() const;
+
+    /// Bytes held between instants.
+    std::size_t bytes() const;
+
+    struct Lit {
+        std::vector<LightPoint> still, moving;  ///< by id; dark ones among them
+        std::uint64_t rays = 0;
+    };
+    /// The anchors as `lights` let them shine at the posed instant. All light that photons leave on surfaces is in
+    /// them. Does not depend on the number of threads.
+    Lit at(const Scenery& scenery, std::span<const LightPoint> lights) const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace render2mpeg::renderer

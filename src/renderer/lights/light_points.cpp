@@ -1,0 +1,141 @@
+#include "renderer/lights/light_points.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "renderer/lights/emitters.h"
+#include "renderer/base/lobe.h"
+#include "renderer/lights/usual_light.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+LightPoint punctual_point(const scene::LightState& light, const scene::Animation& film) {
+    LightPoint p;
+    p.position = light.position;
+    p.normal = light.direction;
+    p.intensity = light.intensity;
+    p.range = light.range;
+    p.id = first_punctual_id + light.id;
+    p.object = core::no_id;
+    p.moving = film.lights[light.id].node >= 0;
+    if (light.kind == scene::LightKind::directional) {
+        p.kind = LightPointKind::directional;
+    } else if (light.kind == scene::LightKind::spot) {
+        // Falloff between the cones: scale = 1 / (cos inner - cos outer), offset = -cos outer x scale.
+        // [KHR_lights_punctual]
+        p.kind = LightPointKind::spot;
+        p.spot_scale = 1.0f / std::max(light.cos_inner - light.cos_outer, 1e-3f);
+        p.spot_offset = -light.cos_outer * p.spot_scale;
+    } else {
+        p.kind = LightPointKind::omni;
+    }
+    return p;
+}
+
+bool has_volume(const glm::mat4& m) {
+    const float volume = glm::determinant(glm::mat3(m));
+    return core::is_finite(m) && std::isfinite(volume) && volume != 0.0f;
+}
+
+bool shines(const LightPoint& p) {
+    return core::is_finite(p.intensity) && core::luminance(p.intensity) > 0.0f;
+}
+
+}  // namespace
+
+LightPoints::LightPoints(const Scenery& scenery, const Plan& plan, int count, std::uint64_t seed)
+    : animation_(scenery.animation()),
+      punctual_(plan.runs(Pass::punctual_lights)),
+      emissive_(plan.runs(Pass::emissive_lights)),
+      seed_(seed) {
+    const bool sky = plan.runs(Pass::sky_light) && scenery.sky() != nullptr;
+    const int share = std::max(1, emissive_ && sky ? count / 2 : count);
+    if (emissive_) emissive_count_ = share;
+    if (!sky) return;
+    for (const image::SkySample& sample : scenery.sky()->samples(share)) {
+        LightPoint p;
+        p.kind = LightPointKind::directional;
+        p.normal = -sample.direction;
+        p.intensity = sample.irradiance;
+        p.disc2 = sample.solid_angle * lobe::inverse_pi;
+        p.id = first_sky_id + sample.id;
+        p.object = core::no_id;
+        if (shines(p)) sky_.push_back(p);
+    }
+}
+
+void LightPoints::place(Scenery& scenery, const scene::Snapshot& first) {
+    // Look at every emitter at its full strength: one that is off or hidden now may be lit later in the chunk.
+    scene::Snapshot lit = first;
+    std::fill(lit.emission_factor.begin(), lit.emission_factor.end(), 1.0f);
+    for (scene::ObjectState& object : lit.objects)
+        object.present = object.present || (object.deformed < 0 && has_volume(object.to_world));
+    emitters_.clear();
+    if (emissive_) {
+        scenery.pose(lit);
+        emitters_ = place_emitters(scenery, lit, emissive_count_, seed_);
+    }
+
+    const scene::Snapshot usual = at_usual_strength(lit);
+    scenery.pose(usual);
+    usual_ = at(scenery);
+    // What has no surface yet lies where its mesh does.
+    for (std::size_t i = 0; i < emitters_.size(); ++i) {
+        const EmitterPoint& e = emitters_[i];
+        if (usual.objects[e.object].present) continue;
+        const scene::Object& object = animation_.objects[e.object];
+        const scene::Mesh& mesh = animation_.meshes[static_cast<std::size_t>(object.mesh)];
+        LightPoint p;
+        p.position = mesh.positions[mesh.triangles[e.primitive].x];
+        p.intensity = e.radiance;
+        p.id = static_cast<std::uint32_t>(i);
+        p.object = e.object;
+        p.moving = true;
+        if (shines(p)) usual_.push_back(p);
+    }
+    scenery.pose(first);
+}
+
+LightPoint LightPoints::emitter_point(const Scenery& scenery, std::size_t index) const {
+    const scene::Snapshot& now = scenery.posed();
+    const EmitterPoint& e = emitters_[index];
+    const scene::Object& object = animation_.objects[e.object];
+    const scene::Triangle t = scene::triangle_of(now, e.object, e.primitive);
+    const float area = 0.5f * glm::length(glm::cross(t.b - t.a, t.c - t.a)) * e.share;
+    const glm::vec3 front = scenery.front_normal(e.object, e.primitive);
+    LightPoint p;
+    p.kind = LightPointKind::oriented;
+    p.normal = e.front ? front : -front;
+    const SurfacePoint surface = scenery.surface_at({e.object, e.primitive, e.u, e.v}, p.normal);
+    p.position = offset_origin(surface, p.normal);
+    p.intensity = e.radiance * (now.emission_factor[static_cast<std::size_t>(object.material)] * area);
+    p.disc2 = area * lobe::inverse_pi;
+    p.id = static_cast<std::uint32_t>(index);
+    p.object = e.object;
+    p.moving = object.mobility != scene::Mobility::still;
+    return p;
+}
+
+std::vector<LightPoint> LightPoints::at(const Scenery& scenery) const {
+    const scene::Snapshot& now = scenery.posed();
+    std::vector<LightPoint> points;
+    points.reserve(emitters_.size() + sky_.size() + now.lights.size());
+    if (punctual_) {
+        for (const scene::LightState& light : now.lights) {
+            const LightPoint p = punctual_point(light, animation_);
+            if (shines(p)) points.push_back(p);
+        }
+    }
+    for (std::size_t i = 0; i < emitters_.size(); ++i) {
+        if (!now.objects[emitters_[i].object].present) continue;
+        const LightPoint p = emitter_point(scenery, i);
+        if (shines(p)) points.push_back(p);
+    }
+    points.insert(points.end(), sky_.begin(), sky_.end());
+    return points;
+}
+
+}  // namespace render2mpeg::renderer

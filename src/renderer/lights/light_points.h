@@ -1,0 +1,58 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "image/sky_map.h"
+#include "renderer/base/light_point.h"
+#include "renderer/base/plan.h"
+#include "renderer/surface/scenery.h"
+
+namespace render2mpeg::renderer {
+
+/// Where one light point sits on an emissive surface: chosen once for a chunk, so that what is still keeps its points.
+struct EmitterPoint {
+    std::uint32_t object = 0, primitive = 0;
+    float u = 0, v = 0;     ///< barycentrics
+    bool front = true;      ///< which side of the triangle it shines from
+    float share = 0;        ///< of the triangle's area that it stands for
+    glm::vec3 radiance{0};  ///< mean over that area, at emission factor 1
+};
+
+/// Turns every light into light points (docs/model.md, "Light points"): each punctual light into one, emissive surfaces
+/// in proportion to their power, the sky by importance. Ids are stable over a chunk.
+class LightPoints {
+  public:
+    /// `count` is the number of points for emissive surfaces and sky together, about; surfaces and sky share it half
+    /// and half where both are there.
+    LightPoints(const Scenery& scenery, const Plan& plan, int count, std::uint64_t seed);
+
+    /// Chooses the places on emissive surfaces. A function of the animation and this snapshot, which gets posed.
+    void place(Scenery& scenery, const scene::Snapshot& first);
+
+    /// Every light point that will ever shine, at its usual strength (usual_light.h) and as things lay when places were
+    /// chosen.
+    const std::vector<LightPoint>& usual() const { return usual_; }
+
+    /// All light points of the posed instant; lights that are off or black are left out. Positions lie off their
+    /// surface by its rounding error, so that a ray that ends there does not meet it.
+    std::vector<LightPoint> at(const Scenery& scenery) const;
+
+  private:
+    LightPoint emitter_point(const Scenery& scenery, std::size_t index) const;
+
+    const scene::Animation& animation_;
+    bool punctual_, emissive_;
+    int emissive_count_ = 0;
+    std::uint64_t seed_;
+    std::vector<EmitterPoint> emitters_;
+    std::vector<LightPoint> sky_;  ///< never changes
+    std::vector<LightPoint> usual_;
+};
+
+/// First ids of the three kinds of direct light points.
+inline constexpr std::uint32_t first_sky_id = 1u << 26;
+inline constexpr std::uint32_t first_punctual_id = 1u << 27;
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "renderer/base/light_point.h"
+
+namespace render2mpeg::renderer {
+
+/// A box about everything that light may meet.
+struct WorldBox {
+    glm::vec3 low{0}, high{0};
+};
+
+/// A photon that leaves a light.
+struct Photon {
+    glm::vec3 origin{0};
+    glm::vec3 direction{0, 0, 1};  ///< unit
+    glm::vec3 flux{0};  ///< power over the density of its choice: the mean over photons is the lights' power
+};
+
+/// Chooses photons mostly in proportion to the power of light points, some of them alike for all, so that a dim lamp in
+/// the room that is seen has its photons beside the sun outside: cosine about oriented ones, the whole sphere or cone
+/// about punctual ones, and the rectangle that the scene's box throws as shadow for directional ones.
+class PhotonSource {
+  public:
+    PhotonSource(std::span<const LightPoint> lights, const WorldBox& box);
+
+    bool empty() const { return !(total_ > 0.0); }
+
+    /// From five numbers in [0, 1): which light, where on its beam (directional), which direction.
+    Photon emit(float choice, glm::vec2 place, glm::vec2 direction) const;
+
+  private:
+    double power_of(const LightPoint& light) const;
+
+    std::span<const LightPoint> lights_;
+    WorldBox box_;
+    std::vector<double> power_;    ///< of each light, luminance
+    std::vector<double> running_;  ///< probability of all lights up to each
+    double total_ = 0;             ///< power
+};
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,181 @@
+#include "renderer/lights/photons.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "core/sampling.h"
+#include "parallel/loops.h"
+#include "renderer/base/lobe.h"
+#include "renderer/lights/photon_source.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Of all events of a path (scattering, mirrors, layers passed), each takes three numbers after the first five, and the
+/// Halton sequence has 64.
+constexpr int first_event_dimension = 5;
+constexpr int most_events = (core::halton_dimensions - first_event_dimension) / 3;
+
+/// A path goes on with at most this probability, so that it ends whatever the albedo. chosen: 0.95; the rest is made
+/// good by weight.
+constexpr float most_survival = 0.95f;
+
+/// Paths traced to learn how many VPLs a path leaves, as a share of the VPLs wanted, and the most paths per VPL wanted
+/// at all.
+constexpr std::uint64_t pilot_share = 8;
+constexpr std::uint64_t most_paths_per_vpl = 64;
+
+/// The world as its objects lie now: the film's box at its start, and whatever moves.
+WorldBox world_box(const scene::Snapshot& s) {
+    const scene::Animation& film = *s.animation;
+    WorldBox box{film.bounds_min, film.bounds_max};
+    const auto hold = [&](glm::vec3 p) {
+        if (!core::is_finite(p)) return;
+        box.low = glm::min(box.low, p);
+        box.high = glm::max(box.high, p);
+    };
+    for (std::size_t i = 0; i < film.objects.size(); ++i) {
+        const scene::ObjectState& state = s.objects[i];
+        if (film.objects[i].mobility == scene::Mobility::still || !state.present) continue;
+        if (state.deformed >= 0) {
+            for (const glm::vec3& p : s.deformed[static_cast<std::size_t>(state.deformed)].positions) hold(p);
+            continue;
+        }
+        for (const glm::vec3& p : film.meshes[static_cast<std::size_t>(film.objects[i].mesh)].positions)
+            hold(glm::vec3(state.to_world * glm::vec4(p, 1)));
+    }
+    return box;
+}
+
+LightPoint vpl_at(const SurfacePoint& p, glm::vec3 flux, const scene::Animation& film, std::uint32_t id) {
+    LightPoint vpl;
+    vpl.kind = LightPointKind::oriented;
+    vpl.normal = p.geometric_normal;
+    vpl.position = offset_origin(p, p.geometric_normal);
+    // What the lobe reflects leaves as if it were dull: right in power, too wide in direction.
+    vpl.intensity = flux * (p.bsdf.diffuse + glossy_albedo(p.bsdf)) * lobe::inverse_pi;
+    vpl.id = id;
+    vpl.object = p.address.object;
+    vpl.moving = film.objects[p.address.object].mobility != scene::Mobility::still;
+    return vpl;
+}
+
+/// Where a photon goes on from a surface; no flux: nowhere.
+struct Onward {
+    glm::vec3 direction{0};
+    glm::vec3 flux{0};
+    bool straight = false;  ///< through the surface
+};
+
+Onward scatter(const SurfacePoint& p, glm::vec3 flux, float choice, glm::vec2 u) {
+    const Bsdf& b = p.bsdf;
+    const glm::vec3 glossy = glossy_albedo(b);
+    // By the flux that each would carry on, colours alike: light that a surface swallows ends there, whatever it would
+    // do to other light. [Szecsi2003]
+    const float before = flux.x + flux.y + flux.z;
+    const auto kept = [&](glm::vec3 albedo) { return core::divide_or(glm::dot(flux, albedo), before, 0.0f); };
+    float chance[4] = {kept(b.diffuse), kept(glossy), kept(b.mirror), kept(b.transmission)};
+    const float sum = chance[0] + chance[1] + chance[2] + chance[3];
+    if (sum > most_survival)
+        for (float& c : chance) c *= most_survival / sum;
+    if (choice < chance[0])
+        return {core::sample_cosine_hemisphere(p.shading_normal, u), flux * b.diffuse / chance[0], false};
+    choice -= chance[0];
+    if (choice < chance[1]) {
+        const LobeSample sample = sample_glossy(b, p.shading_normal, p.outgoing, u);
+        return {sample.direction, flux * sample.weight / chance[1], false};
+    }
+    choice -= chance[1];
+    if (choice < chance[2]) {
+        const float nv = glm::dot(p.shading_normal, p.outgoing);
+        return {core::normalize_or(2.0f * nv * p.shading_normal - p.outgoing, p.shading_normal),
+                flux * b.mirror / chance[2], false};
+    }
+    choice -= chance[2];
+    if (choice < chance[3]) return {-p.outgoing, flux * b.transmission / chance[3], true};
+    return {};
+}
+
+/// One path; appends its VPLs, not yet divided by the number of paths, and returns the rays it took.
+int follow(const Scenery& scenery, const PhotonSource& source, std::uint64_t path, int bounces, PhotonResult& out) {
+    const auto number = [&](int dimension) { return core::halton(dimension, path); };
+    Photon photon = source.emit(number(0), {number(1), number(2)}, {number(3), number(4)});
+    int rays = 0;
+    int left = bounces;
+    for (int event = 0; event < most_events && left > 0; ++event) {
+        if (!(core::luminance(photon.flux) > 0.0f)) break;
+        ++rays;
+        const Hit hit =
+            scenery.tracer().nearest(photon.origin, photon.direction, std::numeric_limits<float>::infinity());
+        if (!hit.found()) break;
+        const SurfacePoint p = scenery.surface_at(hit.address, -photon.direction);
+        const int dimension = first_event_dimension + 3 * event;
+        float choice = number(dimension);
+        // Pass a translucent layer with the share that it does not cover.
+        if (choice < 1.0f - p.alpha) {
+            photon.origin = offset_origin(p, photon.direction);
+            continue;
+        }
+        if (p.unlit) break;
+        choice = core::divide_or(choice - (1.0f - p.alpha), p.alpha, 0.0f);
+        if (p.bsdf.has_diffuse() || p.bsdf.has_glossy()) {
+            out.vpls.push_back(
+                vpl_at(p, photon.flux, scenery.animation(), static_cast<std::uint32_t>(path * 32 + event)));
+            out.addresses.push_back(p.address);
+            --left;
+        }
+        const Onward onward = scatter(p, photon.flux, choice, {number(dimension + 1), number(dimension + 2)});
+        // A bounce below the horizon of the true surface would leak through it.
+        if (!onward.straight && !(glm::dot(onward.direction, p.geometric_normal) > 0.0f)) break;
+        photon = {offset_origin(p, onward.direction), onward.direction, onward.flux};
+    }
+    return rays;
+}
+
+PhotonResult follow_all(const Scenery& scenery, const PhotonSource& source, const PhotonSettings& settings) {
+    constexpr std::size_t grain = 64;
+    PhotonResult result;
+    const std::size_t parts = (settings.paths + grain - 1) / grain;
+    std::vector<PhotonResult> part(parts);
+    parallel::for_ranges(settings.paths, grain, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            part[first / grain].rays += static_cast<std::uint64_t>(
+                follow(scenery, source, settings.first_path + i, settings.bounces, part[first / grain]));
+    });
+    for (const PhotonResult& p : part) {
+        result.vpls.insert(result.vpls.end(), p.vpls.begin(), p.vpls.end());
+        result.addresses.insert(result.addresses.end(), p.addresses.begin(), p.addresses.end());
+        result.rays += p.rays;
+    }
+    return result;
+}
+
+}  // namespace
+
+PhotonResult trace_photons(const Scenery& scenery, std::span<const LightPoint> lights, const PhotonSettings& settings) {
+    const PhotonSource source(lights, world_box(scenery.posed()));
+    if (source.empty() || settings.paths == 0) return {};
+    PhotonResult result = follow_all(scenery, source, settings);
+    const float share = static_cast<float>(1.0 / static_cast<double>(settings.paths));
+    for (LightPoint& vpl : result.vpls) vpl.intensity *= share;
+    return result;
+}
+
+std::uint64_t paths_for(const Scenery& scenery, std::span<const LightPoint> lights, int vpls, int bounces) {
+    const PhotonSource source(lights, world_box(scenery.posed()));
+    if (source.empty() || vpls <= 0) return 0;
+    // Double the pilot until it has left enough to judge by.
+    const auto wanted = static_cast<std::uint64_t>(vpls);
+    const std::uint64_t enough = std::max<std::uint64_t>(wanted / pilot_share, 32);
+    for (std::uint64_t paths = std::max<std::uint64_t>(wanted / pilot_share, 64);; paths *= 2) {
+        const std::uint64_t left = follow_all(scenery, source, {1, paths, bounces}).vpls.size();
+        if (left < enough && paths < wanted * most_paths_per_vpl) continue;
+        if (left == 0) return 0;
+        return std::clamp<std::uint64_t>(paths * wanted / left, 1, wanted * most_paths_per_vpl);
+    }
+}
+
+}  // namespace render2mpeg::renderer

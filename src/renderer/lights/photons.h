@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "renderer/base/light_point.h"
+#include "renderer/surface/scenery.h"
+
+namespace render2mpeg::renderer {
+
+struct PhotonSettings {
+    std::uint64_t first_path = 1;  ///< index into the Halton sequence; the same in every frame
+    std::uint64_t paths = 0;
+    int bounces = 8;  ///< places where one path may leave a VPL
+};
+
+struct PhotonResult {
+    std::vector<LightPoint> vpls;                 ///< in the order of paths and bounces
+    std::vector<core::SurfaceAddress> addresses;  ///< where each lies
+    std::uint64_t rays = 0;
+};
+
+/// Follows `paths` photons from the lights through the posed scene and leaves a virtual point light wherever one meets
+/// a surface that scatters it: intensity rho / pi dPhi on the side that was hit [Render2MPEG, eq. 6.3]. Photon i takes
+/// the same numbers whatever the scene. Does not depend on the number of threads.
+PhotonResult trace_photons(const Scenery& scenery, std::span<const LightPoint> lights, const PhotonSettings& settings);
+
+/// How many paths leave about `vpls` VPLs in the posed scene; 0 where no light reaches any surface.
+std::uint64_t paths_for(const Scenery& scenery, std::span<const LightPoint> lights, int vpls, int bounces);
+
+}  // namespace render2mpeg::renderer

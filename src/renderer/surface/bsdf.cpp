@@ -1,0 +1,83 @@
+#include "renderer/surface/bsdf.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "core/sampling.h"
+#include "renderer/base/lobe.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Cosine bound between a unit axis and the vectors of a box about `middle`.
+float box_cosine(glm::vec3 axis, glm::vec3 middle, glm::vec3 half) {
+    glm::vec3 t, b;
+    core::make_frame(axis, t, b);
+    return lobe::cosine_bound(glm::dot(axis, middle), glm::dot(glm::abs(axis), half), glm::dot(t, middle),
+                              glm::dot(glm::abs(t), half), glm::dot(b, middle), glm::dot(glm::abs(b), half));
+}
+
+}  // namespace
+
+glm::vec3 evaluate(const Bsdf& bsdf, glm::vec3 normal, glm::vec3 outgoing, glm::vec3 to_light) {
+    const float nl = glm::dot(normal, to_light);
+    const float nv = glm::dot(normal, outgoing);
+    if (!(nl > 0.0f) || !(nv > 0.0f)) return glm::vec3(0);
+    glm::vec3 f = bsdf.diffuse * lobe::inverse_pi;
+    if (bsdf.has_glossy()) {
+        const glm::vec3 h = core::normalize_or(to_light + outgoing, normal);
+        const float nh = glm::dot(normal, h);
+        const float a2 = bsdf.alpha * bsdf.alpha;
+        const float s = lobe::schlick(glm::dot(outgoing, h));
+        f += lobe::distribution(std::min(nh * nh, 1.0f), a2) * lobe::masking(nl, nv, a2) * (bsdf.f0 * (1.0f - s) + s);
+    }
+    return f;
+}
+
+float upper_bound(const Bsdf& bsdf, glm::vec3 position, glm::vec3 normal, glm::vec3 outgoing, glm::vec3 low,
+                  glm::vec3 high) {
+    const glm::vec3 middle = 0.5f * (low + high) - position;
+    const glm::vec3 half = 0.5f * (high - low);
+    const float nl = std::max(box_cosine(normal, middle, half), 0.0f);
+    float bound = core::luminance(bsdf.diffuse) * lobe::inverse_pi * nl;
+    if (bsdf.has_glossy()) {
+        const float nv = glm::dot(normal, outgoing);
+        if (!(nv > 0.0f)) return 0.0f;
+        const glm::vec3 mirrored = core::normalize_or(2.0f * nv * normal - outgoing, normal);
+        const lobe::BoxCosines box{nl, box_cosine(mirrored, middle, half), box_cosine(-outgoing, middle, half)};
+        const float a2 = bsdf.alpha * bsdf.alpha;
+        const lobe::GlossyBound glossy = lobe::glossy_bound(box, nv, a2, a2);
+        bound += glossy.cosine * core::luminance(bsdf.f0 * (1.0f - glossy.schlick) + glossy.schlick);
+    }
+    return bound;
+}
+
+glm::vec3 glossy_albedo(const Bsdf& bsdf) {
+    if (!bsdf.has_glossy()) return glm::vec3(0);
+    return bsdf.f0 + (1.0f - bsdf.f0) / 21.0f;
+}
+
+LobeSample sample_glossy(const Bsdf& bsdf, glm::vec3 normal, glm::vec3 outgoing, glm::vec2 u) {
+    // Choose the half vector in proportion to D n.h.
+    const float a2 = bsdf.alpha * bsdf.alpha;
+    const float cos2 = core::divide_or(1.0f - u.x, 1.0f + (a2 - 1.0f) * u.x, 1.0f);
+    const float cosine = core::sqrt_or_zero(cos2), sine = core::sqrt_or_zero(1.0f - cos2);
+    const float phi = 2.0f * std::numbers::pi_v<float> * u.y;
+    glm::vec3 t, b;
+    core::make_frame(normal, t, b);
+    const glm::vec3 h = sine * std::cos(phi) * t + sine * std::sin(phi) * b + cosine * normal;
+    // Mirror about it: f cos / pdf = F V 4 nl (v.h) / n.h, the distribution cancels.
+    const float vh = glm::dot(outgoing, h);
+    LobeSample sample;
+    sample.direction = core::normalize_or(2.0f * vh * h - outgoing, normal);
+    const float nl = glm::dot(normal, sample.direction), nv = glm::dot(normal, outgoing);
+    if (!(nl > 0.0f) || !(nv > 0.0f) || !(vh > 0.0f)) return sample;
+    const float s = lobe::schlick(vh);
+    const float scale = core::divide_or(lobe::masking(nl, nv, a2) * 4.0f * nl * vh, cosine, 0.0f);
+    sample.weight = scale * (bsdf.f0 * (1.0f - s) + s);
+    return sample;
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,125 @@
+#include "renderer/surface/material_textures.h"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+#include "image/image.h"
+#include "parallel/loops.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+constexpr std::size_t role_count = static_cast<std::size_t>(TextureRole::count);
+
+/// Everything that makes one texture of an image different from another.
+struct TextureKey {
+    int image;
+    image::Encoding encoding;
+    core::Wrap wrap_u, wrap_v;
+    bool nearest;
+    image::AlphaMeaning alpha;
+
+    auto order() const { return std::tuple(image, encoding, wrap_u, wrap_v, nearest, alpha); }
+    bool operator<(const TextureKey& other) const { return order() < other.order(); }
+};
+
+bool is_color(TextureRole role) {
+    return role == TextureRole::base_color || role == TextureRole::emission || role == TextureRole::specular_glossiness;
+}
+
+TextureKey key_of(const scene::Material& material, TextureRole role) {
+    const scene::TextureUse& use = use_of(material, role);
+    const bool covers = role == TextureRole::base_color && material.alpha_mode != scene::AlphaMode::opaque;
+    return {use.image,   is_color(role) ? image::Encoding::srgb : image::Encoding::linear,   use.wrap_u, use.wrap_v,
+            use.nearest, covers ? image::AlphaMeaning::coverage : image::AlphaMeaning::value};
+}
+
+/// Whether anything looks at the image that a material has in this role.
+bool is_looked_at(const scene::Material& material, TextureRole role, const Plan& plan) {
+    const bool layered = material.alpha_mode != scene::AlphaMode::opaque;
+    switch (role) {
+        case TextureRole::alpha:
+            return layered && plan.runs(Pass::alpha);
+        case TextureRole::metallic_roughness:
+            return !material.unlit && !material.specular_glossiness;
+        case TextureRole::specular_glossiness:
+            return !material.unlit && material.specular_glossiness;
+        case TextureRole::normal:
+            return !material.unlit && plan.runs(Pass::normal_maps);
+        case TextureRole::emission:
+            return !material.unlit && material.emits();
+        case TextureRole::transmission:
+            return !material.unlit && material.transmission > 0 && plan.runs(Pass::glass);
+        default:
+            return true;
+    }
+}
+
+}  // namespace
+
+const scene::TextureUse& use_of(const scene::Material& material, TextureRole role) {
+    switch (role) {
+        case TextureRole::alpha:
+            return material.alpha_texture;
+        case TextureRole::metallic_roughness:
+            return material.metallic_roughness_texture;
+        case TextureRole::specular_glossiness:
+            return material.specular_glossiness_texture;
+        case TextureRole::normal:
+            return material.normal_texture;
+        case TextureRole::emission:
+            return material.emission_texture;
+        case TextureRole::transmission:
+            return material.transmission_texture;
+        default:
+            return material.base_color_texture;
+    }
+}
+
+MaterialTextures::MaterialTextures(const scene::Animation& animation, const Plan& plan)
+    : index_(animation.materials.size()) {
+    for (auto& roles : index_) roles.fill(-1);
+    if (!plan.runs(Pass::textures) && !plan.runs(Pass::normal_maps)) return;
+
+    // Collect what is needed, sorted by image.
+    std::vector<char> worn(animation.materials.size(), 0);
+    for (const scene::Object& object : animation.objects) worn[static_cast<std::size_t>(object.material)] = 1;
+    std::map<TextureKey, int> wanted;
+    const auto for_each_use = [&](const auto& body) {
+        for (std::size_t m = 0; m < worn.size(); ++m) {
+            if (!worn[m]) continue;
+            for (std::size_t r = 0; r < role_count; ++r) {
+                const scene::Material& material = animation.materials[m];
+                const auto role = static_cast<TextureRole>(r);
+                if (use_of(material, role).present() && is_looked_at(material, role, plan))
+                    body(key_of(material, role), index_[m][r]);
+            }
+        }
+    };
+    for_each_use([&](const TextureKey& key, int&) { wanted.emplace(key, 0); });
+    std::vector<TextureKey> keys;
+    for (auto& [key, position] : wanted) {
+        position = static_cast<int>(keys.size());
+        keys.push_back(key);
+    }
+    for_each_use([&](const TextureKey& key, int& index) { index = wanted.at(key); });
+
+    // Read each image once and make all its textures, so that few decoded images are in memory at a time.
+    std::vector<std::size_t> first_of_image;
+    for (std::size_t i = 0; i < keys.size(); ++i)
+        if (i == 0 || keys[i].image != keys[i - 1].image) first_of_image.push_back(i);
+    textures_.resize(keys.size());
+    parallel::for_each(first_of_image.size(), [&](std::size_t i) {
+        const std::size_t first = first_of_image[i];
+        const scene::ImageSource& source = animation.images[static_cast<std::size_t>(keys[first].image)];
+        const image::Image decoded = image::read_image(source.path, source.bytes, source.name);
+        for (std::size_t k = first; k < keys.size() && keys[k].image == keys[first].image; ++k) {
+            const image::Encoding encoding = decoded.high_range ? image::Encoding::linear : keys[k].encoding;
+            textures_[k] =
+                image::Texture(decoded, encoding, keys[k].wrap_u, keys[k].wrap_v, keys[k].nearest, keys[k].alpha);
+        }
+    });
+}
+
+}  // namespace render2mpeg::renderer

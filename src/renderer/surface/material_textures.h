@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "image/texture.h"
+#include "renderer/base/plan.h"
+#include "scene/model/animation.h"
+
+namespace render2mpeg::renderer {
+
+/// The roles that an image can have in a material.
+enum class TextureRole {
+    base_color,
+    alpha,
+    metallic_roughness,
+    specular_glossiness,
+    normal,
+    emission,
+    transmission,
+    count
+};
+
+/// How a material uses an image in this role.
+const scene::TextureUse& use_of(const scene::Material& material, TextureRole role);
+
+/// The decoded images of all materials that some object has. An image that is used in several ways is read once, and
+/// becomes one texture for each encoding and wrapping.
+class MaterialTextures {
+  public:
+    /// Reads in parallel. Throws core::Error for images that cannot be read.
+    MaterialTextures(const scene::Animation& animation, const Plan& plan);
+
+    /// Nothing where the material has no image in this role, or nobody looks at it.
+    const image::Texture* of(std::uint32_t material, TextureRole role) const {
+        const int index = index_[material][static_cast<std::size_t>(role)];
+        return index < 0 ? nullptr : &textures_[static_cast<std::size_t>(index)];
+    }
+
+    std::size_t size() const { return textures_.size(); }
+
+  private:
+    std::vector<image::Texture> textures_;
+    std::vector<std::array<int, static_cast<std::size_t>(TextureRole::count)>> index_;  ///< by material; -1: none
+};
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,156 @@
+#include "renderer/surface/scenery.h"
+
+#include <optional>
+#include <vector>
+
+#include "core/error.h"
+#include "image/image.h"
+#include "renderer/base/sampled_clock.h"
+#include "renderer/surface/surface_material.h"
+#include "renderer/geometry/surface_shape.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+std::optional<image::SkyMap> sky_of(const scene::Animation& animation, const Plan& plan) {
+    if (!plan.runs(Pass::sky_background) && !plan.runs(Pass::sky_light)) return std::nullopt;
+    const scene::Sky& sky = animation.sky;
+    if (sky.image < 0) return image::SkyMap(sky.color);
+    const scene::ImageSource& source = animation.images[static_cast<std::size_t>(sky.image)];
+    return image::SkyMap(image::read_image(source.path, source.bytes, source.name), sky.color, sky.rotation);
+}
+
+std::vector<bool> translucent_materials(const SurfaceMaterials& materials, std::size_t count) {
+    std::vector<bool> translucent(count);
+    for (std::size_t m = 0; m < count; ++m) translucent[m] = materials.is_translucent(static_cast<std::uint32_t>(m));
+    return translucent;
+}
+
+}  // namespace
+
+struct Scenery::Impl {
+    Impl(const scene::Animation& film, core::Isa isa, const Plan& plan)
+        : animation(film),
+          materials(film, plan),
+          sky(sky_of(film, plan)),
+          tracer(film, isa, translucent_materials(materials, film.materials.size()),
+                 [this](const core::SurfaceAddress& address) {
+                     return layer_clock.time([&] { return transmittance(address); });
+                 }) {}
+
+    std::uint32_t material_of(std::uint32_t object) const {
+        return static_cast<std::uint32_t>(animation.objects[object].material);
+    }
+
+    SurfaceShape shape(const core::SurfaceAddress& address, const SurfaceFootprint& footprint) const {
+        EXPECTS_DEBUG(snapshot != nullptr && address.object < animation.objects.size());
+        return shape_at(*snapshot, address, footprint, tracer.is_instanced(address.object));
+    }
+
+    /// Textures and vertex colours need the mesh and the weights, but not where the triangle is.
+    glm::vec3 transmittance(const core::SurfaceAddress& address) const {
+        SurfaceShape shape;
+        shape.mesh = &animation.meshes[static_cast<std::size_t>(animation.objects[address.object].mesh)];
+        shape.corners = shape.mesh->triangles[address.primitive];
+        shape.weights = {1.0f - address.u - address.v, address.u, address.v};
+        return materials.transmittance_at(material_of(address.object), shape);
+    }
+
+    const scene::Animation& animation;
+    SurfaceMaterials materials;
+    std::optional<image::SkyMap> sky;
+    SampledClock layer_clock;
+    RayTracer tracer;
+    const scene::Snapshot* snapshot = nullptr;
+};
+
+Scenery::Scenery(const scene::Animation& animation, core::Isa isa, const Plan& plan)
+    : impl_(std::make_unique<Impl>(animation, isa, plan)) {}
+Scenery::~Scenery() = default;
+Scenery::Scenery(Scenery&&) noexcept = default;
+
+void Scenery::pose(const scene::Snapshot& snapshot) {
+    EXPECTS(snapshot.animation == &impl_->animation);
+    impl_->snapshot = &snapshot;
+    impl_->tracer.pose(snapshot);
+}
+
+const scene::Snapshot& Scenery::posed() const {
+    EXPECTS(impl_->snapshot != nullptr);
+    return *impl_->snapshot;
+}
+
+const RayTracer& Scenery::tracer() const {
+    return impl_->tracer;
+}
+const scene::Animation& Scenery::animation() const {
+    return impl_->animation;
+}
+double Scenery::layer_seconds() const {
+    return impl_->layer_clock.seconds();
+}
+const image::SkyMap* Scenery::sky() const {
+    return impl_->sky ? &*impl_->sky : nullptr;
+}
+
+SurfacePoint Scenery::surface_at(const core::SurfaceAddress& address, glm::vec3 outgoing,
+                                 const SurfaceFootprint& footprint) const {
+    const SurfaceShape shape = impl_->shape(address, footprint);
+    SurfacePoint point;
+    point.address = address;
+    point.material = impl_->material_of(address.object);
+    point.position = shape.position;
+    point.position_error = shape.position_error;
+    point.outgoing = outgoing;
+    point.back_side = glm::dot(shape.front_normal, outgoing) < 0.0f;
+    point.geometric_normal = point.back_side ? -shape.front_normal : shape.front_normal;
+    impl_->materials.fill(point, shape, *impl_->snapshot);
+    return point;
+}
+
+glm::vec3 Scenery::front_normal(std::uint32_t object, std::uint32_t primitive) const {
+    return impl_->shape({object, primitive, 0.0f, 0.0f}, {}).front_normal;
+}
+
+glm::vec3 Scenery::mean_emission(std::uint32_t object, std::uint32_t primitive) const {
+    const std::uint32_t material = impl_->material_of(object);
+    const scene::Material& m = impl_->animation.materials[material];
+    if (m.unlit || !m.emits() || !impl_->snapshot->objects[object].present) return glm::vec3{0.0f};
+    const float factor = impl_->snapshot->emission_factor[material];
+    SurfaceShape shape = impl_->shape({object, primitive, 0.0f, 0.0f}, {});
+    if (!m.emission_texture.present()) return factor * impl_->materials.emission_at(material, shape);
+
+    // Average over 4 x 4 similar triangles, each filtered over a parallelogram of its area.
+    constexpr int split = 4;
+    const float side = std::sqrt(0.5f) / split;
+    shape.barycentric_dx = {side, 0.0f};
+    shape.barycentric_dy = {0.0f, side};
+    glm::vec3 sum{0.0f};
+    for (int i = 0; i < split; ++i) {
+        for (int j = 0; j < 2 * (split - i) - 1; ++j) {
+            const float third = j % 2 == 0 ? 1.0f / 3.0f : 2.0f / 3.0f;
+            const float u = (static_cast<float>(j / 2) + third) / split, v = (static_cast<float>(i) + third) / split;
+            shape.weights = {1.0f - u - v, u, v};
+            sum += impl_->materials.emission_at(material, shape);
+        }
+    }
+    return factor * sum / static_cast<float>(split * split);
+}
+
+SurfaceFootprint Scenery::normal_change(const core::SurfaceAddress& address, const SurfaceFootprint& footprint) const {
+    const SurfaceShape shape = impl_->shape(address, footprint);
+    const auto change = [&](glm::vec2 d) {
+        // Beyond the triangle's neighbours its own curvature says nothing.
+        const glm::vec2 step = glm::clamp(d, glm::vec2{-1.0f}, glm::vec2{1.0f});
+        return smooth_normal_at(*impl_->snapshot, address.object, shape, address.u + step.x, address.v + step.y) -
+               shape.smooth_normal;
+    };
+    return {change(shape.barycentric_dx), change(shape.barycentric_dy)};
+}
+
+glm::vec3 offset_origin(const SurfacePoint& point, glm::vec3 direction) {
+    const bool behind = glm::dot(direction, point.geometric_normal) < 0.0f;
+    return point.position + (behind ? -point.position_error : point.position_error) * point.geometric_normal;
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <glm/glm.hpp>
+#include <memory>
+
+#include "core/isa.h"
+#include "core/surface_address.h"
+#include "image/sky_map.h"
+#include "renderer/base/plan.h"
+#include "renderer/geometry/ray_tracer.h"
+#include "renderer/surface/surface_point.h"
+#include "scene/pose/snapshot.h"
+
+namespace render2mpeg::renderer {
+
+/// The scene as rays meet it: geometry in a ray tracer, posed at one instant, and textured materials. Everything that
+/// is looked up is a function of the animation and the posed snapshot alone, whatever was posed before.
+class Scenery {
+  public:
+    /// Decodes the textures that surfaces use (in parallel) and builds what never moves. `animation` is complete
+    /// (scene::complete) and outlives this. Throws core::Error for images that cannot be read.
+    Scenery(const scene::Animation& animation, core::Isa isa, const Plan& plan);
+    ~Scenery();
+    Scenery(Scenery&&) noexcept;
+
+    /// Moves everything to where it is in the snapshot; cheap for what has not moved since the last call, nothing at
+    /// all for the snapshot that is posed already. The snapshot must outlive all look-ups until the next call.
+    void pose(const scene::Snapshot& snapshot);
+    const scene::Snapshot& posed() const;
+
+    const RayTracer& tracer() const;
+    const scene::Animation& animation() const;
+
+    /// The surface at an address (a Hit's, or a photon's) at the posed instant: geometry, normals and material with its
+    /// textures filtered over `footprint`. `outgoing` is unit, to where the surface is seen from (for photons: to where
+    /// they came from); it decides which side is looked at, since back faces are shaded like front faces. Reads no
+    /// other state: any thread.
+    ///
+    /// Emission leaves the front (the side from which the winding runs counter-clockwise, mirrored transforms
+    /// included), and the back as well where the material is double-sided: emissive light points must keep the same
+    /// rule (`front_normal`).
+    SurfacePoint surface_at(const core::SurfaceAddress& address, glm::vec3 outgoing,
+                            const SurfaceFootprint& footprint = {}) const;
+
+    /// Unit normal of the triangle's front at the posed instant; (0, 0, 1) for a triangle that has shrunk to nothing.
+    glm::vec3 front_normal(std::uint32_t object, std::uint32_t primitive) const;
+
+    /// Mean radiance that the front of a triangle emits at the posed instant, texture and animated factor included; 0
+    /// for unlit materials, which light nothing.
+    glm::vec3 mean_emission(std::uint32_t object, std::uint32_t primitive) const;
+
+    /// How the unit normal that smooth shading interpolates changes over a footprint: `dx`, `dy` are differences of
+    /// normals, 0 on flat triangles. On the side of the triangle's front.
+    SurfaceFootprint normal_change(const core::SurfaceAddress& address, const SurfaceFootprint& footprint) const;
+
+    /// What is seen where there is no surface, and its light; null where the plan wants neither.
+    const image::SkyMap* sky() const;
+
+    /// CPU seconds that shadow rays' layers took to look at, about (sampled_clock.h): 0 where nothing is translucent.
+    double layer_seconds() const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Where a ray leaves `point` towards `direction` (see the other offset_origin): the one to use for shadow and bounce
+/// rays.
+glm::vec3 offset_origin(const SurfacePoint& point, glm::vec3 direction);
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,202 @@
+#include "renderer/surface/surface_material.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/numeric.h"
+#include "scene/preparation/traits.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+float largest(glm::vec3 v) {
+    return std::max({v.x, v.y, v.z});
+}
+glm::vec3 unit_range(glm::vec3 v) {
+    return glm::clamp(v, glm::vec3{0.0f}, glm::vec3{1.0f});
+}
+
+/// Reflectance at normal incidence of an interface [glTF2, appendix B]; 0 for index 1, which is no interface.
+float f0_of(float ior) {
+    const float r = (ior - 1.0f) / (ior + 1.0f);
+    return r * r;
+}
+
+/// Schlick's Fresnel term [Schlick1994, eq. 15], per channel; without reflectance at normal incidence there is none at
+/// all.
+glm::vec3 fresnel(glm::vec3 f0, float cosine) {
+    const float m = std::clamp(1.0f - cosine, 0.0f, 1.0f);
+    const float m5 = m * m * m * m * m;
+    glm::vec3 f;
+    for (int c = 0; c < 3; ++c) f[c] = f0[c] > 0.0f ? f0[c] + (1.0f - f0[c]) * m5 : 0.0f;
+    return f;
+}
+
+/// The same averaged over the hemisphere with the cosine: the integral of 2 c (1 - c)^5 over c is 1 / 21.
+float mean_fresnel(float f0) {
+    return f0 > 0.0f ? f0 + (1.0f - f0) / 21.0f : 0.0f;
+}
+
+/// What a coat with reflectance f0 leaves for the part below, seen from this angle: together they never exceed 1. Light
+/// that enters at another angle loses a little more or less, which is neglected, so that what lies below stays a
+/// Lambert surface.
+float below_coat(glm::vec3 f0, float cosine) {
+    return 1.0f - fresnel(glm::vec3{largest(f0)}, cosine).x;
+}
+
+/// A shading normal that `outgoing` and the geometric normal both see: below the horizon it would be black.
+glm::vec3 turned_to_viewer(glm::vec3 normal, glm::vec3 geometric, glm::vec3 outgoing) {
+    // chosen: about half a degree above the horizon; tried 0.001..0.1, black rims at silhouettes come back below 0.005.
+    constexpr float least_cosine = 0.01f;
+    glm::vec3 n = glm::dot(normal, geometric) > 0.0f ? normal : geometric;
+    const float cosine = glm::dot(n, outgoing);
+    if (cosine >= least_cosine) return n;
+    n = core::normalize_or(n + (least_cosine - cosine) * outgoing, geometric);
+    return glm::dot(n, geometric) > 0.0f ? n : geometric;
+}
+
+}  // namespace
+
+SurfaceMaterials::SurfaceMaterials(const scene::Animation& animation, const Plan& plan)
+    : animation_(animation),
+      alpha_(plan.runs(Pass::alpha)),
+      mirrors_(plan.runs(Pass::mirrors)),
+      glass_(plan.runs(Pass::glass)),
+      glossy_(plan.runs(Pass::glossy)),
+      textures_(animation, plan) {}
+
+glm::vec4 SurfaceMaterials::look_up(std::uint32_t material, TextureRole role, const SurfaceShape& shape) const {
+    const image::Texture* texture = textures_.of(material, role);
+    if (texture == nullptr) return glm::vec4{1.0f};
+    const TextureSite site = site_of(shape, use_of(animation_.materials[material], role));
+    return texture->sample(site.uv, site.footprint);
+}
+
+glm::vec4 SurfaceMaterials::base_color_at(std::uint32_t material, const SurfaceShape& shape) const {
+    return animation_.materials[material].base_color * vertex_color(shape) *
+           look_up(material, TextureRole::base_color, shape);
+}
+
+float SurfaceMaterials::coverage(std::uint32_t material, const SurfaceShape& shape, float base_alpha) const {
+    const scene::Material& m = animation_.materials[material];
+    if (!alpha_ || m.alpha_mode == scene::AlphaMode::opaque) return 1.0f;
+    const float alpha = base_alpha * look_up(material, TextureRole::alpha, shape).r;
+    if (m.alpha_mode == scene::AlphaMode::mask) return alpha >= m.alpha_cutoff ? 1.0f : 0.0f;
+    return std::clamp(alpha, 0.0f, 1.0f);
+}
+
+float SurfaceMaterials::transmission_at(std::uint32_t material, const SurfaceShape& shape) const {
+    const float factor = animation_.materials[material].transmission;
+    if (!glass_ || !(factor > 0.0f)) return 0.0f;
+    return std::clamp(factor * look_up(material, TextureRole::transmission, shape).r, 0.0f, 1.0f);
+}
+
+bool SurfaceMaterials::is_translucent(std::uint32_t material) const {
+    const scene::Material& m = animation_.materials[material];
+    if (glass_ && m.transmission > 0.0f && !m.unlit) return true;
+    if (!alpha_ || m.alpha_mode == scene::AlphaMode::opaque) return false;
+    // Without an image only the factor and the vertices can make holes.
+    if (m.base_color_texture.present() || m.alpha_texture.present()) return true;
+    const float full = m.alpha_mode == scene::AlphaMode::mask ? m.alpha_cutoff : 1.0f;
+    if (m.base_color.a < full) return true;
+    for (const scene::Object& object : animation_.objects) {
+        const auto mesh = static_cast<std::size_t>(object.mesh);
+        if (object.material == static_cast<int>(material) && !animation_.meshes[mesh].colors.empty()) return true;
+    }
+    return false;
+}
+
+glm::vec3 SurfaceMaterials::emission_at(std::uint32_t material, const SurfaceShape& shape) const {
+    const scene::Material& m = animation_.materials[material];
+    if (m.unlit || !m.emits()) return glm::vec3{0.0f};
+    return m.emission * glm::vec3(look_up(material, TextureRole::emission, shape));
+}
+
+glm::vec3 SurfaceMaterials::transmittance_at(std::uint32_t material, const SurfaceShape& shape) const {
+    const scene::Material& m = animation_.materials[material];
+    const glm::vec4 base = base_color_at(material, shape);
+    const float covered = coverage(material, shape, base.a);
+    const glm::vec3 holes{1.0f - covered};
+    if (m.unlit || covered <= 0.0f) return holes;
+    const float transmission = transmission_at(material, shape);
+    if (!(transmission > 0.0f)) return holes;
+    const Bsdf bsdf = bsdf_at(material, shape, unit_range(glm::vec3(base)), 1.0f, 0.0f);
+    const float f0 = f0_of(m.ior);
+    const float mean = core::divide_or(1.0f - mean_fresnel(f0), 1.0f - f0, 1.0f);
+    return holes + covered * bsdf.transmission * mean;
+}
+
+void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot) const {
+    const std::uint32_t material = point.material;
+    const scene::Material& m = animation_.materials[material];
+    const glm::vec4 base = base_color_at(material, shape);
+    point.alpha = coverage(material, shape, base.a);
+    point.unlit = m.unlit;
+    float variance = 0.0f;
+    bend_normal(point, shape, snapshot, variance);
+    if (m.unlit) {
+        point.emission = glm::max(glm::vec3(base), glm::vec3{0.0f});
+        return;
+    }
+    if (!point.back_side || m.double_sided)
+        point.emission = snapshot.emission_factor[material] * emission_at(material, shape);
+    const float cosine = glm::dot(point.shading_normal, point.outgoing);
+    point.bsdf = bsdf_at(material, shape, unit_range(glm::vec3(base)), cosine, variance);
+}
+
+/// Applies the normal map, and turns everything to the viewer. `variance`: of the map's slopes within the footprint.
+void SurfaceMaterials::bend_normal(SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot,
+                                   float& variance) const {
+    glm::vec3 normal = shape.smooth_normal;
+    const scene::Material& m = animation_.materials[point.material];
+    glm::vec3 right, up;
+    if (const image::Texture* map = textures_.of(point.material, TextureRole::normal);
+        map != nullptr && tangents_of(snapshot, point.address.object, shape, m.normal_texture, right, up)) {
+        const TextureSite site = site_of(shape, m.normal_texture);
+        const glm::vec3 mean = 2.0f * glm::vec3(map->sample(site.uv, site.footprint)) - 1.0f;
+        const glm::vec3 bent = m.normal_scale * (mean.x * right + mean.y * up) + mean.z * normal;
+        normal = core::normalize_or(bent, normal);
+        // Averaged normals are short where they disagree: what the pixel cannot resolve becomes roughness [Toksvig2005,
+        // eq. 2]. chosen: the first 1 % is the rounding of 8-bit maps, whose normals are up to that much too short.
+        const float length = std::clamp(glm::length(mean), 0.1f, 1.0f);
+        variance = std::max(0.0f, (1.0f - length) / length - 0.01f) * m.normal_scale * m.normal_scale;
+    }
+    point.shading_normal = turned_to_viewer(point.back_side ? -normal : normal, point.geometric_normal, point.outgoing);
+}
+
+Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape, glm::vec3 base_color,
+                               float cos_outgoing, float normal_variance) const {
+    const scene::Material& m = animation_.materials[material];
+    Bsdf bsdf;
+    float roughness = 1.0f;
+    bsdf.ior = m.ior;
+    if (m.specular_glossiness) {
+        const glm::vec4 texel = look_up(material, TextureRole::specular_glossiness, shape);
+        bsdf.f0 = unit_range(m.specular * glm::vec3(texel));
+        roughness = 1.0f - std::clamp(m.glossiness * texel.a, 0.0f, 1.0f);
+        bsdf.diffuse = base_color * below_coat(bsdf.f0, cos_outgoing);
+    } else {
+        // Mix metal and dielectric; transmission takes the place of the dielectric's diffuse part
+        // [KHR_materials_transmission].
+        const glm::vec4 texel = look_up(material, TextureRole::metallic_roughness, shape);
+        const float metallic = std::clamp(m.metallic * texel.b, 0.0f, 1.0f);
+        const float transmission = transmission_at(material, shape);
+        const glm::vec3 coat{f0_of(m.ior)};
+        roughness = std::clamp(m.roughness * texel.g, 0.0f, 1.0f);
+        bsdf.f0 = glm::mix(coat, base_color, metallic);
+        bsdf.diffuse = base_color * ((1.0f - metallic) * (1.0f - transmission) * below_coat(coat, cos_outgoing));
+        bsdf.transmission = base_color * ((1.0f - metallic) * transmission) * (1.0f - fresnel(coat, cos_outgoing));
+    }
+
+    // Give the reflection to a traced ray or to the lobe.
+    if (mirrors_ && roughness < scene::mirror_roughness) {
+        bsdf.mirror = fresnel(bsdf.f0, cos_outgoing);
+        bsdf.f0 = glm::vec3{0.0f};
+    }
+    if (!glossy_) bsdf.f0 = glm::vec3{0.0f};
+    const float alpha = std::pow(std::max(roughness, scene::mirror_roughness), 2.0f);
+    bsdf.alpha = std::min(std::sqrt(alpha * alpha + 2.0f * normal_variance), 1.0f);
+    return bsdf;
+}
+
+}  // namespace render2mpeg::renderer

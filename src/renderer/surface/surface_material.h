@@ -1,0 +1,44 @@
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "renderer/surface/material_textures.h"
+#include "renderer/geometry/surface_shape.h"
+
+namespace render2mpeg::renderer {
+
+/// The materials of an animation as surfaces show them (docs/model.md, "Materials").
+class SurfaceMaterials {
+  public:
+    SurfaceMaterials(const scene::Animation& animation, const Plan& plan);
+
+    /// Fills in normals, bsdf, emission, alpha and unlit of a point whose geometry (`shape`, `outgoing`, `back_side`,
+    /// geometric normal) is known.
+    void fill(SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot) const;
+
+    /// Light of the front, textured, without the animated factor; 0 for unlit materials.
+    glm::vec3 emission_at(std::uint32_t material, const SurfaceShape& shape) const;
+
+    /// Share of light that goes straight through at a point, for shadow rays: holes, and glass by its mean Fresnel
+    /// transmittance.
+    glm::vec3 transmittance_at(std::uint32_t material, const SurfaceShape& shape) const;
+
+    /// Whether surfaces of a material may let light through somewhere.
+    bool is_translucent(std::uint32_t material) const;
+
+  private:
+    glm::vec4 look_up(std::uint32_t material, TextureRole role, const SurfaceShape& shape) const;
+    glm::vec4 base_color_at(std::uint32_t material, const SurfaceShape& shape) const;
+    float coverage(std::uint32_t material, const SurfaceShape& shape, float base_alpha) const;
+    float transmission_at(std::uint32_t material, const SurfaceShape& shape) const;
+    void bend_normal(SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot,
+                     float& variance) const;
+    Bsdf bsdf_at(std::uint32_t material, const SurfaceShape& shape, glm::vec3 base_color, float cos_outgoing,
+                 float normal_variance) const;
+
+    const scene::Animation& animation_;
+    bool alpha_, mirrors_, glass_, glossy_;  ///< whether these passes run
+    MaterialTextures textures_;
+};
+
+}  // namespace render2mpeg::renderer

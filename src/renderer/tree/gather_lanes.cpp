@@ -1,0 +1,65 @@
+#include "renderer/tree/gather_lanes.h"
+
+#include "core/color.h"
+#include "core/error.h"
+#include "core/numeric.h"
+#include "core/sampling.h"
+#include "renderer/base/lobe.h"
+#include "renderer/surface/scenery.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+void set(Vec3Lanes& lanes, int lane, glm::vec3 v) {
+    lanes.x[lane] = v.x;
+    lanes.y[lane] = v.y;
+    lanes.z[lane] = v.z;
+}
+
+void set_frame(FrameLanes& lanes, int lane, glm::vec3 axis) {
+    glm::vec3 t, b;
+    core::make_frame(axis, t, b);
+    set(lanes.axis, lane, axis);
+    set(lanes.tangent, lane, t);
+    set(lanes.bitangent, lane, b);
+}
+
+/// A grazing eye ray divides by its cosine. chosen: 1e-3, which only keeps the quotient finite: the masking term of any
+/// lobe in use is flat below it (alpha >= 0.01).
+constexpr float least_cosine = 1e-3f;
+
+void fill_lobe(GatherLanes& lanes, int lane, const SurfacePoint& p, glm::vec3 luminance_share) {
+    const bool has_lobe = p.bsdf.has_glossy();
+    const float nv = glm::dot(p.shading_normal, p.outgoing);
+    set(lanes.f0_weight, lane, has_lobe ? luminance_share * p.bsdf.f0 : glm::vec3(0));
+    set(lanes.schlick_weight, lane, has_lobe ? luminance_share : glm::vec3(0));
+    set_frame(lanes.outgoing, lane, p.outgoing);
+    set_frame(lanes.mirrored, lane, core::normalize_or(2.0f * nv * p.shading_normal - p.outgoing, p.shading_normal));
+    lanes.cos_outgoing[lane] = std::max(nv, least_cosine);
+    lanes.lobe_width[lane] = has_lobe ? p.bsdf.alpha * p.bsdf.alpha : 1.0f;
+}
+
+}  // namespace
+
+void fill(GatherLanes& lanes, std::span<const GatherPoint* const> points) {
+    EXPECTS(!points.empty() && points.size() <= lane_count);
+    lanes.count = static_cast<int>(points.size());
+    lanes.glossy = false;
+    for (const GatherPoint* point : points) lanes.glossy = lanes.glossy || point->point.bsdf.has_glossy();
+    for (int i = 0; i < lane_count; ++i) {
+        // Repeat the first point where there is none, but let it receive nothing.
+        const bool used = i < lanes.count;
+        const GatherPoint& point = *points[used ? static_cast<std::size_t>(i) : 0];
+        const SurfacePoint& p = point.point;
+        const glm::vec3 share = used ? core::luminance_weights * point.weight : glm::vec3(0);
+        set(lanes.position, i, p.position);
+        set(lanes.origin, i, offset_origin(p, p.geometric_normal));
+        set(lanes.geometric, i, used ? p.geometric_normal : glm::vec3(0));
+        set_frame(lanes.normal, i, p.shading_normal);
+        if (!used) set(lanes.normal.axis, i, glm::vec3(0));
+        set(lanes.diffuse_weight, i, share * p.bsdf.diffuse * lobe::inverse_pi);
+        if (lanes.glossy) fill_lobe(lanes, i, p, share);
+    }
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+
+#include "renderer/surface/gather_point.h"
+
+namespace render2mpeg::renderer {
+
+/// Points that are gathered together: as many as a ShadowPacket has rays.
+inline constexpr int lane_count = 16;
+
+using Lanes = float[lane_count];
+
+struct alignas(64) Vec3Lanes {
+    Lanes x, y, z;
+};
+
+/// One colour per lane.
+struct alignas(64) RgbLanes {
+    Lanes r, g, b;
+    glm::vec3 at(int lane) const { return {r[lane], g[lane], b[lane]}; }
+};
+
+/// Directions across an axis, so that a box can be bounded about it.
+struct FrameLanes {
+    Vec3Lanes axis, tangent, bitangent;
+};
+
+/// Up to sixteen gather points as arrays, so that one light or one node is evaluated for all of them at once. Lanes
+/// beyond `count` repeat the first point's place with normals and weights of 0: they receive nothing.
+struct alignas(64) GatherLanes {
+    int count = 0;
+    int set = 0;               ///< of representatives, 0..most_representative_sets - 1; `fill` leaves it alone
+    bool glossy = false;       ///< any lane has a GGX lobe; without, everything below `schlick_weight` is unset
+    Vec3Lanes position;        ///< world
+    Vec3Lanes origin;          ///< of shadow rays: moved off the surface along its geometric normal
+    Vec3Lanes geometric;       ///< geometric normal: light from behind it is none
+    FrameLanes normal;         ///< shading normal
+    Vec3Lanes diffuse_weight;  ///< luminance that one unit of irradiance gives the pixel: luminance weights x share x
+                               ///< diffuse / pi
+    Vec3Lanes f0_weight;       ///< the same for the lobe's two parts, f0 (1 - s) and s
+    Vec3Lanes schlick_weight;
+    FrameLanes outgoing, mirrored;  ///< to the eye; and that direction mirrored about the normal
+    Lanes cos_outgoing;             ///< > 0
+    Lanes lobe_width;               ///< alpha squared
+};
+
+/// Fills `lanes` from 1..16 points.
+void fill(GatherLanes& lanes, std::span<const GatherPoint* const> points);
+
+/// What a light of unit intensity sends to each lane, visible or not: `diffuse` is irradiance; `f0` and `schlick` are
+/// the radiance of the GGX lobe, to be multiplied by f0 and by 1. Filled only for glossy lanes but for `diffuse`.
+struct alignas(64) LightLanes {
+    Lanes diffuse, f0, schlick;
+    bool any_clamped = false;  ///< some lane was nearer than the clamping distance
+};
+
+}  // namespace render2mpeg::renderer

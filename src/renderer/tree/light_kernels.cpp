@@ -1,0 +1,339 @@
+// Bounds after [Walter2005, 5.1]: the receiver's cosine over the cluster's box, the emitter's cosine over box and
+// normal cone, and the box's least distance, each at its extreme. Changed: a GGX lobe instead of Phong's; colours are
+// bounded channel by channel; the clamp of near lights bounds what the box's distance cannot.
+#include "renderer/tree/light_kernels.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/color.h"
+#include "core/error.h"
+#include "renderer/base/isa_clones.h"
+#include "renderer/base/light_packing.h"
+#include "renderer/base/lobe.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Half vectors turn half as far as directions, and a disc of radius r at distance d has a variance of (r / d)^2 / 4
+/// along each axis; a GGX lobe's slopes have about alpha^2 / 2. Adding variances widens alpha^2 by (r / d)^2 / 8.
+constexpr float widening = 0.125f;
+
+/// Covers the rounding of bounds. chosen: 1e-4, some thousand roundings' worth; costs nothing measurable.
+constexpr float outward = 1.0001f;
+
+RENDER2MPEG_ALWAYS_INLINED float dot(const Vec3Lanes& a, int i, float x, float y, float z) {
+    return a.x[i] * x + a.y[i] * y + a.z[i] * z;
+}
+RENDER2MPEG_ALWAYS_INLINED float dot_abs(const Vec3Lanes& a, int i, float x, float y, float z) {
+    return inlined::abs(a.x[i]) * x + inlined::abs(a.y[i]) * y + inlined::abs(a.z[i]) * z;
+}
+
+/// The GGX lobe's radiance per unit of `irradiance` from direction (x, y, z), unit.
+RENDER2MPEG_ALWAYS_INLINED void glossy_value(const GatherLanes& lanes, int i, float x, float y, float z, float spread2,
+                                             float irradiance, LightLanes& out) {
+    const float nl = dot(lanes.normal.axis, i, x, y, z);
+    const float nv = lanes.cos_outgoing[i];
+    const float lv = dot(lanes.outgoing.axis, i, x, y, z);
+    const float a2 = inlined::min(lanes.lobe_width[i] + widening * spread2, 1.0f);
+    const float half2 = inlined::max(2.0f + 2.0f * lv, 1e-7f);
+    const float nh2 = inlined::min((nl + nv) * (nl + nv) / half2, 1.0f);
+    const float vh = inlined::sqrt(inlined::max(0.5f * (1.0f + lv), 0.0f));
+    const float s = lobe::schlick(vh);
+    const float dv = lobe::distribution(nh2, a2) * lobe::masking(inlined::max(nl, 0.0f), nv, a2) * irradiance;
+    out.f0[i] = dv * (1.0f - s);
+    out.schlick[i] = dv * s;
+}
+
+/// The clamp of G, 1 / (disc2 / scale), with one division.
+RENDER2MPEG_ALWAYS_INLINED float largest_g(float disc2, float scale) {
+    return scale / inlined::max(disc2, lobe::tiny * scale);
+}
+
+/// A light as one lane sees it.
+struct LaneLight {
+    float x, y, z, nx, ny, nz;
+    float blur2, clamp;  ///< GeometryClamp
+    float range2, spot_scale, spot_offset;
+};
+
+RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(float x, float y, float z, float nx, float ny, float nz, float disc2,
+                                                float spot_scale, float spot_offset, float scale) {
+    return {x, y, z, nx, ny, nz, disc2 / scale, largest_g(disc2, scale), disc2, spot_scale, spot_offset};
+}
+
+/// Writes lane i of `out`; returns G before the clamp.
+template <LightFamily family, bool glossy>
+RENDER2MPEG_ALWAYS_INLINED float evaluate_lane(const GatherLanes& lanes, int i, const LaneLight& l, LightLanes& out) {
+    float x = l.x, y = l.y, z = l.z, inverse2 = 1.0f, emit = 1.0f;
+    if constexpr (family != LightFamily::directional) {
+        x -= lanes.position.x[i];
+        y -= lanes.position.y[i];
+        z -= lanes.position.z[i];
+        const float distance2 = x * x + y * y + z * z;
+        inverse2 = 1.0f / inlined::max(distance2, lobe::tiny);
+        if constexpr (family == LightFamily::punctual || glossy) {
+            const float inverse = inlined::sqrt(inverse2);
+            x *= inverse;
+            y *= inverse;
+            z *= inverse;
+        }
+        const float cosine = -(l.nx * x + l.ny * y + l.nz * z);
+        if constexpr (family == LightFamily::oriented) {
+            emit = inlined::max(cosine, 0.0f) * inverse2;
+        } else {
+            // Window of the range [KHR_lights_punctual] and the spot's falloff.
+            const float reach2 = distance2 / l.range2;
+            const float window = inlined::min(inlined::max(1.0f - reach2 * reach2, 0.0f), 1.0f);
+            const float spot = inlined::min(inlined::max(cosine * l.spot_scale + l.spot_offset, 0.0f), 1.0f);
+            emit = window * spot * spot * inverse2;
+        }
+    }
+    const float front = dot(lanes.geometric, i, x, y, z);
+    const float facing = inlined::max(dot(lanes.normal.axis, i, x, y, z), 0.0f);
+    const float cosine = front > 0.0f ? facing : 0.0f;
+    // Without a lobe nobody wants unit directions: cosines times the distance, each over its square.
+    constexpr bool plain = family == LightFamily::oriented && !glossy;
+    float g = plain ? cosine * inverse2 * emit : cosine * emit;
+    const float unclamped = g;
+    if constexpr (family == LightFamily::oriented) g = inlined::min(g, l.clamp);
+    out.diffuse[i] = g;
+    if constexpr (glossy)
+        glossy_value(lanes, i, x, y, z, family == LightFamily::punctual ? 0.0f : l.blur2 * inverse2, g, out);
+    return unclamped;
+}
+
+RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(const TreeLight& light, const Spot* spot, float scale) {
+    float nx = 0, ny = 0, nz = 0;
+    unpack_normal(light.axis, nx, ny, nz);
+    return lane_light(light.position.x, light.position.y, light.position.z, nx, ny, nz, light.disc2,
+                      spot != nullptr ? spot->scale : 0.0f, spot != nullptr ? spot->offset : 1.0f, scale);
+}
+
+template <LightFamily family, bool glossy>
+RENDER2MPEG_ALWAYS_INLINED void evaluate_lanes(const GatherLanes& __restrict lanes, const TreeLight& light,
+                                               const Spot* spot, float scale, LightLanes& __restrict out) {
+    const LaneLight l = lane_light(light, spot, scale);
+    Lanes unclamped;
+    for (int i = 0; i < lane_count; ++i) unclamped[i] = evaluate_lane<family, glossy>(lanes, i, l, out);
+    int clamped = 0;
+    if constexpr (family == LightFamily::oriented)
+        for (int i = 0; i < lane_count; ++i) clamped |= unclamped[i] > l.clamp ? 1 : 0;
+    out.any_clamped = clamped != 0;
+}
+
+template <LightFamily family, bool glossy>
+RENDER2MPEG_ALWAYS_INLINED void evaluate_each(const GatherLanes& __restrict lanes, const LightPacket& __restrict p,
+                                              float scale, LightLanes& __restrict out) {
+    for (int i = 0; i < lane_count; ++i) {
+        const LaneLight l = lane_light(p.position.x[i], p.position.y[i], p.position.z[i], p.normal.x[i], p.normal.y[i],
+                                       p.normal.z[i], p.disc2[i], p.spot_scale[i], p.spot_offset[i], scale);
+        evaluate_lane<family, glossy>(lanes, i, l, out);
+    }
+    out.any_clamped = false;
+}
+
+template <LightFamily family>
+RENDER2MPEG_ALWAYS_INLINED void add_lanes(const GatherLanes& __restrict lanes, const StandIn& stand_in, float scale,
+                                          RgbLanes& __restrict out) {
+    const float red = stand_in.intensity.x, green = stand_in.intensity.y, blue = stand_in.intensity.z;
+    const LaneLight l = lane_light(*stand_in.light, stand_in.spot, scale);
+    LightLanes unit;
+    for (int i = 0; i < lane_count; ++i) {
+        evaluate_lane<family, false>(lanes, i, l, unit);
+        const float g = unit.diffuse[i];
+        out.r[i] += g * red;
+        out.g[i] += g * green;
+        out.b[i] += g * blue;
+    }
+}
+
+/// Box of a node about the axes of `frame`, as seen from the lane whose difference to the middle is (x, y, z).
+RENDER2MPEG_ALWAYS_INLINED float box_cosine(const FrameLanes& frame, int i, float x, float y, float z, float hx,
+                                            float hy, float hz) {
+    return lobe::cosine_bound(dot(frame.axis, i, x, y, z), dot_abs(frame.axis, i, hx, hy, hz),
+                              dot(frame.tangent, i, x, y, z), dot_abs(frame.tangent, i, hx, hy, hz),
+                              dot(frame.bitangent, i, x, y, z), dot_abs(frame.bitangent, i, hx, hy, hz));
+}
+
+/// A node's cone axis with two directions across it, and the box's half extents along the three.
+struct NodeFrame {
+    float ax, ay, az, tx, ty, tz, bx, by, bz;
+    float along_axis, along_tangent, along_bitangent;
+};
+
+/// As core::make_frame, in the caller's instruction set.
+RENDER2MPEG_ALWAYS_INLINED NodeFrame frame_of(const LightNode& node, float hx, float hy, float hz) {
+    NodeFrame f;
+    unpack_normal(node.axis, f.ax, f.ay, f.az);
+    const float sign = f.az < 0.0f ? -1.0f : 1.0f, a = -1.0f / (sign + f.az), b = f.ax * f.ay * a;
+    f.tx = 1.0f + sign * f.ax * f.ax * a, f.ty = sign * b, f.tz = -sign * f.ax;
+    f.bx = b, f.by = sign + f.ay * f.ay * a, f.bz = -f.ay;
+    f.along_axis = inlined::abs(f.ax) * hx + inlined::abs(f.ay) * hy + inlined::abs(f.az) * hz;
+    f.along_tangent = inlined::abs(f.tx) * hx + inlined::abs(f.ty) * hy + inlined::abs(f.tz) * hz;
+    f.along_bitangent = inlined::abs(f.bx) * hx + inlined::abs(f.by) * hy + inlined::abs(f.bz) * hz;
+    return f;
+}
+
+/// How much of light in this colour an eye notices, in luminance: its luminance, or its Cr or Cb [BT709, 3.3] at
+/// `chroma_share` of that. Without chroma the light of a blue lamp would count a fourteenth of a white one's, and may
+/// be lost where it is all the colour there is. chosen: docs/decisions/0014.
+constexpr float chroma_share = 0.5f;
+RENDER2MPEG_ALWAYS_INLINED float noticed(const Vec3Lanes& weight, int i, float red, float green, float blue) {
+    const float r = weight.x[i] * red, g = weight.y[i] * green, b = weight.z[i] * blue;
+    const float luma = r + g + b;
+    const float cr = (r * (1.0f / core::luminance_weights.x) - luma) * (chroma_share / 1.5748f);
+    const float cb = (b * (1.0f / core::luminance_weights.z) - luma) * (chroma_share / 1.8556f);
+    return inlined::max(luma, inlined::max(cr, cb));
+}
+
+template <LightFamily family, bool glossy>
+RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes, const BoxGrid& grid,
+                                            const LightNode& node, float scale, float* __restrict out) {
+    float cx, cy, cz, hx, hy, hz, red, green, blue;
+    node.box.unpack(grid, cx, cy, cz, hx, hy, hz);
+    node.intensity.unpack(red, green, blue);
+    red *= outward;
+    green *= outward;
+    blue *= outward;
+    const float cone = node.cone.cosine(), range2 = node.disc2.largest();
+    const float least_blur2 = node.disc2.least() / scale, largest_blur2 = node.disc2.largest() / scale;
+    const float clamp = largest_g(node.disc2.least(), scale);
+    const NodeFrame f = frame_of(node, hx, hy, hz);
+    for (int i = 0; i < lane_count; ++i) {
+        float x = cx, y = cy, z = cz, inverse2 = 1.0f, emit = 1.0f, spread2_low = 0.0f, spread2_high = 0.0f;
+        if constexpr (family != LightFamily::directional) {
+            x -= lanes.position.x[i];
+            y -= lanes.position.y[i];
+            z -= lanes.position.z[i];
+            const float nx = inlined::max(inlined::abs(x) - hx, 0.0f), ny = inlined::max(inlined::abs(y) - hy, 0.0f);
+            const float nz = inlined::max(inlined::abs(z) - hz, 0.0f);
+            const float near2 = nx * nx + ny * ny + nz * nz;
+            inverse2 = 1.0f / inlined::max(near2, lobe::tiny);
+            const float theta =
+                lobe::cosine_bound(-(f.ax * x + f.ay * y + f.az * z), f.along_axis, f.tx * x + f.ty * y + f.tz * z,
+                                   f.along_tangent, f.bx * x + f.by * y + f.bz * z, f.along_bitangent);
+            emit = lobe::cone_bound(theta, cone);
+            if constexpr (family == LightFamily::punctual)
+                emit = near2 <= range2 && theta + (outward - 1.0f) >= cone ? 1.0f : 0.0f;
+            if constexpr (glossy && family == LightFamily::oriented) {
+                const float fx = inlined::abs(x) + hx, fy = inlined::abs(y) + hy, fz = inlined::abs(z) + hz;
+                spread2_low = least_blur2 / inlined::max(fx * fx + fy * fy + fz * fz, lobe::tiny);
+                spread2_high = largest_blur2 * inverse2;
+            }
+        } else {
+            spread2_low = least_blur2;
+            spread2_high = largest_blur2;
+        }
+        const FrameLanes& normal = lanes.normal;
+        const float cosine =
+            lobe::positive_cosine_bound(dot(normal.axis, i, x, y, z), dot_abs(normal.axis, i, hx, hy, hz),
+                                        dot(normal.tangent, i, x, y, z), dot_abs(normal.tangent, i, hx, hy, hz),
+                                        dot(normal.bitangent, i, x, y, z), dot_abs(normal.bitangent, i, hx, hy, hz));
+        const float reach = emit * inverse2;
+        float g = cosine * reach;
+        if constexpr (family == LightFamily::oriented) g = inlined::min(g, clamp);
+        float bound = g * noticed(lanes.diffuse_weight, i, red, green, blue);
+        if constexpr (glossy) {
+            const lobe::BoxCosines box{cosine, box_cosine(lanes.mirrored, i, x, y, z, hx, hy, hz),
+                                       -1.0f * box_cosine(lanes.outgoing, i, -x, -y, -z, hx, hy, hz)};
+            const float a2 = lanes.lobe_width[i];
+            const lobe::GlossyBound lobe_bound = lobe::glossy_bound(
+                {box.normal, box.mirrored, -box.away}, lanes.cos_outgoing[i],
+                inlined::min(a2 + widening * spread2_low, 1.0f), inlined::min(a2 + widening * spread2_high, 1.0f));
+            float lit = lobe_bound.cosine * reach;
+            if constexpr (family == LightFamily::oriented) lit = inlined::min(lit, lobe_bound.value * clamp);
+            lit = cosine > 0.0f ? lit : 0.0f;
+            // The lobe's colour lies between f0 and white; what is noticed of a mixture is no more than the mixture.
+            const float f0 = noticed(lanes.f0_weight, i, red, green, blue);
+            const float grazing = noticed(lanes.schlick_weight, i, red, green, blue);
+            bound += lit * (f0 + lobe_bound.schlick * inlined::max(grazing - f0, 0.0f));
+        }
+        out[i] = bound;
+    }
+}
+
+}  // namespace
+
+RENDER2MPEG_CLONES
+void evaluate_light(const GatherLanes& lanes, LightFamily family, const TreeLight& light, const Spot* spot,
+                    GeometryClamp clamp, LightLanes& out) {
+    if (family == LightFamily::oriented) {
+        lanes.glossy ? evaluate_lanes<LightFamily::oriented, true>(lanes, light, spot, clamp.scale, out)
+                     : evaluate_lanes<LightFamily::oriented, false>(lanes, light, spot, clamp.scale, out);
+    } else if (family == LightFamily::punctual) {
+        lanes.glossy ? evaluate_lanes<LightFamily::punctual, true>(lanes, light, spot, clamp.scale, out)
+                     : evaluate_lanes<LightFamily::punctual, false>(lanes, light, spot, clamp.scale, out);
+    } else {
+        lanes.glossy ? evaluate_lanes<LightFamily::directional, true>(lanes, light, spot, clamp.scale, out)
+                     : evaluate_lanes<LightFamily::directional, false>(lanes, light, spot, clamp.scale, out);
+    }
+}
+
+RENDER2MPEG_CLONES
+void evaluate_lights(const GatherLanes& lanes, LightFamily family, const LightPacket& lights, GeometryClamp clamp,
+                     LightLanes& out) {
+    if (family == LightFamily::oriented) {
+        lanes.glossy ? evaluate_each<LightFamily::oriented, true>(lanes, lights, clamp.scale, out)
+                     : evaluate_each<LightFamily::oriented, false>(lanes, lights, clamp.scale, out);
+    } else if (family == LightFamily::punctual) {
+        lanes.glossy ? evaluate_each<LightFamily::punctual, true>(lanes, lights, clamp.scale, out)
+                     : evaluate_each<LightFamily::punctual, false>(lanes, lights, clamp.scale, out);
+    } else {
+        lanes.glossy ? evaluate_each<LightFamily::directional, true>(lanes, lights, clamp.scale, out)
+                     : evaluate_each<LightFamily::directional, false>(lanes, lights, clamp.scale, out);
+    }
+}
+
+RENDER2MPEG_CLONES
+void add_irradiance(const GatherLanes& lanes, LightFamily family, const StandIn* lights, int count, GeometryClamp clamp,
+                    RgbLanes& out) {
+    for (int k = 0; k < count; ++k) {
+        const StandIn& light = lights[k];
+        if (family == LightFamily::oriented)
+            add_lanes<LightFamily::oriented>(lanes, light, clamp.scale, out);
+        else if (family == LightFamily::punctual)
+            add_lanes<LightFamily::punctual>(lanes, light, clamp.scale, out);
+        else
+            add_lanes<LightFamily::directional>(lanes, light, clamp.scale, out);
+    }
+}
+
+void fill_lights(LightPacket& packet, const LightTree& tree, std::size_t first, std::size_t count) {
+    EXPECTS(count > 0 && count <= lane_count && first + count <= tree.lights.size());
+    const auto set = [](Vec3Lanes& lanes, std::size_t i, const glm::vec3& v) {
+        lanes.x[i] = v.x;
+        lanes.y[i] = v.y;
+        lanes.z[i] = v.z;
+    };
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        const std::size_t place = first + std::min(i, count - 1);
+        const TreeLight& light = tree.lights[place];
+        const Spot spot = tree.spots.empty() ? Spot{} : tree.spots[place];
+        set(packet.position, i, light.position);
+        set(packet.normal, i, light.normal());
+        set(packet.intensity, i, i < count ? light.intensity : glm::vec3(0));
+        packet.disc2[i] = light.disc2;
+        packet.spot_scale[i] = spot.scale;
+        packet.spot_offset[i] = spot.offset;
+    }
+}
+
+RENDER2MPEG_CLONES
+void bound_node(const GatherLanes& lanes, const LightTree& tree, std::uint32_t index, GeometryClamp clamp, Lanes& out) {
+    const LightFamily family = tree.family;
+    const BoxGrid& grid = tree.grid;
+    const LightNode& node = tree.nodes.data()[index];
+    if (family == LightFamily::oriented) {
+        lanes.glossy ? bound_lanes<LightFamily::oriented, true>(lanes, grid, node, clamp.scale, out)
+                     : bound_lanes<LightFamily::oriented, false>(lanes, grid, node, clamp.scale, out);
+    } else if (family == LightFamily::punctual) {
+        lanes.glossy ? bound_lanes<LightFamily::punctual, true>(lanes, grid, node, clamp.scale, out)
+                     : bound_lanes<LightFamily::punctual, false>(lanes, grid, node, clamp.scale, out);
+    } else {
+        lanes.glossy ? bound_lanes<LightFamily::directional, true>(lanes, grid, node, clamp.scale, out)
+                     : bound_lanes<LightFamily::directional, false>(lanes, grid, node, clamp.scale, out);
+    }
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,193 @@
+#include "renderer/view/eye_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/color.h"
+#include "core/numeric.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// A mirror ray that would bring less than this share of its sample is not shot; what it would have brought is lost.
+/// chosen: a smooth dielectric's 4 % is traced once, its reflection in another one not; tried 0.001 (twice the gather
+/// points between two polished surfaces, no visible difference) to 0.05 (polished floors lose their reflection).
+constexpr float least_mirror_share = 0.02f;
+
+/// Behind layers that let less than this through nothing is looked for. chosen: one code value of 8 bits in the
+/// brightest picture is 1 / 219; tried 0.001..0.01.
+constexpr float least_passing_share = 0.004f;
+
+/// Holes of cut-out surfaces cost a ray each but hide nothing; so many in a row end a ray of the eye.
+/// chosen: dense foliage has some 20 cards along a ray; tried 16..256.
+constexpr int most_steps = 96;
+
+glm::vec3 moved_in_plane(glm::vec3 change, glm::vec3 direction, glm::vec3 normal) {
+    // [Igehy1999, "Transfer"]: slide along the ray until back in the plane. Rays in the plane have no footprint of use.
+    const float cosine = glm::dot(direction, normal);
+    const glm::vec3 moved = change - core::divide_or(glm::dot(change, normal), cosine, 0.0f) * direction;
+    return core::is_finite(moved) ? moved : glm::vec3{0.0f};
+}
+
+/// The mirrored direction, kept above the surface where a bent normal would send it below.
+glm::vec3 mirrored(glm::vec3 direction, const SurfacePoint& point) {
+    constexpr float least_cosine = 1e-3f;  // chosen: above the rounding of the reflection; tried 1e-5..1e-2
+    const glm::vec3 r = direction - 2.0f * glm::dot(direction, point.shading_normal) * point.shading_normal;
+    const float cosine = glm::dot(r, point.geometric_normal);
+    const glm::vec3 lifted = cosine < least_cosine ? r + (least_cosine - cosine) * point.geometric_normal : r;
+    return core::normalize_or(lifted, point.geometric_normal);
+}
+
+/// Whether what is seen on a surface is its reflection rather than the surface.
+bool shows_reflection(const SurfacePoint& point) {
+    const float own = core::luminance(point.bsdf.diffuse + point.bsdf.f0 + point.emission);
+    return core::luminance(point.bsdf.mirror) > own;
+}
+
+}  // namespace
+
+SurfaceFootprint EyeRay::footprint_at(float distance, glm::vec3 normal) const {
+    return {moved_in_plane(origin_change.dx + distance * direction_change.dx, direction, normal),
+            moved_in_plane(origin_change.dy + distance * direction_change.dy, direction, normal)};
+}
+
+EyeRay eye_ray(const scene::Camera& camera, glm::vec2 position, float spacing, float& far) {
+    const scene::Ray middle = camera.ray_through(position);
+    const scene::Ray right = camera.ray_through(position + glm::vec2{spacing, 0.0f});
+    const scene::Ray below = camera.ray_through(position + glm::vec2{0.0f, spacing});
+    EyeRay ray;
+    ray.origin = middle.origin;
+    ray.direction = middle.direction;
+    ray.origin_change = {right.origin - middle.origin, below.origin - middle.origin};
+    ray.direction_change = {right.direction - middle.direction, below.direction - middle.direction};
+
+    // Begin at the near plane and end at the far one.
+    const glm::vec3 forward = camera.forward();
+    const float cosine = glm::dot(ray.direction, forward);
+    const float near = core::divide_or(std::max(camera.lens().near, 0.0f), cosine, 0.0f);
+    far = camera.lens().far > 0.0f ? core::divide_or(camera.lens().far, cosine, 0.0f) - near
+                                   : std::numeric_limits<float>::infinity();
+    if (near > 0.0f) {
+        ray.origin_change = ray.footprint_at(near, forward);
+        ray.origin += near * ray.direction;
+    }
+    return ray;
+}
+
+/// One ray on its way.
+struct EyePaths::Walk {
+    EyeRay ray;
+    float far;
+    glm::vec3 weight{1};
+    int mirrors = 0;        ///< so far
+    bool specular = false;  ///< a mirror or glass lies before
+};
+
+EyePaths::EyePaths(const Scenery& scenery, const SeeSettings& settings, const Plan& plan)
+    : scenery_(scenery),
+      sky_(plan.runs(Pass::sky_background) && scenery.sky() != nullptr),
+      mirrors_(plan.runs(Pass::mirrors)),
+      specular_depth_(settings.specular_depth) {}
+
+void EyePaths::look(const EyeRay& ray, float far, const Hit& first, EyeSample& sample, SeeCounts& counts) const {
+    sample.fragments.clear();
+    sample.unscattered = sample.unscattered_specular = glm::vec3{0.0f};
+    sample.main = {};
+    Walk walk;
+    walk.ray = ray;
+    walk.far = far;
+    follow(walk, first, sample, counts);
+}
+
+Hit EyePaths::meet(const Walk& walk) const {
+    return scenery_.tracer().nearest(walk.ray.origin, walk.ray.direction, walk.far);
+}
+
+void EyePaths::see_sky(const Walk& walk, EyeSample& sample) const {
+    if (walk.mirrors == 0 && core::luminance(walk.weight) > sample.main.share)
+        sample.main = {core::luminance(walk.weight), core::PixelClass::sky, {}};
+    if (!sky_) return;
+    const SurfaceFootprint& spread = walk.ray.direction_change;
+    const glm::vec3 light = walk.weight * sky_clock_.time([&] {
+        return scenery_.sky()->radiance(walk.ray.direction, glm::length(glm::cross(spread.dx, spread.dy)));
+    });
+    sample.unscattered += light;
+    if (walk.specular) sample.unscattered_specular += light;
+}
+
+/// `hit`: what the walk meets first.
+void EyePaths::follow(Walk walk, Hit hit, EyeSample& sample, SeeCounts& counts) const {
+    int layers = 0;
+    for (int step = 0; step < most_steps; ++step) {
+        ++(walk.mirrors > 0 ? counts.specular_rays : counts.primary_rays);
+        if (step > 0) hit = meet(walk);
+        if (!hit.found()) {
+            see_sky(walk, sample);
+            return;
+        }
+        const glm::vec3 plane = core::normalize_or(hit.geometric_normal, -walk.ray.direction);
+        const SurfaceFootprint footprint = walk.ray.footprint_at(hit.distance, plane);
+        Fragment fragment;
+        SurfacePoint& point = fragment.point;
+        point = scenery_.surface_at(hit.address, -walk.ray.direction, footprint);
+
+        // Take what the layer shows.
+        glm::vec3 passing = walk.weight;
+        if (point.alpha > 0.0f) {
+            const bool last = ++layers == RayTracer::max_layers;
+            const float alpha = last ? 1.0f : point.alpha;
+            fragment.weight = alpha * walk.weight;
+            fragment.extent = std::min(glm::length(footprint.dx), glm::length(footprint.dy));
+            fragment.specular = walk.specular;
+            const glm::vec3 through = last ? glm::vec3{0.0f} : fragment.weight * point.bsdf.transmission;
+            passing = (1.0f - alpha) * walk.weight + through;
+
+            sample.unscattered += fragment.weight * point.emission;
+            if (walk.specular) sample.unscattered_specular += fragment.weight * point.emission;
+            const float share = core::luminance(walk.weight - passing);
+            if (walk.mirrors == 0 && share > sample.main.share) {
+                const auto kind = shows_reflection(point) ? core::PixelClass::reflected : core::PixelClass::surface;
+                sample.main = {share, kind, point};
+            }
+            if (point.bsdf.has_diffuse() || point.bsdf.has_glossy()) sample.fragments.push_back(fragment);
+            mirror(walk, fragment, footprint, sample, counts);
+            walk.specular = walk.specular || core::luminance(through) > 0.0f;
+        }
+        if (!(core::luminance(passing) > least_passing_share)) return;
+
+        // Go on behind it.
+        walk.weight = passing;
+        walk.far -= hit.distance;
+        walk.ray.origin = offset_origin(point, walk.ray.direction);
+        walk.ray.origin_change = footprint;
+    }
+}
+
+void EyePaths::mirror(const Walk& walk, const Fragment& fragment, const SurfaceFootprint& footprint, EyeSample& sample,
+                      SeeCounts& counts) const {
+    const SurfacePoint& point = fragment.point;
+    Walk next;
+    next.weight = fragment.weight * point.bsdf.mirror;
+    if (!mirrors_ || walk.mirrors >= specular_depth_ || !(core::luminance(next.weight) >= least_mirror_share)) return;
+    next.mirrors = walk.mirrors + 1;
+    next.specular = true;
+    next.far = std::numeric_limits<float>::infinity();
+    next.ray.direction = mirrored(walk.ray.direction, point);
+    next.ray.origin = offset_origin(point, next.ray.direction);
+    next.ray.origin_change = footprint;
+
+    // [Igehy1999, "Reflection"]: neighbours are mirrored by the normal they meet.
+    const glm::vec3 n = point.shading_normal, d = walk.ray.direction;
+    const SurfaceFootprint bend = scenery_.normal_change(point.address, footprint);
+    const float side = point.back_side ? -1.0f : 1.0f;
+    const auto turned = [&](glm::vec3 change, glm::vec3 normal_change) {
+        const glm::vec3 dn = side * normal_change;
+        return change - 2.0f * (glm::dot(d, n) * dn + (glm::dot(change, n) + glm::dot(d, dn)) * n);
+    };
+    next.ray.direction_change = {turned(walk.ray.direction_change.dx, bend.dx),
+                                 turned(walk.ray.direction_change.dy, bend.dy)};
+    follow(next, meet(next), sample, counts);
+}
+
+}  // namespace render2mpeg::renderer

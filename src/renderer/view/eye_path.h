@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "core/visible.h"
+#include "renderer/base/sampled_clock.h"
+#include "renderer/surface/scenery.h"
+#include "renderer/view/see.h"
+
+namespace render2mpeg::renderer {
+
+/// A ray and how it differs from the rays one sample to the right and one below. [Igehy1999]
+struct EyeRay {
+    glm::vec3 origin{0}, direction{0, 0, -1};  ///< direction unit
+    SurfaceFootprint origin_change;            ///< differences of origins
+    SurfaceFootprint direction_change;         ///< differences of unit directions
+
+    /// What the ray and its neighbours cut out of the plane at `distance` with this normal.
+    SurfaceFootprint footprint_at(float distance, glm::vec3 normal) const;
+};
+
+/// The camera's ray through a picture position, whose samples are `spacing` pixels apart; `far` is where it ends.
+EyeRay eye_ray(const scene::Camera& camera, glm::vec2 position, float spacing, float& far);
+
+/// One surface that a sample shows.
+struct Fragment {
+    SurfacePoint point;
+    glm::vec3 weight{0};    ///< share of the sample's light that comes by this surface, per channel
+    float extent = 0;       ///< how far apart neighbouring samples are across the ray there, scene units
+    bool specular = false;  ///< seen in a mirror or through glass
+};
+
+/// What a sample shows most of, straight ahead through layers and glass.
+struct MainSurface {
+    float share = -1;  ///< luminance of its share; -1: nothing yet
+    core::PixelClass kind = core::PixelClass::none;
+    SurfacePoint point;  ///< for kinds `surface` and `reflected`
+};
+
+/// Everything that one sample sees.
+struct EyeSample {
+    std::vector<Fragment> fragments;    ///< surfaces with something to gather
+    glm::vec3 unscattered{0};           ///< emission, sky, unlit surfaces
+    glm::vec3 unscattered_specular{0};  ///< the part of it seen in mirrors or through glass
+    MainSurface main;
+};
+
+/// Follows rays of the eye through layers and glass, and by mirrors.
+class EyePaths {
+  public:
+    EyePaths(const Scenery& scenery, const SeeSettings& settings, const Plan& plan);
+
+    /// What a ray of the eye sees whose nearest surface before `far` is `first`; replaces `sample`.
+    void look(const EyeRay& ray, float far, const Hit& first, EyeSample& sample, SeeCounts& counts) const;
+
+    /// CPU seconds that the sky took to look at, about (sampled_clock.h).
+    double sky_seconds() const { return sky_clock_.seconds(); }
+
+  private:
+    struct Walk;
+    void follow(Walk walk, Hit hit, EyeSample& sample, SeeCounts& counts) const;
+    Hit meet(const Walk& walk) const;
+    void see_sky(const Walk& walk, EyeSample& sample) const;
+    void mirror(const Walk& walk, const Fragment& fragment, const SurfaceFootprint& footprint, EyeSample& sample,
+                SeeCounts& counts) const;
+
+    const Scenery& scenery_;
+    bool sky_, mirrors_;
+    int specular_depth_;
+    mutable SampledClock sky_clock_;
+};
+
+}  // namespace render2mpeg::renderer

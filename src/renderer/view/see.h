@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "renderer/surface/gather_point.h"
+#include "renderer/surface/scenery.h"
+
+namespace render2mpeg::renderer {
+
+/// What `see` needs of the settings.
+struct SeeSettings {
+    scene::PictureFormat format;
+    int samples = 4;         ///< eye samples per pixel, >= 1
+    int specular_depth = 6;  ///< mirrors after one another; 0: none
+};
+
+/// Rays that `see` shot, for the statistics.
+struct SeeCounts {
+    std::uint64_t primary_rays = 0;   ///< from the eye, and on through layers
+    std::uint64_t specular_rays = 0;  ///< from mirrors
+    double sky_seconds = 0;           ///< CPU, about: looking at the sky
+};
+
+/// Primary visibility of the posed snapshot, with antialiasing (docs/model.md, "Visibility"). The weights of a pixel's
+/// gather points and its `unscattered` together stand for the whole pixel: light gathered at a point is multiplied by
+/// its weight and added. A gather point always has something to gather (a diffuse or glossy part) and a weight > 0. The
+/// result does not depend on the number of threads. Adds to `counts`.
+Seen see(const Scenery& scenery, const SeeSettings& settings, const Plan& plan, SeeCounts& counts);
+
+/// Where the samples of a pixel lie, in pixels from its upper left corner: the same in every pixel and every frame, so
+/// that what is still stays still. Sample 0 is the centre, and (for more than two) so is their mean.
+std::vector<glm::vec2> sample_pattern(int samples);
+
+}  // namespace render2mpeg::renderer

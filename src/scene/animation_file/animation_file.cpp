@@ -1,0 +1,130 @@
+// Our own format: docs/animation-file.md describes it for those who write it, docs/animation-file.schema.json for their
+// editors.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/rational.h"
+#include "scene/animation_file/cameras.h"
+#include "scene/animation_file/json.h"
+#include "scene/animation_file/keys.h"
+#include "scene/animation_file/looks.h"
+#include "scene/animation_file/things.h"
+#include "scene/loaders.h"
+
+namespace render2mpeg::scene {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The scene that the film builds on; nothing but what is built in where it names none.
+Animation base_scene(const JsonValue& value, const fs::path& folder, const LoadOptions& options) {
+    const auto scene = value.find("scene");
+    if (!scene) {
+        if (options.animation) value.fail("names no scene, so that it has no animation \"" + *options.animation + "\"");
+        return {};
+    }
+    const fs::path file = Looks::file_below(folder, *scene);
+    if (file.extension() == ".json") scene->fail("is an animation file itself; name the scene that it refers to");
+    return load_as_is(file, options);
+}
+
+/// Frame rate, range and exposure.
+FilmClock read_format(const JsonValue& value, Animation& film) {
+    FilmClock clock;
+    film.frame_rate = "25";  // what FilmClock begins with
+    if (const auto rate = value.find("frame_rate")) {
+        std::string text;
+        if (rate->is_number()) {
+            text = std::to_string(rate->number(1, 1000));
+            text.erase(text.find_last_not_of('0') + 1);
+            if (text.back() == '.') text.pop_back();
+        } else {
+            text = rate->text();
+        }
+        try {
+            const core::FrameRate known = core::frame_rate_from(text);
+            film.frame_rate = known.name;
+            clock.rate = known.hertz.value();
+        } catch (const core::Error& e) {
+            rate->fail(e.what());
+        }
+    }
+    constexpr std::array<std::string_view, 2> units{"seconds", "frames"};
+    if (const auto times = value.find("times")) clock.in_frames = times->word(units) == 1;
+
+    // chosen: 10 million frames, four days of film.
+    constexpr std::int64_t most = 10'000'000;
+    const auto frames = value.find("frames"), seconds = value.find("seconds");
+    if (frames && seconds) seconds->fail("stands beside `frames`; one of them says how long the film is");
+    if (frames && frames->is_list()) {
+        const std::vector<JsonValue> range = frames->list(2, 2);
+        film.first_frame = range[0].integer(0, most);
+        film.last_frame = range[1].integer(*film.first_frame, most);
+    } else if (frames) {
+        film.first_frame = 0;
+        film.last_frame = frames->integer(1, most) - 1;
+    } else if (seconds) {
+        film.first_frame = 0;
+        film.last_frame =
+            std::max<std::int64_t>(
+                1, std::llround(seconds->number(0, static_cast<double>(most) / clock.rate) * clock.rate)) -
+            1;
+    }
+    if (film.last_frame) clock.end = static_cast<double>(*film.last_frame + 1) / clock.rate;
+
+    if (const auto exposure = value.find("exposure")) {
+        if (!exposure->is_text())
+            film.exposure = static_cast<float>(exposure->number(-50, 50));
+        else if (exposure->text() != "auto")
+            exposure->fail("is a number (EV) or \"auto\"");
+    }
+    return clock;
+}
+
+void read_shape(const JsonValue& value, Animation& film) {
+    if (const auto size = value.find("size")) {
+        const std::vector<JsonValue> v = size->list(2, 2);
+        film.size = glm::ivec2(v[0].integer(1, 16384), v[1].integer(1, 16384));
+    }
+    if (const auto aspect = value.find("display_aspect")) {
+        try {
+            film.display_aspect = core::ratio_from(aspect->text());
+        } catch (const core::Error& e) {
+            aspect->fail(e.what());
+        }
+    }
+}
+
+}  // namespace
+
+Animation load_animation_file(const fs::path& given, const LoadOptions& options) {
+    std::error_code failure;
+    const fs::path file = fs::is_directory(given, failure) ? given / "film.json" : given;
+    const JsonValue value = JsonValue::read(file);
+    value.allow_only(animation_file_keys::film);
+    for (const std::string_view words : {"$schema", "title"})
+        if (const auto v = value.find(words)) v->text();  // for people and editors, but text
+    const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
+
+    // What changes the scene goes by the names that the scene has, so it comes before the film's own things.
+    Animation film = base_scene(value, folder, options);
+    film.source = file.string();
+    film.files.insert(film.files.begin(), file);
+    const FilmClock clock = read_format(value, film);
+    read_shape(value, film);
+    Looks looks(film, folder, clock);
+    Things things(film, looks, clock);
+    read_cameras(value, film, clock);
+    if (const auto v = value.find("materials")) looks.read_materials(*v);
+    if (const auto v = value.find("change")) things.read_changes(*v);
+    if (const auto v = value.find("objects")) things.read_objects(*v);
+    if (const auto v = value.find("lights")) things.read_lights(*v);
+    if (const auto v = value.find("sky")) looks.read_sky(*v);
+    if (const auto v = value.find("shots")) read_shots(*v, film, clock);
+    looks.refuse_unused();
+    return film;
+}
+
+}  // namespace render2mpeg::scene

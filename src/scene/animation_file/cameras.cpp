@@ -1,0 +1,77 @@
+#include "scene/animation_file/cameras.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+#include <string>
+
+#include "scene/animation_file/keys.h"
+
+namespace render2mpeg::scene {
+namespace {
+
+namespace keys = animation_file_keys;
+
+void read_camera(const JsonValue& value, const std::string& name, std::size_t index, Animation& film,
+                 const FilmClock& clock) {
+    value.allow_only(keys::camera);
+    CameraLens lens;
+    lens.name = name;
+    lens.node = add_node(film, name, -1);
+    place(film, lens.node, value, clock, keys::camera_key);
+    if (const auto v = value.find("near")) lens.near = static_cast<float>(v->number(0, 1e6));
+
+    // An orthographic camera is told by the height that it shows.
+    const Curve fov = curve_of(value, {"fov", 1, 0.1, 175, true}, clock, keys::camera_key);
+    if (const auto v = value.find("height")) {
+        if (!fov.empty()) value.fail("has both `fov` (perspective) and `height` (parallel projection)");
+        lens.perspective = false;
+        lens.y_magnification = static_cast<float>(v->number(1e-6, 1e6) / 2);
+    }
+    // chosen: 45 degrees, the normal lens of a 4:3 picture's height.
+    double degrees = 45;
+    if (!fov.empty()) fov.sample(fov.times.front(), {&degrees, 1});
+    lens.vertical_fov = static_cast<float>(glm::radians(degrees));
+    if (fov.times.size() > 1)
+        film.tracks.push_back(
+            track_of(fov, TrackTarget::field_of_view, static_cast<int>(index), glm::pi<double>() / 180));
+    film.cameras.insert(film.cameras.begin() + static_cast<std::ptrdiff_t>(index), lens);
+}
+
+}  // namespace
+
+void read_cameras(const JsonValue& film_value, Animation& film, const FilmClock& clock) {
+    const auto one = film_value.find("camera"), several = film_value.find("cameras");
+    if (one && several) one->fail("stands beside `cameras`; put all of them there");
+    if (one) read_camera(*one, "camera", 0, film, clock);
+    if (!several) return;
+    std::size_t index = 0;
+    for (const auto& [name, value] : several->members()) read_camera(value, name, index++, film, clock);
+}
+
+void read_shots(const JsonValue& shots, Animation& film, const FilmClock& clock) {
+    std::vector<std::string_view> names;
+    for (const CameraLens& lens : film.cameras) names.emplace_back(lens.name);
+    film.shots.clear();
+    for (const JsonValue& value : shots.list(1, 10000)) {
+        value.allow_only(keys::shot);
+        Shot shot;
+        const JsonValue at = value.need("at");
+        shot.frame = std::llround(clock.seconds(at) * clock.rate);
+        if (film.shots.empty() && shot.frame != 0) at.fail("must be 0: the film begins with its first shot");
+        if (!film.shots.empty() && shot.frame <= film.shots.back().frame)
+            at.fail("must be at least a frame later than the shot before");
+        const JsonValue camera = value.need("camera");
+        const std::string name = camera.text();
+        const auto found = std::find(names.begin(), names.end(), name);
+        if (found == names.end()) {
+            const std::string nearest = nearest_word(name, names);
+            camera.fail("there is no camera \"" + name + "\"" +
+                        (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
+        }
+        shot.camera = static_cast<int>(found - names.begin());
+        film.shots.push_back(shot);
+    }
+}
+
+}  // namespace render2mpeg::scene

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "scene/model/animation.h"
+#include "scene/animation_file/json.h"
+#include "scene/animation_file/movement.h"
+
+namespace render2mpeg::scene {
+
+/// Puts the file's cameras before those of the scene: one under `camera`, or several by name under `cameras`.
+void read_cameras(const JsonValue& film_value, Animation& film, const FilmClock& clock);
+
+/// Which camera the film shows from when on. Cameras of the scene file can be named too.
+void read_shots(const JsonValue& shots, Animation& film, const FilmClock& clock);
+
+}  // namespace render2mpeg::scene

@@ -1,0 +1,153 @@
+#include <algorithm>
+#include <array>
+
+#include "scene/animation_file/keys.h"
+#include "scene/animation_file/shapes.h"
+#include "scene/animation_file/sizes.h"
+#include "scene/animation_file/things.h"
+
+namespace render2mpeg::scene {
+namespace {
+
+namespace keys = animation_file_keys;
+
+constexpr std::array<std::string_view, 5> kinds{"point", "spot", "sun", "panel", "sphere"};
+
+}  // namespace
+
+Curve Things::power_of(const JsonValue& value, std::size_t copy) {
+    Curve power = curve_of(value, {"power", 1, 0, 1e6, true}, clock_, keys::light_key);
+    const auto stagger = value.find("stagger");
+    if (stagger && power.times.size() > 1)
+        for (double& time : power.times) time += clock_.seconds(*stagger) * static_cast<double>(copy);
+    return power;
+}
+
+void Things::build_punctual(const JsonValue& value, const std::string& name, int node, std::size_t copy) {
+    constexpr std::array<LightKind, 3> kind_of{LightKind::point, LightKind::spot, LightKind::directional};
+    constexpr std::array<double, 3> usual{10, 10, 3};
+    const std::size_t kind = value.need("kind").word(kinds);
+    Light light;
+    light.name = name;
+    light.node = node;
+    light.kind = kind_of[kind];
+    light.intensity = static_cast<float>(value.has("intensity") ? value.need("intensity").number(0, 1e9) : usual[kind]);
+    if (const auto v = value.find("color")) light.color = v->color(1);
+    if (const auto v = value.find("colors")) {
+        const std::vector<JsonValue> colors = v->list(1, 1000);
+        light.color = colors[copy % colors.size()].color(1);
+    }
+    if (const auto v = value.find("range")) light.range = static_cast<float>(v->number(0, 1e7));
+    if (light.kind == LightKind::spot) {
+        const double angle = value.has("angle") ? value.need("angle").number(0.1, 180) : 60;
+        const double softness = value.has("softness") ? value.need("softness").number(0, 1) : 0.3;
+        light.outer_cone = static_cast<float>(glm::radians(angle / 2));
+        // The two cones must not coincide.
+        light.inner_cone = static_cast<float>(glm::radians(angle / 2) * std::min(1 - softness, 0.999));
+    }
+    const Curve power = power_of(value, copy);
+    const int index = static_cast<int>(film_.lights.size());
+    film_.lights.push_back(light);
+    if (!power.empty()) film_.tracks.push_back(track_of(power, TrackTarget::light_intensity, index));
+}
+
+void Things::build_lamp(const JsonValue& value, const std::string& name, int node, std::size_t copy) {
+    const bool is_panel = value.need("kind").text() == "panel";
+    if (mesh_at_.find(value.place()) == mesh_at_.end()) {
+        Mesh mesh;
+        if (is_panel) {
+            // Lights shine along -z.
+            const auto s = sizes_or<2>(value, "size", 1);
+            mesh = quad_mesh({s[0], s[1]}, TextureLayout::fit);
+            for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+                mesh.positions[i] = {-mesh.positions[i].x, mesh.positions[i].y, 0};
+                mesh.normals[i] = {0, 0, -1};
+            }
+        } else {
+            // chosen: 12 sides, 120 triangles: a lamp is too bright for its corners to show, and each triangle is a
+            // light.
+            mesh = sphere_mesh(size_or(value, "radius", 0.1), 12, TextureLayout::fit);
+        }
+        mesh.name = value.place();
+        film_.meshes.push_back(std::move(mesh));
+        mesh_at_[value.place()] = static_cast<int>(film_.meshes.size()) - 1;
+    }
+
+    // Copies share a material unless they differ in colour or time.
+    std::size_t variant = 0;
+    glm::vec3 color = value.has("color") ? value.need("color").color(1) : glm::vec3(1);
+    if (const auto v = value.find("colors")) {
+        const std::vector<JsonValue> colors = v->list(1, 1000);
+        variant = copy % colors.size();
+        color = colors[variant].color(1);
+    }
+    if (value.has("stagger")) variant = copy;
+    const std::string place = value.place() + "/" + std::to_string(variant);
+    if (lamp_material_at_.find(place) == lamp_material_at_.end()) {
+        Material material;
+        material.name = name;
+        material.base_color = glm::vec4(0, 0, 0, 1);
+        material.specular_glossiness = true;
+        material.specular = glm::vec3(0);
+        material.glossiness = 0;
+        material.emission =
+            color * static_cast<float>(value.has("intensity") ? value.need("intensity").number(0, 1e6) : 10);
+        const int index = static_cast<int>(film_.materials.size());
+        film_.materials.push_back(material);
+        lamp_material_at_[place] = index;
+        const Curve power = power_of(value, copy);
+        if (!power.empty()) film_.tracks.push_back(track_of(power, TrackTarget::emission, index));
+    }
+    add_object(name, node, mesh_at_[value.place()], lamp_material_at_[place]);
+}
+
+void Things::build_light(const JsonValue& value, std::size_t number) {
+    value.allow_only(keys::light);
+    const std::size_t kind = value.need("kind").word(kinds);
+    const bool punctual = kind < 3;
+    const auto only_for = [&](std::string_view key, std::initializer_list<std::size_t> allowed) {
+        if (value.has(key) && std::find(allowed.begin(), allowed.end(), kind) == allowed.end())
+            value.need(key).fail("a " + std::string(kinds[kind]) + " light has no such key");
+    };
+    for (const std::string_view key : {"angle", "softness"}) only_for(key, {1});
+    for (const std::string_view key : {"elevation", "azimuth"}) only_for(key, {2});
+    only_for("range", {0, 1});
+    only_for("size", {3});
+    only_for("radius", {4});
+
+    const std::string name =
+        value.has("name") ? value.need("name").text() : std::string(kinds[kind]) + " " + std::to_string(number + 1);
+    const int placed = add_node(film_, name, -1);
+    place(film_, placed, value, clock_, keys::light_key);
+    if (value.has("elevation") || value.has("azimuth")) {
+        if (value.has("rotate") || value.has("look_at"))
+            value.fail("say either `elevation` and `azimuth`, or `rotate`, or `look_at`");
+        const double up = value.need("elevation").number(-90, 90),
+                     round = value.has("azimuth") ? value.need("azimuth").number(-360, 360) : 0;
+        // Not turned, it shines along -z, out of +z: azimuth 0.
+        film_.nodes[static_cast<std::size_t>(placed)].rotation = rotation_of({-up, round, 0});
+    }
+
+    std::size_t copy_number = 0;
+    for (Node& copy : copies_of(value)) {
+        int node = placed;
+        if (value.has("repeat")) {
+            copy.name = name + " " + std::to_string(copy_number + 1);
+            copy.parent = placed;
+            film_.nodes.push_back(copy);
+            node = static_cast<int>(film_.nodes.size()) - 1;
+        }
+        if (punctual)
+            build_punctual(value, film_.nodes[static_cast<std::size_t>(node)].name, node, copy_number);
+        else
+            build_lamp(value, film_.nodes[static_cast<std::size_t>(node)].name, node, copy_number);
+        ++copy_number;
+    }
+}
+
+void Things::read_lights(const JsonValue& lights) {
+    std::size_t number = 0;
+    for (const JsonValue& light : lights.list(0, 100000)) build_light(light, number++);
+}
+
+}  // namespace render2mpeg::scene

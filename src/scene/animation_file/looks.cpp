@@ -1,0 +1,282 @@
+#include "scene/animation_file/looks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "scene/animation_file/keys.h"
+#include "scene/animation_file/png.h"
+
+namespace render2mpeg::scene {
+namespace {
+
+namespace fs = std::filesystem;
+namespace keys = animation_file_keys;
+
+// Radiances of suns and welding arcs stay below; larger numbers are mistakes.
+constexpr double brightest = 1e6;
+
+/// What has no highlight unless roughness, metallic or transmission is said: light from all sides, and nothing to
+/// mirror.
+Material matt(const std::string& name, glm::vec3 color) {
+    Material material;
+    material.name = name;
+    material.base_color = glm::vec4(color, 1);
+    material.specular_glossiness = true;
+    material.specular = glm::vec3(0);
+    material.glossiness = 0;
+    return material;
+}
+
+// chosen: the reflectance of light stone or paint; with 0.5 rooms look dim, with 0.9 washed out.
+constexpr glm::vec3 light_grey(0.7f);
+
+/// A texture shows as it is, and glass is clear, unless a colour says otherwise.
+glm::vec3 first_color(const JsonValue& value) {
+    return value.is_object() && (value.has("texture") || value.has("transmission")) ? glm::vec3(1) : light_grey;
+}
+
+glm::u8vec4 code_values(glm::vec3 linear) {
+    glm::u8vec4 out(255);
+    for (int k = 0; k < 3; ++k)
+        out[k] = static_cast<glm::uint8>(std::lround(255 * core::linear_to_srgb(std::clamp(linear[k], 0.0f, 1.0f))));
+    return out;
+}
+
+}  // namespace
+
+fs::path Looks::file_below(const fs::path& folder, const JsonValue& name) {
+    const std::string text = name.text();
+    const fs::path path(text);
+    std::error_code failure;
+    const fs::path home = fs::weakly_canonical(folder, failure);
+    const fs::path target = fs::weakly_canonical(folder / path, failure);
+    const bool below = !failure && !path.is_absolute() &&
+                       std::mismatch(home.begin(), home.end(), target.begin(), target.end()).first == home.end();
+    if (!below) name.fail("\"" + text + "\" lies outside of the film's own folder");
+    if (!fs::is_regular_file(target, failure)) name.fail("there is no file \"" + text + "\" in the film's folder");
+    return folder / path;
+}
+
+int Looks::add_image(ImageSource image) {
+    for (std::size_t i = 0; i < film_.images.size(); ++i)
+        if (!image.path.empty() && film_.images[i].path == image.path) return static_cast<int>(i);
+    film_.images.push_back(std::move(image));
+    return static_cast<int>(film_.images.size()) - 1;
+}
+
+TextureUse Looks::checker_of(const JsonValue& value) {
+    value.allow_only(keys::checker);
+    const std::vector<JsonValue> colors = value.need("checker").list(2, 2);
+    const auto squares = value.has("squares") ? static_cast<int>(value.need("squares").integer(2, 64)) : 8;
+    if (squares % 2 != 0) value.need("squares").fail("must be even, so that the pattern continues where it repeats");
+    const glm::u8vec4 shades[2] = {code_values(colors[0].color(1)), code_values(colors[1].color(1))};
+
+    // chosen: 16 texels a square: edges are sharper than a sample sees until a square fills a tenth of the picture.
+    constexpr int texels = 16;
+    const int side = squares * texels;
+    std::vector<glm::u8vec4> image;
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) image.push_back(shades[(x / texels + y / texels) % 2]);
+    TextureUse use;
+    use.image = add_image({"checker", {}, encode_png(side, side, image)});
+    return use;
+}
+
+TextureUse Looks::texture_of(const JsonValue& value) {
+    if (value.is_object()) return checker_of(value);
+    TextureUse use;
+    use.image = add_image({value.text(), file_below(folder_, value), {}});
+    return use;
+}
+
+void Looks::change(const JsonValue& value, int index) {
+    value.allow_only(keys::material);
+    const auto material = [&]() -> Material& { return film_.materials[static_cast<std::size_t>(index)]; };
+    const auto fraction = [&](std::string_view key, float& into, double at_most = 1) {
+        if (const auto v = value.find(key)) into = static_cast<float>(v->number(0, at_most));
+    };
+    const auto texture = [&](std::string_view key, TextureUse Material::*into) {
+        if (const auto v = value.find(key)) {
+            const TextureUse use = texture_of(*v);
+            material().*into = use;
+        }
+    };
+
+    // Surface.
+    if (const auto v = value.find("base_color"))
+        material().base_color = glm::vec4(v->color(1), material().base_color.a);
+    texture("texture", &Material::base_color_texture);
+    texture("normal_texture", &Material::normal_texture);
+    texture("emission_texture", &Material::emission_texture);
+    fraction("metallic", material().metallic);
+    fraction("roughness", material().roughness);
+    fraction("normal_scale", material().normal_scale, 10);
+    fraction("transmission", material().transmission);
+    if (const auto v = value.find("ior")) material().ior = static_cast<float>(v->number(1, 5));
+    const bool derived = value.has("metallic") || value.has("roughness") || value.has("transmission");
+    if (material().specular_glossiness && derived) material().specular_glossiness = false;
+    if (const auto v = value.find("double_sided")) material().double_sided = v->boolean();
+    if (const auto v = value.find("unlit")) material().unlit = v->boolean();
+
+    // Coverage: a number below 1 blends, a word chooses how the texture's alpha is taken.
+    fraction("alpha_cutoff", material().alpha_cutoff);
+    if (const auto v = value.find("alpha")) {
+        constexpr std::array<std::string_view, 3> modes{"opaque", "mask", "blend"};
+        if (v->is_text()) {
+            material().alpha_mode = static_cast<AlphaMode>(v->word(modes));
+        } else {
+            material().base_color.a = static_cast<float>(v->number(0, 1));
+            material().alpha_mode = material().base_color.a < 1 ? AlphaMode::blend : AlphaMode::opaque;
+        }
+    }
+
+    // Light.
+    if (const auto v = value.find("emission")) material().emission = v->color(brightest);
+    const Curve power = curve_of(value, {"power", 1, 0, brightest, true}, clock_, keys::material_key);
+    if (!power.empty()) {
+        std::erase_if(film_.tracks,
+                      [&](const Track& t) { return t.target == TrackTarget::emission && t.index == index; });
+        film_.tracks.push_back(track_of(power, TrackTarget::emission, index));
+    }
+
+    // One scale for all of the material's textures.
+    if (const auto v = value.find("texture_scale")) {
+        const std::vector<double> scale = v->is_number() ? std::vector<double>(2, v->number(-1e4, 1e4)) : v->numbers(2);
+        for (TextureUse Material::*use :
+             {&Material::base_color_texture, &Material::normal_texture, &Material::emission_texture})
+            for (int k = 0; k < 2; ++k)
+                (material().*use).transform[k][k] = static_cast<float>(scale[static_cast<std::size_t>(k)]);
+    }
+}
+
+void Looks::read_materials(const JsonValue& materials) {
+    const std::size_t from_scene = film_.materials.size();
+    for (const auto& [name, value] : materials.members()) {
+        bool known = false;
+        for (std::size_t i = 0; i < from_scene; ++i) {
+            if (film_.materials[i].name != name) continue;
+            change(value, static_cast<int>(i));
+            known = true;
+        }
+        if (known) continue;
+        film_.materials.push_back(matt(name, first_color(value)));
+        unused_.emplace(name, value);
+        const int index = static_cast<int>(film_.materials.size()) - 1;
+        change(value, index);
+    }
+}
+
+int Looks::default_material() {
+    if (default_ >= 0) return default_;
+    film_.materials.push_back(matt("light grey", light_grey));
+    return default_ = static_cast<int>(film_.materials.size()) - 1;
+}
+
+int Looks::material_of(const JsonValue& value, int base) {
+    if (value.is_text()) {
+        const std::string name = value.text();
+        std::vector<std::string_view> names;
+        for (std::size_t i = 0; i < film_.materials.size(); ++i) {
+            if (film_.materials[i].name == name) {
+                unused_.erase(name);
+                return static_cast<int>(i);
+            }
+            names.emplace_back(film_.materials[i].name);
+        }
+        const std::string nearest = nearest_word(name, names);
+        value.fail("there is no material \"" + name + "\"" +
+                   (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
+    }
+    const std::string place = value.place() + "/" + std::to_string(base);
+    if (const auto known = made_.find(place); known != made_.end()) return known->second;
+    Material copy = matt(value.place(), first_color(value));
+    if (base >= 0) {
+        copy = film_.materials[static_cast<std::size_t>(base)];
+        copy.name += " (" + value.place() + ")";
+    }
+    film_.materials.push_back(std::move(copy));
+    const int index = static_cast<int>(film_.materials.size()) - 1;
+    change(value, index);
+    return made_[place] = index;
+}
+
+int Looks::recolored(int material, glm::vec3 color) {
+    const std::string key = std::to_string(color.x) + " " + std::to_string(color.y) + " " + std::to_string(color.z);
+    if (const auto known = recolored_.find({material, key}); known != recolored_.end()) return known->second;
+    Material copy = film_.materials[static_cast<std::size_t>(material)];
+    const float strength = std::max({copy.emission.x, copy.emission.y, copy.emission.z});
+    if (strength > 0)
+        copy.emission = strength * color;
+    else
+        copy.base_color = glm::vec4(glm::min(color, glm::vec3(1)), copy.base_color.a);
+    film_.materials.push_back(std::move(copy));
+    const int index = static_cast<int>(film_.materials.size()) - 1;
+    const std::size_t tracks = film_.tracks.size();
+    for (std::size_t i = 0; i < tracks; ++i) {
+        Track track = film_.tracks[i];
+        if (track.target != TrackTarget::emission || track.index != material) continue;
+        track.index = index;
+        film_.tracks.push_back(std::move(track));
+    }
+    return recolored_[{material, key}] = index;
+}
+
+int Looks::gradient_image(glm::vec3 zenith, glm::vec3 horizon, glm::vec3 ground) {
+    // Rows of one colour; a few columns, since images of one column are a rare case to filter. The ground begins softly
+    // below the horizon. chosen: power 0.4 of the height: skies change most near the horizon; 1 looks like fog, 0.2
+    // like a rim.
+    constexpr int width = 8, height = 256;
+    std::vector<glm::u8vec4> texels;
+    for (int y = 0; y < height; ++y) {
+        const float up = std::cos(3.14159265f * (static_cast<float>(y) + 0.5f) / height);
+        const glm::vec3 above = glm::mix(horizon, zenith, std::pow(std::max(up, 0.0f), 0.4f));
+        const glm::vec3 below = glm::mix(horizon, ground, std::clamp(-up / 0.05f, 0.0f, 1.0f));
+        texels.insert(texels.end(), width, code_values(up >= 0 ? above : below));
+    }
+    return add_image({"sky gradient", {}, encode_png(width, height, texels)});
+}
+
+void Looks::read_sky(const JsonValue& value) {
+    Sky sky;
+    if (!value.is_object()) {
+        sky.color = value.color(brightest);
+        film_.sky = sky;
+        return;
+    }
+    value.allow_only(keys::sky);
+    const double strength = value.has("strength") ? value.need("strength").number(0, brightest) : 1;
+    sky.color = glm::vec3(1);
+    if (const auto v = value.find("rotation")) sky.rotation = static_cast<float>(glm::radians(v->number(-1e4, 1e4)));
+    if (const auto v = value.find("color")) sky.color = v->color(brightest);
+    if (const auto v = value.find("image")) sky.image = texture_of(*v).image;
+    const bool gradient = value.has("zenith") || value.has("horizon") || value.has("ground");
+    if (gradient) {
+        if (value.has("image") || value.has("color"))
+            value.fail("is either a gradient (zenith, horizon, ground), an image or a colour");
+        const glm::vec3 horizon = value.need("horizon").color(brightest),
+                        zenith = value.need("zenith").color(brightest);
+        const glm::vec3 ground = value.has("ground") ? value.need("ground").color(brightest) : 0.4f * horizon;
+        // The image holds 0..1; the colour carries the strength.
+        float peak = 0;
+        for (const glm::vec3 c : {horizon, zenith, ground}) peak = std::max({peak, c.x, c.y, c.z});
+        if (peak > 0) sky.image = gradient_image(zenith / peak, horizon / peak, ground / peak);
+        sky.color = glm::vec3(peak);
+    }
+    sky.color *= static_cast<float>(strength);
+    film_.sky = sky;
+}
+
+void Looks::refuse_unused() const {
+    if (unused_.empty()) return;
+    const auto& [name, value] = *unused_.begin();
+    std::vector<std::string_view> others;
+    for (const Material& m : film_.materials)
+        if (m.name != name) others.emplace_back(m.name);
+    const std::string nearest = nearest_word(name, others);
+    value.fail("nothing has this material" + (nearest.empty() ? std::string() : "; did you mean \"" + nearest + "\"?"));
+}
+
+}  // namespace render2mpeg::scene

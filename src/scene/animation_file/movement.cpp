@@ -1,0 +1,228 @@
+#include "scene/animation_file/movement.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "scene/animation_file/keys.h"
+#include "scene/assimp/lights.h"
+#include "scene/assimp/rest_pose.h"
+
+namespace render2mpeg::scene {
+namespace {
+
+constexpr std::array<std::string_view, 4> passages{"smooth", "ease", "linear", "step"};
+// chosen: a hand writes tens of keys, a program thousands; each may become 2^14 rotations at worst.
+constexpr std::size_t most_keys = 10000;
+
+/// A quantity's numbers as the file writes them: a list, one number for all three where that is plain (a turn about y,
+/// an even scale), or a truth.
+std::vector<double> read_value(const JsonValue& value, const Quantity& q) {
+    if (q.steps) return {value.boolean() ? 1.0 : 0.0};
+    if (q.width == 1) return {value.number(q.at_least, q.at_most)};
+    if (value.is_number() && q.name == "rotate") return {0, value.number(q.at_least, q.at_most), 0};
+    if (value.is_number() && q.name == "scale") return std::vector<double>(3, value.number(q.at_least, q.at_most));
+    std::vector<double> out;
+    for (const JsonValue& item : value.list(3, 3)) out.push_back(item.number(q.at_least, q.at_most));
+    return out;
+}
+
+/// Repeats a curve's keys until the film ends.
+void loop(Curve& curve, const Quantity& q, const JsonValue& where, const FilmClock& clock) {
+    if (curve.times.size() < 2) return;
+    if (clock.end <= 0) where.fail("repeats until the film ends; say `frames` or `seconds`");
+    const std::size_t round = curve.times.size(), width = static_cast<std::size_t>(curve.width);
+    const double period = curve.times.back() - curve.times.front();
+    if (clock.end / period > 1e5)
+        where.fail("has a round of " + std::to_string(period) + " s, too short to be repeated until the film ends");
+    std::vector<double> offset(width, 0.0);
+    for (int n = 1; curve.times.back() < clock.end; ++n) {
+        for (std::size_t i = 0; i < width && q.accumulates; ++i)
+            offset[i] += curve.values[(round - 1) * width + i] - curve.values[i];
+        // The first key of a round is the last of the round before.
+        for (std::size_t k = 1; k < round; ++k) {
+            std::vector<double> value(width);
+            for (std::size_t i = 0; i < width; ++i) value[i] = curve.values[k * width + i] + offset[i];
+            curve.add(curve.times[k] + n * period, value);
+        }
+    }
+}
+
+bool knows(std::span<const std::string_view> names, std::string_view name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+void drop_tracks(Animation& film, int node, TrackTarget target) {
+    std::erase_if(film.tracks, [&](const Track& t) { return t.index == node && t.target == target; });
+}
+
+std::array<double, 3> sampled(const Curve& curve, double seconds) {
+    std::array<double, 3> v{};
+    if (!curve.empty()) curve.sample(seconds, v);
+    return v;
+}
+
+void turn(Animation& film, int node, const JsonValue& thing, const FilmClock& clock,
+          std::span<const std::string_view> names, const Curve& position) {
+    const Curve rotate = curve_of(thing, {"rotate", 3, -1e5, 1e5, false, true}, clock, names);
+    const Curve look_at =
+        knows(names, "look_at") ? curve_of(thing, {"look_at", 3, -1e7, 1e7, false, true}, clock, names) : Curve{};
+    const Curve roll =
+        knows(names, "roll") ? curve_of(thing, {"roll", 1, -1e5, 1e5, false, true}, clock, names) : Curve{};
+    if (rotate.empty() && look_at.empty() && roll.empty()) return;
+    if (!rotate.empty() && !look_at.empty())
+        thing.fail("has both `rotate` and `look_at`; one of them says where it looks");
+
+    // Rolling turns about the axis of sight: clockwise as the camera's holder sees it, so that the horizon tilts the
+    // other way.
+    const auto rotation_at = [&](double seconds) {
+        const auto p = sampled(position, seconds), l = sampled(look_at, seconds), r = sampled(rotate, seconds);
+        const glm::dquat axis_turn = glm::angleAxis(glm::radians(-sampled(roll, seconds)[0]), glm::dvec3(0, 0, 1));
+        if (look_at.empty()) return rotation_of({r[0], r[1], r[2]}) * axis_turn;
+        return turn_towards(glm::dvec3(l[0] - p[0], l[1] - p[1], l[2] - p[2]), glm::dvec3(0, 1, 0)) * axis_turn;
+    };
+    std::vector<double> times;
+    for (const Curve* c : {&rotate, &look_at, &roll, &position}) {
+        if (c == &position && look_at.empty()) continue;
+        if (c->times.size() > 1) times.insert(times.end(), c->times.begin(), c->times.end());
+    }
+    std::sort(times.begin(), times.end());
+    times.erase(std::unique(times.begin(), times.end()), times.end());
+
+    drop_tracks(film, node, TrackTarget::rotation);
+    Node& turned = film.nodes[static_cast<std::size_t>(node)];
+    turned.rotation = rotation_at(times.empty() ? 0 : times.front());
+    if (times.empty()) return;
+    Track track = rotation_track(rotation_at, times, node);
+    const auto passage = [&](const Curve& c) { return c.times.size() < 2 || c.passage == Passage::step; };
+    if (passage(rotate) && passage(look_at) && passage(roll) && (look_at.empty() || passage(position))) {
+        // Everything jumps: a track of the keys themselves.
+        track.times.clear();
+        track.values.clear();
+        track.interpolation = Interpolation::step;
+        for (const double t : times) {
+            const glm::dquat q = rotation_at(t);
+            track.times.push_back(track_time(t));
+            for (const double v : {q.x, q.y, q.z, q.w}) track.values.push_back(static_cast<float>(v));
+        }
+    }
+    film.tracks.push_back(std::move(track));
+}
+
+}  // namespace
+
+double FilmClock::seconds(const JsonValue& time) const {
+    const double t = time.number(0, 1e7);
+    return in_frames ? t / rate : t;
+}
+
+Curve curve_of(const JsonValue& thing, const Quantity& q, const FilmClock& clock,
+               std::span<const std::string_view> key_names) {
+    Curve curve;
+    curve.width = q.width;
+    curve.monotone = q.monotone;
+    if (const auto word = thing.find("interpolation")) curve.passage = static_cast<Passage>(word->word(passages));
+    if (q.steps) curve.passage = Passage::step;
+
+    const auto constant = thing.find(q.name);
+    const auto keys = thing.find("keys");
+    double last = -1;
+    for (const JsonValue& key : keys ? keys->list(1, most_keys) : std::vector<JsonValue>{}) {
+        key.allow_only(key_names);
+        const JsonValue at = key.need("at");
+        const double seconds = clock.seconds(at);
+        if (seconds <= last) at.fail("must be later than the key before");
+        last = seconds;
+        const auto value = key.find(q.name);
+        if (!value) continue;
+        if (constant)
+            constant->fail("is said twice: here and in " + std::string(q.name == "look_at" ? "the" : "its") + " keys");
+        curve.add(seconds, read_value(*value, q));
+    }
+    if (constant) curve.add(0, read_value(*constant, q));
+    const auto loops = thing.find("loop");
+    if (loops && loops->boolean()) loop(curve, q, *loops, clock);
+    return curve;
+}
+
+int add_node(Animation& film, const std::string& name, int parent) {
+    Node node;
+    node.name = name;
+    node.parent = parent;
+    film.nodes.push_back(std::move(node));
+    return static_cast<int>(film.nodes.size()) - 1;
+}
+
+void place(Animation& film, int node, const JsonValue& thing, const FilmClock& clock,
+           std::span<const std::string_view> names) {
+    separate(film.nodes[static_cast<std::size_t>(node)]);
+    const Curve position = curve_of(thing, {"position", 3, -1e7, 1e7, false, true}, clock, names);
+    const auto apply = [&](const Curve& curve, TrackTarget target, auto&& set) {
+        if (curve.empty()) return;
+        drop_tracks(film, node, target);
+        set(film.nodes[static_cast<std::size_t>(node)], sampled(curve, curve.times.front()));
+        if (curve.times.size() > 1) film.tracks.push_back(track_of(curve, target, node));
+    };
+    apply(position, TrackTarget::translation, [](Node& n, const auto& v) { n.translation = {v[0], v[1], v[2]}; });
+    turn(film, node, thing, clock, names, position);
+    if (knows(names, "scale"))
+        apply(curve_of(thing, {"scale", 3, -1e6, 1e6, true}, clock, names), TrackTarget::scale,
+              [](Node& n, const auto& v) {
+                  n.scale = {v[0], v[1], v[2]};
+              });
+    if (!knows(names, "visible")) return;
+
+    // Nodes have no visibility of their own: a constant is a track of one key. Before its first key a thing is what it
+    // becomes there.
+    const Curve visible = curve_of(thing, {"visible", 1, 0, 1, false, false, true}, clock, names);
+    if (visible.empty()) return;
+    drop_tracks(film, node, TrackTarget::visibility);
+    film.tracks.push_back(track_of(visible, TrackTarget::visibility, node));
+}
+
+std::vector<Node> copies_of(const JsonValue& thing) {
+    const auto repeat = thing.find("repeat");
+    std::vector<Node> copies;
+    if (!repeat) {
+        copies.emplace_back();
+        return copies;
+    }
+    repeat->allow_only(animation_file_keys::repeat);
+    if (const auto ring = repeat->find("ring")) {
+        ring->allow_only(animation_file_keys::ring);
+        const auto count = ring->need("count").integer(1, 100000);
+        const double radius = ring->need("radius").number(0, 1e6);
+        const double from = ring->has("from") ? ring->need("from").number(-1e4, 1e4) : 0;
+        // A full turn ends where it began: its last copy lies one step before. A part of a turn has one at either end.
+        const bool full = !ring->has("to");
+        const double to = full ? from + 360 : ring->need("to").number(-1e4, 1e4);
+        for (std::int64_t i = 0; i < count; ++i) {
+            const double steps = full ? static_cast<double>(count) : std::max(1.0, static_cast<double>(count - 1));
+            Node copy;
+            copy.rotation = rotation_of({0, from + (to - from) * static_cast<double>(i) / steps, 0});
+            copy.translation = copy.rotation * glm::dvec3(0, 0, radius);
+            copies.push_back(copy);
+        }
+        return copies;
+    }
+    std::int64_t count[3], total = 1;
+    const std::vector<JsonValue> counts = repeat->need("count").list(3, 3);
+    for (std::size_t k = 0; k < 3; ++k) total *= count[k] = counts[k].integer(1, 10000);
+    if (total > 100000) repeat->need("count").fail("asks for " + std::to_string(total) + " copies; 100000 is the most");
+    const glm::dvec3 step = repeat->need("step").position();
+    const auto centered = repeat->find("centered");
+    const double shift = centered && centered->boolean() ? 0.5 : 0;
+    for (std::int64_t z = 0; z < count[2]; ++z)
+        for (std::int64_t y = 0; y < count[1]; ++y)
+            for (std::int64_t x = 0; x < count[0]; ++x) {
+                Node copy;
+                const auto along = [&](std::int64_t i, int axis) {
+                    return static_cast<double>(i) - shift * static_cast<double>(count[axis] - 1);
+                };
+                copy.translation = step * glm::dvec3(along(x, 0), along(y, 1), along(z, 2));
+                copies.push_back(copy);
+            }
+    return copies;
+}
+
+}  // namespace render2mpeg::scene

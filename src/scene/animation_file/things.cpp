@@ -1,0 +1,226 @@
+#include "scene/animation_file/things.h"
+
+#include <algorithm>
+#include <array>
+
+#include "scene/animation_file/keys.h"
+#include "scene/animation_file/shapes.h"
+#include "scene/animation_file/sizes.h"
+
+namespace render2mpeg::scene {
+namespace {
+
+namespace keys = animation_file_keys;
+
+constexpr std::array<std::string_view, 11> shapes{"box",  "plane", "quad",  "sphere", "cylinder", "cone",
+                                                  "disc", "torus", "lathe", "arch",   "group"};
+enum Shape { box, plane, quad, sphere, cylinder, cone, disc, torus, lathe, arch, group };
+
+constexpr std::size_t most_objects = 500000;
+constexpr double largest = largest_size;
+
+/// Which of the shape's own keys each shape has; the others would be ignored in silence.
+std::vector<std::string_view> own_keys(Shape shape) {
+    switch (shape) {
+        case box:
+        case plane:
+        case quad:
+            return {"size"};
+        case sphere:
+        case disc:
+            return {"radius", "segments"};
+        case cylinder:
+            return {"radius", "top_radius", "height", "segments"};
+        case cone:
+            return {"radius", "height", "segments"};
+        case torus:
+            return {"radius", "tube_radius", "segments"};
+        case lathe:
+            return {"profile", "crease", "segments"};
+        case arch:
+            return {"size", "opening", "segments"};
+        case group:
+            return {"parts"};
+    }
+    return {};
+}
+
+void refuse_foreign_keys(const JsonValue& value, Shape shape) {
+    const std::vector<std::string_view> own = own_keys(shape);
+    for (const std::string_view key :
+         {"size", "radius", "top_radius", "tube_radius", "height", "opening", "profile", "crease", "segments", "parts"})
+        if (value.has(key) && std::find(own.begin(), own.end(), key) == own.end()) {
+            std::string all;
+            for (const std::string_view k : own) all += (all.empty() ? "" : ", ") + std::string(k);
+            value.need(key).fail("a " + std::string(shapes[shape]) + " has no such key; it has " + all);
+        }
+}
+
+Mesh lathe_of(const JsonValue& value, int segments, TextureLayout layout) {
+    std::vector<glm::dvec2> outline;
+    for (const JsonValue& point : value.need("profile").list(2, 1000)) {
+        const std::vector<JsonValue> p = point.list(2, 2);
+        outline.emplace_back(p[0].number(0, largest), p[1].number(-largest, largest));
+        if (outline.size() > 1 && outline[outline.size() - 2] == outline.back())
+            point.fail("is the same point as the one before");
+    }
+    const auto crease = value.find("crease");
+    return lathe_mesh(outline, segments, crease ? crease->number(0, 180) : 30, layout);
+}
+
+Mesh torus_of(const JsonValue& value, int segments, TextureLayout layout) {
+    const double radius = size_or(value, "radius", 0.5), tube = size_or(value, "tube_radius", radius / 4);
+    if (tube >= radius) value.fail("`tube_radius` must be smaller than `radius`");
+    return torus_mesh(radius, tube, segments, layout);
+}
+
+Mesh arch_of(const JsonValue& value, int segments, TextureLayout layout) {
+    const auto size = sizes_or<3>(value, "size", 1);
+    const auto opening = sizes_or<2>(value, "opening", 0.5);
+    if (opening[0] >= size[0] || opening[1] >= size[1] || 2 * opening[1] < opening[0])
+        value.fail("`opening` must be smaller than the wall, and at least half as high as wide");
+    return arch_mesh({size[0], size[1], size[2]}, {opening[0], opening[1]}, segments, layout);
+}
+
+}  // namespace
+
+int Things::mesh_of(const JsonValue& value) {
+    if (const auto known = mesh_at_.find(value.place()); known != mesh_at_.end()) return known->second;
+    const auto shape = static_cast<Shape>(value.need("shape").word(shapes));
+    constexpr std::array<std::string_view, 2> layouts{"fit", "units"};
+    const auto uv = value.find("uv");
+    const auto layout = uv ? static_cast<TextureLayout>(uv->word(layouts)) : TextureLayout::fit;
+    // chosen: 48 sides: a disc a quarter of the picture wide shows its corners below 24.
+    const auto segments = value.has("segments") ? static_cast<int>(value.need("segments").integer(3, 1024)) : 48;
+
+    Mesh mesh;
+    switch (shape) {
+        case box: {
+            const auto s = sizes_or<3>(value, "size", 1);
+            mesh = box_mesh({s[0], s[1], s[2]}, layout);
+            break;
+        }
+        case plane:
+        case quad: {
+            const auto s = sizes_or<2>(value, "size", 1);
+            mesh = shape == plane ? plane_mesh({s[0], s[1]}, layout) : quad_mesh({s[0], s[1]}, layout);
+            break;
+        }
+        case sphere:
+            mesh = sphere_mesh(size_or(value, "radius", 0.5), segments, layout);
+            break;
+        case disc:
+            mesh = disc_mesh(size_or(value, "radius", 0.5), segments, layout);
+            break;
+        case cylinder: {
+            const double radius = size_or(value, "radius", 0.5);
+            mesh = cylinder_mesh(radius, size_or(value, "top_radius", radius), size_or(value, "height", 1), segments,
+                                 layout);
+            break;
+        }
+        case cone:
+            mesh = cylinder_mesh(size_or(value, "radius", 0.5), 0, size_or(value, "height", 1), segments, layout);
+            break;
+        case torus:
+            mesh = torus_of(value, segments, layout);
+            break;
+        case lathe:
+            mesh = lathe_of(value, segments, layout);
+            break;
+        case arch:
+            mesh = arch_of(value, segments, layout);
+            break;
+        case group:
+            break;
+    }
+    mesh.name = value.place();
+    film_.meshes.push_back(std::move(mesh));
+    return mesh_at_[value.place()] = static_cast<int>(film_.meshes.size()) - 1;
+}
+
+void Things::add_object(const std::string& name, int node, int mesh, int material) {
+    Object object;
+    object.name = name;
+    object.node = node;
+    object.mesh = mesh;
+    object.material = material;
+    film_.objects.push_back(std::move(object));
+}
+
+void Things::build_object(const JsonValue& value, int parent) {
+    value.allow_only(keys::object);
+    const auto shape = static_cast<Shape>(value.need("shape").word(shapes));
+    refuse_foreign_keys(value, shape);
+    const std::string name = value.has("name") ? value.need("name").text() : value.place();
+    const int placed = add_node(film_, name, parent);
+    place(film_, placed, value, clock_, keys::object_key);
+
+    std::vector<glm::vec3> colors;
+    if (const auto v = value.find("colors"))
+        for (const JsonValue& color : v->list(1, 1000)) colors.push_back(color.color(1));
+    if (shape == group && (value.has("material") || !colors.empty() || value.has("uv")))
+        value.fail("a group has no surface of its own; give its parts material, uv and colors");
+    const auto material = value.find("material");
+    const int own_material =
+        shape == group ? -1 : (material ? looks_.material_of(*material, -1) : looks_.default_material());
+
+    // One thing that is not repeated needs no second node.
+    const bool repeated = value.has("repeat");
+    std::size_t number = 0;
+    for (Node& copy : copies_of(value)) {
+        int node = placed;
+        if (repeated) {
+            copy.name = name + " " + std::to_string(number + 1);
+            copy.parent = placed;
+            film_.nodes.push_back(copy);
+            node = static_cast<int>(film_.nodes.size()) - 1;
+        }
+        if (film_.nodes.size() > most_objects)
+            value.fail("makes more than " + std::to_string(most_objects) + " things");
+        if (shape == group) {
+            for (const JsonValue& part : value.need("parts").list(1, 10000)) build_object(part, node);
+        } else {
+            const int painted =
+                colors.empty() ? own_material : looks_.recolored(own_material, colors[number % colors.size()]);
+            add_object(film_.nodes[static_cast<std::size_t>(node)].name, node, mesh_of(value), painted);
+        }
+        ++number;
+    }
+}
+
+void Things::read_objects(const JsonValue& objects) {
+    for (const JsonValue& object : objects.list(0, 100000)) build_object(object, -1);
+}
+
+void Things::repaint(const JsonValue& material, const std::vector<int>& nodes, const std::string& name) {
+    for (Object& object : film_.objects) {
+        const bool meant = object.name == name || std::find(nodes.begin(), nodes.end(), object.node) != nodes.end();
+        if (meant) object.material = looks_.material_of(material, material.is_text() ? -1 : object.material);
+    }
+}
+
+void Things::read_changes(const JsonValue& changes) {
+    const std::size_t node_count = film_.nodes.size();
+    for (const auto& [name, value] : changes.members()) {
+        value.allow_only(keys::change);
+        std::vector<int> nodes;
+        std::vector<std::string_view> names;
+        for (std::size_t i = 0; i < node_count; ++i) {
+            if (film_.nodes[i].name == name) nodes.push_back(static_cast<int>(i));
+            names.emplace_back(film_.nodes[i].name);
+        }
+        for (const Object& object : film_.objects) {
+            if (nodes.empty() && object.name == name && object.node >= 0) nodes.push_back(object.node);
+            names.emplace_back(object.name);
+        }
+        if (nodes.empty()) {
+            const std::string nearest = nearest_word(name, names);
+            value.fail("the scene has no object of this name" +
+                       (nearest.empty() ? std::string() : "; did you mean \"" + nearest + "\"?"));
+        }
+        for (const int node : nodes) place(film_, node, value, clock_, keys::object_key);
+        if (const auto material = value.find("material")) repaint(*material, nodes, name);
+    }
+}
+
+}  // namespace render2mpeg::scene

@@ -1,0 +1,350 @@
+// Every mesh format but glTF, by way of Assimp. This file puts a whole scene together; assimp_parts.cpp converts its
+// pieces. The result holds nothing of Assimp's.
+#include <assimp/DefaultIOSystem.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <algorithm>
+#include <assimp/Importer.hpp>
+#include <cmath>
+#include <new>
+#include <string_view>
+#include <unordered_map>
+
+#include "core/error.h"
+#include "core/numeric.h"
+#include "scene/assimp/lights.h"
+#include "scene/assimp/parts.h"
+#include "scene/assimp/rest_pose.h"
+#include "scene/loaders.h"
+
+namespace render2mpeg::scene {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Lets an importer open what lies in the scene's folder, and nothing else.
+class FolderOnly : public Assimp::DefaultIOSystem {
+  public:
+    FolderOnly(const fs::path& folder, Animation& into)
+        : folder_(fs::weakly_canonical(folder)), notes_(into.notes), files_(into.files) {}
+
+    bool Exists(const char* file) const override { return inside(file) && DefaultIOSystem::Exists(file); }
+    Assimp::IOStream* Open(const char* file, const char* mode) override {
+        if (inside(file)) {
+            if (std::find(files_.begin(), files_.end(), file) == files_.end()) files_.emplace_back(file);
+            return DefaultIOSystem::Open(file, mode);
+        }
+        notes_.push_back(
+            std::string(1, '"').append(file).append("\" lies outside of the scene's folder and was not read"));
+        return nullptr;
+    }
+
+  private:
+    bool inside(const char* file) const {
+        std::error_code failed;
+        const fs::path path = fs::weakly_canonical(file, failed);
+        if (failed) return false;
+        return std::mismatch(folder_.begin(), folder_.end(), path.begin(), path.end()).first == folder_.end();
+    }
+
+    fs::path folder_;
+    std::vector<std::string>& notes_;
+    std::vector<fs::path>& files_;
+};
+
+class SceneReader {
+  public:
+    SceneReader(const aiScene& scene, const fs::path& file, const LoadOptions& options, Animation& into)
+        : scene_(scene), file_(file), options_(options), into_(into), format_(ending_of(file)) {}
+
+    void read() {
+        read_materials();
+        for (unsigned i = 0; i < scene_.mNumMeshes; ++i) into_.meshes.push_back(mesh_from(*scene_.mMeshes[i]));
+        read_nodes();
+        read_objects();
+        read_animations();
+        to_world_ = rest_transforms(into_);
+        const RestBounds bounds = rest_bounds(into_, to_world_);
+        settle_sides_of_lamps(into_, to_world_, bounds);
+        read_lights(bounds);
+        read_cameras();
+    }
+
+    static std::string ending_of(const fs::path& file) {
+        std::string ending = file.extension().string();
+        for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        return ending.empty() ? ending : ending.substr(1);
+    }
+
+  private:
+    void read_materials();
+    void read_nodes();
+    void read_objects();
+    void read_animations();
+    void read_channel(const aiNodeAnim& channel, double ticks_per_second);
+    void read_morphing(const aiMeshMorphAnim& channel, double ticks_per_second);
+    void read_lights(const RestBounds& bounds);
+    void read_cameras();
+    int add_child(const std::string& name, glm::dvec3 position, glm::dquat rotation);
+
+    const aiScene& scene_;
+    const fs::path& file_;
+    const LoadOptions& options_;
+    Animation& into_;
+    std::string format_;
+    std::unordered_map<std::string, int> node_named_;  ///< the first of its name
+    std::vector<std::vector<unsigned>> meshes_of_node_;
+    std::vector<const aiNode*> source_of_node_;
+    std::vector<glm::dmat4> to_world_;
+};
+
+void SceneReader::read_materials() {
+    MaterialReader reader(scene_, file_.parent_path().empty() ? fs::path(".") : file_.parent_path(), format_);
+    for (unsigned i = 0; i < scene_.mNumMaterials; ++i)
+        into_.materials.push_back(reader.material_from(*scene_.mMaterials[i], into_));
+    if (into_.materials.empty()) into_.materials.emplace_back();
+
+    // PLY has no materials: where corners have colours, Assimp's grey must not darken them.
+    std::vector<char> only_colored(into_.materials.size(), 1);
+    for (unsigned i = 0; i < scene_.mNumMeshes; ++i)
+        if (!scene_.mMeshes[i]->mColors[0]) only_colored[scene_.mMeshes[i]->mMaterialIndex] = 0;
+    if (format_ == "ply" && scene_.mNumMaterials == 1 && only_colored[0]) into_.materials[0].base_color = glm::vec4(1);
+}
+
+void SceneReader::read_nodes() {
+    // FBX says its unit (in centimetres) and its axes, which Assimp leaves to us; a root of our own brings them to
+    // metres and +y up.
+    int top = -1;
+    if (format_ == "fbx" && scene_.mMetaData) {
+        const auto said = [&](const char* key, int otherwise) {
+            std::int32_t value = otherwise;
+            scene_.mMetaData->Get(key, value);
+            return static_cast<int>(value);
+        };
+        double centimetres = 1;
+        float single = 1;
+        if (!scene_.mMetaData->Get("UnitScaleFactor", centimetres) && scene_.mMetaData->Get("UnitScaleFactor", single))
+            centimetres = single;
+        Node root;
+        root.name = "metres, +y up";
+        root.scale = glm::dvec3(centimetres > 0 && std::isfinite(centimetres) ? 0.01 * centimetres : 0.01);
+        root.rotation =
+            upright({said("CoordAxis", 0), said("CoordAxisSign", 1)}, {said("UpAxis", 1), said("UpAxisSign", 1)},
+                    {said("FrontAxis", 2), said("FrontAxisSign", 1)});
+        into_.nodes.push_back(root);
+        source_of_node_.push_back(nullptr);
+        top = 0;
+    }
+
+    // Without recursion: a file may nest as deep as it likes.
+    std::vector<std::pair<const aiNode*, int>> waiting{{scene_.mRootNode, top}};
+    while (!waiting.empty()) {
+        const auto [source, parent] = waiting.back();
+        waiting.pop_back();
+        Node node;
+        node.name = source->mName.C_Str();
+        node.parent = parent;
+        node.matrix = dmat4_of(source->mTransformation);
+        const int index = static_cast<int>(into_.nodes.size());
+        into_.nodes.push_back(std::move(node));
+        source_of_node_.push_back(source);
+        node_named_.emplace(source->mName.C_Str(), index);
+        for (unsigned i = source->mNumChildren; i-- > 0;) waiting.emplace_back(source->mChildren[i], index);
+    }
+}
+
+void SceneReader::read_objects() {
+    // A mesh that several nodes show has one skin.
+    std::vector<int> skin_of_mesh(scene_.mNumMeshes, -1);
+    for (unsigned i = 0; i < scene_.mNumMeshes; ++i) {
+        if (scene_.mMeshes[i]->mNumBones == 0) continue;
+        if (std::optional<Skin> skin = skin_from(*scene_.mMeshes[i], node_named_, into_.meshes[i])) {
+            skin_of_mesh[i] = static_cast<int>(into_.skins.size());
+            into_.skins.push_back(std::move(*skin));
+        } else {
+            into_.notes.push_back("mesh \"" + into_.meshes[i].name +
+                                  "\": its bones name no node, so that it stands still");
+        }
+    }
+
+    for (std::size_t n = 0; n < source_of_node_.size(); ++n) {
+        const aiNode* source = source_of_node_[n];
+        for (unsigned k = 0; source && k < source->mNumMeshes; ++k) {
+            const unsigned m = source->mMeshes[k];
+            const aiMesh& mesh = *scene_.mMeshes[m];
+            Object object;
+            object.name = into_.nodes[n].name.empty() ? into_.meshes[m].name : into_.nodes[n].name;
+            object.node = static_cast<int>(n);
+            object.mesh = static_cast<int>(m);
+            object.material = static_cast<int>(std::min<std::size_t>(mesh.mMaterialIndex, into_.materials.size() - 1));
+            object.skin = skin_of_mesh[m];
+            if (!into_.meshes[m].morph_targets.empty())
+                for (unsigned i = 0; i < mesh.mNumAnimMeshes && i < into_.meshes[m].morph_targets.size(); ++i)
+                    object.morph_weights.push_back(mesh.mAnimMeshes[i]->mWeight);
+            into_.objects.push_back(std::move(object));
+        }
+    }
+}
+
+void SceneReader::read_animations() {
+    if (scene_.mNumAnimations == 0) {
+        if (options_.animation)
+            throw core::Error("reading", file_.string(), "has no animation \"" + *options_.animation + "\"");
+        return;
+    }
+    std::string names;
+    bool found = false;
+    for (unsigned i = 0; i < scene_.mNumAnimations; ++i) {
+        const aiAnimation& animation = *scene_.mAnimations[i];
+        const std::string name = animation.mName.C_Str();
+        names += (i ? ", " : "") + std::string("\"") + name + "\"";
+        if (options_.animation && *options_.animation != name && *options_.animation != std::to_string(i)) continue;
+        found = true;
+        // 0: not said; Assimp's own viewers take 25.
+        const double ticks = animation.mTicksPerSecond > 0 ? animation.mTicksPerSecond : 25;
+        for (unsigned c = 0; c < animation.mNumChannels; ++c) read_channel(*animation.mChannels[c], ticks);
+        for (unsigned c = 0; c < animation.mNumMorphMeshChannels; ++c)
+            read_morphing(*animation.mMorphMeshChannels[c], ticks);
+    }
+    if (!found)
+        throw core::Error("reading", file_.string(), "has no animation \"" + *options_.animation + "\", but " + names);
+}
+
+void SceneReader::read_channel(const aiNodeAnim& channel, double ticks) {
+    const auto node = node_named_.find(channel.mNodeName.C_Str());
+    if (node == node_named_.end()) return;
+    const int index = node->second;
+    for (const Track& other : into_.tracks)
+        if (other.index == index && other.target != TrackTarget::weights) return;  // an earlier animation moves it
+    Node& moved = into_.nodes[static_cast<std::size_t>(index)];
+    separate(moved);
+    for (Track& track : tracks_from(channel, index, ticks)) into_.tracks.push_back(std::move(track));
+}
+
+void SceneReader::read_morphing(const aiMeshMorphAnim& channel, double ticks) {
+    // Named after the node, or the mesh, followed by '*' and a number.
+    std::string name = channel.mName.C_Str();
+    if (const auto star = name.rfind('*'); star != std::string::npos) name.resize(star);
+    for (const Object& object : into_.objects) {
+        const Mesh& mesh = into_.meshes[static_cast<std::size_t>(object.mesh)];
+        if ((object.name != name && mesh.name != name) || mesh.morph_targets.empty()) continue;
+        Track track = weights_from(channel, object.node, mesh.morph_targets.size(), ticks);
+        if (!track.times.empty()) into_.tracks.push_back(std::move(track));
+        return;
+    }
+}
+
+int SceneReader::add_child(const std::string& name, glm::dvec3 position, glm::dquat rotation) {
+    const auto parent = node_named_.find(name);
+    Node node;
+    node.name = name + " (as placed)";
+    node.parent = parent == node_named_.end() ? 0 : parent->second;
+    node.translation = position;
+    node.rotation = rotation;
+    // 3DS's tracks place the node where the camera's or light's own entry places it already.
+    if (format_ == "3ds" && parent != node_named_.end()) {
+        const Node& own = into_.nodes[static_cast<std::size_t>(parent->second)];
+        const glm::dvec3 there = own.matrix ? glm::dvec3((*own.matrix)[3]) : own.translation;
+        if (glm::length(there - node.translation) < 1e-3 * (1 + glm::length(there))) node.translation = glm::dvec3(0);
+    }
+    into_.nodes.push_back(std::move(node));
+    return static_cast<int>(into_.nodes.size()) - 1;
+}
+
+void SceneReader::read_lights(const RestBounds& bounds) {
+    bool reduced = false;
+    for (unsigned i = 0; i < scene_.mNumLights; ++i) {
+        const aiLight& source = *scene_.mLights[i];
+        const std::string name = source.mName.C_Str();
+        ClassicLight classic;
+        if (source.mType == aiLightSource_SPOT) classic.kind = LightKind::spot;
+        if (source.mType == aiLightSource_DIRECTIONAL) classic.kind = LightKind::directional;
+        if (source.mType != aiLightSource_POINT && classic.kind == LightKind::point) {
+            into_.notes.push_back("light \"" + name + "\": neither point, spot nor directional; left out");
+            continue;
+        }
+        classic.color = {source.mColorDiffuse.r, source.mColorDiffuse.g, source.mColorDiffuse.b};
+        classic.constant = source.mAttenuationConstant;
+        classic.linear = source.mAttenuationLinear;
+        classic.quadratic = source.mAttenuationQuadratic;
+        classic.inner_angle = source.mAngleInnerCone;
+        classic.outer_angle = source.mAngleOuterCone;
+        const glm::dvec3 position = dvec3_of(source.mPosition);
+        const int node = add_child(name, position, turn_towards(dvec3_of(source.mDirection), dvec3_of(source.mUp)));
+
+        // chosen: matched at the scene's middle, or, inside the scene, a quarter of its diagonal away, so that a lamp
+        // in a room lights its walls as the file says, whatever the unit.
+        const auto parent = static_cast<std::size_t>(into_.nodes[static_cast<std::size_t>(node)].parent);
+        const glm::dvec3 there(to_world_[parent] * glm::dvec4(position, 1));
+        const double distance = std::max(glm::length(there - bounds.center()), 0.25 * bounds.diagonal());
+        Light light = physical_light(classic, distance > 0 ? distance : 1);
+        light.name = name;
+        light.node = node;
+        reduced = reduced || !falls_off_physically(classic);
+        into_.lights.push_back(light);
+    }
+    if (reduced)
+        into_.notes.push_back(
+            "lights without inverse square falloff were given it, as bright as before at the scene's middle");
+}
+
+void SceneReader::read_cameras() {
+    for (unsigned i = 0; i < scene_.mNumCameras; ++i) {
+        const aiCamera& source = *scene_.mCameras[i];
+        ClassicCamera classic;
+        classic.horizontal_angle = source.mHorizontalFOV;
+        classic.aspect = source.mAspect;
+        classic.half_width = source.mOrthographicWidth;
+        glm::dvec3 up = dvec3_of(source.mUp);
+        // Assimp takes 3DS's focal length (millimetres, on 36 mm film) for degrees, and leaves +y up where it is +z.
+        if (format_ == "3ds") {
+            const double millimetres = glm::degrees(classic.horizontal_angle);
+            classic.horizontal_angle = millimetres > 0 ? 2 * std::atan(18.0 / millimetres) : 0;
+            up = {0, 0, 1};
+        }
+        // Its clip planes belong to a modeller's viewport, and would cut the picture.
+        CameraLens lens = lens_of(classic);
+        lens.name = source.mName.C_Str();
+        lens.node = add_child(lens.name, dvec3_of(source.mPosition), turn_towards(dvec3_of(source.mLookAt), up));
+        into_.cameras.push_back(lens);
+    }
+}
+
+}  // namespace
+
+Animation load_with_assimp(const fs::path& file, const LoadOptions& options, const TakeTurns& take_turns) {
+    Animation animation;
+    animation.source = file.string();
+    if (!fs::is_regular_file(file)) throw core::Error("reading", file.string(), "no such file");
+    const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
+
+    Assimp::Importer importer;
+    importer.SetIOHandler(new FolderOnly(folder, animation));  // the importer owns it
+    importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+    importer.SetPropertyInteger(AI_CONFIG_PP_LBW_MAX_WEIGHTS, 8);
+    // chosen: 45 degrees keeps boxes flat and makes scanned and turned shapes smooth where a file has no normals.
+    importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 45.0f);
+
+    const auto refuse = [&](const std::string& cause) { throw core::Error("reading", file.string(), cause); };
+    const aiScene* scene = importer.ReadFile(file.string(), 0);
+    // What it cannot allocate it tells by the exception's own name, which helps nobody.
+    if (!scene && std::string_view(importer.GetErrorString()) == "std::bad_alloc") throw std::bad_alloc();
+    if (!scene) refuse(importer.GetErrorString());
+    if (!scene->mRootNode || scene->mNumMeshes == 0) refuse("has no mesh");
+    take_turns(Turn::ours);
+    refuse_unsound_meshes(*scene, file.string());
+    take_turns(Turn::parser);
+    scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
+                                         aiProcess_GenUVCoords | aiProcess_LimitBoneWeights |
+                                         aiProcess_JoinIdenticalVertices | aiProcess_FlipUVs);
+    if (!scene) refuse(importer.GetErrorString());
+    if (scene->mNumMeshes == 0) refuse("has points or lines, but no triangle");
+
+    take_turns(Turn::ours);
+    SceneReader(*scene, file, options, animation).read();
+    take_turns(Turn::parser);
+    return animation;
+}
+
+}  // namespace render2mpeg::scene

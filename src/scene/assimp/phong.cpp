@@ -1,0 +1,83 @@
+#include "scene/assimp/phong.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/numeric.h"
+
+namespace render2mpeg::scene {
+namespace {
+
+float largest(glm::vec3 v) {
+    return std::max({v.x, v.y, v.z});
+}
+
+/// Values that a file may have spoilt: not a number becomes 0, reflectances end at 1.
+glm::vec3 reflectance(glm::vec3 v) {
+    return core::is_finite(v) ? glm::clamp(v, glm::vec3(0), glm::vec3(1)) : glm::vec3(0);
+}
+
+/// MTL's illumination models that speak of refraction or glass: 4, 6, 7, 9. [MTL, illum]
+bool says_glass(int model) {
+    return model == 4 || model == 6 || model == 7 || model == 9;
+}
+
+/// Those that trace reflections of an opaque surface: 3, 5. [MTL, illum]
+bool says_mirror(int model) {
+    return model == 3 || model == 5;
+}
+
+/// Reflectance at normal incidence. Ks has two traditions: physically minded authors write the reflectance itself (0.04
+/// for varnish, 0.8 for steel with a dark Kd), the others the strength of a highlight (0.5 or 0.9 beside a bright Kd),
+/// which as a reflectance would turn every painted wall into a half mirror. chosen: Ks as it is where the surface is
+/// said to mirror or is mostly specular (Ks >= 0.3 and Kd <= Ks / 4: the steel, gold and mirrors of the public bathroom
+/// and Cornell scenes are all beyond, their paints all below), else at most 0.04 (1 + Ks), the 4..8 % of dielectrics.
+glm::vec3 normal_reflectance(const PhongLook& look) {
+    const glm::vec3 ks = reflectance(look.specular);
+    const bool mostly_specular = largest(ks) >= 0.3f && largest(look.diffuse) <= largest(ks) / 4;
+    if (mostly_specular || says_mirror(look.illumination_model)) return ks;
+    return glm::min(ks, 0.04f * (1.0f + ks));
+}
+
+}  // namespace
+
+float roughness_of_exponent(float exponent) {
+    if (!(exponent > 0)) return 1;
+    return std::clamp(std::sqrt(std::sqrt(2.0f / (exponent + 2.0f))), 0.0f, 1.0f);
+}
+
+void apply(const PhongLook& look, Material& material) {
+    const float opacity = std::isfinite(look.opacity) ? std::clamp(look.opacity, 0.0f, 1.0f) : 1.0f;
+    material.emission = core::is_finite(look.emission) ? glm::max(look.emission, glm::vec3(0)) : glm::vec3(0);
+
+    // Glass: refraction is said outright, or the surface is all but invisible and has an index of refraction.
+    const bool glass = says_glass(look.illumination_model) || (opacity <= 0.1f && look.ior > 1.01f);
+    if (glass) {
+        const glm::vec3 filter = reflectance(look.filter);
+        material.base_color = glm::vec4(largest(filter) > 0 ? filter : glm::vec3(1), 1);
+        material.transmission = 1;
+        material.roughness = look.roughness >= 0 ? std::min(look.roughness, 1.0f) : 0;
+        material.metallic = 0;
+        material.ior = std::isfinite(look.ior) && look.ior > 1.01f ? look.ior : 1.5f;
+        return;
+    }
+
+    // The physically based extension of MTL, and FBX's newer materials, need no conversion.
+    material.base_color = glm::vec4(reflectance(look.diffuse), opacity);
+    if (opacity < 1) material.alpha_mode = AlphaMode::blend;
+    if (look.metallic >= 0 || look.roughness >= 0) {
+        material.metallic = std::clamp(look.metallic, 0.0f, 1.0f);
+        material.roughness =
+            look.roughness >= 0 ? std::min(look.roughness, 1.0f) : roughness_of_exponent(look.exponent);
+        return;
+    }
+
+    material.specular_glossiness = true;
+    material.specular = normal_reflectance(look);
+    const bool mirror = look.illumination_model == 5 && largest(material.specular) > 0;
+    material.glossiness = mirror ? 1.0f : 1.0f - roughness_of_exponent(look.exponent);
+    material.roughness = 1 - material.glossiness;
+    if (largest(material.specular) <= 0) material.glossiness = 0;
+}
+
+}  // namespace render2mpeg::scene

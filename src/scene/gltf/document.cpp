@@ -1,0 +1,231 @@
+#include "scene/gltf/document.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <stdexcept>
+#include <string_view>
+#include <system_error>
+
+#include "core/error.h"
+#include "scene/gltf/uri.h"
+#include "scene/model/wording.h"
+
+namespace render2mpeg::scene::gltf {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 8> known_extensions{"KHR_lights_punctual",
+                                                           "KHR_materials_emissive_strength",
+                                                           "KHR_materials_unlit",
+                                                           "KHR_texture_transform",
+                                                           "KHR_materials_transmission",
+                                                           "KHR_materials_ior",
+                                                           "KHR_materials_pbrSpecularGlossiness",
+                                                           "KHR_mesh_quantization"};
+
+constexpr std::uint32_t glb_magic = 0x46546c67, json_chunk = 0x4e4f534a, binary_chunk = 0x004e4942;  // [glTF2, 4.4]
+
+std::uint32_t little_endian(const std::byte* p) {
+    std::uint32_t value = 0;
+    for (int k = 3; k >= 0; --k) value = (value << 8) | std::to_integer<std::uint32_t>(p[k]);
+    return value;
+}
+
+/// The whole of a file; at most `limit` bytes of it. Throws std::invalid_argument with the cause.
+std::vector<std::byte> read_file(const fs::path& path,
+                                 std::uintmax_t limit = std::numeric_limits<std::uintmax_t>::max()) {
+    const std::string name = in_quotes(path.filename().string());
+    std::error_code failure;
+    if (!fs::is_regular_file(path, failure)) throw std::invalid_argument("there is no file " + name);
+    const std::uintmax_t size = std::min(fs::file_size(path, failure), limit);
+    std::ifstream stream(path, std::ios::binary);
+    if (failure || !stream) throw std::invalid_argument("the file " + name + " cannot be opened");
+    std::vector<std::byte> bytes(static_cast<std::size_t>(size));
+    stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+    if (static_cast<std::uintmax_t>(stream.gcount()) != size)
+        throw std::invalid_argument("the file " + name + " cannot be read to its end");
+    return bytes;
+}
+
+/// The same for the scene's own file.
+std::vector<std::byte> read_scene_file(const fs::path& path) {
+    try {
+        return read_file(path);
+    } catch (const std::invalid_argument& error) {
+        throw core::Error("reading", path.string(), error.what());
+    }
+}
+
+/// The parser's own words without their prefix in brackets, on one line.
+std::string message_of(const nlohmann::json::exception& error) {
+    std::string text = error.what();
+    if (const std::size_t end = text.find("] "); end != std::string::npos) text = text.substr(end + 2);
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+    return text.substr(0, 160);
+}
+
+}  // namespace
+
+Document::Document(const fs::path& file) : file_(file), files_{file} {
+    const std::vector<std::byte> bytes = read_scene_file(file);
+    if (bytes.empty()) throw core::Error("reading", file.string(), "the file is empty");
+    if (bytes.size() >= 4 && little_endian(bytes.data()) == glb_magic)
+        read_binary(bytes);
+    else
+        read_json(bytes, 0, bytes.size());
+    check_asset();
+    check_extensions();
+    read_buffers();
+}
+
+void Document::refuse(const std::string& where, const std::string& cause) const {
+    if (where.empty()) throw core::Error("reading", file_.string(), cause);
+    throw core::Error("reading", file_.string(), where, cause);
+}
+
+void Document::read_json(const std::vector<std::byte>& bytes, std::size_t first, std::size_t size) {
+    const char* text = reinterpret_cast<const char*>(bytes.data()) + first;
+    try {
+        json_ = nlohmann::json::parse(text, text + size);
+    } catch (const nlohmann::json::exception& error) {
+        refuse("", "is not JSON: " + message_of(error));
+    }
+    if (!json_.is_object()) refuse("", "is not a glTF file: its JSON is not an object");
+}
+
+void Document::read_binary(const std::vector<std::byte>& bytes) {
+    // The header's length may fall short of the file's (padding), never exceed it. [glTF2, 4.4]
+    if (bytes.size() < 20)
+        refuse("", "is truncated: a binary glTF file has at least 20 bytes, this one " + std::to_string(bytes.size()));
+    if (const std::uint32_t version = little_endian(&bytes[4]); version != 2)
+        refuse("", "is binary glTF of version " + std::to_string(version) + "; version 2 is read");
+    const std::size_t length = little_endian(&bytes[8]);
+    if (length > bytes.size())
+        refuse("",
+               "is truncated: it says " + std::to_string(length) + " bytes and has " + std::to_string(bytes.size()));
+
+    bool has_json = false;
+    for (std::size_t at = 12; at + 8 <= length;) {
+        const std::size_t size = little_endian(&bytes[at]);
+        const std::uint32_t kind = little_endian(&bytes[at + 4]);
+        at += 8;
+        if (size > length - at)
+            refuse("",
+                   "is truncated: a chunk of " + std::to_string(size) + " bytes has " + std::to_string(length - at));
+        if (!has_json && kind != json_chunk) refuse("", "its first chunk is not JSON");
+        if (kind == json_chunk && !has_json) {
+            read_json(bytes, at, size);
+            has_json = true;
+        } else if (kind == binary_chunk && !binary_chunk_) {
+            binary_chunk_.emplace(bytes.begin() + static_cast<std::ptrdiff_t>(at),
+                                  bytes.begin() + static_cast<std::ptrdiff_t>(at + size));
+        }
+        at += size;
+    }
+    if (!has_json) refuse("", "has no JSON chunk");
+}
+
+void Document::check_asset() const {
+    const std::optional<Element> asset = root().object("asset");
+    if (!asset) refuse("", "is not a glTF file: it has no asset");
+    const std::string minimum = asset->string("minVersion", ""),
+                      version = minimum.empty() ? asset->string("version", "") : minimum;
+    const bool readable = minimum.empty() ? version.compare(0, 2, "2.") == 0 : minimum == "2.0";
+    if (!readable) refuse("asset", "is of glTF version " + in_quotes(version) + "; version 2.0 is read");
+}
+
+void Document::check_extensions() {
+    const auto names_in = [&](const char* key) {
+        std::vector<std::string> names;
+        if (!json_.contains(key)) return names;
+        const nlohmann::json& list = json_[key];
+        if (!list.is_array()) refuse("", std::string(key) + " is not an array");
+        for (const nlohmann::json& name : list) {
+            if (!name.is_string()) refuse("", std::string(key) + " holds what is not a string");
+            names.push_back(name.get<std::string>());
+        }
+        return names;
+    };
+    const auto is_known = [](const std::string& name) {
+        return std::find(known_extensions.begin(), known_extensions.end(), name) != known_extensions.end();
+    };
+    for (const std::string& name : names_in("extensionsRequired"))
+        if (!is_known(name)) refuse("", "needs the extension " + in_quotes(name) + ", which is not supported");
+    std::vector<std::string> seen;
+    for (const std::string& name : names_in("extensionsUsed")) {
+        if (is_known(name) || std::find(seen.begin(), seen.end(), name) != seen.end()) continue;
+        seen.push_back(name);
+        notes_.push_back("the optional extension " + in_quotes(name) + " is not supported; ignored");
+    }
+}
+
+void Document::read_buffers() {
+    const std::vector<Element> buffers = all("buffers");
+    for (std::size_t i = 0; i < buffers.size(); ++i) {
+        const Element& buffer = buffers[i];
+        const std::size_t length = buffer.required_size("byteLength");
+        std::vector<std::byte> bytes;
+        if (buffer.has("uri")) {
+            const std::string uri = buffer.string("uri", "");
+            try {
+                if (std::optional<std::vector<std::byte>> data = bytes_of_data_uri(uri)) {
+                    bytes = std::move(*data);
+                } else {
+                    files_.push_back(path_of_uri(uri, folder()));
+                    bytes = read_file(files_.back(), length);
+                }
+            } catch (const std::invalid_argument& error) {
+                buffer.refuse(error.what());
+            }
+        } else if (i == 0 && binary_chunk_) {
+            bytes = std::move(*binary_chunk_);
+        } else {
+            buffer.refuse("has no URI");
+        }
+        if (bytes.size() < length)
+            buffer.refuse("says " + std::to_string(length) + " bytes and has " + std::to_string(bytes.size()));
+        bytes.resize(length);
+        buffers_.push_back(std::move(bytes));
+    }
+}
+
+std::size_t Document::count(const char* kind) const {
+    const auto found = json_.find(kind);
+    return found != json_.end() && found->is_array() ? found->size() : 0;
+}
+
+Element Document::at(const char* kind, int index) const {
+    const nlohmann::json& entry = json_[kind][static_cast<std::size_t>(index)];
+    const std::string name = singular(kind);
+    if (!entry.is_object()) refuse(name + " " + std::to_string(index), "is not an object");
+    const auto found = entry.find("name");
+    const std::string own = found != entry.end() && found->is_string() ? found->get<std::string>() : "";
+    return Element(*this, entry, described(name, static_cast<std::size_t>(index), own));
+}
+
+std::vector<Element> Document::all(const char* kind) const {
+    if (json_.contains(kind) && !json_[kind].is_array()) refuse("", std::string(kind) + " is not an array");
+    std::vector<Element> elements;
+    for (std::size_t i = 0; i < count(kind); ++i) elements.push_back(at(kind, static_cast<int>(i)));
+    return elements;
+}
+
+Document::Bytes Document::view(int buffer_view, const std::string& where) const {
+    const Element view = at("bufferViews", buffer_view);
+    const std::vector<std::byte>& buffer = buffers_[static_cast<std::size_t>(view.required_index("buffer", "buffers"))];
+    const std::size_t offset = view.size("byteOffset", 0), length = view.required_size("byteLength"),
+                      stride = view.size("byteStride", 0);
+    if (offset > buffer.size() || length > buffer.size() - offset)
+        refuse(where, view.where() + " (" + std::to_string(length) + " bytes at " + std::to_string(offset) +
+                          ") leaves its buffer of " + std::to_string(buffer.size()) + " bytes");
+    if (stride != 0 && (stride < 4 || stride > 252))
+        refuse(where, view.where() + " has a stride of " + std::to_string(stride) + " bytes; it must lie in 4..252");
+    return {buffer.data() + offset, length, stride};
+}
+
+}  // namespace render2mpeg::scene::gltf

@@ -1,0 +1,22 @@
+// glTF 2.0 to an Animation. [glTF2]
+#include "scene/gltf/document.h"
+#include "scene/gltf/parts.h"
+#include "scene/loaders.h"
+
+namespace render2mpeg::scene {
+
+Animation load_gltf(const std::filesystem::path& file, const LoadOptions& options) {
+    const gltf::Document document(file);
+    Animation animation;
+    animation.source = file.string();
+    animation.files = document.files();
+    animation.notes = document.notes();
+    gltf::read_materials(document, animation);
+    gltf::MeshReader meshes(document, animation);
+    gltf::read_scene(document, meshes, animation);
+    gltf::read_animations(document, options, meshes, animation);
+    meshes.add_notes();
+    return animation;
+}
+
+}  // namespace render2mpeg::scene

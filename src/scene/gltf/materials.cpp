@@ -1,0 +1,208 @@
+#include <cmath>
+#include <stdexcept>
+#include <system_error>
+
+#include "core/error.h"
+#include "scene/gltf/parts.h"
+#include "scene/gltf/uri.h"
+#include "scene/model/wording.h"
+
+namespace render2mpeg::scene::gltf {
+namespace {
+
+core::Wrap wrap_of(const Element& sampler, const char* key) {
+    switch (sampler.size(key, 10497)) {
+        case 10497:
+            return core::Wrap::repeat;
+        case 33071:
+            return core::Wrap::clamp_to_edge;
+        case 33648:
+            return core::Wrap::mirrored_repeat;
+        default:
+            sampler.refuse(std::string(key) + " is none of glTF's");
+    }
+}
+
+/// uv' = T R S uv with angles counter-clockwise as seen on the image, whose v points down [KHR_texture_transform]. The
+/// printed shader of the extension's early drafts turns the other way; its own example (the lower left quadrant, turned
+/// clockwise) and exporters agree with this.
+void set_transform(const Element& extension, TextureUse& use) {
+    const std::vector<double> offset = extension.numbers("offset", 2), scale = extension.numbers("scale", 2);
+    const double rotation = extension.number("rotation", 0);
+    const double c = std::cos(rotation), s = std::sin(rotation);
+    const double sx = scale.empty() ? 1 : scale[0], sy = scale.empty() ? 1 : scale[1];
+    const double matrix[2][3] = {{c * sx, s * sy, offset.empty() ? 0 : offset[0]},
+                                 {-s * sx, c * sy, offset.empty() ? 0 : offset[1]}};
+    for (int row = 0; row < 2; ++row)
+        for (int column = 0; column < 3; ++column) use.transform[row][column] = static_cast<float>(matrix[row][column]);
+}
+
+class MaterialReader {
+  public:
+    MaterialReader(const Document& document, Animation& animation)
+        : document_(document), animation_(animation), image_of_(document.count("images"), -1) {}
+
+    void run() {
+        for (const Element& element : document_.all("materials")) animation_.materials.push_back(read(element));
+    }
+
+  private:
+    Material read(const Element& element) {
+        Material material;
+        material.name = element.string("name", "");
+        read_metallic_roughness(element, material);
+        if (const auto old = element.extension("KHR_materials_pbrSpecularGlossiness"))
+            read_specular_glossiness(*old, material);
+
+        // Occlusion textures stand in for the light between surfaces, which is computed here.
+        material.normal_texture = texture(element, "normalTexture");
+        if (const auto normal = element.object("normalTexture"))
+            material.normal_scale = static_cast<float>(normal->number("scale", 1));
+        read_emission(element, material);
+        read_alpha(element, material);
+        material.double_sided = element.boolean("doubleSided", false);
+        material.unlit = element.extension("KHR_materials_unlit").has_value();
+        if (const auto glass = element.extension("KHR_materials_transmission")) {
+            material.transmission = static_cast<float>(glass->number("transmissionFactor", 0));
+            material.transmission_texture = texture(*glass, "transmissionTexture");
+        }
+        if (const auto ior = element.extension("KHR_materials_ior"))
+            material.ior = static_cast<float>(ior->number("ior", 1.5));
+        // 0 asks for reflection without Fresnel, as older specular workflows have it; the nearest real surface is the
+        // densest.
+        if (material.ior == 0) material.ior = 100;
+        return material;
+    }
+
+    void read_metallic_roughness(const Element& element, Material& material) {
+        material.metallic = 1;
+        const auto pbr = element.object("pbrMetallicRoughness");
+        if (!pbr) return;
+        set_color(*pbr, "baseColorFactor", material.base_color);
+        material.base_color_texture = texture(*pbr, "baseColorTexture");
+        material.metallic = static_cast<float>(pbr->number("metallicFactor", 1));
+        material.roughness = static_cast<float>(pbr->number("roughnessFactor", 1));
+        material.metallic_roughness_texture = texture(*pbr, "metallicRoughnessTexture");
+    }
+
+    void read_specular_glossiness(const Element& extension, Material& material) {
+        material.specular_glossiness = true;
+        material.metallic = 0;
+        material.roughness = 1;
+        material.base_color = glm::vec4(1);
+        material.metallic_roughness_texture = {};
+        set_color(extension, "diffuseFactor", material.base_color);
+        material.base_color_texture = texture(extension, "diffuseTexture");
+        if (const std::vector<double> specular = extension.numbers("specularFactor", 3); !specular.empty())
+            material.specular = glm::vec3(specular[0], specular[1], specular[2]);
+        material.glossiness = static_cast<float>(extension.number("glossinessFactor", 1));
+        material.specular_glossiness_texture = texture(extension, "specularGlossinessTexture");
+    }
+
+    void read_emission(const Element& element, Material& material) {
+        if (const std::vector<double> factor = element.numbers("emissiveFactor", 3); !factor.empty())
+            material.emission = glm::vec3(factor[0], factor[1], factor[2]);
+        material.emission_texture = texture(element, "emissiveTexture");
+        if (const auto strength = element.extension("KHR_materials_emissive_strength"))
+            material.emission *= static_cast<float>(strength->number("emissiveStrength", 1));
+    }
+
+    static void read_alpha(const Element& element, Material& material) {
+        const std::string mode = element.string("alphaMode", "OPAQUE");
+        if (mode == "MASK")
+            material.alpha_mode = AlphaMode::mask;
+        else if (mode == "BLEND")
+            material.alpha_mode = AlphaMode::blend;
+        else if (mode != "OPAQUE")
+            element.refuse("alphaMode " + in_quotes(mode) + " is none of glTF's");
+        material.alpha_cutoff = static_cast<float>(element.number("alphaCutoff", 0.5));
+    }
+
+    static void set_color(const Element& element, const char* key, glm::vec4& color) {
+        const std::vector<double> numbers = element.numbers(key, 4);
+        for (std::size_t k = 0; k < numbers.size(); ++k) color[static_cast<int>(k)] = static_cast<float>(numbers[k]);
+    }
+
+    TextureUse texture(const Element& owner, const char* key) {
+        TextureUse use;
+        const std::optional<Element> info = owner.object(key);
+        if (!info) return use;
+        const Element texture = document_.at("textures", info->required_index("index", "textures"));
+        std::size_t set = info->size("texCoord", 0);
+        if (const auto transform = info->extension("KHR_texture_transform")) {
+            set_transform(*transform, use);
+            set = transform->size("texCoord", set);
+        }
+        const int image = texture.index("source", "images");
+        if (image < 0 || set > 1) {
+            const std::string why =
+                image < 0 ? "has no image that is understood"
+                          : "uses texture coordinates " + std::to_string(set) + "; there are sets 0 and 1";
+            note_once(animation_, info->where() + ": " + why + "; left out");
+            return TextureUse{};
+        }
+        use.image = image_source(image);
+        use.uv_set = static_cast<int>(set);
+        if (const int index = texture.index("sampler", "samplers"); index >= 0) {
+            const Element sampler = document_.at("samplers", index);
+            use.wrap_u = wrap_of(sampler, "wrapS");
+            use.wrap_v = wrap_of(sampler, "wrapT");
+            use.nearest = sampler.size("magFilter", 9729) == 9728;
+        }
+        return use;
+    }
+
+    /// Index into Animation::images of one of the file's images; added at the first use.
+    int image_source(int image) {
+        int& known = image_of_[static_cast<std::size_t>(image)];
+        if (known >= 0) return known;
+        const Element element = document_.at("images", image);
+        ImageSource source;
+        source.name = element.where();
+        if (element.has("uri")) {
+            const std::string uri = element.string("uri", "");
+            try {
+                if (auto data = bytes_of_data_uri(uri))
+                    source.bytes = std::move(*data);
+                else
+                    source.path = path_of_uri(uri, document_.folder());
+            } catch (const std::invalid_argument& error) {
+                element.refuse(error.what());
+            }
+            std::error_code failure;
+            if (!source.path.empty() && !std::filesystem::is_regular_file(source.path, failure))
+                element.refuse("there is no file " + in_quotes(source.path.string()));
+        } else {
+            const Document::Bytes bytes =
+                document_.view(element.required_index("bufferView", "bufferViews"), element.where());
+            source.bytes.assign(bytes.first, bytes.first + bytes.size);
+        }
+        if (source.path.empty() && source.bytes.empty()) element.refuse("is empty");
+        known = static_cast<int>(animation_.images.size());
+        animation_.images.push_back(std::move(source));
+        return known;
+    }
+
+    const Document& document_;
+    Animation& animation_;
+    std::vector<int> image_of_;
+};
+
+}  // namespace
+
+void read_materials(const Document& document, Animation& animation) {
+    MaterialReader(document, animation).run();
+}
+
+int default_material(Animation& animation) {
+    static constexpr const char* name = "(default)";
+    const int last = static_cast<int>(animation.materials.size()) - 1;
+    if (last >= 0 && animation.materials.back().name == name) return last;
+    Material material;
+    material.name = name;
+    material.metallic = 1;
+    animation.materials.push_back(material);
+    return last + 1;
+}
+
+}  // namespace render2mpeg::scene::gltf

@@ -1,0 +1,204 @@
+#include <algorithm>
+#include <numeric>
+
+#include "scene/gltf/parts.h"
+#include "scene/model/wording.h"
+
+namespace render2mpeg::scene::gltf {
+namespace {
+
+enum Mode : std::size_t { triangles = 4, triangle_strip = 5, triangle_fan = 6 };
+
+/// Corners in drawing order to triangles, each with the winding it is drawn with. [glTF2, 3.7.2.1]
+std::vector<glm::uvec3> triangles_of(const Element& primitive, std::size_t mode,
+                                     const std::vector<std::uint32_t>& corners) {
+    std::vector<glm::uvec3> result;
+    const std::size_t n = corners.size();
+    if (mode == triangles) {
+        if (n % 3 != 0)
+            primitive.refuse("has " + std::to_string(n) + " corners, which are no whole number of triangles");
+        for (std::size_t i = 0; i + 2 < n; i += 3) result.emplace_back(corners[i], corners[i + 1], corners[i + 2]);
+        return result;
+    }
+    if (n < 3) primitive.refuse("has " + std::to_string(n) + " corners; a triangle needs 3");
+    for (std::size_t i = 0; i + 2 < n; ++i) {
+        if (mode == triangle_strip)
+            result.emplace_back(corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]);
+        else
+            result.emplace_back(corners[i + 1], corners[i + 2], corners[0]);
+    }
+    return result;
+}
+
+std::vector<glm::vec2> pairs_at(const Floats& floats, const std::vector<std::uint32_t>& used) {
+    std::vector<glm::vec2> result;
+    result.reserve(used.size());
+    for (const std::uint32_t v : used) result.emplace_back(floats.values[2 * v], floats.values[2 * v + 1]);
+    return result;
+}
+
+std::vector<glm::vec3> triples_at(const Floats& floats, const std::vector<std::uint32_t>& used) {
+    std::vector<glm::vec3> result;
+    result.reserve(used.size());
+    for (const std::uint32_t v : used)
+        result.emplace_back(floats.values[3 * v], floats.values[3 * v + 1], floats.values[3 * v + 2]);
+    return result;
+}
+
+/// Four numbers each; where there are three, the fourth is 1.
+std::vector<glm::vec4> quadruples_at(const Floats& floats, const std::vector<std::uint32_t>& used) {
+    const std::size_t n = static_cast<std::size_t>(floats.components);
+    std::vector<glm::vec4> result;
+    result.reserve(used.size());
+    for (const std::uint32_t v : used) {
+        const float* f = &floats.values[n * v];
+        result.emplace_back(f[0], f[1], f[2], n > 3 ? f[3] : 1.0f);
+    }
+    return result;
+}
+
+}  // namespace
+
+const Floats& MeshReader::floats(int accessor, std::initializer_list<int> components, std::size_t count,
+                                 const std::string& user) {
+    const auto known = decoded_.find(accessor);
+    if (known != decoded_.end()) {
+        const bool fits = (count == 0 || known->second.count() == count) &&
+                          std::find(components.begin(), components.end(), known->second.components) != components.end();
+        if (fits) return known->second;
+    }
+    // What does not fit is read again for its message.
+    Floats floats = document_.floats(accessor, components, count, user);
+    return decoded_.insert_or_assign(accessor, std::move(floats)).first->second;
+}
+
+std::vector<std::uint32_t> MeshReader::read_corners(const Element& primitive, std::size_t vertices) const {
+    const int accessor = primitive.index("indices", "accessors");
+    if (accessor < 0) {
+        std::vector<std::uint32_t> corners(vertices);
+        std::iota(corners.begin(), corners.end(), 0u);
+        return corners;
+    }
+    std::vector<std::uint32_t> corners = document_.integers(accessor, 1, 0, primitive.where() + ", indices").values;
+    for (std::size_t i = 0; i < corners.size(); ++i)
+        if (corners[i] >= vertices)
+            primitive.refuse("index " + std::to_string(corners[i]) + " at position " + std::to_string(i) +
+                             " is out of range: there are " + std::to_string(vertices) + " vertices");
+    return corners;
+}
+
+void MeshReader::read_joints(const Element& primitive, const std::map<std::string, int>& attributes,
+                             const std::vector<std::uint32_t>& used, Mesh& mesh) {
+    if (attributes.count("JOINTS_2") != 0) too_many_joints_ = true;
+    for (int set = 0; set < 2; ++set) {
+        const auto joints = attributes.find("JOINTS_" + std::to_string(set)),
+                   weights = attributes.find("WEIGHTS_" + std::to_string(set));
+        if (joints == attributes.end() && weights == attributes.end()) return;
+        if (joints == attributes.end() || weights == attributes.end())
+            primitive.refuse("has joints without weights, or weights without joints");
+        const Floats& weight = floats(weights->second, {4}, 0, primitive.where() + ", " + weights->first);
+        const Document::Integers joint =
+            document_.integers(joints->second, 4, weight.count(), primitive.where() + ", " + joints->first);
+        mesh.joints.resize(used.size());
+        for (std::size_t v = 0; v < used.size(); ++v)
+            for (std::size_t k = 0; k < 4; ++k) {
+                const std::size_t from = 4 * static_cast<std::size_t>(used[v]) + k,
+                                  to = 4 * static_cast<std::size_t>(set) + k;
+                if (from >= weight.values.size())
+                    primitive.refuse(joints->first + " has fewer elements than there are vertices");
+                // Joints are 16 bits wide in every file that follows the specification.
+                if (joint.values[from] > 0xffff)
+                    primitive.refuse(joints->first + " refers to joint " + std::to_string(joint.values[from]));
+                mesh.joints[v].joint[to] = static_cast<std::uint16_t>(joint.values[from]);
+                mesh.joints[v].weight[to] = weight.values[from];
+            }
+    }
+}
+
+void MeshReader::read_morph_targets(const Element& primitive, const std::vector<std::uint32_t>& used,
+                                    std::size_t vertices, Mesh& mesh) {
+    for (const Element& target : primitive.objects("targets")) {
+        MorphTarget morph;
+        for (const auto& [name, accessor] : target.index_map(nullptr, "accessors")) {
+            const std::string user = target.where() + ", " + name;
+            if (name == "POSITION") morph.positions = triples_at(floats(accessor, {3}, vertices, user), used);
+            if (name == "NORMAL" && !mesh.normals.empty())
+                morph.normals = triples_at(floats(accessor, {3}, vertices, user), used);
+        }
+        mesh.morph_targets.push_back(std::move(morph));
+    }
+}
+
+std::optional<Mesh> MeshReader::read_primitive(const Element& primitive) {
+    const std::size_t mode = primitive.size("mode", triangles);
+    if (mode > triangle_fan) primitive.refuse("mode " + std::to_string(mode) + " is none of glTF's");
+    if (mode < triangles) return ++undrawn_, std::nullopt;
+    std::map<std::string, int> attributes;
+    for (const auto& [name, accessor] : primitive.index_map("attributes", "accessors"))
+        attributes.emplace(name, accessor);
+    const auto position = attributes.find("POSITION");
+    if (position == attributes.end()) return ++without_positions_, std::nullopt;
+
+    // Keep only the vertices that are used: exporters let many primitives share one large array.
+    const Floats& positions = floats(position->second, {3}, 0, primitive.where() + ", POSITION");
+    const std::size_t vertices = positions.count();
+    std::vector<std::uint32_t> corners = read_corners(primitive, vertices);
+    std::vector<std::uint32_t> used = corners;
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    if (used.size() < vertices)
+        for (std::uint32_t& corner : corners)
+            corner = static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), corner) - used.begin());
+
+    Mesh mesh;
+    mesh.positions = triples_at(positions, used);
+    mesh.triangles = triangles_of(primitive, mode, corners);
+    const auto read = [&](const char* name, std::initializer_list<int> components) -> const Floats* {
+        const auto found = attributes.find(name);
+        return found == attributes.end()
+                   ? nullptr
+                   : &floats(found->second, components, vertices, primitive.where() + ", " + name);
+    };
+    if (const Floats* normals = read("NORMAL", {3})) mesh.normals = triples_at(*normals, used);
+    if (const Floats* tangents = read("TANGENT", {4})) mesh.tangents = quadruples_at(*tangents, used);
+    if (const Floats* uv = read("TEXCOORD_0", {2})) mesh.uv[0] = pairs_at(*uv, used);
+    if (const Floats* uv = read("TEXCOORD_1", {2})) mesh.uv[1] = pairs_at(*uv, used);
+    if (const Floats* colors = read("COLOR_0", {3, 4})) mesh.colors = quadruples_at(*colors, used);
+    read_joints(primitive, attributes, used, mesh);
+    read_morph_targets(primitive, used, vertices, mesh);
+    return mesh;
+}
+
+const std::vector<MeshReader::Part>& MeshReader::parts_of(int index) {
+    const auto known = parts_.find(index);
+    if (known != parts_.end()) return known->second;
+    const Element element = document_.at("meshes", index);
+    const std::vector<Element> primitives = element.objects("primitives");
+    const std::size_t targets = morph_targets_of(index);
+    std::vector<Part> parts;
+    for (std::size_t p = 0; p < primitives.size(); ++p) {
+        std::optional<Mesh> mesh = read_primitive(primitives[p]);
+        if (!mesh) continue;
+        if (mesh->morph_targets.size() != targets)
+            primitives[p].refuse("has not as many morph targets as the other primitives of its mesh");
+        mesh->name = element.string("name", "");
+        if (primitives.size() > 1) mesh->name.append("/").append(std::to_string(p));
+        parts.push_back({static_cast<int>(animation_.meshes.size()), primitives[p].index("material", "materials"), p});
+        animation_.meshes.push_back(std::move(*mesh));
+    }
+    return parts_.emplace(index, std::move(parts)).first->second;
+}
+
+std::size_t MeshReader::morph_targets_of(int mesh) const {
+    const std::vector<Element> primitives = document_.at("meshes", mesh).objects("primitives");
+    return primitives.empty() ? 0 : primitives.front().objects("targets").size();
+}
+
+void MeshReader::add_notes() {
+    if (undrawn_ > 0) note_once(animation_, "left out " + counted(undrawn_, "primitive") + " of points or lines");
+    if (without_positions_ > 0)
+        note_once(animation_, "left out " + counted(without_positions_, "primitive") + " without positions");
+    if (too_many_joints_) note_once(animation_, "more than 8 joints move a vertex; the first 8 are used");
+}
+
+}  // namespace render2mpeg::scene::gltf

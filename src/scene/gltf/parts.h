@@ -1,0 +1,66 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/model/animation.h"
+#include "scene/gltf/document.h"
+#include "scene/load.h"
+
+/// The parts of a glTF file, each read into an Animation by one file.
+namespace render2mpeg::scene::gltf {
+
+/// Materials and the images they use, in the file's order, so that their indices stay.
+void read_materials(const Document& document, Animation& animation);
+
+/// The material of primitives that name none [glTF2, 3.9.6]; added at the first call.
+int default_material(Animation& animation);
+
+/// Reads meshes as nodes ask for them; primitives that several nodes show become one Mesh.
+class MeshReader {
+  public:
+    MeshReader(const Document& document, Animation& animation) : document_(document), animation_(animation) {}
+
+    /// One primitive that draws triangles.
+    struct Part {
+        int mesh = -1;      ///< index into Animation::meshes
+        int material = -1;  ///< -1: the default one
+        std::size_t primitive = 0;
+    };
+    const std::vector<Part>& parts_of(int mesh);
+
+    /// Morph targets of a mesh's primitives; all have as many.
+    std::size_t morph_targets_of(int mesh) const;
+
+    /// Says what was left out.
+    void add_notes();
+
+  private:
+    std::optional<Mesh> read_primitive(const Element& primitive);
+    std::vector<std::uint32_t> read_corners(const Element& primitive, std::size_t vertices) const;
+    void read_joints(const Element& primitive, const std::map<std::string, int>& attributes,
+                     const std::vector<std::uint32_t>& used, Mesh& mesh);
+    void read_morph_targets(const Element& primitive, const std::vector<std::uint32_t>& used, std::size_t vertices,
+                            Mesh& mesh);
+    const Floats& floats(int accessor, std::initializer_list<int> components, std::size_t count,
+                         const std::string& user);
+
+    const Document& document_;
+    Animation& animation_;
+    std::map<int, std::vector<Part>> parts_;
+    std::map<int, Floats> decoded_;  ///< per accessor: primitives often share one
+    std::size_t undrawn_ = 0;        ///< primitives of points and lines
+    std::size_t without_positions_ = 0;
+    bool too_many_joints_ = false;
+};
+
+/// Nodes, and the objects, cameras, lights and skins that the scene's nodes carry.
+void read_scene(const Document& document, MeshReader& meshes, Animation& animation);
+
+/// Keys of all animations, or of the one that is wanted.
+void read_animations(const Document& document, const LoadOptions& options, const MeshReader& meshes,
+                     Animation& animation);
+
+}  // namespace render2mpeg::scene::gltf

@@ -1,0 +1,74 @@
+#include "scene/model/camera.h"
+
+#include <cmath>
+#include <limits>
+
+#include "core/error.h"
+#include "core/numeric.h"
+
+// All of this is computed in double precision and rounded once, so that the inverse functions agree as far as single
+// precision positions and directions can say (docs/model.md, "Scene and exact motion").
+namespace render2mpeg::scene {
+namespace {
+
+glm::dvec3 axis(const glm::mat4& to_world, int column) {
+    return glm::dvec3(glm::vec3(to_world[column]));
+}
+
+}  // namespace
+
+Camera::Camera(const CameraLens& lens, const glm::mat4& to_world, int width, int height, float aspect)
+    : lens_(lens), to_world_(to_world), width_(width), height_(height) {
+    EXPECTS(width > 0 && height > 0 && aspect > 0 && std::isfinite(aspect));
+    EXPECTS(core::is_finite(to_world));
+    half_extent_.y = lens.perspective ? static_cast<float>(std::tan(0.5 * static_cast<double>(lens.vertical_fov)))
+                                      : lens.y_magnification;
+    half_extent_.x = half_extent_.y * aspect;
+    EXPECTS(half_extent_.y > 0 && core::is_finite(half_extent_));
+}
+
+Ray Camera::ray_through(glm::vec2 position) const {
+    const double x = (2.0 * static_cast<double>(position.x) / width_ - 1.0) * static_cast<double>(half_extent_.x);
+    const double y = (1.0 - 2.0 * static_cast<double>(position.y) / height_) * static_cast<double>(half_extent_.y);
+    const glm::dvec3 right = axis(to_world_, 0), up = axis(to_world_, 1), back = axis(to_world_, 2);
+    if (!lens_.perspective)
+        return {glm::vec3(axis(to_world_, 3) + x * right + y * up), glm::vec3(glm::normalize(-back))};
+    return {glm::vec3(to_world_[3]), glm::vec3(glm::normalize(x * right + y * up - back))};
+}
+
+std::optional<ScreenPoint> Camera::project_exact(glm::dvec3 world) const {
+    const glm::dvec3 v = world - axis(to_world_, 3);
+    const double depth = -glm::dot(v, axis(to_world_, 2));
+    if (!(depth > 0)) return std::nullopt;
+    return on_picture(glm::dot(v, axis(to_world_, 0)), glm::dot(v, axis(to_world_, 1)), depth, depth);
+}
+
+std::optional<ScreenPoint> Camera::project(glm::vec3 world) const {
+    return project_exact(glm::dvec3(world));
+}
+
+std::optional<ScreenPoint> Camera::project_direction(glm::vec3 world_direction) const {
+    // An orthographic camera sees one direction alone, everywhere.
+    if (!lens_.perspective) return std::nullopt;
+    const glm::dvec3 v(world_direction);
+    const double along = -glm::dot(v, axis(to_world_, 2));
+    if (!(along > 0)) return std::nullopt;
+    return on_picture(glm::dot(v, axis(to_world_, 0)), glm::dot(v, axis(to_world_, 1)), along,
+                      std::numeric_limits<double>::infinity());
+}
+
+std::optional<ScreenPoint> Camera::on_picture(double right, double up, double scale, double depth) const {
+    if (!lens_.perspective) scale = 1;
+    const double x = right / (scale * static_cast<double>(half_extent_.x));
+    const double y = up / (scale * static_cast<double>(half_extent_.y));
+    const glm::vec2 position(0.5 * (1.0 + x) * width_, 0.5 * (1.0 - y) * height_);
+    // A point all but in the plane of the eye has no place on the picture that single precision can say.
+    if (!core::is_finite(position)) return std::nullopt;
+    return ScreenPoint{position, static_cast<float>(depth)};
+}
+
+float Camera::pixel_size() const {
+    return 2 * half_extent_.y / static_cast<float>(height_);
+}
+
+}  // namespace render2mpeg::scene

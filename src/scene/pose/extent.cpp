@@ -1,0 +1,80 @@
+#include "scene/pose/extent.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "scene/pose/pose.h"
+
+namespace render2mpeg::scene {
+
+namespace {
+
+bool all_within_reach(const std::vector<glm::dvec3>& positions) {
+    return std::all_of(positions.begin(), positions.end(), [](const glm::dvec3& p) {
+        return std::abs(p.x) <= farthest && std::abs(p.y) <= farthest && std::abs(p.z) <= farthest;
+    });
+}
+
+}  // namespace
+
+std::vector<glm::dvec3> world_positions(const Animation& animation, const Object& object, const Pose& pose) {
+    if (!pose.is_visible(object.node)) return {};
+    if (object.mobility == Mobility::deforming) {
+        std::vector<glm::dvec3> deformed = deformed_positions(animation, object, pose);
+        return all_within_reach(deformed) ? deformed : std::vector<glm::dvec3>{};
+    }
+    const glm::dmat4 to_world = pose.world_of(object.node);
+    if (!normal_matrix(glm::dmat3(to_world)).finite) return {};
+    std::vector<glm::dvec3> positions;
+    const Mesh& mesh = animation.meshes[static_cast<std::size_t>(object.mesh)];
+    positions.reserve(mesh.positions.size());
+    for (const glm::vec3& p : mesh.positions) positions.emplace_back(to_world * glm::dvec4(p, 1));
+    return all_within_reach(positions) ? positions : std::vector<glm::dvec3>{};
+}
+
+std::optional<Extent> extent_at(const Animation& animation, double seconds) {
+    const Pose pose = pose_at(animation, seconds);
+    Extent extent{glm::dvec3(std::numeric_limits<double>::infinity()),
+                  glm::dvec3(-std::numeric_limits<double>::infinity())};
+    bool any = false;
+    for (const Object& object : animation.objects) {
+        const std::vector<glm::dvec3> positions = world_positions(animation, object, pose);
+        if (positions.empty()) continue;
+        // Vertices that no triangle uses do not count.
+        for (const glm::uvec3& t : animation.meshes[static_cast<std::size_t>(object.mesh)].triangles) {
+            for (int k = 0; k < 3; ++k) {
+                extent.low = glm::min(extent.low, positions[t[k]]);
+                extent.high = glm::max(extent.high, positions[t[k]]);
+            }
+            any = true;
+        }
+    }
+    return any ? std::optional(extent) : std::nullopt;
+}
+
+Extent detailed_extent_at(const Animation& animation, double seconds) {
+    const Pose pose = pose_at(animation, seconds);
+    std::vector<double> centres[3];
+    for (const Object& object : animation.objects) {
+        const std::vector<glm::dvec3> positions = world_positions(animation, object, pose);
+        if (positions.empty()) continue;
+        for (const glm::uvec3& t : animation.meshes[static_cast<std::size_t>(object.mesh)].triangles)
+            for (int k = 0; k < 3; ++k)
+                centres[k].push_back((positions[t.x][k] + positions[t.y][k] + positions[t.z][k]) / 3);
+    }
+    Extent extent;
+    for (int k = 0; k < 3; ++k) {
+        std::vector<double>& c = centres[k];
+        if (c.empty()) continue;
+        const auto at = [&](std::size_t rank) {
+            std::nth_element(c.begin(), c.begin() + static_cast<std::ptrdiff_t>(rank), c.end());
+            return c[rank];
+        };
+        extent.low[k] = at(c.size() / 100);
+        extent.high[k] = at(c.size() - 1 - c.size() / 100);
+    }
+    return extent;
+}
+
+}  // namespace render2mpeg::scene

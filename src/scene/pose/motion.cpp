@@ -1,0 +1,81 @@
+#include "scene/pose/motion.h"
+
+#include <limits>
+#include <optional>
+
+#include "core/error.h"
+
+namespace render2mpeg::scene {
+namespace {
+
+/// Where a pixel's point is on both pictures; nothing where the reference cannot show it.
+struct Move {
+    glm::vec2 vector;
+    float depth;
+};
+
+/// Both ends are projected, rather than the pixel's centre taken for the one, so that the rounding of the address
+/// cancels and what does not move has motion exactly 0.
+std::optional<Move> move_of_surface(const core::SurfaceAddress& address, const Snapshot& here,
+                                    const Snapshot& reference) {
+    const std::optional<glm::dvec3> from = carry_exact(address, here), to = carry_exact(address, reference);
+    if (!from || !to) return std::nullopt;
+    const std::optional<ScreenPoint> start = here.camera.project_exact(*from),
+                                     end = reference.camera.project_exact(*to);
+    if (!start || !end) return std::nullopt;
+    return Move{end->position - start->position, end->depth};
+}
+
+std::optional<Move> move_of_sky(glm::vec2 pixel, const Camera& here, const Camera& reference) {
+    const glm::vec3 direction = here.ray_through(pixel).direction;
+    // Orthographic cameras see one point of the sky everywhere: it stays or it is gone.
+    if (!here.perspective() || !reference.perspective()) {
+        const bool same = here.perspective() == reference.perspective() && here.forward() == reference.forward();
+        return same ? std::optional(Move{glm::vec2(0), std::numeric_limits<float>::infinity()}) : std::nullopt;
+    }
+    const std::optional<ScreenPoint> start = here.project_direction(direction),
+                                     end = reference.project_direction(direction);
+    if (!start || !end) return std::nullopt;
+    return Move{end->position - start->position, end->depth};
+}
+
+}  // namespace
+
+core::MotionField motion_field_for(const core::Visible& visible, const Snapshot& here, const Snapshot& reference) {
+    core::MotionField field;
+    field.picture = here.frame;
+    field.reference = reference.frame;
+    field.vector = core::Plane<glm::vec2>(visible.width(), visible.height(), glm::vec2(0));
+    field.depth_in_reference = core::Plane<float>(visible.width(), visible.height(), 0.0f);
+    field.kind = core::Plane<core::PixelClass>(visible.width(), visible.height(), core::PixelClass::none);
+    return field;
+}
+
+void motion_of_rows(const core::Visible& visible, const Snapshot& here, const Snapshot& reference, int first_row,
+                    int last_row, core::MotionField& field) {
+    EXPECTS(field.kind.width() == visible.width() && field.kind.height() == visible.height());
+    EXPECTS(0 <= first_row && last_row <= visible.height());
+    for (int y = first_row; y < last_row; ++y) {
+        for (int x = 0; x < visible.width(); ++x) {
+            const core::PixelClass kind = visible.kind.at(x, y);
+            std::optional<Move> move;
+            if (kind == core::PixelClass::surface || kind == core::PixelClass::reflected)
+                move = move_of_surface(visible.address.at(x, y), here, reference);
+            else if (kind == core::PixelClass::sky)
+                move = move_of_sky({static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f}, here.camera,
+                                   reference.camera);
+            if (!move) continue;
+            field.vector.at(x, y) = move->vector;
+            field.depth_in_reference.at(x, y) = move->depth;
+            field.kind.at(x, y) = kind;
+        }
+    }
+}
+
+core::MotionField motion_between(const core::Visible& visible, const Snapshot& here, const Snapshot& reference) {
+    core::MotionField field = motion_field_for(visible, here, reference);
+    motion_of_rows(visible, here, reference, 0, visible.height(), field);
+    return field;
+}
+
+}  // namespace render2mpeg::scene

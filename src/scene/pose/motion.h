@@ -1,0 +1,20 @@
+#pragma once
+
+#include "core/motion_field.h"
+#include "core/visible.h"
+#include "scene/pose/snapshot.h"
+
+namespace render2mpeg::scene {
+
+/// Exact motion of every pixel of `visible` (what `here` shows) to another instant (SPEC 3): surfaces by their address,
+/// the sky by the camera's rotation. Pixels of class `reflected` get their carrier surface's motion and keep their
+/// class.
+core::MotionField motion_between(const core::Visible& visible, const Snapshot& here, const Snapshot& reference);
+
+/// The same in pieces, for callers that share rows among threads: an empty field (class `none` everywhere), and its
+/// rows [first_row, last_row), which depend on no other row.
+core::MotionField motion_field_for(const core::Visible& visible, const Snapshot& here, const Snapshot& reference);
+void motion_of_rows(const core::Visible& visible, const Snapshot& here, const Snapshot& reference, int first_row,
+                    int last_row, core::MotionField& field);
+
+}  // namespace render2mpeg::scene

@@ -1,0 +1,136 @@
+#include "scene/pose/pose.h"
+
+#include <array>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+namespace render2mpeg::scene {
+namespace {
+
+/// A node's own transform while tracks change it.
+struct LocalTransform {
+    glm::dvec3 translation;
+    glm::dquat rotation;
+    glm::dvec3 scale;
+};
+
+glm::dmat4 compose(const LocalTransform& t) {
+    const glm::dmat3 r = glm::mat3_cast(t.rotation);
+    return {glm::dvec4(r[0] * t.scale.x, 0), glm::dvec4(r[1] * t.scale.y, 0), glm::dvec4(r[2] * t.scale.z, 0),
+            glm::dvec4(t.translation, 1)};
+}
+
+/// Tracks that change a single number.
+void apply_scalar(const Track& track, float value, std::vector<std::uint8_t>& own_visible, Pose& pose) {
+    const std::size_t i = static_cast<std::size_t>(track.index);
+    switch (track.target) {
+        case TrackTarget::visibility:
+            own_visible[i] = value >= 0.5f;
+            break;
+        case TrackTarget::light_intensity:
+            pose.light_factor[i] = value;
+            break;
+        case TrackTarget::emission:
+            pose.emission_factor[i] = value;
+            break;
+        case TrackTarget::field_of_view:
+            pose.vertical_fov[i] = value;
+            break;
+        default:
+            break;
+    }
+}
+
+void apply(const Track& track, double seconds, std::vector<LocalTransform>& local,
+           std::vector<std::uint8_t>& own_visible, Pose& pose) {
+    const std::size_t i = static_cast<std::size_t>(track.index);
+    if (track.target == TrackTarget::weights) {
+        pose.weights[i].resize(static_cast<std::size_t>(track.width));
+        track.sample(seconds, pose.weights[i]);
+        return;
+    }
+    std::array<float, 4> v{};
+    track.sample(seconds, v);
+    switch (track.target) {
+        case TrackTarget::translation:
+            local[i].translation = {v[0], v[1], v[2]};
+            break;
+        case TrackTarget::rotation:
+            local[i].rotation = glm::normalize(glm::dquat(v[3], v[0], v[1], v[2]));
+            break;
+        case TrackTarget::scale:
+            local[i].scale = {v[0], v[1], v[2]};
+            break;
+        default:
+            apply_scalar(track, v[0], own_visible, pose);
+            break;
+    }
+}
+
+}  // namespace
+
+std::vector<int> parents_first(const std::vector<Node>& nodes) {
+    // Count the children of each node, then walk from the roots down.
+    std::vector<std::vector<int>> children(nodes.size());
+    std::vector<int> order;
+    order.reserve(nodes.size());
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        if (nodes[i].parent < 0)
+            order.push_back(static_cast<int>(i));
+        else
+            children[static_cast<std::size_t>(nodes[i].parent)].push_back(static_cast<int>(i));
+    }
+    for (std::size_t done = 0; done < order.size(); ++done) {
+        const std::vector<int>& below = children[static_cast<std::size_t>(order[done])];
+        order.insert(order.end(), below.begin(), below.end());
+    }
+    return order;
+}
+
+Pose pose_at(const Animation& animation, double seconds) {
+    Pose pose;
+    pose.to_world.resize(animation.nodes.size(), glm::dmat4(1.0));
+    pose.visible.assign(animation.nodes.size(), 1);
+    pose.weights.resize(animation.nodes.size());
+    pose.light_factor.assign(animation.lights.size(), 1.0f);
+    pose.emission_factor.assign(animation.materials.size(), 1.0f);
+    for (const CameraLens& lens : animation.cameras) pose.vertical_fov.push_back(lens.vertical_fov);
+
+    // Let the tracks, in their order, replace what the nodes say.
+    std::vector<LocalTransform> local;
+    local.reserve(animation.nodes.size());
+    for (const Node& node : animation.nodes) local.push_back({node.translation, node.rotation, node.scale});
+    std::vector<std::uint8_t> own_visible(animation.nodes.size(), 1);
+    for (const Track& track : animation.tracks) apply(track, seconds, local, own_visible, pose);
+
+    // Compose from the roots down.
+    for (const int n : parents_first(animation.nodes)) {
+        const std::size_t i = static_cast<std::size_t>(n);
+        const Node& node = animation.nodes[i];
+        const glm::dmat4 own = node.matrix ? *node.matrix : compose(local[i]);
+        pose.to_world[i] = node.parent < 0 ? own : pose.world_of(node.parent) * own;
+        pose.visible[i] = own_visible[i] != 0 && pose.is_visible(node.parent);
+    }
+    return pose;
+}
+
+NormalMatrix normal_matrix(const glm::dmat3& m) {
+    // The inverse transpose is the cofactor matrix over the determinant; its columns are cross products of columns.
+    const glm::dmat3 cofactor(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+    const double determinant = glm::dot(m[0], cofactor[0]);
+
+    // Refuse what is singular beside its own size: all three scales of an object count, not their unit.
+    // chosen: 1e-12; single precision vertices fall into one plane from 1e-7 on, and a shear of 1e6 still gives 1e-6.
+    const double size = glm::length(m[0]) * glm::length(m[1]) * glm::length(m[2]);
+    if (!(std::abs(determinant) > 1e-12 * size) || !std::isfinite(determinant)) return {glm::dmat3(1.0), false};
+    const glm::dmat3 inverse_transpose = cofactor * (1.0 / determinant);
+    for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < 3; ++r)
+            if (!std::isfinite(static_cast<float>(inverse_transpose[c][r])) ||
+                !std::isfinite(static_cast<float>(m[c][r])))
+                return {glm::dmat3(1.0), false};
+    return {inverse_transpose, true};
+}
+
+}  // namespace render2mpeg::scene

@@ -1,0 +1,173 @@
+#include "scene/pose/snapshot.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/numeric.h"
+#include "scene/pose/extent.h"
+#include "scene/pose/pose.h"
+
+namespace render2mpeg::scene {
+namespace {
+
+/// A unit axis in double precision; `otherwise` where v has no direction.
+glm::dvec3 unit_or(glm::dvec3 v, glm::dvec3 otherwise) {
+    const double length = glm::length(v);
+    return length > 0 && std::isfinite(length) ? v / length : otherwise;
+}
+
+/// Transforms can multiply up to places that single precision does not have; lights and cameras stay on this side of
+/// them.
+glm::dvec3 within_reach(glm::dvec3 p) {
+    for (int k = 0; k < 3; ++k) p[k] = std::isnan(p[k]) ? 0.0 : std::clamp(p[k], -farthest, farthest);
+    return p;
+}
+
+glm::mat4 recentred(glm::dmat4 m, glm::dvec3 origin) {
+    m[3] -= glm::dvec4(origin, 0);
+    return glm::mat4(m);
+}
+
+bool is_finite(const std::vector<glm::vec3>& positions) {
+    return std::all_of(positions.begin(), positions.end(), [](glm::vec3 p) { return core::is_finite(p); });
+}
+
+/// Poses one object; adds to `snapshot.deformed` where its vertices move one by one.
+ObjectState pose_object(const Animation& animation, const Object& object, const Pose& pose, Snapshot& snapshot) {
+    ObjectState state;
+    state.present = pose.is_visible(object.node);
+    if (object.mobility == Mobility::deforming) {
+        if (object.skin < 0 && !normal_matrix(glm::dmat3(pose.world_of(object.node))).finite) state.present = false;
+        if (!state.present) return state;
+        DeformedMesh deformed;
+        for (const glm::dvec3& p : deformed_positions(animation, object, pose))
+            deformed.positions.emplace_back(p - animation.origin);
+        deformed.normals = deformed_normals(animation, object, pose);
+        state.present = is_finite(deformed.positions);
+        if (!state.present) return state;
+        state.deformed = static_cast<int>(snapshot.deformed.size());
+        snapshot.deformed.push_back(std::move(deformed));
+        return state;
+    }
+    const glm::dmat4 to_world = pose.world_of(object.node);
+    const NormalMatrix normal = normal_matrix(glm::dmat3(to_world));
+    state.to_world = recentred(to_world, animation.origin);
+    state.normal_to_world = glm::mat3(normal.matrix);
+    state.present = state.present && normal.finite && core::is_finite(state.to_world);
+    if (!state.present) {
+        state.to_world = glm::mat4(1.0f);
+        state.normal_to_world = glm::mat3(1.0f);
+    }
+    return state;
+}
+
+LightState pose_light(const Animation& animation, std::size_t index, const Pose& pose) {
+    const Light& light = animation.lights[index];
+    const glm::dmat4 to_world = pose.world_of(light.node);
+    LightState state;
+    state.id = static_cast<std::uint32_t>(index);
+    state.kind = light.kind;
+    state.position = glm::vec3(within_reach(glm::dvec3(to_world[3]) - animation.origin));
+    state.direction = glm::vec3(unit_or(-glm::dvec3(to_world[2]), {0, 0, -1}));
+    const float factor = pose.is_visible(light.node) ? std::max(0.0f, pose.light_factor[index]) : 0.0f;
+    // chosen: 1e30, far above any real light, so that sums of light points stay in single precision.
+    state.intensity = glm::min(light.color * (light.intensity * factor), glm::vec3(1e30f));
+    state.range = light.range;
+    if (light.kind == LightKind::spot) {
+        state.cos_inner = std::cos(light.inner_cone);
+        state.cos_outer = std::cos(light.outer_cone);
+    }
+    return state;
+}
+
+/// A camera's place without its scale; mirrored and sheared nodes keep the direction of sight and the side that is up.
+glm::mat4 rigid(const glm::dmat4& to_world, glm::dvec3 origin) {
+    const glm::dvec3 back = unit_or(glm::dvec3(to_world[2]), {0, 0, 1});
+    const glm::dvec3 fallback_up = std::abs(back.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, back.y > 0 ? -1 : 1);
+    const glm::dvec3 wanted_up = unit_or(glm::dvec3(to_world[1]), fallback_up);
+    glm::dvec3 right = glm::cross(wanted_up, back);
+    // An up axis along the line of sight says nothing; 1e-9 leaves 7 digits of the right axis.
+    if (!(glm::length(right) > 1e-9)) right = glm::cross(fallback_up, back);
+    right = glm::normalize(right);
+    const glm::dvec3 up = glm::cross(back, right);
+    return glm::mat4(glm::dmat4(glm::dvec4(right, 0), glm::dvec4(up, 0), glm::dvec4(back, 0),
+                                glm::dvec4(within_reach(glm::dvec3(to_world[3]) - origin), 1)));
+}
+
+/// The camera of a frame: the last shot that began; before the first, the first.
+int camera_at(const Animation& animation, std::int64_t frame) {
+    if (animation.shots.empty()) return 0;
+    int camera = animation.shots.front().camera;
+    for (const Shot& shot : animation.shots)
+        if (shot.frame <= frame) camera = shot.camera;
+    return camera;
+}
+
+glm::vec3 position_of(const Snapshot& snapshot, std::size_t object, std::uint32_t vertex) {
+    const ObjectState& state = snapshot.objects[object];
+    if (state.deformed >= 0) return snapshot.deformed[static_cast<std::size_t>(state.deformed)].positions[vertex];
+    const Mesh& mesh = snapshot.animation->meshes[static_cast<std::size_t>(snapshot.animation->objects[object].mesh)];
+    return glm::vec3(state.to_world * glm::vec4(mesh.positions[vertex], 1));
+}
+
+}  // namespace
+
+Snapshot snapshot_at(const Animation& animation, std::int64_t frame, core::Rational time, PictureFormat format) {
+    EXPECTS(!animation.cameras.empty() && format.width > 0 && format.height > 0 && format.pixel_aspect > 0);
+    const Pose pose = pose_at(animation, time.value());
+    Snapshot snapshot;
+    snapshot.animation = &animation;
+    snapshot.frame = frame;
+    snapshot.time = time;
+    snapshot.emission_factor = pose.emission_factor;
+    for (float& factor : snapshot.emission_factor) factor = std::max(0.0f, factor);
+
+    snapshot.objects.reserve(animation.objects.size());
+    for (const Object& object : animation.objects)
+        snapshot.objects.push_back(pose_object(animation, object, pose, snapshot));
+    for (std::size_t i = 0; i < animation.lights.size(); ++i) snapshot.lights.push_back(pose_light(animation, i, pose));
+
+    const int camera = camera_at(animation, frame);
+    CameraLens lens = animation.cameras[static_cast<std::size_t>(camera)];
+    // A spline may leave the range of its keys.
+    lens.vertical_fov = std::clamp(pose.vertical_fov[static_cast<std::size_t>(camera)], 1e-6f, 3.1415f);
+    const float aspect = static_cast<float>(format.width) * format.pixel_aspect / static_cast<float>(format.height);
+    snapshot.camera =
+        Camera(lens, rigid(pose.world_of(lens.node), animation.origin), format.width, format.height, aspect);
+    snapshot.cut_before = camera != camera_at(animation, frame - 1);
+    return snapshot;
+}
+
+Triangle triangle_of(const Snapshot& snapshot, std::uint32_t object, std::uint32_t primitive) {
+    const Animation& animation = *snapshot.animation;
+    EXPECTS_DEBUG(object < animation.objects.size());
+    const Mesh& mesh = animation.meshes[static_cast<std::size_t>(animation.objects[object].mesh)];
+    EXPECTS_DEBUG(primitive < mesh.triangles.size());
+    const glm::uvec3 corners = mesh.triangles[primitive];
+    return {position_of(snapshot, object, corners.x), position_of(snapshot, object, corners.y),
+            position_of(snapshot, object, corners.z)};
+}
+
+std::optional<glm::dvec3> carry_exact(const core::SurfaceAddress& address, const Snapshot& to) {
+    if (!address.is_surface()) return std::nullopt;
+    const ObjectState& state = to.objects[address.object];
+    if (!state.present) return std::nullopt;
+
+    // Interpolate in the space the vertices are in, then move the one point.
+    const Mesh& mesh = to.animation->meshes[static_cast<std::size_t>(to.animation->objects[address.object].mesh)];
+    const std::vector<glm::vec3>& positions =
+        state.deformed >= 0 ? to.deformed[static_cast<std::size_t>(state.deformed)].positions : mesh.positions;
+    const glm::uvec3 corners = mesh.triangles[address.primitive];
+    const double u = static_cast<double>(address.u), v = static_cast<double>(address.v);
+    const glm::dvec3 p = (1 - u - v) * glm::dvec3(positions[corners.x]) + u * glm::dvec3(positions[corners.y]) +
+                         v * glm::dvec3(positions[corners.z]);
+    return state.deformed >= 0 ? p : glm::dvec3(glm::dmat4(state.to_world) * glm::dvec4(p, 1));
+}
+
+std::optional<glm::vec3> carry(const core::SurfaceAddress& address, const Snapshot& to) {
+    const std::optional<glm::dvec3> p = carry_exact(address, to);
+    return p ? std::optional(glm::vec3(*p)) : std::nullopt;
+}
+
+}  // namespace render2mpeg::scene

@@ -1,0 +1,98 @@
+#include "scene/preparation/traits.h"
+
+#include <algorithm>
+
+#include "scene/preparation/validate.h"
+
+namespace render2mpeg::scene {
+namespace {
+
+/// What a material can show, with its textures taken at their extremes (they multiply the factors by 0..1).
+void add_material(const Material& material, Traits& traits) {
+    const bool rough_texture =
+        material.metallic_roughness_texture.present() || material.specular_glossiness_texture.present();
+    const float roughness = material.specular_glossiness ? 1 - material.glossiness : material.roughness;
+    const float largest_roughness = material.specular_glossiness && rough_texture ? 1.0f : roughness;
+    const float smallest_roughness = rough_texture && !material.specular_glossiness ? 0.0f : roughness;
+    const bool all_metal =
+        !material.specular_glossiness && material.metallic >= 1 && !material.metallic_roughness_texture.present();
+    const bool has_base = material.base_color.x > 0 || material.base_color.y > 0 || material.base_color.z > 0;
+    const bool all_glass = material.transmission >= 1 && !material.transmission_texture.present();
+    const bool reflects = material.specular_glossiness ? material.specular != glm::vec3(0)
+                                                       : material.ior > 1 || (material.metallic > 0 && has_base);
+
+    if (!material.unlit) {
+        if (has_base && !all_metal && !all_glass) traits.has_diffuse_surfaces = true;
+        if (reflects && largest_roughness >= mirror_roughness) traits.has_glossy_surfaces = true;
+        if (reflects && smallest_roughness < mirror_roughness) traits.has_mirrors = true;
+        if (material.transmission > 0 && !all_metal) traits.has_glass = true;
+        if (material.normal_texture.present()) traits.has_normal_maps = true;
+    }
+    if (material.emits()) traits.has_emissive_surfaces = true;
+    if (material.alpha_mode == AlphaMode::mask) traits.has_alpha_mask = true;
+    if (material.alpha_mode == AlphaMode::blend) traits.has_alpha_blend = true;
+    for (const TextureUse* use : {&material.base_color_texture, &material.metallic_roughness_texture,
+                                  &material.specular_glossiness_texture, &material.normal_texture,
+                                  &material.emission_texture, &material.alpha_texture, &material.transmission_texture})
+        if (use->present()) traits.has_textures = true;
+}
+
+bool camera_moves(const Animation& animation, const std::vector<char>& moves) {
+    const auto moved = [&](int camera) {
+        const int node = animation.cameras[static_cast<std::size_t>(camera)].node;
+        if (node >= 0 && moves[static_cast<std::size_t>(node)]) return true;
+        return std::any_of(animation.tracks.begin(), animation.tracks.end(), [&](const Track& track) {
+            return track.target == TrackTarget::field_of_view && track.index == camera && varies(track);
+        });
+    };
+    if (animation.shots.empty()) return !animation.cameras.empty() && moved(0);
+    return std::any_of(animation.shots.begin(), animation.shots.end(),
+                       [&](const Shot& shot) { return moved(shot.camera); });
+}
+
+bool has_cuts(const Animation& animation) {
+    return std::any_of(animation.shots.begin(), animation.shots.end(),
+                       [&](const Shot& shot) { return shot.camera != animation.shots.front().camera; });
+}
+
+/// Whether the object's own deformation changes over time, not only its shape once and for all.
+bool deforms(const Animation& animation, const Object& object, const std::vector<char>& moves) {
+    if (object.mobility != Mobility::deforming) return false;
+    if (object.skin >= 0)
+        for (const int joint : animation.skins[static_cast<std::size_t>(object.skin)].joints)
+            if (moves[static_cast<std::size_t>(joint)]) return true;
+    return std::any_of(animation.tracks.begin(), animation.tracks.end(), [&](const Track& track) {
+        return track.target == TrackTarget::weights && track.index == object.node && varies(track);
+    });
+}
+
+}  // namespace
+
+Traits traits_of(const Animation& animation) {
+    Traits traits;
+    const std::vector<char> moves = moving_nodes(animation);
+    traits.has_surfaces = !animation.objects.empty();
+    traits.has_shining_sky = animation.sky.shines();
+    traits.camera_moves = camera_moves(animation, moves);
+    traits.has_cuts = has_cuts(animation);
+
+    for (const Object& object : animation.objects) {
+        const Material& material = animation.materials[static_cast<std::size_t>(object.material)];
+        add_material(material, traits);
+        const bool by_node = object.node >= 0 && moves[static_cast<std::size_t>(object.node)] && object.skin < 0;
+        if (by_node) traits.objects_move = true;
+        if (deforms(animation, object, moves)) traits.objects_deform = true;
+        if (material.emits() && (by_node || deforms(animation, object, moves))) traits.lights_change = true;
+    }
+    for (const Light& light : animation.lights) {
+        if (light.intensity <= 0 || light.color == glm::vec3(0)) continue;
+        traits.has_punctual_lights = true;
+        if (light.node >= 0 && moves[static_cast<std::size_t>(light.node)]) traits.lights_change = true;
+    }
+    for (const Track& track : animation.tracks)
+        if ((track.target == TrackTarget::light_intensity || track.target == TrackTarget::emission) && varies(track))
+            traits.lights_change = true;
+    return traits;
+}
+
+}  // namespace render2mpeg::scene

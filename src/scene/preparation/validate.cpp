@@ -1,0 +1,190 @@
+#include "scene/preparation/validate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/numeric.h"
+#include "core/rational.h"
+#include "scene/pose/pose.h"
+#include "scene/model/wording.h"
+
+namespace render2mpeg::scene {
+namespace {
+
+bool is_finite(glm::dvec3 v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+bool is_finite(const glm::dmat4& m) {
+    for (int c = 0; c < 4; ++c)
+        for (int r = 0; r < 4; ++r)
+            if (!std::isfinite(m[c][r])) return false;
+    return true;
+}
+
+/// Whether an index names one of `count` things.
+bool in_range(int index, std::size_t count) {
+    return index >= 0 && static_cast<std::size_t>(index) < count;
+}
+
+std::string range_text(const char* kind, int index, std::size_t count) {
+    return std::string("refers to ") + kind + " " + std::to_string(index) + ", but there " +
+           (count == 1 ? "is " : "are ") + std::to_string(count);
+}
+
+/// Whether a material shows nothing, whatever its textures and colours of corners say: they multiply its alpha. What
+/// shines is kept, since its light does not ask for alpha.
+bool is_invisible(const Material& material) {
+    const bool covers_nothing = material.alpha_mode == AlphaMode::blend ||
+                                (material.alpha_mode == AlphaMode::mask && material.alpha_cutoff > 0);
+    return covers_nothing && material.base_color.w <= 0 && !material.emits();
+}
+
+}  // namespace
+
+void validate_nodes(Animation& animation) {
+    std::vector<Node>& nodes = animation.nodes;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        Node& node = nodes[i];
+        const std::string name = described("node", i, node.name);
+        if (node.parent < -1 || (node.parent >= 0 && !in_range(node.parent, nodes.size())))
+            refuse(animation, name, range_text("node", node.parent, nodes.size()));
+        if (node.matrix && !is_finite(*node.matrix))
+            refuse(animation, name, "its matrix has a number that is not finite");
+        if (!is_finite(node.translation)) refuse(animation, name, "its translation is not finite");
+        if (!is_finite(node.scale)) refuse(animation, name, "its scale is not finite");
+        const double length = glm::length(node.rotation);
+        if (!std::isfinite(length)) refuse(animation, name, "its rotation is not finite");
+        if (length == 0) note_once(animation, name + ": its rotation is zero; taken as none");
+        // Leave what is unit to within rounding alone, so that completing twice changes nothing.
+        if (length == 0)
+            node.rotation = {1, 0, 0, 0};
+        else if (std::abs(length - 1) > 1e-15)
+            node.rotation = glm::normalize(node.rotation);
+    }
+
+    // Find a node that no root reaches: it is in or below a cycle. Name one of the cycle itself.
+    const std::vector<int> order = parents_first(nodes);
+    if (order.size() == nodes.size()) return;
+    std::vector<char> reached(nodes.size(), 0);
+    for (const int n : order) reached[static_cast<std::size_t>(n)] = 1;
+    std::size_t at = static_cast<std::size_t>(std::find(reached.begin(), reached.end(), 0) - reached.begin());
+    for (std::size_t step = 0; step < nodes.size(); ++step) at = static_cast<std::size_t>(nodes[at].parent);
+    refuse(animation, described("node", at, nodes[at].name), "the node graph has a cycle through it");
+}
+
+void validate_cameras(Animation& animation) {
+    for (std::size_t i = 0; i < animation.cameras.size(); ++i) {
+        const CameraLens& lens = animation.cameras[i];
+        const std::string name = described("camera", i, lens.name);
+        if (lens.node < -1 || (lens.node >= 0 && !in_range(lens.node, animation.nodes.size())))
+            refuse(animation, name, range_text("node", lens.node, animation.nodes.size()));
+        // 3.1415 rather than pi: beyond it half the height of the picture at unit depth exceeds 20000.
+        if (lens.perspective && !(lens.vertical_fov > 0 && lens.vertical_fov < 3.1415f))
+            refuse(animation, name,
+                   "its vertical field of view is " + std::to_string(lens.vertical_fov) +
+                       " rad; it must lie between 0 and pi");
+        if (!lens.perspective && !(lens.y_magnification > 0 && std::isfinite(lens.y_magnification)))
+            refuse(animation, name, "its vertical magnification must be above 0");
+        if (!(lens.near >= 0) || !std::isfinite(lens.near))
+            refuse(animation, name, "its near distance must be 0 or more");
+        if (lens.far != 0 && !(lens.far > lens.near))
+            refuse(animation, name, "its far distance must be above its near distance");
+    }
+    for (std::size_t i = 0; i < animation.shots.size(); ++i)
+        if (!in_range(animation.shots[i].camera, animation.cameras.size()))
+            refuse(animation, described("shot", i, ""),
+                   range_text("camera", animation.shots[i].camera, animation.cameras.size()));
+    std::stable_sort(animation.shots.begin(), animation.shots.end(),
+                     [](const Shot& a, const Shot& b) { return a.frame < b.frame; });
+    if (animation.frame_rate) {
+        try {
+            core::frame_rate_from(*animation.frame_rate);
+        } catch (const core::Error& error) {
+            throw core::Error("reading", animation.source, error.what());
+        }
+    }
+    if (animation.first_frame && *animation.first_frame < 0) refuse(animation, "first frame", "must be 0 or more");
+    if (animation.first_frame && animation.last_frame && *animation.last_frame < *animation.first_frame)
+        refuse(animation, "last frame", "must not be before the first");
+}
+
+void validate_lights(Animation& animation) {
+    for (std::size_t i = 0; i < animation.lights.size(); ++i) {
+        Light& light = animation.lights[i];
+        const std::string name = described("light", i, light.name);
+        if (light.node < -1 || (light.node >= 0 && !in_range(light.node, animation.nodes.size())))
+            refuse(animation, name, range_text("node", light.node, animation.nodes.size()));
+        if (!core::is_finite(light.color) || light.color.x < 0 || light.color.y < 0 || light.color.z < 0)
+            refuse(animation, name, "its colour must be finite and not negative");
+        if (!(light.intensity >= 0) || !std::isfinite(light.intensity))
+            refuse(animation, name, "its intensity must be finite and not negative");
+        if (!core::is_finite(light.color * light.intensity)) refuse(animation, name, "its intensity is too large");
+        if (!(light.range >= 0)) refuse(animation, name, "its range must not be negative");
+        if (std::isinf(light.range)) light.range = 0;
+        if (light.kind != LightKind::spot) continue;
+        // pi / 2 in single precision is above pi / 2 by 4e-8.
+        if (!(light.inner_cone >= 0 && light.inner_cone < light.outer_cone && light.outer_cone <= 1.5707964f))
+            refuse(animation, name, "its cone angles must be 0 <= inner < outer <= pi/2");
+    }
+}
+
+void validate_objects(Animation& animation) {
+    for (std::size_t i = 0; i < animation.skins.size(); ++i) {
+        const Skin& skin = animation.skins[i];
+        const std::string name = described("skin", i, "");
+        if (skin.joints.empty()) refuse(animation, name, "has no joints");
+        if (skin.inverse_bind.size() != skin.joints.size())
+            refuse(animation, name, "has not as many inverse bind matrices as joints");
+        for (std::size_t j = 0; j < skin.joints.size(); ++j) {
+            if (!in_range(skin.joints[j], animation.nodes.size()))
+                refuse(animation, name, range_text("node", skin.joints[j], animation.nodes.size()));
+            if (!is_finite(skin.inverse_bind[j]))
+                refuse(animation, name,
+                       "inverse bind matrix " + std::to_string(j) + " has a number that is not finite");
+        }
+    }
+
+    // Check what the objects refer to.
+    for (std::size_t i = 0; i < animation.objects.size(); ++i) {
+        Object& object = animation.objects[i];
+        const std::string name = described("object", i, object.name);
+        if (object.node < -1 || (object.node >= 0 && !in_range(object.node, animation.nodes.size())))
+            refuse(animation, name, range_text("node", object.node, animation.nodes.size()));
+        if (!in_range(object.mesh, animation.meshes.size()))
+            refuse(animation, name, range_text("mesh", object.mesh, animation.meshes.size()));
+        if (!in_range(object.material, animation.materials.size()))
+            refuse(animation, name, range_text("material", object.material, animation.materials.size()));
+        const Mesh& mesh = animation.meshes[static_cast<std::size_t>(object.mesh)];
+        if (object.skin < -1 || (object.skin >= 0 && !in_range(object.skin, animation.skins.size())))
+            refuse(animation, name, range_text("skin", object.skin, animation.skins.size()));
+        if (object.skin >= 0 && mesh.joints.empty()) object.skin = -1;
+        if (object.skin >= 0) {
+            const std::size_t count = animation.skins[static_cast<std::size_t>(object.skin)].joints.size();
+            for (const VertexJoints& joints : mesh.joints)
+                for (std::size_t k = 0; k < joints.joint.size(); ++k)
+                    if (joints.weight[k] != 0 && joints.joint[k] >= count)
+                        refuse(animation, name, range_text("joint", joints.joint[k], count));
+        }
+        if (!object.morph_weights.empty() && object.morph_weights.size() != mesh.morph_targets.size())
+            refuse(animation, name,
+                   "has " + counted(object.morph_weights.size(), "morph weight") + " for " +
+                       counted(mesh.morph_targets.size(), "morph target"));
+        for (const float w : object.morph_weights)
+            if (!std::isfinite(w)) refuse(animation, name, "a morph weight is not finite");
+    }
+
+    // Remove objects that have nothing to show.
+    const auto is_empty = [&](const Object& o) {
+        return animation.meshes[static_cast<std::size_t>(o.mesh)].triangles.empty();
+    };
+    std::erase_if(animation.objects, is_empty);
+    const std::size_t unseen = std::erase_if(animation.objects, [&](const Object& o) {
+        return is_invisible(animation.materials[static_cast<std::size_t>(o.material)]);
+    });
+    if (unseen > 0)
+        animation.notes.push_back(counted(unseen, "object") + " of alpha 0 throughout cannot be seen: left out");
+}
+
+}  // namespace render2mpeg::scene

@@ -1,0 +1,185 @@
+#include <algorithm>
+#include <cmath>
+
+#include "scene/pose/pose.h"
+#include "scene/preparation/validate.h"
+#include "scene/model/wording.h"
+
+namespace render2mpeg::scene {
+namespace {
+
+const char* word_for(TrackTarget target) {
+    switch (target) {
+        case TrackTarget::translation:
+            return "translation";
+        case TrackTarget::rotation:
+            return "rotation";
+        case TrackTarget::scale:
+            return "scale";
+        case TrackTarget::weights:
+            return "morph weights";
+        case TrackTarget::visibility:
+            return "visibility";
+        case TrackTarget::light_intensity:
+            return "intensity";
+        case TrackTarget::emission:
+            return "emission";
+        case TrackTarget::field_of_view:
+            return "field of view";
+    }
+    return "value";
+}
+
+/// What a track moves, for messages, after a check that it exists.
+std::string target_of(const Animation& animation, const Track& track) {
+    const std::size_t i = static_cast<std::size_t>(track.index);
+    const std::string word = word_for(track.target);
+    const auto named = [&](const char* kind, const auto& things) {
+        if (track.index < 0 || i >= things.size())
+            refuse(animation, "track of " + word,
+                   std::string("moves ") + kind + " " + std::to_string(track.index) + ", which is not there");
+        return "track of " + word + " of " + described(kind, i, things[i].name);
+    };
+    switch (track.target) {
+        case TrackTarget::light_intensity:
+            return named("light", animation.lights);
+        case TrackTarget::emission:
+            return named("material", animation.materials);
+        case TrackTarget::field_of_view:
+            return named("camera", animation.cameras);
+        default:
+            return named("node", animation.nodes);
+    }
+}
+
+int natural_width(TrackTarget target, int width) {
+    switch (target) {
+        case TrackTarget::translation:
+        case TrackTarget::scale:
+            return 3;
+        case TrackTarget::rotation:
+            return 4;
+        case TrackTarget::weights:
+            return width;
+        default:
+            return 1;
+    }
+}
+
+std::size_t values_per_key(const Track& track) {
+    return static_cast<std::size_t>(track.width) * (track.interpolation == Interpolation::cubic_spline ? 3u : 1u);
+}
+
+/// Of keys at the same time keeps the last; throws for times that fall.
+void order_keys(const Animation& animation, const std::string& name, Track& track) {
+    const std::size_t per_key = values_per_key(track);
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < track.times.size(); ++k) {
+        if (k > 0 && track.times[k] < track.times[k - 1])
+            refuse(animation, name, "the time of key " + std::to_string(k) + " is before that of the key before it");
+        if (kept > 0 && track.times[k] == track.times[kept - 1]) --kept;
+        track.times[kept] = track.times[k];
+        std::copy_n(track.values.begin() + static_cast<std::ptrdiff_t>(k * per_key), per_key,
+                    track.values.begin() + static_cast<std::ptrdiff_t>(kept * per_key));
+        ++kept;
+    }
+    track.times.resize(kept);
+    track.values.resize(kept * per_key);
+}
+
+/// Rotations of length 0 have no meaning: they become none, which is said.
+void mend_rotations(Animation& animation, const std::string& name, Track& track) {
+    if (track.target != TrackTarget::rotation) return;
+    const std::size_t per_key = values_per_key(track);
+    const std::size_t offset = track.interpolation == Interpolation::cubic_spline ? 4 : 0;
+    for (std::size_t k = 0; k < track.times.size(); ++k) {
+        float* q = track.values.data() + k * per_key + offset;
+        if (q[0] != 0 || q[1] != 0 || q[2] != 0 || q[3] != 0) continue;
+        q[3] = 1;
+        note_once(animation, name + ": key " + std::to_string(k) + " is zero; taken as no rotation");
+    }
+}
+
+/// Fields of view are angles, the other single numbers factors: refuse what has no meaning as such.
+void check_values(const Animation& animation, const std::string& name, const Track& track) {
+    if (track.target == TrackTarget::field_of_view) {
+        // Between keys a spline may overshoot; such frames are clamped to the same range.
+        for (std::size_t v = track.interpolation == Interpolation::cubic_spline ? 1 : 0; v < track.values.size();
+             v += track.interpolation == Interpolation::cubic_spline ? 3 : 1)
+            if (!(track.values[v] > 0 && track.values[v] < 3.1415f))
+                refuse(animation, name, "a field of view must lie between 0 and pi");
+    }
+    if (track.target != TrackTarget::weights) return;
+    for (const Object& object : animation.objects) {
+        if (object.node != track.index || object.mesh < 0 ||
+            static_cast<std::size_t>(object.mesh) >= animation.meshes.size())
+            continue;
+        const std::size_t targets = animation.meshes[static_cast<std::size_t>(object.mesh)].morph_targets.size();
+        if (targets != 0 && targets != static_cast<std::size_t>(track.width))
+            refuse(animation, name,
+                   "has " + counted(static_cast<std::size_t>(track.width), "weight") + " for " +
+                       counted(targets, "morph target"));
+    }
+}
+
+}  // namespace
+
+void validate_tracks(Animation& animation) {
+    for (Track& track : animation.tracks) {
+        const std::string name = target_of(animation, track);
+        if (track.width < 1 || track.width != natural_width(track.target, track.width))
+            refuse(animation, name, "has a wrong number of values per key");
+        if (track.times.empty()) refuse(animation, name, "has no keys");
+        if (track.values.size() != track.times.size() * values_per_key(track))
+            refuse(animation, name,
+                   "has " + counted(track.values.size(), "value") + " where its keys ask for " +
+                       std::to_string(track.times.size() * values_per_key(track)));
+        for (std::size_t k = 0; k < track.times.size(); ++k)
+            if (!std::isfinite(track.times[k]))
+                refuse(animation, name, "the time of key " + std::to_string(k) + " is not finite");
+        for (std::size_t v = 0; v < track.values.size(); ++v)
+            if (!std::isfinite(track.values[v]))
+                refuse(animation, name, "key " + std::to_string(v / values_per_key(track)) + " is not finite");
+        const bool moves_node = track.target == TrackTarget::translation || track.target == TrackTarget::rotation ||
+                                track.target == TrackTarget::scale;
+        if (moves_node && animation.nodes[static_cast<std::size_t>(track.index)].matrix)
+            refuse(animation, name, "the node has a matrix; only translation, rotation and scale can be animated");
+        order_keys(animation, name, track);
+        mend_rotations(animation, name, track);
+        check_values(animation, name, track);
+    }
+}
+
+bool varies(const Track& track) {
+    const std::size_t per_key = values_per_key(track);
+    const std::size_t n = static_cast<std::size_t>(track.width);
+    const bool cubic = track.interpolation == Interpolation::cubic_spline;
+    const std::size_t offset = cubic ? n : 0;
+    for (std::size_t k = 0; k < track.times.size(); ++k) {
+        const float* key = track.values.data() + k * per_key;
+        if (!std::equal(key + offset, key + offset + n, track.values.data() + offset)) return true;
+        if (!cubic || track.times.size() == 1) continue;
+        // Equal values with tangents still bend the curve between them.
+        const auto is_zero = [](float v) { return v == 0; };
+        const bool first = k == 0, last = k + 1 == track.times.size();
+        if (!first && !std::all_of(key, key + n, is_zero)) return true;
+        if (!last && !std::all_of(key + 2 * n, key + 3 * n, is_zero)) return true;
+    }
+    return false;
+}
+
+std::vector<char> moving_nodes(const Animation& animation) {
+    std::vector<char> moves(animation.nodes.size(), 0);
+    for (const Track& track : animation.tracks) {
+        const bool is_place = track.target == TrackTarget::translation || track.target == TrackTarget::rotation ||
+                              track.target == TrackTarget::scale || track.target == TrackTarget::visibility;
+        if (is_place && varies(track)) moves[static_cast<std::size_t>(track.index)] = 1;
+    }
+    for (const int n : parents_first(animation.nodes)) {
+        const int parent = animation.nodes[static_cast<std::size_t>(n)].parent;
+        if (parent >= 0 && moves[static_cast<std::size_t>(parent)]) moves[static_cast<std::size_t>(n)] = 1;
+    }
+    return moves;
+}
+
+}  // namespace render2mpeg::scene
