@@ -1,7 +1,7 @@
 # What every target of ours is compiled with.
 #
 # -ffp-contract=off: a fused multiply-add rounds once where two operations round twice, so that letting the compiler
-# choose would make the film depend on the instruction set. -ffast-math is never used (docs/model.md, "Determinism").
+# choose would make the film depend on the instruction set. -ffast-math is never used (docs/model/determinism.md).
 add_library(render2mpeg_options INTERFACE)
 target_compile_options(render2mpeg_options INTERFACE -ffp-contract=off -fno-math-errno -Wall -Wextra -Wshadow -Wnon-virtual-dtor)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)

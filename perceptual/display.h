@@ -15,8 +15,8 @@ enum class ColorMatrix { bt601 = 6, bt709 = 1 };
 /// Weights of R', G', B' in luma: [BT709, 3.2] and [BT601, 2.5.1].
 glm::vec3 luma_weights(ColorMatrix matrix);
 
-/// The display: exposure, tone curve, transfer function and matrix, each with an exact inverse (docs/model.md,
-/// "Display"). Immutable; all functions may run in several threads at once.
+/// The display: exposure, tone curve, transfer function and matrix, each with an exact inverse
+/// (docs/model/display.md). Immutable; all functions may run in several threads at once.
 class Display {
   public:
     /// Exposures beyond +-`max_exposure` EV are a broken contract.

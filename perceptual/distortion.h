@@ -26,7 +26,7 @@ struct BlockCoding {
 };
 
 /// The error that coding can do to each coefficient of a block, or hide in it, with the coefficient's sign (0 counts as
-/// positive): what [Render2MPEG, eq. 7.3] adds to the block `c` whose thresholds are `m` (docs/model.md, "Worst case").
+/// positive): what [Render2MPEG, eq. 7.3] adds to the block `c` whose thresholds are `m` (docs/model/tolerance.md).
 /// Never 0.
 core::Block8x8 worst_errors(const core::Block8x8& c, const core::Block8x8& m, const Quantisation& quantisation,
                             const BlockCoding& coding);

@@ -18,7 +18,7 @@ double psnr(double mean_squared_error);
 /// pixels. Films are averaged arithmetically. 1 for planes too small for one window that are equal.
 double ssim(const core::Plane<std::uint8_t>& a, const core::Plane<std::uint8_t>& b);
 
-/// Quality of a film, picture by picture, averaged as ffmpeg's `psnr` and `ssim` filters do (docs/model.md, "Metrics").
+/// Quality of a film, picture by picture, averaged as ffmpeg's `psnr` and `ssim` filters do (docs/model/metrics.md).
 class FilmQuality {
   public:
     /// Both pictures have the same size.

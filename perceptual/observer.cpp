@@ -57,7 +57,7 @@ std::vector<Vote> votes(const core::Plane<float>& tolerances, const PixelLight& 
 
 /// The share of its luminance that a quarter of the remembered pixels, by their luma, stay below; 0 where too few say.
 float low_share(const core::Plane<float>& tolerances, const PixelLight& light) {
-    constexpr float quantile = 0.25f;    // chosen: docs/model.md, "Tolerance", against the median and 2 %
+    constexpr float quantile = 0.25f;    // chosen: docs/model/tolerance.md, against the median and 2 %
     constexpr std::size_t asked = 4096;  // chosen: a rank right to 0.7 % of the pixels; 1.4 % by 1024
     constexpr std::size_t few = 64;      // chosen: of 64 asked, one must know: a few lamps in the dark speak for none
     const std::size_t stride = std::max<std::size_t>(1, tolerances.size() / asked);

@@ -95,7 +95,7 @@ struct Tolerated {
     Hidden carried;  ///< for its Observation: dY(t - 1) for its plan, `no_partner` (carry.h) where none
 };
 
-/// The eye of the loop (docs/model.md, "Tolerance"): what the picture before hides becomes what this frame may err by.
+/// The eye of the loop (docs/model/tolerance.md): what the picture before hides becomes what this frame may err by.
 /// Immutable; what is remembered is handed in and out.
 class Observer {
   public:

@@ -8,8 +8,8 @@
 
 namespace render2mpeg::perceptual {
 
-/// The display's tone curve by itself: scene-linear, exposed, >= 0, to display-linear in [0, 1] (docs/model.md,
-/// "Display").
+/// The display's tone curve by itself: scene-linear, exposed, >= 0, to display-linear in [0, 1]
+/// (docs/model/display.md).
 double tone_curve(double exposed);
 /// Its inverse, for display-linear values in [0, 1).
 double inverse_tone_curve(double display_linear);

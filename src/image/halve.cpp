@@ -14,7 +14,7 @@ struct Mixture {
 };
 
 /// Integral from -infinity to x of the filter: a tent of unit half width. chosen: tried a box, a quadratic B-spline and
-/// Kaiser windows of two and three lobes (docs/model.md, "Textures"); a tent has a fifth of the box's aliasing and,
+/// Kaiser windows of two and three lobes (docs/model/images.md); a tent has a fifth of the box's aliasing and,
 /// unlike a Kaiser window, no negative weights, which would make dark rings about a sun.
 double tent_integral(double x) {
     if (x <= -1) return 0;

@@ -11,7 +11,7 @@ namespace render2mpeg::image {
 
 /// Light from where no surface is: one colour, or a latitude-longitude image (+y up, -z in its middle, +x at three
 /// quarters of its width) times a colour. Everything is scene-linear and in world space. How it becomes lights:
-/// docs/model.md, "Skies".
+/// docs/model/images.md.
 class SkyMap {
   public:
     /// The same radiance everywhere.

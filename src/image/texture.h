@@ -22,7 +22,7 @@ enum class Encoding { linear, srgb };
 /// colours are averaged in proportion to it, so that the black around a cut-out leaf does not darken its edge.
 enum class AlphaMeaning { value, coverage };
 
-/// An image with its mip pyramid, filtered anisotropically (docs/model.md, "Textures"). Values come linear and
+/// An image with its mip pyramid, filtered anisotropically (docs/model/images.md). Values come linear and
 /// unassociated; alpha is never sRGB. Any finite or non-finite coordinate gives a finite value. Images whose values are
 /// all multiples of 1/255 are kept in 8 bits per channel, others as floats; NaN counts as 0 and magnitudes end at 1e18.
 class Texture {

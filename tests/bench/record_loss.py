@@ -7,7 +7,7 @@ import sys
 
 
 def transfer(light):
-    """BT.709's, as docs/model.md has it."""
+    """BT.709's, as docs/model/determinism.md has it."""
     return 4.5 * light if light < 0.018053968510807 else 1.09929682680944 * light**0.45 - 0.09929682680944
 
 

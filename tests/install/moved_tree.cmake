@@ -30,7 +30,7 @@ file(RENAME ${work}/first ${prefix})
 # What a distribution expects is there, and no build folder shows through.
 expect_file(${prefix}/${DOCDIR}/README.md)
 expect_file(${prefix}/${DOCDIR}/LICENSE)
-expect_file(${prefix}/${DOCDIR}/model.md)
+expect_file(${prefix}/${DOCDIR}/model/README.md)
 expect_file(${prefix}/${DATADIR}/bash-completion/completions/render2mpeg)
 file(GLOB modules ${prefix}/${LIBDIR}/render2mpeg/*.so)
 list(LENGTH modules count)

@@ -9,8 +9,8 @@
 namespace render2mpeg::app {
 
 /// Renders the film once in small and roughly lit, codes it fast, and shares its bits out by what that comes to: one
-/// allotment per frame, in order. Empty where it was interrupted. Its time is small against the film's (docs/model.md,
-/// "Rate control").
+/// allotment per frame, in order. Empty where it was interrupted. Its time is small against the film's
+/// (docs/model/rate-control.md).
 std::vector<encoder::Allotment> first_pass(const Production& film, bool quiet);
 
 /// The quantiser that pictures of about this rate usually need: where a first pass is made.

@@ -72,8 +72,8 @@ struct BoxCosines {
 };
 
 /// Upper bounds, over all light directions of a box, of D V (without cosine) and of D V cos, and of Schlick's power.
-/// The lobe's squared width may lie anywhere in [a2_low, a2_high], since light points widen it (docs/model.md,
-/// "Lightcut").
+/// The lobe's squared width may lie anywhere in [a2_low, a2_high], since light points widen it
+/// (docs/model/lightcut.md).
 struct GlossyBound {
     float value;    ///< of D V
     float cosine;   ///< of D V cos

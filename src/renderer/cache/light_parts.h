@@ -11,8 +11,8 @@
 namespace render2mpeg::renderer {
 
 /// The light of an instant, parted: what stays while things move, and what they change of it. On surfaces that never
-/// move, light is `still` + `gained` - `lost` - `hidden` + `moving`, and records hold the first alone (docs/model.md,
-/// "Things that move").
+/// move, light is `still` + `gained` - `lost` - `hidden` + `moving`, and records hold the first alone
+/// (docs/model/dynamic-light.md).
 class LightParts {
   public:
     /// Whether a film's light may be worth parting, before its anchors are known: lights stay what they are, things

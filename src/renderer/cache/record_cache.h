@@ -20,8 +20,8 @@ struct RecordCounts {
     std::uint64_t missed = 0;    ///< of these, those that records were off by more than they may
 };
 
-/// Gathers light once, at places on surfaces, and keeps it there for as long as it stays what it is (docs/model.md,
-/// "Records"). A function of what it was shown since `forget`, for any number of threads.
+/// Gathers light once, at places on surfaces, and keeps it there for as long as it stays what it is
+/// (docs/model/irradiance-cache.md). A function of what it was shown since `forget`, for any number of threads.
 class RecordCache {
   public:
     /// A chunk begins.

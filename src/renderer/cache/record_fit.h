@@ -41,8 +41,8 @@ struct RecordEstimate {
 };
 
 /// Light of a point by a weighted plane through its neighbours' records, the nearest that agree: radii of 1, 2, 4 and
-/// 6 pixels in turn; where none do, that of the nearest record in its own pixel, at the place of that (docs/model.md,
-/// "Records"). Notes the use of records where it holds.
+/// 6 pixels in turn; where none do, that of the nearest record in its own pixel, at the place of that
+/// (docs/model/irradiance-cache.md). Notes the use of records where it holds.
 RecordEstimate estimate(const RecordQuery& query, const RecordMap& map, Records& records, const RecordTrust& trust,
                         std::int64_t frame);
 

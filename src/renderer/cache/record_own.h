@@ -7,7 +7,7 @@ namespace render2mpeg::renderer {
 /// Light of the nearest record in the pixel where the point lies: of the point itself, if it lies close and light
 /// hardly changes up to it; else, where the point may be moved, of the record's place, if the point and it might be
 /// samples of the pixel that share a gather point, and light changes up to it by no more than some tolerances
-/// (docs/model.md, "Records"). Nothing where there is none; else notes its use.
+/// (docs/model/irradiance-cache.md). Nothing where there is none; else notes its use.
 void take_own(const RecordQuery& query, const RecordMap& map, Records& records, const RecordTrust& trust,
               std::int64_t frame, RecordEstimate& result);
 

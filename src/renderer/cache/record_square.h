@@ -20,7 +20,7 @@ struct SquareCorner {
 };
 
 /// Light between four points that records served, where it changes among them as it does from one to the next: tells of
-/// many points for the price of four estimates (docs/model.md, "Squares"). Of surfaces without lobes.
+/// many points for the price of four estimates (docs/model/irradiance-cache.md). Of surfaces without lobes.
 class RecordSquare {
   public:
     /// Of the corners left above, right above, left below, right below, so many pixels apart; none where they do not

@@ -26,8 +26,8 @@ struct LightSlopes {
     glm::mat3 by_normal{0};  ///< times a change of the unit normal
 };
 
-/// What one place on a surface receives, whatever its texture (docs/model.md, "Records"): kept where it was gathered
-/// and never resampled. Of a light forest's trees alone; lights that are gathered exactly are no part of it.
+/// What one place on a surface receives, whatever its texture (docs/model/irradiance-cache.md): kept where it was
+/// gathered and never resampled. Of a light forest's trees alone; lights that are gathered exactly are no part of it.
 struct Record {
     core::SurfaceAddress address;
     bool back_side = false;

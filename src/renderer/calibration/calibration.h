@@ -7,7 +7,7 @@
 
 namespace render2mpeg::renderer {
 
-// How a film's own light decides the caution of its cuts (docs/model.md, "Caution"). All of it is a function of what
+// How a film's own light decides the caution of its cuts (docs/model/lightcut.md). All of it is a function of what
 // a chunk shows and of its tolerances, for any number of threads.
 
 /// What part of their luminance the pixels that gather light may be off by, as told before they are lit: the geometric

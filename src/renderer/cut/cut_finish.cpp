@@ -1,5 +1,5 @@
 // What a finished cut sends: each cluster's light, its geometry summed over four lights of it where the stopping rule
-// is honest (docs/model.md, "Lightcut").
+// is honest (docs/model/lightcut.md).
 #include "renderer/cut/cut.h"
 #include "renderer/cut/cut_sums.h"
 #include "renderer/base/isa_clones.h"

@@ -1,6 +1,6 @@
-// Lights on surfaces near a point are discs to it, not points: what the clamp takes of them is put back (docs/model.md,
-// "Clamping"). [Render2MPEG, 6.5] finds it by short rays over the hemisphere; here the near lights are known, and their
-// discs have form factors: no noise, and no more rays than one for each.
+// Lights on surfaces near a point are discs to it, not points: what the clamp takes of them is put back
+// (docs/model/clamping.md). [Render2MPEG, 6.5] finds it by short rays over the hemisphere; here the near lights are known,
+// and their discs have form factors: no noise, and no more rays than one for each.
 #include "renderer/cut/near_lights.h"
 
 #include <algorithm>

@@ -35,7 +35,7 @@ struct ShadeCounts {
 };
 
 /// Gathers the light of every gather point of a frame, multiplies it by its textures and adds it up in pixels
-/// (docs/model.md, "Lightcut"). Where all of it is `known` already, nothing is gathered. The same bytes for any number
+/// (docs/model/lightcut.md). Where all of it is `known` already, nothing is gathered. The same bytes for any number
 /// of threads.
 core::Radiance shade(const LightForest& forest, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
                      const core::ToleranceMap& tolerance, const ShadeSettings& settings, ShadeCounts& counts,

@@ -21,7 +21,7 @@ struct RTCFilterFunctionNArguments;
 
 namespace render2mpeg::renderer {
 
-/// The geometry of an animation in Embree's scenes, posed (docs/model.md, "Visibility"). Part of RayTracer.
+/// The geometry of an animation in Embree's scenes, posed (docs/model/visibility.md). Part of RayTracer.
 ///
 /// Triangles of still objects lie together in one scene, in world space; but many copies of a large mesh are instances
 /// of it. If anything moves, or is such a copy, that scene is one instance of the scene that rays are traced in, and

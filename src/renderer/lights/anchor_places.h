@@ -32,7 +32,7 @@ struct AnchorPlace {
 };
 
 /// Chooses about `count` of the candidates, stratified over their surfaces: half of the anchors by area, half by flux,
-/// but a sixteenth evenly over all surfaces, where there are candidates for that (docs/model.md, "Anchor lights").
+/// but a sixteenth evenly over all surfaces, where there are candidates for that (docs/model/lights.md).
 /// Every group other than 0 gets one at least, and one for each of six ways that its lit places face. A function of the
 /// arguments alone.
 std::vector<AnchorPlace> choose_places(const std::vector<AnchorCandidate>& candidates, int count);

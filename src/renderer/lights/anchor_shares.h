@@ -46,7 +46,7 @@ struct AnchorPartings {
 /// anew. chosen: 32,768, 4 MB.
 inline constexpr std::size_t most_listed = 1u << 15;
 
-/// Holds all anchors, and finds those among which a photon is shared (docs/model.md, "Anchor lights").
+/// Holds all anchors, and finds those among which a photon is shared (docs/model/lights.md).
 class AnchorSharing {
   public:
     AnchorSharing() = default;

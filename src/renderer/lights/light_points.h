@@ -20,7 +20,7 @@ struct EmitterPoint {
     glm::vec3 radiance{0};  ///< mean over that area, at emission factor 1
 };
 
-/// Turns every light into light points (docs/model.md, "Light points"): each punctual light into one, emissive surfaces
+/// Turns every light into light points (docs/model/lights.md): each punctual light into one, emissive surfaces
 /// in proportion to their power, the sky by importance. Ids are stable over a chunk.
 class LightPoints {
   public:

@@ -7,7 +7,7 @@
 
 namespace render2mpeg::renderer {
 
-/// The materials of an animation as surfaces show them (docs/model.md, "Materials").
+/// The materials of an animation as surfaces show them (docs/model/materials.md).
 class SurfaceMaterials {
   public:
     SurfaceMaterials(const scene::Animation& animation, const Plan& plan);

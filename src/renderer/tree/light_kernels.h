@@ -9,7 +9,7 @@
 /// One light or one node against sixteen points at once: the renderer's innermost loops.
 namespace render2mpeg::renderer {
 
-/// The clamp of near light points (docs/model.md, "Clamping"): one counts as a disc of squared radius disc2 / `scale`.
+/// The clamp of near light points (docs/model/clamping.md): one counts as a disc of squared radius disc2 / `scale`.
 /// G is at most 1 over that, and GGX lobes are widened by what the disc spans, so that sharp ones do not show single
 /// points.
 struct GeometryClamp {

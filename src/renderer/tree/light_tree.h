@@ -121,7 +121,7 @@ class LightNode {
 static_assert(sizeof(TreeLight) == 32 && sizeof(LightNode) == 48);
 
 /// Sets of representatives: in each, every node has one of its lights, one of its children's. Whoever gathers takes one
-/// set; neighbouring pixels take different ones, so that their errors are not alike (docs/model.md, "Lightcut").
+/// set; neighbouring pixels take different ones, so that their errors are not alike (docs/model/lightcut.md).
 inline constexpr int most_representative_sets = 16;
 
 /// A binary tree over light points of one family [Walter2005, 4.1], clustered bottom up. Plain data, fixed once built.

@@ -23,7 +23,7 @@ struct SeeCounts {
     double sky_seconds = 0;           ///< CPU, about: looking at the sky
 };
 
-/// Primary visibility of the posed snapshot, with antialiasing (docs/model.md, "Visibility"). The weights of a pixel's
+/// Primary visibility of the posed snapshot, with antialiasing (docs/model/visibility.md). The weights of a pixel's
 /// gather points and its `unscattered` together stand for the whole pixel: light gathered at a point is multiplied by
 /// its weight and added. A gather point always has something to gather (a diffuse or glossy part) and a weight > 0. The
 /// result does not depend on the number of threads. Adds to `counts`.

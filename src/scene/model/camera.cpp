@@ -7,7 +7,7 @@
 #include "core/numeric.h"
 
 // All of this is computed in double precision and rounded once, so that the inverse functions agree as far as single
-// precision positions and directions can say (docs/model.md, "Scene and exact motion").
+// precision positions and directions can say (docs/model/scene.md).
 namespace render2mpeg::scene {
 namespace {
 

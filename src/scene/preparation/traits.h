@@ -32,7 +32,7 @@ struct Traits {
 Traits traits_of(const Animation& animation);
 
 /// Below this perceptual roughness a lobe counts as a mirror: light points would show as dots in it.
-/// chosen: GGX alpha 0.01; tried 0.05..0.2, see docs/model.md.
+/// chosen: GGX alpha 0.01; tried 0.05..0.2, see docs/model/materials.md.
 inline constexpr float mirror_roughness = 0.1f;
 
 }  // namespace render2mpeg::scene
