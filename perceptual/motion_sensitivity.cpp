@@ -19,7 +19,7 @@ double retinal(double speed) {
 }
 
 /// The cut-off of contrast sensitivity falls as 1 / (speed + 2). [Daly1998, eq. 11: rho_max]
-double sensitivity(double speed) {
+double sensitivity_at(double speed) {
     constexpr double still = 0.15 + 2;
     return still / (retinal(speed) + 2);
 }
@@ -34,7 +34,7 @@ double motion_sensitivity(const core::MotionField& field, double hertz) {
         const glm::vec2 v = field.vector.values()[i];
         const double pixels = std::hypot(static_cast<double>(v.x), static_cast<double>(v.y));
         const bool known = field.kind.values()[i] != core::PixelClass::none && std::isfinite(pixels);
-        sum += sensitivity(known ? pixels * degrees : 0.0);
+        sum += sensitivity_at(known ? pixels * degrees : 0.0);
     }
     return core::divide_or(sum, static_cast<double>(field.vector.size()), 1.0);
 }

@@ -3,14 +3,14 @@
 #include <exception>
 #include <new>
 
-#include "app/experiments/compare.h"
-#include "app/experiments/cost.h"
 #include "app/commands/encode.h"
 #include "app/commands/info.h"
-#include "app/system/keep_memory.h"
-#include "app/options/options.h"
 #include "app/commands/render.h"
+#include "app/experiments/compare.h"
+#include "app/experiments/cost.h"
 #include "app/experiments/tune.h"
+#include "app/options/options.h"
+#include "app/system/keep_memory.h"
 
 namespace {
 

@@ -9,9 +9,9 @@ namespace render2mpeg::core {
 /// What went wrong, as one line a user can act on: `<what was being done> <file>[: <object>]: <cause>`.
 /// Thrown at the edges only (files, outside libraries, options); caught once, in main.
 class Error : public std::runtime_error {
- public:
-    /// `doing` is a present participle ("reading", "writing"), `file` the path as the user gave it, `cause` says what is
-    /// wrong and, where it can, what would be right.
+  public:
+    /// `doing` is a present participle ("reading", "writing"), `file` the path as the user gave it, `cause` says what
+    /// is wrong and, where it can, what would be right.
     Error(std::string_view doing, std::string_view file, std::string_view cause);
     /// The same for one object within the file, e.g. `mesh "Chair", primitive 2`.
     Error(std::string_view doing, std::string_view file, std::string_view object, std::string_view cause);
@@ -21,15 +21,15 @@ class Error : public std::runtime_error {
 
 /// A broken promise between two parts of this program: never the user's fault.
 class ContractViolation : public std::logic_error {
- public:
+  public:
     ContractViolation(const char* condition, const char* file, int line);
 };
 
 }  // namespace render2mpeg::core
 
 /// A contract that stays on in release builds: for calls, not for inner loops.
-#define EXPECTS(condition)                                                                                  \
-    do {                                                                                                    \
+#define EXPECTS(condition)                                                                              \
+    do {                                                                                                \
         if (!(condition)) throw ::render2mpeg::core::ContractViolation(#condition, __FILE__, __LINE__); \
     } while (false)
 

@@ -26,11 +26,16 @@ Isa detect_isa() {
 
 const char* name_of(Isa isa) {
     switch (isa) {
-        case Isa::sse2: return "sse2";
-        case Isa::sse4_2: return "sse4.2";
-        case Isa::avx: return "avx";
-        case Isa::avx2: return "avx2";
-        case Isa::avx512: return "avx512";
+        case Isa::sse2:
+            return "sse2";
+        case Isa::sse4_2:
+            return "sse4.2";
+        case Isa::avx:
+            return "avx";
+        case Isa::avx2:
+            return "avx2";
+        case Isa::avx512:
+            return "avx512";
     }
     return "?";
 }

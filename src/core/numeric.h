@@ -20,14 +20,24 @@ inline double divide_or(double a, double b, double otherwise) {
 }
 
 /// Square root that takes the rounding noise below 0 as 0.
-inline float sqrt_or_zero(float x) { return x > 0.0f ? std::sqrt(x) : 0.0f; }
-inline double sqrt_or_zero(double x) { return x > 0.0 ? std::sqrt(x) : 0.0; }
+inline float sqrt_or_zero(float x) {
+    return x > 0.0f ? std::sqrt(x) : 0.0f;
+}
+inline double sqrt_or_zero(double x) {
+    return x > 0.0 ? std::sqrt(x) : 0.0;
+}
 
 /// Arc cosine of a cosine that may lie outside [-1, 1] by rounding.
-inline float acos_clamped(float x) { return std::acos(std::clamp(x, -1.0f, 1.0f)); }
+inline float acos_clamped(float x) {
+    return std::acos(std::clamp(x, -1.0f, 1.0f));
+}
 
-inline bool is_finite(glm::vec2 v) { return std::isfinite(v.x) && std::isfinite(v.y); }
-inline bool is_finite(glm::vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+inline bool is_finite(glm::vec2 v) {
+    return std::isfinite(v.x) && std::isfinite(v.y);
+}
+inline bool is_finite(glm::vec3 v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 inline bool is_finite(const glm::mat4& m) {
     for (int c = 0; c < 4; ++c)
         for (int r = 0; r < 4; ++r)

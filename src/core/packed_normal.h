@@ -9,7 +9,7 @@ namespace render2mpeg::core {
 
 /// A unit vector in 32 bits, right to 7e-5 rad: octahedral coordinates of 16 bits each. [Cigolle2014]
 class PackedNormal {
- public:
+  public:
     PackedNormal() = default;
     explicit PackedNormal(glm::vec3 n) {
         const float l1 = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
@@ -34,7 +34,7 @@ class PackedNormal {
 
     bool operator==(const PackedNormal&) const = default;
 
- private:
+  private:
     /// On the octahedron whose corners lie at a distance of `one`.
     static glm::vec3 unfold(float x, float y, float one) {
         const float z = one - std::abs(x) - std::abs(y);

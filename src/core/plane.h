@@ -14,7 +14,7 @@ template <class T>
 class Plane {
     static_assert(!std::is_same_v<T, bool>, "std::vector<bool> has no rows; use std::uint8_t");
 
- public:
+  public:
     Plane() = default;
     Plane(int width, int height, T fill = T{}) : width_(width), height_(height) {
         EXPECTS(width >= 0 && height >= 0);
@@ -35,7 +35,7 @@ class Plane {
 
     bool operator==(const Plane&) const = default;
 
- private:
+  private:
     std::size_t index(int x, int y) const {
         EXPECTS_DEBUG(x >= 0 && x < width_ && y >= 0 && y < height_);
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);

@@ -7,8 +7,9 @@
 
 namespace render2mpeg::core {
 
-/// What a frame's pixels send to the eye: scene-linear RGB with BT.709 primaries, >= 0 and finite. `combined` and `capped` always;
-/// the layers only where they are wanted, else empty. Light is kept apart from texture so that it can be interpolated and reused.
+/// What a frame's pixels send to the eye: scene-linear RGB with BT.709 primaries, >= 0 and finite. `combined` and
+/// `capped` always; the layers only where they are wanted, else empty. Light is kept apart from texture so that it can
+/// be interpolated and reused.
 struct Radiance {
     std::int64_t frame = 0;
     Plane<glm::vec3> combined;             ///< radiance
@@ -21,7 +22,8 @@ struct Radiance {
     Plane<float> direct_cut;               ///< clusters used, mean over the pixel's gather points
     Plane<float> indirect_cut;
     Plane<float> error;           ///< luminance by which gathering may be off, as its stopping rule reckons
-    Plane<float> record_density;  ///< records that lie in the pixel, seen or hidden; these three only where light is kept in records
+    Plane<float> record_density;  ///< records that lie in the pixel, seen or hidden; these three only where light is
+                                  ///< kept in records
     Plane<float> record_age;      ///< frames since the light that it shows was gathered, mean; 0: in this one
     Plane<float> record_reuse;    ///< share of its gather points that were not gathered in this frame, 0..1
     Plane<std::uint8_t> capped;   ///< 1: the largest cut came before that was within the tolerance; else 0

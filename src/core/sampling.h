@@ -16,8 +16,8 @@ float uniform(std::uint64_t seed, std::uint64_t a, std::uint64_t b = 0, std::uin
 inline constexpr int halton_dimensions = 64;
 
 /// Element `index` of the Halton sequence in the base that is the `dimension`-th prime (0: base 2), in [0, 1).
-/// Digits above the first are permuted with a fixed, seeded permutation per base, since plain high bases are correlated for
-/// thousands of points. [Halton1960], [Kocis1997]
+/// Digits above the first are permuted with a fixed, seeded permutation per base, since plain high bases are correlated
+/// for thousands of points. [Halton1960], [Kocis1997]
 float halton(int dimension, std::uint64_t index);
 
 /// A direction about `normal` (unit) with density cos/pi, from two uniform numbers.

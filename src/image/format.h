@@ -25,8 +25,8 @@ std::optional<Format> format_of(std::span<const std::byte> bytes, const std::str
 /// is no end marker behind the first scan.
 bool is_cut_off_jpeg(std::span<const std::byte> bytes);
 
-/// Whether the pixels of a BMP file are packed in runs: nobody writes such files for scenes, and OpenImageIO 2.4 crashes
-/// on those whose runs and depth do not agree.
+/// Whether the pixels of a BMP file are packed in runs: nobody writes such files for scenes, and OpenImageIO 2.4
+/// crashes on those whose runs and depth do not agree.
 bool is_packed_bmp(std::span<const std::byte> bytes);
 
 }  // namespace render2mpeg::image

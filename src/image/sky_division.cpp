@@ -20,8 +20,6 @@ struct SkyGrid::Part {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
-
 /// Power of a rectangle by columns or by rows.
 std::vector<double> profile(const core::Plane<float>& power, int x0, int y0, int x1, int y1, bool by_columns) {
     std::vector<double> sums(static_cast<std::size_t>(by_columns ? x1 - x0 : y1 - y0), 0.0);
@@ -56,8 +54,9 @@ Cut cut_near(const std::vector<double>& profile, double share) {
 double SkyGrid::solid_angle(const Part& part) const {
     const auto column = [&](int x) { return column_edges_[static_cast<std::size_t>(x)]; };
     const auto row = [&](int y) { return row_edges_[static_cast<std::size_t>(y)]; };
-    const double a = pi * row(part.y0), b = pi * row(part.y1);
-    return 2 * pi * (column(part.x1) - column(part.x0)) * 2 * std::sin(0.5 * (a + b)) * std::sin(0.5 * (b - a));
+    const double a = std::numbers::pi * row(part.y0), b = std::numbers::pi * row(part.y1);
+    return 2 * std::numbers::pi * (column(part.x1) - column(part.x0)) * 2 * std::sin(0.5 * (a + b)) *
+           std::sin(0.5 * (b - a));
 }
 
 SkySample SkyGrid::sample_of(const Part& part, const core::Plane<float>& power) const {
@@ -119,8 +118,9 @@ void SkyGrid::divide(const Part& part, const core::Plane<float>& power, std::vec
     }
 
     // Cut across the longer side as it lies on the sphere.
-    const double middle = 0.5 * (part.y0 + part.y1) * pi / rows();
-    const bool is_wide = across * 2 * pi / columns() * std::sin(middle) >= down * pi / rows();
+    const double middle = 0.5 * (part.y0 + part.y1) * std::numbers::pi / rows();
+    const bool is_wide =
+        across * 2 * std::numbers::pi / columns() * std::sin(middle) >= down * std::numbers::pi / rows();
     const bool by_columns = down == 1 || (across > 1 && is_wide);
     const int half = part.lights / 2;
     const Cut cut = cut_near(profile(power, part.x0, part.y0, part.x1, part.y1, by_columns),

@@ -11,8 +11,6 @@
 namespace render2mpeg::image {
 namespace {
 
-constexpr double pi = std::numbers::pi;
-
 /// chosen: cells of a quarter of a degree at least, tried 0.09 to 0.7 degrees: finer ones spend hundreds of lights on
 /// one sun, coarser ones make its penumbra a few steps. 64 columns give an image of a few pixels parts that are small
 /// enough to be lights.
@@ -35,13 +33,13 @@ struct Axis {
 
 /// Integral of sin from pi a to pi b, without cancellation: cos x - cos y = 2 sin((x + y) / 2) sin((y - x) / 2).
 double band(double a, double b) {
-    return 2 * std::sin(0.5 * pi * (a + b)) * std::sin(0.5 * pi * (b - a));
+    return 2 * std::sin(0.5 * std::numbers::pi * (a + b)) * std::sin(0.5 * std::numbers::pi * (b - a));
 }
 
 /// What a column and a row of the map point to.
 glm::dvec3 direction_of(double u, double v) {
-    const double azimuth = 2 * pi * (u - 0.5), sine = std::sin(pi * v);
-    return {sine * std::sin(azimuth), std::cos(pi * v), -sine * std::cos(azimuth)};
+    const double azimuth = 2 * std::numbers::pi * (u - 0.5), sine = std::sin(std::numbers::pi * v);
+    return {sine * std::sin(azimuth), std::cos(std::numbers::pi * v), -sine * std::cos(azimuth)};
 }
 
 }  // namespace
@@ -60,14 +58,15 @@ SkyGrid::SkyGrid(const core::Plane<glm::vec4>& radiance) {
     const int piece_columns = width * across.cells_per_pixel, piece_rows = height * down.cells_per_pixel;
     std::vector<glm::dvec2> azimuths;
     for (int x = 0; x < piece_columns; ++x) {
-        const double azimuth = 2 * pi * ((x + 0.5) / piece_columns - 0.5);
+        const double azimuth = 2 * std::numbers::pi * ((x + 0.5) / piece_columns - 0.5);
         azimuths.emplace_back(std::sin(azimuth), -std::cos(azimuth));
     }
     glm::dvec3 total{0};
     for (int y = 0; y < piece_rows; ++y) {
-        const double v = (y + 0.5) / piece_rows, sine = std::sin(pi * v), cosine = std::cos(pi * v);
+        const double v = (y + 0.5) / piece_rows, sine = std::sin(std::numbers::pi * v),
+                     cosine = std::cos(std::numbers::pi * v);
         const double solid_angle =
-            2 * pi / piece_columns * band(static_cast<double>(y) / piece_rows, (y + 1.0) / piece_rows);
+            2 * std::numbers::pi / piece_columns * band(static_cast<double>(y) / piece_rows, (y + 1.0) / piece_rows);
         const glm::vec4* const pixels = radiance.row(y / down.cells_per_pixel);
         for (int x = 0; x < piece_columns; ++x) {
             const glm::dvec3 light = glm::dvec3(glm::vec3(pixels[x / across.cells_per_pixel])) * solid_angle;
@@ -101,7 +100,8 @@ glm::vec3 SkyGrid::irradiance(glm::vec3 normal) const {
     glm::dvec3 sum{0};
     for (int y = 0; y < rows() * pieces; ++y) {
         const int row = y / pieces;
-        const double v = piece(row_edges_, y, 0.5), sine = std::sin(pi * v), height = n.y * std::cos(pi * v);
+        const double v = piece(row_edges_, y, 0.5), sine = std::sin(std::numbers::pi * v),
+                     height = n.y * std::cos(std::numbers::pi * v);
         const double share =
             band(piece(row_edges_, y, 0), piece(row_edges_, y, 1)) /
             (band(row_edges_[static_cast<std::size_t>(row)], row_edges_[static_cast<std::size_t>(row) + 1]) * pieces);

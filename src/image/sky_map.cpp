@@ -11,8 +11,6 @@
 namespace render2mpeg::image {
 namespace {
 
-constexpr double pi = std::numbers::pi;
-
 /// The largest half float.
 constexpr float overflowed_sun = 65504.0f;
 /// chosen: sums over a whole map of them stay finite.
@@ -28,7 +26,7 @@ float usable(float radiance) {
 /// Evenly spread directions that stand for equal solid angles: a Fibonacci spiral. [Swinbank2006]
 glm::vec3 spiral_direction(int i, int count) {
     const double y = 1 - (2.0 * i + 1) / count;
-    const double turn = i * (2 * pi * (1 - 1 / std::numbers::phi));
+    const double turn = i * (2 * std::numbers::pi * (1 - 1 / std::numbers::phi));
     const double r = core::sqrt_or_zero(1 - y * y);
     return {r * std::cos(turn), y, r * std::sin(turn)};
 }
@@ -47,7 +45,7 @@ SkyMap::SkyMap(const Image& image, glm::vec3 factor, float rotation)
     // means over the sphere and not over the image.
     Image sky{core::Plane<glm::vec4>(width, height), true, true};
     for (int y = 0; y < height; ++y) {
-        const auto weight = static_cast<float>(std::sin(pi * (y + 0.5) / height));
+        const auto weight = static_cast<float>(std::sin(std::numbers::pi * (y + 0.5) / height));
         for (int x = 0; x < width; ++x) {
             const glm::vec4 p = image.pixels.at(x, y);
             glm::vec4& radiance = sky.pixels.at(x, y);

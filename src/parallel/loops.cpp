@@ -12,19 +12,22 @@ namespace render2mpeg::parallel {
 
 ThreadLimit::ThreadLimit(int threads) : control_(nullptr) {
     EXPECTS(threads >= 0);
-    const auto count = threads > 0 ? static_cast<std::size_t>(threads)
-                                   : std::max<std::size_t>(1, std::thread::hardware_concurrency());
+    const auto count =
+        threads > 0 ? static_cast<std::size_t>(threads) : std::max<std::size_t>(1, std::thread::hardware_concurrency());
     control_ = new tbb::global_control(tbb::global_control::max_allowed_parallelism, count);
 }
 
-ThreadLimit::~ThreadLimit() { delete static_cast<tbb::global_control*>(control_); }
+ThreadLimit::~ThreadLimit() {
+    delete static_cast<tbb::global_control*>(control_);
+}
 
 int thread_count() {
     return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 }
 
 void for_each(std::size_t count, const std::function<void(std::size_t)>& body) {
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { body(i); }, tbb::simple_partitioner{});
+    tbb::parallel_for(
+        std::size_t{0}, count, [&](std::size_t i) { body(i); }, tbb::simple_partitioner{});
 }
 
 void for_ranges(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body) {

@@ -4,17 +4,17 @@
 #include <optional>
 
 #include "core/error.h"
-#include "renderer/lights/anchors.h"
-#include "renderer/calibration/audit.h"
-#include "renderer/calibration/calibration.h"
-#include "renderer/tree/light_forest.h"
+#include "renderer/base/stopwatch.h"
 #include "renderer/cache/light_parts.h"
-#include "renderer/lights/light_points.h"
 #include "renderer/cache/record_cache.h"
 #include "renderer/cache/record_change.h"
-#include "renderer/view/see.h"
+#include "renderer/calibration/audit.h"
+#include "renderer/calibration/calibration.h"
 #include "renderer/cut/shade.h"
-#include "renderer/base/stopwatch.h"
+#include "renderer/lights/anchors.h"
+#include "renderer/lights/light_points.h"
+#include "renderer/tree/light_forest.h"
+#include "renderer/view/see.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::renderer {

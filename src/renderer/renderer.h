@@ -8,12 +8,12 @@
 #include "core/isa.h"
 #include "core/radiance.h"
 #include "core/tolerance_map.h"
-#include "renderer/calibration/audited_pixel.h"
-#include "renderer/surface/gather_point.h"
 #include "renderer/base/plan.h"
-#include "renderer/geometry/ray_tracer.h"
 #include "renderer/base/stop.h"
 #include "renderer/base/tolerance_bands.h"
+#include "renderer/calibration/audited_pixel.h"
+#include "renderer/geometry/ray_tracer.h"
+#include "renderer/surface/gather_point.h"
 #include "scene/pose/snapshot.h"
 
 namespace render2mpeg::renderer {

@@ -6,8 +6,8 @@
 
 #include "core/error.h"
 #include "scene/isolation/child_trial.h"
-#include "scene/model/choice.h"
 #include "scene/loaders.h"
+#include "scene/model/choice.h"
 #include "scene/model/wording.h"
 
 namespace render2mpeg::scene {

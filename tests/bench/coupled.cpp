@@ -16,8 +16,8 @@
 #include <optional>
 #include <sstream>
 
-#include "app/system/keep_memory.h"
 #include "app/options/options.h"
+#include "app/system/keep_memory.h"
 #include "core/error.h"
 #include "parallel/loops.h"
 #include "tests/bench/coupled_films.h"

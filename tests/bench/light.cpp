@@ -6,8 +6,8 @@
 
 #include "core/sampling.h"
 #include "parallel/loops.h"
-#include "renderer/lights/anchor_places.h"
 #include "renderer/cut/cut.h"
+#include "renderer/lights/anchor_places.h"
 #include "tests/renderer/film_stage.h"
 #include "tests/renderer/lighting.h"
 

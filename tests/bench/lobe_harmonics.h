@@ -3,8 +3,8 @@
 #include <array>
 #include <glm/glm.hpp>
 
-#include "renderer/tree/light_kernels.h"
 #include "renderer/surface/surface_point.h"
+#include "renderer/tree/light_kernels.h"
 
 /// Light and lobes in hemispherical harmonics [Render2MPEG, eqs. 6.10-6.15], to be held against what records keep.
 namespace render2mpeg::bench {

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "app/loop/production.h"
-#include "renderer/lights/anchors.h"
-#include "renderer/tree/light_forest.h"
-#include "renderer/lights/light_points.h"
 #include "renderer/cache/record_fit.h"
 #include "renderer/cache/record_groups.h"
+#include "renderer/lights/anchors.h"
+#include "renderer/lights/light_points.h"
+#include "renderer/tree/light_forest.h"
 #include "renderer/view/see.h"
 #include "tests/bench/wishes.h"
 

@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "core/color.h"
-#include "renderer/tree/light_kernels.h"
 #include "renderer/base/lobe.h"
 #include "renderer/cut/near_lights.h"
 #include "renderer/cut/shadow_rays.h"
+#include "renderer/tree/light_kernels.h"
 
 namespace render2mpeg::bench {
 namespace {

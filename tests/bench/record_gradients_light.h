@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "renderer/cut/cut.h"
-#include "renderer/tree/light_forest.h"
 #include "renderer/geometry/ray_tracer.h"
+#include "renderer/tree/light_forest.h"
 
 namespace render2mpeg::bench {
 

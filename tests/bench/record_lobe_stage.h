@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "renderer/surface/gather_point.h"
-#include "renderer/tree/light_forest.h"
 #include "renderer/surface/scenery.h"
+#include "renderer/tree/light_forest.h"
 #include "tests/bench/wishes.h"
 
 /// What the trials of lobes are lit by, and where.

@@ -24,8 +24,8 @@ struct Function {
 };
 std::vector<Function> functions_in(const File& file);
 
-/// Functions beyond the length, in product files only. A warning, but for `src/app/loop/pipeline.cpp`, whose loop stays on a
-/// page.
+/// Functions beyond the length, in product files only. A warning, but for `src/app/loop/pipeline.cpp`, whose loop stays
+/// on a page.
 std::vector<Finding> oversized_functions(const std::vector<File>& files);
 
 }  // namespace render2mpeg::checks

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/error.h"
+#include "encoder/mpeg2/bitstream/tuning.h"
 #include "encoder/mpeg2/rate/rate_model.h"
 #include "encoder/mpeg2/rate/rate_steering.h"
-#include "encoder/mpeg2/bitstream/tuning.h"
 #include "film.h"
 
 /// What a first pass tells the second one, and what that makes of it.

@@ -6,10 +6,10 @@
 #include <gtest/gtest.h>
 
 #include "decoders.h"
+#include "encoder/mpeg2/bitstream/syntax.h"
 #include "encoder/mpeg2/kernels/kernels.h"
 #include "encoder/mpeg2/kernels/quantiser.h"
 #include "encoder/mpeg2/macroblock/row_coding.h"
-#include "encoder/mpeg2/bitstream/syntax.h"
 #include "film.h"
 #include "streams.h"
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "encoder/mpeg2/picture/fitting.h"
 #include "encoder/mpeg2/bitstream/levels.h"
 #include "encoder/mpeg2/macroblock/row_coding.h"
+#include "encoder/mpeg2/picture/fitting.h"
 #include "film.h"
 
 /// Limits that hold to the bit: macroblocks, evaluations.

@@ -6,9 +6,9 @@
 #include <limits>
 #include <memory>
 
-#include "encoder/mpeg2/motion/candidates.h"
 #include "encoder/mpeg2/bitstream/levels.h"
 #include "encoder/mpeg2/bitstream/tuning.h"
+#include "encoder/mpeg2/motion/candidates.h"
 #include "film.h"
 #include "streams.h"
 

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "encoder/mpeg2/bitstream/syntax.h"
 #include "encoder/mpeg2/kernels/kernels.h"
 #include "encoder/mpeg2/kernels/quantiser.h"
 #include "encoder/mpeg2/macroblock/row_coding.h"
-#include "encoder/mpeg2/bitstream/syntax.h"
 #include "film.h"
 
 /// Pictures written macroblock by macroblock as a test wants them, without the encoder's choices.

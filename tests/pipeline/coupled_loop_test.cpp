@@ -5,8 +5,8 @@
 #include <map>
 #include <vector>
 
-#include "app/options/options.h"
 #include "app/loop/pipeline.h"
+#include "app/options/options.h"
 #include "core/color.h"
 #include "perceptual/metrics.h"
 #include "support/program.h"

@@ -3,8 +3,8 @@
 #include <fstream>
 #include <limits>
 
-#include "app/options/output_kind.h"
 #include "app/loop/vector_layers.h"
+#include "app/options/output_kind.h"
 #include "core/error.h"
 #include "core/sampling.h"
 #include "encoder/encoder.h"

@@ -9,9 +9,9 @@
 #include <thread>
 #include <vector>
 
-#include "app/loop/film_identity.h"
 #include "app/files/output_lock.h"
 #include "app/files/work_folder.h"
+#include "app/loop/film_identity.h"
 #include "core/error.h"
 #include "pipeline/foreign.h"
 

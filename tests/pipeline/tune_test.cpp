@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "app/options/command_words.h"
-#include "app/files/container_share.h"
 #include "app/experiments/quality.h"
 #include "app/experiments/quality_search.h"
 #include "app/experiments/target.h"
+#include "app/files/container_share.h"
+#include "app/options/command_words.h"
 #include "perceptual/metrics.h"
 #include "pipeline/foreign.h"
 

@@ -5,8 +5,8 @@
 
 #include "core/color.h"
 #include "core/sampling.h"
-#include "renderer/surface/bsdf.h"
 #include "renderer/base/lobe.h"
+#include "renderer/surface/bsdf.h"
 
 namespace render2mpeg::renderer {
 namespace {

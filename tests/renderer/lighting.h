@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "renderer/cut/cut.h"
-#include "renderer/tree/light_forest.h"
 #include "renderer/lights/light_points.h"
 #include "renderer/lights/photons.h"
 #include "renderer/surface/scenery.h"
+#include "renderer/tree/light_forest.h"
 #include "tests/support/scene_builder.h"
 
 namespace render2mpeg::test {

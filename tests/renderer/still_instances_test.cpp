@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/sampling.h"
-#include "renderer/lights/anchor_shares.h"
 #include "renderer/cut/cut.h"
+#include "renderer/lights/anchor_shares.h"
 #include "tests/renderer/anchor_stage.h"
 #include "tests/renderer/lighting.h"
 

@@ -4,8 +4,8 @@
 #include <cstring>
 #include <utility>
 
-#include "encoder/mpeg2/macroblock/trellis.h"
 #include "encoder/mpeg2/bitstream/tuning.h"
+#include "encoder/mpeg2/macroblock/trellis.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 namespace {

@@ -3,13 +3,13 @@
 #include <cstdint>
 #include <optional>
 
-#include "encoder/mpeg2/macroblock/block_coding.h"
 #include "encoder/mpeg2/bitstream/codes.h"
-#include "encoder/mpeg2/kernels/frame.h"
-#include "encoder/mpeg2/motion/motion.h"
-#include "encoder/mpeg2/kernels/quantiser.h"
-#include "encoder/mpeg2/motion/quick_motion.h"
 #include "encoder/mpeg2/bitstream/vector.h"
+#include "encoder/mpeg2/kernels/frame.h"
+#include "encoder/mpeg2/kernels/quantiser.h"
+#include "encoder/mpeg2/macroblock/block_coding.h"
+#include "encoder/mpeg2/motion/motion.h"
+#include "encoder/mpeg2/motion/quick_motion.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 

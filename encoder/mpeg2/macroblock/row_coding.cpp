@@ -5,9 +5,9 @@
 #include <memory>
 
 #include "encoder/mpeg2/bitstream/levels.h"
-#include "encoder/mpeg2/macroblock/movements.h"
 #include "encoder/mpeg2/bitstream/syntax.h"
 #include "encoder/mpeg2/bitstream/tuning.h"
+#include "encoder/mpeg2/macroblock/movements.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 namespace {

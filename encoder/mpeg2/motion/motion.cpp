@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <vector>
 
-#include "encoder/mpeg2/kernels/kernels.h"
 #include "encoder/mpeg2/bitstream/levels.h"
-#include "encoder/mpeg2/motion/search.h"
 #include "encoder/mpeg2/bitstream/tuning.h"
+#include "encoder/mpeg2/kernels/kernels.h"
+#include "encoder/mpeg2/motion/search.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::encoder::mpeg2 {

@@ -4,9 +4,9 @@
 
 #include "core/plane.h"
 #include "encoder/encoder.h"
-#include "encoder/mpeg2/motion/candidates.h"
-#include "encoder/mpeg2/kernels/frame.h"
 #include "encoder/mpeg2/bitstream/vector.h"
+#include "encoder/mpeg2/kernels/frame.h"
+#include "encoder/mpeg2/motion/candidates.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <limits>
 
-#include "encoder/mpeg2/kernels/kernels.h"
 #include "encoder/mpeg2/bitstream/levels.h"
 #include "encoder/mpeg2/bitstream/tuning.h"
+#include "encoder/mpeg2/kernels/kernels.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 namespace {

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "core/plane.h"
-#include "encoder/mpeg2/motion/candidates.h"
-#include "encoder/mpeg2/kernels/frame.h"
-#include "encoder/mpeg2/motion/motion.h"
 #include "encoder/mpeg2/bitstream/vector.h"
+#include "encoder/mpeg2/kernels/frame.h"
+#include "encoder/mpeg2/motion/candidates.h"
+#include "encoder/mpeg2/motion/motion.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "encoder/mpeg2/kernels/frame.h"
 #include "encoder/mpeg2/bitstream/vector.h"
+#include "encoder/mpeg2/kernels/frame.h"
 
 /// What exact motion makes needless, to be measured against: a full search. Not part of the product: only
 /// tests/bench/encoder_rd asks for it, and this header is not installed.

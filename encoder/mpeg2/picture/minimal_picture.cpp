@@ -4,9 +4,9 @@
 #include <array>
 #include <numeric>
 
+#include "encoder/mpeg2/bitstream/syntax.h"
 #include "encoder/mpeg2/kernels/quantiser.h"
 #include "encoder/mpeg2/macroblock/row_coding.h"
-#include "encoder/mpeg2/bitstream/syntax.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 namespace {

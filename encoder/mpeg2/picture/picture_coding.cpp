@@ -5,10 +5,10 @@
 #include <cmath>
 #include <optional>
 
-#include "encoder/mpeg2/motion/motion.h"
-#include "encoder/mpeg2/macroblock/row_coding.h"
 #include "encoder/mpeg2/bitstream/syntax.h"
 #include "encoder/mpeg2/bitstream/tuning.h"
+#include "encoder/mpeg2/macroblock/row_coding.h"
+#include "encoder/mpeg2/motion/motion.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::encoder::mpeg2 {

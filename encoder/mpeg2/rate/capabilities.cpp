@@ -1,7 +1,7 @@
 #include "encoder/capabilities.h"
 
-#include "encoder/mpeg2/motion/candidates.h"
 #include "encoder/mpeg2/bitstream/levels.h"
+#include "encoder/mpeg2/motion/candidates.h"
 #include "encoder/mpeg2/motion/motion.h"
 
 namespace render2mpeg::encoder {

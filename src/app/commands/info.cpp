@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "app/files/text_file.h"
 #include "app/report/coded_types.h"
 #include "app/report/figures.h"
 #include "app/system/outside_trial.h"
-#include "app/files/text_file.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "encoder/av/inspect.h"

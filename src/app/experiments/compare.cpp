@@ -5,13 +5,13 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "app/system/attempts.h"
 #include "app/experiments/compare_report.h"
 #include "app/experiments/ffmpeg_program.h"
-#include "app/system/interrupt.h"
-#include "app/report/statistics_json.h"
-#include "app/files/text_file.h"
 #include "app/experiments/trial_command.h"
+#include "app/files/text_file.h"
+#include "app/report/statistics_json.h"
+#include "app/system/attempts.h"
+#include "app/system/interrupt.h"
 #include "core/error.h"
 #include "parallel/loops.h"
 

@@ -6,14 +6,14 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/experiments/quality.h"
+#include "app/experiments/sweep.h"
+#include "app/files/text_file.h"
 #include "app/report/curve_plot.h"
 #include "app/report/frame_plot.h"
 #include "app/report/portrait_view.h"
-#include "app/experiments/quality.h"
 #include "app/report/report.h"
 #include "app/report/statistics_json.h"
-#include "app/experiments/sweep.h"
-#include "app/files/text_file.h"
 #include "core/numeric.h"
 
 namespace render2mpeg::app {

@@ -7,9 +7,9 @@
 #include <limits>
 
 #include "app/experiments/bd_rate.h"
-#include "app/report/figures.h"
 #include "app/experiments/quality.h"
 #include "app/experiments/sweep.h"
+#include "app/report/figures.h"
 #include "core/numeric.h"
 
 namespace render2mpeg::app {
@@ -38,10 +38,6 @@ double total_seconds(const Trial& t) {
 /// "12.3 % fewer", "3 % more"
 std::string more_text(double per_cent) {
     return fmt::format("{:.1f} % {}", std::abs(per_cent), per_cent < 0 ? "fewer" : "more");
-}
-
-std::string psnr_text(double psnr) {
-    return std::isfinite(psnr) ? fmt::format("{:.2f}", psnr) : "same";
 }
 
 }  // namespace

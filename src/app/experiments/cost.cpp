@@ -5,13 +5,13 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "app/system/attempts.h"
 #include "app/experiments/cost_report.h"
 #include "app/experiments/cost_table.h"
-#include "app/system/interrupt.h"
-#include "app/report/statistics_json.h"
-#include "app/files/text_file.h"
 #include "app/experiments/trial_command.h"
+#include "app/files/text_file.h"
+#include "app/report/statistics_json.h"
+#include "app/system/attempts.h"
+#include "app/system/interrupt.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {

@@ -7,13 +7,13 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "app/files/text_file.h"
 #include "app/report/curve_plot.h"
 #include "app/report/figures.h"
 #include "app/report/frame_plot.h"
 #include "app/report/portrait_view.h"
 #include "app/report/report.h"
 #include "app/report/statistics_json.h"
-#include "app/files/text_file.h"
 
 namespace render2mpeg::app {
 namespace {

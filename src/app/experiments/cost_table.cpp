@@ -13,10 +13,6 @@ std::string percent(double share) {
     return short_figure(100 * share);
 }
 
-std::string psnr_text(double psnr) {
-    return std::isfinite(psnr) ? fmt::format("{:.2f}", psnr) : "same";
-}
-
 /// As the columns below.
 std::string columns(const std::string& name, const char* first) {
     return fmt::format("{:<9}{}\n{:<9}{:>7} {:>6} {:>6} {:>6} {:>6} {:>5} {:>5} {:>6} {:>6} {:>8}\n", "",

@@ -7,9 +7,9 @@
 #include <numeric>
 #include <utility>
 
-#include "app/report/frame_view.h"
 #include "app/loop/pipeline.h"
 #include "app/loop/records_choice.h"
+#include "app/report/frame_view.h"
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"

@@ -9,11 +9,11 @@
 #include <set>
 #include <vector>
 
-#include "app/options/chunk.h"
-#include "app/system/error_histogram.h"
+#include "app/experiments/reference_cache.h"
 #include "app/loop/ledger.h"
 #include "app/loop/production.h"
-#include "app/experiments/reference_cache.h"
+#include "app/options/chunk.h"
+#include "app/system/error_histogram.h"
 #include "perceptual/metrics.h"
 
 namespace render2mpeg::app {

@@ -6,14 +6,14 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "app/files/publish.h"
+#include "app/files/text_file.h"
 #include "app/loop/film_identity.h"
 #include "app/options/help_format.h"
+#include "app/report/report.h"
 #include "app/system/interrupt.h"
 #include "app/system/outside_trial.h"
-#include "app/files/publish.h"
-#include "app/report/report.h"
 #include "app/system/terminal.h"
-#include "app/files/text_file.h"
 #include "core/error.h"
 
 namespace render2mpeg::app {

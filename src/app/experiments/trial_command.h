@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
+#include "app/experiments/trial.h"
 #include "app/options/options.h"
 #include "app/system/progress.h"
-#include "app/experiments/trial.h"
 
 /// What commands that try films have in common.
 namespace render2mpeg::app {

@@ -3,8 +3,8 @@
 #include <set>
 #include <utility>
 
-#include "app/loop/ledger.h"
 #include "app/experiments/trial.h"
+#include "app/loop/ledger.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"

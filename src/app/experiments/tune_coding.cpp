@@ -3,10 +3,10 @@
 #include <cmath>
 #include <utility>
 
-#include "app/system/interrupt.h"
 #include "app/experiments/quality_search.h"
 #include "app/experiments/trial_command.h"
 #include "app/experiments/tuning.h"
+#include "app/system/interrupt.h"
 
 namespace render2mpeg::app {
 namespace {

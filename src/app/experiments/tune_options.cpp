@@ -1,13 +1,13 @@
+#include "app/experiments/target.h"
 #include "app/options/coding_options.h"
 #include "app/options/rate_options.h"
 #include "app/options/scene_options.h"
-#include "app/experiments/target.h"
 
 namespace render2mpeg::app {
 namespace {
 
 /// What is found out instead, or would make it another film than the sample.
-constexpr const char* unwanted[] = {"--bitrate", "--cbr", "--passes"};
+constexpr const char* decided_by_tune[] = {"--bitrate", "--cbr", "--passes"};
 
 void add_targets(CLI::App& command, TuneOptions& options) {
     const std::string target = "What is to be reached (one of these)";
@@ -76,7 +76,7 @@ CLI::App* add_tune_command(CLI::App& app, TuneOptions& options) {
     add_picture_options(*command, options.render);
     add_light_options(*command, options.render);
     add_coding_options(*command, options.render.coding);
-    for (const char* name : unwanted) command->remove_option(command->get_option(name));
+    for (const char* name : decided_by_tune) command->remove_option(command->get_option(name));
     add_trial_run_options(*command, options);
     command
         ->add_flag("--dry-run", options.render.dry_run, "Render nothing in the end: print the command that would do it")

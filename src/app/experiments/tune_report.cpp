@@ -6,16 +6,16 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/experiments/sweep.h"
+#include "app/experiments/tune_table.h"
+#include "app/files/text_file.h"
 #include "app/report/curve_plot.h"
 #include "app/report/figures.h"
 #include "app/report/frame_plot.h"
 #include "app/report/portrait_view.h"
-#include "app/system/progress.h"
 #include "app/report/report.h"
 #include "app/report/statistics_json.h"
-#include "app/experiments/sweep.h"
-#include "app/files/text_file.h"
-#include "app/experiments/tune_table.h"
+#include "app/system/progress.h"
 
 namespace render2mpeg::app {
 namespace {

@@ -4,8 +4,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "app/loop/production.h"
 #include "app/experiments/tuning.h"
+#include "app/loop/production.h"
 
 namespace render2mpeg::app {
 

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
+#include "app/experiments/sweep.h"
 #include "app/report/figures.h"
 #include "app/system/progress.h"
-#include "app/experiments/sweep.h"
 
 namespace render2mpeg::app {
 namespace {

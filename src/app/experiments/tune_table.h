@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "app/loop/production.h"
 #include "app/experiments/tuning.h"
+#include "app/loop/production.h"
 
 namespace render2mpeg::app {
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "app/files/chunk_file.h"
+#include "app/files/work_folder.h"
 #include "app/options/film.h"
 #include "app/options/options.h"
-#include "app/files/work_folder.h"
 
 namespace render2mpeg::app {
 

@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "app/files/text_file.h"
 #include "app/loop/film_identity.h"
 #include "app/options/output_kind.h"
-#include "app/files/text_file.h"
 #include "core/error.h"
 
 namespace render2mpeg::app {

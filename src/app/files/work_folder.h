@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "app/options/chunk.h"
 #include "app/files/chunk_file.h"
 #include "app/files/output_lock.h"
+#include "app/options/chunk.h"
 
 namespace render2mpeg::app {
 

@@ -81,12 +81,9 @@ json identity_of(const Production& film, const RenderOptions& options) {
         if (std::none_of(inputs.begin(), inputs.end(), known))
             inputs.push_back({{"file", file}, {"checksum", text_of(checksum_of(input.name))}});
     }
-    return {{"version", RENDER2MPEG_VERSION},
-            {"build", build_identity()},
-            {"isa", core::name_of(film.rendering.isa)},
-            {"frames", {film.frames.first, film.frames.last}},
-            {"options", options_of(options)},
-            {"inputs", inputs}};
+    return {{"version", RENDER2MPEG_VERSION},           {"build", build_identity()},
+            {"isa", core::name_of(film.rendering.isa)}, {"frames", {film.frames.first, film.frames.last}},
+            {"options", options_of(options)},           {"inputs", inputs}};
 }
 
 json identity_of(const Film& film, const std::string& command) {

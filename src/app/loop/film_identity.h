@@ -3,10 +3,10 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "app/files/publish.h"
+#include "app/loop/production.h"
 #include "app/options/film.h"
 #include "app/options/options.h"
-#include "app/loop/production.h"
-#include "app/files/publish.h"
 
 namespace render2mpeg::app {
 

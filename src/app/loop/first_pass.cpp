@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/system/interrupt.h"
 #include "app/loop/pipeline.h"
+#include "app/system/interrupt.h"
 #include "app/system/progress.h"
 
 namespace render2mpeg::app {

@@ -43,7 +43,7 @@ struct FrameEntry {
     std::uint64_t shadow_rays = 0;
     double direct_cut = 0, indirect_cut = 0;  ///< clusters per gather point
     RecordsEntry records;
-    double seconds = 0;                       ///< CPU
+    double seconds = 0;  ///< CPU
 };
 
 /// What rate control had to do; counts of pictures.

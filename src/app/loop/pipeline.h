@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "app/options/chunk.h"
 #include "app/files/chunk_file.h"
 #include "app/loop/ledger.h"
 #include "app/loop/production.h"
 #include "app/loop/sink.h"
+#include "app/options/chunk.h"
 
 namespace render2mpeg::app {
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "app/loop/coupling.h"
+#include "app/loop/records_choice.h"
 #include "app/options/film.h"
 #include "app/options/options.h"
 #include "app/options/output_kind.h"
-#include "app/loop/records_choice.h"
 #include "core/rational.h"
 #include "core/tolerance_map.h"
 #include "encoder/encoder.h"

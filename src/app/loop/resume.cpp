@@ -10,10 +10,10 @@
 
 #include "app/files/checksum.h"
 #include "app/files/disk.h"
-#include "app/loop/first_pass.h"
-#include "app/system/interrupt.h"
-#include "app/report/ledger_json.h"
 #include "app/files/text_file.h"
+#include "app/loop/first_pass.h"
+#include "app/report/ledger_json.h"
+#include "app/system/interrupt.h"
 #include "core/error.h"
 
 namespace render2mpeg::app {

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "app/files/chunk_file.h"
-#include "app/report/heatmap_film.h"
-#include "app/loop/ledger.h"
-#include "app/options/options.h"
-#include "app/loop/production.h"
 #include "app/files/whole_mark.h"
 #include "app/files/work_folder.h"
+#include "app/loop/ledger.h"
+#include "app/loop/production.h"
+#include "app/options/options.h"
+#include "app/report/heatmap_film.h"
 
 /// How a run goes on where another one was interrupted or killed (docs/resume.md).
 namespace render2mpeg::app {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "app/loop/memory.h"
 #include "app/options/coding_options.h"
 #include "app/options/help_format.h"
-#include "app/loop/memory.h"
 #include "app/options/scene_options.h"
 #include "core/error.h"
 #include "core/rational.h"

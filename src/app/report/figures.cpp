@@ -4,6 +4,10 @@
 
 namespace render2mpeg::app {
 
+std::string psnr_text(double psnr) {
+    return std::isfinite(psnr) ? fmt::format("{:.2f}", psnr) : "same";
+}
+
 std::string size_text(double bytes) {
     if (bytes < 1e3) return fmt::format("{:.0f} B", bytes);
     if (bytes < 1e6) return fmt::format("{:.1f} kB", bytes / 1e3);

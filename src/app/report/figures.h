@@ -8,6 +8,8 @@ namespace render2mpeg::app {
 
 /// "1.2 kB", "3.45 MB": powers of 1000.
 std::string size_text(double bytes);
+/// `41.25` dB, or `same` where two pictures do not differ.
+std::string psnr_text(double psnr);
 /// "9999", "12.3 k", "4.5 M".
 std::string count_text(double count);
 /// A share of 1 as "12.3 %".

@@ -13,12 +13,12 @@ namespace render2mpeg::app {
 namespace {
 
 /// Places in the SVG's own units, which are pixels of a page 860 wide.
-constexpr double left = 58, right = 850, top = 10, bottom = 150, height = 176;
+constexpr double bars_left = 58, bars_right = 850, bars_top = 10, bars_bottom = 150, bars_height = 176;
 /// chosen: bars thinner than a pixel are no bars.
 constexpr std::size_t most_bars = 720;
 
 /// A figure on an axis or in a hint.
-std::string figure(double value) {
+std::string bar_figure(double value) {
     return value >= 1e4 ? count_text(value) : fmt::format("{:.4g}", value);
 }
 
@@ -64,12 +64,12 @@ Part total(const FramePlot& plot, const Bars& bars, std::size_t bar) {
 }
 
 /// The values that the vertical axis spans, in four steps.
-struct Scale {
+struct BarScale {
     double low = 0, step = 1;
-    double y(double value) const { return bottom - (bottom - top) * (value - low) / (4 * step); }
+    double y(double value) const { return bars_bottom - (bars_bottom - bars_top) * (value - low) / (4 * step); }
 };
 
-Scale scale_of(const FramePlot& plot, const Bars& bars) {
+BarScale scale_of(const FramePlot& plot, const Bars& bars) {
     double least = std::numeric_limits<double>::infinity(), most = 0;
     for (std::size_t bar = 0; bar < bars.count(); ++bar) {
         const Part all = total(plot, bars, bar);
@@ -79,7 +79,7 @@ Scale scale_of(const FramePlot& plot, const Bars& bars) {
     }
     least = std::min(least, most);
     if (!plot.marks) return {0, round_up(most) / 4};
-    Scale scale{0, round_up(std::max(1e-3 * most, (most - least) / 4))};
+    BarScale scale{0, round_up(std::max(1e-3 * most, (most - least) / 4))};
     scale.low = scale.step * std::floor(least / scale.step);
     if (scale.low + 4 * scale.step >= most) return scale;
     scale.step = round_up(1.5 * scale.step);
@@ -87,19 +87,20 @@ Scale scale_of(const FramePlot& plot, const Bars& bars) {
     return scale;
 }
 
-std::string axes(const FramePlot& plot, const Bars& bars, const Scale& scale) {
+std::string axes(const FramePlot& plot, const Bars& bars, const BarScale& scale) {
     std::string text;
     for (int i = 0; i <= 4; ++i) {
-        const double y = bottom - (bottom - top) * i / 4;
-        text += fmt::format(R"(<line class="grid" x1="{}" x2="{}" y1="{:.1f}" y2="{:.1f}"/>)", left, right, y, y);
-        text += fmt::format(R"(<text x="{}" y="{:.1f}" text-anchor="end">{}</text>)", left - 6, y + 4,
-                            figure(scale.low + scale.step * i));
+        const double y = bars_bottom - (bars_bottom - bars_top) * i / 4;
+        text +=
+            fmt::format(R"(<line class="grid" x1="{}" x2="{}" y1="{:.1f}" y2="{:.1f}"/>)", bars_left, bars_right, y, y);
+        text += fmt::format(R"(<text x="{}" y="{:.1f}" text-anchor="end">{}</text>)", bars_left - 6, y + 4,
+                            bar_figure(scale.low + scale.step * i));
     }
     const double step = std::max(1.0, round_up(static_cast<double>(bars.frames) / 10));
     for (double frame = 0; frame < static_cast<double>(bars.frames); frame += step)
         text += fmt::format(R"(<text x="{:.1f}" y="{}" text-anchor="middle">{:.0f}</text>)",
-                            left + (right - left) * (frame + 0.5) / static_cast<double>(bars.frames), bottom + 18,
-                            static_cast<double>(plot.first) + frame);
+                            bars_left + (bars_right - bars_left) * (frame + 0.5) / static_cast<double>(bars.frames),
+                            bars_bottom + 18, static_cast<double>(plot.first) + frame);
     return text;
 }
 
@@ -113,7 +114,7 @@ std::string hint(const FramePlot& plot, const Bars& bars, std::size_t bar) {
     const std::string unit = plot.unit.empty() ? "" : " " + plot.unit;
     for (const PlotLayer& layer : plot.layers)
         if (const Part part = bars.part(layer, bar); part.count > 0)
-            text += fmt::format(", {} {}{}", layer.name, figure(part.mean()), unit);
+            text += fmt::format(", {} {}{}", layer.name, bar_figure(part.mean()), unit);
     return escaped(text);
 }
 
@@ -123,7 +124,8 @@ std::string rectangle(const std::string& style, double x, double y, double width
 }
 
 /// A mark at what a bar comes to, in the colour of the layer that most of its frames have.
-std::string mark(const FramePlot& plot, const Bars& bars, std::size_t bar, const Scale& scale, double x, double width) {
+std::string mark(const FramePlot& plot, const Bars& bars, std::size_t bar, const BarScale& scale, double x,
+                 double width) {
     const Part all = total(plot, bars, bar);
     if (all.count == 0) return {};
     const auto most = std::max_element(
@@ -132,7 +134,7 @@ std::string mark(const FramePlot& plot, const Bars& bars, std::size_t bar, const
     return rectangle(most->style, x, scale.y(all.mean()) - 1.5, width, 3);
 }
 
-std::string stack(const FramePlot& plot, const Bars& bars, std::size_t bar, const Scale& scale, double x,
+std::string stack(const FramePlot& plot, const Bars& bars, std::size_t bar, const BarScale& scale, double x,
                   double width) {
     std::string text;
     double sum = 0;
@@ -145,12 +147,14 @@ std::string stack(const FramePlot& plot, const Bars& bars, std::size_t bar, cons
     return text;
 }
 
-std::string columns(const FramePlot& plot, const Bars& bars, const Scale& scale) {
-    const double pitch = (right - left) * static_cast<double>(bars.per_bar) / static_cast<double>(bars.frames);
+std::string columns(const FramePlot& plot, const Bars& bars, const BarScale& scale) {
+    const double pitch =
+        (bars_right - bars_left) * static_cast<double>(bars.per_bar) / static_cast<double>(bars.frames);
     std::string text;
     for (std::size_t bar = 0; bar < bars.count(); ++bar) {
-        const double x = left + pitch * static_cast<double>(bar);
-        const double width = std::min(right - x, pitch > 4 ? pitch - 1 : pitch);  // the last may stand for fewer frames
+        const double x = bars_left + pitch * static_cast<double>(bar);
+        const double width =
+            std::min(bars_right - x, pitch > 4 ? pitch - 1 : pitch);  // the last may stand for fewer frames
         text += "<g>" +
                 (plot.marks ? mark(plot, bars, bar, scale, x, width) : stack(plot, bars, bar, scale, x, width)) +
                 "<title>" + hint(plot, bars, bar) + "</title></g>";
@@ -204,12 +208,12 @@ std::string escaped(const std::string& text) {
 std::string svg_of(const FramePlot& plot) {
     const Bars bars = bars_of(plot);
     if (bars.frames == 0) return {};
-    const Scale scale = scale_of(plot, bars);
+    const BarScale scale = scale_of(plot, bars);
     const std::string unit = plot.unit.empty() ? "" : " <small>" + escaped(plot.unit) + "</small>";
     return fmt::format(
         R"(<figure><figcaption><h3>{}{}</h3><span>{}</span></figcaption><div class="wide"><svg viewBox="0 0 860 {}" role="img" aria-label="{}">{}{}</svg></div></figure>)"
         "\n",
-        escaped(plot.title), unit, legend(plot), height, escaped(plot.title), axes(plot, bars, scale),
+        escaped(plot.title), unit, legend(plot), bars_height, escaped(plot.title), axes(plot, bars, scale),
         columns(plot, bars, scale));
 }
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "app/report/frame_view.h"
 #include "app/loop/pipeline.h"
+#include "app/report/frame_view.h"
 
 namespace render2mpeg::app {
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "app/files/assembly.h"
-#include "app/options/output_kind.h"
 #include "app/files/publish.h"
+#include "app/options/output_kind.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "app/system/attempts.h"
+#include "app/files/work_folder.h"
 #include "app/loop/pipeline.h"
 #include "app/loop/production.h"
-#include "app/files/work_folder.h"
+#include "app/system/attempts.h"
 #include "core/plane.h"
 #include "perceptual/heatmap.h"
 

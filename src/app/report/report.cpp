@@ -8,12 +8,12 @@
 #include <utility>
 #include <vector>
 
+#include "app/files/text_file.h"
 #include "app/report/figures.h"
 #include "app/report/frame_plot.h"
-#include "app/system/progress.h"
 #include "app/report/report_style.h"
 #include "app/report/statistics_json.h"
-#include "app/files/text_file.h"
+#include "app/system/progress.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "perceptual/metrics.h"

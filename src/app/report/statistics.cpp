@@ -5,9 +5,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/files/text_file.h"
 #include "app/report/effects.h"
 #include "app/report/statistics_json.h"
-#include "app/files/text_file.h"
 #include "core/numeric.h"
 
 namespace render2mpeg::app {

@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <string>
 
-#include "app/options/film.h"
 #include "app/loop/ledger.h"
 #include "app/loop/production.h"
+#include "app/options/film.h"
 
 namespace render2mpeg::app {
 

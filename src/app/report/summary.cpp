@@ -7,8 +7,8 @@
 
 #include "app/report/effects.h"
 #include "app/report/figures.h"
-#include "app/system/progress.h"
 #include "app/report/statistics.h"
+#include "app/system/progress.h"
 #include "core/numeric.h"
 #include "encoder/cadence.h"
 

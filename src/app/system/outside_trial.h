@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "scene/model/animation.h"
 #include "scene/isolation/child_trial.h"
+#include "scene/model/animation.h"
 
 /// What is read with libraries that are not ours is read in child processes first (scene/child_trial.h).
 namespace render2mpeg::app {

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 
+#include "core/numeric.h"
+
 namespace render2mpeg::renderer {
 
 /// How a light point's radiant intensity depends on direction.
@@ -28,5 +30,9 @@ struct LightPoint {
     LightPointKind kind = LightPointKind::oriented;
     bool moving = false;  ///< on a surface or light that moves
 };
+
+inline bool is_finite(const LightPoint& p) {
+    return core::is_finite(p.intensity) && core::is_finite(p.position) && core::is_finite(p.normal);
+}
 
 }  // namespace render2mpeg::renderer

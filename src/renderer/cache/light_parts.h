@@ -3,10 +3,10 @@
 #include <span>
 #include <vector>
 
-#include "renderer/tree/light_forest.h"
 #include "renderer/base/light_point.h"
 #include "renderer/base/plan.h"
 #include "renderer/surface/scenery.h"
+#include "renderer/tree/light_forest.h"
 
 namespace render2mpeg::renderer {
 

@@ -7,10 +7,10 @@
 
 #include "core/color.h"
 #include "core/numeric.h"
-#include "renderer/cut/gather_groups.h"
 #include "renderer/cache/record_lobe.h"
 #include "renderer/cache/record_own.h"
 #include "renderer/cache/record_plane.h"
+#include "renderer/cut/gather_groups.h"
 
 namespace render2mpeg::renderer {
 namespace {

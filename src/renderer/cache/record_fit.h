@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "renderer/cut/point_light.h"
 #include "renderer/cache/records.h"
+#include "renderer/cut/point_light.h"
 
 namespace render2mpeg::renderer {
 

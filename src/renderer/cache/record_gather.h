@@ -3,11 +3,11 @@
 #include <optional>
 #include <vector>
 
-#include "renderer/cut/cut.h"
 #include "renderer/cache/lobe_trials.h"
-#include "renderer/cut/point_light.h"
 #include "renderer/cache/record_groups.h"
 #include "renderer/cache/records.h"
+#include "renderer/cut/cut.h"
+#include "renderer/cut/point_light.h"
 #include "renderer/cut/shade.h"
 
 namespace render2mpeg::renderer {

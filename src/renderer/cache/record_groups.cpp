@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "renderer/cut/gather_groups.h"
 #include "renderer/tree/gather_lanes.h"
 
 namespace render2mpeg::renderer {
@@ -18,8 +19,6 @@ struct Likeness {
 };
 constexpr Likeness first_pass{0.85f, 0.03f, 0.25f}, second_pass{0.5f, 0.1f, 0.4f};
 
-/// Smaller groups of a set are taken apart again.
-constexpr std::size_t large_group = 13;
 /// Groups that a point is offered to, the newest.
 constexpr std::size_t most_open = 48;
 

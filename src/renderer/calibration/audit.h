@@ -7,9 +7,9 @@
 #include "core/radiance.h"
 #include "core/tolerance_map.h"
 #include "renderer/calibration/audited_pixel.h"
+#include "renderer/geometry/ray_tracer.h"
 #include "renderer/surface/gather_point.h"
 #include "renderer/tree/light_forest.h"
-#include "renderer/geometry/ray_tracer.h"
 
 namespace render2mpeg::renderer {
 

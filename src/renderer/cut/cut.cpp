@@ -8,9 +8,9 @@
 #include <algorithm>
 
 #include "core/color.h"
-#include "renderer/cut/cut_sums.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/isa_clones.h"
+#include "renderer/cut/cut_sums.h"
 #include "renderer/cut/near_lights.h"
 #include "renderer/cut/shadow_rays.h"
 

@@ -3,16 +3,16 @@
 #include <cstdint>
 #include <vector>
 
+#include "renderer/base/stop.h"
 #include "renderer/cut/cut_outline.h"
 #include "renderer/cut/cut_rule.h"
-#include "renderer/tree/light_forest.h"
 #include "renderer/cut/light_slopes.h"
 #include "renderer/cut/movers.h"
 #include "renderer/cut/point_light.h"
-#include "renderer/geometry/ray_tracer.h"
 #include "renderer/cut/shields.h"
-#include "renderer/base/stop.h"
 #include "renderer/cut/urgency_queue.h"
+#include "renderer/geometry/ray_tracer.h"
+#include "renderer/tree/light_forest.h"
 
 namespace render2mpeg::renderer {
 

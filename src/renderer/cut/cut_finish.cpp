@@ -1,8 +1,8 @@
 // What a finished cut sends: each cluster's light, its geometry summed over four lights of it where the stopping rule
 // is honest (docs/model/lightcut.md).
+#include "renderer/base/isa_clones.h"
 #include "renderer/cut/cut.h"
 #include "renderer/cut/cut_sums.h"
-#include "renderer/base/isa_clones.h"
 
 namespace render2mpeg::renderer {
 namespace {

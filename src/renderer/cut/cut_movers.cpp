@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "renderer/cut/cut.h"
 #include "renderer/base/isa_clones.h"
+#include "renderer/cut/cut.h"
 #include "renderer/cut/shadow_rays.h"
 
 namespace render2mpeg::renderer {

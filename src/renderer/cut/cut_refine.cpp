@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "renderer/base/isa_clones.h"
 #include "renderer/cut/cut.h"
 #include "renderer/cut/cut_sums.h"
-#include "renderer/base/isa_clones.h"
 
 namespace render2mpeg::renderer {
 namespace {

@@ -6,10 +6,10 @@
 #include <limits>
 
 #include "core/numeric.h"
+#include "renderer/base/stop.h"
+#include "renderer/cut/point_light.h"
 #include "renderer/tree/gather_lanes.h"
 #include "renderer/tree/lane_sums.h"
-#include "renderer/cut/point_light.h"
-#include "renderer/base/stop.h"
 
 namespace render2mpeg::renderer {
 

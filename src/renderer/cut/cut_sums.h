@@ -1,7 +1,7 @@
 #pragma once
 
-#include "renderer/cut/cut.h"
 #include "renderer/base/isa_clones.h"
+#include "renderer/cut/cut.h"
 
 namespace render2mpeg::renderer {
 

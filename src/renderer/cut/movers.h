@@ -4,10 +4,10 @@
 #include <glm/glm.hpp>
 #include <span>
 
-#include "renderer/tree/gather_lanes.h"
 #include "renderer/base/light_packing.h"
-#include "renderer/tree/light_tree.h"
 #include "renderer/geometry/ray_tracer.h"
+#include "renderer/tree/gather_lanes.h"
+#include "renderer/tree/light_tree.h"
 
 namespace render2mpeg::renderer {
 

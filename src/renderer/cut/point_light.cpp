@@ -5,8 +5,8 @@
 
 #include "core/color.h"
 #include "core/numeric.h"
-#include "renderer/cut/cut.h"
 #include "renderer/base/lobe.h"
+#include "renderer/cut/cut.h"
 
 namespace render2mpeg::renderer {
 

@@ -5,12 +5,12 @@
 
 #include "core/radiance.h"
 #include "core/tolerance_map.h"
+#include "renderer/base/tolerance_bands.h"
 #include "renderer/cut/cut.h"
-#include "renderer/surface/gather_point.h"
-#include "renderer/tree/light_forest.h"
 #include "renderer/cut/point_light.h"
 #include "renderer/geometry/ray_tracer.h"
-#include "renderer/base/tolerance_bands.h"
+#include "renderer/surface/gather_point.h"
+#include "renderer/tree/light_forest.h"
 
 namespace render2mpeg::renderer {
 

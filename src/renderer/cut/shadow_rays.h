@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <limits>
 
-#include "renderer/cut/cut.h"
-#include "renderer/tree/gather_lanes.h"
 #include "renderer/base/isa_clones.h"
-#include "renderer/tree/light_tree.h"
+#include "renderer/cut/cut.h"
 #include "renderer/geometry/ray_tracer.h"
+#include "renderer/tree/gather_lanes.h"
+#include "renderer/tree/light_tree.h"
 
 namespace render2mpeg::renderer {
 

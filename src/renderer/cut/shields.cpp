@@ -8,8 +8,8 @@
 
 #include "core/numeric.h"
 #include "renderer/base/isa_clones.h"
-#include "renderer/tree/lane_sums.h"
 #include "renderer/geometry/largest_triangles.h"
+#include "renderer/tree/lane_sums.h"
 
 namespace render2mpeg::renderer {
 namespace {

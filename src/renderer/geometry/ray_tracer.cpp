@@ -10,8 +10,8 @@
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/isa_clones.h"
 #include "renderer/base/light_packing.h"
-#include "renderer/geometry/nearest_hits.h"
 #include "renderer/cut/shields.h"
+#include "renderer/geometry/nearest_hits.h"
 #include "renderer/geometry/traced_scene.h"
 
 namespace render2mpeg::renderer {

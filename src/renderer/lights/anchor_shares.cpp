@@ -13,7 +13,7 @@ namespace render2mpeg::renderer {
 namespace {
 
 /// How alike photons and anchors must face.
-constexpr float least_facing = 0.5f;
+constexpr float least_shared_facing = 0.5f;
 
 /// Neighbours that are looked at for those that an anchor has: a photon's nearest seventeen are among those of the
 /// nearest. chosen: three times as many as share.
@@ -132,7 +132,7 @@ void AnchorSharing::look_about(const RayTracer& scene, std::size_t listed) {
     parallel::for_ranges(sights_.size(), 64, [&](std::size_t first, std::size_t last) {
         std::array<Neighbour, looked_at> found;
         for (std::size_t i = first; i < last; ++i) {
-            const int count = still.nearest(still[i], least_facing, found);
+            const int count = still.nearest(still[i], least_shared_facing, found);
             for (int k = 0, seen = 0; k < count && seen < Neighbours::most; ++k) {
                 const std::uint32_t other = found[static_cast<std::size_t>(k)].point;
                 if (other != i) {
@@ -158,7 +158,7 @@ AnchorSharing::Neighbours AnchorSharing::neighbours(std::uint32_t anchor) const 
     if (!neighbours_.empty()) return neighbours_[anchor];
     const PointTree& still = groups_.front().tree;
     std::array<Neighbour, looked_at> found;
-    const int count = still.nearest(still[anchor], least_facing, found);
+    const int count = still.nearest(still[anchor], least_shared_facing, found);
     Neighbours list;
     for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
         if ((sights_[anchor] >> k & 1u) != 0) list.anchor[static_cast<std::size_t>(list.count++)] = found[k].point;
@@ -204,7 +204,7 @@ std::uint32_t AnchorSharing::nearest_in_sight(const OrientedPoint& at, const Ray
     int next = 0;
     for (const int most : asked) {
         const std::span<Neighbour> some(found.data(), static_cast<std::size_t>(most));
-        int count = tree.nearest(at, least_facing, some);
+        int count = tree.nearest(at, least_shared_facing, some);
         if (count == 0) count = tree.nearest(at, -2.0f, some);
         for (; next < count; ++next) {
             const std::uint32_t anchor = found[static_cast<std::size_t>(next)].point;
@@ -247,8 +247,8 @@ AnchorShares AnchorSharing::share_among(const Neighbours& neighbours, std::uint3
 /// a lantern does behind the outside of its far wall.
 bool may_be_one_surface(const OrientedPoint& a, const OrientedPoint& b) {
     const glm::vec3 way = b.position - a.position;
-    // Places on a ball that face as little alike as least_facing allows lie half their distance behind each other.
-    // chosen: 0.6 of it, a little more.
+    // Places on a ball that face as little alike as least_shared_facing allows lie half their distance behind each
+    // other. chosen: 0.6 of it, a little more.
     const float behind = -0.6f * glm::length(way);
     return glm::dot(way, a.normal) >= behind && -glm::dot(way, b.normal) >= behind;
 }
@@ -260,12 +260,12 @@ AnchorShares AnchorSharing::share_among_alike(std::uint32_t id, const OrientedPo
     if (place == groups_.end() || place->id != id) return {};
     const Group& group = *place;
     std::array<Neighbour, looked_at> found;
-    int count = group.tree.nearest(at, least_facing, found);
+    int count = group.tree.nearest(at, least_shared_facing, found);
     if (count == 0) {
         // None faces that way: its light goes where the nearest of all does.
         group.tree.nearest(at, -2.0f, {found.data(), 1});
         const OrientedPoint other = group.tree[found[0].point];
-        count = group.tree.nearest({at.position, other.normal}, least_facing, found);
+        count = group.tree.nearest({at.position, other.normal}, least_shared_facing, found);
     }
     Nearest near;
     for (int k = 0; k < count; ++k) {

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "renderer/geometry/ray_tracer.h"
 #include "renderer/lights/anchor_places.h"
 #include "renderer/lights/point_tree.h"
-#include "renderer/geometry/ray_tracer.h"
 
 namespace render2mpeg::renderer {
 

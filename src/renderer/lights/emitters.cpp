@@ -34,7 +34,7 @@ struct Emitter {
     double power = 0;
 };
 
-float area_of(const scene::Snapshot& s, std::uint32_t object, std::uint32_t primitive) {
+float emitting_area(const scene::Snapshot& s, std::uint32_t object, std::uint32_t primitive) {
     // An object that is switched off still gets its points: take its own size then.
     const scene::Object& o = s.animation->objects[object];
     const scene::Mesh& mesh = s.animation->meshes[static_cast<std::size_t>(o.mesh)];
@@ -85,7 +85,7 @@ Emitter emitter_of(const Scenery& scenery, const scene::Snapshot& snapshot, std:
             Cell whole;
             whole.primitive = p;
             whole.front = side == 0;
-            whole.area = area_of(snapshot, object, p);
+            whole.area = emitting_area(snapshot, object, p);
             whole.radiance = scenery.mean_emission(object, p);
             if (!(whole.power() > 0.0) || !std::isfinite(whole.power())) continue;
             if (!material.emission_texture.present() || cells_per_edge == 1 || !snapshot.objects[object].present) {

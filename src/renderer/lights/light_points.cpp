@@ -5,8 +5,8 @@
 
 #include "core/color.h"
 #include "core/numeric.h"
-#include "renderer/lights/emitters.h"
 #include "renderer/base/lobe.h"
+#include "renderer/lights/emitters.h"
 #include "renderer/lights/usual_light.h"
 
 namespace render2mpeg::renderer {

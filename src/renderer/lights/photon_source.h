@@ -17,7 +17,7 @@ struct WorldBox {
 struct Photon {
     glm::vec3 origin{0};
     glm::vec3 direction{0, 0, 1};  ///< unit
-    glm::vec3 flux{0};  ///< power over the density of its choice: the mean over photons is the lights' power
+    glm::vec3 flux{0};             ///< power over the density of its choice: the mean over photons is the lights' power
 };
 
 /// Chooses photons mostly in proportion to the power of light points, some of them alike for all, so that a dim lamp in

@@ -15,13 +15,13 @@ inline constexpr int tile_size = 16;
 /// the cosine of light at 45 degrees changes by a fifth over the pixel; tried 0.9..0.999 on the rim of a sphere.
 inline constexpr float same_normal = 0.98f;
 
-/// One surface in one pixel (or seen from it in a mirror or through glass) that wants light. A pixel's samples on one surface share
-/// one gather point; its textures are averaged over them.
+/// One surface in one pixel (or seen from it in a mirror or through glass) that wants light. A pixel's samples on one
+/// surface share one gather point; its textures are averaged over them.
 struct GatherPoint {
     SurfacePoint point;
-    std::uint16_t pixel = 0;         ///< within its tile: y * tile_size + x
+    std::uint16_t pixel = 0;  ///< within its tile: y * tile_size + x
     bool reached_by_specular = false;
-    glm::vec3 weight{1};             ///< share of the pixel x what mirrors, glass and translucent layers let through
+    glm::vec3 weight{1};  ///< share of the pixel x what mirrors, glass and translucent layers let through
 };
 
 /// A gather point that was lit at another place of its pixel, on the same surface.
@@ -40,9 +40,10 @@ using GatherTile = std::vector<GatherPoint>;
 /// What `see` finds in one frame: what is kept for other frames, and what this frame's `shade` consumes.
 struct Seen {
     core::Visible visible;
-    std::vector<GatherTile> tiles;                 ///< row by row, (width + 15) / 16 per row
-    core::Plane<glm::vec3> unscattered;            ///< radiance that needs no gathering: emission, sky, unlit surfaces
-    core::Plane<glm::vec3> unscattered_specular;   ///< the part of `unscattered` seen by mirrors or glass; empty without them
+    std::vector<GatherTile> tiles;       ///< row by row, (width + 15) / 16 per row
+    core::Plane<glm::vec3> unscattered;  ///< radiance that needs no gathering: emission, sky, unlit surfaces
+    core::Plane<glm::vec3>
+        unscattered_specular;  ///< the part of `unscattered` seen by mirrors or glass; empty without them
     int tiles_across() const { return (visible.width() + tile_size - 1) / tile_size; }
 };
 

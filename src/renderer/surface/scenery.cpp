@@ -6,8 +6,8 @@
 #include "core/error.h"
 #include "image/image.h"
 #include "renderer/base/sampled_clock.h"
-#include "renderer/surface/surface_material.h"
 #include "renderer/geometry/surface_shape.h"
+#include "renderer/surface/surface_material.h"
 
 namespace render2mpeg::renderer {
 namespace {

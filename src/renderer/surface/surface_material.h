@@ -2,8 +2,8 @@
 
 #include <glm/glm.hpp>
 
-#include "renderer/surface/material_textures.h"
 #include "renderer/geometry/surface_shape.h"
+#include "renderer/surface/material_textures.h"
 
 namespace render2mpeg::renderer {
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <cstring>
 
-#include "renderer/tree/gather_lanes.h"
 #include "renderer/base/isa_clones.h"
+#include "renderer/tree/gather_lanes.h"
 
 /// What sixteen lanes come to, in an order of halves, so that wide registers keep it as it is.
 namespace render2mpeg::renderer {

@@ -35,10 +35,6 @@ std::uint64_t seed_of(int tree, std::uint64_t seed) {
     return LightForest::is_direct(tree) ? seed : seed + 1;
 }
 
-bool is_finite(const LightPoint& p) {
-    return core::is_finite(p.intensity) && core::is_finite(p.position) && core::is_finite(p.normal);
-}
-
 /// All lights of a plan as they lie now, to plan by; those that are absent lie with their neighbours in the tree.
 std::vector<LightPoint> with_absent(const TreePlan& plan, std::span<const LightPoint> now) {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> by_id;

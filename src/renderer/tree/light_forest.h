@@ -34,7 +34,7 @@ struct LightForest {
     std::array<LightTree, tree_count> trees;
     std::vector<ExactLight> exact;
     GeometryClamp direct_clamp, indirect_clamp;
-    bool translucent = false;  ///< shadow rays may meet surfaces that let light through
+    bool translucent = false;                  ///< shadow rays may meet surfaces that let light through
     Shadows shadows = Shadows::of_everything;  ///< else nothing is translucent
 
     static bool is_direct(int tree) { return tree < direct_trees; }

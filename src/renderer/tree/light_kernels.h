@@ -2,8 +2,8 @@
 
 #include <span>
 
-#include "renderer/tree/gather_lanes.h"
 #include "renderer/base/isa_clones.h"
+#include "renderer/tree/gather_lanes.h"
 #include "renderer/tree/light_tree.h"
 
 /// One light or one node against sixteen points at once: the renderer's innermost loops.

@@ -41,10 +41,6 @@ LooseLight loose_light(const LightPoint& p) {
     return loose;
 }
 
-bool is_finite(const LightPoint& p) {
-    return core::is_finite(p.intensity) && core::is_finite(p.position) && core::is_finite(p.normal);
-}
-
 /// Spreads the lowest 21 bits so that two zeros follow each.
 std::uint64_t spread(std::uint64_t v) {
     v &= 0x1fffff;

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "scene/model/animation.h"
 #include "scene/animation_file/json.h"
 #include "scene/animation_file/movement.h"
+#include "scene/model/animation.h"
 
 namespace render2mpeg::scene {
 

@@ -4,9 +4,9 @@
 #include <map>
 #include <string>
 
-#include "scene/model/animation.h"
 #include "scene/animation_file/json.h"
 #include "scene/animation_file/movement.h"
+#include "scene/model/animation.h"
 
 namespace render2mpeg::scene {
 

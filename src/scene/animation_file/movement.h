@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/model/animation.h"
 #include "scene/animation_file/curve.h"
 #include "scene/animation_file/json.h"
+#include "scene/model/animation.h"
 
 namespace render2mpeg::scene {
 

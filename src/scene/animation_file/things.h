@@ -4,10 +4,10 @@
 #include <string>
 #include <utility>
 
-#include "scene/model/animation.h"
 #include "scene/animation_file/json.h"
 #include "scene/animation_file/looks.h"
 #include "scene/animation_file/movement.h"
+#include "scene/model/animation.h"
 
 namespace render2mpeg::scene {
 

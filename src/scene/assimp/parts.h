@@ -7,8 +7,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "scene/model/animation.h"
 #include "scene/assimp/textures.h"
+#include "scene/model/animation.h"
 
 struct aiMaterial;
 struct aiMesh;

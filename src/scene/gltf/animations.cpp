@@ -2,8 +2,8 @@
 #include <utility>
 
 #include "core/error.h"
-#include "scene/model/choice.h"
 #include "scene/gltf/parts.h"
+#include "scene/model/choice.h"
 #include "scene/model/wording.h"
 
 namespace render2mpeg::scene::gltf {

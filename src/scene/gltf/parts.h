@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "scene/model/animation.h"
 #include "scene/gltf/document.h"
 #include "scene/load.h"
+#include "scene/model/animation.h"
 
 /// The parts of a glTF file, each read into an Animation by one file.
 namespace render2mpeg::scene::gltf {

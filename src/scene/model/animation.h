@@ -20,19 +20,20 @@ namespace render2mpeg::scene {
 /// A place in the hierarchy. Transforms are composed in double precision.
 struct Node {
     std::string name;
-    int parent = -1;                   ///< -1: root; the graph has no cycle after validation
+    int parent = -1;  ///< -1: root; the graph has no cycle after validation
     glm::dvec3 translation{0};
-    glm::dquat rotation{1, 0, 0, 0};   ///< w, x, y, z; unit
+    glm::dquat rotation{1, 0, 0, 0};  ///< w, x, y, z; unit
     glm::dvec3 scale{1};
     std::optional<glm::dmat4> matrix;  ///< instead of the three above; such nodes are not animated
 };
 
 struct Skin {
-    std::vector<int> joints;                   ///< nodes
-    std::vector<glm::dmat4> inverse_bind;      ///< as many
+    std::vector<int> joints;               ///< nodes
+    std::vector<glm::dmat4> inverse_bind;  ///< as many
 };
 
-/// How an object's surface changes over the whole film. `still`: never. `rigid`: as a whole. `deforming`: vertex by vertex.
+/// How an object's surface changes over the whole film. `still`: never. `rigid`: as a whole. `deforming`: vertex by
+/// vertex.
 enum class Mobility { still, rigid, deforming };
 
 /// One mesh with one material at one node: what a pixel's object id names.
@@ -41,8 +42,8 @@ struct Object {
     int node = -1;
     int mesh = -1;
     int material = 0;
-    int skin = -1;                      ///< -1: moved by its node; else by its joints alone [glTF2, 3.7.3.3]
-    std::vector<float> morph_weights;   ///< where no track says otherwise
+    int skin = -1;                     ///< -1: moved by its node; else by its joints alone [glTF2, 3.7.3.3]
+    std::vector<float> morph_weights;  ///< where no track says otherwise
     Mobility mobility = Mobility::still;
 };
 
@@ -54,34 +55,36 @@ struct Shot {
 
 /// A scene with everything that moves in it: plain data, the same for every frame, never changed after loading.
 struct Animation {
-    std::string source;                ///< the file the user named
-    std::vector<std::filesystem::path> files;   ///< every file that was read for it, in that order; images are in `images`
+    std::string source;  ///< the file the user named
+    std::vector<std::filesystem::path>
+        files;  ///< every file that was read for it, in that order; images are in `images`
     std::vector<Node> nodes;
     std::vector<Mesh> meshes;
     std::vector<Object> objects;
     std::vector<Skin> skins;
     std::vector<Material> materials;
     std::vector<ImageSource> images;
-    std::vector<CameraLens> cameras;   ///< at least one after loading
+    std::vector<CameraLens> cameras;  ///< at least one after loading
     std::vector<Light> lights;
     Sky sky;
     std::vector<Track> tracks;
-    std::vector<Shot> shots;           ///< by frame; empty: camera 0 throughout
+    std::vector<Shot> shots;  ///< by frame; empty: camera 0 throughout
 
-    /// Subtracted from every world position before it is rounded to single precision, so that a scene far from the origin loses no
-    /// digits. All positions that leave this part are relative to it.
+    /// Subtracted from every world position before it is rounded to single precision, so that a scene far from the
+    /// origin loses no digits. All positions that leave this part are relative to it.
     glm::dvec3 origin{0};
     /// Corners of a box about all surfaces at the first frame, relative to `origin`; equal where there is no surface.
     glm::vec3 bounds_min{0}, bounds_max{0};
 
-    double duration = 0;                    ///< seconds until the last key; 0: nothing moves
-    std::optional<std::string> frame_rate;  ///< as the animation file says
+    double duration = 0;                                  ///< seconds until the last key; 0: nothing moves
+    std::optional<std::string> frame_rate;                ///< as the animation file says
     std::optional<std::int64_t> first_frame, last_frame;  ///< likewise
-    std::optional<float> exposure;          ///< EV, likewise; none: automatic
-    std::optional<glm::ivec2> size;         ///< picture width and height, likewise
-    std::optional<core::Rational> display_aspect;  ///< width by height of the picture as shown, likewise; none: square pixels
+    std::optional<float> exposure;                        ///< EV, likewise; none: automatic
+    std::optional<glm::ivec2> size;                       ///< picture width and height, likewise
+    std::optional<core::Rational>
+        display_aspect;  ///< width by height of the picture as shown, likewise; none: square pixels
 
-    std::vector<std::string> notes;         ///< one line each: what was assumed, dropped or not understood
+    std::vector<std::string> notes;  ///< one line each: what was assumed, dropped or not understood
 };
 
 }  // namespace render2mpeg::scene

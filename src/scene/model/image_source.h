@@ -9,21 +9,21 @@
 
 namespace render2mpeg::scene {
 
-/// An encoded image (PNG, JPEG, EXR, HDR, ...): a file, or bytes that were embedded in the scene's file. Decoding is not the
-/// scene's business.
+/// An encoded image (PNG, JPEG, EXR, HDR, ...): a file, or bytes that were embedded in the scene's file. Decoding is
+/// not the scene's business.
 struct ImageSource {
-    std::string name;               ///< for messages
-    std::filesystem::path path;     ///< empty where `bytes` holds it
-    std::vector<std::byte> bytes;   ///< empty where `path` names it
+    std::string name;              ///< for messages
+    std::filesystem::path path;    ///< empty where `bytes` holds it
+    std::vector<std::byte> bytes;  ///< empty where `path` names it
 };
 
 /// How a material uses an image: which texture coordinates, moved how, and what lies outside [0, 1].
 struct TextureUse {
-    int image = -1;   ///< index into Animation::images; -1: no texture, the factor alone counts
-    int uv_set = 0;   ///< 0 or 1
+    int image = -1;  ///< index into Animation::images; -1: no texture, the factor alone counts
+    int uv_set = 0;  ///< 0 or 1
     core::Wrap wrap_u = core::Wrap::repeat;
     core::Wrap wrap_v = core::Wrap::repeat;
-    bool nearest = false;   ///< no interpolation when magnified
+    bool nearest = false;  ///< no interpolation when magnified
     /// uv' = (m00 u + m01 v + m02, m10 u + m11 v + m12) [KHR_texture_transform]; (0, 0) is the image's upper left.
     float transform[2][3] = {{1, 0, 0}, {0, 1, 0}};
 

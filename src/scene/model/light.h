@@ -14,18 +14,18 @@ struct Light {
     std::string name;
     int node = -1;
     LightKind kind = LightKind::point;
-    glm::vec3 color{1, 1, 1};     ///< linear, 0..1
-    float intensity = 1;          ///< point, spot: radiant intensity (W/sr or cd); directional: irradiance across the beam (lx)
-    float range = 0;              ///< beyond it there is no light, faded as the extension says; 0: infinite
-    float inner_cone = 0;         ///< spot: half angle of full light, radians
-    float outer_cone = 0.785398f; ///< spot: half angle where the light ends, radians, > inner_cone
+    glm::vec3 color{1, 1, 1};  ///< linear, 0..1
+    float intensity = 1;  ///< point, spot: radiant intensity (W/sr or cd); directional: irradiance across the beam (lx)
+    float range = 0;      ///< beyond it there is no light, faded as the extension says; 0: infinite
+    float inner_cone = 0;          ///< spot: half angle of full light, radians
+    float outer_cone = 0.785398f;  ///< spot: half angle where the light ends, radians, > inner_cone
 };
 
 /// What is seen and what shines where no surface is. Image (latitude-longitude, +y up, -z in the middle) times colour.
 struct Sky {
-    glm::vec3 color{0, 0, 0};     ///< radiance, or the factor of the image
-    int image = -1;               ///< index into Animation::images; -1: constant colour
-    float rotation = 0;           ///< about +y, radians
+    glm::vec3 color{0, 0, 0};  ///< radiance, or the factor of the image
+    int image = -1;            ///< index into Animation::images; -1: constant colour
+    float rotation = 0;        ///< about +y, radians
 
     bool shines() const { return color.x > 0 || color.y > 0 || color.z > 0; }
 };

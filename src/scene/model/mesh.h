@@ -20,18 +20,18 @@ struct VertexJoints {
     std::array<float, 8> weight{};
 };
 
-/// Triangles of one material in their own space. After validation every index is in range, every position finite, and triangles
-/// without area are gone.
+/// Triangles of one material in their own space. After validation every index is in range, every position finite, and
+/// triangles without area are gone.
 struct Mesh {
     std::string name;
     std::vector<glm::vec3> positions;
-    std::vector<glm::vec3> normals;                  ///< unit; empty: flat
-    std::vector<glm::vec4> tangents;                 ///< xyz unit, w = +-1 handedness; empty: derived where needed
-    std::array<std::vector<glm::vec2>, 2> uv;        ///< either may be empty
-    std::vector<glm::vec4> colors;                   ///< linear, multiply the base colour; empty: white
+    std::vector<glm::vec3> normals;            ///< unit; empty: flat
+    std::vector<glm::vec4> tangents;           ///< xyz unit, w = +-1 handedness; empty: derived where needed
+    std::array<std::vector<glm::vec2>, 2> uv;  ///< either may be empty
+    std::vector<glm::vec4> colors;             ///< linear, multiply the base colour; empty: white
     std::vector<glm::uvec3> triangles;
     std::vector<MorphTarget> morph_targets;
-    std::vector<VertexJoints> joints;                ///< empty: not skinned
+    std::vector<VertexJoints> joints;  ///< empty: not skinned
 };
 
 }  // namespace render2mpeg::scene

@@ -48,7 +48,7 @@ std::vector<glm::dvec3> morphed(const std::vector<glm::vec3>& base, const Mesh& 
     return shape;
 }
 
-glm::vec3 unit_or(glm::dvec3 n, glm::vec3 otherwise) {
+glm::vec3 normal_or(glm::dvec3 n, glm::vec3 otherwise) {
     const double length = glm::length(n);
     return length > 0 && std::isfinite(length) ? glm::vec3(n / length) : otherwise;
 }
@@ -77,14 +77,14 @@ std::vector<glm::vec3> deformed_normals(const Animation& animation, const Object
     std::vector<glm::vec3> normals(shape.size());
     if (object.skin < 0) {
         const glm::dmat3 matrix = normal_matrix(glm::dmat3(pose.world_of(object.node))).matrix;
-        for (std::size_t v = 0; v < shape.size(); ++v) normals[v] = unit_or(matrix * shape[v], mesh.normals[v]);
+        for (std::size_t v = 0; v < shape.size(); ++v) normals[v] = normal_or(matrix * shape[v], mesh.normals[v]);
         return normals;
     }
     const std::vector<glm::dmat4> matrices =
         joint_matrices(animation.skins[static_cast<std::size_t>(object.skin)], pose);
     for (std::size_t v = 0; v < shape.size(); ++v) {
         const NormalMatrix m = normal_matrix(glm::dmat3(blend(mesh.joints[v], matrices)));
-        normals[v] = m.finite ? unit_or(m.matrix * shape[v], mesh.normals[v]) : mesh.normals[v];
+        normals[v] = m.finite ? normal_or(m.matrix * shape[v], mesh.normals[v]) : mesh.normals[v];
     }
     return normals;
 }

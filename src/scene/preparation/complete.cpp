@@ -3,15 +3,15 @@
 #include <glm/glm.hpp>
 
 #include "core/rational.h"
-#include "scene/preparation/default_light.h"
-#include "scene/pose/extent.h"
-#include "scene/preparation/framing.h"
 #include "scene/load.h"
 #include "scene/loaders.h"
+#include "scene/model/wording.h"
+#include "scene/pose/extent.h"
 #include "scene/pose/pose.h"
+#include "scene/preparation/default_light.h"
+#include "scene/preparation/framing.h"
 #include "scene/preparation/traits.h"
 #include "scene/preparation/validate.h"
-#include "scene/model/wording.h"
 
 namespace render2mpeg::scene {
 namespace {

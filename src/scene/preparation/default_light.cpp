@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <optional>
 
+#include "scene/model/wording.h"
 #include "scene/pose/extent.h"
 #include "scene/pose/pose.h"
 #include "scene/pose/surface_grid.h"
-#include "scene/model/wording.h"
 
 namespace render2mpeg::scene {
 namespace {

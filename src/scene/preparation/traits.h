@@ -4,25 +4,25 @@
 
 namespace render2mpeg::scene {
 
-/// What a film contains, as far as it decides which passes run. Conservative over the whole film: a trait is true when any
-/// frame may show it.
+/// What a film contains, as far as it decides which passes run. Conservative over the whole film: a trait is true when
+/// any frame may show it.
 struct Traits {
     bool has_surfaces = false;
     bool has_punctual_lights = false;
     bool has_emissive_surfaces = false;
     bool has_shining_sky = false;
-    bool has_diffuse_surfaces = false;     ///< any surface that light can bounce off diffusely
-    bool has_glossy_surfaces = false;      ///< reflects in a lobe that light points can fill
-    bool has_mirrors = false;              ///< smooth enough that only a traced ray shows its reflection
-    bool has_glass = false;                ///< transmission > 0
+    bool has_diffuse_surfaces = false;  ///< any surface that light can bounce off diffusely
+    bool has_glossy_surfaces = false;   ///< reflects in a lobe that light points can fill
+    bool has_mirrors = false;           ///< smooth enough that only a traced ray shows its reflection
+    bool has_glass = false;             ///< transmission > 0
     bool has_alpha_mask = false;
     bool has_alpha_blend = false;
     bool has_normal_maps = false;
     bool has_textures = false;
     bool camera_moves = false;
-    bool objects_move = false;             ///< rigidly
+    bool objects_move = false;  ///< rigidly
     bool objects_deform = false;
-    bool lights_change = false;            ///< move, or change their strength; emissive surfaces included
+    bool lights_change = false;  ///< move, or change their strength; emissive surfaces included
     bool has_cuts = false;
 
     bool changes_light() const { return objects_move || objects_deform || lights_change; }

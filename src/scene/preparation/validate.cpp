@@ -6,8 +6,8 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "core/rational.h"
-#include "scene/pose/pose.h"
 #include "scene/model/wording.h"
+#include "scene/pose/pose.h"
 
 namespace render2mpeg::scene {
 namespace {

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "core/numeric.h"
-#include "scene/preparation/validate.h"
 #include "scene/model/wording.h"
+#include "scene/preparation/validate.h"
 
 namespace render2mpeg::scene {
 namespace {

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/model/wording.h"
 #include "scene/pose/pose.h"
 #include "scene/preparation/validate.h"
-#include "scene/model/wording.h"
 
 namespace render2mpeg::scene {
 namespace {
