@@ -43,13 +43,13 @@ constexpr std::size_t any_number = ~std::size_t{0};
 
 const std::vector<Library>& libraries() {
     static const std::vector<Library> all = {
-        {"Embree", {"embree3/"}, "src/renderer/", 3},
+        {"Embree", {"embree3/"}, "src/renderer/geometry/", 3},
         {"OpenImageIO", {"OpenImageIO/"}, "src/image/", 2},
         {"OpenEXR", {"OpenEXR/", "Imath/", "Imf", "half.h"}, "src/image/", 2},
         {"FFmpeg", {"libav", "libsw"}, "encoder/av/", 2},
         {"TBB", {"tbb/", "oneapi/"}, "src/parallel/", 2},
-        {"Assimp", {"assimp/"}, "src/scene/", 3},
-        {"CLI11", {"CLI/"}, "src/app/", 2},
+        {"Assimp", {"assimp/"}, "src/scene/assimp/", 3},
+        {"CLI11", {"CLI/"}, "src/app/options/", 2},
         {"GLM", {"glm/"}, "", any_number},
         {"fmt", {"fmt/"}, "", any_number},
         {"nlohmann-json", {"nlohmann/"}, "", any_number},

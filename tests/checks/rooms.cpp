@@ -1,0 +1,142 @@
+#include "checks/rooms.h"
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+
+namespace render2mpeg::checks {
+namespace {
+
+/// A room, the rooms of its part that it may include, and the other parts that it may include.
+struct Room {
+    std::string_view name;
+    std::vector<std::string_view> rooms;
+    std::vector<std::string_view> parts;
+};
+
+/// A part that has rooms.
+struct Building {
+    std::string_view folder;   ///< where it lies, with '/'
+    std::string_view include;  ///< how its headers begin, with '/'
+    std::vector<Room> rooms;
+};
+
+const std::vector<Building>& buildings() {
+    static const std::vector<Building> all = {
+        {"src/scene/",
+         "scene/",
+         {{"model", {}, {"core"}},
+          {"isolation", {}, {"core"}},
+          {"pose", {"model"}, {"core"}},
+          {"preparation", {"pose", "model"}, {"core"}},
+          {"gltf", {"model"}, {"core"}},
+          {"assimp", {"isolation", "pose", "model"}, {"core"}},
+          {"animation_file", {"pose", "model"}, {"core"}}}},
+        {"src/renderer/",
+         "renderer/",
+         {{"base", {}, {"core", "scene"}},
+          {"geometry", {"base"}, {"core", "scene", "image"}},
+          {"surface", {"geometry", "base"}, {"core", "scene", "image", "parallel"}},
+          {"lights", {"surface", "geometry", "base"}, {"core", "scene", "image", "parallel"}},
+          {"tree", {"surface", "base"}, {"core", "parallel"}},
+          {"view", {"surface", "base"}, {"core", "parallel"}},
+          {"cut", {"tree", "surface", "geometry", "base"}, {"core", "scene", "parallel"}},
+          {"calibration", {"cut", "tree", "surface", "geometry", "base"}, {"core", "parallel"}},
+          {"cache", {"cut", "tree", "surface", "base"}, {"core", "scene", "parallel"}}}},
+        {"encoder/mpeg2/",
+         "encoder/mpeg2/",
+         {{"bitstream", {}, {"core"}},
+          {"kernels", {"bitstream"}, {"core"}},
+          {"motion", {"kernels", "bitstream"}, {"core", "parallel"}},
+          {"macroblock", {"motion", "kernels", "bitstream"}, {"core", "parallel"}},
+          {"picture", {"macroblock", "motion", "kernels", "bitstream"}, {"core", "parallel"}},
+          {"rate", {"picture", "macroblock", "motion", "kernels", "bitstream"}, {"core", "parallel"}}}},
+        {"src/app/",
+         "app/",
+         {{"system", {}, {"core", "parallel", "image", "scene"}},
+          {"options", {"system"}, {"core", "encoder", "perceptual"}},
+          {"files", {"options", "system"}, {"core", "encoder"}},
+          // The only room that joins the parts.
+          {"loop",
+           {"files", "options", "system"},
+           {"core", "parallel", "image", "scene", "renderer", "perceptual", "encoder"}},
+          {"report", {"loop", "files", "options", "system"}, {"core", "image", "perceptual", "encoder"}},
+          {"experiments",
+           {"report", "loop", "files", "options", "system"},
+           {"core", "parallel", "scene", "renderer", "perceptual", "encoder"}},
+          {"commands",
+           {"experiments", "report", "loop", "files", "options", "system"},
+           {"core", "parallel", "perceptual", "encoder"}}}},
+    };
+    return all;
+}
+
+bool holds(const std::vector<std::string_view>& names, std::string_view name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+const Building* building_of(const File& file) {
+    for (const Building& building : buildings())
+        if (file.begins_with(building.folder)) return &building;
+    return nullptr;
+}
+
+/// What is wrong with one include of a source in a room, or nothing.
+std::string wrong_with(const Building& building, const Room& room, const std::string& header) {
+    if (!header.starts_with(building.include)) {
+        const std::string part = header.substr(0, header.find('/'));
+        if (building.include.starts_with(part + "/") || holds(room.parts, part)) return {};
+        return std::string(room.name) + " may not know " + part + ", but includes \"" + header + "\"";
+    }
+    const std::string rest = header.substr(building.include.size());
+    const std::size_t slash = rest.find('/');
+    if (slash == std::string::npos) return std::string(room.name) + " lies below \"" + header + "\", which it includes";
+    const std::string other = rest.substr(0, slash);
+    if (other == room.name || holds(room.rooms, other)) return {};
+    return std::string(room.name) + " may not know the room " + other + ", but includes \"" + header + "\"";
+}
+
+}  // namespace
+
+std::vector<Finding> room_breaches(const std::vector<File>& files) {
+    std::vector<Finding> findings;
+    for (const File& file : files) {
+        const Building* building = file.is_cpp() && file.is_product() ? building_of(file) : nullptr;
+        if (building == nullptr) continue;
+        const std::string rest = file.path.substr(building->folder.size());
+        const std::size_t slash = rest.find('/');
+        if (slash == std::string::npos) continue;  // on the part's own level, which may include all its rooms
+        const auto room = std::find_if(building->rooms.begin(), building->rooms.end(),
+                                       [&](const Room& r) { return r.name == rest.substr(0, slash); });
+        if (room == building->rooms.end()) {
+            findings.push_back({file.path, 0, "lies in no room of the table in tests/checks/rooms.cpp"});
+            continue;
+        }
+        for (const Include& include : includes_of(file)) {
+            if (!include.quoted) continue;
+            const std::string wrong = wrong_with(*building, *room, include.name);
+            if (!wrong.empty()) findings.push_back({file.path, include.line, wrong});
+        }
+    }
+    return findings;
+}
+
+std::vector<Finding> rooms_without_readme(const std::vector<File>& files) {
+    constexpr std::size_t most_lines = 10;
+    std::vector<Finding> findings;
+    const auto look = [&](const std::string& path) {
+        const auto found = std::find_if(files.begin(), files.end(), [&](const File& f) { return f.path == path; });
+        if (found == files.end())
+            findings.push_back({path, 0, "is missing: what the room does, what it may touch, where to start reading"});
+        else if (lines_of(found->text).size() > most_lines)
+            findings.push_back({path, 0, "has more than " + std::to_string(most_lines) + " lines"});
+    };
+    for (const Building& building : buildings()) {
+        look(std::string(building.folder) + "README.md");
+        for (const Room& room : building.rooms)
+            look(std::string(building.folder) + std::string(room.name) + "/README.md");
+    }
+    return findings;
+}
+
+}  // namespace render2mpeg::checks

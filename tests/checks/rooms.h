@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "checks/tree.h"
+
+namespace render2mpeg::checks {
+
+/// Includes that break the arrows between rooms, the folders inside a part: rooms that may not know each other, a room
+/// that includes a header of the part's own level (the part is built on its rooms), parts that a room may not know, and
+/// sources in a folder that is no room of the table.
+std::vector<Finding> room_breaches(const std::vector<File>& files);
+
+/// Rooms without a README.md, or with one of more than ten lines.
+std::vector<Finding> rooms_without_readme(const std::vector<File>& files);
+
+}  // namespace render2mpeg::checks

@@ -1,0 +1,70 @@
+#include "checks/rooms.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/support/places.h"
+
+namespace render2mpeg::checks {
+namespace {
+
+std::vector<Finding> rooms_broken_by(const std::string& path, const std::string& header) {
+    return room_breaches({make_file(path, "#pragma once\n#include \"" + header + "\"\n")});
+}
+
+TEST(Rooms, HaveArrowsOfOneWay) {
+    const auto findings = room_breaches(read_tree(support::source_folder()));
+    EXPECT_TRUE(findings.empty()) << list_of(findings);
+}
+
+TEST(Rooms, HaveAReadmeOfAtMostTenLines) {
+    const auto findings = rooms_without_readme(read_tree(support::source_folder()));
+    EXPECT_TRUE(findings.empty()) << list_of(findings);
+}
+
+TEST(RoomCheck, FindsArrowsThatPointTheWrongWay) {
+    const std::pair<const char*, const char*> arrows[] = {
+        {"src/renderer/geometry/a.cpp", "renderer/cut/cut.h"},
+        {"src/renderer/lights/a.cpp", "renderer/tree/light_tree.h"},
+        {"src/renderer/tree/a.h", "renderer/lights/anchors.h"},
+        {"src/scene/gltf/a.cpp", "scene/assimp/parts.h"},
+        {"encoder/mpeg2/bitstream/a.cpp", "encoder/mpeg2/rate/rate_model.h"},
+        {"src/app/files/a.cpp", "app/loop/pipeline.h"},
+    };
+    for (const auto& [path, header] : arrows) {
+        const auto findings = rooms_broken_by(path, header);
+        ASSERT_EQ(findings.size(), 1u) << path << " " << header;
+        EXPECT_EQ(findings[0].line, 2);
+    }
+}
+
+TEST(RoomCheck, FindsPartsThatARoomMayNotKnow) {
+    EXPECT_EQ(rooms_broken_by("src/app/options/a.cpp", "renderer/renderer.h").size(), 1u);
+    EXPECT_EQ(rooms_broken_by("src/app/files/a.cpp", "perceptual/display.h").size(), 1u);
+    EXPECT_TRUE(rooms_broken_by("src/app/loop/a.cpp", "renderer/renderer.h").empty());
+}
+
+TEST(RoomCheck, FindsARoomThatIncludesWhatIsBuiltOnIt) {
+    EXPECT_EQ(rooms_broken_by("src/renderer/cut/a.cpp", "renderer/renderer.h").size(), 1u);
+    EXPECT_TRUE(rooms_broken_by("src/renderer/renderer.cpp", "renderer/cut/cut.h").empty());
+}
+
+TEST(RoomCheck, FindsSourcesThatLieInNoRoom) {
+    EXPECT_EQ(room_breaches({make_file("src/renderer/attic/a.cpp", "")}).size(), 1u);
+}
+
+TEST(RoomCheck, FindsMissingAndLongReadmes) {
+    const std::string room = "src/renderer/cut/README.md";
+    const auto is_of_room = [&](const Finding& f) { return f.path == room; };
+    const auto count = [&](const std::vector<File>& files) {
+        const auto findings = rooms_without_readme(files);
+        return std::count_if(findings.begin(), findings.end(), is_of_room);
+    };
+    EXPECT_EQ(count({}), 1);
+    EXPECT_EQ(count({make_file(room, "# Cut\n")}), 0);
+    EXPECT_EQ(count({make_file(room, "1\n2\n3\n4\n5\n6\n7\n8\n9\n10\n11\n")}), 1);
+}
+
+}  // namespace
+}  // namespace render2mpeg::checks
