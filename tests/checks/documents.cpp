@@ -1,0 +1,79 @@
+#include "checks/documents.h"
+
+#include <algorithm>
+#include <cctype>
+#include <string>
+
+namespace render2mpeg::checks {
+namespace {
+
+bool is_blank(char c) {
+    return std::isspace(static_cast<unsigned char>(c)) != 0;
+}
+
+/// Bytes of UTF-8 beyond ASCII count as letters.
+bool is_letter_or_digit(char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80;
+}
+
+/// A link that leads out of the tree, or to a heading of the same file.
+bool leads_elsewhere(std::string_view target) {
+    return target.empty() || target.starts_with('#') || target.find("://") != std::string_view::npos ||
+           target.starts_with("mailto:");
+}
+
+}  // namespace
+
+const std::vector<WordLimit>& word_limits() {
+    // chosen: what can be read in ten minutes, and on one page.
+    static const std::vector<WordLimit> limits = {{"docs/model/", 2500}, {"docs/decisions/", 500}};
+    return limits;
+}
+
+int count_words(std::string_view text) {
+    int count = 0;
+    for (std::size_t at = 0; at < text.size();) {
+        const auto end = std::find_if(text.begin() + static_cast<std::ptrdiff_t>(at), text.end(), is_blank);
+        const std::string_view part = text.substr(at, static_cast<std::size_t>(end - text.begin()) - at);
+        if (std::any_of(part.begin(), part.end(), is_letter_or_digit)) ++count;
+        at += part.size() + 1;
+    }
+    return count;
+}
+
+std::vector<Finding> wordy_documents(const std::vector<File>& files) {
+    std::vector<Finding> findings;
+    for (const File& file : files) {
+        if (!file.path.ends_with(".md")) continue;
+        const auto limit = std::find_if(word_limits().begin(), word_limits().end(),
+                                        [&](const WordLimit& l) { return file.begins_with(l.path); });
+        if (limit == word_limits().end()) continue;
+        const int words = count_words(file.text);
+        if (words > limit->words)
+            findings.push_back(
+                {file.path, 0, std::to_string(words) + " words, of at most " + std::to_string(limit->words)});
+    }
+    return findings;
+}
+
+std::vector<Finding> dead_links(const std::vector<File>& files, const std::filesystem::path& root) {
+    std::vector<Finding> findings;
+    for (const File& file : files) {
+        if (!file.path.ends_with(".md")) continue;
+        const std::string_view text = file.text;
+        for (std::size_t at = text.find("]("); at != std::string_view::npos; at = text.find("](", at + 2)) {
+            const std::size_t end = text.find_first_of(") \n", at + 2);
+            if (end == std::string_view::npos || text[end] == '\n') continue;
+            std::string_view target = text.substr(at + 2, end - at - 2);
+            if (leads_elsewhere(target)) continue;
+            target = target.substr(0, target.find('#'));
+            const std::filesystem::path place = root / std::filesystem::path(file.path).parent_path() / target;
+            if (!std::filesystem::exists(place))
+                findings.push_back(
+                    {file.path, line_at(text, at), "links to " + std::string(target) + ", which does not exist"});
+        }
+    }
+    return findings;
+}
+
+}  // namespace render2mpeg::checks

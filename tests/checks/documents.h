@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include "checks/tree.h"
+
+/// Checks of the documents: short enough to be read, and without dead links.
+namespace render2mpeg::checks {
+
+/// The most words that a Markdown file below a path may have.
+struct WordLimit {
+    std::string_view path;  ///< a file, or a folder with '/' at its end
+    int words = 0;
+};
+/// The table of limits. A file takes the first row that its path begins with; files without a row have no limit.
+const std::vector<WordLimit>& word_limits();
+
+/// Words of a text: parts between blanks that hold a letter or a digit.
+int count_words(std::string_view text);
+
+std::vector<Finding> wordy_documents(const std::vector<File>& files);
+
+/// Relative links of Markdown files, `[text](path)`, that lead to no file or folder below `root`.
+std::vector<Finding> dead_links(const std::vector<File>& files, const std::filesystem::path& root);
+
+}  // namespace render2mpeg::checks

@@ -1,0 +1,56 @@
+#include "checks/documents.h"
+#include "tests/support/places.h"
+
+#include <gtest/gtest.h>
+
+namespace render2mpeg::checks {
+namespace {
+
+std::string words(int count) {
+    std::string text;
+    for (int i = 0; i < count; ++i) text += "word\n";
+    return text;
+}
+
+TEST(Documents, OfThisTreeAreShort) {
+    const auto findings = wordy_documents(read_tree(support::source_folder()));
+    EXPECT_TRUE(findings.empty()) << list_of(findings);
+}
+
+TEST(Documents, OfThisTreeHaveNoDeadLinks) {
+    const auto findings = dead_links(read_tree(support::source_folder()), support::source_folder());
+    EXPECT_TRUE(findings.empty()) << list_of(findings);
+}
+
+TEST(DocumentCheck, CountsWordsAndNoMarks) {
+    EXPECT_EQ(count_words(""), 0);
+    EXPECT_EQ(count_words("  \n\n"), 0);
+    EXPECT_EQ(count_words("| a | 2 % |\n|---|---|"), 2);
+    EXPECT_EQ(count_words("one two\nthree\tfour  five"), 5);
+    EXPECT_EQ(count_words("\xc2\xb1"), 1);
+}
+
+TEST(DocumentCheck, FindsPagesOfTooManyWords) {
+    for (const WordLimit& limit : word_limits()) {
+        const std::string path = std::string(limit.path) + (limit.path.ends_with('/') ? "a.md" : "");
+        EXPECT_TRUE(wordy_documents({make_file(path, words(limit.words))}).empty()) << path;
+        EXPECT_EQ(wordy_documents({make_file(path, words(limit.words + 1))}).size(), 1u) << path;
+    }
+    EXPECT_TRUE(wordy_documents({make_file("docs/hard-cases.md", words(20000))}).empty());
+    EXPECT_TRUE(wordy_documents({make_file("docs/model/a.txt", words(20000))}).empty());
+}
+
+TEST(DocumentCheck, FindsLinksThatLeadNowhere) {
+    const auto root = support::source_folder();
+    const auto links = [&](const char* text) { return dead_links({make_file("docs/a.md", text)}, root).size(); };
+    EXPECT_EQ(links("see [sources](sources.md), [all](../README.md#start), [a folder](model/), "
+                    "[b](https://nowhere.example/a.md), [c](#here)"),
+              0u);
+    EXPECT_EQ(links("see [sources](source.md)"), 1u);
+    EXPECT_EQ(links("![a picture](nothing.png) and [b](../nothing.md#there)"), 2u);
+    EXPECT_EQ(dead_links({make_file("docs/a.md", "a\nb [c](d.md)")}, root).at(0).line, 2);
+    EXPECT_TRUE(dead_links({make_file("src/core/a.cpp", "// [c](d.md)")}, root).empty());
+}
+
+}  // namespace
+}  // namespace render2mpeg::checks
