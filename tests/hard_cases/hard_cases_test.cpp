@@ -145,20 +145,18 @@ TEST(HardCasesPage, NamesOnlyTestsThatAreThere) {
 std::string page() {
     std::ostringstream text;
     text << "# Hard cases\n\n"
-            "Scenes in which careless arithmetic fails, and what comes of them here. Every one is lit without "
-            "clustering, by both\n"
-            "stopping rules at 2 %, from records on surfaces, and coupled to its coding; in each, all radiance is "
-            "finite and not negative, and "
-            "libavcodec decodes\n"
-            "the film to what the encoder reconstructed, bit for bit. `tests/hard_cases` proves this page and writes "
-            "it\n"
-            "(`RENDER2MPEG_WRITE_PAGES=1 test_hard_cases`). The last three tables say which tests prove what is no "
-            "scene of\n"
-            "its own: every test that they name is there, or the page fails. How files of strangers are tried is in\n"
+            "Scenes in which careless arithmetic fails, and what render2mpeg does with them. Each is lit without "
+            "clustering,\n"
+            "by both stopping rules at 2 %, with the irradiance cache, and coupled to its coding. In each, all "
+            "radiance is\n"
+            "finite and not negative, and libavcodec decodes the film to the encoder's reconstruction, bit for bit.\n\n"
+            "`tests/hard_cases` proves this page and writes it (`RENDER2MPEG_WRITE_PAGES=1 test_hard_cases`). The last "
+            "three\n"
+            "tables name the tests that prove what no scene can show; the page fails if one is missing. Files of "
+            "strangers:\n"
             "[fuzzing.md](fuzzing.md).\n";
     for (const Chapter& chapter : chapters()) {
-        text << "\n## " << chapter.title
-             << "\n\n| case | what goes wrong where nobody took care | outcome |\n|---|---|---|\n";
+        text << "\n## " << chapter.title << "\n\n| case | what goes wrong without care | outcome |\n|---|---|---|\n";
         for (const HardCase& hard_case : chapter.cases)
             text << "| " << hard_case.name << " | " << hard_case.breaks << " | "
                  << (hard_case.refused.empty() ? "" : "refused: ") << hard_case.outcome << " |\n";

@@ -55,7 +55,7 @@ std::vector<HardCase> material_cases() {
              EXPECT_LT(film.mean(), 1.0);
          }},
         {"a surface that reflects more than it gets", "every bounce brightens",
-         "taken as reflecting all of it, which is said", [] { return closed_room(1.5f); },
+         "taken as reflecting all of it, with a note", [] { return closed_room(1.5f); },
          [](const Lit& film) {
              EXPECT_LT(film.mean(), 1.0);
              ASSERT_FALSE(film.notes.empty());
@@ -76,7 +76,7 @@ std::vector<HardCase> material_cases() {
          {},
          {},
          "material 0"},
-        {"emission of 1e38", "sums over light points overflow", "taken as 1e30, which is said; the film shows white",
+        {"emission of 1e38", "sums over light points overflow", "taken as 1e30, with a note; the film shows white",
          [] { return floor_of([](scene::Material& m) { m.emission = glm::vec3(1e38f); }); },
          [](const Lit& film) {
              EXPECT_FALSE(film.notes.empty());
@@ -109,7 +109,7 @@ std::vector<HardCase> material_cases() {
         {"glass without refraction", "Fresnel's terms of index 1 are 0/0", "the floor as without it",
          [] { return sheets(1, [](scene::Material& m) { m.transmission = 1, m.roughness = 0, m.ior = 1; }); },
          [](const Lit& film) { EXPECT_GT(film.mean(), 0.0); }},
-        {"glass of index 1e6", "reflectance rounds to 1, angles to 0", "taken as index 100, which is said",
+        {"glass of index 1e6", "reflectance rounds to 1, angles to 0", "taken as index 100, with a note",
          [] { return sheets(1, [](scene::Material& m) { m.transmission = 1, m.roughness = 0, m.ior = 1e6f; }); },
          [](const Lit& film) { EXPECT_FALSE(film.notes.empty()); }},
         {"two mirrors that face each other",

@@ -114,7 +114,7 @@ std::vector<HardCase> motion_cases() {
              return block_with(TrackTarget::rotation, 4, {0, 2}, {0, 0, 0, 1, 0, 0, 0, -1});
          },
          [](const Lit& film) { EXPECT_NEAR(film.mean(1) / film.mean(0), 1.0, 0.02); }},
-        {"a rotation of quaternion 0", "normalising it", "taken as none, which is said",
+        {"a rotation of quaternion 0", "normalising it", "taken as none, with a note",
          [] {
              return block_with(TrackTarget::rotation, 4, {0, 1}, {0, 0, 0, 0, 0, 0, 0, 1});
          },
