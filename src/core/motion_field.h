@@ -8,7 +8,7 @@
 
 namespace render2mpeg::core {
 
-/// Dense exact motion from one picture to one of its references (SPEC 3).
+/// Dense exact motion from one picture to one of its references (docs/model/scene.md).
 struct MotionField {
     std::int64_t picture = 0;    ///< display number
     std::int64_t reference = 0;  ///< display number; before or after `picture`

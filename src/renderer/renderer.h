@@ -18,7 +18,7 @@
 
 namespace render2mpeg::renderer {
 
-/// Whether near VPLs are clamped (SPEC 4.4).
+/// Whether near VPLs are clamped (docs/model/clamping.md).
 enum class Clamp { bounded, none };
 
 struct Settings {

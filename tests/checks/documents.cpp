@@ -22,6 +22,20 @@ bool leads_elsewhere(std::string_view target) {
            target.starts_with("mailto:");
 }
 
+/// Whether a folder holds a file whose name begins with what the last part of `path` leaves off.
+bool exists_but_for_its_end(const std::filesystem::path& path) {
+    if (std::filesystem::exists(path)) return true;
+    if (!std::filesystem::is_directory(path.parent_path())) return false;
+    const std::string begin = path.filename().string();
+    for (const auto& entry : std::filesystem::directory_iterator(path.parent_path())) {
+        const std::string name = entry.path().filename().string();
+        if (name.size() > begin.size() && name.starts_with(begin) &&
+            std::string_view(".-").find(name[begin.size()]) != std::string_view::npos)
+            return true;
+    }
+    return false;
+}
+
 }  // namespace
 
 const std::vector<WordLimit>& word_limits() {
@@ -71,6 +85,28 @@ std::vector<Finding> dead_links(const std::vector<File>& files, const std::files
             if (!std::filesystem::exists(place))
                 findings.push_back(
                     {file.path, line_at(text, at), "links to " + std::string(target) + ", which does not exist"});
+        }
+    }
+    return findings;
+}
+
+std::vector<Finding> missing_documents(const std::vector<File>& files, const std::filesystem::path& root) {
+    constexpr std::string_view folder = "docs/";
+    const auto is_part = [](char c) {
+        return (is_letter_or_digit(c) && c > 0) || c == '_' || c == '-' || c == '.' || c == '/';
+    };
+    std::vector<Finding> findings;
+    for (const File& file : files) {
+        if (file.begins_with("tests/checks/")) continue;
+        const std::string_view text = file.comments;
+        for (std::size_t at = text.find(folder); at != std::string_view::npos; at = text.find(folder, at + 1)) {
+            if (at > 0 && is_part(text[at - 1])) continue;  // of another folder
+            std::size_t end = at + folder.size();
+            while (end < text.size() && is_part(text[end])) ++end;
+            while (text[end - 1] == '.' || text[end - 1] == '/') --end;
+            const std::string name(text.substr(at, end - at));
+            if (!exists_but_for_its_end(root / name))
+                findings.push_back({file.path, line_at(text, at), "names " + name + ", which does not exist"});
         }
     }
     return findings;

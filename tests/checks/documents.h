@@ -25,4 +25,8 @@ std::vector<Finding> wordy_documents(const std::vector<File>& files);
 /// Relative links of Markdown files, `[text](path)`, that lead to no file or folder below `root`.
 std::vector<Finding> dead_links(const std::vector<File>& files, const std::filesystem::path& root);
 
+/// Documents that comments and pages name, as in `docs/model/lightcut.md` or `docs/decisions/0018`, and that do not
+/// exist below `root`. The name may leave out what follows a dot, a hyphen or a slash.
+std::vector<Finding> missing_documents(const std::vector<File>& files, const std::filesystem::path& root);
+
 }  // namespace render2mpeg::checks

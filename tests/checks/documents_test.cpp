@@ -22,6 +22,11 @@ TEST(Documents, OfThisTreeHaveNoDeadLinks) {
     EXPECT_TRUE(findings.empty()) << list_of(findings);
 }
 
+TEST(Documents, ThatThisTreeNamesAreThere) {
+    const auto findings = missing_documents(read_tree(support::source_folder()), support::source_folder());
+    EXPECT_TRUE(findings.empty()) << list_of(findings);
+}
+
 TEST(DocumentCheck, CountsWordsAndNoMarks) {
     EXPECT_EQ(count_words(""), 0);
     EXPECT_EQ(count_words("  \n\n"), 0);
@@ -50,6 +55,18 @@ TEST(DocumentCheck, FindsLinksThatLeadNowhere) {
     EXPECT_EQ(links("![a picture](nothing.png) and [b](../nothing.md#there)"), 2u);
     EXPECT_EQ(dead_links({make_file("docs/a.md", "a\nb [c](d.md)")}, root).at(0).line, 2);
     EXPECT_TRUE(dead_links({make_file("src/core/a.cpp", "// [c](d.md)")}, root).empty());
+}
+
+TEST(DocumentCheck, FindsDocumentsThatAreNamedAndMissing) {
+    const auto names = [](const std::string& comment) {
+        return missing_documents({make_file("src/core/a.cpp", "// " + comment + "\nint docs;\n")},
+                                 support::source_folder())
+            .size();
+    };
+    EXPECT_EQ(names("see docs/sources.md, docs/decisions/0001, docs/fits/rate-model, (docs/model/README.md). In docs/"),
+              0u);
+    EXPECT_EQ(names("see docs/source.md and docs/decisions/9999."), 2u);
+    EXPECT_EQ(names("see docs/decisions/00 and share/docs/a.md"), 1u);
 }
 
 }  // namespace

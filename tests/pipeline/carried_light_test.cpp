@@ -63,7 +63,7 @@ Frame frame_at(test::FilmStage& stage, int second) {
 }
 
 /// The luma of `before` at a place between its pixels, if the four nearest of them show the same surface: ids, normal
-/// and depth agree (SPEC 3).
+/// and depth agree (docs/model/scene.md).
 std::optional<float> carried_luma(const Frame& before, glm::vec2 place, float depth,
                                   const core::SurfaceAddress& address, glm::vec3 normal) {
     const glm::vec2 corner = place - 0.5f;

@@ -58,7 +58,7 @@ std::vector<core::MotionField> motion_of(const Production& film, const encoder::
 std::optional<core::MotionField> onward_motion(const Production& film, const encoder::PicturePlan& coding,
                                                const core::Visible& visible, const scene::Snapshot& world);
 
-/// Renders and codes one chunk (DESIGN.md, "The loop"): the only place that knows scene, renderer, eye and encoder.
+/// Renders and codes one chunk: the only place that knows scene, renderer, eye and encoder.
 /// Calls `frame_done` after every frame and stops early, leaving complete pictures, when it returns false. The ledger
 /// grows by the chunk's frames; it is returned whether the chunk is whole.
 bool render_chunk(const Production& film, renderer::Renderer& renderer, const Chunk& chunk,

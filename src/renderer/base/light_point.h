@@ -15,7 +15,7 @@ enum class LightPointKind : std::uint8_t {
     directional  ///< infinitely far: `intensity` is irradiance across the beam, `normal` the direction it shines along
 };
 
-/// One light point. Lit point x receives intensity x emit(direction) / distance^2 (SPEC 4.1).
+/// One light point. Lit point x receives intensity x emit(direction) / distance^2 (docs/model/lights.md).
 struct LightPoint {
     glm::vec3 position{0};
     glm::vec3 normal{0, 0, 1};              ///< unit

@@ -53,7 +53,7 @@ struct PlanRow {
     const char* writes = "";
 };
 
-/// Which passes run (DESIGN.md, "called for by the scene"): a pass runs if its cause is in the scene and its product is
+/// Which passes run: a pass runs if its cause is in the scene and its product is
 /// wanted.
 class Plan {
   public:

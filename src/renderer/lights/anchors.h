@@ -24,7 +24,7 @@ struct AnchorSettings {
 std::uint64_t candidates_for(std::uint64_t anchors);
 
 /// The light points of indirect light: a constant number for the whole film, at fixed places on their surfaces, on
-/// which every instant's photons are spread (SPEC 2.1, 4.1; docs/model/lights.md). Those of surfaces that
+/// which every instant's photons are spread (docs/model/lights.md). Those of surfaces that
 /// move are carried along by them. A function of the animation and the settings alone.
 class Anchors {
   public:

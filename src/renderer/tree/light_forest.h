@@ -54,7 +54,7 @@ struct LitPoints {
 };
 
 /// A forest that follows its lights from instant to instant: who is whose neighbour in its trees was settled once, from
-/// lights at their usual strength, so that what changes smoothly is gathered smoothly (SPEC 4.3).
+/// lights at their usual strength, so that what changes smoothly is gathered smoothly (docs/model/light-tree.md).
 class LastingForest {
   public:
     LastingForest() = default;

@@ -210,8 +210,9 @@ TreePlan plan_of(const LightTree& tree);
 LightTree grow_light_tree(const TreePlan& plan, std::span<const LightPoint> points, std::uint64_t seed);
 
 /// Gives the lights of a lasting tree places and intensities of `points` with the same ids, none of either where there
-/// is no such point, and every node its bounds, sum and representative (SPEC 4.3). Who is whose child stays; a function
-/// of that, the points and the seed, whatever was updated before. O(n log n), a tenth of the time of building.
+/// is no such point, and every node its bounds, sum and representative (docs/model/light-tree.md). Who is whose child
+/// stays; a function of that, the points and the seed, whatever was updated before. O(n log n), a tenth of the time of
+/// building.
 void update_light_tree(LightTree& tree, std::span<const LightPoint> points, std::uint64_t seed);
 
 }  // namespace render2mpeg::renderer

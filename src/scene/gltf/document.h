@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-/// Reading glTF: the JSON part with every type and index checked as it is read (docs/decisions/gltf-reader.md says why
+/// Reading glTF: the JSON part with every type and index checked as it is read (docs/decisions/0006 says why
 /// there is no library between).
 namespace render2mpeg::scene::gltf {
 

@@ -6,9 +6,9 @@
 
 namespace render2mpeg::scene {
 
-/// Exact motion of every pixel of `visible` (what `here` shows) to another instant (SPEC 3): surfaces by their address,
-/// the sky by the camera's rotation. Pixels of class `reflected` get their carrier surface's motion and keep their
-/// class.
+/// Exact motion of every pixel of `visible` (what `here` shows) to another instant (docs/model/scene.md): surfaces by
+/// their address, the sky by the camera's rotation. Pixels of class `reflected` get their carrier surface's motion and
+/// keep their class.
 core::MotionField motion_between(const core::Visible& visible, const Snapshot& here, const Snapshot& reference);
 
 /// The same in pieces, for callers that share rows among threads: an empty field (class `none` everywhere), and its

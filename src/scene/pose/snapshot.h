@@ -65,7 +65,7 @@ struct Triangle {
 };
 Triangle triangle_of(const Snapshot& snapshot, std::uint32_t object, std::uint32_t primitive);
 
-/// Where the surface point is at this instant (SPEC 3); nothing where its object is not present.
+/// Where the surface point is at this instant (docs/model/scene.md); nothing where its object is not present.
 std::optional<glm::vec3> carry(const core::SurfaceAddress& address, const Snapshot& to);
 /// The same before it is rounded to single precision.
 std::optional<glm::dvec3> carry_exact(const core::SurfaceAddress& address, const Snapshot& to);
