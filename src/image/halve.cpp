@@ -13,9 +13,8 @@ struct Mixture {
     std::vector<float> weight;  ///< sums to 1
 };
 
-/// Integral from -infinity to x of the filter: a tent of unit half width. chosen: tried a box, a quadratic B-spline and
-/// Kaiser windows of two and three lobes (docs/model/images.md); a tent has a fifth of the box's aliasing and,
-/// unlike a Kaiser window, no negative weights, which would make dark rings about a sun.
+/// Integral from -infinity to x of the filter: a tent of unit half width. chosen: against a box, a quadratic B-spline
+/// and Kaiser windows (docs/fits/pictures.md).
 double tent_integral(double x) {
     if (x <= -1) return 0;
     if (x >= 1) return 1;

@@ -11,9 +11,8 @@
 namespace render2mpeg::image {
 namespace {
 
-/// chosen: cells of a quarter of a degree at least, tried 0.09 to 0.7 degrees: finer ones spend hundreds of lights on
-/// one sun, coarser ones make its penumbra a few steps. 64 columns give an image of a few pixels parts that are small
-/// enough to be lights.
+/// chosen: cells of a quarter of a degree at least, of 0.09 to 0.7 (docs/fits/pictures.md); 64 columns give an image of
+/// a few pixels parts that are small enough to be lights.
 constexpr int max_columns = 1440, max_rows = 720, min_columns = 64, min_rows = 32;
 
 /// How an axis of `pixels` is cut into cells.

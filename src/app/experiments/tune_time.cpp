@@ -36,9 +36,8 @@ std::string text_of(const ToleranceRequest& t) {
 }
 
 /// From what was asked for to next to nothing.
-/// chosen: in this order steps cost least of the picture: tolerances up to four times what hides, then edges, then
-/// light points, whose light is another one; four steps of each where they differ (docs/fits/coupled-share.jsonl, one
-/// share for all pictures: 1.2 of what hides loses 0.2 to 0.5 dB, four eye samples for one 0.5 to 3 dB at edges).
+/// chosen: in this order steps cost least of the picture (docs/fits/coupled-share.md, "Steps of tune"): tolerances up
+/// to four times what hides, then edges, then light points, whose light is another one; four steps of each.
 std::vector<Rung> ladder_of(const ToleranceRequest& tolerance, int samples, int vpls) {
     std::vector<Rung> rungs;
     const auto add = [&](float factor, int fewer_samples, int fewer_points) {

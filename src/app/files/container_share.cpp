@@ -13,10 +13,8 @@ struct Overhead {
     double share = 0;    ///< of the pictures' bytes
 };
 
-/// chosen: somewhat more than what films of 32x32 to 320x320, 15 to 60 pictures and 42 to 2700 bytes a picture came to
-/// (a program stream 27 to 150 bytes a picture, its last pack's rest included; a transport stream 265 to 330; others 15
-/// to 70), and the share that headers have of full packs and packets [H222]. A disc has two sectors of navigation more
-/// for each of its units, of some 12 pictures.
+/// chosen: somewhat more than measured (docs/fits/rate-model.md), and the share that headers have of full packs and
+/// packets [H222]. A disc has two sectors of navigation more for each of its units, of some 12 pictures.
 Overhead overhead_of(const std::string& ending, bool disc) {
     if (ending == ".m2v") return {16, 0, 0};
     if (ending == ".ts") return {800, 290, 0.024};

@@ -204,9 +204,7 @@ int wait_for(pid_t child) {
 }  // namespace
 
 TrialLimits limits_for(std::uintmax_t file_size) {
-    // chosen: the largest need seen is 30 bytes of memory per byte of a binary file and 5 s per 100 MB of text; files
-    // that say 10^9 where they hold ten need 10^10 bytes or minutes, and some of 200 bytes never end. Tried 10 .. 100
-    // bytes, 3 .. 60 s.
+    // chosen: twice the memory and twelve times the seconds of the largest need seen (docs/fits/memory.md).
     constexpr std::uintmax_t least_memory = std::uintmax_t{1} << 30, memory_per_byte = 60;
     constexpr unsigned least_seconds = 3, seconds_per_hundred_million = 60;
     const auto seconds = least_seconds + static_cast<unsigned>(seconds_per_hundred_million * file_size / 100'000'000);

@@ -22,15 +22,13 @@ constexpr double vertical_fov = 0.6981317;  // 40 degrees: tangent 0.364 of half
 constexpr double orbit_elevation = 0.35;    // radians: shows tops as well as sides
 constexpr double front_elevation = 0.03;    // nearly level, so that the ceiling of a box does not hide its back wall
 constexpr int headings = 8;
-// chosen: from the shares of turned-away cells that an orbit sees: 0 .. 0.10 for six objects and figures, 0.16 .. 0.25
-// for three halls and rooms with outer walls, 0.54 for a single triangle, 0.75 .. 0.9 for four rooms whose walls have
-// no outside.
+// Shares of turned-away cells that an orbit sees. chosen: between those of objects, halls and rooms without outer walls
+// (docs/fits/pictures.md).
 constexpr double share_of_halls = 0.12, share_of_one_sided = 0.5;
-// chosen: within the three halls a view shows 1.9 .. 4.6 times what an orbit does, within a figure 1.4 times; 1.45
-// .. 1.8 choose alike.
+// chosen: 1.45 .. 1.8 choose alike (docs/fits/pictures.md).
 constexpr double gain_within = 1.6;
-// chosen: the middle 98 % of the triangles span 0.27 and 0.33 of the radius in two scenes with a backdrop, 0.71 .. 0.96
-// in seven without; below 0.1 they are too few to span anything.
+// Of the radius that the middle 98 % of the triangles span. chosen: between scenes with a backdrop and without
+// (docs/fits/pictures.md); below 0.1 they are too few to span anything.
 constexpr double least_trimmed = 0.1, most_trimmed = 0.5;
 // chosen: a Cornell box has 0 seen through its open side, a closed room 0.8; 0.05 .. 0.5 choose alike.
 constexpr double share_of_open_side = 0.2;
