@@ -49,6 +49,17 @@ std::string unwrapped(std::string_view text) {
     return result;
 }
 
+/// Words parted by one blank each.
+std::string without_extra_blanks(std::string_view text) {
+    std::string result;
+    for (const char c : text) {
+        if (c == ' ' && (result.empty() || result.back() == ' ')) continue;
+        result += c;
+    }
+    while (!result.empty() && result.back() == ' ') result.pop_back();
+    return result;
+}
+
 const File* find_file(const std::vector<File>& files, std::string_view path) {
     const auto it = std::find_if(files.begin(), files.end(), [&](const File& f) { return f.path == path; });
     return it == files.end() ? nullptr : &*it;
@@ -86,7 +97,9 @@ std::vector<Citation> citations_in(const File& file, const std::vector<std::stri
                 continue;
             const bool is_listed = std::find(listed.begin(), listed.end(), key) != listed.end();
             const bool has_place = comma < one.size() && looks_like_a_place(one.substr(comma + 1));
-            if (is_listed || looks_like_a_key(key) || has_place) found.push_back({key, line_at(text, open)});
+            if (!is_listed && !looks_like_a_key(key) && !has_place) continue;
+            const std::string_view place = one.substr(std::min(comma + 1, one.size()));
+            found.push_back({key, line_at(text, open), without_extra_blanks(place)});
         }
     }
     return found;

@@ -12,6 +12,7 @@ namespace render2mpeg::checks {
 struct Citation {
     std::string key;
     int line = 0;
+    std::string place = {};  ///< "eq. 5"; empty where the whole work is cited
 };
 
 /// What a file cites. A bracket is a citation if its key is listed, or has the form of a key (letters, then a year), or

@@ -6,7 +6,7 @@
 
 #include "checks/tree.h"
 
-/// Checks of the documents: short enough to be read, and without dead links.
+/// Checks of the documents: short enough to be read, and there where comments name them.
 namespace render2mpeg::checks {
 
 /// The most words that a Markdown file below a path may have.
@@ -21,9 +21,6 @@ const std::vector<WordLimit>& word_limits();
 int count_words(std::string_view text);
 
 std::vector<Finding> wordy_documents(const std::vector<File>& files);
-
-/// Relative links of Markdown files, `[text](path)`, that lead to no file or folder below `root`.
-std::vector<Finding> dead_links(const std::vector<File>& files, const std::filesystem::path& root);
 
 /// Documents that comments and pages name, as in `docs/model/lightcut.md` or `docs/decisions/0018`, and that do not
 /// exist below `root`. The name may leave out what follows a dot, a hyphen or a slash.

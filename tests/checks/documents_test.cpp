@@ -17,11 +17,6 @@ TEST(Documents, OfThisTreeAreShort) {
     EXPECT_TRUE(findings.empty()) << list_of(findings);
 }
 
-TEST(Documents, OfThisTreeHaveNoDeadLinks) {
-    const auto findings = dead_links(read_tree(support::source_folder()), support::source_folder());
-    EXPECT_TRUE(findings.empty()) << list_of(findings);
-}
-
 TEST(Documents, ThatThisTreeNamesAreThere) {
     const auto findings = missing_documents(read_tree(support::source_folder()), support::source_folder());
     EXPECT_TRUE(findings.empty()) << list_of(findings);
@@ -43,18 +38,6 @@ TEST(DocumentCheck, FindsPagesOfTooManyWords) {
     }
     EXPECT_TRUE(wordy_documents({make_file("docs/hard-cases.md", words(20000))}).empty());
     EXPECT_TRUE(wordy_documents({make_file("docs/model/a.txt", words(20000))}).empty());
-}
-
-TEST(DocumentCheck, FindsLinksThatLeadNowhere) {
-    const auto root = support::source_folder();
-    const auto links = [&](const char* text) { return dead_links({make_file("docs/a.md", text)}, root).size(); };
-    EXPECT_EQ(links("see [sources](sources.md), [all](../README.md#start), [a folder](model/), "
-                    "[b](https://nowhere.example/a.md), [c](#here)"),
-              0u);
-    EXPECT_EQ(links("see [sources](source.md)"), 1u);
-    EXPECT_EQ(links("![a picture](nothing.png) and [b](../nothing.md#there)"), 2u);
-    EXPECT_EQ(dead_links({make_file("docs/a.md", "a\nb [c](d.md)")}, root).at(0).line, 2);
-    EXPECT_TRUE(dead_links({make_file("src/core/a.cpp", "// [c](d.md)")}, root).empty());
 }
 
 TEST(DocumentCheck, FindsDocumentsThatAreNamedAndMissing) {

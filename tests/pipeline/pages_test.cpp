@@ -1,0 +1,126 @@
+#include <gtest/gtest.h>
+
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "support/program.h"
+#include "support/written_page.h"
+
+/// Pages that are made by running the program: the options of every command, and the examples' figures.
+namespace render2mpeg {
+namespace {
+
+using support::contents;
+using support::expect_page;
+using support::Folder;
+using support::program;
+using support::run;
+
+/// The commands that the program's own help lists, in its order.
+std::vector<std::string> commands_of(const std::string& help) {
+    static const std::regex row("\n  ([a-z]+) ");
+    std::vector<std::string> commands;
+    const std::string list = help.substr(std::min(help.find("\nSubcommands:"), help.size()));
+    for (std::sregex_iterator it(list.begin(), list.end(), row), end; it != end; ++it) commands.push_back((*it)[1]);
+    return commands;
+}
+
+TEST(Pages, OfCommandsAreTheHelps) {
+    const auto fenced = [](const std::string& text) { return "```text\n" + text + "```\n"; };
+    const std::string help = run(program() + " --help").output;
+    std::string page =
+        "# Commands\n\n"
+        "<!-- Made from --help: RENDER2MPEG_WRITE_PAGES=1 build/release/test_pipeline --gtest_filter='Pages.*' -->\n\n"
+        "What `--help` prints, for the program and for each command.\n\n" +
+        fenced(help);
+    const auto commands = commands_of(help);
+    EXPECT_GE(commands.size(), 7u);
+    for (const std::string& command : commands)
+        page += "\n## " + command + "\n\n" + fenced(run(program() + " " + command + " --help").output);
+    expect_page("docs/commands.md", page);
+}
+
+/// What a page shows of a command: the line `<!-- example: ARGUMENTS -->`, then a fenced block.
+struct Example {
+    std::string arguments;
+    std::size_t begin = 0, length = 0;  ///< of the block's inside
+};
+
+std::vector<Example> examples_of(const std::string& page) {
+    static const std::regex form("<!-- example: ([^\n]*) -->\n```text\n");
+    std::vector<Example> examples;
+    for (std::sregex_iterator it(page.begin(), page.end(), form), end; it != end; ++it) {
+        const auto begin = static_cast<std::size_t>(it->position() + it->length());
+        examples.push_back({(*it)[1], begin, page.find("```\n", begin) - begin});
+    }
+    return examples;
+}
+
+/// Without what depends on time: measured seconds, what is reckoned from them, and the sentence about the knee.
+std::string timeless(std::string text) {
+    static const std::pair<std::regex, const char*> forms[] = {
+        {std::regex("(^|\n)( *[0-9.]+ (?:%|coup\\.) +)[0-9.]+"), "$1$2T"},                         // cost: a row
+        {std::regex("[0-9.]+ times the time"), "T times the time"},                                //
+        {std::regex("\nThe knee is[^]*"), "\n"},                                                   //
+        {std::regex("\n( +[0-9.]+)( +[0-9.]+)? +[0-9.]+( +[0-9.]+ +[0-9.]+ +0\\.)"), "\n$1 T$3"},  // tune: a row
+        {std::regex("(\n[a-z][^\n]*  +[0-9]+) +[0-9.]+ +[0-9.]+( +[0-9.]+ k?B)"), "$1 T$2"},       // compare: a row
+        {std::regex("(\n  [a-z][^\n]*%) +[-+][0-9.]+ %(?=\n)"), "$1 T"},                           // compare: time
+        {std::regex("[0-9.]+ and\\s+[0-9.]+\\s+times\\s+their"), "T times their"},                 //
+        {std::regex("[0-9.]+ s of CPU"), "T s of CPU"},                                            //
+    };
+    for (const auto& [form, with] : forms) text = std::regex_replace(text, form, with);
+    return std::regex_replace(text, std::regex("\\s+"), " ");
+}
+
+/// Runs a page's examples in a folder of their own, with the instruction set that every machine has.
+void expect_examples(const std::string& path) {
+    std::string page = contents(support::source_folder() / path);
+    const auto examples = examples_of(page);
+    ASSERT_FALSE(examples.empty()) << path;
+    const Folder folder;
+    std::filesystem::create_directory_symlink(support::source_folder() / "animations", folder / "animations");
+    for (auto example = examples.rbegin(); example != examples.rend(); ++example) {
+        std::string found =
+            run("cd " + folder.path().string() + " && " + program() + " " + example->arguments + " 2>errors").output;
+        found = std::regex_replace(found, std::regex("(^|\n)/[^ \n]*/render2mpeg "), "$1render2mpeg ");
+        if (support::writes_pages())
+            page.replace(example->begin, example->length, found);
+        else
+            EXPECT_EQ(timeless("\n" + page.substr(example->begin, example->length)), timeless("\n" + found))
+                << path << " shows other figures than " << example->arguments
+                << "\nRun this test with RENDER2MPEG_WRITE_PAGES=1 to write them anew.";
+    }
+    if (support::writes_pages()) expect_page(path, page);
+}
+
+TEST(ExamplesSlow, OfCostAreWhatIsFound) {
+    expect_examples("docs/cost.md");
+}
+TEST(ExamplesSlow, OfTuneAreWhatIsFound) {
+    expect_examples("docs/tune.md");
+}
+TEST(ExamplesSlow, OfCompareAreWhatIsFound) {
+    expect_examples("docs/compare.md");
+}
+
+TEST(Timeless, IsWhatNoClockDecides) {
+    EXPECT_EQ(timeless("\n16 %        0.10     51     58\n 8 coup.    0.17    110\n"),
+              timeless("\n16 %        10.1     51     58\n 8 coup.    0.2    110\n"));
+    EXPECT_NE(timeless("\n16 %        0.10     51     58\n"), timeless("\n16 %        0.10     52     58\n"));
+    EXPECT_EQ(timeless("\n    60.0     0.22    0.003        166   42.85  0.9870\n"),
+              timeless("\n    60.0     0.25    0.004        166   42.85  0.9870\n"));
+    EXPECT_NE(timeless("\n    45.7             0.003        114   39.96  0.9770\n"),
+              timeless("\n    45.7             0.003        115   39.96  0.9770\n"));
+    EXPECT_EQ(timeless("\nfixed 2 %, ours         2   0.42  0.002    677 B  45.17\n"),
+              timeless("\nfixed 2 %, ours         2   1.42      0    677 B  45.17\n"));
+    EXPECT_NE(timeless("\nfixed 2 %, ours         2   0.42  0.002    677 B  45.17\n"),
+              timeless("\nfixed 2 %, ours         4   0.42  0.002    677 B  45.17\n"));
+    EXPECT_EQ(timeless("\n  coupled                      -24.1 %    -29.3 %    -20.9 %    -31.7 %\n"),
+              timeless("\n  coupled                      -24.1 %    -29.3 %    -20.9 %    +1.7 %\n"));
+    EXPECT_NE(timeless("\n  coupled                      -24.1 %    -29.3 %    -20.9 %    -31.7 %\n"),
+              timeless("\n  coupled                      -24.1 %    -29.3 %    -20.8 %    -31.7 %\n"));
+}
+
+}  // namespace
+}  // namespace render2mpeg
