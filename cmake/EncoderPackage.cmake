@@ -17,7 +17,6 @@ install(EXPORT render2mpeg_encoder FILE render2mpeg_encoderTargets.cmake NAMESPA
 
 # Headers keep the names that they include each other by.
 file(GLOB encoder_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/encoder/*.h)
-list(FILTER encoder_headers EXCLUDE REGEX "/y4m[a-z_]*[.]h$")  # of the program's own part for files
 file(GLOB core_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/core/*.h)
 install(FILES ${encoder_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/render2mpeg/encoder COMPONENT encoder)
 install(FILES ${core_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/render2mpeg/core COMPONENT encoder)

@@ -1,26 +1,14 @@
 #pragma once
 
-#include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
-#include "encoder/encoder.h"
+#include "encoder/types.h"
 
 /// Between two passes: what a first, cheap coding of a film tells of the quantisers that the real one needs.
 namespace render2mpeg::encoder {
 
-/// What one picture came to in the first pass.
-struct PassPicture {
-    std::int64_t number = 0;  ///< display
-    PictureType type = PictureType::intra;
-    int quantiser = 1;
-    double bits = 0;
-    bool starts_chunk = false;
-    /// Of its quantiser to that of a P picture that nothing refers to, before rounding; none: the usual one of its
-    /// type.
-    std::optional<double> ratio = {};
-};
+/// Of a coded picture. `starts_chunk`: it is the first of its chunk.
 PassPicture pass_picture(const CodedPicture& coded, bool starts_chunk);
 
 /// Shares a film's bits out: one quantiser for all I and P pictures, and its ratio for B pictures, with which the film

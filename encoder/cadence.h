@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "core/rational.h"
-#include "encoder/encoder.h"
+#include "encoder/types.h"
 
 /// When pictures are shown. A field is half of a frame at the declared rate, also where whole frames are shown: the
 /// unit in which every picture begins and ends. All functions are of display numbers, so that neither the order of

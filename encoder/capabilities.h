@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "encoder/encoder.h"
+#include "encoder/types.h"
 
 /// What this encoder can do, for programs that have to choose settings. Asking costs nothing.
 namespace render2mpeg::encoder {

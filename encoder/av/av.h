@@ -8,7 +8,7 @@
 #include <span>
 
 #include "core/picture.h"
-#include "encoder/encoder.h"
+#include "encoder/types.h"
 
 /// FFmpeg's part: containers, and decoding for verification. Its libraries are opened on demand.
 namespace render2mpeg::av {

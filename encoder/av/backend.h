@@ -9,7 +9,7 @@
 #include "core/picture.h"
 #include "encoder/av/inspect.h"
 #include "encoder/av/sequence_facts.h"
-#include "encoder/encoder.h"
+#include "encoder/types.h"
 
 /// What the module render2mpeg_av_module.so offers to the light library in front of it (av.cpp). Nothing else includes
 /// this.

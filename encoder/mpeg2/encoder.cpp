@@ -7,13 +7,13 @@
 
 #include "encoder/cadence.h"
 #include "encoder/mpeg2/bitstream/bit_writer.h"
-#include "encoder/mpeg2/bitstream/checks.h"
 #include "encoder/mpeg2/bitstream/levels.h"
 #include "encoder/mpeg2/bitstream/syntax.h"
+#include "encoder/mpeg2/checks.h"
 #include "encoder/mpeg2/kernels/frame.h"
 #include "encoder/mpeg2/macroblock/demands.h"
-#include "encoder/mpeg2/macroblock/perception.h"
 #include "encoder/mpeg2/macroblock/refresh.h"
+#include "encoder/mpeg2/macroblock/weighting_matrices.h"
 #include "encoder/mpeg2/motion/candidates.h"
 #include "encoder/mpeg2/motion/picture_order.h"
 #include "encoder/mpeg2/motion/search.h"
@@ -139,7 +139,7 @@ Course& Encoder::Impl::course_of(std::int64_t number) {
 
 void Encoder::Impl::write_headers(mpeg2::BitWriter& out, const PicturePlan& plan) const {
     if (!plan.starts_gop) return;
-    mpeg2::write_sequence(out, settings, level);
+    mpeg2::write_sequence(out, settings, level, mpeg2::matrices_for(settings.tune));
     mpeg2::write_gop(out, settings, plan.number);
 }
 

@@ -1,4 +1,4 @@
-#include "encoder/y4m_reader.h"
+#include "encoder/av/y4m_reader.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "av/coded_film.h"
 #include "core/error.h"
 #include "core/sampling.h"
-#include "encoder/y4m.h"
+#include "encoder/av/y4m.h"
 
 namespace render2mpeg::test {
 namespace {

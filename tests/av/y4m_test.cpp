@@ -1,4 +1,4 @@
-#include "encoder/y4m.h"
+#include "encoder/av/y4m.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
 #include "tests/bench/coupled_films.h"
+#include "encoder/encoder.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "encoder/mpeg2/macroblock/perception.h"
+#include "encoder/mpeg2/macroblock/weighting_matrices.h"
 
 #include <gtest/gtest.h>
 

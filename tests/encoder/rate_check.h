@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/rational.h"
-#include "encoder/encoder.h"
+#include "encoder/types.h"
 #include "rate_stream.h"
 
 /// What the standard demands of a stream, checked on the bytes alone.

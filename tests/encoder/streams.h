@@ -8,6 +8,7 @@
 #include "encoder/mpeg2/kernels/kernels.h"
 #include "encoder/mpeg2/kernels/quantiser.h"
 #include "encoder/mpeg2/macroblock/row_coding.h"
+#include "encoder/mpeg2/macroblock/weighting_matrices.h"
 #include "film.h"
 
 /// Pictures written macroblock by macroblock as a test wants them, without the encoder's choices.
@@ -24,7 +25,7 @@ inline std::vector<std::uint8_t> access_unit(const PictureHeader& header, std::v
     const Settings s = settings(columns * 16, rows * 16);
     BitWriter out;
     if (first) {
-        write_sequence(out, s, level_for(s));
+        write_sequence(out, s, level_for(s), matrices_for(s.tune));
         write_gop(out, s, 0);
     }
     write_picture_header(out, header);

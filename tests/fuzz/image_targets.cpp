@@ -5,7 +5,7 @@
 #include "app/loop/vector_layers.h"
 #include "core/error.h"
 #include "core/numeric.h"
-#include "encoder/y4m_reader.h"
+#include "encoder/av/y4m_reader.h"
 #include "fuzz/input.h"
 #include "fuzz/targets.h"
 #include "image/image.h"

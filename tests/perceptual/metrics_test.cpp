@@ -9,7 +9,7 @@
 #include <string>
 
 #include "core/sampling.h"
-#include "encoder/y4m.h"
+#include "encoder/av/y4m.h"
 #include "support/program.h"
 
 namespace render2mpeg::perceptual {

@@ -4,6 +4,7 @@
 
 #include "core/rational.h"
 #include "core/sampling.h"
+#include "encoder/encoder.h"
 
 namespace render2mpeg::app {
 namespace {

@@ -9,6 +9,7 @@
 #include "app/options/unused_options.h"
 #include "core/error.h"
 #include "encoder/cadence.h"
+#include "encoder/encoder.h"
 #include "support/program.h"
 
 /// Sizes, rates and shapes of films, with and without a preset.

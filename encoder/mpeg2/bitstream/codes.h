@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 
-#include "encoder/encoder.h"
 #include "encoder/mpeg2/bitstream/bit_writer.h"
+#include "encoder/types.h"
 
 /// Code words and scan of ISO/IEC 13818-2. All of it is fact of the standard; a test has foreign decoders read every
 /// code.

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "encoder/mpeg2/bitstream/codes.h"
-#include "encoder/mpeg2/macroblock/perception.h"
 
 namespace render2mpeg::encoder {
 namespace mpeg2 {
@@ -30,8 +29,7 @@ void write_matrix(BitWriter& out, const Matrix& matrix, const Matrix& standard) 
     for (const std::uint8_t raster : zigzag) out.put(matrix[raster], 8);
 }
 
-void write_sequence_header(BitWriter& out, const Settings& s, const Channel& channel) {
-    const Matrices matrices = matrices_for(s.tune);
+void write_sequence_header(BitWriter& out, const Settings& s, const Channel& channel, const Matrices& matrices) {
     out.start_code(sequence_start);
     out.put(low_bits(s.width, 12), 12);
     out.put(low_bits(s.height, 12), 12);
@@ -79,9 +77,9 @@ void write_sequence_display_extension(BitWriter& out, const Settings& s) {
 
 }  // namespace
 
-void write_sequence(BitWriter& out, const Settings& settings, const Level& level) {
+void write_sequence(BitWriter& out, const Settings& settings, const Level& level, const Matrices& matrices) {
     const Channel channel = channel_for(settings, level);
-    write_sequence_header(out, settings, channel);
+    write_sequence_header(out, settings, channel, matrices);
     write_sequence_extension(out, settings, level, channel);
     write_sequence_display_extension(out, settings);
 }

@@ -5,9 +5,10 @@
 #include <vector>
 
 #include "encoder/cadence.h"
-#include "encoder/encoder.h"
 #include "encoder/mpeg2/bitstream/bit_writer.h"
 #include "encoder/mpeg2/bitstream/levels.h"
+#include "encoder/mpeg2/bitstream/matrices.h"
+#include "encoder/types.h"
 
 /// The layers above the macroblock. [H262, 6.2]
 namespace render2mpeg::encoder::mpeg2 {
@@ -16,7 +17,7 @@ inline constexpr int start_code_bits = 32;
 
 /// Sequence header, sequence extension and sequence display extension. Bit rate and buffer size are channel_for's;
 /// matrices other than the default ones are sent.
-void write_sequence(BitWriter& out, const Settings& settings, const Level& level);
+void write_sequence(BitWriter& out, const Settings& settings, const Level& level, const Matrices& matrices);
 
 /// Header of a closed GOP whose first picture in display order is `first_number`. The time code counts frames at the
 /// rounded declared rate (no drop frames).

@@ -3,22 +3,10 @@
 #include <array>
 #include <cstdint>
 
+#include "encoder/mpeg2/bitstream/matrices.h"
 #include "encoder/mpeg2/kernels/kernels.h"
 
 namespace render2mpeg::encoder::mpeg2 {
-
-/// Entries of a quantiser matrix in raster order, 1..255.
-using Matrix = std::array<std::uint8_t, 64>;
-
-/// The default matrices [H262, 6.3.11]; the non-intra one is flat 16.
-extern const Matrix default_intra_matrix, default_non_intra_matrix;
-
-struct Matrices {
-    Matrix intra = default_intra_matrix;  ///< its first entry must be 8
-    Matrix non_intra = default_non_intra_matrix;
-
-    bool operator==(const Matrices&) const = default;
-};
 
 /// Tables for one quantiser_scale_code, linear scale.
 struct Quantiser {

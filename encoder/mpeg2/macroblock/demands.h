@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/plane.h"
-#include "encoder/encoder.h"
+#include "encoder/types.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 

@@ -3,10 +3,10 @@
 #include <cstdint>
 
 #include "core/plane.h"
-#include "encoder/encoder.h"
 #include "encoder/mpeg2/bitstream/vector.h"
 #include "encoder/mpeg2/kernels/frame.h"
 #include "encoder/mpeg2/motion/candidates.h"
+#include "encoder/types.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 

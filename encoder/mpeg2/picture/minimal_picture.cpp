@@ -7,6 +7,7 @@
 #include "encoder/mpeg2/bitstream/syntax.h"
 #include "encoder/mpeg2/kernels/quantiser.h"
 #include "encoder/mpeg2/macroblock/row_coding.h"
+#include "encoder/mpeg2/macroblock/weighting_matrices.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
@@ -119,7 +120,7 @@ MinimalBits minimal_bits(const Settings& settings, const Level& level) {
         return 8 * static_cast<std::int64_t>(written(header_of(type, 0, {}), settings.height, rows, row).size());
     };
     BitWriter headers;
-    write_sequence(headers, settings, level);
+    write_sequence(headers, settings, level, matrices_for(settings.tune));
     write_gop(headers, settings, settings.first_number);
     return {bits(PictureType::intra) + static_cast<std::int64_t>(headers.bit_count()),
             std::max(bits(PictureType::predicted), bits(PictureType::bidirectional))};

@@ -4,13 +4,13 @@
 #include <vector>
 
 #include "encoder/cadence.h"
-#include "encoder/encoder.h"
 #include "encoder/mpeg2/bitstream/levels.h"
 #include "encoder/mpeg2/bitstream/vector.h"
 #include "encoder/mpeg2/kernels/frame.h"
 #include "encoder/mpeg2/kernels/quantiser.h"
 #include "encoder/mpeg2/macroblock/block_coding.h"
 #include "encoder/mpeg2/motion/candidates.h"
+#include "encoder/types.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 

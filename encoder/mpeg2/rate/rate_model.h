@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "encoder/encoder.h"
 #include "encoder/mpeg2/picture/minimal_picture.h"
+#include "encoder/types.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 

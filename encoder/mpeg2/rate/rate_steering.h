@@ -5,10 +5,10 @@
 #include <map>
 #include <optional>
 
-#include "encoder/encoder.h"
 #include "encoder/mpeg2/bitstream/levels.h"
 #include "encoder/mpeg2/rate/rate_model.h"
 #include "encoder/mpeg2/rate/vbv_schedule.h"
+#include "encoder/types.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "encoder/encoder.h"
 #include "encoder/mpeg2/bitstream/levels.h"
+#include "encoder/types.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 

@@ -6,9 +6,9 @@
 #include <set>
 #include <vector>
 
-#include "encoder/encoder.h"
 #include "encoder/mpeg2/picture/minimal_picture.h"
 #include "encoder/mpeg2/rate/vbv_buffer.h"
+#include "encoder/types.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 

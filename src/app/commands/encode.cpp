@@ -28,6 +28,7 @@
 #include "app/system/progress.h"
 #include "core/error.h"
 #include "encoder/allotment.h"
+#include "encoder/encoder.h"
 #include "encoder/unevenness.h"
 #include "parallel/loops.h"
 #include "perceptual/motion_sensitivity.h"

@@ -15,7 +15,7 @@
 #include "core/error.h"
 #include "encoder/av/av.h"
 #include "encoder/av/inspect.h"
-#include "encoder/y4m.h"
+#include "encoder/av/y4m.h"
 
 namespace render2mpeg::app {
 namespace {

@@ -13,6 +13,7 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
+#include "encoder/encoder.h"
 #include "parallel/loops.h"
 #include "perceptual/flicker.h"
 #include "perceptual/hvs.h"

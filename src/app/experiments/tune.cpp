@@ -24,6 +24,7 @@
 #include "core/numeric.h"
 #include "encoder/av/av.h"
 #include "encoder/capabilities.h"
+#include "encoder/encoder.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {

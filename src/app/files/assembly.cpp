@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "encoder/av/av.h"
+#include "encoder/encoder.h"
 
 namespace render2mpeg::app {
 namespace {

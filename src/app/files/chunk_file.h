@@ -9,7 +9,7 @@
 
 #include "app/files/checksum.h"
 #include "app/options/chunk.h"
-#include "encoder/encoder.h"
+#include "encoder/types.h"
 
 namespace render2mpeg::app {
 

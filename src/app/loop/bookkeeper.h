@@ -5,7 +5,7 @@
 
 #include "app/loop/ledger.h"
 #include "core/picture.h"
-#include "encoder/encoder.h"
+#include "encoder/types.h"
 #include "renderer/renderer.h"
 
 namespace render2mpeg::app {

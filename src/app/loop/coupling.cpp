@@ -5,7 +5,7 @@
 #include "app/loop/prediction.h"
 #include "core/error.h"
 #include "encoder/mpeg2/kernels/quantiser.h"
-#include "encoder/mpeg2/macroblock/perception.h"
+#include "encoder/mpeg2/macroblock/weighting_matrices.h"
 #include "perceptual/share.h"
 
 namespace render2mpeg::app {

@@ -11,7 +11,7 @@
 #include "core/picture.h"
 #include "core/radiance.h"
 #include "core/tolerance_map.h"
-#include "encoder/encoder.h"
+#include "encoder/types.h"
 #include "perceptual/observer.h"
 
 namespace render2mpeg::app {

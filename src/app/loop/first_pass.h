@@ -4,7 +4,7 @@
 
 #include "app/loop/production.h"
 #include "encoder/allotment.h"
-#include "encoder/encoder.h"
+#include "encoder/types.h"
 
 namespace render2mpeg::app {
 

@@ -7,7 +7,7 @@
 #include "app/options/output_kind.h"
 #include "core/error.h"
 #include "core/radiance.h"
-#include "encoder/y4m_reader.h"
+#include "encoder/av/y4m_reader.h"
 #include "image/image.h"
 #include "perceptual/display.h"
 

@@ -9,6 +9,7 @@
 #include "app/loop/bookkeeper.h"
 #include "app/loop/coupling.h"
 #include "app/loop/preview.h"
+#include "encoder/encoder.h"
 #include "encoder/unevenness.h"
 #include "image/layers.h"
 #include "perceptual/motion_sensitivity.h"

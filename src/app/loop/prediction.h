@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "core/plane.h"
-#include "encoder/encoder.h"
+#include "encoder/types.h"
 
 namespace render2mpeg::app {
 

@@ -7,6 +7,7 @@
 #include "app/options/rate_options.h"
 #include "core/color.h"
 #include "core/error.h"
+#include "encoder/encoder.h"
 #include "parallel/loops.h"
 #include "perceptual/exposure.h"
 #include "renderer/cache/light_parts.h"

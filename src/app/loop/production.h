@@ -12,7 +12,7 @@
 #include "app/options/output_kind.h"
 #include "core/rational.h"
 #include "core/tolerance_map.h"
-#include "encoder/encoder.h"
+#include "encoder/types.h"
 #include "perceptual/display.h"
 #include "renderer/base/plan.h"
 #include "renderer/renderer.h"

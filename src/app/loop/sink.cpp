@@ -1,7 +1,7 @@
 #include "app/loop/sink.h"
 
-#include "encoder/y4m.h"
-#include "encoder/y4m_reader.h"
+#include "encoder/av/y4m.h"
+#include "encoder/av/y4m_reader.h"
 #include "image/image.h"
 #include "perceptual/display.h"
 

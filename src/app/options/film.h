@@ -8,7 +8,7 @@
 #include "app/options/preset.h"
 #include "app/options/shape.h"
 #include "core/rational.h"
-#include "encoder/encoder.h"
+#include "encoder/types.h"
 
 namespace render2mpeg::app {
 

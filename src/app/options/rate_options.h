@@ -4,7 +4,7 @@
 #include <string>
 
 #include "app/options/options.h"
-#include "encoder/encoder.h"
+#include "encoder/types.h"
 
 namespace CLI {
 class App;

@@ -12,6 +12,7 @@
 #include "app/loop/production.h"
 #include "app/system/attempts.h"
 #include "core/plane.h"
+#include "encoder/encoder.h"
 #include "perceptual/heatmap.h"
 
 namespace render2mpeg::app {

@@ -9,6 +9,7 @@
 #include "app/report/effects.h"
 #include "app/report/statistics_json.h"
 #include "core/numeric.h"
+#include "encoder/encoder.h"
 
 namespace render2mpeg::app {
 namespace {

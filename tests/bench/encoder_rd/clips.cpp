@@ -11,8 +11,8 @@
 
 #include "app/loop/production.h"
 #include "core/error.h"
-#include "encoder/y4m.h"
-#include "encoder/y4m_reader.h"
+#include "encoder/av/y4m.h"
+#include "encoder/av/y4m_reader.h"
 #include "encoder_rd/crowd.h"
 #include "encoder_rd/exact_motion.h"
 #include "encoder_rd/textures.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/picture.h"
-#include "encoder/encoder.h"
+#include "encoder/types.h"
 #include "encoder_rd/clips.h"
 
 namespace render2mpeg::bench {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/numeric.h"
+#include "encoder/encoder.h"
 #include "encoder/mpeg2/motion/search.h"
 #include "encoder/unevenness.h"
 #include "encoder_rd/codecs.h"

@@ -3,8 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "encoder/allotment.h"
-#include "encoder/encoder.h"
+#include "encoder/types.h"
 
 /// What callers of the encoder promise (encoder/encoder.h), checked at the door. All throw core::ContractViolation.
 namespace render2mpeg::encoder::mpeg2 {

@@ -1,4 +1,4 @@
-#include "encoder/mpeg2/bitstream/checks.h"
+#include "encoder/mpeg2/checks.h"
 
 #include <algorithm>
 #include <cmath>

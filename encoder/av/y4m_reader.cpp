@@ -1,4 +1,4 @@
-#include "encoder/y4m_reader.h"
+#include "encoder/av/y4m_reader.h"
 
 #include <algorithm>
 #include <array>

@@ -6,8 +6,8 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "encoder/cadence.h"
-#include "encoder/mpeg2/bitstream/checks.h"
 #include "encoder/mpeg2/bitstream/levels.h"
+#include "encoder/mpeg2/checks.h"
 #include "encoder/mpeg2/rate/rate_model.h"
 #include "encoder/mpeg2/rate/vbv_buffer.h"
 

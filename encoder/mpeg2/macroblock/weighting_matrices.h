@@ -1,8 +1,8 @@
 #pragma once
 
-#include "encoder/encoder.h"
 #include "encoder/mpeg2/kernels/quantiser.h"
 #include "encoder/mpeg2/macroblock/block_coding.h"
+#include "encoder/types.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 

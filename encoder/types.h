@@ -1,0 +1,185 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/motion_field.h"
+#include "core/picture.h"
+#include "core/rational.h"
+
+/// The values that the encoder takes and gives; what is done with them is in encoder.h.
+namespace render2mpeg::encoder {
+
+enum class PictureType : std::uint8_t { intra = 1, predicted = 2, bidirectional = 3 };  ///< picture_coding_type
+
+/// How much is tried. `fast`: one movement per macroblock in full, levels one by one. `quality`: several movements,
+/// levels of a whole block at once.
+enum class Effort : std::uint8_t { fast, quality };
+
+/// What errors are weighed by: all alike, or by what the eye sees of their frequency.
+enum class Tune : std::uint8_t { psnr, perceptual };
+
+/// How pictures, all of them progressive, are shown in time.
+enum class Cadence : std::uint8_t {
+    frames,    ///< each as a whole: progressive_sequence
+    fields,    ///< each as two fields, upper lines first: what a DVD's players expect
+    pulldown,  ///< as three and two fields in turn: four pictures last as long as five frames (encoder/cadence.h)
+};
+
+/// What decides the quantisers of a film.
+enum class RateMode : std::uint8_t {
+    constant_quantiser,  ///< Settings::quantiser, coarser for B pictures
+    constant_quality,    ///< RateControl::quality: coarser where motion hides it
+    variable,            ///< RateControl::bit_rate on average, never above max_rate
+    constant,            ///< bit_rate throughout, with stuffing where pictures need less
+};
+
+/// Rates and buffer. Whatever the mode, a stream never breaks the buffer that its headers declare [H262, annex C].
+struct RateControl {
+    RateMode mode = RateMode::constant_quantiser;
+    double quality = 60;           ///< 0..100: 100 is quantiser 1 where nothing moves, 20 less doubles it
+    std::int64_t bit_rate = 0;     ///< bits per second; `variable` and `constant` only
+    std::int64_t max_rate = 0;     ///< bits per second; 0: what the level allows, or bit_rate where it is constant
+    std::int64_t buffer_bits = 0;  ///< VBV size; 0: the largest that the level and vbv_delay can express
+};
+
+/// What a film is coded with; constant over the film.
+struct Settings {
+    int width = 0;  ///< any size that a level allows; padded to whole macroblocks inside
+    int height = 0;
+    core::FrameRate rate;  ///< pictures per second; the header says cadence.h's declared_rate()
+    Cadence cadence = Cadence::frames;
+    std::int64_t first_number = 0;  ///< display number of the film's first picture, where the cadence begins
+    int quantiser = 4;              ///< quantiser_scale_code 1..31, q_scale_type 0
+    int gop = 15;                   ///< pictures per closed GOP, 1..100,000
+    int b_pictures = 3;             ///< most B pictures in a row, 0..3
+    Effort effort = Effort::quality;
+    Tune tune = Tune::psnr;
+    RateControl rate_control;
+    int aspect_ratio_code = 1;    ///< aspect_ratio_information [H262, table 6-3]; 1: square pixels
+    int matrix_coefficients = 1;  ///< [H262, table 6-9]; 1: BT.709, 6: BT.601
+};
+
+/// What headers declare of a stream with these settings.
+struct Declaration {
+    std::string level;             ///< of Main Profile: "Main", "High-1440" or "High"
+    std::int64_t bit_rate = 0;     ///< bits per second: the highest, or the constant one
+    std::int64_t buffer_bits = 0;  ///< VBV size
+    std::int64_t border_bits = 0;  ///< fullness that every chunk finds before its first picture is taken out
+};
+/// What an earlier, cheaper pass over the film found right for a picture (encoder/allotment.h).
+struct Allotment {
+    double quantiser = 4;  ///< 1..31, not yet rounded
+    double bits = 0;       ///< that the picture should come to with it
+    double bits_left = 0;  ///< the same summed over this picture and all that follow it in its chunk, as displayed
+    /// What the picture was in that pass: where it becomes another one now, its quantiser follows. None: the same.
+    std::optional<PictureType> type = {};
+    /// Bits that there are over those allotted: 1 but where even quantiser 1 needs less, or 31 more. Chunks that share
+    /// their bits have it in common.
+    double affordable = 1;
+    /// PassPicture::ratio: where what follows from the picture is another number now, its quantiser follows.
+    std::optional<double> ratio = {};
+    /// `bits_left` of I, P and B pictures apart, since they differ in how far they are from what the pass found. All 0:
+    /// not known.
+    std::array<double, 3> left_by_type = {};
+};
+
+/// What one picture came to in the first pass.
+struct PassPicture {
+    std::int64_t number = 0;  ///< display
+    PictureType type = PictureType::intra;
+    int quantiser = 1;
+    double bits = 0;
+    bool starts_chunk = false;
+    /// Of its quantiser to that of a P picture that nothing refers to, before rounding; none: the usual one of its
+    /// type.
+    std::optional<double> ratio = {};
+};
+
+/// What the renderer knows of a picture before anything is lit.
+struct PictureFacts {
+    bool cut_before = false;  ///< nothing of the picture before is seen in this one
+    /// How many pictures certainly follow this one, 0 or more, before a cut, a keyframe or the chunk's end. Only among
+    /// those are B pictures planned, since they refer to a later one; where they are all there are until then, runs of
+    /// B pictures come out alike.
+    std::int64_t frames_left = 0;
+    bool keyframe = false;  ///< a GOP is to begin here, whatever is seen
+    /// Pictures that follow this one in its chunk: every chunk then begins with the same declared buffer fullness and
+    /// leaves it to the next one, and the promise, made with the chunk's first picture, must be kept. None: the
+    /// buffer's state goes on over the chunk's end.
+    std::optional<std::int64_t> left_in_chunk = {};
+    bool last_chunk = false;  ///< the film ends with this chunk: it leaves its buffer to none
+    /// The eye's sensitivity to detail that moves as this picture does, relative to what stands still: 0..1, mean over
+    /// the picture; more counts as 1. `constant_quality` reads it; none: 1.
+    std::optional<double> sensitivity = {};
+    /// How unevenly the picture moves against the one before it (encoder/unevenness.h): the more, the fewer B pictures
+    /// are planned in a row. None: Settings::b_pictures.
+    std::optional<double> unevenness = {};
+    std::optional<Allotment> allotment = {};  ///< none: one pass
+};
+
+/// How a picture will be coded: fixed before it is lit.
+struct PicturePlan {
+    std::int64_t number = 0;  ///< display number
+    PictureType type = PictureType::intra;
+    bool starts_gop = true;
+    /// Display numbers, in the order of the motion that `push` wants: none, the earlier one, or the earlier and the
+    /// later.
+    std::vector<std::int64_t> references;
+    /// The last picture that depends on this one, directly or not, where motion to it helps `push` (Hints::onward).
+    std::optional<std::int64_t> horizon;
+    int quantiser = 4;  ///< to render for; the one really used is CodedPicture::quantiser
+
+    bool operator==(const PicturePlan&) const = default;
+};
+
+/// How a macroblock is to be coded.
+enum class Force : std::uint8_t {
+    none,   ///< as the encoder finds best
+    intra,  ///< predicted from nothing
+    skip,  ///< not at all, where MPEG-2 allows that: not in I pictures, nor at a row's ends, nor, in B pictures, behind
+           ///< an intra macroblock or where the vectors of the one before would lead out of the picture
+};
+
+/// What may help to code a picture well, beside its motion. Maps have an entry per macroblock of the displayed picture,
+/// (width + 15) / 16 by (height + 15) / 16. Where a buffer leaves room for next to nothing both give way.
+struct Hints {
+    /// Motion to the plan's horizon: what stands still until then is worth finer quantisers. Null: not known.
+    const core::MotionField* onward = nullptr;
+    /// What the quantiser of each macroblock is multiplied by, finite and above 0, before it is rounded into 1..31:
+    /// what a viewer looks at is worth less than 1, say. Null: 1.
+    const core::Plane<float>* quantiser_factors = nullptr;
+    const core::Plane<Force>* forced = nullptr;  ///< null: nothing is
+};
+
+/// What became of one macroblock.
+struct MacroblockRecord {
+    bool intra = false;
+    bool skipped = false;
+    std::uint8_t quantiser = 0;               ///< quantiser_scale_code in force
+    std::int16_t motion_x = 0, motion_y = 0;  ///< forward, half pixels
+    std::uint32_t bits = 0;
+    bool forward = false, backward = false;       ///< which references it is predicted from
+    std::int16_t backward_x = 0, backward_y = 0;  ///< half pixels
+};
+
+struct CodedPicture {
+    PicturePlan plan;
+    int quantiser = 4;  ///< of the slices' headers; seldom more than one step from the plan's
+    std::int64_t coding_order = 0;
+    std::vector<std::uint8_t> bytes;  ///< whole access unit: sequence and GOP headers where they stand before it
+    core::Picture reconstruction;     ///< what a decoder shows: cropped to the display size
+    core::Plane<MacroblockRecord> macroblocks;
+    std::uint64_t block_evaluations = 0;  ///< 16x16 differences computed to choose motion and modes, in all tries
+    int tries = 1;                        ///< codings until it fitted the buffer
+    bool minimal = false;                 ///< not even the coarsest quantiser fitted: nothing but flat blocks, or skips
+    std::uint64_t stuffing_bytes = 0;     ///< zeros in `bytes` that keep the buffer from running over
+    std::int64_t fullness_before = 0;  ///< bits in the decoder's buffer when the picture is taken out, itself included
+    std::int64_t fullness_after = 0;   ///< bits left then
+    std::int64_t fullness_next = 0;    ///< bits there when the next picture is taken out
+};
+
+}  // namespace render2mpeg::encoder
