@@ -2,7 +2,7 @@
 
 #include "encoder/mpeg2/bitstream/levels.h"
 #include "encoder/mpeg2/motion/candidates.h"
-#include "encoder/mpeg2/motion/motion.h"
+#include "encoder/mpeg2/motion/motion_estimation.h"
 
 namespace render2mpeg::encoder {
 namespace {

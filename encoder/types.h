@@ -15,7 +15,7 @@ namespace render2mpeg::encoder {
 
 enum class PictureType : std::uint8_t { intra = 1, predicted = 2, bidirectional = 3 };  ///< picture_coding_type
 
-/// How much is tried. `fast`: one movement per macroblock in full, levels one by one. `quality`: several movements,
+/// How much is tried. `fast`: one prediction mode per macroblock in full, levels one by one. `quality`: several modes,
 /// levels of a whole block at once.
 enum class Effort : std::uint8_t { fast, quality };
 
@@ -65,22 +65,22 @@ struct Settings {
 
 /// What headers declare of a stream with these settings.
 struct Declaration {
-    std::string level;             ///< of Main Profile: "Main", "High-1440" or "High"
-    std::int64_t bit_rate = 0;     ///< bits per second: the highest, or the constant one
-    std::int64_t buffer_bits = 0;  ///< VBV size
-    std::int64_t border_bits = 0;  ///< fullness that every chunk finds before its first picture is taken out
+    std::string level;                ///< of Main Profile: "Main", "High-1440" or "High"
+    std::int64_t bit_rate = 0;        ///< bits per second: the highest, or the constant one
+    std::int64_t buffer_bits = 0;     ///< VBV size
+    std::int64_t chunk_fullness = 0;  ///< fullness that every chunk finds before its first picture is taken out
 };
-/// What an earlier, cheaper pass over the film found right for a picture (encoder/allotment.h).
-struct Allotment {
+/// What an earlier, cheaper pass over the film found right for a picture (encoder/bit_allocation.h).
+struct BitAllocation {
     double quantiser = 4;  ///< 1..31, not yet rounded
     double bits = 0;       ///< that the picture should come to with it
     double bits_left = 0;  ///< the same summed over this picture and all that follow it in its chunk, as displayed
     /// What the picture was in that pass: where it becomes another one now, its quantiser follows. None: the same.
     std::optional<PictureType> type = {};
-    /// Bits that there are over those allotted: 1 but where even quantiser 1 needs less, or 31 more. Chunks that share
+    /// Bits that there are over those allocated: 1 but where even quantiser 1 needs less, or 31 more. Chunks that share
     /// their bits have it in common.
     double affordable = 1;
-    /// PassPicture::ratio: where what follows from the picture is another number now, its quantiser follows.
+    /// FirstPassPicture::ratio: where what follows from the picture is another number now, its quantiser follows.
     std::optional<double> ratio = {};
     /// `bits_left` of I, P and B pictures apart, since they differ in how far they are from what the pass found. All 0:
     /// not known.
@@ -88,7 +88,7 @@ struct Allotment {
 };
 
 /// What one picture came to in the first pass.
-struct PassPicture {
+struct FirstPassPicture {
     std::int64_t number = 0;  ///< display
     PictureType type = PictureType::intra;
     int quantiser = 1;
@@ -115,10 +115,10 @@ struct PictureFacts {
     /// The eye's sensitivity to detail that moves as this picture does, relative to what stands still: 0..1, mean over
     /// the picture; more counts as 1. `constant_quality` reads it; none: 1.
     std::optional<double> sensitivity = {};
-    /// How unevenly the picture moves against the one before it (encoder/unevenness.h): the more, the fewer B pictures
-    /// are planned in a row. None: Settings::b_pictures.
-    std::optional<double> unevenness = {};
-    std::optional<Allotment> allotment = {};  ///< none: one pass
+    /// How unevenly the picture moves against the one before it (encoder/motion_nonuniformity.h): the more, the fewer B
+    /// pictures are planned in a row. None: Settings::b_pictures.
+    std::optional<double> motion_nonuniformity = {};
+    std::optional<BitAllocation> allocation = {};  ///< none: one pass
 };
 
 /// How a picture will be coded: fixed before it is lit.

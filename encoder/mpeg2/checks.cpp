@@ -43,19 +43,19 @@ void check_field(const Settings& settings, const core::MotionField& field, std::
 void check_facts(std::int64_t number, const PictureFacts& facts) {
     EXPECTS(is_count(number) && is_count(facts.frames_left));
     EXPECTS(is_count(facts.left_in_chunk.value_or(0)));
-    EXPECTS(is_amount(facts.sensitivity.value_or(0.0)) && is_amount(facts.unevenness.value_or(0.0)));
-    if (!facts.allotment) return;
-    EXPECTS(facts.allotment->quantiser >= 1 && facts.allotment->quantiser <= 31);
-    EXPECTS(is_amount(facts.allotment->bits) && is_amount(facts.allotment->bits_left));
-    EXPECTS(is_amount(facts.allotment->affordable));
-    EXPECTS(is_type(facts.allotment->type.value_or(PictureType::intra)));
-    EXPECTS(is_positive(facts.allotment->ratio.value_or(1.0)));
-    EXPECTS(std::all_of(facts.allotment->left_by_type.begin(), facts.allotment->left_by_type.end(), is_amount));
+    EXPECTS(is_amount(facts.sensitivity.value_or(0.0)) && is_amount(facts.motion_nonuniformity.value_or(0.0)));
+    if (!facts.allocation) return;
+    EXPECTS(facts.allocation->quantiser >= 1 && facts.allocation->quantiser <= 31);
+    EXPECTS(is_amount(facts.allocation->bits) && is_amount(facts.allocation->bits_left));
+    EXPECTS(is_amount(facts.allocation->affordable));
+    EXPECTS(is_type(facts.allocation->type.value_or(PictureType::intra)));
+    EXPECTS(is_positive(facts.allocation->ratio.value_or(1.0)));
+    EXPECTS(std::all_of(facts.allocation->left_by_type.begin(), facts.allocation->left_by_type.end(), is_amount));
 }
 
-void check_film(std::span<const PassPicture> film) {
+void check_film(std::span<const FirstPassPicture> film) {
     std::vector<std::int64_t> numbers;
-    for (const PassPicture& picture : film) {
+    for (const FirstPassPicture& picture : film) {
         numbers.push_back(picture.number);
         EXPECTS(is_count(picture.number) && is_type(picture.type));
         EXPECTS(picture.quantiser >= 1 && picture.quantiser <= 31);

@@ -11,14 +11,14 @@
 #include "encoder/mpeg2/bitstream/syntax.h"
 #include "encoder/mpeg2/checks.h"
 #include "encoder/mpeg2/kernels/frame.h"
-#include "encoder/mpeg2/macroblock/demands.h"
-#include "encoder/mpeg2/macroblock/refresh.h"
+#include "encoder/mpeg2/macroblock/intra_refresh.h"
+#include "encoder/mpeg2/macroblock/overrides.h"
 #include "encoder/mpeg2/macroblock/weighting_matrices.h"
 #include "encoder/mpeg2/motion/candidates.h"
 #include "encoder/mpeg2/motion/picture_order.h"
 #include "encoder/mpeg2/motion/search.h"
 #include "encoder/mpeg2/picture/fitting.h"
-#include "encoder/mpeg2/rate/rate_steering.h"
+#include "encoder/mpeg2/rate/rate_controller.h"
 #include "encoder/mpeg2/rate/vbv_schedule.h"
 
 namespace render2mpeg::encoder {
@@ -34,20 +34,20 @@ struct Reference {
 };
 
 /// A B picture that waits for the later one that it refers to.
-struct Waiting {
+struct DelayedB {
     PicturePlan plan;
     mpeg2::Frame source;
     std::vector<core::Plane<mpeg2::Candidates>> exact;  ///< per reference of the plan, or empty
-    mpeg2::Demands demands;
+    mpeg2::MacroblockOverrides overrides;
 };
 
 /// Pictures that share a buffer and a budget: one chunk of promised length, or all that follow one another without a
-/// promise. Nothing of one course is known in another, so that bytes are a function of the course.
-struct Course {
+/// promise. Nothing of one session is known in another, so that bytes are a function of the session.
+struct Session {
     std::int64_t first;               ///< number
     std::optional<std::int64_t> end;  ///< first number after the chunk planned last, if it is promised
     mpeg2::VbvSchedule schedule;
-    mpeg2::RateSteering steering;
+    mpeg2::RateController rate;
 };
 
 /// The reference's vectors as a guess for motion over other distances in time: half pixels times `distance`, per
@@ -86,55 +86,56 @@ struct Encoder::Impl {
     mpeg2::Frame source;  ///< the picture being coded; kept for its memory
 
     const mpeg2::QuantiserSet quantisers;
-    mpeg2::Refresh refresh;
+    mpeg2::IntraRefresh refresh;
 
     // What plan() has decided so far; it may run ahead of push().
     std::optional<std::int64_t> last_planned;
     std::deque<PicturePlan> planned;  ///< and not pushed
-    std::deque<Course> courses;       ///< of pictures not yet coded; the last is the one planned in
+    std::deque<Session> sessions;     ///< of pictures not yet coded; the last is the one planned in
     bool cut_short = false;           ///< the chunk planned last ended before its promise
     std::int64_t planned_gop_start = 0;
     std::int64_t planned_earlier = 0, planned_later = 0;  ///< I or P pictures around the one planned last, or itself
 
     // Where push() stands.
     std::optional<Reference> earlier, later;  ///< the newest two I and P pictures
-    std::vector<Waiting> waiting;             ///< for the one after `later`
+    std::vector<DelayedB> delayed;            ///< for the one after `later`
     std::int64_t gop_start = 0;
     std::int64_t coding_order = 0;
 
     void enter(std::int64_t number, const PictureFacts& facts, bool first_of_chunk);
-    Course& course_of(std::int64_t number);
+    Session& session_of(std::int64_t number);
     void write_headers(mpeg2::BitWriter& out, const PicturePlan& plan) const;
     CodedPicture code(const mpeg2::Frame& picture, const PicturePlan& plan,
-                      std::span<const core::Plane<mpeg2::Candidates>> exact, const mpeg2::Demands& demands);
-    void code_waiting(std::vector<CodedPicture>& complete);
+                      std::span<const core::Plane<mpeg2::Candidates>> exact,
+                      const mpeg2::MacroblockOverrides& overrides);
+    void code_delayed(std::vector<CodedPicture>& complete);
 };
 
-/// Finds the course that a picture to be planned belongs to, or begins one.
+/// Finds the session that a picture to be planned belongs to, or begins one.
 void Encoder::Impl::enter(std::int64_t number, const PictureFacts& facts, bool first_of_chunk) {
     const bool follows = last_planned && !cut_short && number == *last_planned + 1;
     EXPECTS(follows || first_of_chunk || !last_planned);
     if (!follows) {
         EXPECTS(planned.empty());
-        courses.clear();
+        sessions.clear();
     }
-    if (follows && courses.back().end) EXPECTS(first_of_chunk == (number == *courses.back().end));
+    if (follows && sessions.back().end) EXPECTS(first_of_chunk == (number == *sessions.back().end));
 
     const auto end = facts.left_in_chunk ? std::optional(number + *facts.left_in_chunk + 1) : std::nullopt;
-    if (courses.empty() || (first_of_chunk && courses.back().end)) {
-        courses.push_back({number, end, {settings, channel, minimal}, {settings, channel, minimal}});
+    if (sessions.empty() || (first_of_chunk && sessions.back().end)) {
+        sessions.push_back({number, end, {settings, channel, minimal}, {settings, channel, minimal}});
     } else if (first_of_chunk) {
-        courses.back().end = end;
-    } else if (courses.back().end) {
-        EXPECTS(!end || end == courses.back().end);
+        sessions.back().end = end;
+    } else if (sessions.back().end) {
+        EXPECTS(!end || end == sessions.back().end);
     }
     cut_short = false;
 }
 
-/// Forgets the courses before: pictures are coded chunk by chunk.
-Course& Encoder::Impl::course_of(std::int64_t number) {
-    while (courses.size() > 1 && courses[1].first <= number) courses.pop_front();
-    return courses.front();
+/// Forgets the sessions before: pictures are coded chunk by chunk.
+Session& Encoder::Impl::session_of(std::int64_t number) {
+    while (sessions.size() > 1 && sessions[1].first <= number) sessions.pop_front();
+    return sessions.front();
 }
 
 void Encoder::Impl::write_headers(mpeg2::BitWriter& out, const PicturePlan& plan) const {
@@ -145,7 +146,8 @@ void Encoder::Impl::write_headers(mpeg2::BitWriter& out, const PicturePlan& plan
 
 /// Codes a picture whose references are there; an I or P picture becomes the newest one.
 CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan& plan,
-                                 std::span<const core::Plane<mpeg2::Candidates>> exact, const mpeg2::Demands& demands) {
+                                 std::span<const core::Plane<mpeg2::Candidates>> exact,
+                                 const mpeg2::MacroblockOverrides& overrides) {
     mpeg2::PictureTask task{picture,
                             plan.type,
                             {},
@@ -160,8 +162,8 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
     task.quantisers = &quantisers;
     task.weights = mpeg2::weights_for(settings.tune);
     if (plan.type == PictureType::predicted) task.intra_due = &refresh.due();
-    if (!demands.quantiser_factors.empty()) task.quantiser_factors = &demands.quantiser_factors;
-    if (!demands.forced.empty()) task.forced = &demands.forced;
+    if (!overrides.quantiser_factors.empty()) task.quantiser_factors = &overrides.quantiser_factors;
+    if (!overrides.forced.empty()) task.forced = &overrides.forced;
     core::Plane<mpeg2::Vector> predictors[2];
     const bool bidirectional = plan.type == PictureType::bidirectional;
     for (std::size_t i = 0; i < plan.references.size(); ++i) {
@@ -175,13 +177,12 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
     write_headers(headers, plan);
 
     // Code it within what the buffer holds.
-    auto& [first, end, schedule, steering] = course_of(plan.number);
-    task.quantiser = steering.settle(plan, schedule);
+    auto& [first, end, schedule, rate] = session_of(plan.number);
+    task.quantiser = rate.settle(plan, schedule);
     const auto header_bits = static_cast<std::int64_t>(headers.bit_count());
     const std::int64_t most_bits = schedule.most_bits() - header_bits;
     mpeg2::Fitted fitted = mpeg2::code_within(task, level, most_bits);
-    const int better =
-        steering.reconsider(plan, fitted.quantiser, header_bits + mpeg2::bits_of(fitted.picture), schedule);
+    const int better = rate.reconsider(plan, fitted.quantiser, header_bits + mpeg2::bits_of(fitted.picture), schedule);
     if (better > fitted.quantiser) {
         task.quantiser = better;
         fitted = mpeg2::again(fitted, mpeg2::code_within(task, level, most_bits));
@@ -189,9 +190,9 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
     mpeg2::PictureResult& result = fitted.picture;
     const std::int64_t bits = header_bits + mpeg2::bits_of(result);
     const mpeg2::Removal removal = schedule.take(bits, header_bits + mpeg2::start_code_bits);
-    steering.record(plan, fitted.quantiser, bits, bits + 8 * removal.stuffing_bytes);
+    rate.record(plan, fitted.quantiser, bits, bits + 8 * removal.stuffing_bytes);
     mpeg2::set_vbv_delay(result.bytes, removal.delay);
-    mpeg2::stuff(result.bytes, static_cast<std::size_t>(removal.stuffing_bytes));
+    mpeg2::add_stuffing(result.bytes, static_cast<std::size_t>(removal.stuffing_bytes));
 
     CodedPicture coded;
     coded.plan = plan;
@@ -220,9 +221,9 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
 }
 
 /// Codes the B pictures between the newest two others.
-void Encoder::Impl::code_waiting(std::vector<CodedPicture>& complete) {
-    for (const Waiting& w : waiting) complete.push_back(code(w.source, w.plan, w.exact, w.demands));
-    waiting.clear();
+void Encoder::Impl::code_delayed(std::vector<CodedPicture>& complete) {
+    for (const DelayedB& w : delayed) complete.push_back(code(w.source, w.plan, w.exact, w.overrides));
+    delayed.clear();
 }
 
 void check(const Settings& settings) {
@@ -233,7 +234,7 @@ Declaration declaration_of(const Settings& settings) {
     check(settings);
     const mpeg2::Level& level = mpeg2::level_for(settings);
     const mpeg2::Channel channel = mpeg2::channel_for(settings, level);
-    return {level.name, channel.bit_rate, channel.buffer_bits, channel.border_bits};
+    return {level.name, channel.bit_rate, channel.buffer_bits, channel.chunk_fullness};
 }
 
 Encoder::Encoder(const Settings& settings) : Encoder(settings, mpeg2::Search{}) {}
@@ -247,11 +248,11 @@ PicturePlan Encoder::plan(std::int64_t number, const PictureFacts& facts, bool f
     Impl& m = *impl_;
     mpeg2::check_facts(number, facts);
     m.enter(number, facts, first_of_chunk);
-    Course& course = m.courses.back();
+    Session& session = m.sessions.back();
     PicturePlan plan;
     plan.number = number;
     plan.starts_gop = !m.last_planned || first_of_chunk || number - m.planned_gop_start >= m.settings.gop ||
-                      ((facts.cut_before || facts.keyframe) && course.schedule.affords_gop(number));
+                      ((facts.cut_before || facts.keyframe) && session.schedule.affords_gop(number));
     if (plan.starts_gop) {
         // B pictures may have been promised this picture as their later reference, in their own GOP.
         EXPECTS(!m.last_planned || m.planned_later <= *m.last_planned);
@@ -262,7 +263,7 @@ PicturePlan Encoder::plan(std::int64_t number, const PictureFacts& facts, bool f
             const std::int64_t left = std::min(facts.frames_left, m.planned_gop_start + m.settings.gop - 1 - number);
             m.planned_earlier = m.planned_later;
             m.planned_later =
-                number - 1 + mpeg2::next_reference_after(left + 1, m.settings.b_pictures, facts.unevenness);
+                number - 1 + mpeg2::next_reference_after(left + 1, m.settings.b_pictures, facts.motion_nonuniformity);
         }
         plan.type = number < m.planned_later ? PictureType::bidirectional : PictureType::predicted;
         plan.references = {m.planned_earlier};
@@ -271,12 +272,12 @@ PicturePlan Encoder::plan(std::int64_t number, const PictureFacts& facts, bool f
     const std::int64_t horizon = std::min(number + facts.frames_left, m.planned_gop_start + m.settings.gop - 1);
     if (plan.type != PictureType::bidirectional && horizon > number) plan.horizon = horizon;
     first_of_chunk = first_of_chunk || !m.last_planned;
-    course.schedule.plan(number, plan.starts_gop, first_of_chunk, facts.left_in_chunk, facts.last_chunk);
-    if (first_of_chunk && !course.schedule.feasible())
+    session.schedule.plan(number, plan.starts_gop, first_of_chunk, facts.left_in_chunk, facts.last_chunk);
+    if (first_of_chunk && !session.schedule.feasible())
         throw core::Error("bit rate " + std::to_string(m.channel.bit_rate) + ": a chunk of " +
                           std::to_string(facts.left_in_chunk.value_or(0) + 1) +
                           " pictures cannot be coded so that the next one finds its buffer filled");
-    plan.quantiser = course.steering.plan(plan, facts, first_of_chunk, course.schedule);
+    plan.quantiser = session.rate.plan(plan, facts, first_of_chunk, session.schedule);
     m.last_planned = number;
     m.planned.push_back(plan);
     return plan;
@@ -293,17 +294,17 @@ std::vector<CodedPicture> Encoder::push(const core::Picture& picture, const Pict
     for (const core::MotionField& field : motion)
         exact.push_back(mpeg2::exact_candidates(field, m.source.columns(), m.source.rows(), m.level.horizontal_f_code));
 
-    mpeg2::Demands demands = mpeg2::demands_from(hints, m.source.columns(), m.source.rows());
+    mpeg2::MacroblockOverrides overrides = mpeg2::overrides_from(hints, m.source.columns(), m.source.rows());
     std::vector<CodedPicture> complete;
     if (plan.type == PictureType::bidirectional) {
-        Waiting& waiting = m.waiting.emplace_back(
-            Waiting{plan, mpeg2::Frame(m.source.columns(), m.source.rows()), std::move(exact), std::move(demands)});
-        mpeg2::pad(picture, waiting.source);
+        DelayedB& delayed = m.delayed.emplace_back(
+            DelayedB{plan, mpeg2::Frame(m.source.columns(), m.source.rows()), std::move(exact), std::move(overrides)});
+        mpeg2::pad(picture, delayed.source);
         return complete;
     }
     mpeg2::pad(picture, m.source);
-    complete.push_back(m.code(m.source, plan, exact, demands));
-    m.code_waiting(complete);
+    complete.push_back(m.code(m.source, plan, exact, overrides));
+    m.code_delayed(complete);
     return complete;
 }
 
@@ -313,21 +314,21 @@ std::vector<CodedPicture> Encoder::flush() {
     if (m.last_planned) m.planned_later = *m.last_planned;
 
     // What was planned beyond will not come, nor what was promised.
-    const auto promised = m.courses.empty() ? std::nullopt : m.courses.back().end;
+    const auto promised = m.sessions.empty() ? std::nullopt : m.sessions.back().end;
     if (!m.planned.empty() || (promised && *m.last_planned + 1 != *promised)) m.cut_short = true;
     m.planned.clear();
-    if (m.waiting.empty()) return complete;
+    if (m.delayed.empty()) return complete;
 
     // The last one takes their reference's place, and of the others' motion the forward part holds.
-    Waiting last = std::move(m.waiting.back());
-    m.waiting.pop_back();
+    DelayedB last = std::move(m.delayed.back());
+    m.delayed.pop_back();
     last.plan.type = PictureType::predicted;
     last.plan.references.pop_back();
-    for (Waiting& w : m.waiting) w.plan.references[1] = last.plan.number;
-    for (Waiting& w : m.waiting) w.exact.resize(std::min<std::size_t>(w.exact.size(), 1));
+    for (DelayedB& w : m.delayed) w.plan.references[1] = last.plan.number;
+    for (DelayedB& w : m.delayed) w.exact.resize(std::min<std::size_t>(w.exact.size(), 1));
     last.exact.resize(std::min<std::size_t>(last.exact.size(), 1));
-    complete.push_back(m.code(last.source, last.plan, last.exact, last.demands));
-    m.code_waiting(complete);
+    complete.push_back(m.code(last.source, last.plan, last.exact, last.overrides));
+    m.code_delayed(complete);
     return complete;
 }
 

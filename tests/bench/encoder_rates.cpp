@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "encoder/allotment.h"
+#include "encoder/bit_allocation.h"
 #include "encoder/encoder.h"
 #include "encoder_clip.h"
 
@@ -30,8 +30,9 @@ struct Coded {
 };
 
 /// Codes the clip in chunks of 60, each by an encoder of its own.
-std::vector<Coded> code(const Clip& clip, const encoder::Settings& s, std::vector<encoder::PassPicture>* pass = nullptr,
-                        const std::vector<encoder::Allotment>* allotted = nullptr) {
+std::vector<Coded> code(const Clip& clip, const encoder::Settings& s,
+                        std::vector<encoder::FirstPassPicture>* pass = nullptr,
+                        const std::vector<encoder::BitAllocation>* allocated = nullptr) {
     std::vector<Coded> all;
     const auto count = static_cast<std::int64_t>(clip.pictures.size());
     for (std::int64_t first = 0; first < count; first += 60) {
@@ -40,14 +41,14 @@ std::vector<Coded> code(const Clip& clip, const encoder::Settings& s, std::vecto
         const auto take = [&](const std::vector<encoder::CodedPicture>& pictures) {
             for (const encoder::CodedPicture& c : pictures) {
                 all.push_back({c.plan.type, c.quantiser, 8.0 * static_cast<double>(c.bytes.size())});
-                if (pass) pass->push_back(encoder::pass_picture(c, c.plan.number == first));
+                if (pass) pass->push_back(encoder::first_pass_picture(c, c.plan.number == first));
             }
         };
         for (std::int64_t n = first; n < end; ++n) {
             encoder::PictureFacts facts;
             facts.frames_left = facts.left_in_chunk.emplace(end - 1 - n);
             facts.last_chunk = end == count;
-            if (allotted) facts.allotment = (*allotted)[static_cast<std::size_t>(n)];
+            if (allocated) facts.allocation = (*allocated)[static_cast<std::size_t>(n)];
             const encoder::PicturePlan plan = encoder.plan(n, facts, n == first);
             std::vector<core::MotionField> motion;
             for (const std::int64_t reference : plan.references) motion.push_back(clip.motion(n, reference));
@@ -91,12 +92,12 @@ void print_errors(const Clip& clip, double bits_per_sample) {
         s.rate_control.mode = mode;
         encoder::Settings first = s;
         first.effort = encoder::Effort::fast;
-        std::vector<encoder::PassPicture> pass;
+        std::vector<encoder::FirstPassPicture> pass;
         code(clip, first, &pass);
-        const std::vector<encoder::Allotment> allotted = encoder::allot(s, pass, 1.0);
+        const std::vector<encoder::BitAllocation> allocated = encoder::allocate_bits(s, pass, 1.0);
         for (const int passes : {1, 2}) {
             double bits = 0, quantisers = 0, squares = 0;
-            const std::vector<Coded> coded = code(clip, s, nullptr, passes == 2 ? &allotted : nullptr);
+            const std::vector<Coded> coded = code(clip, s, nullptr, passes == 2 ? &allocated : nullptr);
             for (const Coded& c : coded) {
                 bits += c.bits, quantisers += c.quantiser;
                 squares += static_cast<double>(c.quantiser) * c.quantiser;

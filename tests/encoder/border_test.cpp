@@ -158,21 +158,21 @@ TEST(Contracts, FactsAreNumbersWithinTheirRanges) {
     };
     for (const double wrong : {nan, infinite, -0.1}) {
         refused({.sensitivity = wrong});
-        refused({.allotment = Allotment{4, wrong, 100}});
-        refused({.allotment = Allotment{4, 100, wrong}});
-        refused({.allotment = Allotment{wrong, 100, 1000}});
-        refused({.allotment = Allotment{4, 100, 1000, {}, wrong}});
-        refused({.allotment = Allotment{4, 100, 1000, {}, 1, wrong}});
+        refused({.allocation = BitAllocation{4, wrong, 100}});
+        refused({.allocation = BitAllocation{4, 100, wrong}});
+        refused({.allocation = BitAllocation{wrong, 100, 1000}});
+        refused({.allocation = BitAllocation{4, 100, 1000, {}, wrong}});
+        refused({.allocation = BitAllocation{4, 100, 1000, {}, 1, wrong}});
         for (std::size_t i = 0; i < 3; ++i) {
-            Allotment allotment{4, 100, 1000};
-            allotment.left_by_type[i] = wrong;
-            refused({.allotment = allotment});
+            BitAllocation allocation{4, 100, 1000};
+            allocation.left_by_type[i] = wrong;
+            refused({.allocation = allocation});
         }
     }
-    refused({.allotment = Allotment{4, 100, 1000, {}, 1, 0.0}});
-    refused({.allotment = Allotment{4, 100, 1000, static_cast<PictureType>(0)}});
-    refused({.allotment = Allotment{4, 100, 1000, static_cast<PictureType>(4)}});
-    refused({.allotment = Allotment{32, 100, 1000}});
+    refused({.allocation = BitAllocation{4, 100, 1000, {}, 1, 0.0}});
+    refused({.allocation = BitAllocation{4, 100, 1000, static_cast<PictureType>(0)}});
+    refused({.allocation = BitAllocation{4, 100, 1000, static_cast<PictureType>(4)}});
+    refused({.allocation = BitAllocation{32, 100, 1000}});
     refused({.frames_left = -1});
     refused({.left_in_chunk = -1});
     refused({.left_in_chunk = std::numeric_limits<std::int64_t>::max()});

@@ -186,7 +186,7 @@ TEST(Codes, EveryVectorDifferenceIsReadBackAtEveryFCode) {
                                              (n * 13) % (2 * reach) - reach);
                 MacroblockCode m;
                 m.type = {false, true, false, false};
-                m.movement.vector[0] = v;
+                m.mode.vector[0] = v;
                 vectors.push_back(v);
                 code[static_cast<std::size_t>(r)].macroblocks.push_back(m);
             }

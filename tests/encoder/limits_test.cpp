@@ -50,9 +50,9 @@ Frame predicted_and_louder(const PictureCoding& picture, int directions) {
         for (int column = 0; column < source.columns(); ++column) {
             const Vector v = jump(column, row, source);
             Prediction prediction;
-            const Movement movement{{v, v}, {true, directions > 1}};
-            predict_luma(picture, column, row, movement, prediction);
-            predict_chroma(picture, column, row, movement, prediction);
+            const PredictionMode mode{{v, v}, {true, directions > 1}};
+            predict_luma(picture, column, row, mode, prediction);
+            predict_chroma(picture, column, row, mode, prediction);
             for (int plane = 0; plane < 3; ++plane) {
                 const int size = plane == 0 ? 16 : 8;
                 const std::uint8_t* from = plane == 0 ? prediction.y : plane == 1 ? prediction.cb : prediction.cr;
@@ -88,10 +88,10 @@ std::uint32_t largest_of_jumping_noise(PictureType type, Effort effort) {
     std::uint32_t largest = 0;
     int inter = 0;
     for (int row = 1; row < rows - 1; ++row) {
-        std::vector<VectorChoice> choices(columns);
+        std::vector<BestVectors> choices(columns);
         for (int column = 0; column < columns; ++column)
             choices[static_cast<std::size_t>(column)].vector[0] = jump(column, row, source);
-        const VectorChoice* const vectors[2] = {choices.data(), choices.data()};
+        const BestVectors* const vectors[2] = {choices.data(), choices.data()};
         const std::vector<std::uint8_t> finest(columns, 1);
         RowCode code = decide_row(picture, row, finest.data(), vectors);
         BitWriter out;

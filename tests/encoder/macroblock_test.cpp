@@ -55,7 +55,7 @@ struct Medley {
         m.quantiser = static_cast<std::uint8_t>(in_force);
         const int row_number = static_cast<int>(expected.size()) / columns;
         if (m.type.motion_forward)
-            m.movement.vector[0] =
+            m.mode.vector[0] =
                 vector_range(column, row_number, columns, rows, 3, 3).clamp(roll(120) - 60, roll(120) - 60);
         std::array<std::array<std::uint8_t, 64>, 6> blocks;
         for (int i = 0; i < 6; ++i) {
@@ -114,7 +114,7 @@ TEST(Macroblocks, AnySequenceOfKindsIsReadBack) {
 /// A picture of one macroblock.
 struct One {
     Frame source{1, 1}, reference{1, 1}, reconstruction{1, 1};
-    std::unique_ptr<Attempt> attempt = std::make_unique<Attempt>();
+    std::unique_ptr<ModeTrial> trial = std::make_unique<ModeTrial>();
     SliceState state;
 
     PictureCoding coding(bool intra) {
@@ -129,19 +129,19 @@ TEST(Macroblocks, TruncationMeetsAnyLimitAndKeepsItsBooks) {
     one.state.quantiser = 1;
     pad(noise(16, 16, 0, 3), one.source);
     const PictureCoding coding = one.coding(true);
-    attempt_intra(coding, 0, 0, 1, one.state, *one.attempt);
-    ASSERT_GT(one.attempt->totals.bits, 4608);
+    try_intra(coding, 0, 0, 1, one.state, *one.trial);
+    ASSERT_GT(one.trial->rd.bits, 4608);
     for (const int limit : {4608, 2000, 300}) {
-        const float before = one.attempt->totals.distortion;
-        truncate_to(*one.attempt, coding, one.state, limit);
-        EXPECT_LE(one.attempt->totals.bits, limit);
-        EXPECT_LE(one.attempt->totals.bits_with_one, limit);
-        EXPECT_GT(one.attempt->totals.bits, limit * 3 / 4);
-        EXPECT_GT(one.attempt->totals.distortion, before);
+        const float before = one.trial->rd.distortion;
+        truncate_to(*one.trial, coding, one.state, limit);
+        EXPECT_LE(one.trial->rd.bits, limit);
+        EXPECT_LE(one.trial->rd.bits_with_one, limit);
+        EXPECT_GT(one.trial->rd.bits, limit * 3 / 4);
+        EXPECT_GT(one.trial->rd.distortion, before);
     }
     // The distortion in the books is that of the picture, but for the rounding of samples.
-    const float booked = one.attempt->totals.distortion;
-    reconstruct(coding, 0, 0, *one.attempt);
+    const float booked = one.trial->rd.distortion;
+    reconstruct(coding, 0, 0, *one.trial);
     double sum = 0;
     for (int plane = 0; plane < 3; ++plane)
         for (std::size_t i = 0; i < one.source.plane(plane).size(); ++i) {
@@ -164,13 +164,13 @@ TEST(Macroblocks, AResidualOfOneAndAHalfStepsIsCoded) {
                 one.reference.plane(plane).at(x, y) = 128;
                 one.source.plane(plane).at(x, y) = static_cast<std::uint8_t>(std::lround(128 + 24 * basis));
             }
-    attempt_inter(one.coding(false), 0, 0, {}, q, one.state, *one.attempt);
-    EXPECT_EQ(one.attempt->totals.pattern, 63);
-    EXPECT_LT(one.attempt->totals.distortion, 6 * 24 * 24 / 4);
+    try_inter(one.coding(false), 0, 0, {}, q, one.state, *one.trial);
+    EXPECT_EQ(one.trial->rd.pattern, 63);
+    EXPECT_LT(one.trial->rd.distortion, 6 * 24 * 24 / 4);
     one.source = one.reference;
-    attempt_inter(one.coding(false), 0, 0, {}, q, one.state, *one.attempt);
-    EXPECT_EQ(one.attempt->totals.pattern, 0);
-    EXPECT_EQ(one.attempt->totals.distortion, 0);
+    try_inter(one.coding(false), 0, 0, {}, q, one.state, *one.trial);
+    EXPECT_EQ(one.trial->rd.pattern, 0);
+    EXPECT_EQ(one.trial->rd.distortion, 0);
 }
 
 TEST(Macroblocks, NoiseThatDoesNotFitIsCodedMoreCoarsely) {

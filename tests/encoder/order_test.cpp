@@ -50,10 +50,11 @@ TEST(Plan, BPicturesLieBetweenReferencesOfTheirGop) {
 }
 
 TEST(Plan, WhereMotionIsUnevenFewerBPicturesLieInARow) {
-    const auto types = [](double unevenness, int b_pictures) {
+    const auto types = [](double motion_nonuniformity, int b_pictures) {
         Encoder encoder(settings(32, 32, 4, 13, 3, b_pictures));
         return types_of(
-            encoder, 13, [&](int n) { return PictureFacts{.frames_left = 12 - n, .unevenness = unevenness}; },
+            encoder, 13,
+            [&](int n) { return PictureFacts{.frames_left = 12 - n, .motion_nonuniformity = motion_nonuniformity}; },
             [](int n) { return n == 0; });
     };
     EXPECT_EQ(types(0, 3), "IBBBPBBBPBBBP");

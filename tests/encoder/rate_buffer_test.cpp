@@ -77,7 +77,7 @@ TEST(RateBuffer, ChunksOfAConstantRateAreWholeBytesApart) {
                 const std::int64_t bits = b.whole_bits(b.arrivals(2)) / 16 * 8;
                 bytes += bits / 8 + b.take(bits, 2, n + 1 == next ? &next : nullptr);
             }
-            EXPECT_EQ(b.fullness(), b.border(next));
+            EXPECT_EQ(b.fullness(), b.chunk_fullness(next));
             const double hertz = s.rate.hertz.value();
             EXPECT_NEAR(static_cast<double>(bytes), 37 / hertz * 1'234'400 / 8, 1.0);
         }
@@ -123,14 +123,14 @@ TEST(RateSchedule, ACutBeginsNoGopThatCannotBePaid) {
 /// Bits that a picture may have, reckoned picture by picture from the chunk's end. `first` begins a GOP, and is next.
 std::int64_t most_bits_one_by_one(const Settings& s, const MinimalBits& minimal, std::int64_t first, std::int64_t end) {
     const VbvBuffer buffer = buffer_of(s);
-    std::int64_t need = buffer.border(end);
+    std::int64_t need = buffer.chunk_fullness(end);
     for (std::int64_t n = end - 1; n > first; --n) {
         need = std::max<std::int64_t>(0, need - buffer.arrivals(fields_after(s, n - s.first_number)));
         need += buffer.fractions((n - first) % s.gop == 0 ? minimal.intra : minimal.other);
     }
     const std::int64_t keep =
         std::max<std::int64_t>(0, need - buffer.arrivals(fields_after(s, first - s.first_number)));
-    return buffer.whole_bits(std::max<std::int64_t>(0, buffer.border(first) - keep)) / 8 * 8;
+    return buffer.whole_bits(std::max<std::int64_t>(0, buffer.chunk_fullness(first) - keep)) / 8 * 8;
 }
 
 TEST(RateSchedule, WhatIsFarAwayIsReckonedAsIfOneByOne) {

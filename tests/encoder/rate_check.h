@@ -98,7 +98,7 @@ inline std::string check_reported(const ReadStream& stream, const std::vector<Co
     if (declared.bit_rate != stream.bit_rate || declared.buffer_bits != stream.buffer_bits)
         return "headers do not say what was declared";
     // A constant rate counts the part of a byte that has arrived at a chunk's border.
-    const double border_slack = constant ? 8 : 0;
+    const double fullness_slack = constant ? 8 : 0;
     double fullness = 0;
     for (std::size_t i = 0; i < coded.size(); ++i) {
         const std::string where = " at picture " + std::to_string(i);
@@ -107,8 +107,8 @@ inline std::string check_reported(const ReadStream& stream, const std::vector<Co
         };
         if (std::find(chunk_starts.begin(), chunk_starts.end(), i) != chunk_starts.end()) {
             const auto begin = static_cast<double>(coded[i].fullness_before),
-                       border = static_cast<double>(declared.border_bits);
-            if (begin < border || begin > border + border_slack) return "another fullness than declared" + where;
+                       border = static_cast<double>(declared.chunk_fullness);
+            if (begin < border || begin > border + fullness_slack) return "another fullness than declared" + where;
             if (i > 0 && (constant ? differs(coded[i].fullness_before) : fullness < begin - 1e-3))
                 return "a chunk does not hand over what the next one finds" + where;
             if (!constant || i == 0) fullness = begin;

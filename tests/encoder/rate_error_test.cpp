@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "encoder/allotment.h"
+#include "encoder/bit_allocation.h"
 #include "film.h"
 #include "rate_check.h"
 
@@ -28,14 +28,14 @@ core::Picture picture_of(const Settings& s, Content content, std::int64_t n) {
 
 struct Coding {
     Film film;
-    std::vector<PassPicture> pass;
+    std::vector<FirstPassPicture> pass;
     double bits = 0;
     double quantisers = 0, squares = 0;
 };
 
 /// Codes a film in chunks of 60 by an encoder each, or endlessly by one.
 Coding code(const Settings& s, Content content, std::int64_t count, bool endless = false,
-            const std::vector<Allotment>* allotted = nullptr) {
+            const std::vector<BitAllocation>* allocated = nullptr) {
     Coding coding{{s, {}}, {}};
     const std::int64_t length = endless ? count : 60;
     for (std::int64_t first = 0; first < count; first += length) {
@@ -46,7 +46,7 @@ Coding code(const Settings& s, Content content, std::int64_t count, bool endless
                 coding.bits += 8.0 * static_cast<double>(c.bytes.size());
                 coding.quantisers += c.quantiser;
                 coding.squares += static_cast<double>(c.quantiser) * c.quantiser;
-                coding.pass.push_back(pass_picture(c, c.plan.number == first));
+                coding.pass.push_back(first_pass_picture(c, c.plan.number == first));
                 coding.film.coded.push_back(std::move(c));
             }
         };
@@ -55,7 +55,7 @@ Coding code(const Settings& s, Content content, std::int64_t count, bool endless
             facts.frames_left = end - 1 - n;
             if (!endless) facts.left_in_chunk = end - 1 - n;
             facts.last_chunk = end == count;
-            if (allotted) facts.allotment = (*allotted)[static_cast<std::size_t>(n)];
+            if (allocated) facts.allocation = (*allocated)[static_cast<std::size_t>(n)];
             const PicturePlan plan = encoder.plan(n, facts, n == first);
             take(encoder.push(picture_of(s, content, n), plan, steady_motion(s, plan, {-1.5f, 0.5f})));
         }
@@ -70,8 +70,8 @@ Coding code_twice(const Settings& s, Content content, std::int64_t count, int fi
     first.effort = Effort::fast;
     first.rate_control = {};
     first.quantiser = 8;
-    const std::vector<Allotment> allotted = allot(s, code(first, content, count).pass, 1.0);
-    return code(s, content, count, false, &allotted);
+    const std::vector<BitAllocation> allocated = allocate_bits(s, code(first, content, count).pass, 1.0);
+    return code(s, content, count, false, &allocated);
 }
 
 double error_of(const Coding& coding) {

@@ -78,7 +78,7 @@ TEST(Trellis, FindsTheLeastCostThereIs) {
                 const float lambda = (0.1f + static_cast<float>(seed % 7)) * static_cast<float>(q * q);
                 Block block = random_block(seed, intra, q, 7);
                 const float least = least_cost(block, table, lengths, intra, lambda);
-                optimise(block, table, lengths, intra, lambda);
+                trellis_rdoq(block, table, lengths, intra, lambda);
                 const float found = cost_of(block, lengths, intra, lambda);
                 ASSERT_NEAR(found, least, 1e-4f * least + 1e-2f) << "seed " << seed << (intra ? " intra" : "");
             }
@@ -92,9 +92,9 @@ TEST(Trellis, NeverLosesToTakingLevelsOneByOneAndOftenWins) {
         const QuantTable& table = intra ? Quantiser::of(q).intra : Quantiser::of(q).non_intra;
         const float lambda = 2.0f * static_cast<float>(q * q);
         Block greedy = random_block(seed, intra, q, 50), whole = greedy;
-        const int bits = economise(greedy, table, CoefficientLengths::zero(), intra, lambda);
+        const int bits = greedy_rdoq(greedy, table, CoefficientLengths::zero(), intra, lambda);
         ASSERT_EQ(bits, coefficient_bits(greedy, CoefficientLengths::zero(), intra));
-        optimise(whole, table, CoefficientLengths::zero(), intra, lambda);
+        trellis_rdoq(whole, table, CoefficientLengths::zero(), intra, lambda);
         const float a = cost_of(greedy, CoefficientLengths::zero(), intra, lambda),
                     b = cost_of(whole, CoefficientLengths::zero(), intra, lambda);
         ASSERT_LE(b, a * 1.0001f + 0.01f) << "seed " << seed;
@@ -103,8 +103,8 @@ TEST(Trellis, NeverLosesToTakingLevelsOneByOneAndOftenWins) {
     EXPECT_GE(better, 40);
 }
 
-/// `economise` by its definition, every price from the block as it stands.
-void economise_plainly(Block& block, const QuantTable& table, bool intra, float lambda) {
+/// `greedy_rdoq` by its definition, every price from the block as it stands.
+void greedy_rdoq_plainly(Block& block, const QuantTable& table, bool intra, float lambda) {
     const CoefficientLengths& lengths = CoefficientLengths::zero();
     for (int scan = 63; scan >= 0; --scan) {
         if ((block.scan_mask >> scan & 1) == 0) continue;
@@ -135,7 +135,7 @@ TEST(Levels, AreLoweredOneByOneAlikeByEveryKernel) {
         const float lambda = (0.2f + 0.3f * static_cast<float>(seed % 5)) * static_cast<float>(q * q);
         const Block block = random_block(seed, intra, q, static_cast<int>(seed % 60));
         Block plain = block;
-        economise_plainly(plain, table, intra, lambda);
+        greedy_rdoq_plainly(plain, table, intra, lambda);
         float first = 0;
         for (int i = 0; i < variants.count; ++i) {
             Block other = block;
@@ -143,7 +143,7 @@ TEST(Levels, AreLoweredOneByOneAlikeByEveryKernel) {
                              other.dequantised,  other.weights ? other.weights->of : nullptr,
                              other.scan_mask,    other.distortion};
             const int bits =
-                variants.variant[i]->economise(b, table, CoefficientLengths::zero().prices(), intra, lambda);
+                variants.variant[i]->greedy_rdoq(b, table, CoefficientLengths::zero().code_lengths(), intra, lambda);
             ASSERT_EQ(bits, coefficient_bits(plain, CoefficientLengths::zero(), intra)) << "seed " << seed;
             ASSERT_EQ(b.scan_mask, plain.scan_mask);
             ASSERT_TRUE(std::equal(plain.levels, plain.levels + 64, other.levels));
@@ -164,7 +164,7 @@ TEST(Trellis, KeepsItsBooks) {
         const int q = 1 + static_cast<int>(seed % 31);
         const QuantTable& table = Quantiser::of(q).non_intra;
         Block block = random_block(seed, false, q, 30);
-        optimise(block, table, CoefficientLengths::zero(), false, static_cast<float>(q * q));
+        trellis_rdoq(block, table, CoefficientLengths::zero(), false, static_cast<float>(q * q));
         float distortion = 0;
         for (std::size_t scan = 0; scan < 64; ++scan) {
             const std::size_t place = place_of_scan[scan];

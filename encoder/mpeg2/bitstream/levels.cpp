@@ -21,7 +21,7 @@ constexpr std::int64_t rate_unit = 400, buffer_unit = 16'384;  // of bit_rate an
 /// Share of the buffer that is full where a chunk begins. More lets its first picture have more bits, and lets the last
 /// pictures of the chunk before have fewer.
 /// chosen: 0.8; tried 0.6..0.9.
-constexpr double border_share = 0.8;
+constexpr double chunk_fullness_share = 0.8;
 
 /// Pictures of a GOP. MPEG-2 has no limit; what an endless chunk may cost is looked ahead for a GOP.
 /// chosen: more than an hour at 25 Hz.
@@ -145,7 +145,7 @@ Channel channel_for(const Settings& settings, const Level& level) {
     if (channel.constant)
         channel.usable_bits =
             std::max<std::int64_t>(0, std::min(channel.buffer_bits - channel.bit_rate / 90'000 - 16, expressible));
-    channel.border_bits = static_cast<std::int64_t>(border_share * static_cast<double>(channel.usable_bits));
+    channel.chunk_fullness = static_cast<std::int64_t>(chunk_fullness_share * static_cast<double>(channel.usable_bits));
     return channel;
 }
 

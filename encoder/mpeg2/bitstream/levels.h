@@ -34,12 +34,12 @@ int macroblock_rows(const Settings& settings);
 
 /// How a stream's bits come to a decoder: what its headers declare.
 struct Channel {
-    bool constant;              ///< the rate; else it is the highest one
-    std::int64_t bit_rate;      ///< bits per second, a multiple of 400 as the header counts
-    std::int64_t buffer_bits;   ///< a multiple of 16384 likewise
-    std::int64_t usable_bits;   ///< what is ever used of it: with a constant rate what vbv_delay can express
-    std::int64_t border_bits;   ///< fullness before the first picture of a chunk is taken out
-    std::int64_t average_rate;  ///< wanted; the highest where none is
+    bool constant;                ///< the rate; else it is the highest one
+    std::int64_t bit_rate;        ///< bits per second, a multiple of 400 as the header counts
+    std::int64_t buffer_bits;     ///< a multiple of 16384 likewise
+    std::int64_t usable_bits;     ///< what is ever used of it: with a constant rate what vbv_delay can express
+    std::int64_t chunk_fullness;  ///< fullness before the first picture of a chunk is taken out
+    std::int64_t average_rate;    ///< wanted; the highest where none is
 };
 
 /// The wanted rates and buffer, rounded down to what headers can say, or the level's.

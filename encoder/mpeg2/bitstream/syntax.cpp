@@ -141,7 +141,7 @@ void set_vbv_delay(std::span<std::uint8_t> picture, int delay) {
     picture[at + 2] = static_cast<std::uint8_t>((picture[at + 2] & 0x07) | (value & 31) << 3);
 }
 
-void stuff(std::vector<std::uint8_t>& picture, std::size_t count) {
+void add_stuffing(std::vector<std::uint8_t>& picture, std::size_t count) {
     for (std::size_t at = 4; at + 3 < picture.size(); ++at)
         if (picture[at] == 0 && picture[at + 1] == 0 && picture[at + 2] == 1 && picture[at + 3] == first_slice_start) {
             picture.insert(picture.begin() + static_cast<std::ptrdiff_t>(at), count, std::uint8_t{0});

@@ -41,7 +41,7 @@ void set_vbv_delay(std::span<std::uint8_t> picture, int delay);
 
 /// Adds `count` zero bytes before the first slice of such a picture. Zeros may stand before every start code
 /// [H262, 5.2.3]; behind a slice strict decoders take them for bits that are left over.
-void stuff(std::vector<std::uint8_t>& picture, std::size_t count);
+void add_stuffing(std::vector<std::uint8_t>& picture, std::size_t count);
 
 /// Start of the slice of macroblock row `row` in a picture of `lines` lines.
 void write_slice_header(BitWriter& out, int lines, int row, int quantiser);

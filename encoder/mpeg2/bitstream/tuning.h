@@ -11,21 +11,21 @@ namespace render2mpeg::encoder::mpeg2 {
 /// chosen: 1.5 of 1.25 to 1.75.
 inline constexpr double quantiser_ratio_bidirectional = 1.5;
 
-/// How far vectors of a macroblock hold: unevenness (encoder/unevenness.h) times the distance of P pictures, in pixels.
-/// chosen: 1.8, which takes the best of distances 2 to 4 for each clip.
-inline constexpr double uneven_reach = 1.8;
+/// How far vectors of a macroblock hold: the motion's non-uniformity (encoder/motion_nonuniformity.h) times the
+/// distance of P pictures, in pixels. chosen: 1.8, which takes the best of distances 2 to 4 for each clip.
+inline constexpr double nonuniform_reach = 1.8;
 
-/// Exponent of the quantisers of I and P pictures: (1 + n)^-inheritance_strength where n pictures depend on one.
+/// Exponent of the quantisers of I and P pictures: (1 + n)^-propagation_strength where n pictures depend on one.
 /// chosen: 0.08 of 0 to 0.1.
-inline constexpr double inheritance_strength = 0.08;
+inline constexpr double propagation_strength = 0.08;
 
 /// More pictures than these that depend on one make it no finer.
 /// chosen: 24; without a limit GOPs of 60 begin with quantiser 1 where 2 was asked for.
 inline constexpr std::int64_t most_followers = 24;
 
-/// Exponent of the quantiser of what later pictures copy unchanged (dependency.h).
+/// Exponent of the quantiser of what later pictures copy unchanged (macroblock_tree.h).
 /// chosen: 0.26 of 0 to 0.5.
-inline constexpr float dependency_strength = 0.26f;
+inline constexpr float static_propagation_strength = 0.26f;
 
 /// Lagrangian of modes and levels in predicted pictures: squared code values per bit = lambda_predicted * q^2.
 /// chosen: 0.85 of 0.6 to 0.9. (High-rate theory gives 0.46.)
@@ -43,7 +43,7 @@ inline constexpr float lambda_bidirectional = 0.85f;
 /// chosen: 2.6 of 1 to 4.
 inline constexpr float lambda_motion = 2.6f;
 
-/// Vectors whose cost is within this factor of the best, at most VectorChoice::most, are tried in full.
+/// Vectors whose cost is within this factor of the best, at most BestVectors::most, are tried in full.
 /// chosen: 1.1 of 1.05 to 1.2, with at most three vectors.
 inline constexpr float shortlist_reach = 1.1f;
 

@@ -44,8 +44,7 @@ int component_bits(int difference, int f_code) {
     return motion_codes[static_cast<std::size_t>(c.magnitude)].length + 1 + (f_code - 1);
 }
 
-ComponentPrices::ComponentPrices(int f_code)
-    : reach_(32 << (f_code - 1)), beyond_(motion_codes[16].length + 1 + f_code) {
+ComponentBits::ComponentBits(int f_code) : reach_(32 << (f_code - 1)), beyond_(motion_codes[16].length + 1 + f_code) {
     bits_.reserve(static_cast<std::size_t>(2 * reach_));
     for (int d = -reach_; d < reach_; ++d) bits_.push_back(static_cast<std::uint8_t>(component_bits(d, f_code)));
 }

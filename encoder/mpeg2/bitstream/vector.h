@@ -19,11 +19,11 @@ struct Vector {
 /// How a macroblock is predicted: direction 0 is forward (from an earlier picture), 1 backward (from a later one);
 /// both: the mean of the two. Neither: not predicted. A direction that is not used still has a vector where it stands
 /// for what the stream predicts the next one from.
-struct Movement {
+struct PredictionMode {
     Vector vector[2];
     bool uses[2] = {true, false};
 
-    bool operator==(const Movement&) const = default;
+    bool operator==(const PredictionMode&) const = default;
 };
 
 /// Vectors that a macroblock may use; both ends belong to it. It always holds the zero vector.
@@ -54,9 +54,9 @@ int component_bits(int difference, int f_code);
 inline constexpr int f_code_margin = 4;
 
 /// The same from a table, for differences up to twice that range; beyond costs more than all within.
-class ComponentPrices {
+class ComponentBits {
   public:
-    explicit ComponentPrices(int f_code);
+    explicit ComponentBits(int f_code);
     int operator()(int difference) const {
         const int i = difference + reach_;
         return i >= 0 && i < 2 * reach_ ? bits_[static_cast<std::size_t>(i)] : beyond_;

@@ -26,7 +26,7 @@ struct Quantised {
 };
 
 /// Lengths of coefficient codes, sign included, escapes resolved.
-struct LevelPrices {
+struct CodeLengths {
     const std::uint8_t* length;         ///< [run * 64 + magnitude], 63 standing for all magnitudes above
     const std::uint8_t* first;          ///< [magnitude] of a non-intra block's coefficient without any before
     const std::uint8_t* place_of_scan;  ///< coefficient at each place of the scan
@@ -79,8 +79,8 @@ struct Kernels {
     Quantised (*weigh)(const float* coefficients, const std::int16_t* dequantised, const float* weights);
 
     /// block_coding.h
-    int (*economise)(QuantisedBlock& block, const QuantTable& table, const LevelPrices& prices, bool intra,
-                     float lambda);
+    int (*greedy_rdoq)(QuantisedBlock& block, const QuantTable& table, const CodeLengths& code_lengths, bool intra,
+                       float lambda);
 
     /// The inverse DCT of libavcodec's `simple` decoder, clipped into `out`, or added to what is there.
     void (*inverse_dct_put)(const std::int16_t* coefficients, std::uint8_t* out, std::ptrdiff_t stride);

@@ -98,14 +98,15 @@ R2M_INLINE int tabled(int magnitude) {
     return magnitude < 63 ? magnitude : 63;
 }
 
-int economise(QuantisedBlock& block, const QuantTable& table, const LevelPrices& prices, bool intra, float lambda) {
-    if (block.scan_mask == 0) return prices.end_of_block;
+int greedy_rdoq(QuantisedBlock& block, const QuantTable& table, const CodeLengths& code_lengths, bool intra,
+                float lambda) {
+    if (block.scan_mask == 0) return code_lengths.end_of_block;
     const int start = intra ? 0 : -1;  // past DC in intra blocks: a run counts from the coefficient before
     const auto row = [&](int before, int scan) {
-        return !intra && scan == 0 ? prices.first : prices.length + (scan - before - 1) * 64;
+        return !intra && scan == 0 ? code_lengths.first : code_lengths.length + (scan - before - 1) * 64;
     };
     int after = -1, after_magnitude = 0;  // the next coefficient still there
-    int bits = prices.end_of_block;
+    int bits = code_lengths.end_of_block;
     std::uint64_t kept = block.scan_mask;
     float lost = 0.0f;
 
@@ -116,7 +117,7 @@ int economise(QuantisedBlock& block, const QuantTable& table, const LevelPrices&
         left &= left - 1;
         more = left != 0;
         const int before = more ? 63 - __builtin_ctzll(left) : start;
-        const Fall fall = fall_of(block, table, prices.place_of_scan[scan]);
+        const Fall fall = fall_of(block, table, code_lengths.place_of_scan[scan]);
 
         // Price the level and the one below.
         const std::uint8_t* own = row(before, scan);

@@ -23,7 +23,7 @@ class CoefficientLengths {
 
     int bits(int run, int magnitude) const { return magnitude < levels ? length_[run][magnitude] : escape_bits; }
     int end_of_block() const { return end_of_block_; }
-    const LevelPrices& prices() const { return prices_; }
+    const CodeLengths& code_lengths() const { return code_lengths_; }
 
     static const CoefficientLengths& zero();  ///< table B-14
     static const CoefficientLengths& one();   ///< table B-15
@@ -33,7 +33,7 @@ class CoefficientLengths {
     std::uint8_t length_[64][levels];  ///< [run][magnitude 1..]
     std::uint8_t first_[levels];       ///< likewise, of a non-intra block's first coefficient without a run
     int end_of_block_;
-    LevelPrices prices_;
+    CodeLengths code_lengths_;
 };
 
 /// Weights of the squares of coefficients' errors, in the encoder's order.
@@ -61,7 +61,7 @@ void quantise_intra(Block& block, const QuantTable& table, int dc_bits);
 
 /// Lowers levels by one where the bits saved are worth the distortion: J = distortion + lambda * bits, by real code
 /// lengths. Gives what coefficient_bits() then would.
-int economise(Block& block, const QuantTable& table, const CoefficientLengths& lengths, bool intra, float lambda);
+int greedy_rdoq(Block& block, const QuantTable& table, const CoefficientLengths& lengths, bool intra, float lambda);
 
 /// Bits of the coefficients and the end of the block; of the AC coefficients only for an intra block.
 int coefficient_bits(const Block& block, const CoefficientLengths& lengths, bool intra);

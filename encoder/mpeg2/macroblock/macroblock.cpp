@@ -39,10 +39,10 @@ float lambda_of(const PictureCoding& picture, int quantiser) {
 }
 
 /// Lowers the levels of a quantised block where that is worth it; gives its coefficients' bits with table B-14.
-int lower_levels(const PictureCoding& picture, Block& block, const QuantTable& table, bool intra, float lambda) {
+int rdoq(const PictureCoding& picture, Block& block, const QuantTable& table, bool intra, float lambda) {
     const CoefficientLengths& lengths = CoefficientLengths::zero();
-    if (picture.effort == Effort::fast) return economise(block, table, lengths, intra, lambda);
-    optimise(block, table, lengths, intra, lambda);
+    if (picture.effort == Effort::fast) return greedy_rdoq(block, table, lengths, intra, lambda);
+    trellis_rdoq(block, table, lengths, intra, lambda);
     return coefficient_bits(block, lengths, intra);
 }
 
@@ -61,7 +61,7 @@ float weighted_difference(const std::uint8_t* source, std::ptrdiff_t stride, con
 
 /// Codes block i of the difference from the prediction. Leaves scan_mask 0 where nothing is worth coding.
 void code_difference(const PictureCoding& picture, int column, int row, int i, const QuantTable& table, float lambda,
-                     Attempt& out) {
+                     ModeTrial& out) {
     const Kernels& k = kernels();
     const Place& p = places[i];
     Block& block = out.block[i];
@@ -84,16 +84,16 @@ void code_difference(const PictureCoding& picture, int column, int row, int i, c
     k.forward_dct_of_difference(block.coefficients, source, stride, predicted, prediction_stride(p));
     quantise_non_intra(block, table);
     if (block.scan_mask == 0) return;
-    block.bits = lower_levels(picture, block, table, false, lambda);
+    block.bits = rdoq(picture, block, table, false, lambda);
     if (block.energy <= block.distortion + lambda * static_cast<float>(block.bits)) block.scan_mask = 0;
 }
 
-/// What an inter attempt comes to whose blocks are settled.
-Totals total_inter(const PictureCoding& picture, const SliceState& state, const Attempt& attempt) {
-    Totals t;
+/// What an inter trial comes to whose blocks are settled.
+RdCost rd_cost_inter(const PictureCoding& picture, const SliceState& state, const ModeTrial& trial) {
+    RdCost t;
     int coefficients = 0;
     for (int i = 0; i < 6; ++i) {
-        const Block& block = attempt.block[i];
+        const Block& block = trial.block[i];
         const bool coded = block.scan_mask != 0;
         t.distortion += coded ? block.distortion : block.energy;
         if (!coded) continue;
@@ -102,25 +102,25 @@ Totals total_inter(const PictureCoding& picture, const SliceState& state, const 
     }
     // A zero vector goes without saying where there are coefficients in a P picture.
     const bool coded = t.pattern != 0;
-    const bool unsaid = picture.type == PictureType::predicted && coded && attempt.movement.vector[0].is_zero();
-    t.type = {false, attempt.movement.uses[0] && !unsaid, coded, coded && attempt.quantiser != state.quantiser,
-              attempt.movement.uses[1]};
+    const bool implicit_zero = picture.type == PictureType::predicted && coded && trial.mode.vector[0].is_zero();
+    t.type = {false, trial.mode.uses[0] && !implicit_zero, coded, coded && trial.quantiser != state.quantiser,
+              trial.mode.uses[1]};
     t.bits = macroblock_type_code(picture.type, t.type).length + coefficients;
     if (t.type.quant) t.bits += quantiser_bits;
     if (coded) t.bits += pattern_codes[static_cast<std::size_t>(t.pattern)].length;
-    if (!unsaid) t.bits += vector_bits(picture, state, attempt.movement);
+    if (!implicit_zero) t.bits += vector_bits(picture, state, trial.mode);
     t.bits_with_one = t.bits;
     return t;
 }
 
-Totals total_intra(const PictureCoding& picture, const SliceState& state, const Attempt& attempt) {
-    Totals t;
-    t.type = {true, false, false, attempt.quantiser != state.quantiser};
+RdCost rd_cost_intra(const PictureCoding& picture, const SliceState& state, const ModeTrial& trial) {
+    RdCost t;
+    t.type = {true, false, false, trial.quantiser != state.quantiser};
     t.pattern = 63;
     int common = macroblock_type_code(picture.type, t.type).length + (t.type.quant ? quantiser_bits : 0);
     int dc[3] = {state.dc[0], state.dc[1], state.dc[2]};
     for (int i = 0; i < 6; ++i) {
-        const Block& block = attempt.block[i];
+        const Block& block = trial.block[i];
         const int plane = places[i].plane;
         t.distortion += block.distortion;
         common += dc_bits(block.dc - dc[plane], plane == 0);
@@ -135,35 +135,35 @@ Totals total_intra(const PictureCoding& picture, const SliceState& state, const 
 
 }  // namespace
 
-void attempt_inter(const PictureCoding& picture, int column, int row, const Movement& movement, int quantiser,
-                   const SliceState& state, Attempt& out, bool luma_is_predicted) {
+void try_inter(const PictureCoding& picture, int column, int row, const PredictionMode& mode, int quantiser,
+               const SliceState& state, ModeTrial& out, bool luma_is_predicted) {
     const QuantTable& table = picture.quantisers->of(quantiser).non_intra;
     const float lambda = lambda_of(picture, quantiser);
-    out.movement = movement;
+    out.mode = mode;
     out.quantiser = quantiser;
-    if (!luma_is_predicted) predict_luma(picture, column, row, movement, out.prediction);
-    predict_chroma(picture, column, row, movement, out.prediction);
+    if (!luma_is_predicted) predict_luma(picture, column, row, mode, out.prediction);
+    predict_chroma(picture, column, row, mode, out.prediction);
     for (int i = 0; i < 6; ++i) code_difference(picture, column, row, i, table, lambda, out);
-    out.totals = total_inter(picture, state, out);
-    if (out.totals.pattern == 0) return;
+    out.rd = rd_cost_inter(picture, state, out);
+    if (out.rd.pattern == 0) return;
 
     // Try without any coefficient: the pattern's bits are saved too.
     std::uint64_t masks[6];
     for (int i = 0; i < 6; ++i) masks[i] = std::exchange(out.block[i].scan_mask, 0);
-    const Totals empty = total_inter(picture, state, out);
-    if (empty.cost(lambda) <= out.totals.cost(lambda)) {
-        out.totals = empty;
+    const RdCost empty = rd_cost_inter(picture, state, out);
+    if (empty.cost(lambda) <= out.rd.cost(lambda)) {
+        out.rd = empty;
         return;
     }
     for (int i = 0; i < 6; ++i) out.block[i].scan_mask = masks[i];
 }
 
-void attempt_intra(const PictureCoding& picture, int column, int row, int quantiser, const SliceState& state,
-                   Attempt& out) {
+void try_intra(const PictureCoding& picture, int column, int row, int quantiser, const SliceState& state,
+               ModeTrial& out) {
     const Kernels& k = kernels();
     const QuantTable& table = picture.quantisers->of(quantiser).intra;
     const float lambda = lambda_of(picture, quantiser);
-    out.movement = {{}, {false, false}};
+    out.mode = {{}, {false, false}};
     out.quantiser = quantiser;
     for (int i = 0; i < 6; ++i) {
         Block& block = out.block[i];
@@ -171,34 +171,34 @@ void attempt_intra(const PictureCoding& picture, int column, int row, int quanti
                       stride_of(picture.source, places[i].plane));
         block.weights = weights_of(picture, places[i]);
         quantise_intra(block, table, picture.dc_bits);
-        block.bits = lower_levels(picture, block, table, true, lambda);
+        block.bits = rdoq(picture, block, table, true, lambda);
     }
-    out.totals = total_intra(picture, state, out);
+    out.rd = rd_cost_intra(picture, state, out);
 }
 
-void predict_luma(const PictureCoding& picture, int column, int row, const Movement& movement, Prediction& out) {
-    const int first = movement.uses[0] ? 0 : 1;
-    predict_luma(*picture.reference[first], column, row, movement.vector[first], out.y);
-    if (first == 1 || !movement.uses[1]) return;
+void predict_luma(const PictureCoding& picture, int column, int row, const PredictionMode& mode, Prediction& out) {
+    const int first = mode.uses[0] ? 0 : 1;
+    predict_luma(*picture.reference[first], column, row, mode.vector[first], out.y);
+    if (first == 1 || !mode.uses[1]) return;
     alignas(32) std::uint8_t later[256];
-    predict_luma(*picture.reference[1], column, row, movement.vector[1], later);
+    predict_luma(*picture.reference[1], column, row, mode.vector[1], later);
     kernels().average(out.y, later, 256);
 }
 
-void predict_chroma(const PictureCoding& picture, int column, int row, const Movement& movement, Prediction& out) {
-    const int first = movement.uses[0] ? 0 : 1;
-    predict_chroma(*picture.reference[first], column, row, movement.vector[first], out);
-    if (first == 1 || !movement.uses[1]) return;
+void predict_chroma(const PictureCoding& picture, int column, int row, const PredictionMode& mode, Prediction& out) {
+    const int first = mode.uses[0] ? 0 : 1;
+    predict_chroma(*picture.reference[first], column, row, mode.vector[first], out);
+    if (first == 1 || !mode.uses[1]) return;
     Prediction later;
-    predict_chroma(*picture.reference[1], column, row, movement.vector[1], later);
+    predict_chroma(*picture.reference[1], column, row, mode.vector[1], later);
     kernels().average(out.cb, later.cb, 64);
     kernels().average(out.cr, later.cr, 64);
 }
 
-const Movement* skipped_movement(const PictureCoding& picture, int column, int row, const SliceState& state) {
-    static constexpr Movement zero{};
+const PredictionMode* skip_mode(const PictureCoding& picture, int column, int row, const SliceState& state) {
+    static constexpr PredictionMode zero{};
     if (picture.type == PictureType::predicted) return &zero;
-    const Movement& before = state.movement;
+    const PredictionMode& before = state.mode;
     if (picture.type == PictureType::intra || (!before.uses[0] && !before.uses[1])) return nullptr;
     for (int d = 0; d < 2; ++d) {
         const VectorRange range = vector_range(column, row, picture.source.columns(), picture.source.rows(),
@@ -208,11 +208,11 @@ const Movement* skipped_movement(const PictureCoding& picture, int column, int r
     return &before;
 }
 
-int vector_bits(const PictureCoding& picture, const SliceState& state, const Movement& movement) {
+int vector_bits(const PictureCoding& picture, const SliceState& state, const PredictionMode& mode) {
     int bits = 0;
     for (int d = 0; d < 2; ++d) {
-        if (!movement.uses[d]) continue;
-        const Vector v = movement.vector[d], before = state.movement.vector[d];
+        if (!mode.uses[d]) continue;
+        const Vector v = mode.vector[d], before = state.mode.vector[d];
         bits +=
             component_bits(v.x - before.x, picture.f_code[d][0]) + component_bits(v.y - before.y, picture.f_code[d][1]);
     }
@@ -239,35 +239,34 @@ float chroma_distortion(const PictureCoding& picture, int column, int row, const
     return static_cast<float>(sum);
 }
 
-void truncate_to(Attempt& attempt, const PictureCoding& picture, const SliceState& state, int limit) {
-    for (int keep = 63; keep >= 0 && std::max(attempt.totals.bits, attempt.totals.bits_with_one) > limit; --keep) {
-        for (Block& block : attempt.block) {
+void truncate_to(ModeTrial& trial, const PictureCoding& picture, const SliceState& state, int limit) {
+    for (int keep = 63; keep >= 0 && std::max(trial.rd.bits, trial.rd.bits_with_one) > limit; --keep) {
+        for (Block& block : trial.block) {
             if ((block.scan_mask >> keep & 1) == 0) continue;
             const std::size_t place = place_of_scan[static_cast<std::size_t>(keep)];
             const float error = block.coefficients[place] - static_cast<float>(block.dequantised[place]);
             block.distortion += loss_of(block, place, block.coefficients[place]) - loss_of(block, place, error);
             block.levels[place] = block.dequantised[place] = 0;
             block.scan_mask ^= std::uint64_t{1} << keep;
-            block.bits = coefficient_bits(block, CoefficientLengths::zero(), attempt.totals.type.intra);
+            block.bits = coefficient_bits(block, CoefficientLengths::zero(), trial.rd.type.intra);
         }
-        attempt.totals =
-            attempt.totals.type.intra ? total_intra(picture, state, attempt) : total_inter(picture, state, attempt);
+        trial.rd = trial.rd.type.intra ? rd_cost_intra(picture, state, trial) : rd_cost_inter(picture, state, trial);
     }
 }
 
-void reconstruct(const PictureCoding& picture, int column, int row, Attempt& attempt) {
+void reconstruct(const PictureCoding& picture, int column, int row, ModeTrial& trial) {
     const Kernels& k = kernels();
     for (int i = 0; i < 6; ++i) {
         const Place& p = places[i];
-        Block& block = attempt.block[i];
+        Block& block = trial.block[i];
         std::uint8_t* out = samples_at(picture.reconstruction, column, row, p);
         const std::ptrdiff_t stride = stride_of(picture.reconstruction, p.plane);
-        if (attempt.totals.type.intra) {
+        if (trial.rd.type.intra) {
             control_mismatch(block.dequantised);
             k.inverse_dct_put(block.dequantised, out, stride);
             continue;
         }
-        const std::uint8_t* predicted = predicted_at(attempt.prediction, p);
+        const std::uint8_t* predicted = predicted_at(trial.prediction, p);
         for (int y = 0; y < 8; ++y) std::memcpy(out + y * stride, predicted + y * prediction_stride(p), 8);
         if (block.scan_mask == 0) continue;
         control_mismatch(block.dequantised);
@@ -292,14 +291,14 @@ void advance(SliceState& state, const MacroblockCode& code) {
         state.dc[0] = code.dc[3];
         state.dc[1] = code.dc[4];
         state.dc[2] = code.dc[5];
-        state.movement = {{}, {false, false}};
+        state.mode = {{}, {false, false}};
         return;
     }
     // A vector that is not sent stays as prediction; one that is zero without saying (P pictures) resets it.
     state.reset_dc();
     for (int d = 0; d < 2; ++d) {
-        state.movement.uses[d] = code.movement.uses[d];
-        if (code.movement.uses[d]) state.movement.vector[d] = code.movement.vector[d];
+        state.mode.uses[d] = code.mode.uses[d];
+        if (code.mode.uses[d]) state.mode.vector[d] = code.mode.vector[d];
     }
 }
 

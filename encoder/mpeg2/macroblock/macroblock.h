@@ -8,8 +8,8 @@
 #include "encoder/mpeg2/kernels/frame.h"
 #include "encoder/mpeg2/kernels/quantiser.h"
 #include "encoder/mpeg2/macroblock/block_coding.h"
-#include "encoder/mpeg2/motion/motion.h"
-#include "encoder/mpeg2/motion/quick_motion.h"
+#include "encoder/mpeg2/motion/fast_motion_search.h"
+#include "encoder/mpeg2/motion/motion_estimation.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 
@@ -18,7 +18,7 @@ struct SliceState {
     int dc_reset = 128;  ///< half of what the picture's intra DC precision can say
     int dc[3] = {dc_reset, dc_reset, dc_reset};
     /// Of the macroblock before; its vectors are what the next ones are predicted from. [H262, 7.6.3]
-    Movement movement{{}, {false, false}};
+    PredictionMode mode{{}, {false, false}};
     int quantiser = 1;  ///< in force
     int skipped = 0;    ///< macroblocks since the last coded one
 
@@ -43,7 +43,7 @@ struct PictureCoding {
     const Weights* weights = nullptr;                      ///< of errors of luma; null: all 1
     const core::Plane<std::uint8_t>* intra_due = nullptr;  ///< 1: intra or skipped; null: none
     const core::Plane<Force>* forced = nullptr;            ///< null: nothing
-    const QuickMotion* quick = nullptr;                    ///< null: vectors are chosen beforehand
+    const FastMotionSearch* fast_search = nullptr;         ///< null: vectors are chosen beforehand
 };
 
 /// How one macroblock is coded, ready to be written.
@@ -52,14 +52,14 @@ struct MacroblockCode {
     bool skipped = false;
     std::uint8_t pattern = 0;    ///< coded_block_pattern; 63 for intra
     std::uint8_t quantiser = 1;  ///< in force
-    Movement movement;           ///< of a macroblock that is not intra
+    PredictionMode mode;         ///< of a macroblock that is not intra
     std::uint16_t dc[6] = {};    ///< intra: quantised DCs
     std::uint8_t runs[6] = {};   ///< coefficients per block in the row's list
     std::uint32_t bits = 0;      ///< once written; what macroblocks skipped before it cost is on its bill
 };
 
-/// What an attempt comes to.
-struct Totals {
+/// What a trial comes to.
+struct RdCost {
     MacroblockType type;
     int pattern = 0;        ///< coded_block_pattern; 63 for intra
     float distortion = 0;   ///< squared error of luma, weighted, and chroma
@@ -70,45 +70,45 @@ struct Totals {
 };
 
 /// A macroblock tried in one way: everything needed to compare and to keep it.
-struct Attempt {
+struct ModeTrial {
     Block block[6];  ///< Y upper left, upper right, lower left, lower right, Cb, Cr
     Prediction prediction;
-    Movement movement;
+    PredictionMode mode;
     int quantiser = 1;
-    Totals totals;
+    RdCost rd;
 };
 
-/// Tries the macroblock predicted by `movement`; blocks not worth their bits are dropped. `out` may hold the prediction
+/// Tries the macroblock predicted by `mode`; blocks not worth their bits are dropped. `out` may hold the prediction
 /// of luma already.
-void attempt_inter(const PictureCoding& picture, int column, int row, const Movement& movement, int quantiser,
-                   const SliceState& state, Attempt& out, bool luma_is_predicted = false);
+void try_inter(const PictureCoding& picture, int column, int row, const PredictionMode& mode, int quantiser,
+               const SliceState& state, ModeTrial& out, bool luma_is_predicted = false);
 
 /// Tries it intra.
-void attempt_intra(const PictureCoding& picture, int column, int row, int quantiser, const SliceState& state,
-                   Attempt& out);
+void try_intra(const PictureCoding& picture, int column, int row, int quantiser, const SliceState& state,
+               ModeTrial& out);
 
-/// Prediction of a macroblock by a movement that uses at least one direction. The mean of two rounds up.
+/// Prediction of a macroblock by a mode that uses at least one direction. The mean of two rounds up.
 /// [H262, 7.6.7.1]
-void predict_luma(const PictureCoding& picture, int column, int row, const Movement& movement, Prediction& out);
-void predict_chroma(const PictureCoding& picture, int column, int row, const Movement& movement, Prediction& out);
+void predict_luma(const PictureCoding& picture, int column, int row, const PredictionMode& mode, Prediction& out);
+void predict_chroma(const PictureCoding& picture, int column, int row, const PredictionMode& mode, Prediction& out);
 
 /// How a macroblock is predicted that is skipped here: by zero in a P picture, like the one before in a B picture.
 /// [H262, 7.6.6] Null where it must not be skipped: after an intra macroblock, or where the vectors would lead out of
 /// the picture. Holds until the state changes.
-const Movement* skipped_movement(const PictureCoding& picture, int column, int row, const SliceState& state);
+const PredictionMode* skip_mode(const PictureCoding& picture, int column, int row, const SliceState& state);
 
-/// Bits of the vectors that a movement uses.
-int vector_bits(const PictureCoding& picture, const SliceState& state, const Movement& movement);
+/// Bits of the vectors that a mode uses.
+int vector_bits(const PictureCoding& picture, const SliceState& state, const PredictionMode& mode);
 
 /// Squared error of the macroblock as its prediction, weighted like any other.
 float luma_distortion(const PictureCoding& picture, int column, int row, const Prediction& prediction);
 float chroma_distortion(const PictureCoding& picture, int column, int row, const Prediction& prediction);
 
 /// Makes blocks empty from the high frequencies down until the macroblock has at most `limit` bits.
-void truncate_to(Attempt& attempt, const PictureCoding& picture, const SliceState& state, int limit);
+void truncate_to(ModeTrial& trial, const PictureCoding& picture, const SliceState& state, int limit);
 
 /// Writes the decoded macroblock into the picture's reconstruction.
-void reconstruct(const PictureCoding& picture, int column, int row, Attempt& attempt);
+void reconstruct(const PictureCoding& picture, int column, int row, ModeTrial& trial);
 void reconstruct_skipped(const PictureCoding& picture, int column, int row, const Prediction& prediction);
 
 /// The state after a macroblock that was coded so.

@@ -14,14 +14,14 @@ struct RowCode {
     int quantiser = 1;                ///< of the slice's header
     std::vector<RunLevel> runs;       ///< of all blocks, in their order
     std::int64_t table_one_gain = 0;  ///< bits saved by coding intra blocks with table B-15
-    std::uint64_t evaluations = 0;    ///< 16x16 differences computed to choose movements, skipping and intra
+    std::uint64_t evaluations = 0;    ///< 16x16 differences computed to choose modes, skipping and intra
 };
 
 /// Decides every macroblock of a row by distortion + lambda * bits, and reconstructs it. `vectors` has one per
 /// macroblock of the row for each direction; not read for a direction that the picture has no reference in.
 /// `quantisers` has the quantiser_scale_code of every macroblock.
 RowCode decide_row(const PictureCoding& picture, int row, const std::uint8_t* quantisers,
-                   const VectorChoice* const (&vectors)[2]);
+                   const BestVectors* const (&vectors)[2]);
 
 /// What the writer needs beyond a row's code.
 struct RowSyntax {

@@ -79,7 +79,7 @@ class Trellis {
 
 }  // namespace
 
-void optimise(Block& block, const QuantTable& table, const CoefficientLengths& lengths, bool intra, float lambda) {
+void trellis_rdoq(Block& block, const QuantTable& table, const CoefficientLengths& lengths, bool intra, float lambda) {
     Trellis trellis(block, table, lengths, intra, lambda);
     for (std::uint64_t left = block.scan_mask; left != 0; left &= left - 1) trellis.extend(std::countr_zero(left));
 

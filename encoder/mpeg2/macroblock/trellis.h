@@ -5,7 +5,7 @@
 namespace render2mpeg::encoder::mpeg2 {
 
 /// Makes each level what quantisation made it, one less, or 0, so that distortion + lambda * bits of the whole block,
-/// with real code lengths, is the least there is. Dearer and better than `economise`.
-void optimise(Block& block, const QuantTable& table, const CoefficientLengths& lengths, bool intra, float lambda);
+/// with real code lengths, is the least there is. Dearer and better than `greedy_rdoq`.
+void trellis_rdoq(Block& block, const QuantTable& table, const CoefficientLengths& lengths, bool intra, float lambda);
 
 }  // namespace render2mpeg::encoder::mpeg2

@@ -8,12 +8,12 @@
 
 namespace render2mpeg::encoder::mpeg2 {
 
-std::int64_t next_reference_after(std::int64_t rest, int most_b, std::optional<double> unevenness) {
+std::int64_t next_reference_after(std::int64_t rest, int most_b, std::optional<double> motion_nonuniformity) {
     EXPECTS(rest >= 1 && most_b >= 0);
     // Refer no further than vectors hold, but spare no B picture altogether: half of a distance of two is one.
     std::int64_t furthest = most_b + 1;
-    if (unevenness && *unevenness * static_cast<double>(furthest) > uneven_reach)
-        furthest = std::clamp<std::int64_t>(static_cast<std::int64_t>(uneven_reach / *unevenness),
+    if (motion_nonuniformity && *motion_nonuniformity * static_cast<double>(furthest) > nonuniform_reach)
+        furthest = std::clamp<std::int64_t>(static_cast<std::int64_t>(nonuniform_reach / *motion_nonuniformity),
                                             std::min<std::int64_t>(2, furthest), furthest);
     const std::int64_t runs = (rest + furthest - 1) / furthest;
     return (rest + runs - 1) / runs;

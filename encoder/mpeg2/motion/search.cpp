@@ -23,7 +23,7 @@ std::uint32_t difference(const Frame& picture, const Frame& reference, int colum
 
 SearchResult search(const Frame& picture, const Frame& reference, int column, int row, const VectorRange& allowed,
                     Vector centre, float cost_per_bit, int range) {
-    const ComponentPrices price(f_code_for(-2 * range, 2 * range));
+    const ComponentBits price(f_code_for(-2 * range, 2 * range));
     SearchResult result;
     float costs[SearchResult::most] = {};
     for (int y = -range; y <= range; ++y)

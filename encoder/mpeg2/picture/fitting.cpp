@@ -24,26 +24,26 @@ std::int64_t bits_of(const PictureResult& picture) {
 }
 
 Fitted code_within(const PictureTask& task, const Level& level, std::int64_t most_bits) {
-    PictureTask attempt = task;
+    PictureTask trial = task;
     Fitted fitted;
     std::uint64_t evaluations = 0;
     for (;; ++fitted.tries) {
-        fitted.picture = code_picture(attempt, level);
+        fitted.picture = code_picture(trial, level);
         fitted.picture.evaluations += evaluations;
         evaluations = fitted.picture.evaluations;
-        fitted.quantiser = attempt.quantiser;
+        fitted.quantiser = trial.quantiser;
         const std::int64_t bits = bits_of(fitted.picture);
         if (bits <= most_bits) return fitted;
-        if (attempt.quantiser < 31) {
-            attempt.quantiser = coarser(attempt.quantiser, bits, most_bits, fitted.tries);
+        if (trial.quantiser < 31) {
+            trial.quantiser = coarser(trial.quantiser, bits, most_bits, fitted.tries);
             continue;
         }
-        // Let bits weigh more against distortion: detail, then movement, then all but skipping goes.
+        // Let bits weigh more against distortion: detail, then motion, then all but skipping goes.
         // chosen: by 8, up to 512 times; of noise at 64x64 that leaves 1 / 4 of the bits of quantiser 31.
-        if (attempt.bit_weight > 100) break;
-        attempt.bit_weight *= 8;
-        attempt.quantiser_factors = nullptr;
-        attempt.forced = nullptr;
+        if (trial.bit_weight > 100) break;
+        trial.bit_weight *= 8;
+        trial.quantiser_factors = nullptr;
+        trial.forced = nullptr;
     }
     fitted.picture = minimal_picture(task);
     fitted.picture.evaluations = evaluations;

@@ -8,7 +8,7 @@
 #include "encoder/mpeg2/bitstream/syntax.h"
 #include "encoder/mpeg2/bitstream/tuning.h"
 #include "encoder/mpeg2/macroblock/row_coding.h"
-#include "encoder/mpeg2/motion/motion.h"
+#include "encoder/mpeg2/motion/motion_estimation.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::encoder::mpeg2 {
@@ -34,7 +34,7 @@ float lambda_factor(PictureType type) {
 }
 
 /// Vectors of each direction to decide among; empty where the picture has no reference.
-using Vectors = std::array<core::Plane<VectorChoice>, 2>;
+using Vectors = std::array<core::Plane<BestVectors>, 2>;
 
 std::optional<MotionSources> sources_of(const PictureTask& task, const Level& level, std::size_t d) {
     if (!task.reference[d]) return std::nullopt;
@@ -57,7 +57,7 @@ Vectors choose(const PictureTask& task, const Level& level, std::uint64_t& evalu
     for (std::size_t d = 0; d < 2; ++d) {
         const std::optional<MotionSources> sources = sources_of(task, level, d);
         if (!sources) continue;
-        MotionChoice choice = choose_vectors(*sources);
+        MotionEstimate choice = estimate_motion(*sources);
         vectors[d] = std::move(choice.vectors);
         evaluations += choice.evaluations;
     }
@@ -79,7 +79,7 @@ core::Plane<std::uint8_t> quantisers_of(const PictureTask& task) {
 }
 
 /// Decides all rows; the rows' own state starts anew in each, so that they can be taken in any order.
-std::vector<RowCode> decide(const PictureTask& task, const Vectors& vectors, const QuickMotion* quick,
+std::vector<RowCode> decide(const PictureTask& task, const Vectors& vectors, const FastMotionSearch* fast_search,
                             Frame& reconstruction) {
     PictureCoding picture{task.source,
                           {task.reference[0], task.reference[1]},
@@ -93,14 +93,14 @@ std::vector<RowCode> decide(const PictureTask& task, const Vectors& vectors, con
                           task.weights,
                           task.intra_due,
                           task.forced,
-                          quick};
+                          fast_search};
     for (std::size_t d = 0; d < 2; ++d) {
-        if (quick) {
-            std::copy_n(quick->f_code(static_cast<int>(d)), 2, picture.f_code[d]);
+        if (fast_search) {
+            std::copy_n(fast_search->f_code(static_cast<int>(d)), 2, picture.f_code[d]);
             continue;
         }
         Extent extent;
-        for (const VectorChoice& choice : vectors[d].values())
+        for (const BestVectors& choice : vectors[d].values())
             for (int i = 0; i < choice.count; ++i) extent.include(choice.vector[i]);
         extent.f_codes(picture.f_code[d]);
     }
@@ -108,8 +108,8 @@ std::vector<RowCode> decide(const PictureTask& task, const Vectors& vectors, con
     std::vector<RowCode> rows(static_cast<std::size_t>(task.source.rows()));
     parallel::for_each(rows.size(), [&](std::size_t row) {
         const int r = static_cast<int>(row);
-        const VectorChoice* const choices[2] = {vectors[0].empty() ? nullptr : vectors[0].row(r),
-                                                vectors[1].empty() ? nullptr : vectors[1].row(r)};
+        const BestVectors* const choices[2] = {vectors[0].empty() ? nullptr : vectors[0].row(r),
+                                               vectors[1].empty() ? nullptr : vectors[1].row(r)};
         rows[row] = decide_row(picture, r, quantisers.row(r), choices);
     });
     return rows;
@@ -128,7 +128,7 @@ PictureHeader header_for(const PictureTask& task, const std::vector<RowCode>& ro
         gain += row.table_one_gain;
         for (const MacroblockCode& code : row.macroblocks)
             for (int d = 0; d < 2; ++d)
-                if (code.type.motion(d)) extent[d].include(code.movement.vector[d]);
+                if (code.type.motion(d)) extent[d].include(code.mode.vector[d]);
     }
     header.intra_vlc_format = gain > 0;
     for (int d = 0; d < 2; ++d)
@@ -165,10 +165,10 @@ void record(const std::vector<RowCode>& rows, PictureResult& result) {
             r.intra = code.type.intra;
             r.skipped = code.skipped;
             r.quantiser = code.quantiser;
-            r.forward = !r.intra && code.movement.uses[0];
-            r.backward = !r.intra && code.movement.uses[1];
-            const Vector forward = r.forward ? code.movement.vector[0] : Vector{},
-                         backward = r.backward ? code.movement.vector[1] : Vector{};
+            r.forward = !r.intra && code.mode.uses[0];
+            r.backward = !r.intra && code.mode.uses[1];
+            const Vector forward = r.forward ? code.mode.vector[0] : Vector{},
+                         backward = r.backward ? code.mode.vector[1] : Vector{};
             r.motion_x = forward.x;
             r.motion_y = forward.y;
             r.backward_x = backward.x;
@@ -188,13 +188,13 @@ PictureResult code_picture(const PictureTask& task, const Level& level) {
     if (task.type == PictureType::predicted) result.vectors = core::Plane<Vector>(columns, rows);
     Vectors vectors;
     const std::optional<MotionSources> sources[2] = {sources_of(task, level, 0), sources_of(task, level, 1)};
-    std::optional<QuickMotion> quick;
+    std::optional<FastMotionSearch> fast_search;
     if (task.effort == Effort::fast && task.search_range == 0) {
-        quick.emplace(sources[0] ? &*sources[0] : nullptr, sources[1] ? &*sources[1] : nullptr);
+        fast_search.emplace(sources[0] ? &*sources[0] : nullptr, sources[1] ? &*sources[1] : nullptr);
     } else {
         vectors = choose(task, level, result.evaluations);
     }
-    std::vector<RowCode> decided = decide(task, vectors, quick ? &*quick : nullptr, result.reconstruction);
+    std::vector<RowCode> decided = decide(task, vectors, fast_search ? &*fast_search : nullptr, result.reconstruction);
     for (const RowCode& row : decided) result.evaluations += row.evaluations;
     result.bytes = write(task, header_for(task, decided), decided);
     record(decided, result);

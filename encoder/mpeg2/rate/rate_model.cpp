@@ -35,7 +35,7 @@ double blended(const std::optional<double>& old, double now) {
 
 double quantiser_ratio(PictureType type, std::int64_t followers) {
     if (type == PictureType::bidirectional) return quantiser_ratio_bidirectional;
-    return std::pow(1.0 + static_cast<double>(std::min(followers, most_followers)), -inheritance_strength);
+    return std::pow(1.0 + static_cast<double>(std::min(followers, most_followers)), -propagation_strength);
 }
 
 double ratio_of(const PicturePlan& picture) {
@@ -82,15 +82,15 @@ void RateModel::learn(PictureType type, int quantiser, std::int64_t bits) {
     learned_[i] = surprised(type, quantiser, bits) ? now : blended(learned_[i], now);
 }
 
-double PassModel::bits(PictureType type, const Allotment& allotment, double quantiser) const {
-    const PictureType then = allotment.type.value_or(type);
+double PassModel::bits(PictureType type, const BitAllocation& allocation, double quantiser) const {
+    const PictureType then = allocation.type.value_or(type);
     const double ratio = learned_[index_of(then)][index_of(type)].value_or(excess());
-    return ratio * allotment.bits * std::pow(allotment.quantiser / quantiser, rate_slope(type));
+    return ratio * allocation.bits * std::pow(allocation.quantiser / quantiser, rate_slope(type));
 }
 
-void PassModel::learn(PictureType type, const Allotment& allotment, int quantiser, std::int64_t bits) {
-    const std::size_t then = index_of(allotment.type.value_or(type));
-    const double expected = allotment.bits * std::pow(allotment.quantiser / quantiser, rate_slope(type));
+void PassModel::learn(PictureType type, const BitAllocation& allocation, int quantiser, std::int64_t bits) {
+    const std::size_t then = index_of(allocation.type.value_or(type));
+    const double expected = allocation.bits * std::pow(allocation.quantiser / quantiser, rate_slope(type));
     const double real = std::max(1.0, static_cast<double>(bits));
     std::optional<double>& learned = learned_[then][index_of(type)];
     learned = blended(learned, real / std::max(1.0, expected));

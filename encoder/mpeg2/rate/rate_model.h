@@ -46,14 +46,14 @@ class RateModel {
 };
 
 /// How far a film's real bits are from what an earlier pass found. Pictures may be of another type now than they were
-/// then: what is allotted to those to come is known by their types then.
+/// then: what is allocated to those to come is known by their types then.
 class PassModel {
   public:
-    /// Bits of a picture that was allotted so much, at another quantiser.
-    double bits(PictureType type, const Allotment& allotment, double quantiser) const;
-    void learn(PictureType type, const Allotment& allotment, int quantiser, std::int64_t bits);
-    /// Real over allotted bits where the allotted quantisers are used: mean over what was coded lately, of what was of
-    /// one type then (of all where there was none of it) and of all.
+    /// Bits of a picture that was allocated so much, at another quantiser.
+    double bits(PictureType type, const BitAllocation& allocation, double quantiser) const;
+    void learn(PictureType type, const BitAllocation& allocation, int quantiser, std::int64_t bits);
+    /// Real over allocated bits where the allocated quantisers are used: mean over what was coded lately, of what was
+    /// of one type then (of all where there was none of it) and of all.
     double excess(PictureType then) const;
     double excess() const;
 

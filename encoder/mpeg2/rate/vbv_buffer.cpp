@@ -16,23 +16,23 @@ VbvBuffer::VbvBuffer(const Settings& settings, const Channel& channel)
     per_bit_ = 2 * hertz.num;
     per_field_ = rate_ * hertz.den;
     capacity_ = fractions(channel.usable_bits);
-    border_ = fractions(channel.border_bits);
-    fullness_ = border(first_number_);
+    chunk_fullness_ = fractions(channel.chunk_fullness);
+    fullness_ = chunk_fullness(first_number_);
 }
 
-std::int64_t VbvBuffer::border(std::int64_t number) const {
-    if (!constant_) return border_;
+std::int64_t VbvBuffer::chunk_fullness(std::int64_t number) const {
+    if (!constant_) return chunk_fullness_;
     // What arrives until then, modulo whole bytes. Each factor is reduced first, so that nothing overflows.
     const std::int64_t index = number - first_number_, byte = fractions(8);
     const std::int64_t fields = fields_before(cadence_, index - 1) - fields_before(cadence_, -1);
-    return border_ + (per_field_ % byte) * (((fields % byte) + byte) % byte) % byte;
+    return chunk_fullness_ + (per_field_ % byte) * (((fields % byte) + byte) % byte) % byte;
 }
 
 void VbvBuffer::start_chunk(std::int64_t number) {
-    fullness_ = border(number);
+    fullness_ = chunk_fullness(number);
 }
 
-std::int64_t VbvBuffer::take(std::int64_t bits, int fields, const std::int64_t* border_of) {
+std::int64_t VbvBuffer::take(std::int64_t bits, int fields, const std::int64_t* next_chunk) {
     const std::int64_t byte = fractions(8);
     std::int64_t next = fullness_ - fractions(bits);
     EXPECTS(next >= 0);
@@ -41,7 +41,7 @@ std::int64_t VbvBuffer::take(std::int64_t bits, int fields, const std::int64_t* 
         fullness_ = std::min(next, capacity_);
         return 0;
     }
-    const std::int64_t wanted = border_of ? border(*border_of) : capacity_;
+    const std::int64_t wanted = next_chunk ? chunk_fullness(*next_chunk) : capacity_;
     const std::int64_t stuffing = std::max<std::int64_t>(0, (next - wanted + byte - 1) / byte);
     fullness_ = next - stuffing * byte;
     EXPECTS(fullness_ >= arrivals(fields));

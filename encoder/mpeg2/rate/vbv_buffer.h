@@ -22,12 +22,12 @@ class VbvBuffer {
     /// arrived at that time is counted in.
     void start_chunk(std::int64_t number);
     /// The fullness, in fractions, that the chunk which begins with `number` expects.
-    std::int64_t border(std::int64_t number) const;
+    std::int64_t chunk_fullness(std::int64_t number) const;
 
     /// Takes a picture of `bits` out and lets `fields` pass. Returns zero bytes that have to be added to the picture:
-    /// so many that the buffer does not run over, or with `border_of` that the chunk that begins with it finds exactly
+    /// so many that the buffer does not run over, or with `next_chunk` that the chunk that begins with it finds exactly
     /// what it expects. The picture must have arrived whole.
-    std::int64_t take(std::int64_t bits, int fields, const std::int64_t* border_of = nullptr);
+    std::int64_t take(std::int64_t bits, int fields, const std::int64_t* next_chunk = nullptr);
 
     std::int64_t fullness() const { return fullness_; }  ///< fractions
     std::int64_t capacity() const { return capacity_; }  ///< fractions
@@ -45,7 +45,7 @@ class VbvBuffer {
     std::int64_t per_bit_;
     std::int64_t per_field_;
     std::int64_t capacity_;
-    std::int64_t border_;
+    std::int64_t chunk_fullness_;
     std::int64_t rate_;
     Cadence cadence_;
     std::int64_t first_number_;

@@ -11,7 +11,7 @@ VbvSchedule::VbvSchedule(const Settings& settings, const Channel& channel, const
     : settings_(settings), constant_(channel.constant), minimal_(minimal), buffer_(settings, channel) {}
 
 VbvSchedule::Horizon VbvSchedule::horizon(const Numbers& starts) const {
-    if (chunk_end_) return {*chunk_end_, hands_over_ ? buffer_.border(*chunk_end_) : 0};
+    if (chunk_end_) return {*chunk_end_, hands_over_ ? buffer_.chunk_fullness(*chunk_end_) : 0};
     // An endless chunk: its next regular GOP must be possible.
     return {*starts.rbegin() + settings_.gop, std::min(buffer_.fractions(minimal_.intra), buffer_.capacity())};
 }
@@ -131,10 +131,10 @@ void check_channel(const Settings& settings, const Level& level) {
         throw core::Error("bit rate " + text(channel.average_rate) + ": even pictures without detail need " +
                           text((needed + unit - 1) / unit * unit) + " at this size, rate and GOP length");
     }
-    if (minimal.intra > channel.border_bits)
+    if (minimal.intra > channel.chunk_fullness)
         throw core::Error("VBV buffer " + text(channel.usable_bits) + " bits: a GOP needs room for " +
                           text(minimal.intra) + " at its start, even without detail, in four fifths of the buffer");
-    if (channel.constant && buffer.fractions(channel.border_bits) < longest + buffer.fractions(16))
+    if (channel.constant && buffer.fractions(channel.chunk_fullness) < longest + buffer.fractions(16))
         throw core::Error("VBV buffer " + text(channel.usable_bits) + " bits: at a constant " + text(channel.bit_rate) +
                           " bits per second " + text(buffer.whole_bits(longest)) +
                           " arrive while a picture is shown; they must fit in four fifths of the buffer");

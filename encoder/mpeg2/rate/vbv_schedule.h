@@ -23,7 +23,7 @@ struct Removal {
 /// The buffer together with what is known of the pictures to come: how many bits the next one may have, so that all
 /// that follow find at least room for a minimal picture, and the next chunk finds the fullness it was promised.
 ///
-/// It serves one course: a chunk of known length, or pictures that follow one another without one.
+/// It serves one session: a chunk of known length, or pictures that follow one another without one.
 ///
 /// Coded and display order hold the same pictures between two GOP starts, and a GOP start has the same place in both;
 /// so everything here is told by display numbers.

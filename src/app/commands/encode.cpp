@@ -27,9 +27,9 @@
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "core/error.h"
-#include "encoder/allotment.h"
+#include "encoder/bit_allocation.h"
 #include "encoder/encoder.h"
-#include "encoder/unevenness.h"
+#include "encoder/motion_nonuniformity.h"
 #include "parallel/loops.h"
 #include "perceptual/motion_sensitivity.h"
 
@@ -41,7 +41,7 @@ struct Job {
     std::unique_ptr<FrameSource> frames;
     std::optional<VectorLayers> motion;  ///< none: not given
     Film film;
-    std::vector<encoder::Allotment> allotments;  ///< one per frame, where there is a first pass
+    std::vector<encoder::BitAllocation> allocations;  ///< one per frame, where there is a first pass
 };
 
 /// What the command line and the frames say of the pictures' shape.
@@ -123,10 +123,11 @@ encoder::PictureFacts facts_of(Job& job, const Chunk& chunk, std::int64_t n) {
     facts.keyframe = job.film.keyframes.begins_at(n);
     facts.left_in_chunk = chunk.last - n;
     facts.last_chunk = chunk.last == job.film.frames.last;
-    if (!job.allotments.empty()) facts.allotment = job.allotments[static_cast<std::size_t>(n - job.film.frames.first)];
+    if (!job.allocations.empty())
+        facts.allocation = job.allocations[static_cast<std::size_t>(n - job.film.frames.first)];
     if (!job.motion || n == chunk.first) return facts;
     const core::MotionField motion = job.motion->between(n, n - 1);
-    facts.unevenness = encoder::unevenness(motion);
+    facts.motion_nonuniformity = encoder::motion_nonuniformity(motion);
     if (job.film.coding.rate_control.mode == encoder::RateMode::constant_quality)
         facts.sensitivity = perceptual::motion_sensitivity(motion, job.film.coding.rate.hertz.value());
     return facts;
@@ -162,20 +163,20 @@ bool encode_chunk(Job& job, const encoder::Settings& settings, const Chunk& chun
 
 /// Codes all frames fast with one quantiser, without a rate or buffer that would make pictures fit, only to learn what
 /// they come to. Empty where it was interrupted.
-std::vector<encoder::PassPicture> code_roughly(Job& job, int quantiser, bool quiet) {
+std::vector<encoder::FirstPassPicture> code_roughly(Job& job, int quantiser, bool quiet) {
     encoder::Settings fast = job.film.coding;
     fast.effort = encoder::Effort::fast;
     fast.rate_control = {};
     fast.quantiser = quantiser;
     Progress progress(job.film.frame_count(), quiet, "first pass");
-    std::vector<encoder::PassPicture> film;
+    std::vector<encoder::FirstPassPicture> film;
     Ledger ledger;
     for (const Chunk& chunk : chunks_of(job.film.frames, fast.gop)) {
         bool starts_chunk = true;
         encode_chunk(job, fast, chunk, ledger,
                      {[](const core::Picture&) {},
                       [&](const encoder::CodedPicture& coded) {
-                          film.push_back(encoder::pass_picture(coded, starts_chunk));
+                          film.push_back(encoder::first_pass_picture(coded, starts_chunk));
                           starts_chunk = false;
                       },
                       [&](double) { progress.advance(); }});
@@ -185,27 +186,27 @@ std::vector<encoder::PassPicture> code_roughly(Job& job, int quantiser, bool qui
 }
 
 /// The geometric mean of what the film's quantisers will be over what they were in the first pass.
-double change_of(std::span<const encoder::Allotment> allotments, std::span<const encoder::PassPicture> film) {
+double change_of(std::span<const encoder::BitAllocation> allocations, std::span<const encoder::FirstPassPicture> film) {
     double logarithms = 0;
-    for (const encoder::Allotment& allotment : allotments) logarithms += std::log(allotment.quantiser);
-    for (const encoder::PassPicture& picture : film) logarithms -= std::log(picture.quantiser);
+    for (const encoder::BitAllocation& allocation : allocations) logarithms += std::log(allocation.quantiser);
+    for (const encoder::FirstPassPicture& picture : film) logarithms -= std::log(picture.quantiser);
     return std::exp(logarithms / static_cast<double>(std::max<std::size_t>(1, film.size())));
 }
 
 /// Shares the film's bits out by what a first pass tells. Where its quantiser turns out far from what the rate asks
 /// for, what it tells is off too, and it is made again with a nearer one.
-std::vector<encoder::Allotment> first_pass(Job& job, bool quiet) {
+std::vector<encoder::BitAllocation> first_pass(Job& job, bool quiet) {
     // chosen: again beyond a factor of 1.5, and no more than twice (1.2..3): noise for which 2 was guessed and 18 is
     // right was 28 % over its rate.
     int quantiser = usual_quantiser(job.film.coding);
     for (int again = 2;; --again) {
-        const std::vector<encoder::PassPicture> film = code_roughly(job, quantiser, quiet);
+        const std::vector<encoder::FirstPassPicture> film = code_roughly(job, quantiser, quiet);
         if (film.empty()) return {};
-        std::vector<encoder::Allotment> allotments = encoder::allot(job.film.coding, film, 1.0);
-        const double change = change_of(allotments, film);
-        if (again == 0 || (change < 1.5 && change > 1 / 1.5)) return allotments;
+        std::vector<encoder::BitAllocation> allocations = encoder::allocate_bits(job.film.coding, film, 1.0);
+        const double change = change_of(allocations, film);
+        if (again == 0 || (change < 1.5 && change > 1 / 1.5)) return allocations;
         const int nearer = std::clamp(static_cast<int>(std::lround(quantiser * change)), 1, 31);
-        if (nearer == quantiser) return allotments;
+        if (nearer == quantiser) return allocations;
         quantiser = nearer;
     }
 }
@@ -266,7 +267,7 @@ int encode(const EncodeOptions& options, const std::string& command) {
     WorkFolder work(options.output, identity_of(job.film, command));
 
     if (two_passes(options.coding))
-        job.allotments = timed(ledger, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
+        job.allocations = timed(ledger, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
     if (InterruptGuard::requested()) {
         if (!options.quiet) std::fputs("interrupted before the first frame: nothing was written\n", stderr);
         return InterruptGuard::status();

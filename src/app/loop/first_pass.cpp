@@ -23,10 +23,10 @@ constexpr double size_ratio = 7;
 class Collector : public Watcher {
   public:
     void coded(const encoder::CodedPicture& picture) override {
-        film.push_back(encoder::pass_picture(picture, starts_chunk));
+        film.push_back(encoder::first_pass_picture(picture, starts_chunk));
         starts_chunk = false;
     }
-    std::vector<encoder::PassPicture> film;  ///< in coding order
+    std::vector<encoder::FirstPassPicture> film;  ///< in coding order
     bool starts_chunk = false;
 };
 
@@ -59,7 +59,7 @@ int usual_quantiser(const encoder::Settings& settings) {
     return std::clamp(static_cast<int>(std::lround(0.8 / std::max(density, 1e-3))), 2, 24);
 }
 
-std::vector<encoder::Allotment> first_pass(const Production& film, bool quiet) {
+std::vector<encoder::BitAllocation> first_pass(const Production& film, bool quiet) {
     const Production pass = small(film);
     renderer::Renderer renderer = renderer_of(pass);
     Progress progress(film.frame_count(), quiet, "first pass");
@@ -73,7 +73,7 @@ std::vector<encoder::Allotment> first_pass(const Production& film, bool quiet) {
         });
         if (InterruptGuard::requested()) return {};
     }
-    return encoder::allot(film.coding, collector.film, size_ratio);
+    return encoder::allocate_bits(film.coding, collector.film, size_ratio);
 }
 
 }  // namespace render2mpeg::app

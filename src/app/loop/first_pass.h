@@ -3,15 +3,15 @@
 #include <vector>
 
 #include "app/loop/production.h"
-#include "encoder/allotment.h"
+#include "encoder/bit_allocation.h"
 #include "encoder/types.h"
 
 namespace render2mpeg::app {
 
 /// Renders the film once in small and roughly lit, codes it fast, and shares its bits out by what that comes to: one
-/// allotment per frame, in order. Empty where it was interrupted. Its time is small against the film's
+/// allocation per frame, in order. Empty where it was interrupted. Its time is small against the film's
 /// (docs/model/rate-control.md).
-std::vector<encoder::Allotment> first_pass(const Production& film, bool quiet);
+std::vector<encoder::BitAllocation> first_pass(const Production& film, bool quiet);
 
 /// The quantiser that pictures of about this rate usually need: where a first pass is made.
 int usual_quantiser(const encoder::Settings& settings);

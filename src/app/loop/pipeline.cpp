@@ -10,7 +10,7 @@
 #include "app/loop/coupling.h"
 #include "app/loop/preview.h"
 #include "encoder/encoder.h"
-#include "encoder/unevenness.h"
+#include "encoder/motion_nonuniformity.h"
 #include "image/layers.h"
 #include "perceptual/motion_sensitivity.h"
 #include "scene/pose/motion.h"
@@ -181,8 +181,8 @@ encoder::PictureFacts facts_of(const Production& film, const scene::Snapshot& wo
     facts.keyframe = film.keyframes.begins_at(world.frame);
     facts.left_in_chunk = chunk.last - world.frame;
     facts.last_chunk = chunk.last == film.frames.last;
-    if (!film.allotments.empty())
-        facts.allotment = film.allotments[static_cast<std::size_t>(world.frame - film.frames.first)];
+    if (!film.allocations.empty())
+        facts.allocation = film.allocations[static_cast<std::size_t>(world.frame - film.frames.first)];
     return facts;
 }
 
@@ -190,7 +190,7 @@ void tell_motion(const Production& film, const Chunk& chunk, const core::Visible
                  encoder::PictureFacts& facts) {
     if (world.frame == chunk.first || world.cut_before || !film.plan.runs(renderer::Pass::motion)) return;
     const core::MotionField motion = scene::motion_between(visible, world, film.snapshot(world.frame - 1));
-    facts.unevenness = encoder::unevenness(motion);
+    facts.motion_nonuniformity = encoder::motion_nonuniformity(motion);
     if (film.coding.rate_control.mode == encoder::RateMode::constant_quality)
         facts.sensitivity = perceptual::motion_sensitivity(motion, film.rate.hertz.value());
 }

@@ -39,12 +39,12 @@ struct Production {
     ToleranceRequest tolerance;
     CouplingSettings coupling;  ///< where the tolerance is coupled
     OutputKind kind = OutputKind::film;
-    std::optional<float> exposure;               ///< EV; none: to be measured
-    bool measures_exposure = false;              ///< nobody says it
-    bool two_passes = false;                     ///< the first one finds `allotments`
-    std::vector<encoder::Allotment> allotments;  ///< one per frame, or none
-    bool images_in_turn = false;                 ///< decode one at a time: memory is short
-    int audit = 0;                               ///< pixels of every frame that are gathered again without clustering
+    std::optional<float> exposure;                    ///< EV; none: to be measured
+    bool measures_exposure = false;                   ///< nobody says it
+    bool two_passes = false;                          ///< the first one finds `allocations`
+    std::vector<encoder::BitAllocation> allocations;  ///< one per frame, or none
+    bool images_in_turn = false;                      ///< decode one at a time: memory is short
+    int audit = 0;  ///< pixels of every frame that are gathered again without clustering
 
     std::int64_t frame_count() const { return frames.last - frames.first + 1; }
     scene::Snapshot snapshot(std::int64_t frame) const {

@@ -61,7 +61,7 @@ bool take_in(const Production& film, const RenderOptions& options, const WorkFol
     }
 }
 
-json json_of(const encoder::Allotment& a) {
+json json_of(const encoder::BitAllocation& a) {
     return {{"quantiser", a.quantiser},      {"bits", a.bits},
             {"bits_left", a.bits_left},      {"type", a.type ? json(static_cast<int>(*a.type)) : json(nullptr)},
             {"affordable", a.affordable},    {"ratio", a.ratio ? json(*a.ratio) : json(nullptr)},
@@ -69,8 +69,8 @@ json json_of(const encoder::Allotment& a) {
 }
 
 /// Throws json::exception for what json_of() would not write.
-encoder::Allotment allotment_from(const json& written) {
-    encoder::Allotment a;
+encoder::BitAllocation allocation_from(const json& written) {
+    encoder::BitAllocation a;
     written.at("quantiser").get_to(a.quantiser);
     written.at("bits").get_to(a.bits);
     written.at("bits_left").get_to(a.bits_left);
@@ -81,17 +81,17 @@ encoder::Allotment allotment_from(const json& written) {
     return a;
 }
 
-/// The allotments that an earlier run found; none where it did not come so far.
-std::vector<encoder::Allotment> kept_allotments(const Production& film, const WorkFolder& work) {
-    const json written = work.kept("allotments");
+/// The allocations that an earlier run found; none where it did not come so far.
+std::vector<encoder::BitAllocation> kept_allocations(const Production& film, const WorkFolder& work) {
+    const json written = work.kept("allocations");
     if (!written.is_array() || static_cast<std::int64_t>(written.size()) != film.frame_count()) return {};
-    std::vector<encoder::Allotment> allotments;
+    std::vector<encoder::BitAllocation> allocations;
     try {
-        for (const json& one : written) allotments.push_back(allotment_from(one));
+        for (const json& one : written) allocations.push_back(allocation_from(one));
     } catch (const json::exception&) {
         return {};  // damaged: they are found again
     }
-    return allotments;
+    return allocations;
 }
 
 /// Heatmaps that an earlier run began and this one does not go on with; they go when the film is whole.
@@ -203,12 +203,12 @@ void settle(Production& film, const RenderOptions& options, WorkFolder& work, Le
         work.keep("exposure", *film.exposure);
     }
     if (!film.two_passes || InterruptGuard::requested()) return;
-    film.allotments = kept_allotments(film, work);
-    if (!film.allotments.empty()) return;
-    film.allotments = timed(ledger, Stage::first_pass, [&] { return first_pass(film, options.quiet); });
+    film.allocations = kept_allocations(film, work);
+    if (!film.allocations.empty()) return;
+    film.allocations = timed(ledger, Stage::first_pass, [&] { return first_pass(film, options.quiet); });
     json written = json::array();
-    for (const encoder::Allotment& a : film.allotments) written.push_back(json_of(a));
-    if (!film.allotments.empty()) work.keep("allotments", written);
+    for (const encoder::BitAllocation& a : film.allocations) written.push_back(json_of(a));
+    if (!film.allocations.empty()) work.keep("allocations", written);
 }
 
 std::string resuming_text(const Production& film, std::size_t whole_chunks, const std::string& command) {

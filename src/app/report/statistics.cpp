@@ -136,7 +136,7 @@ json rate_of(const Film& film, const Ledger& ledger) {
               {"level", declared.level},
               {"max_rate", declared.bit_rate},
               {"vbv_bits", declared.buffer_bits},
-              {"chunk_fullness", declared.border_bits},
+              {"chunk_fullness", declared.chunk_fullness},
               {"requantised", outcome.requantised},
               {"minimal", outcome.minimal},
               {"off_plan", outcome.off_plan},

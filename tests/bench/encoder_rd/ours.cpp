@@ -6,8 +6,8 @@
 
 #include "core/numeric.h"
 #include "encoder/encoder.h"
+#include "encoder/motion_nonuniformity.h"
 #include "encoder/mpeg2/motion/search.h"
-#include "encoder/unevenness.h"
 #include "encoder_rd/codecs.h"
 #include "perceptual/hvs.h"
 #include "perceptual/metrics.h"
@@ -119,12 +119,12 @@ std::vector<std::vector<Measured>> code_with_ours(const Clip& clip, const std::v
     const auto count = static_cast<std::int64_t>(clip.pictures.size());
     for (std::int64_t n = 0; n < count; ++n) {
         const std::optional<double> unevenness =
-            n > 0 ? std::optional(encoder::unevenness(clip.motion(n, n - 1))) : std::nullopt;
+            n > 0 ? std::optional(encoder::motion_nonuniformity(clip.motion(n, n - 1))) : std::nullopt;
         for (Run& run : runs) {
             const core::Picture& picture = clip.pictures[static_cast<std::size_t>(n)];
             encoder::PictureFacts facts;
             facts.frames_left = count - 1 - n;
-            if (run.codec.told) facts.unevenness = unevenness;
+            if (run.codec.told) facts.motion_nonuniformity = unevenness;
             const encoder::PicturePlan plan = run.encoder->plan(n, facts, n == 0);
             std::vector<core::MotionField> motion;
             for (const std::int64_t reference : plan.references)

@@ -13,9 +13,9 @@ namespace render2mpeg::encoder::mpeg2 {
 inline constexpr int most_predictions = 131;
 
 /// Counts for each macroblock how often it was coded in P pictures since it was intra, and says when it is due.
-class Refresh {
+class IntraRefresh {
   public:
-    Refresh(int columns, int rows) : predictions_(columns, rows), due_(columns, rows) {}
+    IntraRefresh(int columns, int rows) : predictions_(columns, rows), due_(columns, rows) {}
 
     /// 1 where the next P picture has to be intra. Macroblocks come due at different times, so that no picture has to
     /// renew all of them.

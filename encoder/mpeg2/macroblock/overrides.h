@@ -6,13 +6,13 @@
 namespace render2mpeg::encoder::mpeg2 {
 
 /// What is asked of single macroblocks, `columns` x `rows`; planes are empty where nothing is.
-struct Demands {
+struct MacroblockOverrides {
     core::Plane<float> quantiser_factors;
     core::Plane<Force> forced;
 };
 
-/// Takes what follows from onward motion (dependency.h) together with what the caller wants. Rows and columns that only
-/// pad the picture are treated like the last one.
-Demands demands_from(const Hints& hints, int columns, int rows);
+/// Takes what follows from onward motion (macroblock_tree.h) together with what the caller wants. Rows and columns that
+/// only pad the picture are treated like the last one.
+MacroblockOverrides overrides_from(const Hints& hints, int columns, int rows);
 
 }  // namespace render2mpeg::encoder::mpeg2

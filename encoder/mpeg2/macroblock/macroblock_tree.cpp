@@ -1,4 +1,4 @@
-#include "encoder/mpeg2/macroblock/dependency.h"
+#include "encoder/mpeg2/macroblock/macroblock_tree.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,9 +51,9 @@ core::Plane<float> quantiser_factors(const core::MotionField& onward, int column
     core::Plane<float> factors(columns, rows, 1.0f);
     const std::int64_t all = onward.reference - onward.picture;
     const auto following = static_cast<float>(std::min(all, most_followers));
-    constexpr auto inheritance = static_cast<float>(inheritance_strength);
-    const float finer =
-        std::pow(1.0f + following, inheritance) * std::pow(1.0f + static_cast<float>(all), -dependency_strength);
+    constexpr auto propagation = static_cast<float>(propagation_strength);
+    const float finer = std::pow(1.0f + following, propagation) *
+                        std::pow(1.0f + static_cast<float>(all), -static_propagation_strength);
     parallel::for_each(static_cast<std::size_t>(rows), [&](std::size_t row) {
         for (int column = 0; column < columns; ++column)
             if (stands_still(onward, column, static_cast<int>(row))) {
@@ -61,7 +61,7 @@ core::Plane<float> quantiser_factors(const core::MotionField& onward, int column
             } else {
                 const float staying = following * staying_share(onward, column, static_cast<int>(row));
                 factors.at(column, static_cast<int>(row)) =
-                    std::pow((1.0f + following) / (1.0f + staying), inheritance);
+                    std::pow((1.0f + following) / (1.0f + staying), propagation);
             }
     });
     return factors;

@@ -19,9 +19,9 @@ namespace render2mpeg::encoder::mpeg2 {
 /// All modes but the constant ones solve one equation: with quantiser k for I and P pictures and its ratio for B
 /// pictures, what is left of the chunk is to cost what is left of the chunk's bits. So the quantiser is the same
 /// throughout as far as the model is right, and errors are spread over all that follows.
-class RateSteering {
+class RateController {
   public:
-    RateSteering(const Settings& settings, const Channel& channel, const MinimalBits& minimal);
+    RateController(const Settings& settings, const Channel& channel, const MinimalBits& minimal);
 
     /// The quantiser to render a picture for. Pictures come in display order; `schedule` knows this one already.
     int plan(const PicturePlan& picture, const PictureFacts& facts, bool first_of_chunk, const VbvSchedule& schedule);
@@ -37,24 +37,24 @@ class RateSteering {
 
   private:
     /// A picture planned but not coded.
-    struct Flying {
+    struct InFlight {
         PictureType type;
         int quantiser;
-        std::optional<Allotment> allotment;
+        std::optional<BitAllocation> allocation;
         double sensitivity;
         double ratio;          ///< of its quantiser to that of P pictures that nothing refers to
         bool guessed = false;  ///< planned before any picture of its type was coded
     };
 
-    bool rated() const;
-    void adapt(Flying& picture) const;
-    int rounded(const Flying& flying, double wanted);
-    double steady_quantiser(const Flying& picture) const;
+    bool has_bit_rate() const;
+    void adapt(InFlight& picture) const;
+    int rounded(const InFlight& entry, double wanted);
+    double steady_quantiser(const InFlight& picture) const;
     double calm(double solved);
-    double nominal(std::int64_t number, const Flying& picture, const VbvSchedule& schedule);
-    double bits(const Flying& picture, double quantiser) const;
-    /// What a picture and all not planned yet would come to as they were allotted.
-    double bits_as_allotted(const Flying& picture) const;
+    double nominal(std::int64_t number, const InFlight& picture, const VbvSchedule& schedule);
+    double bits(const InFlight& picture, double quantiser) const;
+    /// What a picture and all not planned yet would come to as they were allocated.
+    double bits_as_allocated(const InFlight& picture) const;
     /// Numbers of I, P and B pictures.
     using Counts = std::array<std::int64_t, 3>;
     /// Of the first pictures from gop_start_ on, in the regular pattern.
@@ -64,26 +64,26 @@ class RateSteering {
     double bits_of_rest(const Counts& rest, double quantiser) const;
     double seconds(std::int64_t first, std::int64_t end) const;
     double bits_for_rest(std::int64_t number, const VbvSchedule& schedule) const;
-    double limited(std::int64_t number, const Flying& picture, double quantiser, const VbvSchedule& schedule) const;
+    double limited(std::int64_t number, const InFlight& picture, double quantiser, const VbvSchedule& schedule) const;
     std::int64_t horizon() const;
 
     Settings settings_;
     Channel channel_;
     RateModel model_;
     PassModel pass_;
-    std::map<std::int64_t, Flying> flying_;
+    std::map<std::int64_t, InFlight> in_flight_;
 
     std::int64_t chunk_start_ = 0;
     std::optional<std::int64_t> chunk_end_;  ///< first number after the chunk, if known
     bool hands_over_ = false;
-    std::int64_t gop_start_ = 0;             ///< of the picture planned last
-    std::int64_t planned_end_ = 0;           ///< first number not planned
-    double spent_ = 0;                       ///< bits of the chunk so far
-    double allotted_ = 0;                    ///< to the whole chunk, where there are allotments
-    std::array<double, 3> allotted_rest_{};  ///< of it to pictures not planned yet, by type
-    int reference_quantiser_ = 1;            ///< of the newest I or P picture planned
-    double solved_ = 0;                      ///< by the last call of nominal
-    int settled_ = 0;                        ///< pictures of the chunk
+    std::int64_t gop_start_ = 0;              ///< of the picture planned last
+    std::int64_t planned_end_ = 0;            ///< first number not planned
+    double spent_ = 0;                        ///< bits of the chunk so far
+    double allocated_ = 0;                    ///< to the whole chunk, where there are allocations
+    std::array<double, 3> allocated_rest_{};  ///< of it to pictures not planned yet, by type
+    int reference_quantiser_ = 1;             ///< of the newest I or P picture planned
+    double solved_ = 0;                       ///< by the last call of nominal
+    int settled_ = 0;                         ///< pictures of the chunk
     double steady_ = 0;    ///< what the last picture settled at: base quantiser or correction; 0: too early
     double rounding_ = 0;  ///< bits that rounding of quantisers has cost or saved lately
 };

@@ -1,4 +1,4 @@
-#include "encoder/mpeg2/motion/quick_motion.h"
+#include "encoder/mpeg2/motion/fast_motion_search.h"
 
 #include <algorithm>
 #include <limits>
@@ -18,7 +18,7 @@ constexpr int stray = 4, stray_unaided = 63;
 
 }  // namespace
 
-QuickMotion::QuickMotion(const MotionSources* earlier, const MotionSources* later) {
+FastMotionSearch::FastMotionSearch(const MotionSources* earlier, const MotionSources* later) {
     side_[0].sources = earlier;
     side_[1].sources = later;
     for (Side& side : side_) {
@@ -43,7 +43,7 @@ QuickMotion::QuickMotion(const MotionSources* earlier, const MotionSources* late
     }
 }
 
-std::uint32_t QuickMotion::difference(const Side& side, int column, int row, Vector v) const {
+std::uint32_t FastMotionSearch::difference(const Side& side, int column, int row, Vector v) const {
     const MotionSources& s = *side.sources;
     const auto stride = static_cast<std::ptrdiff_t>(s.picture.y.width());
     const std::uint8_t* here = s.picture.y.row(row * 16) + column * 16;
@@ -56,19 +56,20 @@ std::uint32_t QuickMotion::difference(const Side& side, int column, int row, Vec
     return k.satd_16x16(here, stride, prediction, 16);
 }
 
-VectorRange QuickMotion::range(const Side& side, int column, int row) const {
+VectorRange FastMotionSearch::range(const Side& side, int column, int row) const {
     const Frame& picture = side.sources->picture;
     return vector_range(column, row, picture.columns(), picture.rows(), side.f_code[0], side.f_code[1]);
 }
 
-void QuickMotion::consider(Found& found, const Side& side, int column, int row, Vector v, Vector prediction) const {
+void FastMotionSearch::consider(Found& found, const Side& side, int column, int row, Vector v,
+                                Vector prediction) const {
     const auto end = found.tried.begin() + found.evaluations;
     if (std::find(found.tried.begin(), end, v) != end) return;
     *end = v;
     ++found.evaluations;
     const std::uint32_t difference = this->difference(side, column, row, v);
-    const bool unsaid = side.sources->zero_is_unsaid && v.is_zero();
-    const int bits = unsaid ? 2 : 1 + side.price[0](v.x - prediction.x) + side.price[1](v.y - prediction.y);
+    const bool implicit_zero = side.sources->zero_is_implicit && v.is_zero();
+    const int bits = implicit_zero ? 2 : 1 + side.price[0](v.x - prediction.x) + side.price[1](v.y - prediction.y);
     const float cost = static_cast<float>(difference) + cost_per_bit_ * static_cast<float>(bits);
     if (cost >= found.cost) return;
     found.vector = v;
@@ -76,7 +77,7 @@ void QuickMotion::consider(Found& found, const Side& side, int column, int row, 
     found.cost = cost;
 }
 
-QuickMotion::Found QuickMotion::begin(int direction, int column, int row, Vector prediction) const {
+FastMotionSearch::Found FastMotionSearch::begin(int direction, int column, int row, Vector prediction) const {
     const Side& side = side_[direction];
     const VectorRange allowed = range(side, column, row);
     Found found;
@@ -90,7 +91,7 @@ QuickMotion::Found QuickMotion::begin(int direction, int column, int row, Vector
     return found;
 }
 
-void QuickMotion::go_on(Found& found, int direction, int column, int row, Vector prediction) const {
+void FastMotionSearch::refine(Found& found, int direction, int column, int row, Vector prediction) const {
     if (is_enough(found.difference)) return;
     const Side& side = side_[direction];
     const VectorRange allowed = range(side, column, row);
@@ -105,8 +106,8 @@ void QuickMotion::go_on(Found& found, int direction, int column, int row, Vector
     }
 }
 
-std::uint32_t QuickMotion::difference_of_mean(int column, int row, Vector earlier, Vector later,
-                                              std::uint8_t* mean) const {
+std::uint32_t FastMotionSearch::difference_of_mean(int column, int row, Vector earlier, Vector later,
+                                                   std::uint8_t* mean) const {
     alignas(32) std::uint8_t second[256];
     const MotionSources& s = *side_[0].sources;
     predict_luma(s.reference, column, row, earlier, mean);

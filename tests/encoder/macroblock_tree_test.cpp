@@ -1,4 +1,4 @@
-#include "encoder/mpeg2/macroblock/dependency.h"
+#include "encoder/mpeg2/macroblock/macroblock_tree.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace render2mpeg::encoder::testing {
 namespace {
 
-TEST(Dependency, OnlyMacroblocksThatStandStillThroughoutAreFinerThanTheirPicture) {
+TEST(MacroblockTree, OnlyMacroblocksThatStandStillThroughoutAreFinerThanTheirPicture) {
     core::MotionField onward = uniform_motion(50, 32, 3, {0, 0});
     onward.reference = 10;
     onward.vector.at(22, 4) = {0.2f, 0};             // macroblock (1, 0)
@@ -18,8 +18,8 @@ TEST(Dependency, OnlyMacroblocksThatStandStillThroughoutAreFinerThanTheirPicture
     onward.vector.at(0, 16) = {0.1f, -0.1f};         // (0, 1): a rounding error's worth
     onward.vector.at(48, 30) = {std::nanf(""), 0};   // (3, 1), which hangs over the side
     const core::Plane<float> factors = mpeg2::quantiser_factors(onward, 4, 2);
-    const auto whole = static_cast<float>(mpeg2::inheritance_strength);
-    const float finer = std::pow(8.0f, whole - mpeg2::dependency_strength);
+    const auto whole = static_cast<float>(mpeg2::propagation_strength);
+    const float finer = std::pow(8.0f, whole - mpeg2::static_propagation_strength);
     ASSERT_LT(finer, 0.75f);
     const float part = std::pow(8.0f / (1 + 7 * 15 / 16.0f), whole);  // a sixteenth of (2, 0) is not there later
     const float expected[2][4] = {{finer, 1, part, finer}, {finer, finer, finer, 1}};
@@ -28,11 +28,11 @@ TEST(Dependency, OnlyMacroblocksThatStandStillThroughoutAreFinerThanTheirPicture
             EXPECT_NEAR(factors.at(column, row), expected[row][column], 1e-6f) << column << ", " << row;
 }
 
-TEST(Dependency, WhatLeavesThePictureIsCoarserThanWhatStays) {
+TEST(MacroblockTree, WhatLeavesThePictureIsCoarserThanWhatStays) {
     core::MotionField onward = uniform_motion(64, 16, 0, {-24, 0});
     onward.reference = 4;
     const core::Plane<float> factors = mpeg2::quantiser_factors(onward, 4, 1);
-    const float all = std::pow(5.0f, static_cast<float>(mpeg2::inheritance_strength));
+    const float all = std::pow(5.0f, static_cast<float>(mpeg2::propagation_strength));
     EXPECT_NEAR(factors.at(0, 0), all, 1e-6f);
     EXPECT_GT(factors.at(1, 0), 1.0f);
     EXPECT_LT(factors.at(1, 0), all);
@@ -40,7 +40,7 @@ TEST(Dependency, WhatLeavesThePictureIsCoarserThanWhatStays) {
     EXPECT_EQ(factors.at(3, 0), 1.0f);
 }
 
-TEST(Dependency, MacroblocksBeyondThePictureAreWorthNothing) {
+TEST(MacroblockTree, MacroblocksBeyondThePictureAreWorthNothing) {
     // 40 lines shown as fields are coded as 64: whole macroblocks in each field.
     core::MotionField onward = uniform_motion(16, 40, 0, {0, 0});
     onward.reference = 7;
@@ -92,7 +92,7 @@ double squared_error(const Film& film) {
     return sum;
 }
 
-TEST(Dependency, ReferencesAskForMotionToTheEndOfTheirGop) {
+TEST(MacroblockTree, ReferencesAskForMotionToTheEndOfTheirGop) {
     const Settings s = settings(32, 32, 4, 7, 3, 2);
     Encoder encoder(s);
     for (int n = 0; n < 12; ++n) {
@@ -105,7 +105,7 @@ TEST(Dependency, ReferencesAskForMotionToTheEndOfTheirGop) {
     }
 }
 
-TEST(Dependency, WhatStandsStillIsFinerAndPaysForThat) {
+TEST(MacroblockTree, WhatStandsStillIsFinerAndPaysForThat) {
     const Settings s = settings(192, 96, 8, 15, 3, 2);
     const Film plain = encode_half_still(s, 15, false), hinted = encode_half_still(s, 15, true);
     expect_decoders_agree(hinted, 0.25);

@@ -1,4 +1,4 @@
-#include "encoder/mpeg2/macroblock/refresh.h"
+#include "encoder/mpeg2/macroblock/intra_refresh.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 namespace render2mpeg::encoder::testing {
 namespace {
 
-TEST(Refresh, NoMacroblockIsPredictedForEver) {
+TEST(IntraRefresh, NoMacroblockIsPredictedForEver) {
     // Dim noise over a texture that slides by half pixels: hardly a macroblock is skipped, none is better intra.
     const Settings s = settings(80, 64, 6, 400);
     constexpr int count = 300;
@@ -44,8 +44,8 @@ TEST(Refresh, NoMacroblockIsPredictedForEver) {
     EXPECT_GE(most_intra, 1);
 }
 
-TEST(Refresh, WhatIsDueStaysDueHoweverLongItIsNotRenewed) {
-    mpeg2::Refresh refresh(1, 1);
+TEST(IntraRefresh, WhatIsDueStaysDueHoweverLongItIsNotRenewed) {
+    mpeg2::IntraRefresh refresh(1, 1);
     core::Plane<MacroblockRecord> coded(1, 1);
     for (int n = 0; n < 1000; ++n) {
         refresh.record(PictureType::predicted, coded);

@@ -1,4 +1,4 @@
-#include "encoder/mpeg2/rate/rate_steering.h"
+#include "encoder/mpeg2/rate/rate_controller.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,14 +24,14 @@ int whole(double quantiser) {
 /// chosen: 0.85 (0.7..1).
 constexpr double expected_share = 0.85;
 
-/// Bits allotted to the pictures after one, by type; where they are known as a whole only, they count as this one's.
-std::array<double, 3> rest_after(const std::optional<Allotment>& allotment, PictureType type) {
+/// Bits allocated to the pictures after one, by type; where they are known as a whole only, they count as this one's.
+std::array<double, 3> rest_after(const std::optional<BitAllocation>& allocation, PictureType type) {
     std::array<double, 3> rest{};
-    if (!allotment) return rest;
-    const std::size_t own = static_cast<std::size_t>(allotment->type.value_or(type)) - 1;
-    rest = allotment->left_by_type;
-    if (rest == std::array<double, 3>{}) rest[own] = allotment->bits_left;
-    rest[own] = std::max(0.0, rest[own] - allotment->bits);
+    if (!allocation) return rest;
+    const std::size_t own = static_cast<std::size_t>(allocation->type.value_or(type)) - 1;
+    rest = allocation->left_by_type;
+    if (rest == std::array<double, 3>{}) rest[own] = allocation->bits_left;
+    rest[own] = std::max(0.0, rest[own] - allocation->bits);
     return rest;
 }
 
@@ -48,68 +48,68 @@ double solve(double wanted, const Bits& bits) {
 
 }  // namespace
 
-RateSteering::RateSteering(const Settings& settings, const Channel& channel, const MinimalBits& minimal)
+RateController::RateController(const Settings& settings, const Channel& channel, const MinimalBits& minimal)
     : settings_(settings), channel_(channel), model_(settings, minimal) {}
 
-bool RateSteering::rated() const {
+bool RateController::has_bit_rate() const {
     return settings_.rate_control.mode == RateMode::variable || settings_.rate_control.mode == RateMode::constant;
 }
 
-int RateSteering::plan(const PicturePlan& picture, const PictureFacts& facts, bool first_of_chunk,
-                       const VbvSchedule& schedule) {
+int RateController::plan(const PicturePlan& picture, const PictureFacts& facts, bool first_of_chunk,
+                         const VbvSchedule& schedule) {
     if (first_of_chunk) {
         chunk_start_ = picture.number;
         chunk_end_ = facts.left_in_chunk ? std::optional(picture.number + *facts.left_in_chunk + 1) : std::nullopt;
         hands_over_ = !facts.last_chunk;
         spent_ = rounding_ = steady_ = 0;
         settled_ = 0;
-        allotted_ = facts.allotment ? facts.allotment->affordable * facts.allotment->bits_left : 0;
+        allocated_ = facts.allocation ? facts.allocation->affordable * facts.allocation->bits_left : 0;
     }
     if (picture.starts_gop) gop_start_ = picture.number;
     planned_end_ = picture.number + 1;
-    allotted_rest_ = rest_after(facts.allotment, picture.type);
-    Flying flying{picture.type,      1,
-                  facts.allotment,   facts.sensitivity.value_or(1.0),
-                  ratio_of(picture), !facts.allotment && !model_.knows(picture.type)};
-    adapt(flying);
-    flying.quantiser = rounded(flying, nominal(picture.number, flying, schedule));
-    flying_.insert_or_assign(picture.number, flying);
-    return flying.quantiser;
+    allocated_rest_ = rest_after(facts.allocation, picture.type);
+    InFlight entry{picture.type,      1,
+                   facts.allocation,  facts.sensitivity.value_or(1.0),
+                   ratio_of(picture), !facts.allocation && !model_.knows(picture.type)};
+    adapt(entry);
+    entry.quantiser = rounded(entry, nominal(picture.number, entry, schedule));
+    in_flight_.insert_or_assign(picture.number, entry);
+    return entry.quantiser;
 }
 
-int RateSteering::settle(const PicturePlan& picture, const VbvSchedule& schedule) {
-    const auto planned = flying_.find(picture.number);
-    EXPECTS(planned != flying_.end());
-    Flying& flying = planned->second;
-    const bool changed = flying.type != picture.type;
-    flying.type = picture.type;
+int RateController::settle(const PicturePlan& picture, const VbvSchedule& schedule) {
+    const auto planned = in_flight_.find(picture.number);
+    EXPECTS(planned != in_flight_.end());
+    InFlight& entry = planned->second;
+    const bool changed = entry.type != picture.type;
+    entry.type = picture.type;
     if (changed) {
-        flying.ratio = ratio_of(picture);
-        adapt(flying);
-        return rounded(flying, nominal(picture.number, flying, schedule));
+        entry.ratio = ratio_of(picture);
+        adapt(entry);
+        return rounded(entry, nominal(picture.number, entry, schedule));
     }
-    if (!rated()) return picture.quantiser;
+    if (!has_bit_rate()) return picture.quantiser;
 
     // What was planned holds unless what has been learned since asks for another step.
-    const double wanted = std::clamp(nominal(picture.number, flying, schedule), 1.0, 31.0);
+    const double wanted = std::clamp(nominal(picture.number, entry, schedule), 1.0, 31.0);
     if (++settled_ > settings_.b_pictures + 2) steady_ = solved_;
     const double off = wanted - picture.quantiser;
-    if (flying.guessed && off > 1) return whole(wanted);
+    if (entry.guessed && off > 1) return whole(wanted);
     return picture.quantiser + (off >= 1.0 ? 1 : off <= -1.0 ? -1 : 0);
 }
 
-int RateSteering::reconsider(const PicturePlan& picture, int quantiser, std::int64_t bits,
-                             const VbvSchedule& schedule) {
-    const auto planned = flying_.find(picture.number);
-    EXPECTS(planned != flying_.end());
-    const Flying& flying = planned->second;
+int RateController::reconsider(const PicturePlan& picture, int quantiser, std::int64_t bits,
+                               const VbvSchedule& schedule) {
+    const auto planned = in_flight_.find(picture.number);
+    EXPECTS(planned != in_flight_.end());
+    const InFlight& entry = planned->second;
     const bool surprising = model_.surprised(picture.type, quantiser, bits);
-    if (!rated() || flying.allotment || (model_.knows(picture.type) && !surprising)) return quantiser;
+    if (!has_bit_rate() || entry.allocation || (model_.knows(picture.type) && !surprising)) return quantiser;
     const RateModel model = model_;
     const double steady = steady_;
     model_.learn(picture.type, quantiser, bits);
     if (surprising) steady_ = 0;
-    const int wanted = whole(nominal(picture.number, flying, schedule));
+    const int wanted = whole(nominal(picture.number, entry, schedule));
     model_ = model;
     if (wanted > quantiser + 1) {
         if (surprising) steady_ = solved_;
@@ -119,27 +119,27 @@ int RateSteering::reconsider(const PicturePlan& picture, int quantiser, std::int
     return quantiser;
 }
 
-/// The allotted quantiser is that of what the picture was: makes it that of what it is. Its bits stay, so that what
+/// The allocated quantiser is that of what the picture was: makes it that of what it is. Its bits stay, so that what
 /// they are off by is learned together with what another type or other followers change.
-void RateSteering::adapt(Flying& picture) const {
-    if (!picture.allotment) return;
-    Allotment& allotment = *picture.allotment;
-    allotment.type = allotment.type.value_or(picture.type);
-    const double usual = usual_quantiser_ratio(*allotment.type, settings_.gop);
-    allotment.quantiser *= picture.ratio / allotment.ratio.value_or(usual);
-    allotment.ratio = picture.ratio;
+void RateController::adapt(InFlight& picture) const {
+    if (!picture.allocation) return;
+    BitAllocation& allocation = *picture.allocation;
+    allocation.type = allocation.type.value_or(picture.type);
+    const double usual = usual_quantiser_ratio(*allocation.type, settings_.gop);
+    allocation.quantiser *= picture.ratio / allocation.ratio.value_or(usual);
+    allocation.ratio = picture.ratio;
 }
 
 /// The whole quantiser for a picture. Of the two next to what is wanted, rates take the one that keeps the bits lost to
 /// rounding near zero; but nothing refers to B pictures, so that they are never finer than what they refer to.
-int RateSteering::rounded(const Flying& flying, double wanted) {
-    if (!rated()) return whole(wanted);
+int RateController::rounded(const InFlight& entry, double wanted) {
+    if (!has_bit_rate()) return whole(wanted);
     wanted = std::clamp(wanted, 1.0, 31.0);
-    const bool bidirectional = flying.type == PictureType::bidirectional;
+    const bool bidirectional = entry.type == PictureType::bidirectional;
     const int fine = std::max(static_cast<int>(std::floor(wanted)), bidirectional ? reference_quantiser_ : 1);
     const int coarse = std::min(31, fine + 1);
-    const double exact = bits(flying, wanted);
-    const double by_fine = rounding_ + bits(flying, fine) - exact, by_coarse = rounding_ + bits(flying, coarse) - exact;
+    const double exact = bits(entry, wanted);
+    const double by_fine = rounding_ + bits(entry, fine) - exact, by_coarse = rounding_ + bits(entry, coarse) - exact;
     const bool finer = std::abs(by_fine) <= std::abs(by_coarse);
     // chosen: a tenth is forgotten each time, so that a wrong model cannot build up a debt (0..0.3); no more is owed
     // than a picture.
@@ -148,33 +148,33 @@ int RateSteering::rounded(const Flying& flying, double wanted) {
     return finer ? fine : coarse;
 }
 
-void RateSteering::record(const PicturePlan& picture, int quantiser, std::int64_t bits, std::int64_t bits_sent) {
-    const auto planned = flying_.find(picture.number);
-    EXPECTS(planned != flying_.end());
-    const Flying& flying = planned->second;
+void RateController::record(const PicturePlan& picture, int quantiser, std::int64_t bits, std::int64_t bits_sent) {
+    const auto planned = in_flight_.find(picture.number);
+    EXPECTS(planned != in_flight_.end());
+    const InFlight& entry = planned->second;
     model_.learn(picture.type, quantiser, bits);
-    if (flying.allotment) pass_.learn(picture.type, *flying.allotment, quantiser, bits);
+    if (entry.allocation) pass_.learn(picture.type, *entry.allocation, quantiser, bits);
     if (picture.number >= chunk_start_) spent_ += static_cast<double>(bits_sent);
-    flying_.erase(planned);
+    in_flight_.erase(planned);
 }
 
 /// Of the constant modes.
-double RateSteering::steady_quantiser(const Flying& picture) const {
+double RateController::steady_quantiser(const InFlight& picture) const {
     const encoder::RateControl& wanted = settings_.rate_control;
     if (wanted.mode == RateMode::constant_quantiser) return settings_.quantiser * picture.ratio;
     // Detail that the eye sees less of is coded coarser in that proportion, at most four times.
     return quantiser_of_quality(wanted.quality) * picture.ratio / std::clamp(picture.sensitivity, 0.25, 1.0);
 }
 
-double RateSteering::nominal(std::int64_t number, const Flying& picture, const VbvSchedule& schedule) {
-    if (!rated()) return steady_quantiser(picture);
+double RateController::nominal(std::int64_t number, const InFlight& picture, const VbvSchedule& schedule) {
+    if (!has_bit_rate()) return steady_quantiser(picture);
     const double left = bits_for_rest(number, schedule);
     double quantiser;
-    if (picture.allotment) {
-        const double share = bits_as_allotted(picture);
+    if (picture.allocation) {
+        const double share = bits_as_allocated(picture);
         const double correction = core::divide_or(share, std::max(0.0, left), 1e3);
         quantiser =
-            picture.allotment->quantiser * calm(std::pow(std::max(correction, 1e-3), 1.0 / rate_slope(picture.type)));
+            picture.allocation->quantiser * calm(std::pow(std::max(correction, 1e-3), 1.0 / rate_slope(picture.type)));
     } else {
         const Counts rest = foreseen();
         const double base = solve(
@@ -187,34 +187,34 @@ double RateSteering::nominal(std::int64_t number, const Flying& picture, const V
 /// What is solved for must not jump, least of all near a chunk's end, where a small rest would be spent on one picture.
 /// chosen: a third finer, half as much again coarser than for the picture before (1.2..2); the first pictures of a
 /// chunk may, since they find out what it needs.
-double RateSteering::calm(double solved) {
+double RateController::calm(double solved) {
     solved_ = steady_ > 0 ? std::clamp(solved, steady_ / 1.33, steady_ * 1.5) : solved;
     return solved_;
 }
 
-double RateSteering::bits(const Flying& picture, double quantiser) const {
-    return picture.allotment ? pass_.bits(picture.type, *picture.allotment, quantiser)
-                             : model_.bits(picture.type, quantiser);
+double RateController::bits(const InFlight& picture, double quantiser) const {
+    return picture.allocation ? pass_.bits(picture.type, *picture.allocation, quantiser)
+                              : model_.bits(picture.type, quantiser);
 }
 
-double RateSteering::bits_as_allotted(const Flying& picture) const {
-    const PictureType then = picture.allotment->type.value_or(picture.type);
+double RateController::bits_as_allocated(const InFlight& picture) const {
+    const PictureType then = picture.allocation->type.value_or(picture.type);
     double sum = 0;
     for (const PictureType type : {PictureType::intra, PictureType::predicted, PictureType::bidirectional}) {
-        const double own = type == then ? picture.allotment->bits : 0.0;
-        sum += pass_.excess(type) * (own + allotted_rest_[static_cast<std::size_t>(type) - 1]);
+        const double own = type == then ? picture.allocation->bits : 0.0;
+        sum += pass_.excess(type) * (own + allocated_rest_[static_cast<std::size_t>(type) - 1]);
     }
     return sum;
 }
 
 /// First number of which nothing need be foreseen: the chunk's end, or in an endless chunk two GOPs or seconds on.
-std::int64_t RateSteering::horizon() const {
+std::int64_t RateController::horizon() const {
     if (chunk_end_) return *chunk_end_;
     const auto second = static_cast<std::int64_t>(settings_.rate.hertz.value()) + 1;
     return planned_end_ + 2 * std::max<std::int64_t>(settings_.gop, second);
 }
 
-RateSteering::Counts RateSteering::regular(std::int64_t count) const {
+RateController::Counts RateController::regular(std::int64_t count) const {
     const std::int64_t gop = settings_.gop, distance = settings_.b_pictures + 1;
     const auto within = [&](std::int64_t place) {  // of one GOP, the pictures before `place`
         const std::int64_t others = std::max<std::int64_t>(0, place - 1), end = place == gop && others % distance != 0;
@@ -227,7 +227,7 @@ RateSteering::Counts RateSteering::regular(std::int64_t count) const {
     return counts;
 }
 
-RateSteering::Counts RateSteering::foreseen() const {
+RateController::Counts RateController::foreseen() const {
     const Counts planned = regular(planned_end_ - gop_start_), all = regular(horizon() - gop_start_);
     Counts rest;
     for (std::size_t i = 0; i < 3; ++i) rest[i] = all[i] - planned[i];
@@ -239,7 +239,7 @@ RateSteering::Counts RateSteering::foreseen() const {
 }
 
 /// Expected bits of the pictures not planned yet, with `quantiser` in I and P pictures.
-double RateSteering::bits_of_rest(const Counts& rest, double quantiser) const {
+double RateController::bits_of_rest(const Counts& rest, double quantiser) const {
     double sum = 0;
     for (const PictureType type : {PictureType::intra, PictureType::predicted, PictureType::bidirectional})
         sum += static_cast<double>(rest[static_cast<std::size_t>(type) - 1]) *
@@ -247,7 +247,7 @@ double RateSteering::bits_of_rest(const Counts& rest, double quantiser) const {
     return sum;
 }
 
-double RateSteering::seconds(std::int64_t first, std::int64_t end) const {
+double RateController::seconds(std::int64_t first, std::int64_t end) const {
     const std::int64_t fields = fields_before(settings_.cadence, end - settings_.first_number) -
                                 fields_before(settings_.cadence, first - settings_.first_number);
     return 0.5 * static_cast<double>(fields) / declared_rate(settings_).hertz.value();
@@ -255,29 +255,29 @@ double RateSteering::seconds(std::int64_t first, std::int64_t end) const {
 
 /// Bits for picture `number` and those not planned yet: of the chunk's what is neither spent nor in flight, and no more
 /// than the channel brings in time.
-double RateSteering::bits_for_rest(std::int64_t number, const VbvSchedule& schedule) const {
+double RateController::bits_for_rest(std::int64_t number, const VbvSchedule& schedule) const {
     double in_flight = 0, of_chunk = 0;
-    for (const auto& [n, picture] : flying_) {
+    for (const auto& [n, picture] : in_flight_) {
         if (n == number) continue;
         in_flight += bits(picture, picture.quantiser);
         if (n >= chunk_start_) of_chunk += bits(picture, picture.quantiser);
     }
 
     const double all =
-        allotted_ > 0 ? allotted_ : static_cast<double>(channel_.average_rate) * seconds(chunk_start_, horizon());
+        allocated_ > 0 ? allocated_ : static_cast<double>(channel_.average_rate) * seconds(chunk_start_, horizon());
     const double left = all - spent_ - of_chunk;
     const double brought = static_cast<double>(schedule.fullness()) +
                            static_cast<double>(channel_.bit_rate) * seconds(schedule.next(), horizon());
-    const double kept = chunk_end_ && hands_over_ ? static_cast<double>(channel_.border_bits) : 0.0;
+    const double kept = chunk_end_ && hands_over_ ? static_cast<double>(channel_.chunk_fullness) : 0.0;
     return std::max(1.0, std::min(left, brought - kept - in_flight));
 }
 
 /// Coarser where the buffer would hardly have room for the picture when its turn comes.
-double RateSteering::limited(std::int64_t number, const Flying& picture, double quantiser,
-                             const VbvSchedule& schedule) const {
+double RateController::limited(std::int64_t number, const InFlight& picture, double quantiser,
+                               const VbvSchedule& schedule) const {
     double fullness = static_cast<double>(schedule.fullness());
     const std::int64_t next = schedule.next();
-    for (const auto& [n, before] : flying_)
+    for (const auto& [n, before] : in_flight_)
         if (n < number) fullness -= bits(before, before.quantiser);
     fullness += static_cast<double>(channel_.bit_rate) * seconds(next, std::max(next, number));
     const double room = expected_share * std::clamp(fullness, 1.0, static_cast<double>(channel_.usable_bits));

@@ -24,7 +24,7 @@ Film hinted_film(const Settings& s, int count, const Hints& hints) {
     return film;
 }
 
-TEST(Demands, FactorsMultiplyTheQuantiserOfEachMacroblock) {
+TEST(Overrides, FactorsMultiplyTheQuantiserOfEachMacroblock) {
     const Settings s = settings(88, 56, 6, 4, 3, 2);  // 6 x 4 macroblocks, the last ones padded
     core::Plane<float> factors(6, 4, 1.0f);
     factors.at(1, 1) = 0.5f;
@@ -44,7 +44,7 @@ TEST(Demands, FactorsMultiplyTheQuantiserOfEachMacroblock) {
             }
 }
 
-TEST(Demands, FinerFactorsBuyQuality) {
+TEST(Overrides, FinerFactorsBuyQuality) {
     const Settings s = settings(96, 64, 12, 4, 3, 1);
     core::Plane<float> factors(6, 4, 1.0f);
     for (int row = 0; row < 4; ++row)
@@ -64,7 +64,7 @@ TEST(Demands, FinerFactorsBuyQuality) {
     }
 }
 
-TEST(Demands, ForcedMacroblocksAreIntraOrSkippedInAllPicturesThatCan) {
+TEST(Overrides, ForcedMacroblocksAreIntraOrSkippedInAllPicturesThatCan) {
     const Settings s = settings(96, 64, 4, 7, 3, 2);
     core::Plane<Force> forced(6, 4, Force::none);
     forced.at(0, 0) = forced.at(3, 1) = forced.at(5, 3) = Force::intra;
@@ -85,7 +85,7 @@ TEST(Demands, ForcedMacroblocksAreIntraOrSkippedInAllPicturesThatCan) {
     }
 }
 
-TEST(Demands, MapsOfOnesAndOfNothingChangeNothing) {
+TEST(Overrides, MapsOfOnesAndOfNothingChangeNothing) {
     const Settings s = settings(96, 64, 4, 7, 3, 2);
     const core::Plane<float> ones(6, 4, 1.0f);
     const core::Plane<Force> nothing(6, 4, Force::none);
@@ -95,7 +95,7 @@ TEST(Demands, MapsOfOnesAndOfNothingChangeNothing) {
     EXPECT_EQ(hinted_film(s, 7, hints).bytes(), hinted_film(s, 7, {}).bytes());
 }
 
-TEST(Demands, MapsOfAnotherSizeOrWithoutMeaningAreRefused) {
+TEST(Overrides, MapsOfAnotherSizeOrWithoutMeaningAreRefused) {
     const Settings s = settings(96, 64, 4, 7, 3, 2);
     const core::Plane<float> narrow(5, 4, 1.0f);
     const core::Plane<Force> low(6, 3, Force::none);

@@ -1,4 +1,4 @@
-#include "encoder/mpeg2/macroblock/refresh.h"
+#include "encoder/mpeg2/macroblock/intra_refresh.h"
 
 #include <algorithm>
 
@@ -13,7 +13,7 @@ int early(int column, int row) {
 
 }  // namespace
 
-void Refresh::record(PictureType type, const core::Plane<MacroblockRecord>& macroblocks) {
+void IntraRefresh::record(PictureType type, const core::Plane<MacroblockRecord>& macroblocks) {
     if (type == PictureType::bidirectional) return;
     EXPECTS(macroblocks.width() == due_.width() && macroblocks.height() == due_.height());
     for (int row = 0; row < due_.height(); ++row)

@@ -1,4 +1,4 @@
-#include "encoder/mpeg2/motion/motion.h"
+#include "encoder/mpeg2/motion/motion_estimation.h"
 
 #include <algorithm>
 #include <vector>
@@ -43,9 +43,9 @@ std::int16_t median(std::int16_t a, std::int16_t b, std::int16_t c) {
 
 /// One picture's choice, in two passes over the rows. Rows are independent within a pass: what a row takes from another
 /// one is what the first pass left there. So threads change nothing, and a predictor may even lie below.
-class Chooser {
+class MotionEstimator {
   public:
-    explicit Chooser(const MotionSources& sources)
+    explicit MotionEstimator(const MotionSources& sources)
         : s_(sources),
           columns_(sources.picture.columns()),
           rows_(sources.picture.rows()),
@@ -55,12 +55,12 @@ class Chooser {
           limit_(s_.search_range > 0 ? evaluation_limit : s_.evaluation_limit),
           searched_(static_cast<std::size_t>(rows_)) {}
 
-    MotionChoice run() {
+    MotionEstimate run() {
         parallel::for_each(static_cast<std::size_t>(rows_),
                            [this](std::size_t row) { try_sources(static_cast<int>(row)); });
         price_vectors();
         parallel::for_each(static_cast<std::size_t>(rows_), [this](std::size_t row) { settle(static_cast<int>(row)); });
-        MotionChoice choice{std::move(chosen_), 0};
+        MotionEstimate choice{std::move(chosen_), 0};
         for (const Trials& t : trials_) choice.evaluations += static_cast<std::uint64_t>(t.count());
         for (const std::uint64_t searched : searched_) choice.evaluations += searched;
         return choice;
@@ -118,8 +118,8 @@ class Chooser {
             low = {std::min(low.x, v.x), std::min(low.y, v.y)};
             high = {std::max(high.x, v.x), std::max(high.y, v.y)};
         }
-        price_x_ = ComponentPrices(f_code_for(low.x, high.x));
-        price_y_ = ComponentPrices(f_code_for(low.y, high.y));
+        price_x_ = ComponentBits(f_code_for(low.x, high.x));
+        price_y_ = ComponentBits(f_code_for(low.y, high.y));
     }
 
     /// Second pass: the neighbours' vectors, then half pixels about the best.
@@ -168,16 +168,16 @@ class Chooser {
     }
 
     /// The cheapest ones that come within reach of the best.
-    VectorChoice shortlist(const Trials& t, Vector prediction) const {
-        VectorChoice choice;
-        float costs[VectorChoice::most];
+    BestVectors shortlist(const Trials& t, Vector prediction) const {
+        BestVectors choice;
+        float costs[BestVectors::most];
         choice.count = 0;
         for (const Trials::Trial& trial : t) {
             const float cost = cost_of(trial, prediction);
             int place = choice.count;
             while (place > 0 && cost < costs[place - 1]) --place;
-            if (place == VectorChoice::most) continue;
-            choice.count = std::min(choice.count + 1, VectorChoice::most);
+            if (place == BestVectors::most) continue;
+            choice.count = std::min(choice.count + 1, BestVectors::most);
             for (int i = choice.count - 1; i > place; --i) {
                 costs[i] = costs[i - 1];
                 choice.vector[i] = choice.vector[i - 1];
@@ -199,7 +199,7 @@ class Chooser {
     /// Bits of macroblock_type and vector. A zero vector needs none in P pictures, but a macroblock type one bit
     /// longer.
     int vector_bits(Vector v, Vector prediction) const {
-        if (s_.zero_is_unsaid && v.is_zero()) return 2;
+        if (s_.zero_is_implicit && v.is_zero()) return 2;
         return 1 + price_x_(v.x - prediction.x) + price_y_(v.y - prediction.y);
     }
 
@@ -223,17 +223,17 @@ class Chooser {
     const MotionSources& s_;
     int columns_, rows_;
     core::Plane<Vector> first_;
-    core::Plane<VectorChoice> chosen_;
+    core::Plane<BestVectors> chosen_;
     std::vector<Trials> trials_;
     int limit_;                            ///< of trials for one macroblock
     std::vector<std::uint64_t> searched_;  ///< differences that a search computed, per row
-    ComponentPrices price_x_{1}, price_y_{1};
+    ComponentBits price_x_{1}, price_y_{1};
 };
 
 }  // namespace
 
-MotionChoice choose_vectors(const MotionSources& sources) {
-    return Chooser(sources).run();
+MotionEstimate estimate_motion(const MotionSources& sources) {
+    return MotionEstimator(sources).run();
 }
 
 void predict_luma(const Frame& reference, int column, int row, Vector v, std::uint8_t* out) {

@@ -15,7 +15,7 @@ Settings perceptual(int width, int height, int quantiser, int gop, int b_picture
     return s;
 }
 
-TEST(Perception, FilmsWithTheEyesMatricesAreDecodedAsReconstructed) {
+TEST(WeightingMatrices, FilmsWithTheEyesMatricesAreDecodedAsReconstructed) {
     for (const int quantiser : {1, 2, 4, 12, 31})
         for (const Effort effort : {Effort::fast, Effort::quality}) {
             SCOPED_TRACE(quantiser);
@@ -53,7 +53,7 @@ Bands error_bands(const Film& film, const Paint& source) {
     return bands;
 }
 
-TEST(Perception, ErrorsMoveToFrequenciesThatTheEyeSeesLessOf) {
+TEST(WeightingMatrices, ErrorsMoveToFrequenciesThatTheEyeSeesLessOf) {
     const Settings plain = settings(96, 96, 4, 4, 3, 0), tuned = perceptual(96, 96, 4, 4, 0);
     const Paint grain = [](std::int64_t n) {
         core::Picture p = noise(96, 96, n, static_cast<std::uint64_t>(n));
@@ -66,7 +66,7 @@ TEST(Perception, ErrorsMoveToFrequenciesThatTheEyeSeesLessOf) {
     EXPECT_LT(after.high / after.low, 4.0 * before.high / before.low);
 }
 
-TEST(Perception, MatricesAndWeightsFallTogether) {
+TEST(WeightingMatrices, MatricesAndWeightsFallTogether) {
     const mpeg2::Matrices matrices = mpeg2::matrices_for(Tune::perceptual);
     const float* weights = mpeg2::weights_for(Tune::perceptual)->of;
     EXPECT_EQ(matrices.intra[0], 8);

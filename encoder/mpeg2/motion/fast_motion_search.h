@@ -9,16 +9,16 @@
 #include "encoder/mpeg2/bitstream/vector.h"
 #include "encoder/mpeg2/kernels/frame.h"
 #include "encoder/mpeg2/motion/candidates.h"
-#include "encoder/mpeg2/motion/motion.h"
+#include "encoder/mpeg2/motion/motion_estimation.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 
 /// Effort::fast: the vectors of a picture, each chosen when its macroblock's turn comes, so that one that is skipped
 /// costs none of it.
-class QuickMotion {
+class FastMotionSearch {
   public:
     /// One source per reference, null where there is none.
-    QuickMotion(const MotionSources* earlier, const MotionSources* later);
+    FastMotionSearch(const MotionSources* earlier, const MotionSources* later);
 
     /// What all vectors fit that are ever chosen.
     const int (&f_code(int direction) const)[2] { return side_[static_cast<std::size_t>(direction)].f_code; }
@@ -35,7 +35,7 @@ class QuickMotion {
     Found begin(int direction, int column, int row, Vector prediction) const;
     /// Tries zero, `prediction` and the vector of the picture before too, then the four half pixels around the best;
     /// nothing of it where next to nothing is left to code.
-    void go_on(Found& found, int direction, int column, int row, Vector prediction) const;
+    void refine(Found& found, int direction, int column, int row, Vector prediction) const;
     /// Whether a difference leaves next to nothing to code.
     bool is_enough(std::uint32_t difference) const { return difference <= enough_; }
 
@@ -46,7 +46,7 @@ class QuickMotion {
     struct Side {
         const MotionSources* sources = nullptr;
         int f_code[2] = {1, 1};
-        std::vector<ComponentPrices> price;  ///< of x and y
+        std::vector<ComponentBits> price;  ///< of x and y
     };
     std::uint32_t difference(const Side& side, int column, int row, Vector v) const;
     void consider(Found& found, const Side& side, int column, int row, Vector v, Vector prediction) const;

@@ -1,4 +1,4 @@
-#include "encoder/allotment.h"
+#include "encoder/bit_allocation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -55,52 +55,54 @@ bool coarsen(Items stretch, double base, double share) {
     return changed;
 }
 
-/// What the buffer lacks behind a place that it begins with: it is worst up to here.
-struct Lack {
+/// A stretch of pictures that takes more bits than the buffer brings; it ends where the buffer is emptiest.
+struct Underflow {
     std::size_t end;   ///< behind the stretch: where the share is the smallest, or where the buffer is full again
     double share = 1;  ///< of the stretch's bits that the buffer can bring
     double fullness;   ///< behind the stretch once it has no more
 };
 
 /// Follows the buffer from a place on, until it is full.
-Lack lack_from(Items chunk, std::size_t begin, double fullness, double base, const mpeg2::Channel& channel,
-               bool hands_over) {
+Underflow find_underflow(Items chunk, std::size_t begin, double fullness, double base, const mpeg2::Channel& channel,
+                         bool hands_over) {
     // chosen: a tenth of the buffer is left alone, since real sizes differ from those expected (0..0.2).
-    const auto size = static_cast<double>(channel.usable_bits), border = static_cast<double>(channel.border_bits);
-    Lack lack{chunk.size(), 1, size};
+    const auto size = static_cast<double>(channel.usable_bits),
+               chunk_fullness = static_cast<double>(channel.chunk_fullness);
+    Underflow underflow{chunk.size(), 1, size};
     double bits = 0;
     for (std::size_t i = begin; i < chunk.size(); ++i) {
         bits += chunk[i].bits(base);
         fullness -= chunk[i].bits(base);
         const bool last = i + 1 == chunk.size();
-        const double floor = std::max(0.1 * size, last && hands_over ? border - chunk[i].arrivals : 0.0);
+        const double floor = std::max(0.1 * size, last && hands_over ? chunk_fullness - chunk[i].arrivals : 0.0);
         const double share = std::max(0.1, 1 - core::divide_or(floor - fullness, bits, 0.0));
-        if (share < lack.share) lack = {i + 1, share, std::min(size, floor + chunk[i].arrivals)};
+        if (share < underflow.share) underflow = {i + 1, share, std::min(size, floor + chunk[i].arrivals)};
         fullness += chunk[i].arrivals;
         if (fullness < size) continue;
-        if (lack.share == 1) lack.end = i + 1;
+        if (underflow.share == 1) underflow.end = i + 1;
         break;
     }
-    return lack;
+    return underflow;
 }
 
-/// Makes the stretches of one chunk coarser that the buffer cannot bring; false: there is none that this helps. Behind
-/// one that is as coarse as can be, the buffer is where it has to be: its pictures will be made to fit.
-bool relieve(Items chunk, double base, const mpeg2::Channel& channel, bool hands_over) {
+/// Makes the stretches of one chunk coarser that underflow the buffer; false: none does, or none can be coarser. Behind
+/// one that is as coarse as can be, the buffer is where it has to be: its pictures will be made to fit (fitting.h).
+bool fix_underflows(Items chunk, double base, const mpeg2::Channel& channel, bool hands_over) {
     bool helped = false;
-    auto fullness = static_cast<double>(channel.border_bits);
+    auto fullness = static_cast<double>(channel.chunk_fullness);
     for (std::size_t begin = 0; begin < chunk.size();) {
-        const Lack lack = lack_from(chunk, begin, fullness, base, channel, hands_over);
-        // A ten-thousandth too much is what rounding leaves of a stretch that was relieved.
-        if (lack.share < 0.9999) helped |= coarsen(chunk.subspan(begin, lack.end - begin), base, lack.share);
-        fullness = lack.fullness;
-        begin = lack.end;
+        const Underflow underflow = find_underflow(chunk, begin, fullness, base, channel, hands_over);
+        // A ten-thousandth too much is what rounding leaves of a stretch that was fixed.
+        if (underflow.share < 0.9999)
+            helped |= coarsen(chunk.subspan(begin, underflow.end - begin), base, underflow.share);
+        fullness = underflow.fullness;
+        begin = underflow.end;
     }
     return helped;
 }
 
 /// Chunks of a film in coding order.
-std::vector<Items> chunks_of(Items items, std::span<const PassPicture> film) {
+std::vector<Items> chunks_of(Items items, std::span<const FirstPassPicture> film) {
     std::vector<Items> chunks;
     std::size_t begin = 0;
     for (std::size_t i = 1; i <= items.size(); ++i)
@@ -113,21 +115,21 @@ std::vector<Items> chunks_of(Items items, std::span<const PassPicture> film) {
 
 struct Settled {
     double base;        ///< quantiser of I and P pictures
-    double affordable;  ///< Allotment::affordable
+    double affordable;  ///< BitAllocation::affordable
 };
 
-/// Solves for the quantiser of a group of chunks that share their bits, and relieves the buffer until all fits.
+/// Solves for the quantiser of a group of chunks that share their bits, and fixes underflows until there are none.
 Settled settle(Items group, std::span<const Items> chunks, const mpeg2::Channel& channel, bool film_ends) {
     double seconds = 0;
     for (const Item& item : group) seconds += item.seconds;
     const double wanted = static_cast<double>(channel.average_rate) * seconds;
     double base = base_for(group, wanted);
-    // chosen: every relief frees bits for others, which may then need one; films converge within 10 (5..200).
+    // chosen: every fix frees bits for others, which may then underflow; films converge within 10 (5..200).
     for (int round = 0; round < 60; ++round) {
-        bool relieved = false;
+        bool fixed_some = false;
         for (const Items& chunk : chunks)
-            relieved |= relieve(chunk, base, channel, !film_ends || chunk.data() != chunks.back().data());
-        if (!relieved) break;
+            fixed_some |= fix_underflows(chunk, base, channel, !film_ends || chunk.data() != chunks.back().data());
+        if (!fixed_some) break;
         base = base_for(group, wanted);
     }
     return {base, core::divide_or(wanted, sum_of_bits(group, base), 1.0)};
@@ -135,20 +137,21 @@ Settled settle(Items group, std::span<const Items> chunks, const mpeg2::Channel&
 
 }  // namespace
 
-PassPicture pass_picture(const CodedPicture& coded, bool starts_chunk) {
+FirstPassPicture first_pass_picture(const CodedPicture& coded, bool starts_chunk) {
     return {coded.plan.number, coded.plan.type,
             coded.quantiser,   8.0 * static_cast<double>(coded.bytes.size() - coded.stuffing_bytes),
             starts_chunk,      mpeg2::ratio_of(coded.plan)};
 }
 
-std::vector<Allotment> allot(const Settings& settings, std::span<const PassPicture> film, double scale) {
+std::vector<BitAllocation> allocate_bits(const Settings& settings, std::span<const FirstPassPicture> film,
+                                         double scale) {
     EXPECTS(settings.rate_control.bit_rate > 0 && std::isfinite(scale) && scale > 0);
     mpeg2::check_film(film);
     const mpeg2::Channel channel = mpeg2::channel_for(settings, mpeg2::level_for(settings));
     const double field = 0.5 / declared_rate(settings).hertz.value();
     std::vector<Item> items;
     for (std::size_t i = 0; i < film.size(); ++i) {
-        const PassPicture& p = film[i];
+        const FirstPassPicture& p = film[i];
         const double seconds = field * mpeg2::fields_after(settings, static_cast<std::int64_t>(i));
         items.push_back({p.number, p.type, scale * p.bits * std::pow(p.quantiser, mpeg2::rate_slope(p.type)),
                          p.ratio.value_or(mpeg2::usual_quantiser_ratio(p.type, settings.gop)),
@@ -166,7 +169,7 @@ std::vector<Allotment> allot(const Settings& settings, std::span<const PassPictu
     };
 
     // A constant rate gives every chunk its own share; else all have one.
-    std::vector<Allotment> allotted(items.size());
+    std::vector<BitAllocation> allocated(items.size());
     const Settled common = channel.constant || items.empty() ? Settled{} : settle(items, chunks, channel, true);
     for (std::size_t c = 0; c < chunks.size(); ++c) {
         const Items chunk = chunks[c];
@@ -180,11 +183,11 @@ std::vector<Allotment> allot(const Settings& settings, std::span<const PassPictu
         for (const Item* item : shown) {
             left += item->bits(base);
             left_by_type[static_cast<std::size_t>(item->type) - 1] += item->bits(base);
-            allotted[place_of(*item)] = {item->quantiser(base), item->bits(base), left, item->type, affordable,
-                                         item->ratio,           left_by_type};
+            allocated[place_of(*item)] = {item->quantiser(base), item->bits(base), left, item->type, affordable,
+                                          item->ratio,           left_by_type};
         }
     }
-    return allotted;
+    return allocated;
 }
 
 }  // namespace render2mpeg::encoder

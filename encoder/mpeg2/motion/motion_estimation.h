@@ -18,22 +18,22 @@ struct MotionSources {
     const core::Plane<Vector>* previous;   ///< vectors of another picture, a predictor; null: none
     int horizontal_f_code_limit;
     float cost_per_bit;         ///< Hadamard sum
-    bool zero_is_unsaid;        ///< a zero vector costs next to nothing: P pictures
-    std::uint32_t enough = 0;   ///< QuickMotion: Hadamard sum at which no more vectors are tried
+    bool zero_is_implicit;      ///< a zero vector costs next to nothing: P pictures
+    std::uint32_t enough = 0;   ///< FastMotionSearch: Hadamard sum at which no more vectors are tried
     int evaluation_limit = 38;  ///< most 16x16 differences computed for one macroblock, 9..40
     int search_range = 0;       ///< encoder/mpeg2/motion/search.h
 };
 
 /// The best vectors of a macroblock, best first.
-struct VectorChoice {
+struct BestVectors {
     static constexpr int most = 3;
     Vector vector[most];
     std::uint32_t difference[most] = {};  ///< Hadamard sum
     int count = 1;
 };
 
-struct MotionChoice {
-    core::Plane<VectorChoice> vectors;
+struct MotionEstimate {
+    core::Plane<BestVectors> vectors;
     std::uint64_t evaluations = 0;  ///< 16x16 differences computed
 };
 
@@ -49,7 +49,7 @@ static_assert(2 * evaluation_limit_per_direction + evaluation_limit_of_means + e
 /// renderer's exact vectors, predictors (left, above, above right, their median, the picture before) and zero, then
 /// among half-pel neighbours of the best in at most two rounds. No search: a vector is never more than two half pixels
 /// from one of these.
-MotionChoice choose_vectors(const MotionSources& sources);
+MotionEstimate estimate_motion(const MotionSources& sources);
 
 /// Luma and chroma prediction of a macroblock: 16x16 samples, then 8x8 of Cb and Cr.
 struct Prediction {

@@ -1,4 +1,4 @@
-#include "encoder/unevenness.h"
+#include "encoder/motion_nonuniformity.h"
 
 #include <cmath>
 #include <cstdlib>
@@ -32,7 +32,7 @@ struct Changes {
 
 }  // namespace
 
-double unevenness(const core::MotionField& motion) {
+double motion_nonuniformity(const core::MotionField& motion) {
     EXPECTS(motion.reference != motion.picture);
     EXPECTS(motion.kind.width() == motion.vector.width() && motion.kind.height() == motion.vector.height());
     Changes changes;

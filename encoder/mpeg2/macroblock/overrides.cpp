@@ -1,0 +1,32 @@
+#include "encoder/mpeg2/macroblock/overrides.h"
+
+#include <algorithm>
+
+#include "encoder/mpeg2/macroblock/macroblock_tree.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+namespace {
+
+/// The entry for a macroblock that may lie in the padding.
+template <class T>
+T nearest(const core::Plane<T>& map, int column, int row) {
+    return map.at(std::min(column, map.width() - 1), std::min(row, map.height() - 1));
+}
+
+}  // namespace
+
+MacroblockOverrides overrides_from(const Hints& hints, int columns, int rows) {
+    MacroblockOverrides overrides;
+    if (hints.onward) overrides.quantiser_factors = quantiser_factors(*hints.onward, columns, rows);
+    if (hints.quantiser_factors && !hints.onward) overrides.quantiser_factors = core::Plane<float>(columns, rows, 1.0f);
+    if (hints.forced) overrides.forced = core::Plane<Force>(columns, rows, Force::none);
+    for (int row = 0; row < rows; ++row)
+        for (int column = 0; column < columns; ++column) {
+            if (hints.quantiser_factors)
+                overrides.quantiser_factors.at(column, row) *= nearest(*hints.quantiser_factors, column, row);
+            if (hints.forced) overrides.forced.at(column, row) = nearest(*hints.forced, column, row);
+        }
+    return overrides;
+}
+
+}  // namespace render2mpeg::encoder::mpeg2

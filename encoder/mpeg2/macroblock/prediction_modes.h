@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+
+#include "encoder/mpeg2/macroblock/macroblock.h"
+#include "encoder/mpeg2/motion/motion_estimation.h"
+
+namespace render2mpeg::encoder::mpeg2 {
+
+/// The modes of a B picture's macroblock that deserve to be tried in full, cheapest first by Hadamard sum and bits.
+struct ModeChoice {
+    static constexpr int most = 4;
+    PredictionMode mode[most];
+    int count = 0;
+    int evaluations = 0;  ///< 16x16 differences computed
+};
+
+/// Chooses among each direction's vectors alone and means of their best, and of those of the macroblock before.
+/// `cost_per_bit` is in Hadamard sums.
+ModeChoice choose_prediction_modes(const PictureCoding& picture, int column, int row, const SliceState& state,
+                                   const BestVectors& forward, const BestVectors& backward, float cost_per_bit);
+
+}  // namespace render2mpeg::encoder::mpeg2
