@@ -1,5 +1,6 @@
 #include "renderer/renderer.h"
 
+#include <algorithm>
 #include <numeric>
 #include <optional>
 
@@ -7,7 +8,6 @@
 #include "renderer/base/stopwatch.h"
 #include "renderer/cache/light_parts.h"
 #include "renderer/cache/record_cache.h"
-#include "renderer/cache/record_change.h"
 #include "renderer/calibration/audit.h"
 #include "renderer/calibration/calibration.h"
 #include "renderer/cut/shade.h"
@@ -45,6 +45,25 @@ struct Sight {
     bool operator==(const Sight&) const = default;
 };
 
+/// Whether two instants have the same light: everything but the camera.
+bool same_light(const scene::Snapshot& a, const scene::Snapshot& b) {
+    const auto same_object = [](const scene::ObjectState& x, const scene::ObjectState& y) {
+        return x.to_world == y.to_world && x.present == y.present && x.deformed == y.deformed;
+    };
+    const auto same_lamp = [](const scene::LightState& x, const scene::LightState& y) {
+        return x.kind == y.kind && x.position == y.position && x.direction == y.direction &&
+               x.intensity == y.intensity && x.range == y.range && x.cos_inner == y.cos_inner &&
+               x.cos_outer == y.cos_outer && x.id == y.id;
+    };
+    const auto same_shape = [](const scene::DeformedMesh& x, const scene::DeformedMesh& y) {
+        return x.positions == y.positions && x.normals == y.normals;
+    };
+    return std::equal(a.objects.begin(), a.objects.end(), b.objects.begin(), b.objects.end(), same_object) &&
+           std::equal(a.lights.begin(), a.lights.end(), b.lights.begin(), b.lights.end(), same_lamp) &&
+           std::equal(a.deformed.begin(), a.deformed.end(), b.deformed.begin(), b.deformed.end(), same_shape) &&
+           a.emission_factor == b.emission_factor;
+}
+
 }  // namespace
 
 struct Renderer::Impl {
@@ -77,9 +96,10 @@ struct Renderer::Impl {
                                           moving = anchors ? anchors->usual_moving() : none;
             // A forest takes two seeds, one for direct light and the next for indirect light.
             lasting = LastingForest({light_points.usual(), still, moving}, settings.seed + 2 * settings.draw);
-            parted = settings.cache && LightParts::suit(scenery, plan, still.size(), moving.size());
+            parted = settings.cache != CacheUse::off && LightParts::suit(scenery, plan, still.size(), moving.size());
             keeps =
-                settings.cache && (settings.follow || parted || !scene::traits_of(scenery.animation()).changes_light());
+                settings.cache == CacheUse::on || (settings.cache == CacheUse::static_light &&
+                                                   (parted || !scene::traits_of(scenery.animation()).changes_light()));
             parts.forget();
         }
         lit.reset();
@@ -93,7 +113,7 @@ struct Renderer::Impl {
     /// frame.
     void update_light(const scene::Snapshot& snapshot) {
         if (lit && same_light(*lit, snapshot)) return;
-        if (lit && !parted) records.change(*lit, snapshot);
+        if (lit && !parted) records.change();
         std::vector<LightPoint> direct;
         {
             const Stopwatch watch(row(Pass::emissive_lights));
@@ -209,7 +229,6 @@ struct Renderer::Impl {
         statistics.records_served += found.served;
         statistics.records_moved += found.moved;
         statistics.records_between += found.between;
-        statistics.records_followed += found.followed;
         statistics.records_watched += found.watched;
         statistics.records_missed += found.missed;
         statistics.records_live = std::max<std::uint64_t>(statistics.records_live, found.live);

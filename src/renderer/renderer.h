@@ -21,6 +21,13 @@ namespace render2mpeg::renderer {
 /// Whether near VPLs are clamped (docs/model/clamping.md).
 enum class Clamp { bounded, none };
 
+/// Where gathered light is kept for other pixels and frames (record_cache.h).
+enum class CacheUse {
+    off,
+    static_light,  ///< where light, or the static part of it (light_parts.h), stays what it is all through a film
+    on             ///< everywhere; a change of light forgets what was kept
+};
+
 struct Settings {
     scene::PictureFormat format;
     int samples = 4;           ///< eye samples per pixel, >= 1
@@ -33,8 +40,7 @@ struct Settings {
     int specular_depth = 6;  ///< mirrors and glass after one another
     Clamp clamp = Clamp::bounded;
     bool calibrate = true;  ///< Stop::honest: let the film's own light decide the caution of its cuts (calibration.h)
-    bool cache = false;     ///< keep light on surfaces as records from which pixels are lit (record_cache.h)
-    bool follow = true;     ///< with `cache`: also where light changes as a whole, so that records must follow it
+    CacheUse cache = CacheUse::off;
     core::Isa isa = core::Isa::sse2;
     std::uint64_t seed = 1;  ///< of representatives and light samples; photons use a fixed Halton sequence
     std::uint64_t draw = 0;  ///< other representatives for the same light: cuts err anew, the truth stays
@@ -61,7 +67,6 @@ struct Statistics {
     std::uint64_t records_served = 0;     ///< gather points whose light came from records
     std::uint64_t records_moved = 0;      ///< of these, elsewhere in their pixels
     std::uint64_t records_between = 0;    ///< likewise, by what other points around were served
-    std::uint64_t records_followed = 0;   ///< times that one changed as the light around it did
     std::uint64_t records_watched = 0;    ///< points that records served and that were gathered all the same
     std::uint64_t records_missed = 0;     ///< of these, those that they were off by more than was allowed
     std::uint64_t records_live = 0;       ///< most that were held at a time

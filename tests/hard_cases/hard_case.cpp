@@ -49,7 +49,7 @@ app::Production production(const HardCase& hard_case, scene::Animation film, Way
     p.rendering.vpls = 100;
     p.rendering.isa = core::detect_isa();
     p.rendering.stop = way == Way::classic ? renderer::Stop::classic : renderer::Stop::honest;
-    p.rendering.cache = way == Way::records;
+    p.rendering.cache = way == Way::records ? renderer::CacheUse::on : renderer::CacheUse::off;
     p.plan = renderer::make_plan(scene::traits_of(film), {});
     p.coding.width = hard_case.size.x;
     p.coding.height = hard_case.size.y;

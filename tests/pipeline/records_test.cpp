@@ -48,20 +48,17 @@ TEST(Records, OfFramesAddUpToThoseOfTheFilm) {
     const std::string stats = (folder / "s.json").string();
     ASSERT_EQ(run(render + (folder / "f.y4m").string() + kept + " --quiet --stats " + stats).status, 0);
     const auto film = nlohmann::json::parse(contents(stats));
-    std::uint64_t created = 0, followed = 0, most = 0;
+    std::uint64_t created = 0, most = 0;
     for (const auto& frame : film.at("per_frame")) {
         const auto& records = frame.at("records");
         created += records.at("created").get<std::uint64_t>();
-        followed += records.at("followed").get<std::uint64_t>();
         most = std::max(most, records.at("live").get<std::uint64_t>());
         EXPECT_GT(records.at("served").get<double>(), 0.0);
         EXPECT_LT(records.at("served").get<double>(), 1.0);
     }
     const auto& all = film.at("records");
     EXPECT_EQ(created, all.at("created").get<std::uint64_t>());
-    EXPECT_EQ(followed, all.at("followed").get<std::uint64_t>());
     EXPECT_EQ(most, all.at("most").get<std::uint64_t>());
-    EXPECT_GT(followed, 0u) << "boxes move";
 }
 
 TEST(Records, ThatAreNotThereAreNotShown) {
@@ -82,7 +79,7 @@ TEST(Records, AreKeptByThemselvesWhereLightStaysOrCanBeParted) {
     walk.has_diffuse_surfaces = walk.camera_moves = true;
     const auto keeps = [](const scene::Traits& traits, std::int64_t frames = 24, bool reference = false,
                           std::int64_t pixels = large) {
-        return app::choose_records("auto", traits, false, reference, frames, pixels).kept;
+        return app::choose_cache("auto", traits, false, reference, frames, pixels).keeps();
     };
     EXPECT_TRUE(keeps(walk));
     EXPECT_FALSE(keeps(walk, 1)) << "a picture alone";
@@ -93,19 +90,19 @@ TEST(Records, AreKeptByThemselvesWhereLightStaysOrCanBeParted) {
         scene::Traits changes = walk;
         changes.*cause = true;
         EXPECT_FALSE(keeps(changes));
-        const app::RecordsChoice asked = app::choose_records("on", changes, true, false, 24, 1);
-        EXPECT_TRUE(asked.kept && asked.follow) << "who asks gets it";
-        const app::RecordsChoice parted = app::choose_records("auto", changes, true, false, 24, large);
-        EXPECT_EQ(parted.kept, !changes.lights_change) << parted.reason;
-        EXPECT_FALSE(parted.kept && parted.follow) << "only if light can be parted";
-        EXPECT_FALSE(app::choose_records("auto", changes, true, false, 1, large).kept);
-        EXPECT_FALSE(app::choose_records("auto", changes, true, false, 24, 96 * 96).kept);
+        const app::CacheChoice asked = app::choose_cache("on", changes, true, false, 24, 1);
+        EXPECT_EQ(asked.use, renderer::CacheUse::on) << "who asks gets it";
+        const app::CacheChoice split = app::choose_cache("auto", changes, true, false, 24, large);
+        EXPECT_EQ(split.use, changes.lights_change ? renderer::CacheUse::off : renderer::CacheUse::static_light)
+            << split.reason;
+        EXPECT_FALSE(app::choose_cache("auto", changes, true, false, 1, large).keeps());
+        EXPECT_FALSE(app::choose_cache("auto", changes, true, false, 24, 96 * 96).keeps());
     }
     scene::Traits still;
     EXPECT_FALSE(keeps(still)) << "nothing dull";
     still.has_diffuse_surfaces = true;
     EXPECT_TRUE(keeps(still));
-    EXPECT_FALSE(app::choose_records("off", walk, true, false, 24, large).kept);
+    EXPECT_FALSE(app::choose_cache("off", walk, true, false, 24, large).keeps());
 }
 
 TEST(Records, ThePlanSaysWhyTheyAreKept) {

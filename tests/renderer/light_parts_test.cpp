@@ -16,7 +16,7 @@ constexpr int size = 48;
 
 Settings settings(bool cache) {
     Settings s = test::small_frame(size, size);
-    s.cache = cache;
+    s.cache = cache ? CacheUse::on : CacheUse::off;
     s.vpls = 2000;
     return s;
 }
@@ -121,9 +121,9 @@ TEST(LightParts, KeepAllRecordsWhereABoxMoves) {
     EXPECT_LT(stage.statistics().records_created - created, created / 4);
 }
 
-TEST(LightParts, DecideWhetherRecordsAreKeptThatMayNotFollow) {
+TEST(LightParts, DecideWhetherLightIsKeptWhereOnlyStaticLightMayBe) {
     Settings kept = settings(true), plain = settings(false);
-    kept.follow = false;
+    kept.cache = CacheUse::static_light;
     FilmStage parted(room({here, beside}), kept);
     for (int second = 0; second < 2; ++second) parted.cut(0.05f, second);
     EXPECT_GT(parted.statistics().records_created, 0u);
@@ -135,16 +135,16 @@ TEST(LightParts, DecideWhetherRecordsAreKeptThatMayNotFollow) {
     for (int second = 0; second < 2; ++second)
         EXPECT_TRUE(test::same_bytes(whole.cut(0.05f, second), gathered.cut(0.05f, second)));
     EXPECT_EQ(whole.statistics().records_created, 0u);
-    kept.follow = true;
-    FilmStage followed(filled, kept);
-    followed.cut(0.05f, 0);
-    EXPECT_GT(followed.statistics().records_created, 0u);
+    kept.cache = CacheUse::on;
+    FilmStage everywhere(filled, kept);
+    everywhere.cut(0.05f, 0);
+    EXPECT_GT(everywhere.statistics().records_created, 0u);
 
-    // Where only the camera moves there is nothing to follow.
+    // Where only the camera moves all light is static.
     test::SceneBuilder walk = test::furnished_room();
     walk.add_track(scene::TrackTarget::translation, walk.film().cameras[0].node, 3, {0, 10},
                    {2.0f, 1.6f, 3.8f, 2.4f, 1.6f, 3.8f});
-    kept.follow = false;
+    kept.cache = CacheUse::static_light;
     FilmStage walked(walk, kept);
     walked.cut(0.05f, 0);
     EXPECT_GT(walked.statistics().records_created, 0u);

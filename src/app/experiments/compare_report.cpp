@@ -176,7 +176,7 @@ json compare_json(const Production& film, const Comparison& found, const std::st
             {"samples", film.rendering.samples},
             {"vpls", film.rendering.vpls},
             {"masking", film.coupling.observer.strategy == perceptual::Strategy::quantised ? "quantised" : "carried"},
-            {"cache", records_word(film.rendering)},
+            {"cache", cache_word(film.rendering)},
             {"light_points", found.light_points},
             {"windows", windows},
             {"reference", {{"frames", found.references}, {"seconds", found.reference_seconds}}},

@@ -222,7 +222,7 @@ json cost_json(const Production& film, const Sweep& sweep, const std::string& co
             {"samples", film.rendering.samples},
             {"vpls", film.rendering.vpls},
             {"masking", film.coupling.observer.strategy == perceptual::Strategy::quantised ? "quantised" : "carried"},
-            {"cache", records_word(film.rendering)},
+            {"cache", cache_word(film.rendering)},
             {"light_points", {{"direct", sweep.direct_points}, {"indirect", sweep.indirect_points}}},
             {"quantiser", film.coding.quantiser},
             {"windows", windows},

@@ -16,8 +16,8 @@ void Bookkeeper::rendered(std::int64_t frame, const renderer::Statistics& before
     const auto points = static_cast<double>(std::max<std::uint64_t>(1, after.gather_points - before.gather_points));
     entry.direct_cut = static_cast<double>(after.direct_clusters - before.direct_clusters) / points;
     entry.indirect_cut = static_cast<double>(after.indirect_clusters - before.indirect_clusters) / points;
-    entry.records = {after.records_created - before.records_created, after.records_followed - before.records_followed,
-                     after.records_held, static_cast<double>(after.records_served - before.records_served) / points};
+    entry.records = {after.records_created - before.records_created, after.records_held,
+                     static_cast<double>(after.records_served - before.records_served) / points};
     ledger_.frames.push_back(entry);
 }
 

@@ -30,9 +30,8 @@ renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer:
           &renderer::Statistics::indirect_clusters, &renderer::Statistics::non_finite,
           &renderer::Statistics::calibrated_pixels, &renderer::Statistics::records_created,
           &renderer::Statistics::records_served, &renderer::Statistics::records_moved,
-          &renderer::Statistics::records_between, &renderer::Statistics::records_followed,
-          &renderer::Statistics::records_watched, &renderer::Statistics::records_missed,
-          &renderer::Statistics::frames_watched})
+          &renderer::Statistics::records_between, &renderer::Statistics::records_watched,
+          &renderer::Statistics::records_missed, &renderer::Statistics::frames_watched})
         sum.*count += earlier.*count;
     sum.records_live = std::max(earlier.records_live, later.records_live);
     sum.calibration_seconds += earlier.calibration_seconds;

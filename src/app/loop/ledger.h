@@ -22,7 +22,7 @@ double clock_seconds();
 
 /// What records did for one frame; all 0 where none are kept.
 struct RecordsEntry {
-    std::uint64_t created = 0, followed = 0;
+    std::uint64_t created = 0;
     std::uint64_t live = 0;  ///< held after it
     double served = 0;       ///< share of its gather points that they, or the frame before, lit
 };

@@ -160,11 +160,10 @@ Production prepare(const RenderOptions& options) {
     wanted.indirect = options.vpls > 0;
     const scene::Traits traits = scene::traits_of(*animation);
     film.plan = renderer::make_plan(traits, wanted);
-    film.records = choose_records(options.cache, traits, renderer::LightParts::may_suit(*animation, film.plan),
-                                  film.tolerance.reference, film.frame_count(),
-                                  std::int64_t{film.format.width} * film.format.height);
-    film.rendering.cache = film.records.kept;
-    film.rendering.follow = film.records.follow;
+    film.cache = choose_cache(options.cache, traits, renderer::LightParts::may_suit(*animation, film.plan),
+                              film.tolerance.reference, film.frame_count(),
+                              std::int64_t{film.format.width} * film.format.height);
+    film.rendering.cache = film.cache.use;
     return film;
 }
 

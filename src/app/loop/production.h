@@ -31,7 +31,7 @@ struct Production {
     scene::PictureFormat format;
     renderer::Settings rendering;
     renderer::Plan plan{{}};
-    RecordsChoice records;  ///< as `rendering` has it
+    CacheChoice cache;  ///< as `rendering` has it
     encoder::Settings coding;
     Keyframes keyframes;
     bool disc = false;                  ///< program streams are a DVD's

@@ -9,28 +9,28 @@ constexpr std::int64_t least_pixels = 160 * 160;
 
 }  // namespace
 
-RecordsChoice choose_records(const std::string& asked, const scene::Traits& traits, bool parts, bool reference,
-                             std::int64_t frames, std::int64_t pixels) {
-    if (asked == "off") return {false, "not wanted: --cache off"};
-    if (reference) return {false, "no cause: every light point lights every pixel"};
-    if (asked == "on") return {true, "--cache on asks for it"};
-    if (!traits.has_diffuse_surfaces) return {false, "would not pay: no surface shows one light from all sides"};
-    if (frames == 1) return {false, "would not pay: there is no later frame to keep light for"};
-    if (pixels < least_pixels) return {false, "would not pay: the picture is small"};
-    // Where light changes as a whole, a sixteenth of all pixels is gathered anew with every frame, and what is near the
-    // cause of it as well: that gains less, and loses quality where lamps flash (docs/decisions/0018, "On by
-    // itself").
-    if (traits.lights_change) return {false, "would not pay: lights change"};
+CacheChoice choose_cache(const std::string& asked, const scene::Traits& traits, bool parts, bool reference,
+                         std::int64_t frames, std::int64_t pixels) {
+    using enum renderer::CacheUse;
+    if (asked == "off") return {off, "not wanted: --cache off"};
+    if (reference) return {off, "no cause: every light point lights every pixel"};
+    if (asked == "on") return {on, "--cache on asks for it"};
+    if (!traits.has_diffuse_surfaces) return {off, "would not pay: no surface shows one light from all sides"};
+    if (frames == 1) return {off, "would not pay: there is no later frame to keep light for"};
+    if (pixels < least_pixels) return {off, "would not pay: the picture is small"};
+    // A change of light forgets what is kept: only the frame's own pixels would gain.
+    if (traits.lights_change) return {off, "would not pay: lights change"};
     if (parts)
-        return {true, "few things move: light past them stays, unless they hold over a twentieth of its points", false};
-    if (traits.changes_light()) return {false, "would not pay: what moves changes light"};
-    return {true, traits.camera_moves ? "only the camera moves: light stays for later frames"
-                                      : "nothing moves: light stays for later frames"};
+        return {static_light,
+                "few things move: light past them stays, unless they hold over a twentieth of its points"};
+    if (traits.changes_light()) return {off, "would not pay: what moves changes light"};
+    return {static_light, traits.camera_moves ? "only the camera moves: light stays for later frames"
+                                              : "nothing moves: light stays for later frames"};
 }
 
-std::string records_word(const renderer::Settings& rendering) {
-    if (!rendering.cache) return "off";
-    return rendering.follow ? "on" : "parts";
+std::string cache_word(const renderer::Settings& rendering) {
+    constexpr const char* words[] = {"off", "static", "on"};
+    return words[static_cast<int>(rendering.cache)];
 }
 
 }  // namespace render2mpeg::app

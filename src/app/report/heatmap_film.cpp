@@ -237,7 +237,7 @@ void check_heatmaps(const RenderOptions& options, const Production& film) {
             throw core::Error("heatmap quantiser: only films have one");
         const bool of_records =
             subject == HeatSubject::records || subject == HeatSubject::age || subject == HeatSubject::reuse;
-        if (of_records && (!film.rendering.cache || film.tolerance.reference))
+        if (of_records && (film.rendering.cache == renderer::CacheUse::off || film.tolerance.reference))
             throw core::Error("heatmap " + name + ": there are no records without `--cache on`, nor with " +
                               "`--tolerance reference`");
         if (subject == HeatSubject::tolerance && film.tolerance.reference)

@@ -59,7 +59,6 @@ void each_count(Counts& s, Visit&& visit) {
     visit("records_served", s.records_served);
     visit("records_moved", s.records_moved);
     visit("records_between", s.records_between);
-    visit("records_followed", s.records_followed);
     visit("records_watched", s.records_watched);
     visit("records_missed", s.records_missed);
     visit("records_live", s.records_live);

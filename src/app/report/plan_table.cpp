@@ -65,7 +65,7 @@ std::vector<Row> rows_of(const Production& film) {
                           first_pass_row(film)};
     for (const renderer::PlanRow& row : film.plan.rows()) {
         if (row.pass == renderer::Pass::shade) {
-            rows.push_back({"records", film.records.kept, film.records.reason});
+            rows.push_back({"records", film.cache.keeps(), film.cache.reason});
             rows.push_back({"preview", coupled,
                             coupled ? "first frames of chunks and shots follow no picture that tells tolerances"
                                     : "no cause: the tolerance is not coupled to coding"});

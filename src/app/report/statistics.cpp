@@ -60,7 +60,6 @@ json records_of(const Production& film, const renderer::Statistics& r) {
     if (!kept_records(film.rendering, r)) return nullptr;
     return {
         {"created", r.records_created},
-        {"followed", r.records_followed},
         {"most", r.records_live},
         {"watched", r.records_watched},
         {"missed", r.records_missed},
@@ -118,10 +117,8 @@ json entry_of(const FrameEntry& frame, bool coded, bool by_records) {
                {"shadow_rays", frame.shadow_rays},
                {"cut", {{"direct", frame.direct_cut}, {"indirect", frame.indirect_cut}}}};
     if (by_records)
-        entry["records"] = {{"created", frame.records.created},
-                            {"followed", frame.records.followed},
-                            {"live", frame.records.live},
-                            {"served", frame.records.served}};
+        entry["records"] = {
+            {"created", frame.records.created}, {"live", frame.records.live}, {"served", frame.records.served}};
     if (coded) add_coding(entry, frame);
     return entry;
 }

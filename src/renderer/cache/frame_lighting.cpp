@@ -159,7 +159,7 @@ std::vector<PointRef> FrameLighting::wanting(std::size_t t, int lattice) {
 }
 
 std::optional<Record> FrameLighting::record(const GatheredRequests& g, std::size_t i) const {
-    auto record = record_of(point(g.points[i]), g.light[i], g.lobes[i], limits_.caution, snapshot_.frame, g.slopes[i]);
+    auto record = record_of(point(g.points[i]), g.light[i], g.lobes[i], limits_.caution, snapshot_.frame);
     if (record) record->set = g.sets[i];
     return record;
 }

@@ -53,7 +53,6 @@ class FrameLighting {
     /// `moved`: things lie elsewhere than in the last frame, though records are what they were.
     void prepare(const core::ToleranceMap& tolerance, const RecordCache::LitTiles& last,
                  const MovedPoints& last_moved_points, std::int64_t last_frame, bool moved, ShadeCounts& counts);
-    void renew(ShadeCounts& counts, RecordCounts& record_counts);
     /// Serves or gathers what is not known yet, lattice by lattice; and some of what was served all the same, for
     /// `watch`.
     void refine(RecordWatch& known, ShadeCounts& counts, RecordCounts& record_counts);

@@ -3,15 +3,8 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "renderer/cache/frame_lighting.h"
-#include "renderer/cache/record_change.h"
 
 namespace render2mpeg::renderer {
-
-void RecordCache::change(const scene::Snapshot& before, const scene::Snapshot& now) {
-    last_ = {};
-    changed_ = true;
-    drop_disturbed(records_, before, now);
-}
 
 void RecordCache::cut_to(const Seen& seen, const scene::Snapshot& snapshot) {
     // Their errors are of another caution.
@@ -35,8 +28,7 @@ FrameLight RecordCache::light(const LightForest& forest, const RayTracer& tracer
     FrameLighting frame(forest, tracer, seen, snapshot, limits, trust_, trials_, records_, parts);
     frame.prepare(tolerance, last_, last_moved_points_, last_frame_, moved_, shade_counts);
     last_frame_ = snapshot.frame;
-    if (changed_ && records_.size() > 0) frame.renew(shade_counts, counts);
-    changed_ = moved_ = false;
+    moved_ = false;
     frame.refine(watch_, shade_counts, counts);
     if (parts != nullptr) frame.add_movers(shade_counts, counts);
     frame.thin();

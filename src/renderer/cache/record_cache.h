@@ -10,14 +10,13 @@ namespace render2mpeg::renderer {
 
 /// What the records did for a frame.
 struct RecordCounts {
-    std::uint64_t served = 0;    ///< gather points whose light came from records, or from the very same point before
-    std::uint64_t moved = 0;     ///< of these, at the place of a record elsewhere in their pixel
-    std::uint64_t between = 0;   ///< likewise, by what other points around were served
-    std::uint64_t created = 0;   ///< records
-    std::uint64_t followed = 0;  ///< older records that changed as the light around them did
-    std::uint64_t live = 0;      ///< records held after the frame
-    std::uint64_t watched = 0;   ///< points that records served and that were gathered all the same
-    std::uint64_t missed = 0;    ///< of these, those that records were off by more than they may
+    std::uint64_t served = 0;   ///< gather points whose light came from records, or from the very same point before
+    std::uint64_t moved = 0;    ///< of these, at the place of a record elsewhere in their pixel
+    std::uint64_t between = 0;  ///< likewise, by what other points around were served
+    std::uint64_t created = 0;  ///< records
+    std::uint64_t live = 0;     ///< records held after the frame
+    std::uint64_t watched = 0;  ///< points that records served and that were gathered all the same
+    std::uint64_t missed = 0;   ///< of these, those that records were off by more than they may
 };
 
 /// Gathers light once, at places on surfaces, and keeps it there for as long as it stays what it is
@@ -31,7 +30,7 @@ class RecordCache {
         watch_.forget();
         last_ = {};
         last_moved_points_ = {};
-        changed_ = moved_ = false;
+        moved_ = false;
     }
 
     /// Which points were lit elsewhere in their pixels: none but in the last frame, nor by the reference, which asks no
@@ -47,15 +46,17 @@ class RecordCache {
         return map.density();
     }
 
-    /// Light is another than at the frame before.
-    void change(const scene::Snapshot& before, const scene::Snapshot& now);
+    /// Light is another than at the frame before: nothing that is known holds.
+    void change() {
+        records_.forget();
+        last_ = {};
+    }
 
-    /// The same where light is parted (light_parts.h): whether the part that records hold is another now, too.
+    /// Things lie elsewhere than in the frame before, where light is parted (light_parts.h): whether the part that
+    /// records hold is another now, too.
     void move(bool still_changed) {
         moved_ = true;
-        if (!still_changed) return;
-        last_ = {};
-        changed_ = true;
+        if (still_changed) change();
     }
 
     /// Light of all points of a frame within their tolerances (not for the reference), gathered or from records; these
@@ -63,8 +64,6 @@ class RecordCache {
     FrameLight light(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
                      const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, const CutLimits& limits,
                      ShadeCounts& shade_counts, RecordCounts& counts, const LightParts* parts = nullptr);
-
-    void set_trust(const RecordTrust& trust) { trust_ = trust; }
 
     /// Bytes held between frames.
     std::size_t bytes() const {
@@ -92,7 +91,6 @@ class RecordCache {
     MovedPoints last_moved_points_;
     std::int64_t last_frame_ = 0;  ///< that they are of
     float last_caution_ = 1;       ///< that they were lit with
-    bool changed_ = false;         ///< light is another than what the records tell
     bool moved_ = false;           ///< things lie elsewhere than in the last frame; light is parted
     RecordTrust trust_;
     LobeTrials trials_;

@@ -34,17 +34,11 @@ constexpr int asked_for_columns = 4;
 constexpr int least_level = 4;
 constexpr float level_doubt = 3.0f, level_distance = 0.75f, most_reach = 4.0f;
 
-/// A record's slopes change its light by no more than this share of it: they hold near it, and not where light is so
-/// grazing. chosen: 1, which keeps light at 0 and more; not tuned.
-constexpr float most_change = 1.0f;
-
 /// A record that is asked.
 struct Neighbour {
     const Record* record;
     std::uint32_t index;
     SeenLobe lobe;
-    glm::vec3 change;  ///< what its irradiance is multiplied by (`changed`): halfway for planes, whole for means
-    glm::vec3 diffuse, shiny;  ///< what it sends into the pixel, unchanged, by its irradiance and its lobe
 };
 
 /// One that lies on the point's surface.
@@ -54,18 +48,6 @@ struct Candidate {
     float distance2;
 };
 
-/// What a record's irradiance is multiplied by where its slopes are followed for a part of the way to a point, and for
-/// all of the turn of normals.
-glm::vec3 changed(const Record& r, const SurfacePoint& p, float way) {
-    const glm::vec3 change = r.slopes.by_place * (way * (p.position - r.position)) +
-                             r.slopes.by_normal * (p.shading_normal - r.shading_normal);
-    const glm::vec3 light = r.direct + r.indirect;
-    glm::vec3 factor;
-    for (int k = 0; k < 3; ++k)
-        factor[k] = 1.0f + std::clamp(core::divide_or(change[k], light[k], 0.0f), -most_change, most_change);
-    return factor;
-}
-
 class Neighbours {
   public:
     /// Those within `radius` of the query on its surface; false where there are too many or too few.
@@ -74,7 +56,7 @@ class Neighbours {
     bool is_full() const { return is_full_; }
     /// By how much what they disagree by counts for more than in a plane through them; 0: they tell nothing, 1: a
     /// plane.
-    float fit(const SurfacePoint& p);
+    float fit();
     RecordPlane& plane() { return plane_; }
     float weight(int i) const { return plane_.weight(i); }
     /// What gathering may be off by, given what the point makes of irradiance.
@@ -142,28 +124,16 @@ bool Neighbours::find(const RecordQuery& q, const RecordMap& map, const Records&
             return false;
         }
         const float falloff = 1.0f - c.distance2 / (reach * reach * 1.1f);
-        // A record's own value and what its slopes make of it err by light's curvature to opposite sides: between
-        // them lies what a plane wants, which follows by itself what slopes do not know.
-        const Neighbour n{&r,
-                          c.mark->record,
-                          *lobe,
-                          changed(r, p, 0.5f),
-                          reflects * (r.direct + r.indirect),
-                          q.point.weight * lobe->radiance};
-        found_[static_cast<std::size_t>(plane_.count())] = n;
-        plane_.add(c.offset, falloff * falloff / (0.25f + c.distance2), n.change * n.diffuse + n.shiny);
+        found_[static_cast<std::size_t>(plane_.count())] = {&r, c.mark->record, *lobe};
+        plane_.add(c.offset, falloff * falloff / (0.25f + c.distance2),
+                   reflects * (r.direct + r.indirect) + q.point.weight * lobe->radiance);
     }
     return plane_.count() > 0;
 }
 
-float Neighbours::fit(const SurfacePoint& p) {
+float Neighbours::fit() {
     if (plane_.fit()) return 1.0f;
     if (count() < least_level || plane_.distance(plane_.nearest()) > level_distance) return 0.0f;
-    for (int i = 0; i < count(); ++i) {
-        Neighbour& n = found_[static_cast<std::size_t>(i)];
-        n.change = changed(*n.record, p, 1.0f);
-        plane_.change(i, n.change * n.diffuse + n.shiny);
-    }
     if (!plane_.fit_level()) return 0.0f;
     const float reach = plane_.reach();
     return reach < most_reach ? level_doubt * std::max(1.0f, reach) : 0.0f;
@@ -177,9 +147,7 @@ float Neighbours::noise(float receives) const {
     for (int i = 0; i < count(); ++i) {
         const Neighbour& n = (*this)[i];
         turned += weight(i) * n.lobe.turned;
-        const glm::vec3 factor = n.change;
-        of_set[n.record->set % of_set.size()] +=
-            std::abs(weight(i)) * std::max({factor.x, factor.y, factor.z}) * n.record->error;
+        of_set[n.record->set % of_set.size()] += std::abs(weight(i)) * n.record->error;
     }
     for (const float sum : of_set) square += sum * sum;
     return receives * std::sqrt(square) + turn_error * glm::length(turned);
@@ -191,18 +159,17 @@ PointLight blend(const Neighbours& n, const GatherPoint& p, std::int64_t frame) 
     glm::vec3 low[3]{glm::vec3(1e30f), glm::vec3(1e30f), glm::vec3(1e30f)}, high[3]{};
     for (int i = 0; i < n.count(); ++i) {
         const Record& r = *n[i].record;
-        const glm::vec3 direct = n[i].change * r.direct, indirect = n[i].change * r.indirect;
-        light.direct += n.weight(i) * direct;
-        light.indirect += n.weight(i) * indirect;
+        light.direct += n.weight(i) * r.direct;
+        light.indirect += n.weight(i) * r.indirect;
         light.glossy += n.weight(i) * n[i].lobe.radiance;
         light.capped = light.capped || r.capped;
         clamped += n.weight(i) * r.clamped;
         age += std::abs(n.weight(i)) * static_cast<float>(frame - r.born);
         sum += std::abs(n.weight(i));
-        low[0] = glm::min(low[0], direct);
-        high[0] = glm::max(high[0], direct);
-        low[1] = glm::min(low[1], indirect);
-        high[1] = glm::max(high[1], indirect);
+        low[0] = glm::min(low[0], r.direct);
+        high[0] = glm::max(high[0], r.direct);
+        low[1] = glm::min(low[1], r.indirect);
+        high[1] = glm::max(high[1], r.indirect);
         low[2] = glm::min(low[2], n[i].lobe.radiance);
         high[2] = glm::max(high[2], n[i].lobe.radiance);
     }
@@ -238,7 +205,7 @@ RecordEstimate estimate(const RecordQuery& q, const RecordMap& map, Records& rec
             if (near.is_full()) break;
             continue;
         }
-        if (const float more = near.fit(q.point.point); more > 0.0f) {
+        if (const float more = near.fit(); more > 0.0f) {
             const float light = core::luminance(near.plane().value()), tolerance = q.tolerance.allows(light);
             const float doubts = record_doubt(q.tolerance, light, tolerance);
             const float off = trust.residual * doubts * (more > 1.0f ? more * doubts : 1.0f) * near.plane().residual(),

@@ -18,18 +18,10 @@ constexpr float least_albedo = 0.05f;
 /// many as without and a third more time.
 constexpr float least_alpha = 0.04f;
 
-/// A matrix whose rows are the channels' vectors, over pi.
-glm::mat3 by_channel(const Vec3Lanes (&lanes)[3], int i) {
-    glm::mat3 rows;
-    for (int c = 0; c < 3; ++c) rows[c] = lobe::inverse_pi * glm::vec3(lanes[c].x[i], lanes[c].y[i], lanes[c].z[i]);
-    return glm::transpose(rows);
-}
-
 void gather_group(const Seen& seen, const std::vector<std::vector<PointTolerance>>& tolerances, const CutLimits& limits,
                   const LobeTrials& trials, const RequestGroup& group, Gatherer& gatherer, GatheredRequests& out) {
     GatherPoint receivers[lane_count];
     const GatherPoint* pointers[lane_count];
-    bool makes_records = false;
     GroupTolerance tolerance;
     for (std::size_t i = 0; i < lane_count; ++i) {
         const PointRef& ref = group.points[std::min(i, group.points.size() - 1)];
@@ -37,7 +29,6 @@ void gather_group(const Seen& seen, const std::vector<std::vector<PointTolerance
         if (i >= group.points.size()) continue;
         pointers[i] = &seen.tiles[ref.tile][ref.index];
         if (!takes_records(*pointers[i], trials)) continue;
-        makes_records = true;
         receivers[i] = plain_receiver(*pointers[i]);
         pointers[i] = &receivers[i];
     }
@@ -46,8 +37,6 @@ void gather_group(const Seen& seen, const std::vector<std::vector<PointTolerance
     lanes.set = group.set;
     GatheredLight gathered;
     gatherer.gather(lanes, tolerance, limits, gathered);
-    SlopeLanes slopes{};
-    if (makes_records) gatherer.slopes(lanes, slopes);
     out.counts.add(gathered, group.points.size());
     for (std::size_t i = 0; i < group.points.size(); ++i) {
         out.points.push_back(group.points[i]);
@@ -59,7 +48,6 @@ void gather_group(const Seen& seen, const std::vector<std::vector<PointTolerance
                                          core::luminance(light.scattered(*pointers[i])), 0.0f);
         out.light.push_back(light);
         out.sets.push_back(static_cast<std::uint8_t>(group.set));
-        out.slopes.push_back({by_channel(slopes.by_place, lane), by_channel(slopes.by_normal, lane)});
         out.lobes.emplace_back();
         const SurfacePoint& p = pointers[i]->point;
         if (p.bsdf.has_glossy())
@@ -90,7 +78,7 @@ GatherPoint plain_receiver(const GatherPoint& p) {
 }
 
 std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, const RecordLobe& lobe, float caution,
-                                std::int64_t frame, const LightSlopes& slopes) {
+                                std::int64_t frame) {
     Record record;
     record.address = p.point.address;
     record.back_side = p.point.back_side;
@@ -101,12 +89,9 @@ std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, c
     record.direct = light.direct;
     record.indirect = light.indirect;
     record.lobe = lobe;
-    record.slopes = slopes;
     record.error = core::divide_or(light.error, receives(p) * caution, 0.0f);
     record.clamped = core::divide_or(light.clamped, core::luminance(light.scattered(p)), 0.0f);
     record.born = record.used = frame;
-    for (int k = 0; k < 3; ++k)
-        if (!core::is_finite(slopes.by_place[k]) || !core::is_finite(slopes.by_normal[k])) record.slopes = {};
     const bool finite = core::is_finite(record.direct) && core::is_finite(record.indirect) &&
                         core::is_finite(lobe.f0) && core::is_finite(lobe.schlick);
     return finite ? std::optional(record) : std::nullopt;

@@ -27,14 +27,13 @@ GatherPoint plain_receiver(const GatherPoint& p);
 
 /// The record of what was gathered at a point with a caution; none where that is not finite.
 std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, const RecordLobe& lobe, float caution,
-                                std::int64_t frame, const LightSlopes& slopes = {});
+                                std::int64_t frame);
 
 /// What was found of some requests, in the order in which they were gathered.
 struct GatheredRequests {
     std::vector<PointRef> points;
     std::vector<PointLight> light;
     std::vector<RecordLobe> lobes;
-    std::vector<LightSlopes> slopes;
     std::vector<std::uint8_t> sets;  ///< of representatives
     ShadeCounts counts;
 };

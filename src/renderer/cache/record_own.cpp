@@ -122,7 +122,7 @@ void take_own(const RecordQuery& q, const RecordMap& map, Records& records, cons
                     doubted = trust.residual * here_doubt * changed;
         if (!((r.capped ? turned : gathered) <= tolerance)) continue;
         const bool here = near.distance(i) <= here_distance && trust.strictness * doubted <= tolerance;
-        if (!here && !(q.may_move && !r.followed && changed <= most_moved_change * tolerance)) continue;
+        if (!here && !(q.may_move && changed <= most_moved_change * tolerance)) continue;
         own = i;
         is_here = here;
         nearest = near.distance(i);

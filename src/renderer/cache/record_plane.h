@@ -21,7 +21,6 @@ class RecordPlane {
         samples_[static_cast<std::size_t>(count_++)] = {offset, closeness, value};
     }
     int count() const { return count_; }
-    void change(int i, glm::vec3 value) { samples_[static_cast<std::size_t>(i)].value = value; }
 
     /// Whether there are samples enough, on several sides, and the place hardly lies beyond them.
     bool fit();

@@ -84,13 +84,6 @@ core::Plane<float> RecordMap::density() const {
     return count;
 }
 
-void Records::keep(const std::vector<std::uint8_t>& which) {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < records_.size(); ++i)
-        if (which[i] != 0) records_[kept++] = records_[i];
-    records_.resize(kept);
-}
-
 std::uint32_t Records::add(const Record& record) {
     records_.push_back(record);
     return static_cast<std::uint32_t>(records_.size() - 1);

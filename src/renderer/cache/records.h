@@ -20,25 +20,17 @@ struct RecordLobe {
     glm::vec3 f0{0}, schlick{0};
 };
 
-/// What light changes by with place and normal, as far as geometry knows: visibility stays.
-struct LightSlopes {
-    glm::mat3 by_place{0};   ///< times a step, world: irradiance over pi
-    glm::mat3 by_normal{0};  ///< times a change of the unit normal
-};
-
 /// What one place on a surface receives, whatever its texture (docs/model/irradiance-cache.md): kept where it was
 /// gathered and never resampled. Of a light forest's trees alone; lights that are gathered exactly are no part of it.
 struct Record {
     core::SurfaceAddress address;
     bool back_side = false;
     bool capped = false;            ///< its cut ended before its tolerance was kept
-    bool followed = false;          ///< its light was changed since (record_change.h): errors are not only `error`
     std::uint8_t set = 0;           ///< of representatives that lit it, 0..3
     glm::vec3 position{0};          ///< world, at the instant of the frame
     glm::vec3 geometric_normal{0};  ///< likewise
     glm::vec3 shading_normal{0};
     glm::vec3 direct{0}, indirect{0};  ///< irradiance over pi
-    LightSlopes slopes;                ///< of both together
     RecordLobe lobe;
     float error = 0;  ///< luminance by which a white receiver may be off, as the cut's rule reckons with a caution of 1
     float clamped = 0;                ///< what the clamp of near lights took, as a share of what arrived
@@ -126,9 +118,6 @@ class Records {
 
     /// Drops what was of no use for some frames, and the oldest of those that crowd one pixel of the frame's map.
     void thin(std::int64_t frame, const RecordMap& map);
-
-    /// Keeps those for which it says 1.
-    void keep(const std::vector<std::uint8_t>& which);
 
     std::uint32_t add(const Record& record);
     Record& change(std::uint32_t index) { return records_[index]; }

@@ -6,7 +6,6 @@
 #include "renderer/base/stop.h"
 #include "renderer/cut/cut_outline.h"
 #include "renderer/cut/cut_rule.h"
-#include "renderer/cut/light_slopes.h"
 #include "renderer/cut/movers.h"
 #include "renderer/cut/point_light.h"
 #include "renderer/cut/shields.h"
@@ -57,10 +56,6 @@ class Gatherer {
 
     /// What neighbours may begin with: the last cut that `gather` made, of these lanes, which began with nothing.
     void outline(const GatherLanes& lanes, CutOutline& out) const;
-
-    /// What the light of the last cut that `gather` made, of these lanes, changes by with place and normal, from the
-    /// lights and rays that it has.
-    void slopes(const GatherLanes& lanes, SlopeLanes& out) const;
 
     /// Only the lights that are not clustered, each by itself.
     void gather_exact(const GatherLanes& lanes, GatheredLight& out);

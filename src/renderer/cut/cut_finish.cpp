@@ -95,27 +95,6 @@ void Gatherer::sum_finely(const GatherLanes& lanes, std::uint32_t index, const P
     }
 }
 
-void Gatherer::slopes(const GatherLanes& lanes, SlopeLanes& out) const {
-    out = {};
-    for (std::size_t s = 0; s < slots_.size(); ++s) {
-        const Slot& slot = slots_[s];
-        if (slot.lit == 0) continue;
-        const LightTree& tree = forest_.trees[slot.tree];
-        alignas(64) Vec3Lanes visible;
-        for (int i = 0; i < lane_count; ++i) {
-            const float lit = (slot.unknown >> i & 1) != 0 ? 0.5f : 1.0f;
-            visible.x[i] = visible.y[i] = visible.z[i] = (slot.lit >> i & 1) != 0 ? lit : 0.0f;
-            if (!forest_.translucent) continue;
-            visible.x[i] *= tints_[s].passes[i][0];
-            visible.y[i] *= tints_[s].passes[i][1];
-            visible.z[i] *= tints_[s].passes[i][2];
-        }
-        add_slopes(lanes, tree.family,
-                   {&tree.lights[slot.representative], tree.spot(slot.representative), slot.intensity},
-                   forest_.clamp(slot.tree), visible, out);
-    }
-}
-
 void Gatherer::sum_slots(const GatherLanes& lanes, bool finely, CutSums& sums, GatheredLight& out) {
     const auto count = static_cast<std::uint32_t>(slots_.size());
     const auto is_seen = [](const Slot& slot) { return slot.lit != 0 || slot.veil != no_veil; };
