@@ -92,10 +92,10 @@ struct Renderer::Impl {
         {
             const Stopwatch watch(row(Pass::direct_tree));
             const std::vector<LightPoint> none;
-            const std::vector<LightPoint> still = anchors ? anchors->usual_still() : none,
-                                          moving = anchors ? anchors->usual_moving() : none;
+            const std::vector<LightPoint> still = anchors ? anchors->average_still() : none,
+                                          moving = anchors ? anchors->average_moving() : none;
             // A forest takes two seeds, one for direct light and the next for indirect light.
-            lasting = LastingForest({light_points.usual(), still, moving}, settings.seed + 2 * settings.draw);
+            lasting = LastingForest({light_points.average(), still, moving}, settings.seed + 2 * settings.draw);
             parted = settings.cache != CacheUse::off && LightParts::suit(scenery, plan, still.size(), moving.size());
             keeps =
                 settings.cache == CacheUse::on || (settings.cache == CacheUse::static_light &&

@@ -155,7 +155,7 @@ std::uint64_t gather_within(renderer::Gatherer& gatherer, const Group& group, fl
 
 void Trial::part(std::int64_t frame, float relative) {
     lights_.place(scenery_, film_.snapshot(frame));
-    renderer::LastingForest lasting({lights_.usual(), anchors_->usual_still(), anchors_->usual_moving()},
+    renderer::LastingForest lasting({lights_.average(), anchors_->average_still(), anchors_->average_moving()},
                                     film_.rendering.seed);
     renderer::LightParts parts;
     renderer::LightForest forest;

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "core/color.h"
-#include "renderer/lights/anchor_shares.h"
+#include "renderer/lights/photon_splat.h"
 #include "tests/renderer/door_stage.h"
 
 namespace render2mpeg::renderer {
@@ -57,20 +57,20 @@ TEST(AnchorDoors, PartTheSameNeighboursWhetherTheseAreKeptInListsOrNot) {
         places.back().disc2 = l.disc2;
     }
     const RayTracer& scene = stage.scenery().tracer();
-    const AnchorSharing listed(places, scene), searched(places, scene, 0);
+    const PhotonSplatter listed(places, scene), searched(places, scene, 0);
     EXPECT_GT(listed.bytes(), searched.bytes() + 100 * places.size());
     EXPECT_EQ(listed.rays(), searched.rays());
-    const AnchorPartings parted = listed.partings(scene), others = searched.partings(scene);
-    EXPECT_TRUE(std::any_of(parted.parted.begin(), parted.parted.end(), [](std::uint32_t bits) { return bits != 0; }));
-    EXPECT_EQ(parted.parted, others.parted);
+    const OccludedNeighbours parted = listed.occluded_neighbours(scene), others = searched.occluded_neighbours(scene);
+    EXPECT_TRUE(std::any_of(parted.hidden.begin(), parted.hidden.end(), [](std::uint32_t bits) { return bits != 0; }));
+    EXPECT_EQ(parted.hidden, others.hidden);
     EXPECT_EQ(parted.rays, others.rays);
 
-    std::vector<LandedPhoton> photons;
+    std::vector<PhotonHit> photons;
     for (const LightPoint& vpl : stage.photons().vpls) photons.push_back({0, {vpl.position, vpl.normal}, glm::vec3(1)});
     std::vector<glm::dvec3> light(places.size(), glm::dvec3(0)), as_searched = light, as_if_open = light;
-    listed.spread(photons, scene, &parted, light);
-    searched.spread(photons, scene, &others, as_searched);
-    listed.spread(photons, scene, nullptr, as_if_open);
+    listed.splat(photons, scene, &parted, light);
+    searched.splat(photons, scene, &others, as_searched);
+    listed.splat(photons, scene, nullptr, as_if_open);
     EXPECT_EQ(light, as_searched);
     EXPECT_NE(light, as_if_open);
 }

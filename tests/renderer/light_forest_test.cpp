@@ -150,7 +150,8 @@ int clusters(const AnchorStage& stage, LightForest& forest) {
 
 TEST(LastingForest, NeedsHardlyMoreClustersAfterALampHasCrossedTheHallThanAFreshOne) {
     AnchorStage stage(hall(), {2000, 4});
-    LastingForest lasting({stage.points().usual(), stage.anchors().usual_still(), stage.anchors().usual_moving()}, 1);
+    LastingForest lasting({stage.points().average(), stage.anchors().average_still(), stage.anchors().average_moving()},
+                          1);
     for (const double seconds : {0.0, 1.0, 2.0}) {  // 2: after 50 frames at 25 Hz, 7 m on
         stage.pose(seconds);
         const Anchors::Lit lit = stage.light();
@@ -181,7 +182,8 @@ test::SceneBuilder busy_hall() {
 
 TEST(LastingForestSlow, NeedsHardlyMoreClustersIn200FramesWithThingsThatMove) {
     AnchorStage stage(busy_hall(), {1500, 4});
-    LastingForest lasting({stage.points().usual(), stage.anchors().usual_still(), stage.anchors().usual_moving()}, 1);
+    LastingForest lasting({stage.points().average(), stage.anchors().average_still(), stage.anchors().average_moving()},
+                          1);
     double updated_clusters = 0, fresh_clusters = 0;
     for (int frame = 0; frame < 200; frame += 15) {
         stage.pose(frame / 25.0);

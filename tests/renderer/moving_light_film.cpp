@@ -23,7 +23,7 @@ FrameLuminances MovingLightFilm::lit(const FilmLight& light, int first, int coun
     scenery_.pose(world);
     const renderer::Anchors anchors(scenery_, points, light.anchors);
     points.place(scenery_, world);
-    renderer::LastingForest lasting({points.usual(), anchors.usual_still(), anchors.usual_moving()}, 1);
+    renderer::LastingForest lasting({points.average(), anchors.average_still(), anchors.average_moving()}, 1);
     FrameLuminances frames;
     for (int n = first; n < first + count; ++n) {
         scene::Snapshot next = at(n);

@@ -94,7 +94,6 @@ TEST(Photons, AreTheSameForAnyNumberOfThreads) {
     for (std::size_t i = 0; i < one.size(); ++i) {
         EXPECT_EQ(one[i].position, two[i].position);
         EXPECT_EQ(one[i].intensity, two[i].intensity);
-        EXPECT_EQ(one[i].id, two[i].id);
     }
 }
 
@@ -107,7 +106,7 @@ TEST(Photons, KeepTheirPathsWhereAnotherPartOfTheSceneMoves) {
     const auto two = trace_photons(after.scenery(), after.direct_points(16, 1), {1, 1000, 1}).vpls;
     std::size_t same = 0;
     for (const LightPoint& v : one)
-        for (const LightPoint& w : two) same += v.id == w.id && v.position == w.position ? 1 : 0;
+        for (const LightPoint& w : two) same += v.position == w.position && v.intensity == w.intensity ? 1 : 0;
     EXPECT_GT(same, one.size() * 95 / 100);
     EXPECT_LT(same, one.size());
 }

@@ -5,7 +5,7 @@
 
 #include "core/sampling.h"
 #include "renderer/cut/cut.h"
-#include "renderer/lights/anchor_shares.h"
+#include "renderer/lights/photon_splat.h"
 #include "tests/renderer/anchor_stage.h"
 #include "tests/renderer/lighting.h"
 
@@ -181,17 +181,17 @@ TEST(StillInstances, PartAnchorsOnceAndForAll) {
     const LitStage copied(room(true)), baked(room(false));
     const RayTracer &a = copied.scenery().tracer(), &b = baked.scenery().tracer();
     const std::vector<AnchorPlace> places = floor_places();
-    const AnchorSharing by_a(places, a), by_b(places, b);
+    const PhotonSplatter by_a(places, a), by_b(places, b);
     EXPECT_EQ(by_a.rays(), by_b.rays());
-    const AnchorPartings parted_a = by_a.partings(a), parted_b = by_b.partings(b);
+    const OccludedNeighbours parted_a = by_a.occluded_neighbours(a), parted_b = by_b.occluded_neighbours(b);
     EXPECT_EQ(parted_a.rays, parted_b.rays);
-    EXPECT_EQ(parted_a.parted, parted_b.parted);
+    EXPECT_EQ(parted_a.hidden, parted_b.hidden);
 
-    std::vector<LandedPhoton> photons;
+    std::vector<PhotonHit> photons;
     for (std::uint64_t i = 0; i < 2000; ++i)
         photons.push_back({0, {{6 * core::uniform(5, i, 0), 0, 4 * core::uniform(5, i, 1)}, {0, 1, 0}}, glm::vec3(1)});
     std::vector<glm::dvec3> light_a(places.size(), glm::dvec3(0)), light_b = light_a;
-    EXPECT_EQ(by_a.spread(photons, a, &parted_a, light_a), by_b.spread(photons, b, &parted_b, light_b));
+    EXPECT_EQ(by_a.splat(photons, a, &parted_a, light_a), by_b.splat(photons, b, &parted_b, light_b));
     EXPECT_EQ(light_a, light_b);
 }
 

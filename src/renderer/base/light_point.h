@@ -25,10 +25,9 @@ struct LightPoint {
     /// Squared radius of the disc of surface that the point stands for (directional: solid angle over pi); 0: a true
     /// point. Light nearer than a multiple of it is clamped, and sharp lobes see the disc, not the point.
     float disc2 = 0;
-    std::uint32_t id = 0;                ///< stable over the film
+    std::uint32_t id = 0;                ///< stable over the film; photons' own VPLs have none
     std::uint32_t object = 0xffffffffu;  ///< on whose surface it lies; no_id: on none, or an anchor that never moves
     LightPointKind kind = LightPointKind::oriented;
-    bool moving = false;  ///< on a surface or light that moves
 };
 
 inline bool is_finite(const LightPoint& p) {

@@ -15,10 +15,10 @@
 #include "renderer/lights/anchor_importance.h"
 #include "renderer/lights/anchor_paths.h"
 #include "renderer/lights/anchor_places.h"
-#include "renderer/lights/anchor_rest.h"
-#include "renderer/lights/anchor_shares.h"
-#include "renderer/lights/anchor_surfaces.h"
-#include "renderer/lights/usual_light.h"
+#include "renderer/lights/average_light.h"
+#include "renderer/lights/even_points.h"
+#include "renderer/lights/photon_splat.h"
+#include "renderer/lights/rest_pose.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -47,23 +47,17 @@ constexpr std::uint64_t least_per_anchor = 4;
 constexpr std::uint64_t batch = 1u << 15;
 
 /// Photons that are shared out at once, about: they take 40 bytes each until then, and less time the more there are.
-constexpr std::size_t most_landed = 1u << 20;
+constexpr std::size_t most_hits = 1u << 20;
 
 /// Every anchor counts with at least this share of the mean light when trees are planned: it may be lit one day.
-constexpr float least_usual = 0.01f;
+constexpr float least_average = 0.01f;
 
 bool moves(const scene::Animation& film, std::uint32_t object) {
     return film.objects[object].mobility != scene::Mobility::still;
 }
 
-/// Where in the Halton sequence a set of photons begins: the same sequence from a start at random is another randomised
-/// one. [Wang2000]
-std::uint64_t first_of(std::uint64_t set) {
-    return set == 0 ? 1 : 1 + core::mix(set) % (1u << 30);
-}
-
 /// A still anchor, without intensity; its rest is the world.
-LightPoint still_light(const AnchorSharing& anchors, std::uint32_t id) {
+LightPoint still_light(const PhotonSplatter& anchors, std::uint32_t id) {
     LightPoint p;
     p.position = anchors.rest(id).position;
     p.normal = anchors.rest(id).normal;
@@ -72,14 +66,14 @@ LightPoint still_light(const AnchorSharing& anchors, std::uint32_t id) {
     return p;
 }
 
-/// The film at one of `count` instants spread over it, its lights at their usual strength, its camera one of its
+/// The film at one of `count` instants spread over it, its lights at their average strength, its camera one of its
 /// shots'.
-scene::Snapshot usual_instant(const scene::Animation& film, int i, int count) {
+scene::Snapshot average_instant(const scene::Animation& film, int i, int count) {
     const auto microseconds = static_cast<std::int64_t>(1e6 * film.duration * (i + 0.5) / count);
     const std::size_t shots = film.shots.size();
     const std::int64_t frame =
         shots == 0 ? 0 : film.shots[static_cast<std::size_t>(i) * shots / static_cast<std::size_t>(count)].frame;
-    return at_usual_strength(scene::snapshot_at(film, frame, {microseconds, 1000000}, importance_format));
+    return with_average_light(scene::snapshot_at(film, frame, {microseconds, 1000000}, importance_format));
 }
 
 }  // namespace
@@ -102,10 +96,10 @@ struct Anchors::Impl {
     void look_at(const Scenery& scenery, const std::vector<LightPoint>& lights, std::uint64_t wanted);
     void add_even(const Scenery& scenery, std::uint64_t count);
     void add_unlit();
-    void reckon_usual(const RayTracer& tracer);
+    void average_light(const RayTracer& tracer);
     LightPoint moving_light(const Scenery& scenery, std::uint32_t place) const;
-    LandedPhoton landed(const Scenery& scenery, const LightPoint& vpl, const core::SurfaceAddress& address,
-                        float part) const;
+    PhotonHit hit_of(const Scenery& scenery, const LightPoint& vpl, const core::SurfaceAddress& address,
+                     float part) const;
 
     const scene::Animation& film;
     AnchorSettings settings;
@@ -115,9 +109,9 @@ struct Anchors::Impl {
     Landings seen;                           ///< of the candidates' paths
 
     std::uint64_t paths = 0, rays = 0;
-    AnchorSharing anchors;
-    std::vector<float> usual;  ///< luminance of each anchor's intensity
-    float apart = 0;           ///< how far from each other objects that move are thought to be
+    PhotonSplatter anchors;
+    std::vector<float> average;  ///< luminance of each anchor's intensity
+    float apart = 0;             ///< how far from each other objects that move are thought to be
 };
 
 AnchorCandidate Anchors::Impl::candidate(const Scenery& scenery, const LightPoint& vpl,
@@ -143,12 +137,12 @@ void Anchors::Impl::look(Scenery& scenery, LightPoints& lights) {
     const std::uint64_t wanted = candidates_for(static_cast<std::uint64_t>(settings.count));
     const bool deforms = std::any_of(film.objects.begin(), film.objects.end(),
                                      [](const scene::Object& o) { return o.mobility == scene::Mobility::deforming; });
-    for (int i = 0; deforms && i < shapes; ++i) rest.consider(usual_instant(film, i, shapes));
-    const scene::Snapshot first = usual_instant(film, 0, count);
+    for (int i = 0; deforms && i < shapes; ++i) rest.consider(average_instant(film, i, shapes));
+    const scene::Snapshot first = average_instant(film, 0, count);
     lights.place(scenery, first);
     scene::Snapshot instant;
     for (int i = 0; i < count; ++i) {
-        scene::Snapshot next = usual_instant(film, i, count);
+        scene::Snapshot next = average_instant(film, i, count);
         std::swap(instant, next);
         scenery.pose(instant);
         look_at(scenery, lights.at(scenery), std::max<std::uint64_t>(wanted / static_cast<std::uint64_t>(count), 1));
@@ -157,9 +151,9 @@ void Anchors::Impl::look(Scenery& scenery, LightPoints& lights) {
     scenery.pose(first);
     add_even(scenery, wanted / even_part);
     add_unlit();
-    anchors = AnchorSharing(choose_places(candidates, settings.count), scenery.tracer());
+    anchors = PhotonSplatter(choose_places(candidates, settings.count), scenery.tracer());
     rays += anchors.rays();
-    reckon_usual(scenery.tracer());
+    average_light(scenery.tracer());
     if (anchors.size() > 0) paths = paths_of_anchors(settings.count, settings.photons, settings.bounces, seen);
 }
 
@@ -216,7 +210,6 @@ LightPoint Anchors::Impl::moving_light(const Scenery& scenery, std::uint32_t ind
     LightPoint p;
     p.normal = place.front ? front : -front;
     p.position = offset_origin(scenery.surface_at(place.address, p.normal), p.normal);
-    p.moving = true;
     p.disc2 = anchors.disc2(index) * rest.area_scale(scenery.posed(), place.address);
     p.id = index - anchors.still_count();
     p.object = place.address.object;
@@ -224,29 +217,29 @@ LightPoint Anchors::Impl::moving_light(const Scenery& scenery, std::uint32_t ind
 }
 
 /// What a photon leaves, as a part of those of all batches.
-LandedPhoton Anchors::Impl::landed(const Scenery& scenery, const LightPoint& vpl, const core::SurfaceAddress& address,
-                                   float part) const {
+PhotonHit Anchors::Impl::hit_of(const Scenery& scenery, const LightPoint& vpl, const core::SurfaceAddress& address,
+                                float part) const {
     const bool at_front = glm::dot(scenery.front_normal(address.object, address.primitive), vpl.normal) >= 0.0f;
     return {group_of(address.object), rest_of(vpl, address, at_front), part * vpl.intensity};
 }
 
-/// Spreads the candidates' own light.
-void Anchors::Impl::reckon_usual(const RayTracer& tracer) {
+/// Time-averaged light of each anchor: splats the candidates' own.
+void Anchors::Impl::average_light(const RayTracer& tracer) {
     std::vector<glm::dvec3> light(anchors.size(), glm::dvec3(0));
-    std::vector<LandedPhoton> landed;
+    std::vector<PhotonHit> hits;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
-        if (candidates[i].flux > 0.0f) landed.push_back({candidates[i].group, candidates[i].rest, candidate_light[i]});
-        if (landed.size() < most_landed && i + 1 < candidates.size()) continue;
-        rays += anchors.spread(landed, tracer, nullptr, light);
-        landed.clear();
+        if (candidates[i].flux > 0.0f) hits.push_back({candidates[i].group, candidates[i].rest, candidate_light[i]});
+        if (hits.size() < most_hits && i + 1 < candidates.size()) continue;
+        rays += anchors.splat(hits, tracer, nullptr, light);
+        hits.clear();
     }
-    usual.clear();
-    usual.reserve(light.size());
-    for (const glm::dvec3& l : light) usual.push_back(core::luminance(glm::vec3(l)));
+    average.clear();
+    average.reserve(light.size());
+    for (const glm::dvec3& l : light) average.push_back(core::luminance(glm::vec3(l)));
     double sum = 0;
-    for (const float l : usual) sum += l;
-    const auto mean = static_cast<float>(core::divide_or(sum, static_cast<double>(usual.size()), 0.0));
-    for (float& l : usual) l += least_usual * mean + 1e-20f;
+    for (const float l : average) sum += l;
+    const auto mean = static_cast<float>(core::divide_or(sum, static_cast<double>(average.size()), 0.0));
+    for (float& l : average) l += least_average * mean + 1e-20f;
     // Trees of what moves are planned at rest, every object far from all others: they part ways.
     for (const AnchorCandidate& c : candidates)
         if (c.group != 0) apart = std::max(apart, 4.0f * std::sqrt(c.extent2));
@@ -264,17 +257,17 @@ Anchors::Anchors(Scenery& scenery, LightPoints& lights, const AnchorSettings& se
 Anchors::~Anchors() = default;
 Anchors::Anchors(Anchors&&) noexcept = default;
 
-std::vector<LightPoint> Anchors::usual_still() const {
+std::vector<LightPoint> Anchors::average_still() const {
     std::vector<LightPoint> points;
     points.reserve(impl_->anchors.still_count());
     for (std::uint32_t i = 0; i < impl_->anchors.still_count(); ++i) {
         points.push_back(still_light(impl_->anchors, i));
-        points.back().intensity = glm::vec3(impl_->usual[i]);
+        points.back().intensity = glm::vec3(impl_->average[i]);
     }
     return points;
 }
 
-std::vector<LightPoint> Anchors::usual_moving() const {
+std::vector<LightPoint> Anchors::average_moving() const {
     const Impl& a = *impl_;
     const std::uint32_t first = a.anchors.still_count();
     std::vector<LightPoint> points;
@@ -283,7 +276,7 @@ std::vector<LightPoint> Anchors::usual_moving() const {
         if (i > first && a.anchors.mount(i).address.object != a.anchors.mount(i - 1).address.object) ++objects;
         LightPoint p = still_light(a.anchors, i);
         p.position += glm::vec3(a.apart * static_cast<float>(objects), 0, 0);
-        p.intensity = glm::vec3(a.usual[i]);
+        p.intensity = glm::vec3(a.average[i]);
         p.id = i - first;
         points.push_back(p);
     }
@@ -299,31 +292,30 @@ std::uint64_t Anchors::rays() const {
 }
 
 std::size_t Anchors::bytes() const {
-    return impl_->usual.capacity() * sizeof(float) + impl_->anchors.bytes();
+    return impl_->average.capacity() * sizeof(float) + impl_->anchors.bytes();
 }
 
 Anchors::Lit Anchors::at(const Scenery& scenery, std::span<const LightPoint> lights) const {
     const Impl& a = *impl_;
     std::vector<glm::dvec3> light(a.anchors.size(), glm::dvec3(0));
     Lit lit;
-    const AnchorPartings partings = a.anchors.partings(scenery.tracer());
-    lit.rays += partings.rays;
-    std::vector<LandedPhoton> landed;
+    const OccludedNeighbours occluded = a.anchors.occluded_neighbours(scenery.tracer());
+    lit.rays += occluded.rays;
+    std::vector<PhotonHit> hits;
     for (std::uint64_t done = 0; done < a.paths; done += batch) {
         const std::uint64_t count = std::min(batch, a.paths - done);
-        const std::uint64_t first_path = first_of(a.settings.photon_set) + done;
-        const PhotonResult photons = trace_photons(scenery, lights, {first_path, count, a.settings.bounces});
+        const PhotonResult photons = trace_photons(scenery, lights, {1 + done, count, a.settings.bounces});
         lit.rays += photons.rays;
         const float part = static_cast<float>(static_cast<double>(count) / static_cast<double>(a.paths));
-        const std::size_t before = landed.size();
-        landed.resize(before + photons.vpls.size());
+        const std::size_t before = hits.size();
+        hits.resize(before + photons.vpls.size());
         parallel::for_ranges(photons.vpls.size(), 256, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i)
-                landed[before + i] = a.landed(scenery, photons.vpls[i], photons.addresses[i], part);
+                hits[before + i] = a.hit_of(scenery, photons.vpls[i], photons.addresses[i], part);
         });
-        if (landed.size() < most_landed && done + count < a.paths) continue;
-        lit.rays += a.anchors.spread(landed, scenery.tracer(), &partings, light);
-        landed.clear();
+        if (hits.size() < most_hits && done + count < a.paths) continue;
+        lit.rays += a.anchors.splat(hits, scenery.tracer(), &occluded, light);
+        hits.clear();
     }
     const std::uint32_t still = a.anchors.still_count();
     lit.still.reserve(still);

@@ -13,19 +13,18 @@
 namespace render2mpeg::renderer {
 
 struct AnchorSettings {
-    int count = 4096;              ///< anchors in all, about; at least one for every surface that moves
-    int bounces = 8;               ///< see PhotonSettings
-    std::uint64_t photon_set = 0;  ///< another one takes other photons, independent ones, for tests
+    int count = 4096;  ///< anchors in all, about; at least one for every surface that moves
+    int bounces = 8;   ///< see PhotonSettings
     std::uint64_t photons =
-        0;  ///< VPLs that are spread over the anchors in a frame, about; 0: as many as `count` asks for
+        0;  ///< VPLs that are splatted onto the anchors in a frame, about; 0: as many as `count` asks for
 };
 
 /// Places that are looked at to choose so many anchors: most of the memory that anchors ever take is theirs.
 std::uint64_t candidates_for(std::uint64_t anchors);
 
-/// The light points of indirect light: a constant number for the whole film, at fixed places on their surfaces, on
-/// which every instant's photons are spread (docs/model/lights.md). Those of surfaces that
-/// move are carried along by them. A function of the animation and the settings alone.
+/// Anchor lights: the virtual point lights (VPLs) of indirect light, a constant number at places that are fixed on
+/// their surfaces for the whole film. Every instant's photons are splatted onto them (docs/model/lights.md). Those of
+/// surfaces that move are carried along by them. A function of the animation and the settings alone.
 class Anchors {
   public:
     /// Chooses the places. `scenery` gets posed at instants of the film and is posed as before at the end; `lights` is
@@ -35,11 +34,11 @@ class Anchors {
     Anchors(Anchors&&) noexcept;
 
     /// What the anchors are over the film, on the average, with a little light for all: what trees are planned by.
-    std::vector<LightPoint> usual_still() const;
-    std::vector<LightPoint> usual_moving() const;
+    std::vector<LightPoint> average_still() const;
+    std::vector<LightPoint> average_moving() const;
 
-    /// Photons that every instant follows: as many as leave what the settings ask for at the usual instant, but no more
-    /// than 64 for each anchor, however few of them meet anything.
+    /// Photons that every instant follows: as many as leave what the settings ask for at the average instant, but no
+    /// more than 64 for each anchor, however few of them meet anything.
     std::uint64_t paths() const;
 
     /// Rays that the choice took.

@@ -6,8 +6,8 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "renderer/base/lobe.h"
+#include "renderer/lights/average_light.h"
 #include "renderer/lights/emitters.h"
-#include "renderer/lights/usual_light.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -20,7 +20,6 @@ LightPoint punctual_point(const scene::LightState& light, const scene::Animation
     p.range = light.range;
     p.id = first_punctual_id + light.id;
     p.object = core::no_id;
-    p.moving = film.lights[light.id].node >= 0;
     if (light.kind == scene::LightKind::directional) {
         p.kind = LightPointKind::directional;
     } else if (light.kind == scene::LightKind::spot) {
@@ -79,13 +78,13 @@ void LightPoints::place(Scenery& scenery, const scene::Snapshot& first) {
         emitters_ = place_emitters(scenery, lit, emissive_count_, seed_);
     }
 
-    const scene::Snapshot usual = at_usual_strength(lit);
-    scenery.pose(usual);
-    usual_ = at(scenery);
+    const scene::Snapshot average = with_average_light(lit);
+    scenery.pose(average);
+    average_ = at(scenery);
     // What has no surface yet lies where its mesh does.
     for (std::size_t i = 0; i < emitters_.size(); ++i) {
         const EmitterPoint& e = emitters_[i];
-        if (usual.objects[e.object].present) continue;
+        if (average.objects[e.object].present) continue;
         const scene::Object& object = animation_.objects[e.object];
         const scene::Mesh& mesh = animation_.meshes[static_cast<std::size_t>(object.mesh)];
         LightPoint p;
@@ -93,8 +92,7 @@ void LightPoints::place(Scenery& scenery, const scene::Snapshot& first) {
         p.intensity = e.radiance;
         p.id = static_cast<std::uint32_t>(i);
         p.object = e.object;
-        p.moving = true;
-        if (shines(p)) usual_.push_back(p);
+        if (shines(p)) average_.push_back(p);
     }
     scenery.pose(first);
 }
@@ -115,7 +113,6 @@ LightPoint LightPoints::emitter_point(const Scenery& scenery, std::size_t index)
     p.disc2 = area * lobe::inverse_pi;
     p.id = static_cast<std::uint32_t>(index);
     p.object = e.object;
-    p.moving = object.mobility != scene::Mobility::still;
     return p;
 }
 

@@ -31,9 +31,9 @@ class LightPoints {
     /// Chooses the places on emissive surfaces. A function of the animation and this snapshot, which gets posed.
     void place(Scenery& scenery, const scene::Snapshot& first);
 
-    /// Every light point that will ever shine, at its usual strength (usual_light.h) and as things lay when places were
-    /// chosen.
-    const std::vector<LightPoint>& usual() const { return usual_; }
+    /// Every light point that will ever shine, at its time-averaged strength (average_light.h) and as things lay when
+    /// places were chosen.
+    const std::vector<LightPoint>& average() const { return average_; }
 
     /// All light points of the posed instant; lights that are off or black are left out. Positions lie off their
     /// surface by its rounding error, so that a ray that ends there does not meet it.
@@ -48,7 +48,7 @@ class LightPoints {
     std::uint64_t seed_;
     std::vector<EmitterPoint> emitters_;
     std::vector<LightPoint> sky_;  ///< never changes
-    std::vector<LightPoint> usual_;
+    std::vector<LightPoint> average_;
 };
 
 /// First ids of the three kinds of direct light points.

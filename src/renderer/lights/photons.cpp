@@ -50,16 +50,14 @@ WorldBox world_box(const scene::Snapshot& s) {
     return box;
 }
 
-LightPoint vpl_at(const SurfacePoint& p, glm::vec3 flux, const scene::Animation& film, std::uint32_t id) {
+LightPoint vpl_at(const SurfacePoint& p, glm::vec3 flux) {
     LightPoint vpl;
     vpl.kind = LightPointKind::oriented;
     vpl.normal = p.geometric_normal;
     vpl.position = offset_origin(p, p.geometric_normal);
     // What the lobe reflects leaves as if it were dull: right in power, too wide in direction.
     vpl.intensity = flux * (p.bsdf.diffuse + glossy_albedo(p.bsdf)) * lobe::inverse_pi;
-    vpl.id = id;
     vpl.object = p.address.object;
-    vpl.moving = film.objects[p.address.object].mobility != scene::Mobility::still;
     return vpl;
 }
 
@@ -122,8 +120,7 @@ int follow(const Scenery& scenery, const PhotonSource& source, std::uint64_t pat
         if (p.unlit) break;
         choice = core::divide_or(choice - (1.0f - p.alpha), p.alpha, 0.0f);
         if (p.bsdf.has_diffuse() || p.bsdf.has_glossy()) {
-            out.vpls.push_back(
-                vpl_at(p, photon.flux, scenery.animation(), static_cast<std::uint32_t>(path * 32 + event)));
+            out.vpls.push_back(vpl_at(p, photon.flux));
             out.addresses.push_back(p.address);
             --left;
         }

@@ -1,4 +1,4 @@
-#include "renderer/lights/anchor_rest.h"
+#include "renderer/lights/rest_pose.h"
 
 #include <algorithm>
 #include <cmath>

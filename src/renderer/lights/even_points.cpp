@@ -1,4 +1,4 @@
-#include "renderer/lights/anchor_surfaces.h"
+#include "renderer/lights/even_points.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "renderer/lights/anchor_shares.h"
+#include "renderer/lights/photon_splat.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ constexpr float least_shared_facing = 0.5f;
 /// Neighbours that are looked at for those that an anchor has: a photon's nearest seventeen are among those of the
 /// nearest. chosen: three times as many as share.
 constexpr int looked_at = 3 * shared_among;
-static_assert(looked_at <= 64, "sights have 64 bits");
+static_assert(looked_at <= 64, "bit sets have 64 bits");
 
 /// How far off its surface an anchor looks, in radii of its disc, the smaller of two: over bumps, mouldings and
 /// carpets, not over walls. chosen: 2; at 0.5 anchors on cobbles lose so many neighbours that light gathers in
@@ -73,8 +73,8 @@ struct Way {
 };
 
 /// Parts 1 among the nearest by a kernel times the area that each stands for.
-AnchorShares shares_of(const Nearest& near, std::span<const float> disc2) {
-    AnchorShares shares;
+SplatWeights shares_of(const Nearest& near, std::span<const float> disc2) {
+    SplatWeights shares;
     if (near.count() == 0) return shares;
     const bool all = near.count() < Nearest::size;
     const float reach2 = near[near.count() - 1].distance2 * (all ? 1.5f : 1.0f);
@@ -96,7 +96,7 @@ AnchorShares shares_of(const Nearest& near, std::span<const float> disc2) {
 
 }  // namespace
 
-AnchorSharing::AnchorSharing(std::span<const AnchorPlace> places, const RayTracer& scene, std::size_t listed) {
+PhotonSplatter::PhotonSplatter(std::span<const AnchorPlace> places, const RayTracer& scene, std::size_t listed) {
     disc2_.reserve(places.size());
     for (std::size_t first = 0; first < places.size();) {
         std::vector<OrientedPoint> points;
@@ -115,7 +115,7 @@ AnchorSharing::AnchorSharing(std::span<const AnchorPlace> places, const RayTrace
     if (still_count_ > 0) look_about(scene, listed);
 }
 
-OrientedPoint AnchorSharing::rest(std::uint32_t anchor) const {
+OrientedPoint PhotonSplatter::rest(std::uint32_t anchor) const {
     if (anchor < still_count_) return groups_.front().tree[anchor];
     const auto after = std::upper_bound(groups_.begin(), groups_.end(), anchor,
                                         [](std::uint32_t i, const Group& group) { return i < group.first; });
@@ -124,12 +124,12 @@ OrientedPoint AnchorSharing::rest(std::uint32_t anchor) const {
 }
 
 /// Finds which neighbours each still anchor sees.
-void AnchorSharing::look_about(const RayTracer& scene, std::size_t listed) {
+void PhotonSplatter::look_about(const RayTracer& scene, std::size_t listed) {
     const PointTree& still = groups_.front().tree;
-    sights_.assign(still.size(), 0);
+    visible_.assign(still.size(), 0);
     std::vector<Neighbours> lists(still.size() <= listed ? still.size() : 0);
     std::vector<std::uint8_t> rays(still.size(), 0);
-    parallel::for_ranges(sights_.size(), 64, [&](std::size_t first, std::size_t last) {
+    parallel::for_ranges(visible_.size(), 64, [&](std::size_t first, std::size_t last) {
         std::array<Neighbour, looked_at> found;
         for (std::size_t i = first; i < last; ++i) {
             const int count = still.nearest(still[i], least_shared_facing, found);
@@ -140,7 +140,7 @@ void AnchorSharing::look_about(const RayTracer& scene, std::size_t listed) {
                     const float lift = lift_between(static_cast<std::uint32_t>(i), other);
                     if (!Way(still[i], still[other], lift).is_open(scene)) continue;
                 }
-                sights_[i] |= std::uint64_t{1} << k;
+                visible_[i] |= std::uint64_t{1} << k;
                 if (!lists.empty()) lists[i].anchor[static_cast<std::size_t>(lists[i].count++)] = other;
                 ++seen;
             }
@@ -150,28 +150,28 @@ void AnchorSharing::look_about(const RayTracer& scene, std::size_t listed) {
     neighbours_.swap(lists);
 }
 
-float AnchorSharing::lift_between(std::uint32_t a, std::uint32_t b) const {
+float PhotonSplatter::lift_between(std::uint32_t a, std::uint32_t b) const {
     return lift_radii * std::sqrt(std::min(disc2_[a], disc2_[b]));
 }
 
-AnchorSharing::Neighbours AnchorSharing::neighbours(std::uint32_t anchor) const {
+PhotonSplatter::Neighbours PhotonSplatter::neighbours(std::uint32_t anchor) const {
     if (!neighbours_.empty()) return neighbours_[anchor];
     const PointTree& still = groups_.front().tree;
     std::array<Neighbour, looked_at> found;
     const int count = still.nearest(still[anchor], least_shared_facing, found);
     Neighbours list;
     for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
-        if ((sights_[anchor] >> k & 1u) != 0) list.anchor[static_cast<std::size_t>(list.count++)] = found[k].point;
+        if ((visible_[anchor] >> k & 1u) != 0) list.anchor[static_cast<std::size_t>(list.count++)] = found[k].point;
     return list;
 }
 
-AnchorPartings AnchorSharing::partings(const RayTracer& scene) const {
-    AnchorPartings found;
-    if (sights_.empty() || !scene.has_movers()) return found;
-    found.parted.assign(sights_.size(), 0);
+OccludedNeighbours PhotonSplatter::occluded_neighbours(const RayTracer& scene) const {
+    OccludedNeighbours found;
+    if (visible_.empty() || !scene.has_movers()) return found;
+    found.hidden.assign(visible_.size(), 0);
     const PointTree& still = groups_.front().tree;
-    std::vector<std::uint8_t> rays(sights_.size(), 0);
-    parallel::for_ranges(found.parted.size(), 64, [&](std::size_t first, std::size_t last) {
+    std::vector<std::uint8_t> rays(visible_.size(), 0);
+    parallel::for_ranges(found.hidden.size(), 64, [&](std::size_t first, std::size_t last) {
         for (auto i = static_cast<std::uint32_t>(first); i < last; ++i) {
             const Neighbours near = neighbours(i);
             for (int k = 0; k < near.count; ++k) {
@@ -179,7 +179,7 @@ AnchorPartings AnchorSharing::partings(const RayTracer& scene) const {
                 if (other == i) continue;
                 ++rays[i];
                 if (!Way(still[i], still[other], lift_between(i, other)).is_free(scene))
-                    found.parted[i] |= std::uint32_t{1} << k;
+                    found.hidden[i] |= std::uint32_t{1} << k;
             }
         }
     });
@@ -187,17 +187,17 @@ AnchorPartings AnchorSharing::partings(const RayTracer& scene) const {
     return found;
 }
 
-std::size_t AnchorSharing::bytes() const {
+std::size_t PhotonSplatter::bytes() const {
     std::size_t sum = disc2_.capacity() * sizeof(float) + mounts_.capacity() * sizeof(AnchorMount) +
-                      sights_.capacity() * sizeof(std::uint64_t) + neighbours_.capacity() * sizeof(Neighbours);
+                      visible_.capacity() * sizeof(std::uint64_t) + neighbours_.capacity() * sizeof(Neighbours);
     for (const Group& group : groups_) sum += group.tree.bytes();
     return sum;
 }
 
 /// The nearest still anchor that sees the place, past what moves where that counts, and facing alike if there is one;
 /// where none of many does, one that nothing still hides, or the nearest of all.
-std::uint32_t AnchorSharing::nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, bool past_movers,
-                                              int& rays) const {
+std::uint32_t PhotonSplatter::nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, bool past_movers,
+                                               int& rays) const {
     const PointTree& tree = groups_.front().tree;
     std::array<Neighbour, asked.back()> found;
     std::optional<std::uint32_t> hidden;
@@ -228,14 +228,14 @@ std::uint32_t AnchorSharing::nearest_in_sight(const OrientedPoint& at, const Ray
     return hidden.value_or(nearest);
 }
 
-/// Of the nearest anchor's neighbours those nearest to the photon itself, but for those that are parted from that
+/// Of the nearest anchor's neighbours those nearest to the photon itself, but for those that are hidden from that
 /// anchor.
-AnchorShares AnchorSharing::share_among(const Neighbours& neighbours, std::uint32_t parted,
-                                        const OrientedPoint& at) const {
+SplatWeights PhotonSplatter::share_among(const Neighbours& neighbours, std::uint32_t hidden,
+                                         const OrientedPoint& at) const {
     const PointTree& still = groups_.front().tree;
     Nearest near;
     for (int k = 0; k < neighbours.count; ++k) {
-        if ((parted >> k & 1u) != 0) continue;
+        if ((hidden >> k & 1u) != 0) continue;
         const std::uint32_t anchor = neighbours.anchor[static_cast<std::size_t>(k)];
         const glm::vec3 d = still.position(anchor) - at.position;
         near.add({glm::dot(d, d), anchor});
@@ -254,7 +254,7 @@ bool may_be_one_surface(const OrientedPoint& a, const OrientedPoint& b) {
 }
 
 /// Of a group that moves.
-AnchorShares AnchorSharing::share_among_alike(std::uint32_t id, const OrientedPoint& at) const {
+SplatWeights PhotonSplatter::share_among_alike(std::uint32_t id, const OrientedPoint& at) const {
     const auto place = std::lower_bound(groups_.begin(), groups_.end(), id,
                                         [](const Group& other, std::uint32_t wanted) { return other.id < wanted; });
     if (place == groups_.end() || place->id != id) return {};
@@ -279,29 +279,29 @@ AnchorShares AnchorSharing::share_among_alike(std::uint32_t id, const OrientedPo
 
 /// Finds the shares of photons in the order of their nearest anchors: those with the same one share its neighbours,
 /// which are looked up once.
-void AnchorSharing::share(std::span<const Placed> placed, std::span<const LandedPhoton> photons,
-                          const AnchorPartings* partings, std::span<AnchorShares> shares) const {
+void PhotonSplatter::share(std::span<const Placed> placed, std::span<const PhotonHit> photons,
+                           const OccludedNeighbours* occluded, std::span<SplatWeights> shares) const {
     parallel::for_ranges(placed.size(), 256, [&](std::size_t first, std::size_t last) {
         Neighbours list;
-        std::uint32_t parted = 0;
+        std::uint32_t hidden = 0;
         for (std::size_t i = first; i < last; ++i) {
-            const LandedPhoton& photon = photons[placed[i].photon];
+            const PhotonHit& photon = photons[placed[i].photon];
             if (placed[i].nearest == no_anchor) {
                 shares[i] = share_among_alike(photon.group, photon.at);
                 continue;
             }
             if (i == first || placed[i].nearest != placed[i - 1].nearest) {
                 list = neighbours(placed[i].nearest);
-                parted = partings != nullptr ? partings->parted[placed[i].nearest] : 0;
+                hidden = occluded != nullptr ? occluded->hidden[placed[i].nearest] : 0;
             }
-            shares[i] = share_among(list, parted, photon.at);
+            shares[i] = share_among(list, hidden, photon.at);
         }
     });
 }
 
-std::uint64_t AnchorSharing::spread(std::span<const LandedPhoton> photons, const RayTracer& scene,
-                                    const AnchorPartings* partings, std::span<glm::dvec3> light) const {
-    if (partings != nullptr && partings->parted.empty()) partings = nullptr;
+std::uint64_t PhotonSplatter::splat(std::span<const PhotonHit> photons, const RayTracer& scene,
+                                    const OccludedNeighbours* occluded, std::span<glm::dvec3> light) const {
+    if (occluded != nullptr && occluded->hidden.empty()) occluded = nullptr;
     std::vector<Placed> placed(photons.size());
     std::vector<std::uint8_t> rays(photons.size(), 0);
     parallel::for_ranges(photons.size(), 256, [&](std::size_t first, std::size_t last) {
@@ -309,7 +309,7 @@ std::uint64_t AnchorSharing::spread(std::span<const LandedPhoton> photons, const
             int traced = 0;
             placed[i] = {no_anchor, static_cast<std::uint32_t>(i)};
             if (photons[i].group == 0 && still_count_ > 0)
-                placed[i].nearest = nearest_in_sight(photons[i].at, scene, partings != nullptr, traced);
+                placed[i].nearest = nearest_in_sight(photons[i].at, scene, occluded != nullptr, traced);
             rays[i] = static_cast<std::uint8_t>(traced);
         }
     });
@@ -317,10 +317,10 @@ std::uint64_t AnchorSharing::spread(std::span<const LandedPhoton> photons, const
 
     // Some at a time, since shares are large; added in that order, whatever thread found them.
     constexpr std::size_t some = 1u << 14;
-    std::vector<AnchorShares> shares(std::min(some, placed.size()));
+    std::vector<SplatWeights> shares(std::min(some, placed.size()));
     for (std::size_t done = 0; done < placed.size(); done += some) {
         const std::span<const Placed> next = std::span(placed).subspan(done, std::min(some, placed.size() - done));
-        share(next, photons, partings, shares);
+        share(next, photons, occluded, shares);
         for (std::size_t i = 0; i < next.size(); ++i)
             for (std::size_t k = 0; k < static_cast<std::size_t>(shares[i].count); ++k)
                 light[shares[i].anchor[k]] +=
