@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <span>
 #include <string>
 
 namespace render2mpeg::checks {
@@ -64,23 +65,30 @@ std::vector<Finding> wordy_documents(const std::vector<File>& files) {
     return findings;
 }
 
-std::vector<Finding> missing_documents(const std::vector<File>& files, const std::filesystem::path& root) {
-    constexpr std::string_view folder = "docs/";
+std::vector<Finding> missing_files(const std::vector<File>& files, const std::filesystem::path& root) {
+    constexpr std::string_view documents[] = {"docs/"};
+    constexpr std::string_view all[] = {"docs/",  "src/",        "perceptual/", "encoder/",
+                                        "tests/", "animations/", "scripts/"};
     const auto is_part = [](char c) {
         return (is_letter_or_digit(c) && c > 0) || c == '_' || c == '-' || c == '.' || c == '/';
     };
     std::vector<Finding> findings;
     for (const File& file : files) {
-        if (file.begins_with("tests/checks/")) continue;
+        // What was written of older versions names files as they were.
+        if (file.begins_with("tests/checks/") || file.path == "CHANGELOG.md") continue;
         const std::string_view text = file.comments;
-        for (std::size_t at = text.find(folder); at != std::string_view::npos; at = text.find(folder, at + 1)) {
-            if (at > 0 && is_part(text[at - 1])) continue;  // of another folder
-            std::size_t end = at + folder.size();
-            while (end < text.size() && is_part(text[end])) ++end;
-            while (text[end - 1] == '.' || text[end - 1] == '/') --end;
-            const std::string name(text.substr(at, end - at));
-            if (!exists_but_for_its_end(root / name))
-                findings.push_back({file.path, line_at(text, at), "names " + name + ", which does not exist"});
+        const bool is_page = file.path.ends_with(".md");
+        for (const std::string_view folder : is_page ? std::span<const std::string_view>(all) : documents) {
+            for (std::size_t at = text.find(folder); at != std::string_view::npos; at = text.find(folder, at + 1)) {
+                if (at > 0 && is_part(text[at - 1])) continue;  // of another folder
+                std::size_t end = at + folder.size();
+                while (end < text.size() && is_part(text[end])) ++end;
+                if (end < text.size() && text[end] == '*') continue;  // of several files
+                while (text[end - 1] == '.' || text[end - 1] == '/') --end;
+                const std::string name(text.substr(at, end - at));
+                if (!exists_but_for_its_end(root / name))
+                    findings.push_back({file.path, line_at(text, at), "names " + name + ", which does not exist"});
+            }
         }
     }
     return findings;

@@ -18,7 +18,7 @@ TEST(Documents, OfThisTreeAreShort) {
 }
 
 TEST(Documents, ThatThisTreeNamesAreThere) {
-    const auto findings = missing_documents(read_tree(support::source_folder()), support::source_folder());
+    const auto findings = missing_files(read_tree(support::source_folder()), support::source_folder());
     EXPECT_TRUE(findings.empty()) << list_of(findings);
 }
 
@@ -40,16 +40,20 @@ TEST(DocumentCheck, FindsPagesOfTooManyWords) {
     EXPECT_TRUE(wordy_documents({make_file("docs/model/a.txt", words(20000))}).empty());
 }
 
-TEST(DocumentCheck, FindsDocumentsThatAreNamedAndMissing) {
+TEST(DocumentCheck, FindsFilesThatAreNamedAndMissing) {
     const auto names = [](const std::string& comment) {
-        return missing_documents({make_file("src/core/a.cpp", "// " + comment + "\nint docs;\n")},
-                                 support::source_folder())
+        return missing_files({make_file("src/core/a.cpp", "// " + comment + "\nint docs;\n")}, support::source_folder())
             .size();
     };
     EXPECT_EQ(names("see docs/sources.md, docs/decisions/0001, docs/fits/rate-model, (docs/model/README.md). In docs/"),
               0u);
     EXPECT_EQ(names("see docs/source.md and docs/decisions/9999."), 2u);
     EXPECT_EQ(names("see docs/decisions/00 and share/docs/a.md"), 1u);
+    const auto page = [](const char* text) {
+        return missing_files({make_file("docs/a.md", text)}, support::source_folder()).size();
+    };
+    EXPECT_EQ(page("`src/core/sampling.h`, `src/core`, `src/core/*.h`, `tests/checks/documents`"), 0u);
+    EXPECT_EQ(page("`src/core/nothing.h` and `perceptual/nowhere/`, not build/src/nothing.h"), 2u);
 }
 
 }  // namespace
