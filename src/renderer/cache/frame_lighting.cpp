@@ -11,8 +11,7 @@ namespace render2mpeg::renderer {
 namespace {
 
 /// On the coarser lattices an area of 64 x 64 pixels gathers only so many requests or more: fewer fill no packets, and
-/// are asked again on the next. chosen: of 0, 24, 48, 64 and 128 that with which later frames of Sponza's walk take
-/// least time (a fifth less than 0).
+/// are asked again on the next. chosen: 128, the fastest of 0 to 128 (docs/fits/records.md).
 constexpr std::size_t least_dense = 128;
 
 /// Luminance that is known of a point's pixel before its cut; below 0 where things that move hide more than that.

@@ -18,7 +18,7 @@ namespace {
 constexpr float share_of_change = 0.25f;
 
 /// Share of it by which the change at the corners of a square may differ where it is taken from them. chosen: 0.5; 0.25
-/// takes 2 to 4 % more rays and leaves as many pixels beyond (docs/decisions/0018).
+/// takes 2 to 4 % more rays and leaves as many pixels beyond (docs/fits/records.md).
 constexpr float share_between = 0.5f;
 
 /// Where things hide so much that only this share of what a point was taken to tolerate is left, its light is asked for

@@ -11,7 +11,7 @@ namespace {
 
 /// Anchors on what moves, as a share of all. Where there are more, what things change is most of the light, and
 /// gathering that for every frame takes longer than gathering all of it afresh. chosen: 0.05; of the films that were
-/// tried 0.002 and 0.007 gain, and 0.18 would lose (docs/decisions/0018).
+/// tried 0.002 and 0.007 gain, and 0.18 would lose (docs/fits/records.md).
 constexpr double most_moving = 0.05;
 
 /// Once all still anchors together have changed by this share of what they shone, those of now are taken.

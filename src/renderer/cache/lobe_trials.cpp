@@ -4,8 +4,7 @@ namespace render2mpeg::renderer {
 namespace {
 
 /// Share of the points that records must serve: those that ask in vain are gathered in worse company, and asking takes
-/// its time. chosen: 0.3; at 0.12, 0.21, 0.24, 0.32, 0.37 and 0.39 a film takes 1.16, 1.07, 1.08, 0.97, 1.0 and 0.9 of
-/// the time that gathering all of its lobes takes (roughness 0.2 to 0.5 at 2 and 8 %, docs/decisions/0018).
+/// its time. chosen: 0.3, where both take the same time (docs/fits/records.md).
 constexpr double least_served = 0.3;
 
 /// Frames for which a material that was served too seldom takes no records. chosen: 14, so that trials, of two frames,

@@ -24,13 +24,9 @@ constexpr int asked_for_columns = 4;
 /// Records to one side of a pixel, or along a line, as at rims of surfaces and on thin mouldings, carry no plane. So
 /// many of them serve by their mean if one is so near, in pixels, and if they disagree by so much less than the
 /// tolerance, and by less in proportion where the pixel lies farther from their middle than they do: as if light
-/// changed on as it does among them. chosen: in Sponza's walk (coupled at quantiser 8, 192x192, frames 0 to 6) 0.67 %
-/// of pixels are beyond their tolerance without means, with a doubt of 1, 2 and 3 1.3, 0.86 and 0.62 %, and a later
-/// frame gathers 33, 47 and 54 % of what it did. 6 instead of 4 records gather a tenth more. From 1.5 pixels a row of
-/// records in a shadow that is one pixel wide served the rows beside it, black (cornell at 2 %, frames 3 to 9 with
-/// --cache on: errors of 1.0 to 2.4 code values, root of the mean square, instead of 0.4), for 1 to 7 % fewer rays.
-/// Records that all lie in one place say nothing of another, however well they agree: no farther than four times what
-/// they are apart by (chosen without trial: seldom met).
+/// changed on as it does among them. chosen: 4 of 4 and 6 records, 3 of 1 to 3 times, 0.75 of 0.75 and 1.5 pixels
+/// (docs/fits/records.md). Records that all lie in one place say nothing of another, however well they agree: no
+/// farther than four times what they are apart by (chosen without trial: seldom met).
 constexpr int least_level = 4;
 constexpr float level_doubt = 3.0f, level_distance = 0.75f, most_reach = 4.0f;
 
@@ -184,10 +180,7 @@ PointLight blend(const Neighbours& n, const GatherPoint& p, std::int64_t frame) 
 }  // namespace
 
 /// What neighbours disagree by counts for more where the tolerance is fine, since light has many small edges and few
-/// large ones. chosen: about 2 at 2 %, which leaves 1.6 % of the pixels of Sponza's walk beyond what they may be off by
-/// (docs/decisions/0018; 1.6 at 2 % leaves four times as many in a frame as 2 does); it falls by half at 10 %: at 6, 10
-/// and 15 % coupled films at quantiser 8 leave 0.33, 0.22 and 0.06 % in Sponza (160x160, frames 0 to 5), 1.6, 1.2 and
-/// 1.1 % in Sibenik (128x128), and gather 1, 1.1 and 1.2 times as much.
+/// large ones. chosen: about 2 at 2 % of 1.6 and 2; it falls by half at 10 % of 6 to 15 % (docs/fits/records.md).
 float record_doubt(const PointTolerance& t, float light, float tolerance) {
     constexpr float coarse = 0.62f, fine = 2.1f, turn2 = 0.1f * 0.1f;
     const float relative = core::divide_or(tolerance, t.base + std::max(light, 0.0f), 1.0f);

@@ -14,8 +14,7 @@ namespace {
 constexpr float least_albedo = 0.05f;
 
 /// Narrower lobes change too fast from place to place and as the eye moves. chosen: 0.04, a roughness of 0.2, of 0.01,
-/// 0.04 and 0.25 (docs/decisions/0018): at 0.2 records take 0.6 to 0.7 of the rays of later frames at 8 %, at 0.12 as
-/// many as without and a third more time.
+/// 0.04 and 0.25 (docs/fits/records.md).
 constexpr float least_alpha = 0.04f;
 
 void gather_group(const Seen& seen, const std::vector<std::vector<PointTolerance>>& tolerances, const CutLimits& limits,

@@ -11,8 +11,7 @@ namespace render2mpeg::renderer {
 namespace {
 
 /// How alike points of a group are: see gather_groups.cpp. Requests lie farther apart than the pixels of a
-/// block. chosen: Sponza's walk at 8 % takes 6 % longer where the second takes anything that faces the same way, and 12
-/// % where both are as loose.
+/// block. chosen: against looser ones (docs/fits/records.md).
 struct Likeness {
     float least_normal;
     float largest_step, largest_gap;  ///< over the distance to the eye

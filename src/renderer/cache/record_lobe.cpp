@@ -14,10 +14,7 @@ namespace {
 constexpr float alike_alpha = 0.1f;
 /// Half vectors that a record's lobe was looked at by may lie so far, in widths of the lobe, off those that the point
 /// looks by: since the eye was elsewhere, and since the place's normal and its sight are not the point's. chosen: turns
-/// that some frames of a walk lie within; 0.25 instead of 0.125 serves hardly more, since `turn_error` counts. Bends of
-/// 1 of 0.5, 1 and 2, which leave 0.4, 0.6 and 1.1 % of pixels beyond 8 % in a corridor of polished metal, 0.5 % each
-/// in a colonnade, for 1, 0.92 and 0.85 and for 1, 0.87 and 0.77 of the rays of later frames (docs/decisions/0018,
-/// roughness 0.3).
+/// that some frames of a walk lie within, of 0.125 and 0.25; bends of 1 of 0.5, 1 and 2 (docs/fits/records.md).
 constexpr float most_turn = 0.125f, most_bend = 1.0f;
 
 }  // namespace

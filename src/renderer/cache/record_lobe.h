@@ -8,8 +8,7 @@ namespace render2mpeg::renderer {
 
 /// What a lobe's light changes by as its half vectors turn by its width, as far as `seen_from` does not know. It counts
 /// by the weighted sum of what records are off, which is nothing where a plane lies through them and the eye stands
-/// still. chosen: 0.6 of 0, 0.3, 0.6 and 1.0, by which 1.2, 0.7, 0.5 and 0.3 % of pixels are beyond their tolerance of
-/// 8 % in a corridor of polished metal (docs/decisions/0018; bends of 0.5), for 0.87, 0.93, 1 and 1.08 times the rays.
+/// still. chosen: 0.6 of 0, 0.3, 0.6 and 1 (docs/fits/records.md).
 inline constexpr float turn_error = 0.6f;
 
 /// A record's lobe towards the eye of a point that asks, by the point's material.

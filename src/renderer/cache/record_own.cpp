@@ -13,15 +13,11 @@ namespace render2mpeg::renderer {
 namespace {
 
 /// A record so near, in pixels, tells light at the point itself, if that changes up to there by no more than the
-/// tolerance over `here_doubt`. chosen: without the latter 19 % of these points err by more than they may (Sibenik's
-/// walk at 2 %, 160x160), with it 6 %. At 0.15 and 0.3 pixels they err more often than at 0.1 (22 instead of 3 % in
-/// Sponza, without the latter).
+/// tolerance over `here_doubt`. chosen: 0.1 of 0.1 to 0.3; 2 against none (docs/fits/records.md).
 constexpr float here_distance = 0.1f, here_doubt = 2.0f;
 
-/// Tolerances by which light may change up to a record that a point is moved to. chosen: 2 of none, 2, 4 and any. By 2
-/// % at quantiser 4 2, 4 and any lose 0.03, 0.07, 0.19 dB of PSNR-Y in Sponza and 0.14, 0.22, 1.23 dB in Sibenik
-/// against light at the pixels' middles, 0.004, -0.005, 0.03 and 0.003, -0.003, 0.26 dB against pixels of nine samples
-/// each (docs/decisions/0018).
+/// Tolerances by which light may change up to a record that a point is moved to. chosen: 2 of none, 2, 4 and any
+/// (docs/fits/records.md).
 constexpr float most_moved_change = 2.0f;
 
 /// So many records tell what light changes by, the own one included.

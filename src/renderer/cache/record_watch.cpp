@@ -6,12 +6,10 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// chosen: docs/decisions/0018 ("Trust that is learnt"); the share is below what is promised.
+/// chosen: docs/fits/records.md, "Hold-out validation"; the share is below what is promised.
 constexpr double aimed_share = 0.007;
 /// Strictness goes in these steps, up to one at which hardly anything is served and down to where light is smoother
-/// than trust is made for. chosen: least 0.5 of 0.3, 0.5, 0.64 and 1, by which 0.89, 0.61, 0.61 and 0.42 % of pixels
-/// are beyond their tolerance in Sponza's walk (coupled at quantiser 8, 256x256, frames 0 to 11), for 0.5, 0.63, 0.74
-/// and 1 of the rays of frames 4 to 11; Sibenik and the bathroom never get below 1 there, Sponza at 2 % neither.
+/// than trust is made for. chosen: least 0.5 of 0.3, 0.5, 0.64 and 1 (docs/fits/records.md).
 constexpr float step = 1.25f, least = 0.5f, most = 6.0f;
 /// By how many standard deviations more points must be off than is aimed at: few say little of a hundredth.
 constexpr double significance = 1.5;

@@ -15,12 +15,12 @@ struct WatchedPoint {
 
 /// How strictly records must agree where a film's light is as it is: learnt from points that they served and that were
 /// gathered as well. What a plane through neighbours cannot know is what lies between them: little in a nave, much
-/// in a room full of small things (docs/decisions/0018).
+/// in a room full of small things (docs/fits/records.md).
 class RecordWatch {
   public:
     /// Fewer say too little.
     static constexpr std::size_t least_points = 192;
-    /// The newest are kept. chosen: docs/decisions/0018 ("Trust that is learnt")
+    /// The newest are kept. chosen: docs/fits/records.md, "Hold-out validation".
     static constexpr std::size_t window = 2048;
 
     /// Nothing is known: records are trusted as in halls and naves.
