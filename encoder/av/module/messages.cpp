@@ -1,3 +1,4 @@
+// Collects FFmpeg's messages, so that errors can quote them.
 #include <array>
 #include <cstdarg>
 #include <cstdio>

@@ -1,3 +1,4 @@
+// Lights of an animation file.
 #include <algorithm>
 #include <array>
 

@@ -1,3 +1,4 @@
+// Animations of a glTF file.
 #include <map>
 #include <utility>
 

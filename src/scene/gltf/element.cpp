@@ -1,3 +1,4 @@
+// Checked access to a glTF object's values.
 #include <cmath>
 
 #include "scene/gltf/document.h"

@@ -1,3 +1,4 @@
+// Nodes, cameras and lights of a glTF file.
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
