@@ -14,7 +14,7 @@ constexpr int side = 8;
 
 constexpr float half_a_code_value = 0.5f;
 
-/// Weight of what was carried from earlier pictures. [Render2MPEG, 4.3]
+/// Weight of what was warped from earlier pictures. [Render2MPEG, 4.3]
 constexpr float carried_weight = 0.5f;
 
 /// Between which two of `count` centres of blocks a sample lies, and how far from the first to the second.
@@ -73,7 +73,7 @@ core::Plane<float> distances(int width, int height, Spread spread, const BlockEr
     return plane;
 }
 
-void to_tolerances(core::Plane<float>& distances, const PixelLight& light, const LumaLight& display) {
+void to_tolerances(core::Plane<float>& distances, const PixelLight& light, const InverseLuma& display) {
     EXPECTS(distances.width() == light.width() && distances.height() == light.height());
     for (float& d : distances.values()) {
         const float size = core::inlined::abs(d);

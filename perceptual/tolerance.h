@@ -6,7 +6,7 @@
 #include "core/dct.h"
 #include "core/plane.h"
 #include "perceptual/distortion.h"
-#include "perceptual/luma_light.h"
+#include "perceptual/inverse_luma.h"
 
 namespace render2mpeg::perceptual {
 
@@ -29,9 +29,9 @@ inline constexpr float least_relative = 0.02f;
 /// Turns distances of luma, whatever their sign, into tolerances of luminance, in place: e = max(0.02 Y, |Y^ - Y|)
 /// [Render2MPEG, eq. 7.4] with a distance of at least half a code value, which no 8-bit film tells apart; in the dark
 /// that is more than 2 % of nearly nothing.
-void to_tolerances(core::Plane<float>& distances, const PixelLight& light, const LumaLight& display);
+void to_tolerances(core::Plane<float>& distances, const PixelLight& light, const InverseLuma& display);
 
-/// dY(t) = (1 - w) e + w dY(t - 1) [Render2MPEG, eq. 7.5], in place of e: with w = 0.5 where `before`, carried along
+/// dY(t) = (1 - w) e + w dY(t - 1) [Render2MPEG, eq. 7.5], in place of e: with w = 0.5 where `before`, warped along
 /// motion, is > 0, and w = 0 elsewhere. An empty `before` changes nothing.
 void blend(core::Plane<float>& errors, const core::Plane<float>& before);
 

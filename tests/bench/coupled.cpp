@@ -118,7 +118,7 @@ int run(int argc, char** argv) {
 
     app::RenderOptions options = line.render;
     options.tolerance = "fixed=2%";
-    app::Production film = app::prepare(options);
+    app::RenderJob film = app::prepare(options);
     if (!film.exposure) film.exposure = app::measure_exposure(film);
     if (name.empty()) name = options.input.stem().string();
     const Stage stage = stage_of(film, pairs, references);
@@ -133,7 +133,7 @@ int run(int argc, char** argv) {
         for (const LitFilm& one : fixed) usual.push_back(one.coded(q));
         print(name, q, "fixed", usual, usual, film.frame_count());
         for (const std::string& share : parts_of(shares)) {
-            app::Production loop = film;
+            app::RenderJob loop = film;
             loop.tolerance = app::tolerance_from(share == "default" ? "coupled" : "coupled=" + share);
             loop.coupling.share = loop.tolerance.share;
             loop.coding.quantiser = q;

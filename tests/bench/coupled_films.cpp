@@ -13,12 +13,12 @@
 namespace render2mpeg::bench {
 namespace {
 
-using app::Production;
+using app::RenderJob;
 
 /// Takes the light of the reference's frames.
 class LightJudge {
   public:
-    LightJudge(const Production& film, const Stage& stage)
+    LightJudge(const RenderJob& film, const Stage& stage)
         : stage_(stage), display_(film.exposure.value_or(0), perceptual::matrix_for(film.format.height)) {}
 
     void lit(const app::LitFrame& frame) {
@@ -60,7 +60,7 @@ class LightJudge {
 /// Takes all decoded pictures.
 class CodingJudge {
   public:
-    CodingJudge(const Production& film, const Stage& stage) : first_(film.frames.first), stage_(stage) {}
+    CodingJudge(const RenderJob& film, const Stage& stage) : first_(film.frames.first), stage_(stage) {}
 
     void coded(const encoder::CodedPicture& picture) {
         const std::int64_t n = picture.plan.number;
@@ -109,7 +109,7 @@ class CodingJudge {
     std::map<std::int64_t, bool> intra_;
 };
 
-class Watching : public app::Watcher {
+class Watching : public app::LoopObserver {
   public:
     Watching(LightJudge& light, CodingJudge& coding) : light_(light), coding_(coding) {}
     void lit(const app::LitFrame& frame) override {
@@ -125,15 +125,15 @@ class Watching : public app::Watcher {
     CodingJudge& coding_;
 };
 
-Outcome cost_of(const app::Ledger& ledger, const renderer::Renderer& renderer) {
-    const renderer::Statistics& s = ledger.rendering;
+Outcome cost_of(const app::RunStatistics& statistics, const renderer::Renderer& renderer) {
+    const renderer::Statistics& s = statistics.rendering;
     Outcome out;
     for (const renderer::Pass pass :
          {renderer::Pass::punctual_lights, renderer::Pass::direct_tree, renderer::Pass::indirect_tree})
         out.gather_seconds += renderer.seconds(pass);
-    out.preview_seconds = ledger.stage_seconds(app::Stage::preview);
-    out.shade_seconds = ledger.stage_seconds(app::Stage::shade) + out.preview_seconds;
-    out.tolerate_seconds = ledger.stage_seconds(app::Stage::tolerate);
+    out.preview_seconds = statistics.stage_seconds(app::Stage::preview);
+    out.shade_seconds = statistics.stage_seconds(app::Stage::shade) + out.preview_seconds;
+    out.tolerate_seconds = statistics.stage_seconds(app::Stage::tolerate);
     out.rays = static_cast<double>(s.shadow_rays);
     const auto points = static_cast<double>(std::max<std::uint64_t>(1, s.gather_points));
     out.cut = static_cast<double>(s.direct_clusters + s.indirect_clusters) / points /
@@ -143,19 +143,19 @@ Outcome cost_of(const app::Ledger& ledger, const renderer::Renderer& renderer) {
     return out;
 }
 
-Outcome run(const Production& film, const Stage& stage, std::vector<core::Picture>* pictures) {
+Outcome run(const RenderJob& film, const Stage& stage, std::vector<core::Picture>* pictures) {
     LightJudge light(film, stage);
     CodingJudge coding(film, stage);
     Watching watching(light, coding);
     watching.pictures = pictures;
     renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
-    app::Ledger ledger;
+    app::RunStatistics statistics;
     app::Destination destination;
-    destination.watcher = &watching;
+    destination.observer = &watching;
     for (const app::Chunk& chunk : app::chunks_of(film.frames, film.coding.gop))
-        app::render_chunk(film, renderer, chunk, destination, ledger, [] { return true; });
-    ledger.rendering = renderer.statistics();
-    Outcome out = cost_of(ledger, renderer);
+        app::render_chunk(film, renderer, chunk, destination, statistics, [] { return true; });
+    statistics.rendering = renderer.statistics();
+    Outcome out = cost_of(statistics, renderer);
     light.add_to(out);
     coding.add_to(out);
     return out;
@@ -163,17 +163,17 @@ Outcome run(const Production& film, const Stage& stage, std::vector<core::Pictur
 
 }  // namespace
 
-Outcome made(const Production& film, const Stage& stage) {
+Outcome made(const RenderJob& film, const Stage& stage) {
     return run(film, stage, nullptr);
 }
 
-LitFilm::LitFilm(const Production& film, const Stage& stage) : film_(film), stage_(stage) {
+LitFilm::LitFilm(const RenderJob& film, const Stage& stage) : film_(film), stage_(stage) {
     lit_ = run(film, stage, &pictures_);
 }
 
 Outcome LitFilm::coded(int quantiser) const {
     CodingJudge judge(film_, stage_);
-    Production film = film_;
+    RenderJob film = film_;
     film.coding.quantiser = quantiser;
     for (const app::Chunk& chunk : app::chunks_of(film.frames, film.coding.gop)) {
         encoder::Encoder encoder(film.coding);

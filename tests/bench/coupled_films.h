@@ -29,16 +29,16 @@ struct Outcome {
 };
 
 /// Lit by `film.tolerance`, coded, decoded and measured.
-Outcome made(const app::Production& film, const Stage& stage);
+Outcome made(const app::RenderJob& film, const Stage& stage);
 
 /// Films lit by a fixed tolerance do not depend on how they are coded: lit once, coded as often as asked.
 class LitFilm {
   public:
-    LitFilm(const app::Production& film, const Stage& stage);
+    LitFilm(const app::RenderJob& film, const Stage& stage);
     Outcome coded(int quantiser) const;
 
   private:
-    app::Production film_;
+    app::RenderJob film_;
     const Stage& stage_;
     Outcome lit_;
     std::vector<core::Picture> pictures_;

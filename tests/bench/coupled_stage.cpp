@@ -11,7 +11,7 @@
 namespace render2mpeg::bench {
 namespace {
 
-using app::Production;
+using app::RenderJob;
 
 /// Pixels of each frame whose light is in the name of its file.
 constexpr int probed = 256;
@@ -35,7 +35,7 @@ class Hash {
 };
 
 /// What a frame lit without clustering depends on.
-std::uint64_t key_of(const Production& film, renderer::Renderer& renderer, const scene::Snapshot& world,
+std::uint64_t key_of(const RenderJob& film, renderer::Renderer& renderer, const scene::Snapshot& world,
                      const renderer::Seen& seen) {
     Hash hash;
     const renderer::Settings& s = film.rendering;
@@ -63,7 +63,7 @@ bool read(const std::filesystem::path& file, core::Plane<glm::vec3>& plane) {
     return stream.read(reinterpret_cast<char*>(plane.values().data()), size).gcount() == size;
 }
 
-core::Picture develop(const Production& film, const core::Plane<glm::vec3>& light, std::int64_t frame) {
+core::Picture develop(const RenderJob& film, const core::Plane<glm::vec3>& light, std::int64_t frame) {
     const perceptual::Display display(film.exposure.value_or(0), perceptual::matrix_for(film.format.height));
     core::Radiance radiance;
     radiance.combined = light;
@@ -83,7 +83,7 @@ core::Plane<std::uint8_t> gathering_pixels(const renderer::Seen& seen) {
     return plane;
 }
 
-ReferenceFrame lit(const Production& film, renderer::Renderer& renderer, std::int64_t frame,
+ReferenceFrame lit(const RenderJob& film, renderer::Renderer& renderer, std::int64_t frame,
                    const std::filesystem::path& folder) {
     ReferenceFrame reference;
     const scene::Snapshot world = film.snapshot(frame);
@@ -106,7 +106,7 @@ ReferenceFrame lit(const Production& film, renderer::Renderer& renderer, std::in
 
 }  // namespace
 
-Stage stage_of(const Production& film, int pairs, const std::filesystem::path& folder) {
+Stage stage_of(const RenderJob& film, int pairs, const std::filesystem::path& folder) {
     Stage stage;
     std::filesystem::create_directories(folder);
     renderer::Renderer renderer(*film.animation, film.rendering, film.plan);

@@ -5,7 +5,7 @@
 #include <map>
 #include <vector>
 
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
 #include "core/motion_field.h"
 #include "core/picture.h"
 #include "core/visible.h"
@@ -30,6 +30,6 @@ struct Stage {
 /// Sees the film, and lights pairs of frames spread over it. Their light is kept in files in `folder`, named by what
 /// the frame shows, by the settings, and by the light of some hundred of its pixels gathered anew: whatever changes
 /// them, a texture, a shape or the code that lights, makes another file.
-Stage stage_of(const app::Production& film, int pairs, const std::filesystem::path& folder);
+Stage stage_of(const app::RenderJob& film, int pairs, const std::filesystem::path& folder);
 
 }  // namespace render2mpeg::bench

@@ -14,7 +14,7 @@
 #include <optional>
 #include <vector>
 
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "renderer/cache/light_parts.h"
@@ -45,7 +45,7 @@ struct Lighting {
 
 class Trial {
   public:
-    Trial(const app::Production& film, int size, int vpls)
+    Trial(const app::RenderJob& film, int size, int vpls)
         : film_(film),
           scenery_(*film.animation, film.rendering.isa, film.plan),
           lights_(scenery_, film.plan, film.rendering.direct_points, film.rendering.seed),
@@ -66,7 +66,7 @@ class Trial {
     Lighting gather(const std::vector<renderer::LightPoint>& lights, const renderer::Seen& seen,
                     const core::ToleranceMap& tolerance) const;
 
-    const app::Production& film_;
+    const app::RenderJob& film_;
     scene::Snapshot world_;
     renderer::Scenery scenery_;
     renderer::LightPoints lights_;
@@ -250,7 +250,7 @@ int main(int argc, char** argv) try {
     options.exposure = "0";
     const int size = wishes.number("size", 192);
     options.size = fmt::format("{0}x{0}", size);
-    const app::Production film = app::prepare(options);
+    const app::RenderJob film = app::prepare(options);
     Trial trial(film, size, wishes.number("vpls", 9000));
     const std::int64_t frame = wishes.number("frame", 0);
     const float relative = 0.01f * static_cast<float>(wishes.number("percent", 2));

@@ -10,8 +10,8 @@
 #include <cstdio>
 #include <string>
 
-#include "app/loop/ledger.h"
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
+#include "app/loop/run_statistics.h"
 #include "app/report/statistics.h"
 #include "core/error.h"
 #include "parallel/loops.h"
@@ -43,7 +43,7 @@ void run(const std::string& scene, const bench::Wishes& wishes) {
     options.samples = 1;
     options.vpls = wishes.number("vpls", 4096);
     options.exposure = "0";
-    app::Production film = app::prepare(options);
+    app::RenderJob film = app::prepare(options);
     film.rendering.stop = wishes.text("stop", "honest") == "classic" ? renderer::Stop::classic : renderer::Stop::honest;
     const scene::Snapshot world = film.snapshot(wishes.number("frame", 0));
     renderer::Renderer renderer(*film.animation, film.rendering, film.plan);

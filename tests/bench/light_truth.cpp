@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
@@ -73,7 +73,7 @@ Subject film(const std::string& input, int frame) {
     options.size = fmt::format("{0}x{0}", picture_size);
     options.samples = 1;
     options.exposure = "0";
-    const app::Production made = app::prepare(options);
+    const app::RenderJob made = app::prepare(options);
     return {made.animation, made.plan, made.rendering, made.snapshot(frame)};
 }
 

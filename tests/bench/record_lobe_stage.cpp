@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
 #include "core/sampling.h"
 #include "renderer/lights/anchors.h"
 #include "renderer/view/see.h"
@@ -22,7 +22,7 @@ Stage stage_of(const std::string& scene, const bench::Wishes& wishes) {
     options.samples = 1;
     options.exposure = "0";
     options.vpls = wishes.number("vpls", 2000);
-    const app::Production film = app::prepare(options);
+    const app::RenderJob film = app::prepare(options);
     const renderer::Settings& settings = film.rendering;
     const scene::Snapshot world = film.snapshot(wishes.number("frame", 0));
     Stage stage{film.animation, renderer::Scenery(*film.animation, settings.isa, film.plan), {}, {}};

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "app/loop/ledger.h"
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
+#include "app/loop/run_statistics.h"
 #include "core/error.h"
 #include "parallel/loops.h"
 
@@ -38,7 +38,7 @@ double fastest(Run run) {
     return least;
 }
 
-void measure(const app::Production& film, float tolerance, std::int64_t frame) {
+void measure(const app::RenderJob& film, float tolerance, std::int64_t frame) {
     const scene::Snapshot world = film.snapshot(frame);
     renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
     renderer.start_chunk(world);
@@ -88,7 +88,7 @@ int main(int argc, char** argv) try {
     options.size = fmt::format("{0}x{0}", picture_size);
     options.samples = 1;
     options.vpls = vpls;
-    app::Production film = app::prepare(options);
+    app::RenderJob film = app::prepare(options);
     if (argc > 3)
         film.rendering.stop = std::string(argv[3]) == "classic" ? renderer::Stop::classic : renderer::Stop::honest;
     measure(film, argc > 2 ? 0.01f * std::strtof(argv[2], nullptr) : 0.02f, argc > 4 ? std::atoll(argv[4]) : 0);

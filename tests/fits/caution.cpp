@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 
-#include "app/loop/ledger.h"
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
+#include "app/loop/run_statistics.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/sampling.h"
@@ -106,14 +106,14 @@ class Bench {
     }
 
   private:
-    static app::Production prepared(const std::string& path) {
+    static app::RenderJob prepared(const std::string& path) {
         app::RenderOptions options;
         options.cache = "off";
         options.input = path;
         options.size = fmt::format("{0}x{0}", picture_size);
         options.samples = 1;
         options.vpls = vpls;
-        app::Production film = app::prepare(options);
+        app::RenderJob film = app::prepare(options);
         film.rendering.max_cut = 1 << 20;  // the rule alone is to be judged
         film.exposure = film.exposure ? *film.exposure : app::measure_exposure(film);
         return film;
@@ -145,7 +145,7 @@ class Bench {
         return seen;
     }
 
-    app::Production film_;
+    app::RenderJob film_;
     float floor_ = 0;
     std::vector<scene::Snapshot> worlds_;
     std::vector<renderer::Seen> seen_;

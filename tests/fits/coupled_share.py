@@ -205,7 +205,7 @@ Before light was shared by type k was 0.3, from four films and five quantisers, 
 
 ## By type
 
-k is that of pictures that nothing depends on; others have k (1 + n)^-g, n the pictures that depend on them (`perceptual::handed_on`). Where the loss came from: of the squared error of light 67 to 80 in 100 are in coefficients of the eight times eight DCT with u + v > 5, but 10 to 15 in the mean of a block (8 times
+k is that of pictures that nothing depends on; others have k (1 + n)^-g, n the pictures that depend on them (`perceptual::propagation_factor`). Where the loss came from: of the squared error of light 67 to 80 in 100 are in coefficients of the eight times eight DCT with u + v > 5, but 10 to 15 in the mean of a block (8 times
 what white noise has there), which nothing removes and PSNR-HVS-M does not mask; in `cornell` at 8 and 16 I pictures lost 3.3 and 2.2 % of it, the others 1.8 and 1.6 % (k = 0.3, 4 draws). Factors of k tried by hand in I, P and B pictures, quantiser 8, three draws, cornell, character and colonnade, with builds whose factors were set so (rays; loss of PSNR-Y; of
 PSNR-HVS-M; over; flicker above the fixed film's):
 

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "app/loop/ledger.h"
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
+#include "app/loop/run_statistics.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/sampling.h"
@@ -135,14 +135,14 @@ class Bench {
     void use(renderer::Stop stop) { renderer_->set_stop(stop); }
 
   private:
-    static app::Production prepared(const Subject& subject) {
+    static app::RenderJob prepared(const Subject& subject) {
         app::RenderOptions options;
         options.cache = "off";
         options.input = subject.path;
         options.size = fmt::format("{0}x{0}", picture_size);
         options.samples = 1;
         options.vpls = vpls;
-        app::Production film = app::prepare(options);
+        app::RenderJob film = app::prepare(options);
         film.rendering.max_cut = 1 << 20;  // the rule alone is to be judged
         return film;
     }
@@ -155,7 +155,7 @@ class Bench {
         return values;
     }
 
-    app::Production film_;
+    app::RenderJob film_;
     float floor_ = 0;
     std::optional<scene::Snapshot> world_;
     std::optional<renderer::Renderer> renderer_;

@@ -11,7 +11,7 @@
 namespace render2mpeg::test {
 namespace {
 
-class Keeper : public app::Watcher {
+class Keeper : public app::LoopObserver {
   public:
     explicit Keeper(Lit& lit) : lit_(lit) {}
     void lit(const app::LitFrame& frame) override { lit_.frames.push_back(frame.radiance); }
@@ -38,8 +38,8 @@ class Keeper : public app::Watcher {
     std::vector<encoder::CodedPicture> made_;
 };
 
-app::Production production(const HardCase& hard_case, scene::Animation film, Way way) {
-    app::Production p;
+app::RenderJob render_job(const HardCase& hard_case, scene::Animation film, Way way) {
+    app::RenderJob p;
     p.rate = core::frame_rate_from("25");
     p.frames = {0, hard_case.frames - 1};
     p.format = {hard_case.size.x, hard_case.size.y, 1.0f};
@@ -93,12 +93,12 @@ Lit lit(const HardCase& hard_case, const SceneBuilder& scene, Way way) {
     Lit result;
     result.way = way;
     result.notes = film.notes;
-    const app::Production p = production(hard_case, std::move(film), way);
+    const app::RenderJob p = render_job(hard_case, std::move(film), way);
     renderer::Renderer renderer(*p.animation, p.rendering, p.plan);
-    app::Ledger ledger;
+    app::RunStatistics statistics;
     Keeper keeper(result);
     for (const app::Chunk& chunk : app::chunks_of(p.frames, p.coding.gop))
-        app::render_chunk(p, renderer, chunk, {nullptr, nullptr, nullptr, &keeper}, ledger, [] { return true; });
+        app::render_chunk(p, renderer, chunk, {nullptr, nullptr, nullptr, &keeper}, statistics, [] { return true; });
     keeper.finish();
     result.statistics = renderer.statistics();
     return result;

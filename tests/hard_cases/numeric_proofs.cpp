@@ -58,7 +58,7 @@ std::vector<Proof> light_proofs() {
         {"an all white film",
          "finite tolerances from the side that is not clipped",
          {"a picture that is white all over"},
-         {"LumaLight.NextToWhiteNoMoreThanAllLightIsTolerated"}},
+         {"InverseLuma.NextToWhiteNoMoreThanAllLightIsTolerated"}},
         {"reflectances of 1 and above",
          "paths end; what reflects more than it gets is taken as 1",
          {"a closed room that absorbs nothing", "a surface that reflects more than it gets"},

@@ -7,9 +7,9 @@
 #include <numeric>
 
 #include "core/sampling.h"
-#include "perceptual/observer.h"
+#include "perceptual/visibility_model.h"
 
-/// A wall that is looked at, and how it is coded: what tests of the observer share.
+/// A wall that is looked at, and how it is coded: what tests of the visibility model share.
 namespace render2mpeg::perceptual {
 
 inline constexpr int width = 72, height = 40;
@@ -60,9 +60,9 @@ inline CodingPlan plan_of(bool intra, int quantiser) {
 
 inline const Display display(0.0f, ColorMatrix::bt709);
 
-inline Memory memory_of(const Observer& observer, const CodingPlan& plan) {
+inline TemporalState state_of(const VisibilityModel& model, const CodingPlan& plan) {
     const core::Radiance radiance = wall(0);
-    return observer.judge(observer.observe(display.develop(radiance), radiance, seen()), coded_as(0, plan));
+    return model.judge(model.observe(display.develop(radiance), radiance, seen()), coded_as(0, plan));
 }
 
 inline double mean(const core::Plane<float>& plane) {

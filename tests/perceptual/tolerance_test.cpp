@@ -25,7 +25,7 @@ PixelLight ramp(const Display& display, int width, int height) {
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x)
             radiance.combined.at(x, y) = glm::vec3(std::exp2(12.0f * static_cast<float>(x) / width - 10.0f));
-    return LumaLight(display).light_of(display.develop(radiance), radiance);
+    return InverseLuma(display).light_of(display.develop(radiance), radiance);
 }
 
 TEST(Distances, SpreadByPixelAreTheDistortedBlockMinusTheBlock) {
@@ -60,7 +60,7 @@ TEST(Distances, SpreadByBlockPrintNoEdges) {
 
 TEST(Tolerances, AreNeverBelowTwoPercentNorHalfACodeValue) {
     const Display display(0, ColorMatrix::bt709);
-    const LumaLight light(display);
+    const InverseLuma light(display);
     const PixelLight pixels = ramp(display, 64, 4);
     core::Plane<float> plane(64, 4, 1e-3f);
     to_tolerances(plane, pixels, light);
@@ -76,7 +76,7 @@ TEST(Tolerances, AreWhatTheDisplayInvertsTo) {
     const PixelLight pixels = ramp(display, 64, 1);
     for (const float distance : {-6.0f, 6.0f}) {
         core::Plane<float> plane(64, 1, distance);
-        to_tolerances(plane, pixels, LumaLight(display));
+        to_tolerances(plane, pixels, InverseLuma(display));
         for (std::size_t i = 0; i < plane.size(); ++i) {
             const float luma = pixels.luma.values()[i], luminance = pixels.luminance.values()[i];
             if (luma < 17.0f) continue;

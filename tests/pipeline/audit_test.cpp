@@ -3,8 +3,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "app/loop/ledger.h"
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
+#include "app/loop/run_statistics.h"
 #include "core/color.h"
 #include "perceptual/display.h"
 #include "support/program.h"
@@ -103,7 +103,7 @@ TEST(ErrorHistogram, TellsTheLargestItKnowsFromWhatIsLarger) {
 }
 
 TEST(FixedTolerance, LetsBlackBeOffByHalfACodeValue) {
-    Production film;
+    RenderJob film;
     film.format = {4, 2, 1.0f};
     film.tolerance.relative = 0.02f;
     EXPECT_EQ(film.tolerance_map().pixels.at(3, 1).absolute, 0.0f);  // no code values without an exposure

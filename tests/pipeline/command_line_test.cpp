@@ -237,7 +237,7 @@ TEST(Statistics, HaveEveryDocumentedKey) {
     EXPECT_EQ(statistics.at("quantiser"), 4);
     EXPECT_EQ(statistics.at("quantisers").at("min"), 4);
     EXPECT_EQ(statistics.at("tolerance").at("mode"), "coupled");
-    EXPECT_EQ(statistics.at("tolerance").at("masking"), "carried");
+    EXPECT_EQ(statistics.at("tolerance").at("masking"), "warped");
 }
 
 TEST(Statistics, TellTheRealQuantisersWhereNoneWasAskedFor) {

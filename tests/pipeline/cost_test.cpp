@@ -175,7 +175,7 @@ TEST(Cost, RisesAndErrorsFallAsTolerancesTighten) {
     EXPECT_EQ(found.at("windows"), (json{{29, 30}}));
     EXPECT_EQ(found.at("reference").at("frames"), 1);
     EXPECT_EQ(found.at("cache"), "off");
-    EXPECT_EQ(found.at("masking"), "carried");
+    EXPECT_EQ(found.at("masking"), "warped");
     const json& fixed = found.at("fixed");
     ASSERT_EQ(fixed.size(), 3u);
     for (std::size_t i = 0; i < 3; ++i) {
@@ -270,7 +270,7 @@ TEST(Cost, PrintsRowsThatFitATerminalAndAPageThatStandsAlone) {
     EXPECT_EQ(contents(folder / "other.html"), "mine");
 }
 
-app::Production tiny_film() {
+app::RenderJob tiny_film() {
     app::RenderOptions options;
     options.input = plain_film();
     options.size = "32x32";
@@ -281,7 +281,7 @@ app::Production tiny_film() {
 }
 
 TEST(Trials, CountPicturesThatABufferHasNoRoomFor) {
-    app::Production film = tiny_film();
+    app::RenderJob film = tiny_film();
     for (const bool tight : {false, true}) {
         // The smallest buffer that a header can tell.
         film.coding.rate_control.buffer_bits = tight ? 16384 : 0;
@@ -299,7 +299,7 @@ TEST(Trials, CountPicturesThatABufferHasNoRoomFor) {
 }
 
 TEST(Trials, GiveCoupledLightTheShareThatTheyAreAskedFor) {
-    const app::Production film = tiny_film();
+    const app::RenderJob film = tiny_film();
     app::Trials trials(film, app::windows_of(film.frames, {1, 2}), 0);
     ASSERT_TRUE(trials.light_references([](const app::ReferenceStanding&) { return true; }));
     EXPECT_EQ(trials.references(), 0);
@@ -310,7 +310,7 @@ TEST(Trials, GiveCoupledLightTheShareThatTheyAreAskedFor) {
 }
 
 TEST(Trials, TellTheirMemoryBeforeTheyTakeIt) {
-    const app::Production film = tiny_film();
+    const app::RenderJob film = tiny_film();
     const app::Trials few(film, app::windows_of(film.frames, {2, 3})),
         many(film, app::windows_of(film.frames, {2, 30}));
     EXPECT_EQ(few.bytes_held(false), many.bytes_held(false)) << "references alone";
@@ -321,7 +321,7 @@ TEST(Trials, TellTheirMemoryBeforeTheyTakeIt) {
 }
 
 TEST(Trials, EndWhenTheyAreToldTo) {
-    const app::Production film = tiny_film();
+    const app::RenderJob film = tiny_film();
     app::Trials trials(film, app::windows_of(film.frames, {2, 2}));
     int parts = 0;
     EXPECT_FALSE(trials.light_references([&](const app::ReferenceStanding& standing) {

@@ -16,7 +16,7 @@ namespace render2mpeg::app {
 namespace {
 
 /// Takes all that a chunk shows.
-struct Record : Watcher {
+struct Record : LoopObserver {
     void lit(const LitFrame& frame) override {
         tolerances[frame.world.frame] = frame.tolerance;
         light[frame.world.frame] = frame.radiance.combined;
@@ -54,14 +54,14 @@ RenderOptions options_of(const std::string& film, const std::string& frames, con
     return options;
 }
 
-Record made(const Production& film) {
+Record made(const RenderJob& film) {
     Record record;
     renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
-    Ledger ledger;
+    RunStatistics statistics;
     Destination destination;
-    destination.watcher = &record;
+    destination.observer = &record;
     for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop))
-        render_chunk(film, renderer, chunk, destination, ledger, [] { return true; });
+        render_chunk(film, renderer, chunk, destination, statistics, [] { return true; });
     record.rendering = renderer.statistics();
     return record;
 }
@@ -182,8 +182,8 @@ TEST(CoupledLoop, EveryWayOfMaskingLightsTheFilmInAWayOfItsOwn) {
         way.error_spread = spread;
         return made(way, "coupled=0.5");
     };
-    const Record usual = with("carried", "references", "block"), quantised = with("quantised", "references", "block"),
-                 intra = with("carried", "intra", "block"), pixel = with("carried", "references", "pixel");
+    const Record usual = with("warped", "references", "block"), quantised = with("quantised", "references", "block"),
+                 intra = with("warped", "intra", "block"), pixel = with("warped", "references", "pixel");
     ASSERT_NE(usual.types.find('P'), std::string::npos);
     for (const Record* way : {&quantised, &intra, &pixel}) {
         EXPECT_NE(way->light, usual.light);
@@ -201,7 +201,7 @@ TEST(CoupledLoop, EveryWayOfMaskingLightsTheFilmInAWayOfItsOwn) {
 TEST(CoupledLoop, APictureThatOthersArePredictedFromMayErrByLess) {
     RenderOptions options = options_of(support::plain_film(), "0:4");
     options.tolerance = "coupled=0.5";
-    Production film = prepare(options);
+    RenderJob film = prepare(options);
     const Record followed = made(film);
     film.coding.gop = 1;
     const Record alone = made(film);
@@ -223,7 +223,7 @@ TEST(CoupledLoop, APictureThatOthersArePredictedFromMayErrByLess) {
 TEST(CoupledLoop, ThePapersAlwaysIntraQuantiserTellsPredictedPicturesOtherwise) {
     RenderOptions options = options_of(support::plain_film(), "0:4");
     options.tolerance = "coupled=0.5";
-    Production film = prepare(options);
+    RenderJob film = prepare(options);
     const Record ours = made(film);
     film.coupling.always_intra = true;
     const Record papers = made(film);

@@ -63,20 +63,20 @@ TEST(Memory, IsSaidInPowersOf1024) {
 }
 
 TEST(Memory, LetsImagesBeReadInTurnBeforeItRefuses) {
-    app::Production production;
+    app::RenderJob job;
     scene::Animation scene;
     scene.source = "scene.glb";
-    production.animation = std::make_shared<const scene::Animation>(scene);
+    job.animation = std::make_shared<const scene::Animation>(scene);
     app::MemoryNeed need;
     need.held = 100;
     need.textures = 50;
     need.decoding = 30;
     EXPECT_EQ(need.total(), 180u);
-    EXPECT_TRUE(app::may_decode_at_once(production, need, 270, 4));
-    EXPECT_FALSE(app::may_decode_at_once(production, need, 269, 4));
-    EXPECT_FALSE(app::may_decode_at_once(production, need, 180, 4));
-    EXPECT_TRUE(app::may_decode_at_once(production, need, 180, 1));
-    EXPECT_THROW(app::may_decode_at_once(production, need, 179, 1), core::Error);
+    EXPECT_TRUE(app::may_decode_at_once(job, need, 270, 4));
+    EXPECT_FALSE(app::may_decode_at_once(job, need, 269, 4));
+    EXPECT_FALSE(app::may_decode_at_once(job, need, 180, 4));
+    EXPECT_TRUE(app::may_decode_at_once(job, need, 180, 1));
+    EXPECT_THROW(app::may_decode_at_once(job, need, 179, 1), core::Error);
 }
 
 TEST(Inputs, OfInputsAreNoOutputs) {

@@ -100,7 +100,7 @@ TEST(Completion, OffersEveryCommandAndOption) {
 TEST(Completion, OffersTheValuesOfOptionsThatHaveFew) {
     using Words = std::set<std::string>;
     EXPECT_EQ(completions("render --stop \"\""), (Words{"honest", "classic"}));
-    EXPECT_EQ(completions("render --masking \"\""), (Words{"carried", "quantised"}));
+    EXPECT_EQ(completions("render --masking \"\""), (Words{"warped", "quantised"}));
     EXPECT_EQ(completions("render --tolerance \"\""), (Words{"coupled", "fixed=", "reference"}));
     EXPECT_EQ(completions("render --for d"), (Words{"dvd-ntsc", "dvd-pal"}));
     EXPECT_EQ(completions("render --tune \"\""), (Words{"psnr", "perceptual"}));

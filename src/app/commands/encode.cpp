@@ -14,16 +14,16 @@
 
 #include "app/files/publish.h"
 #include "app/files/text_file.h"
-#include "app/loop/bookkeeper.h"
 #include "app/loop/film_identity.h"
 #include "app/loop/first_pass.h"
 #include "app/loop/frame_source.h"
+#include "app/loop/statistics_recorder.h"
 #include "app/loop/vector_layers.h"
 #include "app/options/output_kind.h"
 #include "app/options/rate_options.h"
 #include "app/options/unused_options.h"
 #include "app/report/statistics.h"
-#include "app/system/attempts.h"
+#include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "core/error.h"
@@ -134,7 +134,8 @@ encoder::PictureFacts facts_of(Job& job, const Chunk& chunk, std::int64_t n) {
 }
 
 /// Codes one chunk. The last pictures of a chunk that ends early are coded too. Returns whether it is whole.
-bool encode_chunk(Job& job, const encoder::Settings& settings, const Chunk& chunk, Ledger& ledger, const Steps& steps) {
+bool encode_chunk(Job& job, const encoder::Settings& settings, const Chunk& chunk, RunStatistics& statistics,
+                  const Steps& steps) {
     encoder::Encoder encoder(settings);
     const auto write = [&](const std::vector<encoder::CodedPicture>& pictures) {
         for (const encoder::CodedPicture& coded : pictures) steps.coded(coded);
@@ -143,21 +144,21 @@ bool encode_chunk(Job& job, const encoder::Settings& settings, const Chunk& chun
     bool whole = true;
     for (std::int64_t n = chunk.first; n <= chunk.last && whole; ++n) {
         const double start = cpu_seconds();
-        const core::Picture picture = timed(ledger, Stage::develop, [&] { return job.frames->read(n); });
-        const encoder::PictureFacts facts = timed(ledger, Stage::develop, [&] { return facts_of(job, chunk, n); });
+        const core::Picture picture = timed(statistics, Stage::develop, [&] { return job.frames->read(n); });
+        const encoder::PictureFacts facts = timed(statistics, Stage::develop, [&] { return facts_of(job, chunk, n); });
         const encoder::PicturePlan coding = encoder.plan(n, facts, n == chunk.first);
         std::vector<core::MotionField> motion;
         if (job.motion)
             for (const std::int64_t reference : coding.references)
-                motion.push_back(timed(ledger, Stage::develop, [&] { return job.motion->between(n, reference); }));
-        const auto onward = timed(ledger, Stage::develop, [&] { return onward_motion(job, coding); });
+                motion.push_back(timed(statistics, Stage::develop, [&] { return job.motion->between(n, reference); }));
+        const auto onward = timed(statistics, Stage::develop, [&] { return onward_motion(job, coding); });
         steps.opened(picture);
         const encoder::Hints hints{onward ? &*onward : nullptr};
-        write(timed(ledger, Stage::encode, [&] { return encoder.push(picture, coding, motion, hints); }));
+        write(timed(statistics, Stage::encode, [&] { return encoder.push(picture, coding, motion, hints); }));
         steps.frame_done(cpu_seconds() - start);
         whole = !InterruptGuard::requested() || n == chunk.last;
     }
-    write(timed(ledger, Stage::encode, [&] { return encoder.flush(); }));
+    write(timed(statistics, Stage::encode, [&] { return encoder.flush(); }));
     return whole;
 }
 
@@ -170,10 +171,10 @@ std::vector<encoder::FirstPassPicture> code_roughly(Job& job, int quantiser, boo
     fast.quantiser = quantiser;
     Progress progress(job.film.frame_count(), quiet, "first pass");
     std::vector<encoder::FirstPassPicture> film;
-    Ledger ledger;
+    RunStatistics statistics;
     for (const Chunk& chunk : chunks_of(job.film.frames, fast.gop)) {
         bool starts_chunk = true;
-        encode_chunk(job, fast, chunk, ledger,
+        encode_chunk(job, fast, chunk, statistics,
                      {[](const core::Picture&) {},
                       [&](const encoder::CodedPicture& coded) {
                           film.push_back(encoder::first_pass_picture(coded, starts_chunk));
@@ -211,23 +212,24 @@ std::vector<encoder::BitAllocation> first_pass(Job& job, bool quiet) {
     }
 }
 
-std::vector<ChunkFile> encode_chunks(Job& job, const EncodeOptions& options, WorkFolder& work, Ledger& ledger) {
+std::vector<ChunkFile> encode_chunks(Job& job, const EncodeOptions& options, WorkFolder& work,
+                                     RunStatistics& statistics) {
     Progress progress(job.film.frame_count(), options.quiet);
     std::vector<ChunkFile> files;
     for (const Chunk& chunk : chunks_of(job.film.frames, job.film.coding.gop)) {
         files.push_back(work.open(chunk));
-        Bookkeeper books(ledger);
-        const bool whole = encode_chunk(job, job.film.coding, chunk, ledger,
+        StatisticsRecorder recorder(statistics);
+        const bool whole = encode_chunk(job, job.film.coding, chunk, statistics,
                                         {[&](const core::Picture& picture) {
-                                             books.opened(picture.number);
-                                             books.keep(picture);
+                                             recorder.opened(picture.number);
+                                             recorder.keep(picture);
                                          },
                                          [&](const encoder::CodedPicture& coded) {
-                                             books.coded(coded);
+                                             recorder.coded(coded);
                                              files.back().append(coded);
                                          },
                                          [&](double seconds) {
-                                             books.took(seconds);
+                                             recorder.took(seconds);
                                              progress.advance();
                                          }});
         if (whole)
@@ -259,39 +261,39 @@ int encode(const EncodeOptions& options, const std::string& command) {
     const InterruptGuard guard(options.quiet);
 
     // Read and settle everything before anything is written.
-    Ledger ledger;
-    Job job = timed(ledger, Stage::load, [&] { return prepare(options); });
+    RunStatistics statistics;
+    Job job = timed(statistics, Stage::load, [&] { return prepare(options); });
     if (!options.quiet) say_notes(job, options);
     check_writable(options.output);
     if (options.stats) check_writable(*options.stats);
     WorkFolder work(options.output, identity_of(job.film, command));
 
     if (two_passes(options.coding))
-        job.allocations = timed(ledger, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
+        job.allocations = timed(statistics, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
     if (InterruptGuard::requested()) {
         if (!options.quiet) std::fputs("interrupted before the first frame: nothing was written\n", stderr);
         return InterruptGuard::status();
     }
 
     // Encode; publish what is whole, leave what is not beside the target.
-    const std::vector<ChunkFile> chunks = encode_chunks(job, options, work, ledger);
-    const bool complete = static_cast<std::int64_t>(ledger.frames.size()) == job.film.frame_count();
+    const std::vector<ChunkFile> chunks = encode_chunks(job, options, work, statistics);
+    const bool complete = static_cast<std::int64_t>(statistics.frames.size()) == job.film.frame_count();
     const Published published = publish(chunks, job.film, work, options.output, complete);
     if (complete) work.clear_away();
     const RunFacts facts{command, options.input.string(), published.name.string(), published.bytes, complete};
-    ledger.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    ledger.rendering.non_finite = job.frames->non_finite();
+    statistics.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    statistics.rendering.non_finite = job.frames->non_finite();
 
-    Attempts attempts;  // the film is there: what fails of the rest costs no more than itself
+    ErrorCollector errors;  // the film is there: what fails of the rest costs no more than itself
     if (options.stats)
-        attempts.attempt(
-            [&] { write_encode_statistics(*options.stats, job.film, job.motion.has_value(), ledger, facts); });
-    if (!options.quiet) attempts.attempt([&] { print(encode_summary(job.film, ledger, facts)); });
+        errors.attempt(
+            [&] { write_encode_statistics(*options.stats, job.film, job.motion.has_value(), statistics, facts); });
+    if (!options.quiet) errors.attempt([&] { print(encode_summary(job.film, statistics, facts)); });
     if (!complete && !options.quiet)
-        std::fputs(
-            fmt::format("interrupted after {} of {} frames\n", ledger.frames.size(), job.film.frame_count()).c_str(),
-            stderr);
-    attempts.rethrow();
+        std::fputs(fmt::format("interrupted after {} of {} frames\n", statistics.frames.size(), job.film.frame_count())
+                       .c_str(),
+                   stderr);
+    errors.rethrow();
     return complete ? 0 : InterruptGuard::status();
 }
 

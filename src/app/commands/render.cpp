@@ -17,11 +17,11 @@
 #include "app/loop/pipeline.h"
 #include "app/loop/resume.h"
 #include "app/options/unused_options.h"
-#include "app/report/frame_portrait.h"
 #include "app/report/heatmap_film.h"
 #include "app/report/report.h"
+#include "app/report/sample_frame.h"
 #include "app/report/statistics.h"
-#include "app/system/attempts.h"
+#include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "app/system/outside_trial.h"
 #include "app/system/progress.h"
@@ -32,7 +32,7 @@ namespace render2mpeg::app {
 namespace {
 
 /// What the scene lacks, and which options do nothing.
-void say_notes(const Production& film, const RenderOptions& options) {
+void say_notes(const RenderJob& film, const RenderOptions& options) {
     if (options.quiet) return;
     std::vector<std::string> notes = film.animation->notes;
     for (const std::string& line : unused_options(options, film.kind, film.tolerance)) notes.push_back(line);
@@ -45,11 +45,11 @@ void say_notes(const Production& film, const RenderOptions& options) {
 }
 
 /// As prepare(), within the memory that the options allow. Not done where an interrupt was requested meanwhile.
-Production prepare_within_memory(const RenderOptions& options) {
+RenderJob prepare_within_memory(const RenderOptions& options) {
     if (!options.memory) return prepare(options);
     const std::uint64_t limit = memory_from(*options.memory);
     hold_to(limit, parallel::thread_count());
-    Production film = prepare(options);
+    RenderJob film = prepare(options);
     if (!try_images(*film.animation, image_trials(true))) return film;
     // Their headers may be read now.
     film.images_in_turn = !may_decode_at_once(film, memory_need(film), limit, parallel::thread_count());
@@ -61,7 +61,7 @@ int interrupted_before_frames(const RenderOptions& options) {
     return InterruptGuard::status();
 }
 
-std::string dry_run_text(const Production& film, const RenderOptions& options) {
+std::string dry_run_text(const RenderJob& film, const RenderOptions& options) {
     const auto chunks = chunks_of(film.frames, film.coding.gop);
     return fmt::format("{}: would render frames {} to {} ({:.2f} s at {} Hz) of {} at {}x{}, in {} chunk{}\n",
                        options.output.string(), film.frames.first, film.frames.last,
@@ -72,7 +72,7 @@ std::string dry_run_text(const Production& film, const RenderOptions& options) {
 }
 
 /// What is done with chunks that an earlier run of this film left; empty where there are none.
-std::string left_text(const Production& film, const RenderOptions& options, const nlohmann::json& identity) {
+std::string left_text(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity) {
     const std::vector<Chunk> chunks = chunks_of(film.frames, film.coding.gop);
     const std::size_t left = WorkFolder::left(options.output, identity, chunks);
     if (left == 0) return {};
@@ -83,7 +83,7 @@ std::string left_text(const Production& film, const RenderOptions& options, cons
 }
 
 /// Whether the output is one file, which is made in a work folder.
-bool is_one_file(const Production& film) {
+bool is_one_file(const RenderJob& film) {
     return film.kind == OutputKind::film || film.kind == OutputKind::y4m;
 }
 
@@ -92,7 +92,7 @@ WorkFolder::Earlier earlier_of(const RenderOptions& options) {
 }
 
 /// Refuses outputs that would take the place of other files, or show what there is none of. Writes nothing.
-void check_outputs(const Production& film, const RenderOptions& options) {
+void check_outputs(const RenderJob& film, const RenderOptions& options) {
     std::vector<Files> outputs{is_one_file(film) ? Files(options.output) : Files(options.output, film.frames),
                                options.stats.value_or("")};
     for (const auto& [subject, file] : options.heatmaps) outputs.emplace_back(file);
@@ -120,10 +120,10 @@ std::unique_ptr<WorkFolder> open_outputs(const RenderOptions& options, const nlo
     return std::make_unique<WorkFolder>(options.output, identity, earlier_of(options));
 }
 
-/// The ledger with what the renderer has done since it was made.
-Ledger told(const Ledger& ledger, const renderer::Renderer& renderer) {
-    Ledger sum = ledger;
-    sum.rendering = sum_of(ledger.rendering, renderer.statistics());
+/// The statistics with what the renderer has done since it was made.
+RunStatistics told(const RunStatistics& statistics, const renderer::Renderer& renderer) {
+    RunStatistics sum = statistics;
+    sum.rendering = sum_of(statistics.rendering, renderer.statistics());
     for (std::size_t i = 0; i < sum.pass_seconds.size(); ++i)
         sum.pass_seconds[i] += renderer.seconds(static_cast<renderer::Pass>(i));
     sum.pass_seconds[static_cast<std::size_t>(renderer::Pass::develop)] = sum.stage_seconds(Stage::develop);
@@ -134,8 +134,9 @@ Ledger told(const Ledger& ledger, const renderer::Renderer& renderer) {
 /// Seconds on the clock of this run, and of those that it goes on from.
 class WallClock {
   public:
-    double seconds(const Ledger& ledger) const {
-        return ledger.earlier_wall + std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    double seconds(const RunStatistics& statistics) const {
+        return statistics.earlier_wall +
+               std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     }
 
   private:
@@ -144,21 +145,21 @@ class WallClock {
 
 /// Renders the chunks that are not in `files` yet and adds them, the last of them incomplete after an interruption.
 /// Returns whether the film is whole.
-bool render_chunks(const Production& film, const RenderOptions& options, WorkFolder& work, Watcher* watcher,
-                   const WallClock& clock, Ledger& ledger, std::vector<ChunkFile>& files) {
+bool render_chunks(const RenderJob& film, const RenderOptions& options, WorkFolder& work, LoopObserver* observer,
+                   const WallClock& clock, RunStatistics& statistics, std::vector<ChunkFile>& files) {
     const std::vector<Chunk> chunks = chunks_of(film.frames, film.coding.gop);
     if (files.size() == chunks.size()) return true;
     renderer::Renderer renderer = renderer_of(film);
-    Progress progress(film.frame_count(), options.quiet, "frame", Counted::frames, ledger.earlier_wall);
-    if (!files.empty()) progress.advance_to(static_cast<std::int64_t>(ledger.frames.size()), film.frame_count());
+    Progress progress(film.frame_count(), options.quiet, "frame", Counted::frames, statistics.earlier_wall);
+    if (!files.empty()) progress.advance_to(static_cast<std::int64_t>(statistics.frames.size()), film.frame_count());
     bool whole = true;
     while (files.size() < chunks.size()) {
         const Chunk& chunk = chunks[files.size()];
         files.push_back(work.open(chunk));
         const std::unique_ptr<Sink> sink = make_sink(film, frames_of(film, options, work, chunk));
         const Destination destination{film.kind == OutputKind::film ? &files.back() : nullptr, sink.get(),
-                                      options.layers ? &*options.layers : nullptr, watcher};
-        whole = render_chunk(film, renderer, chunk, destination, ledger, [&] {
+                                      options.layers ? &*options.layers : nullptr, observer};
+        whole = render_chunk(film, renderer, chunk, destination, statistics, [&] {
             progress.advance();
             return !InterruptGuard::requested();
         });
@@ -167,18 +168,18 @@ bool render_chunks(const Production& film, const RenderOptions& options, WorkFol
             files.back().abandon();
             break;
         }
-        Ledger so_far = told(ledger, renderer);
-        so_far.earlier_wall = clock.seconds(ledger);
+        RunStatistics so_far = told(statistics, renderer);
+        so_far.earlier_wall = clock.seconds(statistics);
         so_far.earlier_cpu += cpu_seconds();
         files.back().finish(facts_of(film, options, work, chunk, so_far));
         if (InterruptGuard::requested()) break;
     }
-    ledger = told(ledger, renderer);
+    statistics = told(statistics, renderer);
     return whole && files.size() == chunks.size();
 }
 
 /// Gives the film its name, or what there is of it another.
-Published publish_frames(const Production& film, const RenderOptions& options, WorkFolder& work,
+Published publish_frames(const RenderJob& film, const RenderOptions& options, WorkFolder& work,
                          const std::vector<ChunkFile>& chunks, bool complete) {
     if (film.kind == OutputKind::film) return publish(chunks, film.film(), work, options.output, complete);
     if (film.kind == OutputKind::y4m) {
@@ -201,10 +202,10 @@ std::size_t whole_of(const std::vector<ChunkFile>& chunks) {
 }
 
 /// As render_chunks(); a failure says what is not lost by it.
-bool render_or_tell(const Production& film, const RenderOptions& options, WorkFolder& work, Watcher* watcher,
-                    const WallClock& clock, Ledger& ledger, std::vector<ChunkFile>& files) {
+bool render_or_tell(const RenderJob& film, const RenderOptions& options, WorkFolder& work, LoopObserver* observer,
+                    const WallClock& clock, RunStatistics& statistics, std::vector<ChunkFile>& files) {
     try {
-        return render_chunks(film, options, work, watcher, clock, ledger, files);
+        return render_chunks(film, options, work, observer, clock, statistics, files);
     } catch (const core::Error& error) {
         const std::size_t whole = whole_of(files);
         if (whole == 0) throw;
@@ -213,24 +214,24 @@ bool render_or_tell(const Production& film, const RenderOptions& options, WorkFo
 }
 
 /// Writes what is told of the film. Returns whether all was written.
-bool write_told(const Production& film, const RenderOptions& options, const Ledger& ledger, const RunFacts& facts,
-                const FramePortrait& portrait, Attempts& attempts) {
+bool write_told(const RenderJob& film, const RenderOptions& options, const RunStatistics& statistics,
+                const RunFacts& facts, const SampleFrameObserver& sample_frame, ErrorCollector& errors) {
     bool stats = !options.stats, report = !options.report;
     if (!stats)
-        attempts.attempt([&] {
-            write_statistics(*options.stats, film, ledger, facts);
+        errors.attempt([&] {
+            write_statistics(*options.stats, film, statistics, facts);
             stats = true;
         });
     if (!report)
-        attempts.attempt([&] {
-            write_report(*options.report, film, ledger, facts, portrait.figures());
+        errors.attempt([&] {
+            write_report(*options.report, film, statistics, facts, sample_frame.figures());
             report = true;
         });
     return stats && report;
 }
 
 /// Marks what is whole, and removes what it was made of: to be called when nothing of that is needed any more.
-void clear_away(const Production& film, const RenderOptions& options, const nlohmann::json& identity,
+void clear_away(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity,
                 HeatmapFilms& heatmaps, WorkFolder& work) {
     Products products = products_of(film, options);
     // A heatmap that failed while it was made can only be made anew.
@@ -248,12 +249,12 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     const InterruptGuard guard(options.quiet);
 
     // Read and settle everything before anything is written.
-    Ledger ledger;
-    Production film = timed(ledger, Stage::load, [&] { return prepare_within_memory(options); });
+    RunStatistics statistics;
+    RenderJob film = timed(statistics, Stage::load, [&] { return prepare_within_memory(options); });
     if (InterruptGuard::requested()) return interrupted_before_frames(options);
     say_notes(film, options);
     check_outputs(film, options);
-    const nlohmann::json identity = timed(ledger, Stage::load, [&] { return identity_of(film, options); });
+    const nlohmann::json identity = timed(statistics, Stage::load, [&] { return identity_of(film, options); });
     // `tune` looks at what it renders, and so renders.
     if (const auto status = rendered == nullptr ? settled_before(film, options, identity) : std::nullopt)
         return *status;
@@ -263,27 +264,28 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
         if (!options.quiet) print(left + dry_run_text(film, options));
         return 0;
     }
-    if (!options.memory) timed(ledger, Stage::load, [&] { return try_images(*film.animation, image_trials(false)); });
+    if (!options.memory)
+        timed(statistics, Stage::load, [&] { return try_images(*film.animation, image_trials(false)); });
     if (InterruptGuard::requested()) return interrupted_before_frames(options);
     if (!options.quiet && !options.resume) std::fputs(left.c_str(), stderr);
     const std::unique_ptr<WorkFolder> work = open_outputs(options, identity);
     HeatmapFilms heatmaps(options, film, identity, *work);
-    std::vector<ChunkFile> chunks = take_up(film, options, *work, heatmaps, ledger);
-    settle(film, options, *work, ledger);
+    std::vector<ChunkFile> chunks = take_up(film, options, *work, heatmaps, statistics);
+    settle(film, options, *work, statistics);
     if (InterruptGuard::requested()) return interrupted_before_frames(options);
 
-    FramePortrait portrait(film);
-    Watchers watchers;
-    if (!heatmaps.empty()) watchers.add(heatmaps);
-    if (options.report) watchers.add(portrait);
+    SampleFrameObserver sample_frame(film);
+    LoopObservers observers;
+    if (!heatmaps.empty()) observers.add(heatmaps);
+    if (options.report) observers.add(sample_frame);
     const bool complete =
-        render_or_tell(film, options, *work, watchers.empty() ? nullptr : &watchers, clock, ledger, chunks);
+        render_or_tell(film, options, *work, observers.empty() ? nullptr : &observers, clock, statistics, chunks);
 
     // Publish what is whole; leave what is not beside the target. Whatever fails costs no more than itself.
-    Attempts attempts;
+    ErrorCollector errors;
     RunFacts facts{command, options.input.string(), options.output.string(), 0, false};
     bool published = false;
-    attempts.attempt([&] {
+    errors.attempt([&] {
         const Published film_file = publish_frames(film, options, *work, chunks, complete);
         facts.bytes = film_file.bytes;
         facts.output = film_file.name.string();
@@ -291,21 +293,21 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
         published = true;
     });
     bool all_written = complete && heatmaps.finish() && published;
-    attempts.attempt([&] { heatmaps.rethrow(); });
-    ledger.wall = clock.seconds(ledger);
-    all_written = write_told(film, options, ledger, facts, portrait, attempts) && all_written;
+    errors.attempt([&] { heatmaps.rethrow(); });
+    statistics.wall = clock.seconds(statistics);
+    all_written = write_told(film, options, statistics, facts, sample_frame, errors) && all_written;
     if (all_written) clear_away(film, options, identity, heatmaps, *work);
     if (complete && !all_written && !options.quiet)
         std::fputs((resuming_text(film, chunks.size()) + "\n").c_str(), stderr);
-    if (!options.quiet && published) attempts.attempt([&] { print(summary(film, ledger, facts)); });
+    if (!options.quiet && published) errors.attempt([&] { print(summary(film, statistics, facts)); });
     if (!complete && !options.quiet)
-        std::fputs(fmt::format("interrupted after {} of {} frames; {}\n", ledger.frames.size(), film.frame_count(),
+        std::fputs(fmt::format("interrupted after {} of {} frames; {}\n", statistics.frames.size(), film.frame_count(),
                                resuming_text(film, whole_of(chunks),
                                              rendered != nullptr ? "the command above" : "the same command"))
                        .c_str(),
                    stderr);
-    attempts.rethrow();
-    if (rendered != nullptr) *rendered = {ledger, facts.output, facts.bytes};
+    errors.rethrow();
+    if (rendered != nullptr) *rendered = {statistics, facts.output, facts.bytes};
     return complete ? 0 : InterruptGuard::status();
 } catch (const std::bad_alloc&) {
     if (!options.memory) throw;
@@ -314,7 +316,7 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
 }
 
 int plan(const PlanOptions& options) {
-    const Production film = prepare(options.render);
+    const RenderJob film = prepare(options.render);
     say_notes(film, options.render);
     print(plan_table(film, options.statistics.value_or("")));
     return 0;

@@ -4,14 +4,14 @@
 #include <filesystem>
 #include <string>
 
-#include "app/loop/ledger.h"
+#include "app/loop/run_statistics.h"
 #include "app/options/options.h"
 
 namespace render2mpeg::app {
 
 /// What a render comes to, for commands that make a film of their own accord.
 struct Rendered {
-    Ledger ledger;
+    RunStatistics statistics;
     std::filesystem::path film;
     std::uint64_t bytes = 0;
 };

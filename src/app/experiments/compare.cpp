@@ -10,7 +10,7 @@
 #include "app/experiments/trial_command.h"
 #include "app/files/text_file.h"
 #include "app/report/statistics_json.h"
-#include "app/system/attempts.h"
+#include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "core/error.h"
 #include "parallel/loops.h"
@@ -21,7 +21,7 @@ namespace {
 /// One command in the making: rows are told as they come.
 class Comparing {
   public:
-    Comparing(const CompareOptions& options, const Production& film, const std::string& ffmpeg);
+    Comparing(const CompareOptions& options, const RenderJob& film, const std::string& ffmpeg);
 
     /// Returns whether nobody interrupted. In this order.
     bool light_references();
@@ -32,7 +32,7 @@ class Comparing {
     void look_at_foreign_film();
 
     const Comparison& found() const { return found_; }
-    const Production& film() const { return trials_.film(); }
+    const RenderJob& film() const { return trials_.film(); }
 
   private:
     /// Takes a row of a way, or of what is known already its times.
@@ -53,7 +53,7 @@ class Comparing {
     int runs_ = 0;  ///< whole ones
 };
 
-Comparing::Comparing(const CompareOptions& options, const Production& film, const std::string& ffmpeg)
+Comparing::Comparing(const CompareOptions& options, const RenderJob& film, const std::string& ffmpeg)
     : options_(options),
       quantisers_(quantisers_from(options.quantisers)),
       trials_(film, windows_of(film.frames, sample_from(options.sample)), options.references) {
@@ -160,7 +160,7 @@ int compare(const CompareOptions& options, const std::string& command) {
         if (!quiet) std::fputs("interrupted before the first row: nothing was found out\n", stderr);
         return InterruptGuard::status();
     };
-    const Production film = prepare_trials(options.render);
+    const RenderJob film = prepare_trials(options.render);
     if (InterruptGuard::requested()) return interrupted();
     check_trial_outputs(film, options.render, options.json, options.report);
 
@@ -173,18 +173,18 @@ int compare(const CompareOptions& options, const std::string& command) {
     const Comparison& found = comparing.found();
     if (found.ways[coupled_way].rows.empty()) return interrupted();
 
-    Attempts attempts;
+    ErrorCollector errors;
     if (options.json)
-        attempts.attempt([&] { write_json(*options.json, compare_json(comparing.film(), found, command)); });
+        errors.attempt([&] { write_json(*options.json, compare_json(comparing.film(), found, command)); });
     if (options.report)
-        attempts.attempt([&] { write_compare_report(*options.report, comparing.film(), found, command); });
+        errors.attempt([&] { write_compare_report(*options.report, comparing.film(), found, command); });
     if (!quiet && found.complete)
-        attempts.attempt([&] {
+        errors.attempt([&] {
             print(difference_table(found));
             print_sentence(sentence_of(found));
         });
     if (!found.complete && !quiet) std::fputs("interrupted: this is a part of the table\n", stderr);
-    attempts.rethrow();
+    errors.rethrow();
     return found.complete ? 0 : InterruptGuard::status();
 }
 

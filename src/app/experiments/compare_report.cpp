@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 
 #include "app/experiments/quality.h"
+#include "app/experiments/sample_frame_view.h"
 #include "app/experiments/sweep.h"
 #include "app/files/text_file.h"
 #include "app/report/curve_plot.h"
 #include "app/report/frame_plot.h"
-#include "app/report/portrait_view.h"
 #include "app/report/report.h"
 #include "app/report/statistics_json.h"
 #include "core/numeric.h"
@@ -75,11 +75,12 @@ json foreign_json(const Comparison& found) {
 }
 
 /// What the last reference shows at the coarsest quantiser, and what becomes of it.
-std::string views(const Production& film, const Comparison& found) {
+std::string views(const RenderJob& film, const Comparison& found) {
     const std::vector<Trial>& rows = found.ways[coupled_way].rows;
     const perceptual::ColorMatrix matrix = perceptual::matrix_for(film.format.height);
     const std::size_t row = rows.size() - 1;
-    std::string text = portrait_figures(fmt::format("coupled, quantiser {}", rows[row].quantiser), rows[row], matrix);
+    std::string text =
+        sample_frame_figures(fmt::format("coupled, quantiser {}", rows[row].quantiser), rows[row], matrix);
     const Way& other = found.ways[strongest_way];
     if (row < other.rows.size())
         text += decoded_pair(fmt::format("The same frame by {}, whose film has {:.2f} times the bytes", other.name,
@@ -156,7 +157,7 @@ std::string commands(const Comparison& found) {
 
 }  // namespace
 
-json compare_json(const Production& film, const Comparison& found, const std::string& command) {
+json compare_json(const RenderJob& film, const Comparison& found, const std::string& command) {
     json windows = json::array(), ways = json::array();
     for (const Chunk& window : found.windows) windows.push_back({window.first, window.last});
     for (const Way& way : found.ways) {
@@ -175,7 +176,7 @@ json compare_json(const Production& film, const Comparison& found, const std::st
             {"gop", film.coding.gop},
             {"samples", film.rendering.samples},
             {"vpls", film.rendering.vpls},
-            {"masking", film.coupling.observer.strategy == perceptual::Strategy::quantised ? "quantised" : "carried"},
+            {"masking", film.coupling.visibility.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"},
             {"cache", cache_word(film.rendering)},
             {"light_points", found.light_points},
             {"windows", windows},
@@ -188,7 +189,7 @@ json compare_json(const Production& film, const Comparison& found, const std::st
             {"complete", found.complete}};
 }
 
-void write_compare_report(const std::filesystem::path& html, const Production& film, const Comparison& found,
+void write_compare_report(const std::filesystem::path& html, const RenderJob& film, const Comparison& found,
                           const std::string& command) {
     const std::filesystem::path source = film.animation->source;
     const std::string name = (source.has_filename() ? source : source.parent_path()).filename().string();

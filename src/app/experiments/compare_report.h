@@ -9,10 +9,10 @@
 namespace render2mpeg::app {
 
 /// Everything that `compare` found out (docs/compare.md).
-nlohmann::json compare_json(const Production& film, const Comparison& found, const std::string& command);
+nlohmann::json compare_json(const RenderJob& film, const Comparison& found, const std::string& command);
 
 /// The same as a page with plots, and report_json_of() it.
-void write_compare_report(const std::filesystem::path& html, const Production& film, const Comparison& found,
+void write_compare_report(const std::filesystem::path& html, const RenderJob& film, const Comparison& found,
                           const std::string& command);
 
 }  // namespace render2mpeg::app

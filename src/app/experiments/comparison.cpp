@@ -68,7 +68,7 @@ std::string sentence_of(const Comparison& found) {
     return text + ".";
 }
 
-std::string compare_heading(const Production& film, const Comparison& found) {
+std::string compare_heading(const RenderJob& film, const Comparison& found) {
     std::int64_t frames = 0;
     for (const Chunk& window : found.windows) frames += window.frames();
     return fmt::format("{}: {} frames of {}x{} in {} window{}; {} by {} light points\n", film.animation->source, frames,

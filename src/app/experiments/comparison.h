@@ -71,7 +71,7 @@ double bits_beside(const Comparison& found);
 std::string sentence_of(const Comparison& found);
 
 /// Lines of at most 80 columns, each with its end.
-std::string compare_heading(const Production& film, const Comparison& found);
+std::string compare_heading(const RenderJob& film, const Comparison& found);
 std::string way_heading();
 std::string way_row(const std::string& name, const Trial& trial);
 std::string difference_table(const Comparison& found);

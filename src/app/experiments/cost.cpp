@@ -10,7 +10,7 @@
 #include "app/experiments/trial_command.h"
 #include "app/files/text_file.h"
 #include "app/report/statistics_json.h"
-#include "app/system/attempts.h"
+#include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "parallel/loops.h"
 
@@ -20,7 +20,7 @@ namespace {
 /// One command in the making: rows are told as they come.
 class Cost {
   public:
-    Cost(const CostOptions& options, const Production& film)
+    Cost(const CostOptions& options, const RenderJob& film)
         : options_(options),
           pairs_(!quantisers_from(options.quantisers).empty()),
           trials_(film, windows_of(film.frames, sample_from(options.sample))) {
@@ -36,7 +36,7 @@ class Cost {
     void complete() { sweep_.complete = true; }
 
     const Sweep& sweep() const { return sweep_; }
-    const Production& film() const { return trials_.film(); }
+    const RenderJob& film() const { return trials_.film(); }
 
   private:
     bool is_quiet() const { return options_.render.quiet; }
@@ -104,7 +104,7 @@ int cost(const CostOptions& options, const std::string& command) {
         if (!quiet) std::fputs("interrupted before the first row: nothing was found out\n", stderr);
         return InterruptGuard::status();
     };
-    const Production film = prepare_trials(options.render);
+    const RenderJob film = prepare_trials(options.render);
     if (InterruptGuard::requested()) return interrupted();
     check_trial_outputs(film, options.render, options.json, options.report);
 
@@ -113,12 +113,12 @@ int cost(const CostOptions& options, const std::string& command) {
     const Sweep& found = sweep.sweep();
     if (found.fixed.empty() && found.pairs.empty()) return interrupted();
 
-    Attempts attempts;
-    if (options.json) attempts.attempt([&] { write_json(*options.json, cost_json(sweep.film(), found, command)); });
-    if (options.report) attempts.attempt([&] { write_cost_report(*options.report, sweep.film(), found, command); });
-    if (!quiet) attempts.attempt([&] { print_sentence(sentence_of(found, sweep.film().coding.quantiser)); });
+    ErrorCollector errors;
+    if (options.json) errors.attempt([&] { write_json(*options.json, cost_json(sweep.film(), found, command)); });
+    if (options.report) errors.attempt([&] { write_cost_report(*options.report, sweep.film(), found, command); });
+    if (!quiet) errors.attempt([&] { print_sentence(sentence_of(found, sweep.film().coding.quantiser)); });
     if (!found.complete && !quiet) std::fputs("interrupted: this is a part of the table\n", stderr);
-    attempts.rethrow();
+    errors.rethrow();
     return found.complete ? 0 : InterruptGuard::status();
 }
 

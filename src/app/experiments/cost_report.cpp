@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "app/experiments/sample_frame_view.h"
 #include "app/files/text_file.h"
 #include "app/report/curve_plot.h"
 #include "app/report/figures.h"
 #include "app/report/frame_plot.h"
-#include "app/report/portrait_view.h"
 #include "app/report/report.h"
 #include "app/report/statistics_json.h"
 
@@ -172,7 +172,7 @@ std::string tables(const Sweep& sweep, int quantiser) {
 
 /// The frame that is looked at: as the film's own quantiser has it, or the nearest that was tried, and by the loosest
 /// fixed tolerance.
-std::string views(const Production& film, const Sweep& sweep) {
+std::string views(const RenderJob& film, const Sweep& sweep) {
     const perceptual::ColorMatrix matrix = perceptual::matrix_for(film.format.height);
     const auto nearest =
         std::min_element(sweep.pairs.begin(), sweep.pairs.end(), [&](const CoupledPair& a, const CoupledPair& b) {
@@ -181,15 +181,15 @@ std::string views(const Production& film, const Sweep& sweep) {
         });
     std::string text;
     if (nearest != sweep.pairs.end())
-        text += portrait_figures(fmt::format("coupled, quantiser {}", nearest->coupled.quantiser), nearest->coupled,
-                                 matrix);
+        text += sample_frame_figures(fmt::format("coupled, quantiser {}", nearest->coupled.quantiser), nearest->coupled,
+                                     matrix);
     if (!sweep.fixed.empty())
-        text += portrait_figures("fixed " + tolerance_text(sweep.fixed.front().tolerance.relative), sweep.fixed.front(),
-                                 matrix);
+        text += sample_frame_figures("fixed " + tolerance_text(sweep.fixed.front().tolerance.relative),
+                                     sweep.fixed.front(), matrix);
     return text.empty() ? "" : "<h2>Side by side</h2>\n" + text;
 }
 
-std::string cards(const Production& film, const Sweep& sweep) {
+std::string cards(const RenderJob& film, const Sweep& sweep) {
     const auto card = [](const std::string& name, const std::string& value) {
         return "<div><dt>" + name + "</dt><dd>" + escaped(value) + "</dd></div>\n";
     };
@@ -204,7 +204,7 @@ std::string cards(const Production& film, const Sweep& sweep) {
 
 }  // namespace
 
-json cost_json(const Production& film, const Sweep& sweep, const std::string& command) {
+json cost_json(const RenderJob& film, const Sweep& sweep, const std::string& command) {
     json windows = json::array(), fixed = json::array(), coupled = json::array();
     for (const Chunk& window : sweep.windows) windows.push_back({window.first, window.last});
     for (const Trial& trial : sweep.fixed) fixed.push_back(trial_json(trial));
@@ -221,7 +221,7 @@ json cost_json(const Production& film, const Sweep& sweep, const std::string& co
             {"stop", film.rendering.stop == renderer::Stop::classic ? "classic" : "honest"},
             {"samples", film.rendering.samples},
             {"vpls", film.rendering.vpls},
-            {"masking", film.coupling.observer.strategy == perceptual::Strategy::quantised ? "quantised" : "carried"},
+            {"masking", film.coupling.visibility.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"},
             {"cache", cache_word(film.rendering)},
             {"light_points", {{"direct", sweep.direct_points}, {"indirect", sweep.indirect_points}}},
             {"quantiser", film.coding.quantiser},
@@ -234,7 +234,7 @@ json cost_json(const Production& film, const Sweep& sweep, const std::string& co
             {"complete", sweep.complete}};
 }
 
-void write_cost_report(const std::filesystem::path& html, const Production& film, const Sweep& sweep,
+void write_cost_report(const std::filesystem::path& html, const RenderJob& film, const Sweep& sweep,
                        const std::string& command) {
     const int quantiser = film.coding.quantiser;
     const std::filesystem::path source = film.animation->source;

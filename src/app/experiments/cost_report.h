@@ -9,10 +9,10 @@
 namespace render2mpeg::app {
 
 /// Everything that `cost` found out (docs/cost.md).
-nlohmann::json cost_json(const Production& film, const Sweep& sweep, const std::string& command);
+nlohmann::json cost_json(const RenderJob& film, const Sweep& sweep, const std::string& command);
 
 /// The same as a page with plots, and report_json_of() it.
-void write_cost_report(const std::filesystem::path& html, const Production& film, const Sweep& sweep,
+void write_cost_report(const std::filesystem::path& html, const RenderJob& film, const Sweep& sweep,
                        const std::string& command);
 
 }  // namespace render2mpeg::app

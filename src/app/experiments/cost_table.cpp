@@ -35,7 +35,7 @@ std::string row(const std::string& name, const Trial& t) {
 
 }  // namespace
 
-std::string cost_heading(const Production& film, const Sweep& sweep) {
+std::string cost_heading(const RenderJob& film, const Sweep& sweep) {
     std::string frames;
     int count = 0;
     for (const Chunk& window : sweep.windows) {

@@ -7,7 +7,7 @@
 namespace render2mpeg::app {
 
 /// Lines of at most 80 columns, each with its end.
-std::string cost_heading(const Production& film, const Sweep& sweep);
+std::string cost_heading(const RenderJob& film, const Sweep& sweep);
 std::string fixed_heading(int quantiser);
 std::string fixed_row(const Trial& trial);
 std::string pair_heading();

@@ -71,7 +71,7 @@ std::filesystem::path ReferenceCache::file_of(std::uint64_t key) const {
     return folder_ / fmt::format("{:016x}.light", key);
 }
 
-std::uint64_t ReferenceCache::key_of(const Production& film, renderer::Renderer& renderer, const scene::Snapshot& world,
+std::uint64_t ReferenceCache::key_of(const RenderJob& film, renderer::Renderer& renderer, const scene::Snapshot& world,
                                      const renderer::Seen& seen) const {
     if (folder_.empty()) return 0;
     Checksum sum;

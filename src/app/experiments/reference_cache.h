@@ -5,7 +5,7 @@
 #include <glm/glm.hpp>
 #include <optional>
 
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
 #include "core/plane.h"
 
 namespace render2mpeg::app {
@@ -27,7 +27,7 @@ class ReferenceCache {
     explicit ReferenceCache(std::filesystem::path folder);
 
     /// The name of a frame that is seen already; the renderer has begun its chunk. 0 where nothing is kept.
-    std::uint64_t key_of(const Production& film, renderer::Renderer& renderer, const scene::Snapshot& world,
+    std::uint64_t key_of(const RenderJob& film, renderer::Renderer& renderer, const scene::Snapshot& world,
                          const renderer::Seen& seen) const;
     /// None where no whole file has this name, or not a picture of this size.
     std::optional<KeptReference> find(std::uint64_t key, int width, int height) const;

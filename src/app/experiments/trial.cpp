@@ -22,7 +22,7 @@
 namespace render2mpeg::app {
 namespace {
 
-Production plainly_coded(Production film) {
+RenderJob plainly_coded(RenderJob film) {
     film.coding.rate_control.mode = encoder::RateMode::constant_quantiser;
     film.two_passes = false;
     film.audit = 0;
@@ -58,7 +58,7 @@ double Trial::share_over_twice() const {
 }
 
 /// Holds what is lit and coded against the truth, where that is known.
-class Trials::Judge : public Watcher {
+class Trials::Judge : public LoopObserver {
   public:
     Judge(const Trials& trials, Trial& trial, LitWindows* keep) : trials_(trials), trial_(trial), keep_(keep) {}
 
@@ -77,7 +77,7 @@ class Trials::Judge : public Watcher {
             trial_.over_twice += p.noticed() > 2 * p.tolerance ? 1 : 0;
         }
         trial_.lit.add(frame.picture, truth.picture);
-        if (known == std::prev(trials_.truths_.end())) portray(frame, truth);
+        if (known == std::prev(trials_.truths_.end())) keep_sample_frame(frame, truth);
     }
 
     void coded(const encoder::CodedPicture& picture) override {
@@ -95,10 +95,10 @@ class Trials::Judge : public Watcher {
         const auto known = trials_.truths_.find(number);
         if (known == trials_.truths_.end()) return;
         trial_.decoded.add(picture, known->second.picture);
-        if (trial_.portrait && trial_.portrait->frame == number) {
-            auto portrait = std::make_shared<Portrait>(*trial_.portrait);
-            portrait->decoded = part_of(picture, view_of(picture.width(), picture.height()));
-            trial_.portrait = std::move(portrait);
+        if (trial_.sample_frame && trial_.sample_frame->frame == number) {
+            auto sample_frame = std::make_shared<SampleFrame>(*trial_.sample_frame);
+            sample_frame->decoded = part_of(picture, view_of(picture.width(), picture.height()));
+            trial_.sample_frame = std::move(sample_frame);
         }
         trial_.shown_there.add(picture, lit);
         trial_.shown_masked_there += masked / trials_.references();
@@ -108,7 +108,7 @@ class Trials::Judge : public Watcher {
 
   private:
     /// Keeps what the frame looks like, and what its light is and may be off by.
-    void portray(const LitFrame& frame, const Truth& truth) {
+    void keep_sample_frame(const LitFrame& frame, const Truth& truth) {
         const ViewBox box = view_of(frame.picture.width(), frame.picture.height());
         const core::Plane<glm::vec3>& light = frame.radiance.combined;
         core::Plane<float> error(light.width(), light.height()), tolerance(light.width(), light.height());
@@ -120,12 +120,12 @@ class Trials::Judge : public Watcher {
             const core::Tolerance& t = frame.tolerance.pixels.values()[i];
             tolerance.values()[i] = core::divide_or(t.allows(right), whole, 0.0f);
         }
-        trial_.portrait = std::make_shared<Portrait>(Portrait{truth.picture.number,
-                                                              part_of(truth.picture, box),
-                                                              part_of(frame.picture, box),
-                                                              {},
-                                                              part_of(error, box),
-                                                              part_of(tolerance, box)});
+        trial_.sample_frame = std::make_shared<SampleFrame>(SampleFrame{truth.picture.number,
+                                                                        part_of(truth.picture, box),
+                                                                        part_of(frame.picture, box),
+                                                                        {},
+                                                                        part_of(error, box),
+                                                                        part_of(tolerance, box)});
     }
 
     /// Adds what a pair changes along motion, once both are decoded.
@@ -150,12 +150,12 @@ class Trials::Judge : public Watcher {
     int pairs_ = 0;
 };
 
-Trials::Trials(const Production& film, std::vector<Chunk> windows, int references)
+Trials::Trials(const RenderJob& film, std::vector<Chunk> windows, int references)
     : film_(plainly_coded(film)),
       windows_(std::move(windows)),
       renderer_(*film_.animation, film_.rendering, film_.plan),
       references_(std::clamp(references, 0, static_cast<int>(windows_.front().frames()))) {
-    Production fixed = film_;
+    RenderJob fixed = film_;
     fixed.tolerance = {};
     half_code_ = fixed.tolerance_map().pixels.values()[0].absolute;
 }
@@ -188,11 +188,11 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
     trial.quality = coarseness.quality;
     trial.frames = frames();
     Judge judge(*this, trial, keep);
-    Production film = film_;
+    RenderJob film = film_;
     film.tolerance = tolerance;
     film.coupling.share = tolerance.share;
     coarseness.apply_to(film.coding);
-    Ledger ledger;
+    RunStatistics statistics;
     const renderer::Statistics before = renderer_.statistics();
     // CPU for what a chunk takes once: making what light stands still (the rough first look does, if there is one),
     // first looks, caution. What frame after frame has to make is no start.
@@ -204,14 +204,14 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
         film.frames = {window.first, window.last};
         bool goes_on = true, first = true;
         const auto started = [&] {
-            return renderer_.statistics().calibration_seconds + ledger.stage_seconds(Stage::preview);
+            return renderer_.statistics().calibration_seconds + statistics.stage_seconds(Stage::preview);
         };
         const auto shaded = [&] {
-            return ledger.stage_seconds(Stage::shade) - renderer_.statistics().calibration_seconds;
+            return statistics.stage_seconds(Stage::shade) - renderer_.statistics().calibration_seconds;
         };
         const double earlier = started(), unlit = shaded();
         double lit_first = 0;
-        render_chunk(film, renderer_, window, {nullptr, nullptr, nullptr, &judge}, ledger, [&] {
+        render_chunk(film, renderer_, window, {nullptr, nullptr, nullptr, &judge}, statistics, [&] {
             if (std::exchange(first, false)) {
                 once += started() - earlier;
                 lit_first = shaded() - unlit;
@@ -237,22 +237,22 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
     trial.cut =
         per_point(after.direct_clusters + after.indirect_clusters - before.direct_clusters - before.indirect_clusters);
     trial.capped = per_point(after.capped_points - before.capped_points);
-    trial.seconds = ledger.stage_seconds(Stage::shade) + ledger.stage_seconds(Stage::preview);
-    if (tolerance.coupled) trial.seconds += ledger.stage_seconds(Stage::tolerate);
+    trial.seconds = statistics.stage_seconds(Stage::shade) + statistics.stage_seconds(Stage::preview);
+    if (tolerance.coupled) trial.seconds += statistics.stage_seconds(Stage::tolerate);
     once = std::clamp(once, 0.0, trial.seconds);
     trial.bytes /= trial.frames;
     trial.window_seconds = trial.seconds / trial.frames;
     trial.seconds = (trial.seconds - once + once * share_of_chunk()) / trial.frames;
     trial.clock = clock * (1 - core::divide_or(once * (1 - share_of_chunk()), cpu, 0.0)) / trial.frames;
-    trial.code_seconds =
-        (ledger.stage_seconds(Stage::encode) + ledger.pass_seconds[static_cast<std::size_t>(renderer::Pass::motion)]) /
-        trial.frames;
+    trial.code_seconds = (statistics.stage_seconds(Stage::encode) +
+                          statistics.pass_seconds[static_cast<std::size_t>(renderer::Pass::motion)]) /
+                         trial.frames;
     if (keep != nullptr) keep->light = trial;
     return trial;
 }
 
 Trial Trials::coded_again(const LitWindows& lit, const Coarseness& coarseness) const {
-    Production film = film_;
+    RenderJob film = film_;
     coarseness.apply_to(film.coding);
     return coded_by(
         [&film, &lit](const Chunk& window, const std::vector<const core::Picture*>& pictures,

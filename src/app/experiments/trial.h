@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "app/experiments/reference_cache.h"
-#include "app/loop/ledger.h"
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
+#include "app/loop/run_statistics.h"
 #include "app/options/chunk.h"
 #include "app/system/error_histogram.h"
 #include "perceptual/metrics.h"
@@ -53,7 +53,7 @@ struct Coarseness {
 };
 
 /// The middle (frame_view.h) of the last frame that a truth is known of, to be looked at.
-struct Portrait {
+struct SampleFrame {
     std::int64_t frame = 0;
     core::Picture truth, lit, decoded;
     core::Plane<float> error;      ///< of luminance over what it should be, or over half a code value
@@ -87,9 +87,9 @@ struct Trial {
     int requantised = 0;      ///< pictures that the decoder's buffer had no room for at their quantiser
     double code_seconds = 0;  ///< CPU per frame for coding, and for motion where that is not searched for
     double clock = 0;         ///< seconds on the clock per frame for all of it, seeing included; as in the film, too
-    std::shared_ptr<const Portrait> portrait;  ///< null without references
-    perceptual::FilmQuality shown;             ///< decoded, against the pictures as they were lit: of all frames
-    perceptual::FilmQuality shown_there;       ///< the same of those that a truth is known of
+    std::shared_ptr<const SampleFrame> sample_frame;  ///< null without references
+    perceptual::FilmQuality shown;                    ///< decoded, against the pictures as they were lit: of all frames
+    perceptual::FilmQuality shown_there;              ///< the same of those that a truth is known of
 
     double share_over() const;
     double share_over_twice() const;
@@ -120,7 +120,7 @@ class Trials {
   public:
     /// The film's rate control, if any, gives way to plain quantisers. Of every window so many frames are references;
     /// 0: none, and no error is known.
-    Trials(const Production& film, std::vector<Chunk> windows, int references = 1);
+    Trials(const RenderJob& film, std::vector<Chunk> windows, int references = 1);
 
     /// From now on masked errors are told of all frames, which takes its time (Trial::shown_masked).
     void mask_all() { masks_all_ = true; }
@@ -156,7 +156,7 @@ class Trials {
     Trial coded_by(const Codec& codec, const LitWindows& lit, const Coarseness& coarseness) const;
 
     const std::vector<Chunk>& windows() const { return windows_; }
-    const Production& film() const { return film_; }
+    const RenderJob& film() const { return film_; }
     int frames() const;  ///< of all windows
     /// Of memory, for the references, and for the frames where they are kept to be coded again.
     double bytes_held(bool keeps_frames) const;
@@ -180,7 +180,7 @@ class Trials {
     bool light_reference(std::int64_t frame, int left, ReferenceStanding& standing,
                          const std::function<bool(const ReferenceStanding&)>& part_done);
 
-    Production film_;
+    RenderJob film_;
     std::vector<Chunk> windows_;
     renderer::Renderer renderer_;
     float half_code_ = 0;  ///< luminance

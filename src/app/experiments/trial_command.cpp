@@ -18,7 +18,7 @@
 
 namespace render2mpeg::app {
 
-void check_trial_outputs(const Production& film, const RenderOptions& options,
+void check_trial_outputs(const RenderJob& film, const RenderOptions& options,
                          const std::optional<std::filesystem::path>& json,
                          const std::optional<std::filesystem::path>& report) {
     std::vector<Files> outputs{json.value_or("")};
@@ -33,8 +33,8 @@ void check_trial_outputs(const Production& film, const RenderOptions& options,
     check_apart(inputs_of(film, options), outputs);
 }
 
-Production prepare_trials(const RenderOptions& options) {
-    Production film = prepare(options);
+RenderJob prepare_trials(const RenderOptions& options) {
+    RenderJob film = prepare(options);
     for (const std::string& note : film.animation->notes)
         if (!options.quiet && !note.empty()) std::fputs((note + "\n").c_str(), stderr);
     if (!try_images(*film.animation, image_trials(false))) return film;

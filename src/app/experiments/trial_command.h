@@ -13,13 +13,13 @@
 namespace render2mpeg::app {
 
 /// Refuses outputs that would take the place of other files, and such as cannot be written.
-void check_trial_outputs(const Production& film, const RenderOptions& options,
+void check_trial_outputs(const RenderJob& film, const RenderOptions& options,
                          const std::optional<std::filesystem::path>& json,
                          const std::optional<std::filesystem::path>& report);
 
 /// Reads and settles everything, the exposure included; tells the scene's notes. Not all of it where an interrupt was
 /// requested meanwhile.
-Production prepare_trials(const RenderOptions& options);
+RenderJob prepare_trials(const RenderOptions& options);
 
 /// What to say of so many bytes of memory before any work: nothing where any machine has them. Throws core::Error where
 /// they are more than `machine` has.

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "app/experiments/trial.h"
-#include "app/loop/ledger.h"
+#include "app/loop/run_statistics.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"

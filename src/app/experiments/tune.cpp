@@ -18,7 +18,7 @@
 #include "app/options/command_words.h"
 #include "app/options/rate_options.h"
 #include "app/report/statistics_json.h"
-#include "app/system/attempts.h"
+#include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "core/error.h"
 #include "core/numeric.h"
@@ -63,14 +63,14 @@ void check_options(const TuneOptions& o, const Target& target) {
 }
 
 /// What trials search for: the pictures of a file of so many bytes have a rate.
-Target searched(const Target& target, const Production& film, const std::filesystem::path& output) {
+Target searched(const Target& target, const RenderJob& film, const std::filesystem::path& output) {
     if (target.kind != Kind::size) return target;
     const double seconds = static_cast<double>(film.frame_count()) / film.rate.hertz.value();
     return {Kind::bitrate, pictures_in_file(target.value, film.frame_count(), output, film.disc) * 8 / seconds};
 }
 
 /// Refuses a rate that `render` would refuse, before anything dear is done. What no level brings is beyond reach.
-void check_rate(const Target& target, const Production& film) {
+void check_rate(const Target& target, const RenderJob& film) {
     if (target.kind != Kind::bitrate || film.coding.rate_control.max_rate == 0) return;
     encoder::Settings coding = film.coding;
     coding.rate_control.mode = encoder::RateMode::variable;
@@ -79,7 +79,7 @@ void check_rate(const Target& target, const Production& film) {
 }
 
 /// Bits per second that the film as it was tried can have: more would make its level a higher one.
-double highest_rate(const Production& film) {
+double highest_rate(const RenderJob& film) {
     const std::int64_t wanted = film.coding.rate_control.max_rate;
     return static_cast<double>(wanted > 0 ? wanted : encoder::level_of(film.coding).bit_rate);
 }
@@ -122,7 +122,7 @@ bool TuneCommand::search() {
     const parallel::ThreadLimit threads(options_.render.threads);
     const InterruptGuard guard(quiet());
     const Target& target = tuning_.target;
-    const Production film = prepare_trials(options_.render);
+    const RenderJob film = prepare_trials(options_.render);
     if (InterruptGuard::requested()) return false;
     check_rate(target, film);
     check_trial_outputs(film, options_.render, options_.json, options_.report);
@@ -196,13 +196,13 @@ int TuneCommand::make() {
 
 void TuneCommand::look_at_film(const Rendered& rendered) {
     WholeFilm film;
-    film.frames = static_cast<std::int64_t>(rendered.ledger.frames.size());
+    film.frames = static_cast<std::int64_t>(rendered.statistics.frames.size());
     film.bytes = static_cast<double>(rendered.bytes);
-    film.seconds = rendered.ledger.wall;
-    film.bit_rate = core::divide_or(8 * static_cast<double>(rendered.ledger.rate_outcome().bytes) * hertz(),
+    film.seconds = rendered.statistics.wall;
+    film.bit_rate = core::divide_or(8 * static_cast<double>(rendered.statistics.rate_outcome().bytes) * hertz(),
                                     static_cast<double>(film.frames), 0.0);
-    film.psnr_y = rendered.ledger.psnr_y();
-    film.ssim_y = rendered.ledger.ssim_y();
+    film.psnr_y = rendered.statistics.psnr_y();
+    film.ssim_y = rendered.statistics.ssim_y();
 
     // Look at the same frames as in the sample, where what they should be is known.
     perceptual::FilmQuality decoded;
@@ -212,7 +212,7 @@ void TuneCommand::look_at_film(const Rendered& rendered) {
             const auto known = trials_->truths().find(trials_->film().frames.first + picture.number);
             if (known == trials_->truths().end()) return;
             decoded.add(picture, known->second.picture);
-            const FrameEntry& entry = rendered.ledger.frames[static_cast<std::size_t>(picture.number)];
+            const FrameEntry& entry = rendered.statistics.frames[static_cast<std::size_t>(picture.number)];
             error += entry.mse_y;
             similarity += entry.ssim_y;
             ++film.references;
@@ -224,13 +224,13 @@ void TuneCommand::look_at_film(const Rendered& rendered) {
 }
 
 void TuneCommand::write_reports() const {
-    Attempts attempts;
+    ErrorCollector errors;
     const std::string command = line_of(words_);
     if (options_.json)
-        attempts.attempt([&] { write_json(*options_.json, tune_json(trials_->film(), tuning_, command)); });
+        errors.attempt([&] { write_json(*options_.json, tune_json(trials_->film(), tuning_, command)); });
     if (options_.report)
-        attempts.attempt([&] { write_tune_report(*options_.report, trials_->film(), tuning_, command); });
-    attempts.rethrow();
+        errors.attempt([&] { write_tune_report(*options_.report, trials_->film(), tuning_, command); });
+    errors.rethrow();
 }
 
 }  // namespace

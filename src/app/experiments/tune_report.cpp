@@ -6,13 +6,13 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/experiments/sample_frame_view.h"
 #include "app/experiments/sweep.h"
 #include "app/experiments/tune_table.h"
 #include "app/files/text_file.h"
 #include "app/report/curve_plot.h"
 #include "app/report/figures.h"
 #include "app/report/frame_plot.h"
-#include "app/report/portrait_view.h"
 #include "app/report/report.h"
 #include "app/report/statistics_json.h"
 #include "app/system/progress.h"
@@ -107,7 +107,7 @@ std::string table(const Tuning& tuning, double hertz) {
 
 }  // namespace
 
-json tune_json(const Production& film, const Tuning& tuning, const std::string& command) {
+json tune_json(const RenderJob& film, const Tuning& tuning, const std::string& command) {
     const double hertz = film.rate.hertz.value();
     json windows = json::array(), probes = json::array(), options = json::object();
     for (const Chunk& window : tuning.windows) windows.push_back({window.first, window.last});
@@ -134,7 +134,7 @@ json tune_json(const Production& film, const Tuning& tuning, const std::string& 
             {"summary", sentence_of(tuning, hertz)}};
 }
 
-void write_tune_report(const std::filesystem::path& html, const Production& film, const Tuning& tuning,
+void write_tune_report(const std::filesystem::path& html, const RenderJob& film, const Tuning& tuning,
                        const std::string& command) {
     const double hertz = film.rate.hertz.value();
     const std::filesystem::path source = film.animation->source;
@@ -144,8 +144,8 @@ void write_tune_report(const std::filesystem::path& html, const Production& film
     body += plot(tuning, hertz);
     if (tuning.chosen) {
         const Probe& taken = tuning.probes[*tuning.chosen];
-        body += portrait_figures((tuning.target.kind == Kind::time ? "" : "quality ") + taken.setting, taken.trial,
-                                 perceptual::matrix_for(film.format.height));
+        body += sample_frame_figures((tuning.target.kind == Kind::time ? "" : "quality ") + taken.setting, taken.trial,
+                                     perceptual::matrix_for(film.format.height));
     }
     body += table(tuning, hertz);
     if (tuning.command) body += "<h2>To make the film</h2>\n<pre>" + escaped(*tuning.command) + "</pre>\n";

@@ -5,15 +5,15 @@
 #include <string>
 
 #include "app/experiments/tuning.h"
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
 
 namespace render2mpeg::app {
 
 /// Everything that `tune` found out (docs/tune.md).
-nlohmann::json tune_json(const Production& film, const Tuning& tuning, const std::string& command);
+nlohmann::json tune_json(const RenderJob& film, const Tuning& tuning, const std::string& command);
 
 /// The same as a page with plots, and report_json_of() it.
-void write_tune_report(const std::filesystem::path& html, const Production& film, const Tuning& tuning,
+void write_tune_report(const std::filesystem::path& html, const RenderJob& film, const Tuning& tuning,
                        const std::string& command);
 
 }  // namespace render2mpeg::app

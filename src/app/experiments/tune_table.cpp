@@ -88,7 +88,7 @@ std::string time_sentence(const Tuning& tuning) {
 
 }  // namespace
 
-std::string tune_heading(const Production& film, const Tuning& tuning) {
+std::string tune_heading(const RenderJob& film, const Tuning& tuning) {
     std::int64_t frames = 0;
     for (const Chunk& window : tuning.windows) frames += window.frames();
     std::string text = fmt::format("{}: {} of {} frames of {}x{} in {} window{}\n", film.animation->source, frames,

@@ -3,12 +3,12 @@
 #include <string>
 
 #include "app/experiments/tuning.h"
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
 
 namespace render2mpeg::app {
 
 /// Lines of at most 80 columns, each with its end.
-std::string tune_heading(const Production& film, const Tuning& tuning);
+std::string tune_heading(const RenderJob& film, const Tuning& tuning);
 std::string probe_row(const Tuning& tuning, const Probe& probe, double pictures_per_second);
 
 /// What was found, in a sentence or two; empty after an interruption.

@@ -6,7 +6,7 @@
 
 #include "app/experiments/trial_command.h"
 #include "app/experiments/tuning.h"
-#include "perceptual/share.h"
+#include "perceptual/tolerance_fraction.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -25,7 +25,7 @@ ToleranceRequest loosened(const ToleranceRequest& asked, float factor) {
     // chosen: what is asked without clustering is first lit as films are; a pixel's luminance is the end of all shares.
     if (asked.reference) tolerance.coupled = true;
     if (tolerance.coupled)
-        tolerance.share = std::min(asked.share.value_or(perceptual::default_share) * factor, 100.0f);
+        tolerance.share = std::min(asked.share.value_or(perceptual::default_tolerance_fraction) * factor, 100.0f);
     else
         tolerance.relative = std::min(std::max(asked.relative, 0.0025f) * factor, 0.5f);
     return tolerance;
@@ -63,8 +63,8 @@ std::vector<Rung> ladder_of(const ToleranceRequest& tolerance, int samples, int 
 }
 
 /// The film as a rung has it.
-Production on_rung(const Production& film, const Rung& rung) {
-    Production changed = film;
+RenderJob on_rung(const RenderJob& film, const Rung& rung) {
+    RenderJob changed = film;
     changed.tolerance = rung.tolerance;
     changed.rendering.samples = rung.samples;
     changed.rendering.vpls = rung.vpls;
@@ -104,7 +104,7 @@ class TimeTuner {
 
 std::optional<bool> TimeTuner::fits(std::size_t index) {
     const Rung& rung = rungs_[index];
-    const Production& film = trials_.film();
+    const RenderJob& film = trials_.film();
     std::optional<Trials> other;
     if (rung.samples != film.rendering.samples || rung.vpls != film.rendering.vpls) {
         other.emplace(on_rung(film, rung), trials_.windows(), 0);

@@ -6,7 +6,7 @@
 #include "core/error.h"
 #include "encoder/mpeg2/kernels/quantiser.h"
 #include "encoder/mpeg2/macroblock/weighting_matrices.h"
-#include "perceptual/share.h"
+#include "perceptual/tolerance_fraction.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -30,7 +30,7 @@ perceptual::Quantisation matrices_for(encoder::Tune tune) {
 }  // namespace
 
 Coupling::Coupling(const perceptual::Display& display, const CouplingSettings& settings, encoder::Tune tune)
-    : observer_(display, settings.observer), settings_(settings), matrices_(matrices_for(tune)) {}
+    : model_(display, settings.visibility), settings_(settings), matrices_(matrices_for(tune)) {}
 
 perceptual::CodingPlan Coupling::eye_plan(encoder::PictureType type, int quantiser) const {
     perceptual::CodingPlan eye;
@@ -64,44 +64,44 @@ bool Coupling::counts(encoder::PictureType type) const {
 }
 
 void Coupling::forget() {
-    memory_.reset();
-    restated_.reset();
-    carried_ = {};
+    state_.reset();
+    requantised_.reset();
+    warped_ = {};
     kept_.clear();
 }
 
 void Coupling::imagine(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
                        const encoder::PicturePlan& plan) {
-    memory_ = observer_.presume(observer_.observe(picture, radiance, std::make_shared<const core::Visible>(visible)),
-                                eye_plan(plan.type, plan.quantiser));
-    restated_.reset();
+    state_ = model_.assume_coded(model_.observe(picture, radiance, std::make_shared<const core::Visible>(visible)),
+                                 eye_plan(plan.type, plan.quantiser));
+    requantised_.reset();
 }
 
 float Coupling::share_for(const encoder::PicturePlan& plan) const {
-    const float share = settings_.share.value_or(perceptual::default_share);
+    const float share = settings_.share.value_or(perceptual::default_tolerance_fraction);
     if (settings_.alike) return share;
-    return share * perceptual::handed_on(plan.type == encoder::PictureType::intra,
-                                         plan.horizon.value_or(plan.number) - plan.number);
+    return share * perceptual::propagation_factor(plan.type == encoder::PictureType::intra,
+                                                  plan.horizon.value_or(plan.number) - plan.number);
 }
 
 core::ToleranceMap Coupling::tolerate(const core::Visible& visible, const encoder::PicturePlan& plan,
                                       const core::MotionField* motion) {
-    EXPECTS(memory_.has_value());
+    EXPECTS(state_.has_value());
     const float share = share_for(plan);
     const perceptual::CodingPlan eye = eye_plan(plan.type, plan.quantiser);
-    if (!restated_ || !(restated_->plan == eye)) restated_ = observer_.restate(*memory_, eye);
-    perceptual::Tolerated tolerated = observer_.tolerate(visible, *restated_, *memory_, motion, share);
+    if (!requantised_ || !(requantised_->plan == eye)) requantised_ = model_.requantise(*state_, eye);
+    perceptual::Tolerated tolerated = model_.tolerate(visible, *requantised_, *state_, motion, share);
     // What stands in for a picture before is no picture: there is nothing to blend with.
-    carried_ = memory_->number == plan.number ? perceptual::Hidden() : std::move(tolerated.carried);
+    warped_ = state_->number == plan.number ? perceptual::MaskedErrors() : std::move(tolerated.warped);
     return std::move(tolerated.map);
 }
 
 void Coupling::keep(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
                     const encoder::PicturePlan& plan) {
     if (!counts(plan.type)) return;
-    kept_.insert_or_assign(picture.number,
-                           observer_.observe(picture, radiance, std::make_shared<const core::Visible>(visible),
-                                             std::exchange(carried_, {})));
+    kept_.insert_or_assign(
+        picture.number,
+        model_.observe(picture, radiance, std::make_shared<const core::Visible>(visible), std::exchange(warped_, {})));
 }
 
 void Coupling::judge(const encoder::CodedPicture& coded) {
@@ -111,8 +111,8 @@ void Coupling::judge(const encoder::CodedPicture& coded) {
     if (kept == kept_.end()) return;
     perceptual::CodedFacts facts = facts_of(coded);
     if (coded.plan.type == encoder::PictureType::predicted) facts.prediction = prediction_of(coded, reference);
-    memory_ = observer_.judge(std::move(kept->second), facts);
-    restated_.reset();
+    state_ = model_.judge(std::move(kept->second), facts);
+    requantised_.reset();
     kept_.erase(kept);
 }
 

@@ -12,24 +12,24 @@
 #include "core/radiance.h"
 #include "core/tolerance_map.h"
 #include "encoder/types.h"
-#include "perceptual/observer.h"
+#include "perceptual/visibility_model.h"
 
 namespace render2mpeg::app {
 
-/// From which pictures the eye's memory is made anew; others only inherit it along motion.
+/// From which pictures the eye's state is made anew; others only inherit it along motion.
 enum class ErrorMaps { references, intra };
 
 /// What the coupled loop is set to.
 struct CouplingSettings {
-    perceptual::ObserverSettings observer;
+    perceptual::VisibilitySettings visibility;
     ErrorMaps maps = ErrorMaps::references;
-    /// Of what coding hides, in pictures that nothing depends on; none: perceptual::default_share.
+    /// Of what coding hides, in pictures that nothing depends on; none: perceptual::default_tolerance_fraction.
     std::optional<float> share;
     bool alike = false;         ///< the same share in all pictures, whatever depends on them: for comparison
     bool always_intra = false;  ///< take every picture for an intra one, as [Render2MPEG] does: for comparison
 };
 
-/// The way back of the loop, from what was coded to what the next frames may err by: the eye's memory over one chunk.
+/// The way back of the loop, from what was coded to what the next frames may err by: the eye's state over one chunk.
 /// A frame's tolerances come from the newest I or P picture (or I picture, ErrorMaps::intra) that is coded, which is a
 /// rule of numbers, not of timing: what has been coded when a frame is lit follows from the plans alone.
 class Coupling {
@@ -43,10 +43,10 @@ class Coupling {
     /// roughly.
     void imagine(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
                  const encoder::PicturePlan& plan);
-    bool remembers() const { return memory_.has_value(); }
+    bool remembers() const { return state_.has_value(); }
 
     /// The picture that the next frame's tolerances come from.
-    std::int64_t remembered() const { return memory_->number; }
+    std::int64_t remembered() const { return state_->number; }
     /// Tolerances of a frame to be coded by `plan`. `motion` leads to remembered(); null: nothing moves.
     core::ToleranceMap tolerate(const core::Visible& visible, const encoder::PicturePlan& plan,
                                 const core::MotionField* motion);
@@ -63,12 +63,12 @@ class Coupling {
     perceptual::CodingPlan eye_plan(encoder::PictureType type, int quantiser) const;
     perceptual::CodedFacts facts_of(const encoder::CodedPicture& coded) const;
 
-    perceptual::Observer observer_;
+    perceptual::VisibilityModel model_;
     CouplingSettings settings_;
     perceptual::Quantisation matrices_;
-    std::optional<perceptual::Memory> memory_;
-    std::optional<perceptual::Restated> restated_;  ///< memory_, for the frame lit last: B pictures share it
-    perceptual::Hidden carried_;                    ///< to the frame being lit
+    std::optional<perceptual::TemporalState> state_;
+    std::optional<perceptual::Requantised> requantised_;  ///< state_, for the frame lit last: B pictures share it
+    perceptual::MaskedErrors warped_;                     ///< to the frame being lit
     std::map<std::int64_t, perceptual::Observation> kept_;
     core::Plane<std::uint8_t> decoded_;  ///< luma of the newest I or P picture that is coded
 };

@@ -62,7 +62,7 @@ std::string difference_of_inputs(const json& before, const json& now) {
 
 }  // namespace
 
-std::vector<Files> inputs_of(const Production& film, const RenderOptions& options) {
+std::vector<Files> inputs_of(const RenderJob& film, const RenderOptions& options) {
     std::vector<Files> inputs{Files(options.input)};
     for (const std::filesystem::path& file : film.animation->files) inputs.emplace_back(file);
     for (const scene::ImageSource& image : film.animation->images) inputs.emplace_back(image.path);
@@ -70,7 +70,7 @@ std::vector<Files> inputs_of(const Production& film, const RenderOptions& option
     return inputs;
 }
 
-json identity_of(const Production& film, const RenderOptions& options) {
+json identity_of(const RenderJob& film, const RenderOptions& options) {
     json inputs = json::array();
     for (const Files& input : inputs_of(film, options)) {
         std::error_code error;

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "app/files/publish.h"
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
 #include "app/options/film.h"
 #include "app/options/options.h"
 
@@ -13,7 +13,7 @@ namespace render2mpeg::app {
 /// What decides a film's bytes: version, instruction set, frames, the options that count, and what the files hold that
 /// it is made from. Two runs with one identity make one film. Reads all inputs. Throws core::Error where one cannot be
 /// read.
-nlohmann::json identity_of(const Production& film, const RenderOptions& options);
+nlohmann::json identity_of(const RenderJob& film, const RenderOptions& options);
 
 /// The same for a film of frames from outside, which cannot be resumed: by its command and the folder that was given
 /// in.
@@ -23,6 +23,6 @@ nlohmann::json identity_of(const Film& film, const std::string& command);
 std::string difference_of(const nlohmann::json& before, const nlohmann::json& now);
 
 /// The files that a film is made from, as far as they are known.
-std::vector<Files> inputs_of(const Production& film, const RenderOptions& options);
+std::vector<Files> inputs_of(const RenderJob& film, const RenderOptions& options);
 
 }  // namespace render2mpeg::app

@@ -20,7 +20,7 @@ constexpr int shrink = 4;
 constexpr double size_ratio = 7;
 
 /// Keeps what every picture comes to.
-class Collector : public Watcher {
+class Collector : public LoopObserver {
   public:
     void coded(const encoder::CodedPicture& picture) override {
         film.push_back(encoder::first_pass_picture(picture, starts_chunk));
@@ -30,8 +30,8 @@ class Collector : public Watcher {
     bool starts_chunk = false;
 };
 
-Production small(const Production& film) {
-    Production pass = film;
+RenderJob small(const RenderJob& film) {
+    RenderJob pass = film;
     pass.format.width = (film.format.width + shrink - 1) / shrink;
     pass.format.height = (film.format.height + shrink - 1) / shrink;
     pass.rendering.format = pass.format;
@@ -59,15 +59,15 @@ int usual_quantiser(const encoder::Settings& settings) {
     return std::clamp(static_cast<int>(std::lround(0.8 / std::max(density, 1e-3))), 2, 24);
 }
 
-std::vector<encoder::BitAllocation> first_pass(const Production& film, bool quiet) {
-    const Production pass = small(film);
+std::vector<encoder::BitAllocation> first_pass(const RenderJob& film, bool quiet) {
+    const RenderJob pass = small(film);
     renderer::Renderer renderer = renderer_of(pass);
     Progress progress(film.frame_count(), quiet, "first pass");
     Collector collector;
-    Ledger ledger;
+    RunStatistics statistics;
     for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {
         collector.starts_chunk = true;
-        render_chunk(pass, renderer, chunk, {nullptr, nullptr, nullptr, &collector}, ledger, [&] {
+        render_chunk(pass, renderer, chunk, {nullptr, nullptr, nullptr, &collector}, statistics, [&] {
             progress.advance();
             return !InterruptGuard::requested();
         });

@@ -82,7 +82,7 @@ std::uint64_t memory_from(const std::string& text) {
     throw core::Error("memory " + text + ": expected a size such as 8G, 1.5G or 900M");
 }
 
-MemoryNeed memory_need(const Production& film) {
+MemoryNeed memory_need(const RenderJob& film) {
     const scene::Animation& scene = *film.animation;
     MemoryNeed need;
     need.held = memory_now().resident;
@@ -121,7 +121,7 @@ void hold_to(std::uint64_t limit, int threads) {
 #endif
 }
 
-bool may_decode_at_once(const Production& film, const MemoryNeed& need, std::uint64_t limit, int threads) {
+bool may_decode_at_once(const RenderJob& film, const MemoryNeed& need, std::uint64_t limit, int threads) {
     if (need.total() + need.decoding * static_cast<std::uint64_t>(std::max(threads - 1, 0)) <= limit) return true;
     if (need.total() <= limit) return false;
     throw core::Error(

@@ -4,7 +4,7 @@
 #include <set>
 #include <string>
 
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
 
 namespace render2mpeg::app {
 
@@ -28,7 +28,7 @@ struct MemoryNeed {
 std::set<int> images_of(const scene::Animation& film);
 
 /// Reads the headers of all images. Throws core::Error.
-MemoryNeed memory_need(const Production& film);
+MemoryNeed memory_need(const RenderJob& film);
 
 /// Holds this process to about `limit` bytes of memory of its own from now on, with so many threads: what asks for more
 /// gets std::bad_alloc, instead of making the machine swap.
@@ -36,6 +36,6 @@ void hold_to(std::uint64_t limit, int threads);
 
 /// Whether a render of such a need may decode its images side by side in `threads` threads, or one after the other to
 /// keep the limit. Throws core::Error where even that is too much, and says what takes how much.
-bool may_decode_at_once(const Production& film, const MemoryNeed& need, std::uint64_t limit, int threads);
+bool may_decode_at_once(const RenderJob& film, const MemoryNeed& need, std::uint64_t limit, int threads);
 
 }  // namespace render2mpeg::app

@@ -6,9 +6,9 @@
 #include <optional>
 #include <span>
 
-#include "app/loop/bookkeeper.h"
 #include "app/loop/coupling.h"
 #include "app/loop/preview.h"
+#include "app/loop/statistics_recorder.h"
 #include "encoder/encoder.h"
 #include "encoder/motion_nonuniformity.h"
 #include "image/layers.h"
@@ -19,14 +19,14 @@ namespace render2mpeg::app {
 namespace {
 
 /// Pictures after frame n before another shot begins, a keyframe comes or the chunk ends.
-std::int64_t frames_left(const Production& film, std::int64_t n, std::int64_t last) {
+std::int64_t frames_left(const RenderJob& film, std::int64_t n, std::int64_t last) {
     std::int64_t left = last - n;
     for (const scene::Shot& shot : film.animation->shots)
         if (shot.frame > n) left = std::min(left, shot.frame - 1 - n);
     return film.keyframes.frames_left(n, left);
 }
 
-void write_frame_layers(const Production& film, const std::filesystem::path& folder, const core::Visible& visible,
+void write_frame_layers(const RenderJob& film, const std::filesystem::path& folder, const core::Visible& visible,
                         const core::Radiance& radiance, const core::ToleranceMap& tolerance,
                         const scene::Snapshot& world) {
     const core::MotionField before =
@@ -39,8 +39,8 @@ void write_frame_layers(const Production& film, const std::filesystem::path& fol
 /// One chunk in the making: frames come one after the other.
 class ChunkLoop {
   public:
-    ChunkLoop(const Production& film, renderer::Renderer& renderer, const Chunk& chunk, const Destination& destination,
-              Ledger& ledger);
+    ChunkLoop(const RenderJob& film, renderer::Renderer& renderer, const Chunk& chunk, const Destination& destination,
+              RunStatistics& statistics);
 
     void frame(std::int64_t n);
     void finish();
@@ -53,30 +53,30 @@ class ChunkLoop {
     void imagine(const scene::Snapshot& world, const renderer::Seen& seen, const encoder::PicturePlan& plan);
     void write(const std::vector<encoder::CodedPicture>& pictures);
 
-    const Production& film_;
+    const RenderJob& film_;
     renderer::Renderer& renderer_;
     const Chunk& chunk_;
     const Destination& destination_;
-    Ledger& ledger_;
+    RunStatistics& statistics_;
     bool codes_;
     perceptual::Display display_;
     encoder::Encoder encoder_;
-    Bookkeeper books_;
+    StatisticsRecorder recorder_;
     std::optional<Coupling> coupling_;
     core::ToleranceMap fixed_;
 };
 
-ChunkLoop::ChunkLoop(const Production& film, renderer::Renderer& renderer, const Chunk& chunk,
-                     const Destination& destination, Ledger& ledger)
+ChunkLoop::ChunkLoop(const RenderJob& film, renderer::Renderer& renderer, const Chunk& chunk,
+                     const Destination& destination, RunStatistics& statistics)
     : film_(film),
       renderer_(renderer),
       chunk_(chunk),
       destination_(destination),
-      ledger_(ledger),
+      statistics_(statistics),
       codes_(film.kind == OutputKind::film),
       display_(film.exposure.value_or(0), perceptual::matrix_for(film.format.height)),
       encoder_(film.coding),
-      books_(ledger) {
+      recorder_(statistics) {
     renderer.start_chunk(film.snapshot(chunk.first));
     if (film.tolerance.coupled && codes_)
         coupling_.emplace(display_, film.coupling, film.coding.tune);
@@ -85,21 +85,21 @@ ChunkLoop::ChunkLoop(const Production& film, renderer::Renderer& renderer, const
 }
 
 void ChunkLoop::finish() {
-    if (codes_) write(timed(ledger_, Stage::encode, [&] { return encoder_.flush(); }));
+    if (codes_) write(timed(statistics_, Stage::encode, [&] { return encoder_.flush(); }));
 }
 
 void ChunkLoop::write(const std::vector<encoder::CodedPicture>& pictures) {
     for (const encoder::CodedPicture& coded : pictures) {
-        books_.coded(coded);
-        if (coupling_) timed(ledger_, Stage::tolerate, [&] { coupling_->judge(coded); });
+        recorder_.coded(coded);
+        if (coupling_) timed(statistics_, Stage::tolerate, [&] { coupling_->judge(coded); });
         if (destination_.film != nullptr) destination_.film->append(coded);
-        if (destination_.watcher != nullptr) destination_.watcher->coded(coded);
+        if (destination_.observer != nullptr) destination_.observer->coded(coded);
     }
 }
 
 void ChunkLoop::imagine(const scene::Snapshot& world, const renderer::Seen& seen, const encoder::PicturePlan& plan) {
-    const core::Radiance rough = timed(ledger_, Stage::preview, [&] { return preview(renderer_, world, seen); });
-    timed(ledger_, Stage::tolerate, [&] {
+    const core::Radiance rough = timed(statistics_, Stage::preview, [&] { return preview(renderer_, world, seen); });
+    timed(statistics_, Stage::tolerate, [&] {
         core::Picture picture = display_.develop(rough);
         picture.number = plan.number;
         coupling_->imagine(picture, rough, seen.visible, plan);
@@ -118,63 +118,66 @@ core::ToleranceMap ChunkLoop::tolerances(const scene::Snapshot& world, const ren
     for (const core::MotionField& known : motion)
         if (known.reference == reference) way = &known;
     if (way == nullptr && reference != plan.number && film_.plan.runs(renderer::Pass::motion)) {
-        field = timed(ledger_, renderer::Pass::motion,
+        field = timed(statistics_, renderer::Pass::motion,
                       [&] { return scene::motion_between(seen.visible, world, film_.snapshot(reference)); });
         way = &field;
     }
-    return timed(ledger_, Stage::tolerate, [&] { return coupling_->tolerate(seen.visible, plan, way); });
+    return timed(statistics_, Stage::tolerate, [&] { return coupling_->tolerate(seen.visible, plan, way); });
 }
 
 void ChunkLoop::frame(std::int64_t n) {
     const double start = cpu_seconds();
     const scene::Snapshot world = film_.snapshot(n);
-    const renderer::Seen seen = timed(ledger_, Stage::see, [&] { return renderer_.see(world); });
+    const renderer::Seen seen = timed(statistics_, Stage::see, [&] { return renderer_.see(world); });
 
     // Plan how it will be coded, and what that and the eye allow its light to be off by.
     encoder::PicturePlan coding;
     std::vector<core::MotionField> motion;
     if (codes_) {
         encoder::PictureFacts facts = facts_of(film_, world, chunk_);
-        timed(ledger_, renderer::Pass::motion, [&] { tell_motion(film_, chunk_, seen.visible, world, facts); });
+        timed(statistics_, renderer::Pass::motion, [&] { tell_motion(film_, chunk_, seen.visible, world, facts); });
         coding = encoder_.plan(n, facts, n == chunk_.first);
-        motion = timed(ledger_, renderer::Pass::motion, [&] { return motion_of(film_, coding, seen.visible, world); });
+        motion =
+            timed(statistics_, renderer::Pass::motion, [&] { return motion_of(film_, coding, seen.visible, world); });
     }
     const core::ToleranceMap coupled = coupling_ ? tolerances(world, seen, coding, motion) : core::ToleranceMap();
     const core::ToleranceMap& tolerance = coupling_ ? coupled : fixed_;
     const renderer::Statistics before = renderer_.statistics();  // what the first, rough look took is no frame's
     const core::Radiance radiance =
-        timed(ledger_, Stage::shade, [&] { return renderer_.shade(world, seen, tolerance); });
-    core::Picture picture = timed(ledger_, Stage::develop, [&] { return display_.develop(radiance); });
+        timed(statistics_, Stage::shade, [&] { return renderer_.shade(world, seen, tolerance); });
+    core::Picture picture = timed(statistics_, Stage::develop, [&] { return display_.develop(radiance); });
     picture.number = n;
-    books_.rendered(n, before, renderer_.statistics());
+    recorder_.rendered(n, before, renderer_.statistics());
     if (film_.audit > 0)
-        books_.audited(timed(ledger_.audit.seconds,
-                             [&] { return renderer_.audit(world, seen, tolerance, radiance, film_.audit); }),
-                       tolerance);
+        recorder_.audited(timed(statistics_.audit.seconds,
+                                [&] { return renderer_.audit(world, seen, tolerance, radiance, film_.audit); }),
+                          tolerance);
 
     for (const std::uint8_t luma : picture.y.values())
-        ledger_.brightest_luma = std::max<int>(ledger_.brightest_luma, luma);
+        statistics_.brightest_luma = std::max<int>(statistics_.brightest_luma, luma);
 
     // Encode it with the renderer's own motion, or write it as it is.
-    if (coupling_) timed(ledger_, Stage::tolerate, [&] { coupling_->keep(picture, radiance, seen.visible, coding); });
-    if (destination_.watcher != nullptr) destination_.watcher->lit({world, seen.visible, tolerance, radiance, picture});
+    if (coupling_)
+        timed(statistics_, Stage::tolerate, [&] { coupling_->keep(picture, radiance, seen.visible, coding); });
+    if (destination_.observer != nullptr)
+        destination_.observer->lit({world, seen.visible, tolerance, radiance, picture});
     if (codes_) {
-        books_.keep(picture);
-        const auto onward =
-            timed(ledger_, renderer::Pass::motion, [&] { return onward_motion(film_, coding, seen.visible, world); });
+        recorder_.keep(picture);
+        const auto onward = timed(statistics_, renderer::Pass::motion,
+                                  [&] { return onward_motion(film_, coding, seen.visible, world); });
         const encoder::Hints hints{onward ? &*onward : nullptr};
-        write(timed(ledger_, Stage::encode, [&] { return encoder_.push(picture, coding, motion, hints); }));
+        write(timed(statistics_, Stage::encode, [&] { return encoder_.push(picture, coding, motion, hints); }));
     }
     if (destination_.sink != nullptr) destination_.sink->write(radiance, picture);
     if (destination_.layers != nullptr)
-        timed(ledger_, renderer::Pass::layers,
+        timed(statistics_, renderer::Pass::layers,
               [&] { write_frame_layers(film_, *destination_.layers, seen.visible, radiance, tolerance, world); });
-    books_.took(cpu_seconds() - start);
+    recorder_.took(cpu_seconds() - start);
 }
 
 }  // namespace
 
-encoder::PictureFacts facts_of(const Production& film, const scene::Snapshot& world, const Chunk& chunk) {
+encoder::PictureFacts facts_of(const RenderJob& film, const scene::Snapshot& world, const Chunk& chunk) {
     encoder::PictureFacts facts;
     facts.cut_before = world.cut_before;
     facts.frames_left = frames_left(film, world.frame, chunk.last);
@@ -186,7 +189,7 @@ encoder::PictureFacts facts_of(const Production& film, const scene::Snapshot& wo
     return facts;
 }
 
-void tell_motion(const Production& film, const Chunk& chunk, const core::Visible& visible, const scene::Snapshot& world,
+void tell_motion(const RenderJob& film, const Chunk& chunk, const core::Visible& visible, const scene::Snapshot& world,
                  encoder::PictureFacts& facts) {
     if (world.frame == chunk.first || world.cut_before || !film.plan.runs(renderer::Pass::motion)) return;
     const core::MotionField motion = scene::motion_between(visible, world, film.snapshot(world.frame - 1));
@@ -195,7 +198,7 @@ void tell_motion(const Production& film, const Chunk& chunk, const core::Visible
         facts.sensitivity = perceptual::motion_sensitivity(motion, film.rate.hertz.value());
 }
 
-std::vector<core::MotionField> motion_of(const Production& film, const encoder::PicturePlan& coding,
+std::vector<core::MotionField> motion_of(const RenderJob& film, const encoder::PicturePlan& coding,
                                          const core::Visible& visible, const scene::Snapshot& world) {
     std::vector<core::MotionField> fields;
     if (!film.plan.runs(renderer::Pass::motion)) return fields;
@@ -204,7 +207,7 @@ std::vector<core::MotionField> motion_of(const Production& film, const encoder::
     return fields;
 }
 
-std::optional<core::MotionField> onward_motion(const Production& film, const encoder::PicturePlan& coding,
+std::optional<core::MotionField> onward_motion(const RenderJob& film, const encoder::PicturePlan& coding,
                                                const core::Visible& visible, const scene::Snapshot& world) {
     if (!coding.horizon) return std::nullopt;
     if (film.plan.runs(renderer::Pass::motion))
@@ -215,17 +218,17 @@ std::optional<core::MotionField> onward_motion(const Production& film, const enc
     return still;
 }
 
-bool render_chunk(const Production& film, renderer::Renderer& renderer, const Chunk& chunk,
-                  const Destination& destination, Ledger& ledger, const std::function<bool()>& frame_done) {
-    if (destination.watcher != nullptr) destination.watcher->begins(chunk);
-    ChunkLoop loop(film, renderer, chunk, destination, ledger);
+bool render_chunk(const RenderJob& film, renderer::Renderer& renderer, const Chunk& chunk,
+                  const Destination& destination, RunStatistics& statistics, const std::function<bool()>& frame_done) {
+    if (destination.observer != nullptr) destination.observer->begins(chunk);
+    ChunkLoop loop(film, renderer, chunk, destination, statistics);
     bool whole = true;
     for (std::int64_t n = chunk.first; n <= chunk.last && whole; ++n) {
         loop.frame(n);
         whole = frame_done() || n == chunk.last;
     }
     loop.finish();
-    if (whole && destination.watcher != nullptr) destination.watcher->ends(chunk);
+    if (whole && destination.observer != nullptr) destination.observer->ends(chunk);
     return whole;
 }
 

@@ -10,7 +10,7 @@ namespace {
 /// Pixels from one to the next that is lit. chosen: 4 of 2, 4, 8, by how far tolerances are from the finished frame's
 /// (docs/fits/pictures.md).
 constexpr int step = 4;
-/// What the exposure is measured at, too (production.cpp).
+/// What the exposure is measured at, too (render_job.cpp).
 constexpr float tolerance = 0.1f;
 
 bool is_lit(int x, int y) {

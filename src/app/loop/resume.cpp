@@ -12,7 +12,7 @@
 #include "app/files/disk.h"
 #include "app/files/text_file.h"
 #include "app/loop/first_pass.h"
-#include "app/report/ledger_json.h"
+#include "app/loop/run_statistics_json.h"
 #include "app/system/interrupt.h"
 #include "core/error.h"
 
@@ -22,7 +22,7 @@ namespace {
 using nlohmann::json;
 
 /// The files that a chunk's frames become beside the coded stream.
-std::vector<std::filesystem::path> products_of(const Production& film, const RenderOptions& options,
+std::vector<std::filesystem::path> products_of(const RenderJob& film, const RenderOptions& options,
                                                const WorkFolder& work, const Chunk& chunk) {
     std::vector<std::filesystem::path> files;
     if (film.kind == OutputKind::y4m) files.push_back(frames_of(film, options, work, chunk));
@@ -44,17 +44,18 @@ json sums_of(const std::vector<std::filesystem::path>& files) {
     return sums;
 }
 
-/// Takes in what a chunk's record says. Whether it says all and its products are there; else the ledger stays as it is.
-bool take_in(const Production& film, const RenderOptions& options, const WorkFolder& work, const ChunkFile& chunk,
-             Ledger& ledger) {
+/// Takes in what a chunk's record says. Whether it says all and its products are there; else they stay as they
+/// are.
+bool take_in(const RenderJob& film, const RenderOptions& options, const WorkFolder& work, const ChunkFile& chunk,
+             RunStatistics& statistics) {
     try {
         const json facts = chunk.facts();
         if (facts.at("products") != sums_of(products_of(film, options, work, chunk.chunk()))) return false;
-        Ledger trial = ledger;
-        restore(trial, facts.at("ledger"));
+        RunStatistics trial = statistics;
+        restore(trial, facts.at("statistics"));
         const bool whole =
-            static_cast<std::int64_t>(trial.frames.size() - ledger.frames.size()) == chunk.chunk().frames();
-        if (whole) ledger = std::move(trial);
+            static_cast<std::int64_t>(trial.frames.size() - statistics.frames.size()) == chunk.chunk().frames();
+        if (whole) statistics = std::move(trial);
         return whole;
     } catch (const std::exception&) {
         return false;  // a damaged record is none
@@ -82,7 +83,7 @@ encoder::BitAllocation allocation_from(const json& written) {
 }
 
 /// The allocations that an earlier run found; none where it did not come so far.
-std::vector<encoder::BitAllocation> kept_allocations(const Production& film, const WorkFolder& work) {
+std::vector<encoder::BitAllocation> kept_allocations(const RenderJob& film, const WorkFolder& work) {
     const json written = work.kept("allocations");
     if (!written.is_array() || static_cast<std::int64_t>(written.size()) != film.frame_count()) return {};
     std::vector<encoder::BitAllocation> allocations;
@@ -108,12 +109,12 @@ void say_given_up(const RenderOptions& options, const WorkFolder& work) {
 
 }  // namespace
 
-std::filesystem::path frames_of(const Production& film, const RenderOptions& options, const WorkFolder& work,
+std::filesystem::path frames_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work,
                                 const Chunk& chunk) {
     return film.kind == OutputKind::y4m ? work.place(fmt::format("chunk_{:05}.y4m", chunk.index)) : options.output;
 }
 
-Products products_of(const Production& film, const RenderOptions& options) {
+Products products_of(const RenderJob& film, const RenderOptions& options) {
     Products products;
     const bool images = film.kind == OutputKind::exr || film.kind == OutputKind::png;
     if (!images) products.frames.push_back(options.output);
@@ -127,7 +128,7 @@ Products products_of(const Production& film, const RenderOptions& options) {
     return products;
 }
 
-std::optional<int> settled_before(const Production& film, const RenderOptions& options, const json& identity) {
+std::optional<int> settled_before(const RenderJob& film, const RenderOptions& options, const json& identity) {
     if (!options.resume) return std::nullopt;
     const std::string name = options.output.string();
     const auto say = [&](const std::string& text) {
@@ -161,26 +162,26 @@ std::optional<int> settled_before(const Production& film, const RenderOptions& o
     return 0;
 }
 
-json facts_of(const Production& film, const RenderOptions& options, const WorkFolder& work, const Chunk& chunk,
-              const Ledger& so_far) {
+json facts_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work, const Chunk& chunk,
+              const RunStatistics& so_far) {
     const std::size_t first = so_far.frames.size() - static_cast<std::size_t>(chunk.frames());
     const std::vector<std::filesystem::path> products = products_of(film, options, work, chunk);
     for (const std::filesystem::path& file : products) bring_to_disk(file);
-    return {{"ledger", json_of(so_far, first)}, {"products", sums_of(products)}};
+    return {{"statistics", json_of(so_far, first)}, {"products", sums_of(products)}};
 }
 
-std::vector<ChunkFile> take_up(const Production& film, const RenderOptions& options, WorkFolder& work,
-                               HeatmapFilms& heatmaps, Ledger& ledger) {
+std::vector<ChunkFile> take_up(const RenderJob& film, const RenderOptions& options, WorkFolder& work,
+                               HeatmapFilms& heatmaps, RunStatistics& statistics) {
     if (!options.resume) return {};
     std::vector<ChunkFile> left = work.finished(chunks_of(film.frames, film.coding.gop)), chunks;
-    Ledger earlier;
+    RunStatistics earlier;
     for (ChunkFile& chunk : left) {
         if (!take_in(film, options, work, chunk, earlier)) break;
         chunks.push_back(std::move(chunk));
     }
     // Reading the scene is all that this run has done yet.
-    for (std::size_t i = 0; i < ledger.seconds.size(); ++i) earlier.seconds[i] += ledger.seconds[i];
-    ledger = std::move(earlier);
+    for (std::size_t i = 0; i < statistics.seconds.size(); ++i) earlier.seconds[i] += statistics.seconds[i];
+    statistics = std::move(earlier);
     heatmaps.take_up(chunks.size());
     work.drop_all_but(chunks);
     say_given_up(options, work);
@@ -189,29 +190,29 @@ std::vector<ChunkFile> take_up(const Production& film, const RenderOptions& opti
         const std::string text =
             chunks.empty() ? fmt::format("--resume: no chunk was left of {}, which begins anew", name)
                            : fmt::format("resuming {} with frame {}: {} of {} are there", name,
-                                         chunks.back().chunk().last + 1, ledger.frames.size(), film.frame_count());
+                                         chunks.back().chunk().last + 1, statistics.frames.size(), film.frame_count());
         std::fputs((text + "\n").c_str(), stderr);
     }
     return chunks;
 }
 
-void settle(Production& film, const RenderOptions& options, WorkFolder& work, Ledger& ledger) {
+void settle(RenderJob& film, const RenderOptions& options, WorkFolder& work, RunStatistics& statistics) {
     if (const json exposure = work.kept("exposure"); !film.exposure && exposure.is_number())
         film.exposure = exposure.get<float>();
     if (!film.exposure) {
-        film.exposure = timed(ledger, Stage::load, [&] { return measure_exposure(film); });
+        film.exposure = timed(statistics, Stage::load, [&] { return measure_exposure(film); });
         work.keep("exposure", *film.exposure);
     }
     if (!film.two_passes || InterruptGuard::requested()) return;
     film.allocations = kept_allocations(film, work);
     if (!film.allocations.empty()) return;
-    film.allocations = timed(ledger, Stage::first_pass, [&] { return first_pass(film, options.quiet); });
+    film.allocations = timed(statistics, Stage::first_pass, [&] { return first_pass(film, options.quiet); });
     json written = json::array();
     for (const encoder::BitAllocation& a : film.allocations) written.push_back(json_of(a));
     if (!film.allocations.empty()) work.keep("allocations", written);
 }
 
-std::string resuming_text(const Production& film, std::size_t whole_chunks, const std::string& command) {
+std::string resuming_text(const RenderJob& film, std::size_t whole_chunks, const std::string& command) {
     const std::vector<Chunk> chunks = chunks_of(film.frames, film.coding.gop);
     if (whole_chunks == 0)
         return fmt::format("no chunk of {} frames is whole yet, so that --resume would begin anew",

@@ -10,8 +10,8 @@
 #include "app/files/chunk_file.h"
 #include "app/files/whole_mark.h"
 #include "app/files/work_folder.h"
-#include "app/loop/ledger.h"
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
+#include "app/loop/run_statistics.h"
 #include "app/options/options.h"
 #include "app/report/heatmap_film.h"
 
@@ -20,33 +20,33 @@ namespace render2mpeg::app {
 
 /// Where the frames of a chunk are written that are not coded: an uncompressed film's part in the work folder, or
 /// numbered images under their own names.
-std::filesystem::path frames_of(const Production& film, const RenderOptions& options, const WorkFolder& work,
+std::filesystem::path frames_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work,
                                 const Chunk& chunk);
 
-/// What the record of a chunk says for who goes on after it: the ledger so far, and checksums of the files that came
-/// of its frames.
-nlohmann::json facts_of(const Production& film, const RenderOptions& options, const WorkFolder& work,
-                        const Chunk& chunk, const Ledger& so_far);
+/// What the record of a chunk says for who goes on after it: the statistics so far, and checksums of the files that
+/// came of its frames.
+nlohmann::json facts_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work, const Chunk& chunk,
+                        const RunStatistics& so_far);
 
 /// What the options ask a render to leave.
-Products products_of(const Production& film, const RenderOptions& options);
+Products products_of(const RenderJob& film, const RenderOptions& options);
 
 /// Where the film of --resume is whole already (whole_mark.h) says so, removes what a run that was killed at its very
 /// end may have left, and returns the exit status: 0, or 1 where something is asked for beside the film that could only
 /// be made with it. Otherwise none; what differs from a film that is there is said.
-std::optional<int> settled_before(const Production& film, const RenderOptions& options, const nlohmann::json& identity);
+std::optional<int> settled_before(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity);
 
-/// The whole chunks of an earlier run, whose ledger is taken in; what else there was is removed. None where the options
-/// ask for none. Throws core::Error where a heatmap has fewer chunks than the film.
-std::vector<ChunkFile> take_up(const Production& film, const RenderOptions& options, WorkFolder& work,
-                               HeatmapFilms& heatmaps, Ledger& ledger);
+/// The whole chunks of an earlier run, whose statistics are taken in; what else there was is removed. None where the
+/// options ask for none. Throws core::Error where a heatmap has fewer chunks than the film.
+std::vector<ChunkFile> take_up(const RenderJob& film, const RenderOptions& options, WorkFolder& work,
+                               HeatmapFilms& heatmaps, RunStatistics& statistics);
 
 /// Finds out what is settled before the first frame, or takes it over from the earlier run: the exposure, and what a
 /// first pass says.
-void settle(Production& film, const RenderOptions& options, WorkFolder& work, Ledger& ledger);
+void settle(RenderJob& film, const RenderOptions& options, WorkFolder& work, RunStatistics& statistics);
 
 /// What a later run of `command` with --resume would make of these chunks, as a part of a sentence.
-std::string resuming_text(const Production& film, std::size_t whole_chunks,
+std::string resuming_text(const RenderJob& film, std::size_t whole_chunks,
                           const std::string& command = "the same command");
 
 }  // namespace render2mpeg::app

@@ -10,7 +10,7 @@ namespace {
 
 class Y4mSink : public Sink {
   public:
-    Y4mSink(const Production& film, const std::filesystem::path& output)
+    Y4mSink(const RenderJob& film, const std::filesystem::path& output)
         : writer_(output, film.format.width, film.format.height, film.rate, film.pixel_aspect) {}
     void write(const core::Radiance&, const core::Picture& picture) override { writer_.write(picture); }
     void finish() override { writer_.finish(); }
@@ -22,7 +22,7 @@ class Y4mSink : public Sink {
 /// Scene-linear half floats, alpha 1: what compositors expect under the plain names R, G, B, A.
 class ExrSink : public Sink {
   public:
-    ExrSink(const Production& film, const std::filesystem::path& pattern)
+    ExrSink(const RenderJob& film, const std::filesystem::path& pattern)
         : pattern_(pattern), pixel_aspect_(film.format.pixel_aspect) {}
     void write(const core::Radiance& radiance, const core::Picture& picture) override {
         const auto& pixels = radiance.combined;
@@ -41,7 +41,7 @@ class ExrSink : public Sink {
 /// Display-referred 8-bit RGB, as the film would be shown.
 class PngSink : public Sink {
   public:
-    PngSink(const Production& film, const std::filesystem::path& pattern)
+    PngSink(const RenderJob& film, const std::filesystem::path& pattern)
         : display_(film.exposure.value_or(0), perceptual::matrix_for(film.format.height)),
           pattern_(pattern),
           pixel_aspect_(film.format.pixel_aspect) {}
@@ -58,7 +58,7 @@ class PngSink : public Sink {
 
 }  // namespace
 
-void join_y4m(const Production& film, const std::vector<std::filesystem::path>& parts,
+void join_y4m(const RenderJob& film, const std::vector<std::filesystem::path>& parts,
               const std::filesystem::path& file) {
     av::Y4mWriter writer(file, film.format.width, film.format.height, film.rate, film.pixel_aspect);
     for (const std::filesystem::path& part : parts) {
@@ -68,7 +68,7 @@ void join_y4m(const Production& film, const std::vector<std::filesystem::path>& 
     writer.finish();
 }
 
-std::unique_ptr<Sink> make_sink(const Production& film, const std::filesystem::path& output) {
+std::unique_ptr<Sink> make_sink(const RenderJob& film, const std::filesystem::path& output) {
     switch (film.kind) {
         case OutputKind::y4m:
             return std::make_unique<Y4mSink>(film, output);

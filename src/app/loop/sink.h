@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "app/loop/ledger.h"
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
+#include "app/loop/run_statistics.h"
 #include "core/picture.h"
 #include "core/radiance.h"
 
@@ -23,10 +23,10 @@ class Sink {
 };
 
 /// The sink for an output that is not a film.
-std::unique_ptr<Sink> make_sink(const Production& film, const std::filesystem::path& output);
+std::unique_ptr<Sink> make_sink(const RenderJob& film, const std::filesystem::path& output);
 
 /// Joins Y4M files that a sink wrote one after the other.
-void join_y4m(const Production& film, const std::vector<std::filesystem::path>& parts,
+void join_y4m(const RenderJob& film, const std::vector<std::filesystem::path>& parts,
               const std::filesystem::path& file);
 
 }  // namespace render2mpeg::app

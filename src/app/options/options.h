@@ -48,7 +48,7 @@ struct RenderOptions {
     int samples = 4;
     int vpls = 4096;
     std::optional<std::string> tolerance;   ///< none: "coupled" for films, else "fixed=2%"
-    std::string masking = "carried";        ///< "carried" or "quantised"
+    std::string masking = "warped";         ///< "warped" or "quantised"
     std::string error_maps = "references";  ///< "references" or "intra"
     std::string error_spread = "block";     ///< "block" or "pixel"
     std::string stop = "honest";            ///< "classic" or "honest"

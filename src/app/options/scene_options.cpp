@@ -66,9 +66,9 @@ void add_light_options(CLI::App& command, RenderOptions& options) {
     command
         .add_option(
             "--masking", options.masking,
-            "What hides errors in coupled films: the picture before, `carried` along motion, or place by place as "
+            "What hides errors in coupled films: the picture before, `warped` along motion, or place by place as "
             "decoded, its coding errors included (`quantised`; for films that hardly move)")
-        ->check(CLI::IsMember({"carried", "quantised"}))
+        ->check(CLI::IsMember({"warped", "quantised"}))
         ->capture_default_str()
         ->group(light);
     // For docs/decisions/0008 to be measured again; not for users.

@@ -24,13 +24,13 @@ std::string sources_of(const renderer::Plan& plan) {
 
 }  // namespace
 
-std::vector<Effect> effects_of(const Production& film, const Ledger& ledger) {
+std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& statistics) {
     const renderer::Plan& plan = film.plan;
-    const renderer::Statistics& r = ledger.rendering;
-    const auto pass = [&](Pass p) { return ledger.pass_seconds[static_cast<std::size_t>(p)]; };
+    const renderer::Statistics& r = statistics.rendering;
+    const auto pass = [&](Pass p) { return statistics.pass_seconds[static_cast<std::size_t>(p)]; };
     std::vector<Effect> effects;
     // What a clock that samples tells may come to more than the whole it is part of.
-    const double see = ledger.stage_seconds(Stage::see), sky = std::min(r.sky_seconds, see);
+    const double see = statistics.stage_seconds(Stage::see), sky = std::min(r.sky_seconds, see);
     effects.push_back({"seeing", see - sky, r.primary_rays, {}, ""});
     if (plan.runs(Pass::sky_background))
         effects.push_back({"the sky seen", sky, {}, {}, "about; what it lights is in direct light"});
@@ -56,12 +56,13 @@ std::vector<Effect> effects_of(const Production& film, const Ledger& ledger) {
         effects.push_back({"transparent shadows", layers, {}, {}, "about: what layers let through of light"});
     if (film.tolerance.coupled && film.kind == OutputKind::film)
         effects.push_back({"what the eye misses",
-                           ledger.stage_seconds(Stage::preview) + ledger.stage_seconds(Stage::tolerate),
+                           statistics.stage_seconds(Stage::preview) + statistics.stage_seconds(Stage::tolerate),
                            {},
                            {},
                            "tolerances from the pictures before"});
     if (plan.runs(Pass::motion)) effects.push_back({"motion", pass(Pass::motion), {}, {}, ""});
-    if (film.kind == OutputKind::film) effects.push_back({"coding", ledger.stage_seconds(Stage::encode), {}, {}, ""});
+    if (film.kind == OutputKind::film)
+        effects.push_back({"coding", statistics.stage_seconds(Stage::encode), {}, {}, ""});
     return effects;
 }
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "app/loop/ledger.h"
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
+#include "app/loop/run_statistics.h"
 
 namespace render2mpeg::app {
 
@@ -21,6 +21,6 @@ struct Effect {
 
 /// What the film's light and pictures consist of, and what each took, in the order of their making; what the film does
 /// not have is left out.
-std::vector<Effect> effects_of(const Production& film, const Ledger& ledger);
+std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& statistics);
 
 }  // namespace render2mpeg::app

@@ -130,7 +130,7 @@ core::Plane<float> widened(const core::Plane<float>& values, int width) {
 
 /// How a heatmap of the film is coded: every picture by itself and finely, since edges of false colours are not to
 /// smear. In square pixels, whatever the film's are: with the legend the whole has a shape that MPEG-2 cannot say.
-encoder::Settings heatmap_settings(const Production& film) {
+encoder::Settings heatmap_settings(const RenderJob& film) {
     encoder::Settings settings;
     settings.width =
         std::max(1, static_cast<int>(std::lround(static_cast<float>(film.format.width) * film.format.pixel_aspect)));
@@ -158,7 +158,7 @@ HeatSubject heat_subject_from(const std::string& name) {
     throw core::Error("heatmap " + name + ": expected tolerance, cut, error, quantiser, records, age or reuse");
 }
 
-HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const Production& film,
+HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const RenderJob& film,
                          const nlohmann::json& identity, WorkFolder::Earlier earlier, WorkFolder& whole)
     : subject_(subject),
       output_(output),
@@ -228,7 +228,7 @@ void HeatmapFilm::finish() {
     give_name(file, work_, output_, true);
 }
 
-void check_heatmaps(const RenderOptions& options, const Production& film) {
+void check_heatmaps(const RenderOptions& options, const RenderJob& film) {
     for (const auto& [name, output] : options.heatmaps) {
         const HeatSubject subject = heat_subject_from(name);
         if (kind_of(output) != OutputKind::film)
@@ -253,7 +253,7 @@ void check_heatmaps(const RenderOptions& options, const Production& film) {
     }
 }
 
-HeatmapFilms::HeatmapFilms(const RenderOptions& options, const Production& film, const nlohmann::json& identity,
+HeatmapFilms::HeatmapFilms(const RenderOptions& options, const RenderJob& film, const nlohmann::json& identity,
                            WorkFolder& whole) {
     for (const auto& [name, output] : options.heatmaps)
         films_.push_back(std::make_unique<HeatmapFilm>(

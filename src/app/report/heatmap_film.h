@@ -9,8 +9,8 @@
 
 #include "app/files/work_folder.h"
 #include "app/loop/pipeline.h"
-#include "app/loop/production.h"
-#include "app/system/attempts.h"
+#include "app/loop/render_job.h"
+#include "app/system/error_collector.h"
 #include "core/plane.h"
 #include "encoder/encoder.h"
 #include "perceptual/heatmap.h"
@@ -36,14 +36,14 @@ perceptual::HeatScale scale_of(HeatSubject subject);
 
 /// Refuses what --heatmap asks for where it has nothing to show, or its film cannot be coded. Writes nothing. Throws
 /// core::Error that names the heatmap or its file.
-void check_heatmaps(const RenderOptions& options, const Production& film);
+void check_heatmaps(const RenderOptions& options, const RenderJob& film);
 
 /// A false-colour film of a render with a legend below, as long as the render and in square pixels. It has its name
 /// once it is whole; until then it lies in a work folder of its own.
-class HeatmapFilm : public Watcher {
+class HeatmapFilm : public LoopObserver {
   public:
     /// `identity` is the film's; `whole` its work folder, which remembers this one.
-    HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const Production& film,
+    HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const RenderJob& film,
                 const nlohmann::json& identity, WorkFolder::Earlier earlier, WorkFolder& whole);
     ~HeatmapFilm() override;
 
@@ -80,10 +80,10 @@ class HeatmapFilm : public Watcher {
 };
 
 /// All that --heatmap asks for. One that fails ends; the render and the others go on.
-class HeatmapFilms : public Watcher {
+class HeatmapFilms : public LoopObserver {
   public:
     /// Creates every file. Throws core::Error where one cannot be written; check_heatmaps() comes before.
-    HeatmapFilms(const RenderOptions& options, const Production& film, const nlohmann::json& identity,
+    HeatmapFilms(const RenderOptions& options, const RenderJob& film, const nlohmann::json& identity,
                  WorkFolder& whole);
 
     bool empty() const { return films_.empty(); }
@@ -146,7 +146,7 @@ class HeatmapFilms : public Watcher {
 
     std::vector<std::unique_ptr<HeatmapFilm>> films_;
     std::vector<std::filesystem::path> lost_;
-    Attempts failures_;
+    ErrorCollector failures_;
 };
 
 }  // namespace render2mpeg::app

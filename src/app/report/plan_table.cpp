@@ -47,7 +47,7 @@ struct Row {
     std::string reason;
 };
 
-Row first_pass_row(const Production& film) {
+Row first_pass_row(const RenderJob& film) {
     if (film.kind != OutputKind::film) return {"first pass", false, "nobody reads it: nothing is coded"};
     if (film.two_passes) return {"first pass", true, "a bit rate is to be shared out among the pictures"};
     const bool asked = film.coding.rate_control.bit_rate > 0;
@@ -55,7 +55,7 @@ Row first_pass_row(const Production& film) {
 }
 
 /// The passes in the order of their work: the film's own, and the renderer's.
-std::vector<Row> rows_of(const Production& film) {
+std::vector<Row> rows_of(const RenderJob& film) {
     const bool coupled = film.tolerance.coupled && film.kind == OutputKind::film;
     const bool measured = film.measures_exposure;
     std::vector<Row> rows{{"load", true, measured ? "scene, textures, exposure" : "scene, textures"},
@@ -83,7 +83,7 @@ std::vector<Row> rows_of(const Production& film) {
 
 }  // namespace
 
-json plan_of(const Production& film, const json& statistics) {
+json plan_of(const RenderJob& film, const json& statistics) {
     json plan = json::array();
     for (const Row& row : rows_of(film)) {
         const double seconds = seconds_of(statistics, row.name);
@@ -95,7 +95,7 @@ json plan_of(const Production& film, const json& statistics) {
     return plan;
 }
 
-std::string plan_table(const Production& film, const std::filesystem::path& file) {
+std::string plan_table(const RenderJob& film, const std::filesystem::path& file) {
     const json statistics = file.empty() ? json() : read_statistics(file);
     const double total = statistics.is_object() ? statistics.at("seconds").at("cpu").get<double>() : 0.0;
     std::string text;

@@ -180,7 +180,7 @@ std::string plan_rows(const json& plan) {
     return text + "</table></div>\n";
 }
 
-/// A value of the statistics as people read it: "mode coupled, masking carried".
+/// A value of the statistics as people read it: "mode coupled, masking warped".
 std::string plain(const json& value) {
     if (value.is_string()) return value.get<std::string>();
     if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
@@ -253,9 +253,9 @@ std::string report_page(const std::string& title, const std::string& lead, const
            escaped(title) + "</h1>\n<p class=\"lead\">" + escaped(lead) + "</p>\n" + body + "</main></body></html>\n";
 }
 
-void write_report(const std::filesystem::path& html, const Production& film, const Ledger& ledger,
+void write_report(const std::filesystem::path& html, const RenderJob& film, const RunStatistics& statistics,
                   const RunFacts& facts, const std::string& views) {
-    json s = statistics_of(film, ledger, facts);
+    json s = statistics_of(film, statistics, facts);
     s["summary"] = sentence_of(s);
     s["plan"] = plan_of(film, s);
     write_whole(html,

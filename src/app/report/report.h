@@ -19,7 +19,7 @@ std::string report_page(const std::string& title, const std::string& lead, const
 
 /// Writes a render's report as one HTML page that needs nothing else, and report_json_of() it (docs/report.md).
 /// `views`: figures of frames, as HTML.
-void write_report(const std::filesystem::path& html, const Production& film, const Ledger& ledger,
+void write_report(const std::filesystem::path& html, const RenderJob& film, const RunStatistics& statistics,
                   const RunFacts& facts, const std::string& views);
 
 }  // namespace render2mpeg::app

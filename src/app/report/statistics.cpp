@@ -16,27 +16,27 @@ namespace {
 
 using nlohmann::json;
 
-json seconds_of(const Ledger& ledger) {
+json seconds_of(const RunStatistics& statistics) {
     json seconds;
-    for (std::size_t i = 0; i < ledger.seconds.size(); ++i) seconds[stage_names[i]] = ledger.seconds[i];
-    seconds["wall"] = ledger.wall;
-    seconds["cpu"] = ledger.earlier_cpu + cpu_seconds();
+    for (std::size_t i = 0; i < statistics.seconds.size(); ++i) seconds[stage_names[i]] = statistics.seconds[i];
+    seconds["wall"] = statistics.wall;
+    seconds["cpu"] = statistics.earlier_cpu + cpu_seconds();
     return seconds;
 }
 
-json passes_of(const Production& film, const Ledger& ledger) {
+json passes_of(const RenderJob& film, const RunStatistics& statistics) {
     json passes = json::object();
     for (const renderer::PlanRow& row : film.plan.rows()) {
-        const double seconds = ledger.pass_seconds[static_cast<std::size_t>(row.pass)];
+        const double seconds = statistics.pass_seconds[static_cast<std::size_t>(row.pass)];
         if (row.runs && seconds > 0) passes[row.name] = seconds;
     }
     return passes;
 }
 
-json effects_json(const Production& film, const Ledger& ledger) {
+json effects_json(const RenderJob& film, const RunStatistics& statistics) {
     json all = json::array();
     const auto or_null = [](const auto& value) { return value ? json(*value) : json(nullptr); };
-    for (const Effect& e : effects_of(film, ledger))
+    for (const Effect& e : effects_of(film, statistics))
         all.push_back({{"effect", e.name},
                        {"seconds", or_null(e.seconds)},
                        {"rays", or_null(e.rays)},
@@ -45,7 +45,7 @@ json effects_json(const Production& film, const Ledger& ledger) {
     return all;
 }
 
-json audit_of(const Production& film, const Audit& audit) {
+json audit_of(const RenderJob& film, const Audit& audit) {
     if (film.audit == 0) return nullptr;
     return {{"pixels", audit.errors.count()},
             {"over_tolerance", audit.share_over()},
@@ -56,7 +56,7 @@ json audit_of(const Production& film, const Audit& audit) {
 }
 
 /// Null where no light is kept.
-json records_of(const Production& film, const renderer::Statistics& r) {
+json records_of(const RenderJob& film, const renderer::Statistics& r) {
     if (!kept_records(film.rendering, r)) return nullptr;
     return {
         {"created", r.records_created},
@@ -124,11 +124,11 @@ json entry_of(const FrameEntry& frame, bool coded, bool by_records) {
 }
 
 /// What was asked of the film's rate, what its headers declare, and what became of it.
-json rate_of(const Film& film, const Ledger& ledger) {
+json rate_of(const Film& film, const RunStatistics& statistics) {
     constexpr const char* modes[] = {"quantiser", "quality", "variable", "constant"};
     const encoder::RateControl& asked = film.coding.rate_control;
     const encoder::Declaration declared = encoder::declaration_of(film.coding);
-    const RateOutcome outcome = ledger.rate_outcome();
+    const RateOutcome outcome = statistics.rate_outcome();
     json rate{{"mode", modes[static_cast<int>(asked.mode)]},
               {"level", declared.level},
               {"max_rate", declared.bit_rate},
@@ -138,7 +138,7 @@ json rate_of(const Film& film, const Ledger& ledger) {
               {"minimal", outcome.minimal},
               {"off_plan", outcome.off_plan},
               {"stuffing", outcome.stuffing}};
-    const double seconds = static_cast<double>(ledger.frames.size()) / film.coding.rate.hertz.value();
+    const double seconds = static_cast<double>(statistics.frames.size()) / film.coding.rate.hertz.value();
     rate["average"] = core::divide_or(8.0 * static_cast<double>(outcome.bytes), seconds, 0.0);
     if (asked.bit_rate > 0) rate["bit_rate"] = asked.bit_rate;
     if (asked.mode == encoder::RateMode::constant_quality) rate["quality"] = asked.quality;
@@ -150,22 +150,22 @@ json asked_quantiser(const encoder::Settings& coding) {
     return coding.rate_control.mode == encoder::RateMode::constant_quantiser ? json(coding.quantiser) : json(nullptr);
 }
 
-json quantisers_of(const Ledger& ledger) {
-    const QuantiserRange range = ledger.quantisers();
+json quantisers_of(const RunStatistics& statistics) {
+    const QuantiserRange range = statistics.quantisers();
     return {{"mean", range.mean}, {"min", range.min}, {"max", range.max}};
 }
 
 /// What a pixel's light was allowed to be off by.
-json tolerance_of(const Production& film) {
+json tolerance_of(const RenderJob& film) {
     if (film.tolerance.reference) return {{"mode", "reference"}};
     if (!film.tolerance.coupled) return {{"mode", "fixed"}, {"relative", film.tolerance.relative}};
     return {{"mode", "coupled"},
             {"share", film.tolerance.share ? json(*film.tolerance.share) : json(nullptr)},
-            {"masking", film.coupling.observer.strategy == perceptual::Strategy::quantised ? "quantised" : "carried"}};
+            {"masking", film.coupling.visibility.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"}};
 }
 
 /// What is said of every run. Quality counts where the film was coded.
-json common_of(const Film& film, const Ledger& ledger, const RunFacts& facts) {
+json common_of(const Film& film, const RunStatistics& statistics, const RunFacts& facts) {
     const encoder::Settings& coding = film.coding;
     return {{"version", RENDER2MPEG_VERSION},
             {"command", facts.command},
@@ -180,15 +180,15 @@ json common_of(const Film& film, const Ledger& ledger, const RunFacts& facts) {
                         : coding.cadence == encoder::Cadence::fields ? "fields"
                                                                      : "pulldown"},
             {"fps_exact", {coding.rate.hertz.num, coding.rate.hertz.den}},
-            {"frames", ledger.frames.size()},
+            {"frames", statistics.frames.size()},
             {"bytes", facts.bytes},
             {"quantiser", asked_quantiser(coding)},
             {"gop", coding.gop},
-            {"seconds", seconds_of(ledger)},
+            {"seconds", seconds_of(statistics)},
             {"peak_rss_mib", peak_memory_mib()},
-            {"non_finite", ledger.rendering.non_finite},
-            {"psnr_y", finite_or_null(ledger.psnr_y())},
-            {"ssim_y", ledger.ssim_y()},
+            {"non_finite", statistics.rendering.non_finite},
+            {"psnr_y", finite_or_null(statistics.psnr_y())},
+            {"ssim_y", statistics.ssim_y()},
             {"per_frame", json::array()}};
 }
 
@@ -208,59 +208,60 @@ double peak_memory_mib() {
     return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-json statistics_of(const Production& film, const Ledger& ledger, const RunFacts& facts) {
-    const renderer::Statistics& r = ledger.rendering;
+json statistics_of(const RenderJob& film, const RunStatistics& statistics, const RunFacts& facts) {
+    const renderer::Statistics& r = statistics.rendering;
     const bool coded = film.kind == OutputKind::film;
-    json statistics = common_of(film.film(), ledger, facts);
-    statistics.update({
+    json written = common_of(film.film(), statistics, facts);
+    written.update({
         {"exposure", film.exposure.value_or(0)},
         {"isa", core::name_of(film.rendering.isa)},
         {"tolerance", tolerance_of(film)},
-        {"passes", passes_of(film, ledger)},
-        {"effects", effects_json(film, ledger)},
+        {"passes", passes_of(film, statistics)},
+        {"effects", effects_json(film, statistics)},
         {"rays",
          {{"primary", r.primary_rays},
           {"specular", r.specular_rays},
           {"shadow", r.shadow_rays},
           {"photon", r.photon_rays}}},
         {"light_points", {{"direct", r.direct_points}, {"indirect", r.indirect_points}}},
-        {"mean_cut", {{"direct", ledger.mean_direct_cut()}, {"indirect", ledger.mean_indirect_cut()}}},
+        {"mean_cut", {{"direct", statistics.mean_direct_cut()}, {"indirect", statistics.mean_indirect_cut()}}},
         {"gather_points", r.gather_points},
         {"capped_points", r.capped_points},
         {"tolerance_bands", bands_of(r.bands)},
         {"stop", film.rendering.stop == renderer::Stop::classic ? "classic" : "honest"},
         {"caution", caution_of(r)},
         {"records", records_of(film, r)},
-        {"audit", audit_of(film, ledger.audit)},
+        {"audit", audit_of(film, statistics.audit)},
         {"first_non_finite", r.first_non_finite},
         {"clamped_energy", r.clamped_energy},
     });
-    if (coded) statistics["rate"] = rate_of(film.film(), ledger);
-    statistics["quantisers"] = coded ? quantisers_of(ledger) : json(nullptr);
+    if (coded) written["rate"] = rate_of(film.film(), statistics);
+    written["quantisers"] = coded ? quantisers_of(statistics) : json(nullptr);
     if (!coded)
-        for (const char* key : {"psnr_y", "ssim_y", "quantiser", "gop"}) statistics[key] = nullptr;
-    const bool by_records = kept_records(film.rendering, ledger.rendering);
-    for (const FrameEntry& frame : ledger.frames) statistics["per_frame"].push_back(entry_of(frame, coded, by_records));
-    return statistics;
+        for (const char* key : {"psnr_y", "ssim_y", "quantiser", "gop"}) written[key] = nullptr;
+    const bool by_records = kept_records(film.rendering, statistics.rendering);
+    for (const FrameEntry& frame : statistics.frames)
+        written["per_frame"].push_back(entry_of(frame, coded, by_records));
+    return written;
 }
 
-void write_statistics(const std::filesystem::path& file, const Production& film, const Ledger& ledger,
+void write_statistics(const std::filesystem::path& file, const RenderJob& film, const RunStatistics& statistics,
                       const RunFacts& facts) {
-    write_json(file, statistics_of(film, ledger, facts));
+    write_json(file, statistics_of(film, statistics, facts));
 }
 
 void write_encode_statistics(const std::filesystem::path& file, const Film& film, bool with_motion,
-                             const Ledger& ledger, const RunFacts& facts) {
-    json statistics = common_of(film, ledger, facts);
-    statistics["motion"] = with_motion;
-    statistics["quantisers"] = quantisers_of(ledger);
-    statistics["rate"] = rate_of(film, ledger);
-    for (const FrameEntry& frame : ledger.frames) {
+                             const RunStatistics& statistics, const RunFacts& facts) {
+    json written = common_of(film, statistics, facts);
+    written["motion"] = with_motion;
+    written["quantisers"] = quantisers_of(statistics);
+    written["rate"] = rate_of(film, statistics);
+    for (const FrameEntry& frame : statistics.frames) {
         json entry{{"frame", frame.frame}, {"seconds", frame.seconds}};
         add_coding(entry, frame);
-        statistics["per_frame"].push_back(entry);
+        written["per_frame"].push_back(entry);
     }
-    write_json(file, statistics);
+    write_json(file, written);
 }
 
 }  // namespace render2mpeg::app

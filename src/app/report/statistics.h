@@ -3,13 +3,13 @@
 #include <filesystem>
 #include <string>
 
-#include "app/loop/ledger.h"
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
+#include "app/loop/run_statistics.h"
 #include "app/options/film.h"
 
 namespace render2mpeg::app {
 
-/// What a run's statistics say besides the ledger.
+/// What a run's statistics say besides the statistics.
 struct RunFacts {
     std::string command;
     std::string input, output;
@@ -21,19 +21,19 @@ struct RunFacts {
 double peak_memory_mib();
 
 /// Writes the statistics file (docs/stats.md).
-void write_statistics(const std::filesystem::path& file, const Production& film, const Ledger& ledger,
+void write_statistics(const std::filesystem::path& file, const RenderJob& film, const RunStatistics& statistics,
                       const RunFacts& facts);
 
 /// The same for a film of frames from outside; `with_motion`: vectors were given.
 void write_encode_statistics(const std::filesystem::path& file, const Film& film, bool with_motion,
-                             const Ledger& ledger, const RunFacts& facts);
+                             const RunStatistics& statistics, const RunFacts& facts);
 
 /// The lines a user reads at the end of a render, and of encoding frames from outside.
-std::string encode_summary(const Film& film, const Ledger& ledger, const RunFacts& facts);
-std::string summary(const Production& film, const Ledger& ledger, const RunFacts& facts);
+std::string encode_summary(const Film& film, const RunStatistics& statistics, const RunFacts& facts);
+std::string summary(const RenderJob& film, const RunStatistics& statistics, const RunFacts& facts);
 
 /// The plan as a table: each pass, whether it runs, why, and, if `statistics` names the file of a render, what it cost.
 /// Throws core::Error where that file is none.
-std::string plan_table(const Production& film, const std::filesystem::path& statistics);
+std::string plan_table(const RenderJob& film, const std::filesystem::path& statistics);
 
 }  // namespace render2mpeg::app

@@ -10,11 +10,11 @@ namespace render2mpeg::app {
 nlohmann::json finite_or_null(double value);
 
 /// What write_statistics() writes.
-nlohmann::json statistics_of(const Production& film, const Ledger& ledger, const RunFacts& facts);
+nlohmann::json statistics_of(const RenderJob& film, const RunStatistics& statistics, const RunFacts& facts);
 
 /// The plan's rows as plan_table() shows them: `pass`, `runs`, `reason`, and `seconds` (CPU) or null, as the statistics
 /// of a render tell. Statistics may be null: not known.
-nlohmann::json plan_of(const Production& film, const nlohmann::json& statistics);
+nlohmann::json plan_of(const RenderJob& film, const nlohmann::json& statistics);
 
 /// Writes JSON to a file. Throws core::Error.
 void write_json(const std::filesystem::path& file, const nlohmann::json& value);

@@ -28,13 +28,13 @@ std::string rate_text(const encoder::Settings& coding) {
 }
 
 /// What making the film took, in lines that fit a terminal of 80 columns.
-std::string time_lines(const Ledger& ledger) {
+std::string time_lines(const RunStatistics& statistics) {
     std::string text, line = "  CPU time  ";
-    for (std::size_t i = 0; i < ledger.seconds.size(); ++i) {
-        if (ledger.seconds[i] <= 0) continue;
+    for (std::size_t i = 0; i < statistics.seconds.size(); ++i) {
+        if (statistics.seconds[i] <= 0) continue;
         std::string stage = stage_names[i];
         std::replace(stage.begin(), stage.end(), '_', ' ');
-        const std::string part = fmt::format(" {} {:.2f} ", stage, ledger.seconds[i]);
+        const std::string part = fmt::format(" {} {:.2f} ", stage, statistics.seconds[i]);
         if (line.size() + part.size() > 80) {
             text += line + "\n";
             line = std::string(12, ' ');
@@ -43,28 +43,28 @@ std::string time_lines(const Ledger& ledger) {
     }
     return text + line + "\n" +
            fmt::format("             {:.2f} s in all; {} on the clock; peak memory {:.0f} MiB\n",
-                       ledger.earlier_cpu + cpu_seconds(), clock_text(ledger.wall), peak_memory_mib());
+                       statistics.earlier_cpu + cpu_seconds(), clock_text(statistics.wall), peak_memory_mib());
 }
 
 /// The film and what making it took.
-std::string opening_lines(const Film& film, const Ledger& ledger, const RunFacts& facts) {
-    const auto frames = static_cast<double>(ledger.frames.size());
+std::string opening_lines(const Film& film, const RunStatistics& statistics, const RunFacts& facts) {
+    const auto frames = static_cast<double>(statistics.frames.size());
     const double duration = frames / film.coding.rate.hertz.value();
-    std::string text = fmt::format("{}: {} frame{}, {}x{}{} at {}, {:.2f} s", facts.output, ledger.frames.size(),
-                                   ledger.frames.size() == 1 ? "" : "s", film.coding.width, film.coding.height,
+    std::string text = fmt::format("{}: {} frame{}, {}x{}{} at {}, {:.2f} s", facts.output, statistics.frames.size(),
+                                   statistics.frames.size() == 1 ? "" : "s", film.coding.width, film.coding.height,
                                    shape_text(film.coding), rate_text(film.coding), duration);
     if (facts.bytes > 0)
         text += fmt::format(", {}, {:.0f} kb/s", size_text(static_cast<double>(facts.bytes)),
                             core::divide_or(8e-3 * static_cast<double>(facts.bytes), duration, 0.0));
-    return text + "\n" + time_lines(ledger);
+    return text + "\n" + time_lines(statistics);
 }
 
 /// Why a film has not the rate that was wanted of it, as far as its pictures tell.
-std::string rate_cause(const Ledger& ledger, double real, double wanted) {
+std::string rate_cause(const RunStatistics& statistics, double real, double wanted) {
     // chosen: two passes are to be within 2 %; less needs no cause.
     constexpr double close = 0.02;
-    const QuantiserRange quantisers = ledger.quantisers();
-    const RateOutcome rate = ledger.rate_outcome();
+    const QuantiserRange quantisers = statistics.quantisers();
+    const RateOutcome rate = statistics.rate_outcome();
     std::string cause;
     if (real < (1 - close) * wanted) {
         if (quantisers.finest > 0)
@@ -77,34 +77,35 @@ std::string rate_cause(const Ledger& ledger, double real, double wanted) {
     return cause.empty() ? "" : "\n             " + cause;
 }
 
-std::string rate_lines(const Film& film, const Ledger& ledger) {
+std::string rate_lines(const Film& film, const RunStatistics& statistics) {
     const auto wanted = static_cast<double>(film.coding.rate_control.bit_rate);
     if (wanted <= 0) return {};
-    const RateOutcome rate = ledger.rate_outcome();
-    const double seconds = static_cast<double>(ledger.frames.size()) / film.coding.rate.hertz.value();
+    const RateOutcome rate = statistics.rate_outcome();
+    const double seconds = static_cast<double>(statistics.frames.size()) / film.coding.rate.hertz.value();
     const double real = core::divide_or(8.0 * static_cast<double>(rate.bytes), seconds, 0.0);
     std::string text = fmt::format("  rate       {:.0f} of {:.0f} kb/s wanted ({:+.1f} %)", 1e-3 * real, 1e-3 * wanted,
                                    100.0 * (real / wanted - 1.0));
     if (rate.stuffing > 0)
         text += fmt::format(", {} of it stuffing", percent_text(core::divide_or(static_cast<double>(rate.stuffing),
                                                                                 static_cast<double>(rate.bytes), 0.0)));
-    return text + rate_cause(ledger, real, wanted) + "\n";
+    return text + rate_cause(statistics, real, wanted) + "\n";
 }
 
 /// The quantisers, where they were not one number that the user gave, and what the buffer did to them.
-std::string quantiser_lines(const Film& film, const Ledger& ledger) {
-    const RateOutcome rate = ledger.rate_outcome();
+std::string quantiser_lines(const Film& film, const RunStatistics& statistics) {
+    const RateOutcome rate = statistics.rate_outcome();
     std::string text;
     if (film.coding.rate_control.mode != encoder::RateMode::constant_quantiser) {
-        const QuantiserRange range = ledger.quantisers();
+        const QuantiserRange range = statistics.quantisers();
         text += range.min == range.max ? fmt::format("  quantiser  {} in all pictures\n", range.min)
                                        : fmt::format("  quantiser  {:.1f} on average, pictures from {} to {}\n",
                                                      range.mean, range.min, range.max);
     }
     const char* label = text.empty() ? "quantiser" : "";
     if (rate.off_plan > 0)
-        text += fmt::format("  {:<9}  {} of {} {} coded with another than made for\n", label, rate.off_plan,
-                            pictures_text(static_cast<int>(ledger.frames.size())), rate.off_plan == 1 ? "was" : "were");
+        text +=
+            fmt::format("  {:<9}  {} of {} {} coded with another than made for\n", label, rate.off_plan,
+                        pictures_text(static_cast<int>(statistics.frames.size())), rate.off_plan == 1 ? "was" : "were");
     if (rate.requantised > 0)
         text += fmt::format("  buffer     {} {} coded again, coarser, to reach the decoder in time\n",
                             pictures_text(rate.requantised), rate.requantised == 1 ? "was" : "were");
@@ -115,19 +116,19 @@ std::string quantiser_lines(const Film& film, const Ledger& ledger) {
 }
 
 /// How a coded film came out. `made`: what was done to its pictures before they were coded.
-std::string closing_lines(const Film& film, const Ledger& ledger, const char* made) {
-    return rate_lines(film, ledger) + quantiser_lines(film, ledger) +
-           fmt::format("  quality    decoded against {}: PSNR-Y {:.2f} dB, SSIM-Y {:.4f}\n", made, ledger.psnr_y(),
-                       ledger.ssim_y());
+std::string closing_lines(const Film& film, const RunStatistics& statistics, const char* made) {
+    return rate_lines(film, statistics) + quantiser_lines(film, statistics) +
+           fmt::format("  quality    decoded against {}: PSNR-Y {:.2f} dB, SSIM-Y {:.4f}\n", made, statistics.psnr_y(),
+                       statistics.ssim_y());
 }
 
 /// What gathering light took.
-std::string light_lines(const Ledger& ledger) {
-    const renderer::Statistics& r = ledger.rendering;
+std::string light_lines(const RunStatistics& statistics) {
+    const renderer::Statistics& r = statistics.rendering;
     std::string text = fmt::format(
         "  light      {} direct and {} indirect light points; mean cut {:.1f} and {:.1f}\n"
         "             {} points to light, {} shadow rays\n",
-        r.direct_points, r.indirect_points, ledger.mean_direct_cut(), ledger.mean_indirect_cut(),
+        r.direct_points, r.indirect_points, statistics.mean_direct_cut(), statistics.mean_indirect_cut(),
         count_text(static_cast<double>(r.gather_points)), count_text(static_cast<double>(r.shadow_rays)));
     if (r.capped_points > 0)
         text += fmt::format("             {} of the points stopped at the largest cut, their tolerance not certified\n",
@@ -136,7 +137,7 @@ std::string light_lines(const Ledger& ledger) {
     if (r.clamped_energy > 0.0005)
         text +=
             fmt::format("             {} of the light was clamped near light points\n", percent_text(r.clamped_energy));
-    if (ledger.brightest_luma <= 16)
+    if (statistics.brightest_luma <= 16)
         text += "             every pixel is black: no light reaches what the camera sees\n";
     if (r.non_finite > 0)
         text += fmt::format("             {} value{} not finite and became 0, the first in {}\n", r.non_finite,
@@ -176,9 +177,9 @@ std::string band_lines(const renderer::ToleranceBands& bands) {
 }
 
 /// What each part of the picture took, in lines that fit a terminal of 80 columns.
-std::string effect_lines(const Production& film, const Ledger& ledger) {
+std::string effect_lines(const RenderJob& film, const RunStatistics& statistics) {
     std::string text, line = "  effects   ";
-    for (const Effect& e : effects_of(film, ledger)) {
+    for (const Effect& e : effects_of(film, statistics)) {
         if (!e.seconds || *e.seconds < 0.005) continue;
         const std::string part = fmt::format(" {} {:.2f} ", e.name, *e.seconds);
         if (line.size() + part.size() > 80) {
@@ -208,21 +209,21 @@ std::string audit_lines(const Audit& audit) {
 
 }  // namespace
 
-std::string summary(const Production& film, const Ledger& ledger, const RunFacts& facts) {
-    std::string text = opening_lines(film.film(), ledger, facts) + light_lines(ledger);
-    if (kept_records(film.rendering, ledger.rendering)) text += record_lines(ledger.rendering);
-    text += effect_lines(film, ledger) + band_lines(ledger.rendering.bands);
-    if (ledger.rendering.calibrated_pixels > 0) text += caution_lines(ledger.rendering);
-    if (film.audit > 0) text += audit_lines(ledger.audit);
-    if (film.kind == OutputKind::film) text += closing_lines(film.film(), ledger, "rendered");
+std::string summary(const RenderJob& film, const RunStatistics& statistics, const RunFacts& facts) {
+    std::string text = opening_lines(film.film(), statistics, facts) + light_lines(statistics);
+    if (kept_records(film.rendering, statistics.rendering)) text += record_lines(statistics.rendering);
+    text += effect_lines(film, statistics) + band_lines(statistics.rendering.bands);
+    if (statistics.rendering.calibrated_pixels > 0) text += caution_lines(statistics.rendering);
+    if (film.audit > 0) text += audit_lines(statistics.audit);
+    if (film.kind == OutputKind::film) text += closing_lines(film.film(), statistics, "rendered");
     return text;
 }
 
-std::string encode_summary(const Film& film, const Ledger& ledger, const RunFacts& facts) {
-    std::string text = opening_lines(film, ledger, facts);
-    if (const std::uint64_t count = ledger.rendering.non_finite; count > 0)
+std::string encode_summary(const Film& film, const RunStatistics& statistics, const RunFacts& facts) {
+    std::string text = opening_lines(film, statistics, facts);
+    if (const std::uint64_t count = statistics.rendering.non_finite; count > 0)
         text += fmt::format("  frames     {} value{} not finite and became 0\n", count, count == 1 ? " was" : "s were");
-    return text + closing_lines(film, ledger, "the frames given");
+    return text + closing_lines(film, statistics, "the frames given");
 }
 
 }  // namespace render2mpeg::app

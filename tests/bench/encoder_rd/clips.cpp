@@ -9,7 +9,7 @@
 #include <memory>
 #include <utility>
 
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
 #include "core/error.h"
 #include "encoder/av/y4m.h"
 #include "encoder/av/y4m_reader.h"
@@ -101,20 +101,20 @@ void assemble(const ClipRequest& request, const fs::path& folder) {
         write_crowd(fs::path(RENDER2MPEG_SOURCE_DIR) / "animations/character", folder);
 }
 
-app::Production production_of(const fs::path& folder) {
+app::RenderJob render_job_of(const fs::path& folder) {
     app::RenderOptions options;
     options.input = folder;
     options.output = folder / "film.y4m";
     options.vpls = vpls;
     options.samples = samples;
     options.tolerance = "reference";
-    app::Production film = app::prepare(options);
+    app::RenderJob film = app::prepare(options);
     film.rendering.direct_points = direct_points;
     film.frames = {0, std::min<std::int64_t>(film.frames.last, film_frames - 1)};
     return film;
 }
 
-void render(const app::Production& film, const std::string& name, const fs::path& file) {
+void render(const app::RenderJob& film, const std::string& name, const fs::path& file) {
     const perceptual::Display display(film.exposure.value_or(0), perceptual::matrix_for(film.format.height));
     renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
     av::Y4mWriter out(file, film.format.width, film.format.height, film.rate);
@@ -175,7 +175,7 @@ Clip make_clip(const ClipRequest& request) {
         fs::remove_all(staging);
     else
         fs::rename(staging, folder / "scene");
-    app::Production film = production_of(folder / "scene");
+    app::RenderJob film = render_job_of(folder / "scene");
     Clip clip;
     clip.name = name;
     clip.y4m = folder / "frames.y4m";

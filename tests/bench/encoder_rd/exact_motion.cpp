@@ -55,7 +55,7 @@ void write(const fs::path& file, const std::vector<Packed>& packed) {
 
 }  // namespace
 
-ExactMotion::ExactMotion(app::Production film, fs::path folder) : film_(std::move(film)), folder_(std::move(folder)) {
+ExactMotion::ExactMotion(app::RenderJob film, fs::path folder) : film_(std::move(film)), folder_(std::move(folder)) {
     film_.rendering.samples = 1;
     fs::create_directories(folder_);
 }

@@ -5,7 +5,7 @@
 #include <map>
 #include <memory>
 
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
 #include "core/motion_field.h"
 
 namespace render2mpeg::bench {
@@ -15,7 +15,7 @@ namespace render2mpeg::bench {
 /// vector of MPEG-2 can go, becomes class `none`.
 class ExactMotion {
   public:
-    ExactMotion(app::Production film, std::filesystem::path folder);
+    ExactMotion(app::RenderJob film, std::filesystem::path folder);
     ~ExactMotion();
 
     /// Lives until another picture is asked for.
@@ -24,7 +24,7 @@ class ExactMotion {
   private:
     core::MotionField look(std::int64_t picture, std::int64_t reference);
 
-    app::Production film_;
+    app::RenderJob film_;
     std::filesystem::path folder_;
     std::unique_ptr<renderer::Renderer> renderer_;  ///< none until a field is not there
     std::int64_t picture_ = -1, seen_ = -1;

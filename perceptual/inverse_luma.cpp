@@ -1,4 +1,4 @@
-#include "perceptual/luma_light.h"
+#include "perceptual/inverse_luma.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ constexpr float least_slope = 1e-30f;
 
 }  // namespace
 
-LumaLight::LumaLight(const Display& display)
+InverseLuma::InverseLuma(const Display& display)
     : weights_(luma_weights(display.matrix())),
       gain_(std::exp2(display.exposure())),
       log_light_(entries + 1),
@@ -38,7 +38,8 @@ LumaLight::LumaLight(const Display& display)
 }
 
 RENDER2MPEG_CLONES
-void LumaLight::weigh(const glm::vec3* colors, const float* luma, float* luminance, float* exponent, int count) const {
+void InverseLuma::weigh(const glm::vec3* colors, const float* luma, float* luminance, float* exponent,
+                        int count) const {
     const SignalCurve& curve = SignalCurve::instance();
     const float* const slopes = grey_slope_.data();
     const float red = weights_.x, green = weights_.y, blue = weights_.z, gain = gain_;
@@ -59,7 +60,7 @@ void LumaLight::weigh(const glm::vec3* colors, const float* luma, float* luminan
     }
 }
 
-PixelLight LumaLight::light_of(const core::Picture& picture, const core::Radiance& radiance) const {
+PixelLight InverseLuma::light_of(const core::Picture& picture, const core::Radiance& radiance) const {
     EXPECTS(picture.luma.width() == radiance.combined.width() && picture.luma.height() == radiance.combined.height());
     PixelLight light;
     light.luma = picture.luma;
@@ -71,8 +72,8 @@ PixelLight LumaLight::light_of(const core::Picture& picture, const core::Radianc
 }
 
 RENDER2MPEG_CLONES
-void LumaLight::differences(const float* luma, const float* luminance, const float* exponent, float least,
-                            float* distance, int count) const {
+void InverseLuma::differences(const float* luma, const float* luminance, const float* exponent, float least,
+                              float* distance, int count) const {
     // Most pixels are farther from black than their distance: go down for all of them, in steps that the compiler makes
     // vector code of; reading tables is the only one that it does not.
     constexpr int block = 64;
@@ -96,7 +97,7 @@ void LumaLight::differences(const float* luma, const float* luminance, const flo
     }
 }
 
-float LumaLight::darkest_step() const {
+float InverseLuma::darkest_step() const {
     return 0.5f / (range * 4.5f * gain_);
 }
 

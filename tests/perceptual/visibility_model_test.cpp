@@ -1,4 +1,4 @@
-#include "perceptual/observer.h"
+#include "perceptual/visibility_model.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "core/color.h"
-#include "perceptual/carry.h"
+#include "perceptual/warp.h"
 #include "tests/perceptual/lit_wall.h"
 
 namespace render2mpeg::perceptual {
@@ -15,7 +15,7 @@ namespace {
 
 class EverySpread : public testing::TestWithParam<Spread> {
   protected:
-    Observer observer{display, {Strategy::carried, GetParam()}};
+    VisibilityModel model{display, {Strategy::warped, GetParam()}};
 };
 INSTANTIATE_TEST_SUITE_P(Spreads, EverySpread, testing::Values(Spread::block, Spread::pixel));
 
@@ -23,8 +23,7 @@ TEST_P(EverySpread, TolerancesGrowWithTheQuantiser) {
     double before = 0;
     for (const int quantiser : {1, 2, 4, 8, 16, 31}) {
         const CodingPlan plan = plan_of(true, quantiser);
-        const double now =
-            mean_absolute(observer.tolerate(*seen(), plan, memory_of(observer, plan), nullptr, 1.0f).map);
+        const double now = mean_absolute(model.tolerate(*seen(), plan, state_of(model, plan), nullptr, 1.0f).map);
         EXPECT_GT(now, before);
         before = now;
     }
@@ -33,20 +32,20 @@ TEST_P(EverySpread, TolerancesGrowWithTheQuantiser) {
 TEST_P(EverySpread, AChangeOfQuantiserOrTypeIsNotAFrameLate) {
     for (const CodingPlan& was : {plan_of(true, 4), plan_of(false, 6)})
         for (const CodingPlan& next : {plan_of(true, 16), plan_of(false, 24), plan_of(true, 2)}) {
-            const Memory memory = memory_of(observer, was);
-            const core::Plane<float> wanted = observer.errors(memory, next);
-            const Hidden carried = observer.tolerate(*seen(), next, memory, nullptr, 1.0f).carried;
+            const TemporalState state = state_of(model, was);
+            const core::Plane<float> wanted = model.errors(state, next);
+            const MaskedErrors warped = model.tolerate(*seen(), next, state, nullptr, 1.0f).warped;
             for (std::size_t i = 0; i < wanted.size(); ++i)
-                ASSERT_NEAR(carried.values()[i].x, wanted.values()[i], 1e-4f * wanted.values()[i]) << i;
+                ASSERT_NEAR(warped.values()[i].x, wanted.values()[i], 1e-4f * wanted.values()[i]) << i;
         }
 }
 
 TEST_P(EverySpread, TheShareScalesWhatIsHiddenDownToTheFloors) {
     const CodingPlan plan = plan_of(true, 16);
-    const Memory memory = memory_of(observer, plan);
-    const core::ToleranceMap full = observer.tolerate(*seen(), plan, memory, nullptr, 1.0f).map,
-                             half = observer.tolerate(*seen(), plan, memory, nullptr, 0.5f).map;
-    const float floor = observer.light().darkest_step();
+    const TemporalState state = state_of(model, plan);
+    const core::ToleranceMap full = model.tolerate(*seen(), plan, state, nullptr, 1.0f).map,
+                             half = model.tolerate(*seen(), plan, state, nullptr, 0.5f).map;
+    const float floor = model.light().darkest_step();
     for (std::size_t i = 0; i < full.pixels.size(); ++i) {
         EXPECT_FLOAT_EQ(half.pixels.values()[i].absolute, std::max(0.5f * full.pixels.values()[i].absolute, floor));
         EXPECT_FLOAT_EQ(half.pixels.values()[i].relative, 0.02f);
@@ -55,13 +54,13 @@ TEST_P(EverySpread, TheShareScalesWhatIsHiddenDownToTheFloors) {
 
 TEST_P(EverySpread, WhatIsHiddenIsToldForTheLightThatHidIt) {
     const CodingPlan plan = plan_of(true, 16);
-    const Memory memory = memory_of(observer, plan);
-    const core::ToleranceMap map = observer.tolerate(*seen(), plan, memory, nullptr, 0.5f).map;
-    const float floor = observer.light().darkest_step();
+    const TemporalState state = state_of(model, plan);
+    const core::ToleranceMap map = model.tolerate(*seen(), plan, state, nullptr, 0.5f).map;
+    const float floor = model.light().darkest_step();
     int bound = 0;
     for (std::size_t i = 0; i < map.pixels.size(); ++i) {
         const core::Tolerance& t = map.pixels.values()[i];
-        const float usual = memory.light.luminance.values()[i];
+        const float usual = state.light.luminance.values()[i];
         EXPECT_LE(t.usual, usual);
         // As much light as it had: all of it. Next to none: at least half a code value.
         EXPECT_FLOAT_EQ(t.allows(usual), std::max(t.absolute, t.relative * usual));
@@ -76,22 +75,22 @@ TEST_P(EverySpread, WhatIsHiddenIsToldForTheLightThatHidIt) {
 
 TEST_P(EverySpread, WhatIsCarriedToAPictureIsWhatItsLightHides) {
     const CodingPlan plan = plan_of(true, 4);
-    const Memory memory = memory_of(observer, plan);
-    const Hidden carried = observer.tolerate(*seen(), plan, memory, nullptr, 1.0f).carried;
+    const TemporalState state = state_of(model, plan);
+    const MaskedErrors warped = model.tolerate(*seen(), plan, state, nullptr, 1.0f).warped;
     const core::Radiance radiance = wall(0);
     const auto carried_to = [&](float light) {
         core::Radiance dimmed = radiance;
         for (glm::vec3& c : dimmed.combined.values()) c *= light;
-        return observer.observe(display.develop(dimmed), dimmed, seen(), carried).carried;
+        return model.observe(display.develop(dimmed), dimmed, seen(), warped).warped;
     };
     const core::Plane<float> same = carried_to(1.0f), dimmer = carried_to(0.6f), dark = carried_to(0.25f);
     int bound = 0;
     for (std::size_t i = 0; i < same.size(); ++i) {
-        const glm::vec2 hidden = carried.values()[i];
-        EXPECT_FLOAT_EQ(same.values()[i], hidden.x);
-        EXPECT_FLOAT_EQ(dimmer.values()[i], hidden.x);
-        if (hidden.x > 0.2f * hidden.y) continue;
-        EXPECT_NEAR(dark.values()[i], 0.5f * hidden.x, 1e-4f * hidden.x);
+        const glm::vec2 masked = warped.values()[i];
+        EXPECT_FLOAT_EQ(same.values()[i], masked.x);
+        EXPECT_FLOAT_EQ(dimmer.values()[i], masked.x);
+        if (masked.x > 0.2f * masked.y) continue;
+        EXPECT_NEAR(dark.values()[i], 0.5f * masked.x, 1e-4f * masked.x);
         ++bound;
     }
     EXPECT_GT(bound, static_cast<int>(same.size() / 10));
@@ -99,13 +98,13 @@ TEST_P(EverySpread, WhatIsCarriedToAPictureIsWhatItsLightHides) {
 
 /// The share of its luminance that a quarter of the pixels stay below, by their luma and without those next to black:
 /// of all pixels from column `from` on, one by one.
-float low_share(const Memory& memory, int from = 0) {
+float low_fraction(const TemporalState& state, int from = 0) {
     std::vector<std::pair<float, float>> shares;
     float whole = 0, sum = 0;
-    for (int y = 0; y < memory.light.height(); ++y)
-        for (int x = from; x < memory.light.width(); ++x) {
-            const float share = memory.tolerances.at(x, y) / memory.light.luminance.at(x, y);
-            const float above = memory.light.luma.at(x, y) - 16.0f;
+    for (int y = 0; y < state.light.height(); ++y)
+        for (int x = from; x < state.light.width(); ++x) {
+            const float share = state.tolerances.at(x, y) / state.light.luminance.at(x, y);
+            const float above = state.light.luma.at(x, y) - 16.0f;
             if (share < 0.5f && above >= 16.0f) shares.emplace_back(share, above);
         }
     std::sort(shares.begin(), shares.end());
@@ -116,32 +115,32 @@ float low_share(const Memory& memory, int from = 0) {
 }
 
 /// What a pixel that nobody saw before may be off by.
-float unseen(const Observer& observer, const Memory& memory) {
-    core::Visible other = *memory.visible;
+float unseen(const VisibilityModel& model, const TemporalState& state) {
+    core::Visible other = *state.visible;
     other.address.at(3, 3).object = 1;
-    return observer.tolerate(other, memory.plan, memory, nullptr, 1.0f).map.pixels.at(3, 3).relative;
+    return model.tolerate(other, state.plan, state, nullptr, 1.0f).map.pixels.at(3, 3).relative;
 }
 
 TEST_P(EverySpread, WhatHasNoPartnerGetsALowShareOfThePicture) {
     const CodingPlan plan = plan_of(true, 16);
-    const Memory memory = memory_of(observer, plan);
+    const TemporalState state = state_of(model, plan);
     core::Visible other = *seen();
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width / 2; ++x) other.address.at(x, y).object = 1;
     for (const float share : {1.0f, 0.3f}) {
-        const Tolerated tolerated = observer.tolerate(other, plan, memory, nullptr, share);
-        EXPECT_EQ(tolerated.carried.at(3, 3).x, no_partner);
-        EXPECT_EQ(tolerated.map.pixels.at(3, 3).absolute, observer.light().darkest_step());
-        EXPECT_NEAR(tolerated.map.pixels.at(3, 3).relative / (share * low_share(memory)), 1.0f, 0.02f);
-        EXPECT_GT(tolerated.map.pixels.at(width - 3, 3).absolute, observer.light().darkest_step());
+        const Tolerated tolerated = model.tolerate(other, plan, state, nullptr, share);
+        EXPECT_EQ(tolerated.warped.at(3, 3).x, no_partner);
+        EXPECT_EQ(tolerated.map.pixels.at(3, 3).absolute, model.light().darkest_step());
+        EXPECT_NEAR(tolerated.map.pixels.at(3, 3).relative / (share * low_fraction(state)), 1.0f, 0.02f);
+        EXPECT_GT(tolerated.map.pixels.at(width - 3, 3).absolute, model.light().darkest_step());
         EXPECT_EQ(tolerated.map.pixels.at(width - 3, 3).relative, 0.02f);
     }
     // No less than 2 % in any case.
-    EXPECT_EQ(observer.tolerate(other, plan, memory, nullptr, 1e-3f).map.pixels.at(3, 3).relative, 0.02f);
+    EXPECT_EQ(model.tolerate(other, plan, state, nullptr, 1e-3f).map.pixels.at(3, 3).relative, 0.02f);
 }
 
 /// Rough light of one brightness left of a column, of another right of it.
-Memory stage_in_the_dark(const Observer& observer, int quantiser, float dark, float lit, int border) {
+TemporalState stage_in_the_dark(const VisibilityModel& model, int quantiser, float dark, float lit, int border) {
     core::Radiance radiance;
     radiance.combined = core::Plane<glm::vec3>(width, height);
     for (int y = 0; y < height; ++y)
@@ -150,16 +149,16 @@ Memory stage_in_the_dark(const Observer& observer, int quantiser, float dark, fl
                 glm::vec3((x < border ? dark : lit) *
                           (0.6f + 0.8f * core::uniform(1, static_cast<std::uint64_t>(y * width + x))));
     const CodingPlan plan = plan_of(true, quantiser);
-    return observer.judge(observer.observe(display.develop(radiance), radiance, seen()), coded_as(0, plan));
+    return model.judge(model.observe(display.develop(radiance), radiance, seen()), coded_as(0, plan));
 }
 
 TEST_P(EverySpread, TheDarkDoesNotTellWhatTheLightHides) {
     constexpr int border = 56;  // blocks of both are kept apart; the dark has nearly 80 % of the picture
     for (const int quantiser : {4, 16, 31})
         for (const float dark : {0.0f, 1.0f, 4.0f}) {  // black, a code value or two above it, some more
-            const float step = 2 * observer.light().darkest_step();
-            const Memory memory = stage_in_the_dark(observer, quantiser, dark * step, 0.3f, border);
-            const float told = unseen(observer, memory), lit = low_share(memory, border + 4);
+            const float step = 2 * model.light().darkest_step();
+            const TemporalState state = stage_in_the_dark(model, quantiser, dark * step, 0.3f, border);
+            const float told = unseen(model, state), lit = low_fraction(state, border + 4);
             EXPECT_GE(told, 0.02f) << quantiser << " " << dark;
             EXPECT_LE(told, 1.5f * lit) << quantiser << " " << dark;
             EXPECT_GE(told, 0.5f * lit) << quantiser << " " << dark;
@@ -167,17 +166,17 @@ TEST_P(EverySpread, TheDarkDoesNotTellWhatTheLightHides) {
 }
 
 TEST_P(EverySpread, APictureNextToBlackTellsNothingOfWhatIsNotSeenInIt) {
-    const float step = 2 * observer.light().darkest_step();
+    const float step = 2 * model.light().darkest_step();
     for (const int quantiser : {1, 4, 16, 31}) {
-        EXPECT_EQ(unseen(observer, stage_in_the_dark(observer, quantiser, step, step, 0)), 0.02f) << quantiser;
+        EXPECT_EQ(unseen(model, stage_in_the_dark(model, quantiser, step, step, 0)), 0.02f) << quantiser;
         // A few lit pixels make no difference.
-        EXPECT_EQ(unseen(observer, stage_in_the_dark(observer, quantiser, 0.0f, 0.3f, width - 1)), 0.02f) << quantiser;
+        EXPECT_EQ(unseen(model, stage_in_the_dark(model, quantiser, 0.0f, 0.3f, width - 1)), 0.02f) << quantiser;
     }
 }
 
 TEST(Unseen, IsToldByNoPatternOfThePictureInStep) {
     // Bright columns at every `period`-th place, in a width that many a stride divides.
-    const Observer observer(display, {});
+    const VisibilityModel model(display, {});
     constexpr int wide = 16 * 61, high = 68;
     const auto visible = std::make_shared<const core::Visible>(0, wide, high);
     for (const int period : {16, 61}) {
@@ -188,10 +187,10 @@ TEST(Unseen, IsToldByNoPatternOfThePictureInStep) {
                 radiance.combined.at(x, y) =
                     glm::vec3((x % period == 0 ? 0.9f : 0.1f) +
                               0.05f * core::uniform(1, static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y)));
-        Memory memory =
-            observer.presume(observer.observe(display.develop(radiance), radiance, visible), plan_of(true, 8));
-        const float all = low_share(memory);
-        EXPECT_NEAR(observer.restate(memory, memory.plan).low_share / all, 1.0f, 0.05f) << period;
+        TemporalState state =
+            model.assume_coded(model.observe(display.develop(radiance), radiance, visible), plan_of(true, 8));
+        const float all = low_fraction(state);
+        EXPECT_NEAR(model.requantise(state, state.plan).low_fraction / all, 1.0f, 0.05f) << period;
     }
 }
 
@@ -200,9 +199,9 @@ TEST_P(EverySpread, BlackAndWhitePicturesHaveFiniteTolerances) {
         core::Radiance radiance;
         radiance.combined = core::Plane<glm::vec3>(width, height, glm::vec3(light));
         const CodingPlan plan = plan_of(true, 31);
-        const Memory memory =
-            observer.judge(observer.observe(display.develop(radiance), radiance, seen()), coded_as(0, plan));
-        const core::ToleranceMap map = observer.tolerate(*seen(), plan, memory, nullptr, 1.0f).map;
+        const TemporalState state =
+            model.judge(model.observe(display.develop(radiance), radiance, seen()), coded_as(0, plan));
+        const core::ToleranceMap map = model.tolerate(*seen(), plan, state, nullptr, 1.0f).map;
         for (const core::Tolerance& t : map.pixels.values()) {
             EXPECT_TRUE(std::isfinite(t.absolute));
             EXPECT_GT(t.absolute, 0.0f);
@@ -215,8 +214,8 @@ TEST_P(EverySpread, MacroblocksThatWereIntraInAPredictedPictureStayIntra) {
     const core::Radiance radiance = wall(0);
     CodedFacts facts = coded_as(0, plan);
     facts.intra.at(3, 1) = 1;
-    const Observation observation = observer.observe(display.develop(radiance), radiance, seen());
-    const Memory mixed = observer.judge(observation, facts), inter = observer.judge(observation, coded_as(0, plan));
+    const Observation observation = model.observe(display.develop(radiance), radiance, seen());
+    const TemporalState mixed = model.judge(observation, facts), inter = model.judge(observation, coded_as(0, plan));
     int different = 0;
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
@@ -234,22 +233,22 @@ TEST_P(EverySpread, WhatMacroblocksReallyGotIsWhatCounts) {
     for (int x = 0; x < facts.scale.width(); ++x)
         for (int y = 0; y < facts.scale.height(); ++y) facts.scale.at(x, y) = 16 / 8.0f;
     const core::Radiance radiance = wall(0);
-    const Observation observation = observer.observe(display.develop(radiance), radiance, seen());
-    const Memory really = observer.judge(observation, facts),
-                 coarser = observer.judge(observation, coded_as(0, plan_of(true, 16)));
+    const Observation observation = model.observe(display.develop(radiance), radiance, seen());
+    const TemporalState really = model.judge(observation, facts),
+                        coarser = model.judge(observation, coded_as(0, plan_of(true, 16)));
     EXPECT_EQ(really.errors, coarser.errors);
 }
 
-TEST(Observer, MaskingByTheDecodedPictureSeesItsErrors) {
-    const Observer observer(display, {Strategy::quantised, Spread::block});
+TEST(VisibilityModel, MaskingByTheDecodedPictureSeesItsErrors) {
+    const VisibilityModel model(display, {Strategy::quantised, Spread::block});
     const CodingPlan plan = plan_of(true, 16);
     const core::Radiance radiance = wall(0);
     CodedFacts facts = coded_as(0, plan);
     facts.reconstruction = core::Plane<std::uint8_t>(width, height, 100);
-    const Observation observation = observer.observe(display.develop(radiance), radiance, seen());
-    const Memory flat = observer.judge(observation, facts);
+    const Observation observation = model.observe(display.develop(radiance), radiance, seen());
+    const TemporalState flat = model.judge(observation, facts);
     facts.reconstruction = display.develop(radiance).y;
-    const Memory true_to_life = observer.judge(observation, facts);
+    const TemporalState true_to_life = model.judge(observation, facts);
     EXPECT_NE(flat.thresholds.blocks, true_to_life.thresholds.blocks);
     EXPECT_GT(mean(true_to_life.errors), 0.0);
 }

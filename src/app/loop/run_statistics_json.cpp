@@ -1,4 +1,4 @@
-#include "app/report/ledger_json.h"
+#include "app/loop/run_statistics_json.h"
 
 #include <nlohmann/json.hpp>
 
@@ -96,26 +96,26 @@ struct Reader {
 
 }  // namespace
 
-json json_of(const Ledger& ledger, std::size_t first_frame) {
+json json_of(const RunStatistics& statistics, std::size_t first_frame) {
     json written, rendering, frames = json::array();
-    each_sum(ledger, Writer{written});
-    if (ledger.audit.errors.count() > 0) written["audit_errors"] = ledger.audit.errors.counts();
-    each_count(ledger.rendering, Writer{rendering});
+    each_sum(statistics, Writer{written});
+    if (statistics.audit.errors.count() > 0) written["audit_errors"] = statistics.audit.errors.counts();
+    each_count(statistics.rendering, Writer{rendering});
     written["rendering"] = rendering;
-    for (std::size_t i = first_frame; i < ledger.frames.size(); ++i) {
+    for (std::size_t i = first_frame; i < statistics.frames.size(); ++i) {
         json frame;
-        each_member(ledger.frames[i], Writer{frame});
+        each_member(statistics.frames[i], Writer{frame});
         frames.push_back(frame);
     }
     written["frames"] = frames;
     return written;
 }
 
-void restore(Ledger& ledger, const json& written) {
-    each_sum(ledger, Reader{written});
-    ledger.audit.errors.restore(written.value("audit_errors", std::vector<std::uint64_t>()));
-    each_count(ledger.rendering, Reader{written.at("rendering")});
-    for (const json& frame : written.at("frames")) each_member(ledger.frames.emplace_back(), Reader{frame});
+void restore(RunStatistics& statistics, const json& written) {
+    each_sum(statistics, Reader{written});
+    statistics.audit.errors.restore(written.value("audit_errors", std::vector<std::uint64_t>()));
+    each_count(statistics.rendering, Reader{written.at("rendering")});
+    for (const json& frame : written.at("frames")) each_member(statistics.frames.emplace_back(), Reader{frame});
 }
 
 }  // namespace render2mpeg::app

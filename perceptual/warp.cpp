@@ -1,4 +1,4 @@
-#include "perceptual/carry.h"
+#include "perceptual/warp.h"
 
 #include <algorithm>
 #include <bit>
@@ -120,23 +120,23 @@ Quads quads_of(const core::Visible& picture) {
 }
 
 template <class T>
-core::Plane<T> carry(const core::Plane<T>& values, const core::Visible& there, const core::Visible& here,
-                     const core::MotionField* motion) {
-    return carry(values, there, quads_of(there), here, motion);
+core::Plane<T> warp(const core::Plane<T>& values, const core::Visible& there, const core::Visible& here,
+                    const core::MotionField* motion) {
+    return warp(values, there, quads_of(there), here, motion);
 }
 
 template <class T>
-core::Plane<T> carry(const core::Plane<T>& values, const core::Visible& there, const Quads& quads,
-                     const core::Visible& here, const core::MotionField* motion) {
+core::Plane<T> warp(const core::Plane<T>& values, const core::Visible& there, const Quads& quads,
+                    const core::Visible& here, const core::MotionField* motion) {
     EXPECTS(values.width() == there.width() && values.height() == there.height());
     EXPECTS(quads.triangle.width() == there.width() && quads.triangle.height() == there.height());
     EXPECTS(motion == nullptr || (motion->kind.width() == here.width() && motion->kind.height() == here.height() &&
                                   !motion->depth_in_reference.empty()));
     const auto right = static_cast<float>(values.width()), bottom = static_cast<float>(values.height());
     const auto width = static_cast<std::size_t>(values.width());
-    core::Plane<T> carried(here.width(), here.height(), T(no_partner));
+    core::Plane<T> warped(here.width(), here.height(), T(no_partner));
     for (int y = 0; y < here.height(); ++y) {
-        T* const out = carried.row(y);
+        T* const out = warped.row(y);
         for (int x = 0; x < here.width(); ++x) {
             if (motion != nullptr && motion->kind.row(y)[x] == core::PixelClass::none) continue;
             const glm::vec2 vector = motion == nullptr ? glm::vec2(0.0f) : motion->vector.row(y)[x];
@@ -168,14 +168,14 @@ core::Plane<T> carry(const core::Plane<T>& values, const core::Visible& there, c
             out[x] = fetch(values, there, left, top, within, {address, normal, material, here.kind.row(y)[x], depth});
         }
     }
-    return carried;
+    return warped;
 }
 
-template core::Plane<float> carry(const core::Plane<float>&, const core::Visible&, const core::Visible&,
-                                  const core::MotionField*);
-template core::Plane<float> carry(const core::Plane<float>&, const core::Visible&, const Quads&, const core::Visible&,
-                                  const core::MotionField*);
-template core::Plane<glm::vec2> carry(const core::Plane<glm::vec2>&, const core::Visible&, const Quads&,
-                                      const core::Visible&, const core::MotionField*);
+template core::Plane<float> warp(const core::Plane<float>&, const core::Visible&, const core::Visible&,
+                                 const core::MotionField*);
+template core::Plane<float> warp(const core::Plane<float>&, const core::Visible&, const Quads&, const core::Visible&,
+                                 const core::MotionField*);
+template core::Plane<glm::vec2> warp(const core::Plane<glm::vec2>&, const core::Visible&, const Quads&,
+                                     const core::Visible&, const core::MotionField*);
 
 }  // namespace render2mpeg::perceptual

@@ -6,7 +6,7 @@
 namespace render2mpeg::app {
 
 /// Things to be done whatever becomes of the others; the first that fails is told at the end.
-class Attempts {
+class ErrorCollector {
   public:
     template <class Step>
     void attempt(Step&& step) {

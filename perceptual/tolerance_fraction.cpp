@@ -1,4 +1,4 @@
-#include "perceptual/share.h"
+#include "perceptual/tolerance_fraction.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace render2mpeg::perceptual {
 
-float handed_on(bool intra, std::int64_t followers) {
+float propagation_factor(bool intra, std::int64_t followers) {
     EXPECTS(followers >= 0);
     // chosen: 0.51 for an I picture of a GOP of 15 (0.3 to 1.4 tried), 0.78 to 1 for its P pictures (0.5 to 1), at
     // equal rays. docs/fits/coupled-share.md, "By type". Followers beyond 14 were not tried and change nothing.

@@ -11,10 +11,10 @@ namespace render2mpeg::app {
 
 /// Keeps the middle of one frame of a render for its report: as it was lit and as it is decoded, and what its light may
 /// be off by.
-class FramePortrait : public Watcher {
+class SampleFrameObserver : public LoopObserver {
   public:
     /// The frame in the middle of the film.
-    explicit FramePortrait(const Production& film);
+    explicit SampleFrameObserver(const RenderJob& film);
 
     void lit(const LitFrame& frame) override;
     void coded(const encoder::CodedPicture& coded) override;
@@ -32,25 +32,25 @@ class FramePortrait : public Watcher {
 };
 
 /// Several that look on at once.
-class Watchers : public Watcher {
+class LoopObservers : public LoopObserver {
   public:
-    void add(Watcher& watcher) { all_.push_back(&watcher); }
+    void add(LoopObserver& observer) { all_.push_back(&observer); }
     bool empty() const { return all_.empty(); }
     void lit(const LitFrame& frame) override {
-        for (Watcher* watcher : all_) watcher->lit(frame);
+        for (LoopObserver* observer : all_) observer->lit(frame);
     }
     void coded(const encoder::CodedPicture& picture) override {
-        for (Watcher* watcher : all_) watcher->coded(picture);
+        for (LoopObserver* observer : all_) observer->coded(picture);
     }
     void begins(const Chunk& chunk) override {
-        for (Watcher* watcher : all_) watcher->begins(chunk);
+        for (LoopObserver* observer : all_) observer->begins(chunk);
     }
     void ends(const Chunk& chunk) override {
-        for (Watcher* watcher : all_) watcher->ends(chunk);
+        for (LoopObserver* observer : all_) observer->ends(chunk);
     }
 
   private:
-    std::vector<Watcher*> all_;
+    std::vector<LoopObserver*> all_;
 };
 
 }  // namespace render2mpeg::app

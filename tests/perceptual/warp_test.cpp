@@ -1,4 +1,4 @@
-#include "perceptual/carry.h"
+#include "perceptual/warp.h"
 
 #include <gtest/gtest.h>
 
@@ -40,16 +40,16 @@ core::Plane<float> ramp() {
 
 TEST(Carry, WhatDoesNotMoveKeepsItsValues) {
     const core::MotionField still = motion({0, 0});
-    EXPECT_EQ(carry(ramp(), wall(), wall(), nullptr), ramp());
-    EXPECT_EQ(carry(ramp(), wall(), wall(), &still), ramp());
+    EXPECT_EQ(warp(ramp(), wall(), wall(), nullptr), ramp());
+    EXPECT_EQ(warp(ramp(), wall(), wall(), &still), ramp());
 }
 
 TEST(Carry, InterpolatesBetweenFourPixels) {
     const core::MotionField field = motion({1.25f, 0.25f});
-    const core::Plane<float> carried = carry(ramp(), wall(), wall(), &field);
-    EXPECT_FLOAT_EQ(carried.at(2, 3), 1 + 3 * 3.25f + 20 * 3.25f);
-    EXPECT_EQ(carried.at(size - 1, 3), no_partner) << "it lies outside";
-    EXPECT_EQ(carried.at(2, size - 1), 1 + 3 * 3.25f + 20 * (size - 1))
+    const core::Plane<float> warped = warp(ramp(), wall(), wall(), &field);
+    EXPECT_FLOAT_EQ(warped.at(2, 3), 1 + 3 * 3.25f + 20 * 3.25f);
+    EXPECT_EQ(warped.at(size - 1, 3), no_partner) << "it lies outside";
+    EXPECT_EQ(warped.at(2, size - 1), 1 + 3 * 3.25f + 20 * (size - 1))
         << "less than half a pixel beyond the last centre, inside";
 }
 
@@ -58,7 +58,7 @@ TEST(Carry, FindsNoPartnerInAnotherThing) {
     const auto partner = [&](auto change) {
         core::Visible there = wall();
         change(there);
-        return carry(ramp(), there, wall(), &still).at(4, 4);
+        return warp(ramp(), there, wall(), &still).at(4, 4);
     };
     EXPECT_GT(partner([](core::Visible&) {}), 0.0f);
     EXPECT_EQ(partner([](core::Visible& v) { v.address.at(4, 4).object = 2; }), no_partner);
@@ -84,9 +84,9 @@ TEST(Carry, MixesNoValueAcrossAnEdge) {
     for (int y = 0; y < size; ++y)
         for (int x = 6; x < size; ++x) there.address.at(x, y).object = 8, values.at(x, y) = 1000.0f;
     const core::MotionField field = motion({0.5f, 0});
-    const core::Plane<float> carried = carry(values, there, wall(), &field);
-    for (int x = 0; x < 6; ++x) EXPECT_EQ(carried.at(x, 5), 1.0f) << x;
-    EXPECT_EQ(carried.at(6, 5), no_partner);
+    const core::Plane<float> warped = warp(values, there, wall(), &field);
+    for (int x = 0; x < 6; ++x) EXPECT_EQ(warped.at(x, 5), 1.0f) << x;
+    EXPECT_EQ(warped.at(6, 5), no_partner);
 }
 
 TEST(Carry, HoldsOffMotionThatIsNone) {
@@ -94,10 +94,10 @@ TEST(Carry, HoldsOffMotionThatIsNone) {
     field.kind.at(2, 2) = core::PixelClass::none;
     field.vector.at(3, 3) = {std::numeric_limits<float>::quiet_NaN(), 0};
     field.vector.at(4, 4) = {1e30f, -1e30f};
-    const core::Plane<float> carried = carry(ramp(), wall(), wall(), &field);
-    EXPECT_EQ(carried.at(2, 2), no_partner);
-    EXPECT_EQ(carried.at(3, 3), no_partner);
-    EXPECT_EQ(carried.at(4, 4), no_partner);
+    const core::Plane<float> warped = warp(ramp(), wall(), wall(), &field);
+    EXPECT_EQ(warped.at(2, 2), no_partner);
+    EXPECT_EQ(warped.at(3, 3), no_partner);
+    EXPECT_EQ(warped.at(4, 4), no_partner);
 }
 
 TEST(Carry, TheSkyIsTheSameEverywhere) {
@@ -105,7 +105,7 @@ TEST(Carry, TheSkyIsTheSameEverywhere) {
     for (core::PixelClass& kind : sky.kind.values()) kind = core::PixelClass::sky;
     core::MotionField field = motion({2, 1}, std::numeric_limits<float>::infinity());
     for (core::PixelClass& kind : field.kind.values()) kind = core::PixelClass::sky;
-    EXPECT_FLOAT_EQ(carry(ramp(), sky, sky, &field).at(3, 3), 1 + 3 * 5 + 20 * 4);
+    EXPECT_FLOAT_EQ(warp(ramp(), sky, sky, &field).at(3, 3), 1 + 3 * 5 + 20 * 4);
 }
 
 }  // namespace

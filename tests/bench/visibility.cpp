@@ -5,9 +5,9 @@
 
 #include "app/system/keep_memory.h"
 #include "core/sampling.h"
-#include "perceptual/carry.h"
 #include "perceptual/masking.h"
-#include "perceptual/observer.h"
+#include "perceptual/visibility_model.h"
+#include "perceptual/warp.h"
 
 namespace render2mpeg::perceptual {
 namespace {
@@ -53,7 +53,7 @@ core::MotionField drift() {
 
 struct Setting {
     Display display{0, ColorMatrix::bt709};
-    Observer observer{display, {}};
+    VisibilityModel model{display, {}};
     core::Radiance radiance = light();
     core::Picture picture = display.develop(radiance);
     std::shared_ptr<const core::Visible> visible = floor_seen();
@@ -77,44 +77,44 @@ void Mask(benchmark::State& state) {
 }
 void Observe(benchmark::State& state) {
     const Setting s;
-    for (auto _ : state) benchmark::DoNotOptimize(s.observer.observe(s.picture, s.radiance, s.visible));
+    for (auto _ : state) benchmark::DoNotOptimize(s.model.observe(s.picture, s.radiance, s.visible));
 }
 void Judge(benchmark::State& state) {
     const Setting s;
-    const Observation observation = s.observer.observe(s.picture, s.radiance, s.visible);
+    const Observation observation = s.model.observe(s.picture, s.radiance, s.visible);
     for (auto _ : state) {
         state.PauseTiming();
         Observation copy = observation;
         state.ResumeTiming();
-        benchmark::DoNotOptimize(s.observer.judge(std::move(copy), s.facts));
+        benchmark::DoNotOptimize(s.model.judge(std::move(copy), s.facts));
     }
 }
 void Tolerate(benchmark::State& state) {
     const Setting s;
-    const Memory memory = s.observer.judge(s.observer.observe(s.picture, s.radiance, s.visible), s.facts);
-    for (auto _ : state) benchmark::DoNotOptimize(s.observer.tolerate(*s.visible, s.next, memory, &s.motion, 0.5f));
+    const TemporalState remembered = s.model.judge(s.model.observe(s.picture, s.radiance, s.visible), s.facts);
+    for (auto _ : state) benchmark::DoNotOptimize(s.model.tolerate(*s.visible, s.next, remembered, &s.motion, 0.5f));
 }
 /// Per frame of a film with two B pictures in a row: one of three is masked and judged, and each is lit by what is
-/// remembered, restated once for both B pictures and once for the next P picture.
+/// remembered, requantised once for both B pictures and once for the next P picture.
 void Frame(benchmark::State& state) {
     const Setting s;
     CodingPlan bidirectional = s.next;
     bidirectional.scale = 1.75f;
     for (auto _ : state) {
-        const Memory memory = s.observer.judge(s.observer.observe(s.picture, s.radiance, s.visible), s.facts);
+        const TemporalState remembered = s.model.judge(s.model.observe(s.picture, s.radiance, s.visible), s.facts);
         for (const CodingPlan& plan : {bidirectional, s.next}) {
-            const Restated restated = s.observer.restate(memory, plan);
+            const Requantised requantised = s.model.requantise(remembered, plan);
             for (int frame = 0; frame < (plan == bidirectional ? 2 : 1); ++frame)
-                benchmark::DoNotOptimize(s.observer.tolerate(*s.visible, restated, memory, &s.motion, 0.5f));
+                benchmark::DoNotOptimize(s.model.tolerate(*s.visible, requantised, remembered, &s.motion, 0.5f));
         }
     }
     state.counters["ms_per_frame"] = benchmark::Counter(3e-3 * static_cast<double>(state.iterations()),
                                                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
-void Carry(benchmark::State& state) {
+void Warp(benchmark::State& state) {
     const Setting s;
     const core::Plane<float> values(size, size, 1.0f);
-    for (auto _ : state) benchmark::DoNotOptimize(carry(values, *s.visible, *s.visible, &s.motion));
+    for (auto _ : state) benchmark::DoNotOptimize(warp(values, *s.visible, *s.visible, &s.motion));
 }
 
 BENCHMARK(Mask)->Unit(benchmark::kMillisecond);
@@ -122,7 +122,7 @@ BENCHMARK(Observe)->Unit(benchmark::kMillisecond);
 BENCHMARK(Judge)->Unit(benchmark::kMillisecond);
 BENCHMARK(Tolerate)->Unit(benchmark::kMillisecond);
 BENCHMARK(Frame)->Unit(benchmark::kMillisecond);
-BENCHMARK(Carry)->Unit(benchmark::kMillisecond);
+BENCHMARK(Warp)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace render2mpeg::perceptual

@@ -1,4 +1,4 @@
-#include "app/report/frame_portrait.h"
+#include "app/report/sample_frame.h"
 
 #include <fmt/format.h>
 
@@ -11,10 +11,10 @@
 
 namespace render2mpeg::app {
 
-FramePortrait::FramePortrait(const Production& film)
+SampleFrameObserver::SampleFrameObserver(const RenderJob& film)
     : frame_(film.frames.first + (film.frame_count() - 1) / 2), matrix_(perceptual::matrix_for(film.format.height)) {}
 
-void FramePortrait::lit(const LitFrame& frame) {
+void SampleFrameObserver::lit(const LitFrame& frame) {
     if (frame.world.frame != frame_) return;
     const ViewBox box = view_of(frame.picture.width(), frame.picture.height());
     lit_ = part_of(frame.picture, box);
@@ -34,14 +34,14 @@ void FramePortrait::lit(const LitFrame& frame) {
         error_ = over_luminance([&](std::size_t i) { return frame.radiance.error.values()[i]; });
 }
 
-void FramePortrait::coded(const encoder::CodedPicture& coded) {
+void SampleFrameObserver::coded(const encoder::CodedPicture& coded) {
     if (coded.plan.number != frame_) return;
     decoded_ = part_of(coded.reconstruction, view_of(coded.reconstruction.width(), coded.reconstruction.height()));
     coding_ = fmt::format("{} picture, quantiser {}, {}", "-IPB"[static_cast<int>(coded.plan.type)], coded.quantiser,
                           size_text(static_cast<double>(coded.bytes.size())));
 }
 
-std::string FramePortrait::figures() const {
+std::string SampleFrameObserver::figures() const {
     if (!lit_) return {};
     std::string text;
     if (decoded_)

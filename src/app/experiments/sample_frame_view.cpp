@@ -1,4 +1,4 @@
-#include "app/report/portrait_view.h"
+#include "app/experiments/sample_frame_view.h"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 
 namespace render2mpeg::app {
 
-std::string portrait_figures(const std::string& name, const Trial& trial, perceptual::ColorMatrix matrix) {
-    if (!trial.portrait) return {};
-    const Portrait& own = *trial.portrait;
+std::string sample_frame_figures(const std::string& name, const Trial& trial, perceptual::ColorMatrix matrix) {
+    if (!trial.sample_frame) return {};
+    const SampleFrame& own = *trial.sample_frame;
     perceptual::HeatScale error = scale_of(HeatSubject::error);
     error.title = "TRUE ERROR / LUMINANCE";
     return slider_figure(
@@ -21,8 +21,8 @@ std::string portrait_figures(const std::string& name, const Trial& trial, percep
 
 std::string decoded_pair(const std::string& title, const std::string& name, const Trial& trial,
                          const std::string& other_name, const Trial& other, perceptual::ColorMatrix matrix) {
-    if (!trial.portrait || !other.portrait) return {};
-    return slider_figure(title, {name, trial.portrait->decoded}, {other_name, other.portrait->decoded}, matrix);
+    if (!trial.sample_frame || !other.sample_frame) return {};
+    return slider_figure(title, {name, trial.sample_frame->decoded}, {other_name, other.sample_frame->decoded}, matrix);
 }
 
 }  // namespace render2mpeg::app

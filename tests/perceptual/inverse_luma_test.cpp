@@ -1,4 +1,4 @@
-#include "perceptual/luma_light.h"
+#include "perceptual/inverse_luma.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ PixelLight light_of(const Display& display, const std::vector<glm::vec3>& colors
     core::Radiance radiance;
     radiance.combined = core::Plane<glm::vec3>(static_cast<int>(colors.size()), 1);
     std::copy(colors.begin(), colors.end(), radiance.combined.row(0));
-    return LumaLight(display).light_of(display.develop(radiance), radiance);
+    return InverseLuma(display).light_of(display.develop(radiance), radiance);
 }
 
 double luminance_of_grey(const Display& display, float luma) {
@@ -37,10 +37,10 @@ double exact_difference(const Display& display, glm::vec3 color, float from, flo
                     std::max(light, luminance_of_grey(display, to) - luminance_of_grey(display, darkest)));
 }
 
-TEST(LumaLight, IsTheInverseOfTheDisplayForGrey) {
+TEST(InverseLuma, IsTheInverseOfTheDisplayForGrey) {
     for (const float exposure : {-3.0f, 0.0f, 5.0f}) {
         const Display display(exposure, ColorMatrix::bt709);
-        const LumaLight light(display);
+        const InverseLuma light(display);
         for (float luma = 17.0f; luma < 220.0f; luma += 3.7f)
             for (const float distance : {0.5f, 1.0f, 12.0f}) {
                 const glm::vec3 grey = display.with_luma(glm::vec3(1.0f), luma);
@@ -51,9 +51,9 @@ TEST(LumaLight, IsTheInverseOfTheDisplayForGrey) {
     }
 }
 
-TEST(LumaLight, IsNearlyTheInverseForColours) {
+TEST(InverseLuma, IsNearlyTheInverseForColours) {
     const Display display(0.5f, ColorMatrix::bt601);
-    const LumaLight light(display);
+    const InverseLuma light(display);
     std::vector<glm::vec3> colors;
     for (std::uint64_t i = 0; i < 4000; ++i)
         colors.push_back(glm::vec3(core::uniform(1, i), core::uniform(2, i), core::uniform(3, i)) *
@@ -75,8 +75,8 @@ TEST(LumaLight, IsNearlyTheInverseForColours) {
     EXPECT_LT(errors[errors.size() * 99 / 100], 0.25);
 }
 
-TEST(LumaLight, GrowsWithTheDistanceOnEitherSideOfWhereBlackCutsItOff) {
-    const LumaLight light(Display(0.0f, ColorMatrix::bt709));
+TEST(InverseLuma, GrowsWithTheDistanceOnEitherSideOfWhereBlackCutsItOff) {
+    const InverseLuma light(Display(0.0f, ColorMatrix::bt709));
     for (const float luma : {16.0f, 20.0f, 40.0f, 130.0f, 234.9f, 235.0f}) {
         float before = 0;
         for (float distance = 0.5f; distance < 200.0f; distance *= 1.3f) {
@@ -87,9 +87,9 @@ TEST(LumaLight, GrowsWithTheDistanceOnEitherSideOfWhereBlackCutsItOff) {
     }
 }
 
-TEST(LumaLight, HasNoStepNextToBlackAndNeverExceedsTheDistanceUpward) {
+TEST(InverseLuma, HasNoStepNextToBlackAndNeverExceedsTheDistanceUpward) {
     const Display display(0.7f, ColorMatrix::bt709);
-    const LumaLight light(display);
+    const InverseLuma light(display);
     for (const glm::vec3 hue : {glm::vec3(1.0f), glm::vec3(0.9f, 0.6f, 0.3f), glm::vec3(0.2f, 0.5f, 0.9f)}) {
         std::vector<glm::vec3> colors;
         for (float luma = 16.3f; luma < 140.0f; luma += 0.05f) colors.push_back(display.with_luma(hue, luma));
@@ -110,16 +110,16 @@ TEST(LumaLight, HasNoStepNextToBlackAndNeverExceedsTheDistanceUpward) {
     }
 }
 
-TEST(LumaLight, NextToWhiteNoMoreThanAllLightIsTolerated) {
-    const LumaLight light(Display(0.0f, ColorMatrix::bt709));
+TEST(InverseLuma, NextToWhiteNoMoreThanAllLightIsTolerated) {
+    const InverseLuma light(Display(0.0f, ColorMatrix::bt709));
     for (const float distance : {0.5f, 4.0f, 20.0f, 200.0f})
         EXPECT_LE(light.difference(234.9f, 3.0f, 1.0f, distance), 3.0f);
 }
 
-TEST(LumaLight, ColoursWhoseLumaEndsEarlyAreAllowedNoMoreThanGreyOrTheirLight) {
+TEST(InverseLuma, ColoursWhoseLumaEndsEarlyAreAllowedNoMoreThanGreyOrTheirLight) {
     // Blue's luma ends near 32: a distance upward from there would hold any light at all.
     const Display display(0.0f, ColorMatrix::bt709);
-    const LumaLight light(display);
+    const InverseLuma light(display);
     const std::vector<glm::vec3> colors{{0, 0, 0.2f}, {0, 0, 5}, {0, 0, 1e9f}, {0.3f, 0, 0.3f}};
     const PixelLight pixels = light_of(display, colors);
     for (std::size_t i = 0; i < colors.size(); ++i)
@@ -133,12 +133,12 @@ TEST(LumaLight, ColoursWhoseLumaEndsEarlyAreAllowedNoMoreThanGreyOrTheirLight) {
         }
 }
 
-TEST(LumaLight, IsPositiveAndFiniteEverywhere) {
+TEST(InverseLuma, IsPositiveAndFiniteEverywhere) {
     for (const float exposure : {-64.0f, 0.0f, 64.0f}) {
         const Display display(exposure, ColorMatrix::bt709);
         const std::vector<glm::vec3> colors{glm::vec3(0),          glm::vec3(1e-30f), {0, 0, 1e-3f}, {1e-8f, 0, 0},
                                             {1e30f, 1e30f, 1e30f}, {0, 0, 1e30f},     {1, 1e9f, 0},  glm::vec3(0.18f)};
-        const LumaLight light(display);
+        const InverseLuma light(display);
         const PixelLight pixels = light_of(display, colors);
         for (std::size_t i = 0; i < colors.size(); ++i)
             for (const float distance : {1e-3f, 0.5f, 20.0f, 400.0f}) {
@@ -150,10 +150,10 @@ TEST(LumaLight, IsPositiveAndFiniteEverywhere) {
     }
 }
 
-TEST(LumaLight, ADarkStepIsHalfACodeValueAboveBlack) {
+TEST(InverseLuma, ADarkStepIsHalfACodeValueAboveBlack) {
     const Display display(1.5f, ColorMatrix::bt709);
     const double exact = static_cast<double>(core::luminance(display.with_luma(glm::vec3(1.0f), 16.5f)));
-    EXPECT_NEAR(static_cast<double>(LumaLight(display).darkest_step()), exact, 1e-4 * exact);
+    EXPECT_NEAR(static_cast<double>(InverseLuma(display).darkest_step()), exact, 1e-4 * exact);
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <map>
 
-#include "app/loop/ledger.h"
+#include "app/loop/run_statistics.h"
 #include "core/picture.h"
 #include "encoder/types.h"
 #include "renderer/renderer.h"
@@ -11,10 +11,11 @@
 namespace render2mpeg::app {
 
 /// The pictures of a chunk between their making and their coding, with what is known of them. Frames come one after
-/// the other; their entries are added to the ledger.
-class Bookkeeper {
+/// the other; their entries are added to the statistics.
+class StatisticsRecorder {
   public:
-    explicit Bookkeeper(Ledger& ledger) : ledger_(ledger), first_(ledger.frames.size()) {}
+    explicit StatisticsRecorder(RunStatistics& statistics)
+        : statistics_(statistics), first_(statistics.frames.size()) {}
 
     /// Opens the entry of a frame with what gathering its light took: the growth of the renderer's counts.
     void rendered(std::int64_t frame, const renderer::Statistics& before, const renderer::Statistics& after);
@@ -23,14 +24,14 @@ class Bookkeeper {
     /// Adds pixels of that frame that were gathered again.
     void audited(const std::vector<renderer::AuditedPixel>& pixels, const core::ToleranceMap& tolerance);
     /// CPU seconds of the frame opened last.
-    void took(double seconds) { ledger_.frames.back().seconds = seconds; }
+    void took(double seconds) { statistics_.frames.back().seconds = seconds; }
     /// Keeps a picture until it is coded.
     void keep(core::Picture picture);
     /// Completes the entry of a picture that was coded.
     void coded(const encoder::CodedPicture& coded);
 
   private:
-    Ledger& ledger_;
+    RunStatistics& statistics_;
     std::size_t first_;
     std::map<std::int64_t, core::Picture> waiting_;
 };

@@ -11,22 +11,22 @@
 #include "core/threshold_map.h"
 #include "core/tolerance_map.h"
 #include "core/visible.h"
-#include "perceptual/carry.h"
 #include "perceptual/display.h"
 #include "perceptual/distortion.h"
-#include "perceptual/luma_light.h"
+#include "perceptual/inverse_luma.h"
 #include "perceptual/tolerance.h"
+#include "perceptual/warp.h"
 
 namespace render2mpeg::perceptual {
 
 /// The two ways of [Render2MPEG, 4.3] to use what one picture hides for the next.
 enum class Strategy : std::uint8_t {
-    carried,    ///< masking by the picture as rendered, carried along motion
+    warped,     ///< masking by the picture as rendered, warped along motion
     quantised,  ///< masking by the picture as decoded, its coding errors included, place by place: for slow films
 };
 
-struct ObserverSettings {
-    Strategy strategy = Strategy::carried;
+struct VisibilitySettings {
+    Strategy strategy = Strategy::warped;
     Spread spread = Spread::block;
 };
 
@@ -51,7 +51,7 @@ struct CodedFacts {
 };
 
 /// What pixels may be off by (dY), and the luminance of theirs that it was told for.
-using Hidden = core::Plane<glm::vec2>;
+using MaskedErrors = core::Plane<glm::vec2>;
 
 /// A picture as it was before coding, with what later pictures need of it.
 struct Observation {
@@ -60,15 +60,15 @@ struct Observation {
     core::Plane<core::Block8x8> coefficients;  ///< DCT of its luma
     core::ThresholdMap thresholds;             ///< eq. 7.1 and 7.2: what the encoder wants to know of the eye
     PixelLight light;
-    core::Plane<float> carried;  ///< dY(t - 1) at its pixels, for the light they got; empty: none
+    core::Plane<float> warped;  ///< dY(t - 1) at its pixels, for the light they got; empty: none
 };
 
 /// What was judged of one coded picture. Immutable; keeps the inputs of eq. 7.1-7.2, so that another quantiser or
 /// picture type changes the very next tolerances.
-struct Memory {
+struct TemporalState {
     std::int64_t number = 0;
     std::shared_ptr<const core::Visible> visible;
-    Quads quads;                               ///< of `visible`; empty where nothing is carried
+    Quads quads;                               ///< of `visible`; empty where nothing is warped
     core::Plane<core::Block8x8> coefficients;  ///< of what masks: the picture, or its decoded version
     core::Plane<core::Block8x8> residual;      ///< of the picture minus its prediction; empty: not known
     core::ThresholdMap thresholds;
@@ -83,60 +83,61 @@ struct Memory {
 };
 
 /// What a remembered picture hides of a picture to come: the same for all that are coded alike.
-struct Restated {
+struct Requantised {
     CodingPlan plan;
-    Hidden hidden;        ///< at the memory's pixels, > 0
-    float low_share = 0;  ///< of its luminance, that a quarter of the pixels stay below; 0..0.5, 0: unknown
+    MaskedErrors masked;     ///< at the state's pixels, > 0
+    float low_fraction = 0;  ///< of its luminance, that a quarter of the pixels stay below; 0..0.5, 0: unknown
 };
 
 /// A frame's tolerances before it is lit.
 struct Tolerated {
     core::ToleranceMap map;
-    Hidden carried;  ///< for its Observation: dY(t - 1) for its plan, `no_partner` (carry.h) where none
+    MaskedErrors warped;  ///< for its Observation: dY(t - 1) for its plan, `no_partner` (warp.h) where none
 };
 
 /// The eye of the loop (docs/model/tolerance.md): what the picture before hides becomes what this frame may err by.
 /// Immutable; what is remembered is handed in and out.
-class Observer {
+class VisibilityModel {
   public:
-    Observer(const Display& display, const ObserverSettings& settings);
+    VisibilityModel(const Display& display, const VisibilitySettings& settings);
 
     /// Masking [Render2MPEG, eq. 7.1, 7.2] and what else is to be kept of a frame. `picture` was developed from
-    /// `radiance` and has its unrounded luma. `carried`: as tolerate() said.
+    /// `radiance` and has its unrounded luma. `warped`: as tolerate() said.
     Observation observe(const core::Picture& picture, const core::Radiance& radiance,
-                        std::shared_ptr<const core::Visible> visible, const Hidden& carried = {}) const;
+                        std::shared_ptr<const core::Visible> visible, const MaskedErrors& warped = {}) const;
 
-    /// Errors [7.3, 7.4] of a picture that was coded, with the quantisers really used, blended with those carried to it
+    /// Errors [7.3, 7.4] of a picture that was coded, with the quantisers really used, blended with those warped to it
     /// [7.5]. `coded` is of the same picture.
-    Memory judge(Observation observation, const CodedFacts& coded) const;
+    TemporalState judge(Observation observation, const CodedFacts& coded) const;
 
     /// The same for a picture that was only seen coarsely and will not be coded as it is, as if coded by `plan`.
-    Memory presume(Observation observation, const CodingPlan& plan) const;
+    TemporalState assume_coded(Observation observation, const CodingPlan& plan) const;
 
-    /// Tolerances of a frame that is going to be coded by `plan`: what `memory` hides, times `share`, carried along
-    /// `motion` (from the frame to the memory's picture; null: nothing moves), never below 2 % of the pixel's luminance
-    /// nor below half a code value. Where nothing fits, what a quarter of the memory's pixels stay below, as a share of
+    /// Tolerances of a frame that is going to be coded by `plan`: what `state` hides, times `fraction`, warped along
+    /// `motion` (from the frame to the state's picture; null: nothing moves), never below 2 % of the pixel's luminance
+    /// nor below half a code value. Where nothing fits, what a quarter of the state's pixels stay below, as a share of
     /// their luminance: pixels count by their luma, and those next to black, that may lose half their light, not at
-    /// all. share > 0.
-    Tolerated tolerate(const core::Visible& visible, const CodingPlan& plan, const Memory& memory,
-                       const core::MotionField* motion, float share) const;
+    /// all. fraction > 0.
+    Tolerated tolerate(const core::Visible& visible, const CodingPlan& plan, const TemporalState& state,
+                       const core::MotionField* motion, float fraction) const;
 
-    /// The two halves of it, for who lights several frames from one memory.
-    Restated restate(const Memory& memory, const CodingPlan& plan) const;
-    Tolerated tolerate(const core::Visible& visible, const Restated& restated, const Memory& memory,
-                       const core::MotionField* motion, float share) const;
+    /// The two halves of it, for who lights several frames from one state.
+    Requantised requantise(const TemporalState& state, const CodingPlan& plan) const;
+    Tolerated tolerate(const core::Visible& visible, const Requantised& requantised, const TemporalState& state,
+                       const core::MotionField* motion, float fraction) const;
 
     /// e_xy of the remembered picture if it were coded by `plan`.
-    core::Plane<float> errors(const Memory& memory, const CodingPlan& plan) const;
+    core::Plane<float> errors(const TemporalState& state, const CodingPlan& plan) const;
 
-    const LumaLight& light() const { return light_; }
+    const InverseLuma& light() const { return light_; }
 
   private:
-    /// Tolerances at the memory's pixels, told for coding by `from`, as they would be for coding by `to`.
-    void restate(core::Plane<float>& values, const Memory& memory, const CodingPlan& from, const CodingPlan& to) const;
+    /// Tolerances at the state's pixels, told for coding by `from`, as they would be for coding by `to`.
+    void requantise(core::Plane<float>& values, const TemporalState& state, const CodingPlan& from,
+                    const CodingPlan& to) const;
 
-    LumaLight light_;
-    ObserverSettings settings_;
+    InverseLuma light_;
+    VisibilitySettings settings_;
 };
 
 }  // namespace render2mpeg::perceptual

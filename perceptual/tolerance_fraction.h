@@ -9,11 +9,11 @@ namespace render2mpeg::perceptual {
 /// pictures that nothing is predicted from.
 /// fit: docs/fits/coupled-share (docs/fits/coupled-share-by-type.jsonl), 0.24. The same for every quantiser: a power of
 /// it gains nothing.
-inline constexpr float default_share = 0.25f;
+inline constexpr float default_tolerance_fraction = 0.25f;
 
 /// What part of k a picture's light may use that `followers` >= 0 later ones depend on, directly or not: errors that
 /// coding keeps are handed on to all of them. 1 where none does (B pictures, a group's last P picture, films of I
 /// pictures alone), less in I pictures than in P pictures, which take over most of their own. In (0, 1].
-float handed_on(bool intra, std::int64_t followers);
+float propagation_factor(bool intra, std::int64_t followers);
 
 }  // namespace render2mpeg::perceptual

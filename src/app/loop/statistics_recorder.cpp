@@ -1,4 +1,4 @@
-#include "app/loop/bookkeeper.h"
+#include "app/loop/statistics_recorder.h"
 
 #include <algorithm>
 #include <utility>
@@ -9,7 +9,8 @@
 
 namespace render2mpeg::app {
 
-void Bookkeeper::rendered(std::int64_t frame, const renderer::Statistics& before, const renderer::Statistics& after) {
+void StatisticsRecorder::rendered(std::int64_t frame, const renderer::Statistics& before,
+                                  const renderer::Statistics& after) {
     FrameEntry entry;
     entry.frame = frame;
     entry.shadow_rays = after.shadow_rays - before.shadow_rays;
@@ -18,27 +19,28 @@ void Bookkeeper::rendered(std::int64_t frame, const renderer::Statistics& before
     entry.indirect_cut = static_cast<double>(after.indirect_clusters - before.indirect_clusters) / points;
     entry.records = {after.records_created - before.records_created, after.records_held,
                      static_cast<double>(after.records_served - before.records_served) / points};
-    ledger_.frames.push_back(entry);
+    statistics_.frames.push_back(entry);
 }
 
-void Bookkeeper::audited(const std::vector<renderer::AuditedPixel>& pixels, const core::ToleranceMap& tolerance) {
+void StatisticsRecorder::audited(const std::vector<renderer::AuditedPixel>& pixels,
+                                 const core::ToleranceMap& tolerance) {
     for (const renderer::AuditedPixel& p : pixels) {
         const float absolute = tolerance.is_reference() ? 0.0f : tolerance.pixels.at(p.x, p.y).absolute;
-        ledger_.audit.errors.add(core::divide_or(p.error, std::max(p.luminance, absolute), 0.0f));
-        ledger_.audit.over += p.over() ? 1 : 0;
+        statistics_.audit.errors.add(core::divide_or(p.error, std::max(p.luminance, absolute), 0.0f));
+        statistics_.audit.over += p.over() ? 1 : 0;
     }
 }
 
-void Bookkeeper::keep(core::Picture picture) {
+void StatisticsRecorder::keep(core::Picture picture) {
     const std::int64_t number = picture.number;
     waiting_.emplace(number, std::move(picture));
 }
 
-void Bookkeeper::coded(const encoder::CodedPicture& coded) {
+void StatisticsRecorder::coded(const encoder::CodedPicture& coded) {
     const auto original = waiting_.find(coded.plan.number);
     EXPECTS(original != waiting_.end());
     FrameEntry& entry =
-        ledger_.frames[first_ + static_cast<std::size_t>(coded.plan.number - ledger_.frames[first_].frame)];
+        statistics_.frames[first_ + static_cast<std::size_t>(coded.plan.number - statistics_.frames[first_].frame)];
     entry.type = "-IPB"[static_cast<int>(coded.plan.type)];
     entry.quantiser = coded.quantiser;
     double sum = 0;

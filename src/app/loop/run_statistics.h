@@ -75,7 +75,7 @@ struct Audit {
 };
 
 /// What a run spent, where, and what came of it.
-struct Ledger {
+struct RunStatistics {
     std::array<double, static_cast<std::size_t>(Stage::count)> seconds{};  ///< CPU, summed over threads
     double wall = 0;
     double earlier_cpu = 0, earlier_wall = 0;  ///< of the runs that this one goes on from; `wall` has it in it
@@ -112,12 +112,12 @@ auto timed(double& sum, Work&& work) {
     return work();
 }
 template <class Work>
-auto timed(Ledger& ledger, Stage stage, Work&& work) {
-    return timed(ledger.seconds[static_cast<std::size_t>(stage)], std::forward<Work>(work));
+auto timed(RunStatistics& statistics, Stage stage, Work&& work) {
+    return timed(statistics.seconds[static_cast<std::size_t>(stage)], std::forward<Work>(work));
 }
 template <class Work>
-auto timed(Ledger& ledger, renderer::Pass pass, Work&& work) {
-    return timed(ledger.pass_seconds[static_cast<std::size_t>(pass)], std::forward<Work>(work));
+auto timed(RunStatistics& statistics, renderer::Pass pass, Work&& work) {
+    return timed(statistics.pass_seconds[static_cast<std::size_t>(pass)], std::forward<Work>(work));
 }
 
 }  // namespace render2mpeg::app

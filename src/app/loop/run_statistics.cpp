@@ -1,4 +1,4 @@
-#include "app/loop/ledger.h"
+#include "app/loop/run_statistics.h"
 
 #include <algorithm>
 #include <chrono>
@@ -58,7 +58,7 @@ renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer:
     return sum;
 }
 
-double Ledger::total_seconds() const {
+double RunStatistics::total_seconds() const {
     return std::accumulate(seconds.begin(), seconds.end(), 0.0);
 }
 
@@ -66,19 +66,19 @@ double Audit::share_over() const {
     return core::divide_or(static_cast<double>(over), static_cast<double>(errors.count()), 0.0);
 }
 
-double Ledger::psnr_y() const {
+double RunStatistics::psnr_y() const {
     double sum = 0;
     for (const FrameEntry& entry : frames) sum += entry.mse_y;
     return perceptual::psnr(core::divide_or(sum, static_cast<double>(frames.size()), 0.0));
 }
 
-double Ledger::ssim_y() const {
+double RunStatistics::ssim_y() const {
     double sum = 0;
     for (const FrameEntry& entry : frames) sum += entry.ssim_y;
     return core::divide_or(sum, static_cast<double>(frames.size()), 1.0);
 }
 
-RateOutcome Ledger::rate_outcome() const {
+RateOutcome RunStatistics::rate_outcome() const {
     RateOutcome outcome;
     for (const FrameEntry& entry : frames) {
         outcome.bytes += entry.bytes;
@@ -90,7 +90,7 @@ RateOutcome Ledger::rate_outcome() const {
     return outcome;
 }
 
-QuantiserRange Ledger::quantisers() const {
+QuantiserRange RunStatistics::quantisers() const {
     QuantiserRange range;
     for (const FrameEntry& entry : frames) {
         range.mean += entry.mean_quantiser;
@@ -103,12 +103,12 @@ QuantiserRange Ledger::quantisers() const {
     return range;
 }
 
-double Ledger::mean_direct_cut() const {
+double RunStatistics::mean_direct_cut() const {
     return core::divide_or(static_cast<double>(rendering.direct_clusters), static_cast<double>(rendering.gather_points),
                            0.0);
 }
 
-double Ledger::mean_indirect_cut() const {
+double RunStatistics::mean_indirect_cut() const {
     return core::divide_or(static_cast<double>(rendering.indirect_clusters),
                            static_cast<double>(rendering.gather_points), 0.0);
 }

@@ -19,8 +19,8 @@ inline constexpr float no_partner = -1.0f;
 /// that nothing moves. Values
 /// >= 0. T: float or glm::vec2.
 template <class T>
-core::Plane<T> carry(const core::Plane<T>& values, const core::Visible& there, const core::Visible& here,
-                     const core::MotionField* motion);
+core::Plane<T> warp(const core::Plane<T>& values, const core::Visible& there, const core::Visible& here,
+                    const core::MotionField* motion);
 
 /// What each pixel of a picture has in common with the ones to its right, below and below to the right: most pixels
 /// that are fetched need to know no more. Made once of a picture that is asked for several others.
@@ -33,7 +33,7 @@ Quads quads_of(const core::Visible& picture);
 
 /// The same with the quads of `there`.
 template <class T>
-core::Plane<T> carry(const core::Plane<T>& values, const core::Visible& there, const Quads& quads,
-                     const core::Visible& here, const core::MotionField* motion);
+core::Plane<T> warp(const core::Plane<T>& values, const core::Visible& there, const Quads& quads,
+                    const core::Visible& here, const core::MotionField* motion);
 
 }  // namespace render2mpeg::perceptual

@@ -29,9 +29,9 @@ struct PixelLight {
 /// [Render2MPEG, eq. 7.4]. Display::with_luma is exact and slow; this is a table for grey, with its exponent corrected
 /// to the colour's first order: exact for grey, for colours within 1 % of with_luma in the median and 31 % for 99 of
 /// 100 at distances of 1 to 20 code values (test). Immutable.
-class LumaLight {
+class InverseLuma {
   public:
-    explicit LumaLight(const Display& display);
+    explicit InverseLuma(const Display& display);
 
     /// Planes of one size; `picture` was developed from `radiance`, and has its unrounded luma.
     PixelLight light_of(const core::Picture& picture, const core::Radiance& radiance) const;

@@ -1,4 +1,4 @@
-#include "app/loop/production.h"
+#include "app/loop/render_job.h"
 
 #include <algorithm>
 #include <cmath>
@@ -55,9 +55,10 @@ renderer::Settings rendering_settings(const RenderOptions& options, const scene:
 
 CouplingSettings coupling_settings(const RenderOptions& options, const ToleranceRequest& tolerance) {
     CouplingSettings settings;
-    settings.observer.strategy =
-        options.masking == "quantised" ? perceptual::Strategy::quantised : perceptual::Strategy::carried;
-    settings.observer.spread = options.error_spread == "pixel" ? perceptual::Spread::pixel : perceptual::Spread::block;
+    settings.visibility.strategy =
+        options.masking == "quantised" ? perceptual::Strategy::quantised : perceptual::Strategy::warped;
+    settings.visibility.spread =
+        options.error_spread == "pixel" ? perceptual::Spread::pixel : perceptual::Spread::block;
     settings.maps = options.error_maps == "intra" ? ErrorMaps::intra : ErrorMaps::references;
     settings.share = tolerance.share;
     return settings;
@@ -91,7 +92,7 @@ std::optional<float> exposure_of(const RenderOptions& options, const scene::Anim
 
 }  // namespace
 
-core::ToleranceMap Production::tolerance_map() const {
+core::ToleranceMap RenderJob::tolerance_map() const {
     if (tolerance.reference) return core::ToleranceMap::reference();
     // What changes a black pixel by less than half a code value changes no picture. No tolerance at all stays none, and
     // before the exposure is known there are no code values.
@@ -103,14 +104,14 @@ core::ToleranceMap Production::tolerance_map() const {
     return core::ToleranceMap::uniform(format.width, format.height, {floor, tolerance.relative});
 }
 
-renderer::Renderer renderer_of(const Production& film) {
+renderer::Renderer renderer_of(const RenderJob& film) {
     std::optional<parallel::ThreadLimit> one_thread;
     if (film.images_in_turn) one_thread.emplace(1);
     return renderer::Renderer(*film.animation, film.rendering, film.plan);
 }
 
-Production prepare(const RenderOptions& options) {
-    Production film;
+RenderJob prepare(const RenderOptions& options) {
+    RenderJob film;
     film.kind = options.output.empty() ? OutputKind::film : kind_of(options.output);
     film.tolerance = tolerance_from(options.tolerance.value_or(film.kind == OutputKind::film ? "coupled" : "fixed=2%"));
     film.coupling = coupling_settings(options, film.tolerance);
@@ -167,12 +168,12 @@ Production prepare(const RenderOptions& options) {
     return film;
 }
 
-float measure_exposure(const Production& film) {
+float measure_exposure(const RenderJob& film) {
     // chosen: of 3 to 12 frames and 48 to 192 pixels (docs/fits/pictures.md).
     constexpr int frames = 5, longest_side = 96;
     const float scale = std::min(
         1.0f, static_cast<float>(longest_side) / static_cast<float>(std::max(film.format.width, film.format.height)));
-    Production small = film;
+    RenderJob small = film;
     small.format.width = std::max(1, static_cast<int>(std::lround(static_cast<float>(film.format.width) * scale)));
     small.format.height = std::max(1, static_cast<int>(std::lround(static_cast<float>(film.format.height) * scale)));
     small.rendering.format = small.format;

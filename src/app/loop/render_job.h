@@ -23,7 +23,7 @@ namespace render2mpeg::app {
 
 /// Everything that decides a film: the scene and all settings, with the options' gaps filled. Constant while it is
 /// rendered.
-struct Production {
+struct RenderJob {
     std::shared_ptr<const scene::Animation> animation;
     core::FrameRate rate;
     FrameRange frames;
@@ -55,12 +55,12 @@ struct Production {
 };
 
 /// The film's renderer, its textures read.
-renderer::Renderer renderer_of(const Production& film);
+renderer::Renderer renderer_of(const RenderJob& film);
 
 /// Loads the scene and settles every setting. Throws core::Error for all that cannot be rendered or coded.
-Production prepare(const RenderOptions& options);
+RenderJob prepare(const RenderOptions& options);
 
 /// One exposure for the film, in EV: a few small, coarse frames spread over it are lit and their luminances judged.
-float measure_exposure(const Production& film);
+float measure_exposure(const RenderJob& film);
 
 }  // namespace render2mpeg::app
