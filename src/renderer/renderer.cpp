@@ -13,7 +13,7 @@
 #include "renderer/cut/shade.h"
 #include "renderer/lights/anchors.h"
 #include "renderer/lights/light_points.h"
-#include "renderer/tree/light_forest.h"
+#include "renderer/tree/light_trees.h"
 #include "renderer/view/see.h"
 #include "scene/preparation/traits.h"
 
@@ -29,9 +29,9 @@ constexpr GeometryClamp emitter_clamp{0.25f};
 
 /// Light trees may be planned anew at every so manieth frame of a chunk. chosen: 15, half a second: what fits badly
 /// does not do so for long, and representatives never change from frame to frame.
-constexpr std::int64_t replan_distance = 15;
+constexpr std::int64_t rebuild_interval = 15;
 
-/// Tolerances that are so much coarser are learnt as well, for the one caution of all. chosen: 1.5, since pictures
+/// Tolerances that are so much coarser are learnt as well, for the one error scale of all. chosen: 1.5, since pictures
 /// differ by type by 2 to 4; not tuned.
 constexpr float coarser = 1.5f;
 
@@ -68,13 +68,13 @@ bool same_light(const scene::Snapshot& a, const scene::Snapshot& b) {
 
 struct Renderer::Impl {
     Impl(const scene::Animation& film, const Settings& s, const Plan& p)
-        : settings(s), plan(p), scenery(film, s.isa, p), light_points(scenery, p, s.direct_points, s.seed) {}
+        : settings(s), plan(p), posed_scene(film, s.isa, p), light_points(posed_scene, p, s.direct_points, s.seed) {}
 
     double& row(Pass pass) { return rows[static_cast<std::size_t>(pass)]; }
 
     void pose(const scene::Snapshot& snapshot) {
         const Stopwatch watch(row(Pass::pose));
-        scenery.pose(snapshot);
+        posed_scene.pose(snapshot);
     }
 
     void start_chunk(const scene::Snapshot& first) {
@@ -82,30 +82,31 @@ struct Renderer::Impl {
         pose(first);
         if (!anchors && plan.runs(Pass::photons) && settings.vpls > 0) {
             const Stopwatch watch(row(Pass::photons));
-            anchors.emplace(scenery, light_points, AnchorSettings{settings.vpls, settings.bounces});
+            anchors.emplace(posed_scene, light_points, AnchorSettings{settings.vpls, settings.bounces});
             statistics.photon_rays += anchors->rays();
         }
         {
             const Stopwatch watch(row(Pass::emissive_lights));
-            light_points.place(scenery, first);
+            light_points.place(posed_scene, first);
         }
         {
             const Stopwatch watch(row(Pass::direct_tree));
             const std::vector<LightPoint> none;
             const std::vector<LightPoint> still = anchors ? anchors->average_still() : none,
                                           moving = anchors ? anchors->average_moving() : none;
-            // A forest takes two seeds, one for direct light and the next for indirect light.
-            lasting = LastingForest({light_points.average(), still, moving}, settings.seed + 2 * settings.draw);
-            parted = settings.cache != CacheUse::off && LightParts::suit(scenery, plan, still.size(), moving.size());
-            keeps =
-                settings.cache == CacheUse::on || (settings.cache == CacheUse::static_light &&
-                                                   (parted || !scene::traits_of(scenery.animation()).changes_light()));
+            // Light trees takes two seeds, one for direct light and the next for indirect light.
+            lasting = PersistentLightTrees({light_points.average(), still, moving}, settings.seed + 2 * settings.draw);
+            parted =
+                settings.cache != CacheUse::off && LightParts::suit(posed_scene, plan, still.size(), moving.size());
+            keeps = settings.cache == CacheUse::on ||
+                    (settings.cache == CacheUse::static_light &&
+                     (parted || !scene::traits_of(posed_scene.animation()).changes_light()));
             parts.forget();
         }
         lit.reset();
         watched.reset();
         records.forget();
-        caution.forget();
+        calibration.forget();
         started = true;
     }
 
@@ -117,25 +118,25 @@ struct Renderer::Impl {
         std::vector<LightPoint> direct;
         {
             const Stopwatch watch(row(Pass::emissive_lights));
-            direct = light_points.at(scenery);
+            direct = light_points.at(posed_scene);
         }
         Anchors::Lit indirect;
         if (anchors) {
             const Stopwatch watch(row(Pass::photons));
-            indirect = anchors->at(scenery, direct);
+            indirect = anchors->at(posed_scene, direct);
             statistics.photon_rays += indirect.rays;
         }
         {
             const Stopwatch watch(row(Pass::direct_tree));
-            forest = {};  // before the next one grows: many light points take as much memory
-            forest = lasting.at({direct, indirect.still, indirect.moving},
-                                (snapshot.frame - first_frame) % replan_distance == 0);
+            light_trees = {};  // before the next one grows: many light points take as much memory
+            light_trees = lasting.at({direct, indirect.still, indirect.moving},
+                                     (snapshot.frame - first_frame) % rebuild_interval == 0);
         }
         const bool bounded = settings.clamp == Clamp::bounded;
-        forest.direct_clamp = bounded ? emitter_clamp : GeometryClamp::none();
-        forest.indirect_clamp = bounded ? anchor_clamp : GeometryClamp::none();
-        forest.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass);
-        if (parted) records.move(parts.take(forest, indirect.still, lasting));
+        light_trees.direct_clamp = bounded ? emitter_clamp : GeometryClamp::none();
+        light_trees.indirect_clamp = bounded ? anchor_clamp : GeometryClamp::none();
+        light_trees.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass);
+        if (parted) records.move(parts.take(light_trees, indirect.still, lasting));
         statistics.direct_points = direct.size();
         statistics.indirect_points = indirect.still.size() + indirect.moving.size();
         lit = snapshot;
@@ -168,12 +169,12 @@ struct Renderer::Impl {
     /// others hardly says how far its coarser clusters err.
     void calibrate(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance,
                    const ShadeSettings& s) {
-        if (snapshot.cut_before) caution.forget();
+        if (snapshot.cut_before) calibration.forget();
         const float share = typical_share(seen, tolerance);
-        if (caution.knows() && share <= coarser * calibrated_share) return;
+        if (calibration.knows() && share <= coarser * calibrated_share) return;
         const Stopwatch watch(statistics.calibration_seconds);
-        const std::size_t pixels =
-            renderer::calibrate(caution, forest, scenery.tracer(), seen, snapshot.camera.position(), tolerance, s);
+        const std::size_t pixels = renderer::calibrate(calibration, light_trees, posed_scene.tracer(), seen,
+                                                       snapshot.camera.position(), tolerance, s);
         if (pixels > 0) calibrated_share = share;
         statistics.calibrated_pixels += pixels;
         watched = sight_of(snapshot, tolerance);
@@ -193,15 +194,15 @@ struct Renderer::Impl {
         const Stopwatch watch(statistics.calibration_seconds);
         Sight sight = sight_of(snapshot, tolerance);
         if (watched != sight)
-            statistics.calibrated_pixels += renderer::watch(caution, forest, scenery.tracer(), seen, tolerance, s,
-                                                            radiance, counts.shadow_rays, known);
+            statistics.calibrated_pixels += renderer::recalibrate(calibration, light_trees, posed_scene.tracer(), seen,
+                                                                  tolerance, s, radiance, counts.shadow_rays, known);
         watched = std::move(sight);
-        const double value = s.limits.caution;
-        std::uint64_t& frames = statistics.frames_watched;
-        statistics.least_caution = frames == 0 ? value : std::min(statistics.least_caution, value);
-        statistics.largest_caution = std::max(statistics.largest_caution, value);
+        const double value = s.limits.error_scale;
+        std::uint64_t& frames = statistics.frames_calibrated;
+        statistics.least_error_scale = frames == 0 ? value : std::min(statistics.least_error_scale, value);
+        statistics.largest_error_scale = std::max(statistics.largest_error_scale, value);
         ++frames;
-        statistics.mean_caution += (value - statistics.mean_caution) / static_cast<double>(frames);
+        statistics.mean_error_scale += (value - statistics.mean_error_scale) / static_cast<double>(frames);
     }
 
     /// Adds a frame to the statistics.
@@ -237,22 +238,22 @@ struct Renderer::Impl {
 
     Settings settings;
     Plan plan;
-    Scenery scenery;
+    PosedScene posed_scene;
     LightPoints light_points;
     std::optional<Anchors> anchors;  ///< of the film
-    LastingForest lasting;           ///< of the chunk
-    LightForest forest;
+    PersistentLightTrees lasting;    ///< of the chunk
+    LightTrees light_trees;
     bool keeps = false;   ///< light, in records
     bool parted = false;  ///< they hold only what stays of it
     LightParts parts;
-    std::optional<scene::Snapshot> lit;  ///< the instant that `forest` shows
+    std::optional<scene::Snapshot> lit;  ///< the instant that `light_trees` shows
     bool started = false;
     std::int64_t first_frame = 0;  ///< of the chunk
-    Caution caution;
-    std::optional<Sight> watched;  ///< the frame that caution was told of last
-    float calibrated_share = 0;    ///< typical_share of the coarsest that caution was learnt for
+    ErrorCalibration calibration;
+    std::optional<Sight> watched;  ///< the frame that error scale was told of last
+    float calibrated_share = 0;    ///< typical_share of the coarsest that error scale was learnt for
     RecordCache records;
-    std::optional<float> given_caution;  ///< instead of it
+    std::optional<float> given_error_scale;  ///< instead of it
     Statistics statistics;
     double gathered = 0, clamped = 0;
     std::array<double, static_cast<std::size_t>(Pass::count)> rows{};
@@ -270,9 +271,9 @@ Seen Renderer::see(const scene::Snapshot& snapshot) {
     impl_->pose(snapshot);
     const Stopwatch watch(impl_->row(Pass::see));
     SeeCounts counts;
-    Seen seen =
-        renderer::see(impl_->scenery, {impl_->settings.format, impl_->settings.samples, impl_->settings.specular_depth},
-                      impl_->plan, counts);
+    Seen seen = renderer::see(impl_->posed_scene,
+                              {impl_->settings.format, impl_->settings.samples, impl_->settings.specular_depth},
+                              impl_->plan, counts);
     impl_->statistics.primary_rays += counts.primary_rays;
     impl_->statistics.specular_rays += counts.specular_rays;
     impl_->statistics.sky_seconds += counts.sky_seconds;
@@ -284,25 +285,25 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     const double start = i.prepare(snapshot, seen);
     ShadeSettings settings = i.shade_settings();
     const bool learns =
-        i.settings.calibrate && !i.given_caution && i.settings.stop == Stop::honest && !tolerance.is_reference();
+        i.settings.calibrate && !i.given_error_scale && i.settings.stop == Stop::honest && !tolerance.is_reference();
     if (learns) i.calibrate(snapshot, seen, tolerance, settings);
-    settings.limits.caution = i.given_caution.value_or(learns ? i.caution.value() : 1.0f);
+    settings.limits.error_scale = i.given_error_scale.value_or(learns ? i.calibration.value() : 1.0f);
     ShadeCounts counts;
     FrameLight known;
     const bool by_records = i.keeps && !tolerance.is_reference();
     if (by_records) {
         RecordCounts found;
-        known = i.records.light(i.forest, i.scenery.tracer(), seen, snapshot, tolerance, settings.limits, counts, found,
-                                i.parted ? &i.parts : nullptr);
+        known = i.records.light(i.light_trees, i.posed_scene.tracer(), seen, snapshot, tolerance, settings.limits,
+                                counts, found, i.parted ? &i.parts : nullptr);
         i.count(found);
     }
-    core::Radiance radiance = renderer::shade(i.forest, i.scenery.tracer(), seen, snapshot.camera.position(), tolerance,
-                                              settings, counts, by_records ? &known : nullptr);
+    core::Radiance radiance = renderer::shade(i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(),
+                                              tolerance, settings, counts, by_records ? &known : nullptr);
     if (by_records && settings.layers) radiance.record_density = i.records.density(snapshot.camera, i.settings.format);
     i.count(counts, seen.visible);
     if (learns) i.watch(snapshot, seen, tolerance, settings, radiance, counts, by_records ? &known : nullptr);
     i.share_time(cpu_seconds() - start, counts);
-    i.statistics.layer_seconds = i.scenery.layer_seconds();
+    i.statistics.layer_seconds = i.posed_scene.layer_seconds();
     return radiance;
 }
 
@@ -310,8 +311,8 @@ core::Radiance Renderer::sketch(const scene::Snapshot& snapshot, const Seen& see
                                 const core::ToleranceMap& tolerance) {
     const double start = impl_->prepare(snapshot, seen);
     ShadeCounts counts;
-    core::Radiance radiance = renderer::shade(impl_->forest, impl_->scenery.tracer(), seen, snapshot.camera.position(),
-                                              tolerance, impl_->shade_settings(), counts);
+    core::Radiance radiance = renderer::shade(impl_->light_trees, impl_->posed_scene.tracer(), seen,
+                                              snapshot.camera.position(), tolerance, impl_->shade_settings(), counts);
     impl_->share_time(cpu_seconds() - start, counts);
     return radiance;
 }
@@ -328,7 +329,7 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
     i.statistics = before;
     const std::vector<LitPixel> pixels = drawn(lit_pixels(seen), static_cast<std::size_t>(count), seen.visible.frame);
     const MovedPoints moved = i.records.moved_points(snapshot.frame, tolerance);
-    const auto truth = gather_exactly(i.forest, i.scenery.tracer(), seen, pixels, moved);
+    const auto truth = gather_exactly(i.light_trees, i.posed_scene.tracer(), seen, pixels, moved);
     return compare(seen, pixels, truth, tolerance, radiance);
 }
 
@@ -336,12 +337,12 @@ void Renderer::set_stop(Stop stop) {
     impl_->settings.stop = stop;
 }
 
-void Renderer::set_caution(float factor) {
-    impl_->given_caution = factor;
+void Renderer::set_error_scale(float factor) {
+    impl_->given_error_scale = factor;
 }
 
 const RayTracer& Renderer::tracer() const {
-    return impl_->scenery.tracer();
+    return impl_->posed_scene.tracer();
 }
 
 const Statistics& Renderer::statistics() const {

@@ -39,7 +39,8 @@ struct Settings {
     int max_cut = 1000;
     int specular_depth = 6;  ///< mirrors and glass after one another
     Clamp clamp = Clamp::bounded;
-    bool calibrate = true;  ///< Stop::honest: let the film's own light decide the caution of its cuts (calibration.h)
+    bool calibrate =
+        true;  ///< Stop::honest: let the film's own light decide the error scale of its cuts (calibration.h)
     CacheUse cache = CacheUse::off;
     core::Isa isa = core::Isa::sse2;
     std::uint64_t seed = 1;  ///< of representatives and light samples; photons use a fixed Halton sequence
@@ -57,8 +58,8 @@ struct Statistics {
     double clamped_energy = 0;                           ///< share of gathered luminance that clamping removed, 0..1
     std::size_t direct_points = 0, indirect_points = 0;  ///< light points of the last frame
     double luminance = 0;                                ///< that this is a share of: what arrived, clamped included
-    double least_caution = 0, largest_caution = 0, mean_caution = 0;  ///< over frames lit; 0: none was
-    std::uint64_t frames_watched = 0;                                 ///< the frames that these are over
+    double least_error_scale = 0, largest_error_scale = 0, mean_error_scale = 0;  ///< over frames lit; 0: none was
+    std::uint64_t frames_calibrated = 0;                                          ///< the frames that these are over
     std::uint64_t calibrated_pixels = 0;  ///< gathered again for it; their rays count nowhere
     double calibration_seconds = 0;       ///< CPU, part of the time of shading
     double sky_seconds = 0;               ///< CPU, about, part of the time of seeing: looking at the sky
@@ -100,7 +101,7 @@ class Renderer {
                                     const core::ToleranceMap& tolerance, const core::Radiance& radiance, int count);
 
     /// Multiplies what the following cuts are thought to err by, whatever the film's light would decide: for fits.
-    void set_caution(float factor);
+    void set_error_scale(float factor);
     /// Another rule for the following cuts than the settings'.
     void set_stop(Stop stop);
 

@@ -61,12 +61,12 @@ void print(const std::string& name, int quantiser, const std::string& tolerance,
     const auto per_frame = [&](double seconds) { return seconds / static_cast<double>(frames); };
     fmt::print(
         R"({{"scene":"{}","q":{},"tolerance":"{}","draws":{},"shade_s":{:.4f},"all_speedup":{:.3f},"gather_s":{:.4f},"speedup":{:.3f},"ray_ratio":{:.3f},"preview_share":{:.4f},)"
-        R"("tolerate_ms":{:.3f},"cut":{:.5f},"capped":{:.5f},"caution":{:.3f},"tol_rel":{:.4f},"tol_luma":{:.3f},"over":{:.5f},)"
+        R"("tolerate_ms":{:.3f},"cut":{:.5f},"capped":{:.5f},"error_scale":{:.3f},"tol_rel":{:.4f},"tol_luma":{:.3f},"over":{:.5f},)"
         R"("kbytes":{:.1f},"bytes_ratio":{:.4f},)",
         name, quantiser, tolerance, films.size(), per_frame(of(&Outcome::shade_seconds)), gain(&Outcome::shade_seconds),
         per_frame(of(&Outcome::gather_seconds)), gain(&Outcome::gather_seconds), gain(&Outcome::rays),
         of(&Outcome::preview_seconds) / of(&Outcome::shade_seconds), 1e3 * per_frame(of(&Outcome::tolerate_seconds)),
-        of(&Outcome::cut), of(&Outcome::capped), of(&Outcome::caution), of(&Outcome::tolerance),
+        of(&Outcome::cut), of(&Outcome::capped), of(&Outcome::error_scale), of(&Outcome::tolerance),
         of(&Outcome::tolerance_luma), of(&Outcome::over), of(&Outcome::bytes) / 1024, 1 / gain(&Outcome::bytes));
     fmt::print(
         R"("psnr_y":{:.3f},"loss_db":{:.4f},"chroma_loss":{:.4f},"ssim_loss":{:.5f},"hvsm":{:.3f},"hvsm_loss":{:.4f},)"

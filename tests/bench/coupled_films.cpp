@@ -139,7 +139,7 @@ Outcome cost_of(const app::RunStatistics& statistics, const renderer::Renderer& 
     out.cut = static_cast<double>(s.direct_clusters + s.indirect_clusters) / points /
               static_cast<double>(std::max<std::size_t>(1, s.direct_points + s.indirect_points));
     out.capped = static_cast<double>(s.capped_points) / points;
-    out.caution = s.mean_caution;
+    out.error_scale = s.mean_error_scale;
     return out;
 }
 

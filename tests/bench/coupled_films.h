@@ -17,7 +17,7 @@ struct Outcome {
     double rays = 0;            ///< shadow rays
     double cut = 0;             ///< clusters per point over light points
     double capped = 0;          ///< share of points
-    double caution = 0;         ///< mean over frames
+    double error_scale = 0;     ///< mean over frames
     double tolerance = 0;       ///< mean of tolerance over luminance, at pixels that gather light
     double tolerance_luma = 0;  ///< root mean square, in code values
     double over = 0;            ///< share of gathering pixels whose luminance is off by more than their tolerance

@@ -44,7 +44,7 @@ std::uint64_t key_of(const RenderJob& film, renderer::Renderer& renderer, const 
         hash.add(value);
     hash.add(seen.visible.depth);
     hash.add(seen.visible.material);
-    hash.add(seen.unscattered);
+    hash.add(seen.emitted);
     core::Radiance nothing;
     nothing.frame = world.frame;
     nothing.combined = core::Plane<glm::vec3>(s.format.width, s.format.height, glm::vec3(0));

@@ -23,8 +23,8 @@
 #include "renderer/cut/point_light.h"
 #include "renderer/cut/shade.h"
 #include "renderer/lights/anchors.h"
-#include "renderer/surface/scenery.h"
-#include "renderer/tree/light_forest.h"
+#include "renderer/surface/posed_scene.h"
+#include "renderer/tree/light_trees.h"
 #include "renderer/view/see.h"
 #include "tests/bench/wishes.h"
 
@@ -47,11 +47,11 @@ class Trial {
   public:
     Trial(const app::RenderJob& film, int size, int vpls)
         : film_(film),
-          scenery_(*film.animation, film.rendering.isa, film.plan),
-          lights_(scenery_, film.plan, film.rendering.direct_points, film.rendering.seed),
+          posed_scene_(*film.animation, film.rendering.isa, film.plan),
+          lights_(posed_scene_, film.plan, film.rendering.direct_points, film.rendering.seed),
           size_(size) {
         pose(film.frames.first);
-        anchors_.emplace(scenery_, lights_, renderer::AnchorSettings{vpls, film.rendering.bounces});
+        anchors_.emplace(posed_scene_, lights_, renderer::AnchorSettings{vpls, film.rendering.bounces});
     }
 
     void run(std::int64_t frame, float relative);
@@ -60,7 +60,7 @@ class Trial {
   private:
     void pose(std::int64_t frame) {
         world_ = film_.snapshot(frame);
-        scenery_.pose(world_);
+        posed_scene_.pose(world_);
     }
     std::vector<renderer::LightPoint> anchors_at(std::int64_t frame);
     Lighting gather(const std::vector<renderer::LightPoint>& lights, const renderer::Seen& seen,
@@ -68,28 +68,28 @@ class Trial {
 
     const app::RenderJob& film_;
     scene::Snapshot world_;
-    renderer::Scenery scenery_;
+    renderer::PosedScene posed_scene_;
     renderer::LightPoints lights_;
     std::optional<renderer::Anchors> anchors_;
     int size_;
 };
 
-/// The still anchors as they shine; the scenery stays posed so.
+/// The still anchors as they shine; the posed scene stays posed so.
 std::vector<renderer::LightPoint> Trial::anchors_at(std::int64_t frame) {
     pose(frame);
-    return anchors_->at(scenery_, lights_.at(scenery_)).still;
+    return anchors_->at(posed_scene_, lights_.at(posed_scene_)).still;
 }
 
 Lighting Trial::gather(const std::vector<renderer::LightPoint>& lights, const renderer::Seen& seen,
                        const core::ToleranceMap& tolerance) const {
-    renderer::LightForest forest = renderer::plant({}, lights, film_.rendering.seed);
-    forest.indirect_clamp = renderer::GeometryClamp{0.25f};
-    forest.translucent = true;
+    renderer::LightTrees light_trees = renderer::build_light_trees({}, lights, film_.rendering.seed);
+    light_trees.indirect_clamp = renderer::GeometryClamp{0.25f};
+    light_trees.translucent = true;
     const renderer::ShadeSettings settings{{film_.rendering.min_cut, 1 << 20, film_.rendering.stop, 1.0f}, false};
     renderer::ShadeCounts counts;
     Lighting result;
-    result.radiance =
-        renderer::shade(forest, scenery_.tracer(), seen, world_.camera.position(), tolerance, settings, counts);
+    result.radiance = renderer::shade(light_trees, posed_scene_.tracer(), seen, world_.camera.position(), tolerance,
+                                      settings, counts);
     result.rays = counts.shadow_rays;
     result.clusters = counts.indirect_clusters;
     result.points = counts.gather_points;
@@ -97,11 +97,11 @@ Lighting Trial::gather(const std::vector<renderer::LightPoint>& lights, const re
 }
 
 void Trial::run(std::int64_t frame, float relative) {
-    lights_.place(scenery_, film_.snapshot(frame));
+    lights_.place(posed_scene_, film_.snapshot(frame));
     const std::vector<renderer::LightPoint> before = anchors_at(frame), now = anchors_at(frame + 1);
     renderer::SeeCounts counts;
     const renderer::Seen seen =
-        renderer::see(scenery_, {{size_, size_, 1.0f}, 1, film_.rendering.specular_depth}, film_.plan, counts);
+        renderer::see(posed_scene_, {{size_, size_, 1.0f}, 1, film_.rendering.specular_depth}, film_.plan, counts);
 
     // The change of each anchor; who was dark and stays so is left out.
     std::vector<renderer::LightPoint> change;
@@ -154,26 +154,26 @@ std::uint64_t gather_within(renderer::Gatherer& gatherer, const Group& group, fl
 }
 
 void Trial::part(std::int64_t frame, float relative) {
-    lights_.place(scenery_, film_.snapshot(frame));
-    renderer::LastingForest lasting({lights_.average(), anchors_->average_still(), anchors_->average_moving()},
-                                    film_.rendering.seed);
+    lights_.place(posed_scene_, film_.snapshot(frame));
+    renderer::PersistentLightTrees lasting({lights_.average(), anchors_->average_still(), anchors_->average_moving()},
+                                           film_.rendering.seed);
     renderer::LightParts parts;
-    renderer::LightForest forest;
+    renderer::LightTrees light_trees;
     for (const std::int64_t f : {frame, frame + 1}) {
         pose(f);
-        const std::vector<renderer::LightPoint> direct = lights_.at(scenery_);
-        const renderer::Anchors::Lit lit = anchors_->at(scenery_, direct);
-        forest = lasting.at({direct, lit.still, lit.moving});
-        forest.direct_clamp = forest.indirect_clamp = renderer::GeometryClamp{0.25f};
-        parts.take(forest, lit.still, lasting);
+        const std::vector<renderer::LightPoint> direct = lights_.at(posed_scene_);
+        const renderer::Anchors::Lit lit = anchors_->at(posed_scene_, direct);
+        light_trees = lasting.at({direct, lit.still, lit.moving});
+        light_trees.direct_clamp = light_trees.indirect_clamp = renderer::GeometryClamp{0.25f};
+        parts.take(light_trees, lit.still, lasting);
     }
     renderer::SeeCounts counts;
     const renderer::Seen seen =
-        renderer::see(scenery_, {{size_, size_, 1.0f}, 1, film_.rendering.specular_depth}, film_.plan, counts);
+        renderer::see(posed_scene_, {{size_, size_, 1.0f}, 1, film_.rendering.specular_depth}, film_.plan, counts);
     std::vector<Group> groups;
     std::uint64_t afresh = 0;
     int points = 0;
-    renderer::Gatherer whole(forest, scenery_.tracer());
+    renderer::Gatherer whole(light_trees, posed_scene_.tracer());
     for (const renderer::GatherTile& tile : seen.tiles) {
         for (const renderer::GatherGroup& g : renderer::group_points(tile, world_.camera.position(), 4)) {
             const renderer::GatherPoint* pointers[renderer::lane_count] = {};
@@ -212,12 +212,12 @@ void Trial::part(std::int64_t frame, float relative) {
     if (afresh == 0) return;
     fmt::print("{} points of what is still, afresh {} rays each\n", points,
                afresh / static_cast<std::uint64_t>(points));
-    const std::pair<const char*, const renderer::LightForest*> kinds[] = {
+    const std::pair<const char*, const renderer::LightTrees*> kinds[] = {
         {"hidden", &parts.hidden}, {"moving", &parts.moving}, {"gained", &parts.gained}, {"lost", &parts.lost}};
     for (const float share : {0.1f, 0.3f, 1.0f}) {
         fmt::print("within {:.0f} %:", 100 * share);
         for (const auto& [name, part] : kinds) {
-            renderer::Gatherer gatherer(*part, scenery_.tracer());
+            renderer::Gatherer gatherer(*part, posed_scene_.tracer());
             std::uint64_t rays = 0;
             int without = 0, cheap = 0;
             for (const Group& group : groups) {

@@ -55,7 +55,7 @@ void fill_from(const std::vector<GatherPoint>& points, GatherLanes& lanes) {
 void BuildTree(benchmark::State& state) {
     const parallel::ThreadLimit limit(1);
     const auto lights = room_lights(state.range(0));
-    for (auto _ : state) benchmark::DoNotOptimize(build_light_tree(LightFamily::oriented, lights, 1));
+    for (auto _ : state) benchmark::DoNotOptimize(build_light_tree(LightType::oriented, lights, 1));
     state.SetItemsProcessed(state.iterations() * state.range(0));
 }
 BENCHMARK(BuildTree)->Arg(1000)->Arg(10000)->Arg(100000)->Arg(1000000)->Unit(benchmark::kMillisecond);
@@ -73,11 +73,11 @@ BENCHMARK(CellAreas)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond);
 void EvaluateLight(benchmark::State& state) {
     GatherLanes lanes;
     fill_from(sixteen_points(state.range(0) != 0), lanes);
-    const LightTree tree = build_light_tree(LightFamily::oriented, room_lights(1024), 1);
+    const LightTree tree = build_light_tree(LightType::oriented, room_lights(1024), 1);
     LightLanes out;
     std::size_t i = 0;
     for (auto _ : state) {
-        evaluate_light(lanes, LightFamily::oriented, tree.lights[i++ % 1024], nullptr, GeometryClamp{}, out);
+        evaluate_light(lanes, LightType::oriented, tree.lights[i++ % 1024], nullptr, GeometryClamp{}, out);
         benchmark::DoNotOptimize(out);
     }
     state.SetItemsProcessed(state.iterations() * lane_count);
@@ -87,7 +87,7 @@ BENCHMARK(EvaluateLight)->ArgName("glossy")->Arg(0)->Arg(1);
 void BoundNode(benchmark::State& state) {
     GatherLanes lanes;
     fill_from(sixteen_points(state.range(0) != 0), lanes);
-    const LightTree tree = build_light_tree(LightFamily::oriented, room_lights(1024), 1);
+    const LightTree tree = build_light_tree(LightType::oriented, room_lights(1024), 1);
     Lanes out;
     std::uint32_t i = 0;
     for (auto _ : state) {

@@ -23,16 +23,16 @@ import json, sys
 name, stop, tolerance, file = sys.argv[1:]
 s = json.load(open(file))
 p, points = s["passes"], max(1, s["gather_points"])
-caution = (s.get("caution") or {}).get("seconds", 0)
+error_scale = (s.get("error_scale") or {}).get("seconds", 0)
 cut = sum(s["mean_cut"].values())
 print(f'| {name} | {stop}, {tolerance[:-1]} % | {cut:.0f}, {s["rays"]["shadow"] / points:.0f} '
-      f'| {p.get("direct light tree", 0) + p.get("indirect light tree", 0) - caution:.2f} | {caution:.2f} | {p.get("photons", 0):.2f} |')
+      f'| {p.get("direct light tree", 0) + p.get("indirect light tree", 0) - error_scale:.2f} | {error_scale:.2f} | {p.get("photons", 0):.2f} |')
 PY
         done
     done
 }
 
-echo '| scene | `--stop`, tolerance | mean cut, rays per point | light | caution | photons |'
+echo '| scene | `--stop`, tolerance | mean cut, rays per point | light | error_scale | photons |'
 echo '|---|---|---|---|---|---|'
 for name in sponza sibenik bathroom; do
     lay_out_film "$name" "$scenes" "$work"

@@ -85,10 +85,10 @@ struct Place {
     double found = 0;                ///< luminance by anchors
 };
 
-std::vector<Place> places_of(const Subject& s, const renderer::Scenery& scenery, int count) {
+std::vector<Place> places_of(const Subject& s, const renderer::PosedScene& posed_scene, int count) {
     renderer::SeeCounts counts;
     const renderer::Seen seen =
-        renderer::see(scenery, {{picture_size, picture_size, 1.0f}, 1, s.settings.specular_depth}, s.plan, counts);
+        renderer::see(posed_scene, {{picture_size, picture_size, 1.0f}, 1, s.settings.specular_depth}, s.plan, counts);
     std::vector<const renderer::GatherPoint*> all;
     for (const renderer::GatherTile& tile : seen.tiles)
         for (const renderer::GatherPoint& p : tile)
@@ -103,13 +103,13 @@ std::vector<Place> places_of(const Subject& s, const renderer::Scenery& scenery,
 }
 
 /// How far the nearest of 256 directions gets.
-double nearest_surface(const renderer::Scenery& scenery, const renderer::SurfacePoint& p, std::uint64_t index) {
+double nearest_surface(const renderer::PosedScene& posed_scene, const renderer::SurfacePoint& p, std::uint64_t index) {
     double least = std::numeric_limits<double>::infinity();
     for (std::uint64_t k = 0; k < 256; ++k) {
         const glm::vec3 d = core::sample_cosine_hemisphere(
             p.geometric_normal, {core::uniform(11, index, 2 * k), core::uniform(11, index, 2 * k + 1)});
         const renderer::Hit hit =
-            scenery.tracer().nearest(renderer::offset_origin(p, d), d, std::numeric_limits<float>::infinity());
+            posed_scene.tracer().nearest(renderer::offset_origin(p, d), d, std::numeric_limits<float>::infinity());
         if (hit.found()) least = std::min(least, static_cast<double>(hit.distance));
     }
     return least;
@@ -127,15 +127,15 @@ double radius_about(const std::vector<renderer::LightPoint>& anchors, const rend
 }
 
 /// What all anchors together make each place scatter.
-void gather(std::vector<Place>& places, const renderer::Scenery& scenery, const renderer::Anchors::Lit& lit,
+void gather(std::vector<Place>& places, const renderer::PosedScene& posed_scene, const renderer::Anchors::Lit& lit,
             float clamp) {
-    renderer::LightForest forest = renderer::plant({}, lit.still, 1);
-    forest.trees[renderer::LightForest::moving_tree] =
-        renderer::build_light_tree(renderer::LightFamily::oriented, lit.moving, 1);
-    forest.indirect_clamp = clamp > 0 ? renderer::GeometryClamp{clamp} : renderer::GeometryClamp::none();
-    forest.translucent = true;
+    renderer::LightTrees light_trees = renderer::build_light_trees({}, lit.still, 1);
+    light_trees.trees[renderer::LightTrees::dynamic_tree] =
+        renderer::build_light_tree(renderer::LightType::oriented, lit.moving, 1);
+    light_trees.indirect_clamp = clamp > 0 ? renderer::GeometryClamp{clamp} : renderer::GeometryClamp::none();
+    light_trees.translucent = true;
     parallel::for_each(places.size(), [&](std::size_t i) {
-        renderer::Gatherer gatherer(forest, scenery.tracer());
+        renderer::Gatherer gatherer(light_trees, posed_scene.tracer());
         renderer::GatherLanes lanes;
         const renderer::GatherPoint* const points[] = {&places[i].point};
         renderer::fill(lanes, points);
@@ -169,25 +169,25 @@ void run(const std::string& scene, const bench::Wishes& wishes) {
     const std::vector<std::string> movers = bench::names_of_mover_scenes();
     const bool is_mover = std::find(movers.begin(), movers.end(), scene) != movers.end();
     Subject s = scene == "nook" ? nook() : is_mover ? mover_film(scene, frame) : film(scene, frame);
-    renderer::Scenery scenery(*s.animation, s.settings.isa, s.plan);
-    scenery.pose(s.world);
-    renderer::LightPoints lights(scenery, s.plan, s.settings.direct_points, s.settings.seed);
+    renderer::PosedScene posed_scene(*s.animation, s.settings.isa, s.plan);
+    posed_scene.pose(s.world);
+    renderer::LightPoints lights(posed_scene, s.plan, s.settings.direct_points, s.settings.seed);
     renderer::AnchorSettings settings{wishes.number("vpls", 4096), s.settings.bounces};
     settings.photons = static_cast<std::uint64_t>(wishes.number("photons", 0));
-    const renderer::Anchors anchors(scenery, lights, settings);
-    lights.place(scenery, s.world);
-    const renderer::Anchors::Lit lit = anchors.at(scenery, lights.at(scenery));
+    const renderer::Anchors anchors(posed_scene, lights, settings);
+    lights.place(posed_scene, s.world);
+    const renderer::Anchors::Lit lit = anchors.at(posed_scene, lights.at(posed_scene));
 
-    std::vector<Place> places = places_of(s, scenery, wishes.number("pixels", 256));
+    std::vector<Place> places = places_of(s, posed_scene, wishes.number("pixels", 256));
     const auto paths = static_cast<std::uint64_t>(wishes.number("paths", 1024));
     parallel::for_each(places.size(), [&](std::size_t i) {
         Place& p = places[i];
         const reference::Estimate e =
-            reference::scattered_light(scenery, p.point.point, s.settings.bounces, paths, 100 + i, 1);
+            reference::scattered_light(posed_scene, p.point.point, s.settings.bounces, paths, 100 + i, 1);
         p.truth = core::luminance(glm::vec3(e.mean));
         const double error = core::luminance(glm::vec3(e.error));
         p.variance = error * error;
-        p.nearness = nearest_surface(scenery, p.point.point, i) / radius_about(lit.still, p.point.point);
+        p.nearness = nearest_surface(posed_scene, p.point.point, i) / radius_about(lit.still, p.point.point);
     });
     std::string clamps = wishes.text("clamp", "0.25,0");
     fmt::print(
@@ -199,7 +199,7 @@ void run(const std::string& scene, const bench::Wishes& wishes) {
         const std::size_t comma = std::min(clamps.find(',', start), clamps.size());
         const std::string clamp = clamps.substr(start, comma - start);
         start = comma + 1;
-        gather(places, scenery, lit, std::strtof(clamp.c_str(), nullptr));
+        gather(places, posed_scene, lit, std::strtof(clamp.c_str(), nullptr));
         fmt::print("| {} | {} {} {} {} {}\n", clamp, judged(places, 0, infinity), judged(places, 0, 1),
                    judged(places, 1, 2), judged(places, 2, 4), judged(places, 4, infinity));
     }

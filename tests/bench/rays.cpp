@@ -60,13 +60,13 @@ struct Stage {
     explicit Stage(bool moves = false, bool deforms = false, bool veils = false)
         : film(hall(moves, deforms, veils).build()),
           plan(renderer::make_plan(scene::traits_of(film), {})),
-          scenery(film, core::detect_isa(), plan) {
+          posed_scene(film, core::detect_isa(), plan) {
         for (int second = 0; second < 2; ++second) worlds.push_back(test::snapshot(film, second, 512, 512));
-        scenery.pose(worlds[0]);
+        posed_scene.pose(worlds[0]);
     }
     scene::Animation film;
     renderer::Plan plan;
-    renderer::Scenery scenery;
+    renderer::PosedScene posed_scene;
     std::vector<scene::Snapshot> worlds;
 };
 
@@ -77,8 +77,8 @@ std::vector<renderer::SurfacePoint> seen_points(const Stage& stage) {
         for (int i = 0; i < 16; ++i) {
             const glm::vec2 at{static_cast<float>(tile % 32 * 16 + i % 4), static_cast<float>(tile / 32 * 16 + i / 4)};
             const scene::Ray ray = stage.worlds[0].camera.ray_through(at + 0.5f);
-            const renderer::Hit hit = stage.scenery.tracer().nearest(ray.origin, ray.direction, infinity);
-            points.push_back(stage.scenery.surface_at(hit.address, -ray.direction));
+            const renderer::Hit hit = stage.posed_scene.tracer().nearest(ray.origin, ray.direction, infinity);
+            points.push_back(stage.posed_scene.surface_at(hit.address, -ray.direction));
         }
     }
     return points;
@@ -89,7 +89,7 @@ std::vector<glm::vec3> light_places(const Stage& stage, std::uint64_t count) {
     std::vector<glm::vec3> places;
     for (std::uint64_t i = 1; i <= count; ++i) {
         const glm::vec3 direction = core::sample_sphere({core::halton(0, i), core::halton(1, i)});
-        const renderer::Hit hit = stage.scenery.tracer().nearest({0, 6, -18}, direction, infinity);
+        const renderer::Hit hit = stage.posed_scene.tracer().nearest({0, 6, -18}, direction, infinity);
         places.push_back(glm::vec3{0, 6, -18} + 0.999f * hit.distance * direction);
     }
     return places;
@@ -107,7 +107,7 @@ void nearest_from_eye(benchmark::State& state) {
             for (int x = 0; x < 512; ++x) {
                 const scene::Ray ray = stage.worlds[0].camera.ray_through(
                     {static_cast<float>(x) + 0.5f, 4.0f * static_cast<float>(y) + 0.5f});
-                benchmark::DoNotOptimize(stage.scenery.tracer().nearest(ray.origin, ray.direction, infinity));
+                benchmark::DoNotOptimize(stage.posed_scene.tracer().nearest(ray.origin, ray.direction, infinity));
                 ++rays;
             }
         }
@@ -124,7 +124,7 @@ void nearest_after_bounce(benchmark::State& state) {
         for (std::size_t i = 0; i < points.size(); ++i) {
             const glm::vec2 u{core::uniform(1, i, 0), core::uniform(1, i, 1)};
             const glm::vec3 d = core::sample_cosine_hemisphere(points[i].geometric_normal, u);
-            benchmark::DoNotOptimize(stage.scenery.tracer().nearest(offset_origin(points[i], d), d, infinity));
+            benchmark::DoNotOptimize(stage.posed_scene.tracer().nearest(offset_origin(points[i], d), d, infinity));
             ++rays;
         }
     }
@@ -151,10 +151,10 @@ void shadow_rays(benchmark::State& state) {
                     packet.direction_x[i] = d.x, packet.direction_y[i] = d.y, packet.direction_z[i] = d.z;
                     packet.far[i] = 1.0f;
                     through[i] = glm::vec3{1.0f};
-                    if (!packets) benchmark::DoNotOptimize(stage.scenery.tracer().passes(origin, d, 1.0f));
+                    if (!packets) benchmark::DoNotOptimize(stage.posed_scene.tracer().passes(origin, d, 1.0f));
                 }
                 packet.active = 0xffff;
-                if (packets) benchmark::DoNotOptimize(stage.scenery.tracer().occluded(packet, through));
+                if (packets) benchmark::DoNotOptimize(stage.posed_scene.tracer().occluded(packet, through));
                 rays += 16;
             }
         }
@@ -168,16 +168,16 @@ BENCHMARK(shadow_rays<false>)->ArgName("veils")->Arg(0)->Arg(1)->Unit(benchmark:
 void pose(benchmark::State& state) {
     Stage stage(state.range(0) == 1, state.range(0) == 2);
     std::size_t frame = 0;
-    for (auto _ : state) stage.scenery.pose(stage.worlds[++frame % 2]);
+    for (auto _ : state) stage.posed_scene.pose(stage.worlds[++frame % 2]);
 }
 BENCHMARK(pose)->ArgName("what")->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
 
 void build(benchmark::State& state) {
     const Stage stage;
     for (auto _ : state) {
-        renderer::Scenery scenery(stage.film, core::detect_isa(), stage.plan);
-        scenery.pose(stage.worlds[0]);
-        benchmark::DoNotOptimize(scenery.tracer());
+        renderer::PosedScene posed_scene(stage.film, core::detect_isa(), stage.plan);
+        posed_scene.pose(stage.worlds[0]);
+        benchmark::DoNotOptimize(posed_scene.tracer());
     }
 }
 BENCHMARK(build)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
@@ -189,7 +189,7 @@ void see(benchmark::State& state) {
     renderer::SeeSettings settings;
     settings.format = {512, 512, 1.0f};
     settings.samples = static_cast<int>(state.range(0));
-    for (auto _ : state) benchmark::DoNotOptimize(renderer::see(stage.scenery, settings, stage.plan, counts));
+    for (auto _ : state) benchmark::DoNotOptimize(renderer::see(stage.posed_scene, settings, stage.plan, counts));
     count_rays(state, counts.primary_rays);
 }
 BENCHMARK(see)

@@ -56,21 +56,21 @@ GradientFilm::GradientFilm(const std::string& input, const Wishes& wishes) : fil
 LatticeFrame GradientFilm::frame(int number) {
     LatticeFrame f;
     f.world = film_.snapshot(number);
-    scenery_.pose(f.world);
-    lights_.place(scenery_, f.world);
+    posed_scene_.pose(f.world);
+    lights_.place(posed_scene_, f.world);
     if (!anchors_)
-        anchors_.emplace(scenery_, lights_, renderer::AnchorSettings{film_.rendering.vpls, film_.rendering.bounces});
-    const auto direct = lights_.at(scenery_);
-    const renderer::Anchors::Lit lit = anchors_->at(scenery_, direct);
+        anchors_.emplace(posed_scene_, lights_, renderer::AnchorSettings{film_.rendering.vpls, film_.rendering.bounces});
+    const auto direct = lights_.at(posed_scene_);
+    const renderer::Anchors::Lit lit = anchors_->at(posed_scene_, direct);
     const auto still = anchors_->usual_still(), moving = anchors_->usual_moving();
-    renderer::LastingForest forest({lights_.usual(), still, moving}, film_.rendering.seed);
-    f.forest = forest.at({direct, lit.still, lit.moving}, true);
-    f.forest.direct_clamp = f.forest.indirect_clamp = {0.25f};  // renderer.cpp
-    f.forest.translucent = film_.plan.runs(renderer::Pass::alpha) || film_.plan.runs(renderer::Pass::glass);
-    f.tracer = &scenery_.tracer();
+    renderer::PersistentLightTrees light_trees({lights_.usual(), still, moving}, film_.rendering.seed);
+    f.light_trees = light_trees.at({direct, lit.still, lit.moving}, true);
+    f.light_trees.direct_clamp = f.light_trees.indirect_clamp = {0.25f};  // renderer.cpp
+    f.light_trees.translucent = film_.plan.runs(renderer::Pass::alpha) || film_.plan.runs(renderer::Pass::glass);
+    f.tracer = &posed_scene_.tracer();
     f.floor = film_.tolerance_map().pixels.values()[0].absolute;
     renderer::SeeCounts counts;
-    f.seen = renderer::see(scenery_, {film_.format, 1, film_.rendering.specular_depth}, film_.plan, counts);
+    f.seen = renderer::see(posed_scene_, {film_.format, 1, film_.rendering.specular_depth}, film_.plan, counts);
     // Only diffuse light of what takes records.
     for (renderer::GatherTile& tile : f.seen.tiles)
         for (renderer::GatherPoint& p : tile) {

@@ -12,7 +12,7 @@
 #include "renderer/cache/record_groups.h"
 #include "renderer/lights/anchors.h"
 #include "renderer/lights/light_points.h"
-#include "renderer/tree/light_forest.h"
+#include "renderer/tree/light_trees.h"
 #include "renderer/view/see.h"
 #include "tests/bench/wishes.h"
 
@@ -22,7 +22,7 @@ namespace render2mpeg::bench {
 struct LatticeFrame {
     scene::Snapshot world;
     renderer::Seen seen;
-    renderer::LightForest forest;
+    renderer::LightTrees light_trees;
     const renderer::RayTracer* tracer = nullptr;
     float floor = 0;
 
@@ -85,8 +85,8 @@ class GradientFilm {
 
   private:
     app::RenderJob film_;
-    renderer::Scenery scenery_{*film_.animation, film_.rendering.isa, film_.plan};
-    renderer::LightPoints lights_{scenery_, film_.plan, film_.rendering.direct_points, film_.rendering.seed};
+    renderer::PosedScene posed_scene_{*film_.animation, film_.rendering.isa, film_.plan};
+    renderer::LightPoints lights_{posed_scene_, film_.plan, film_.rendering.direct_points, film_.rendering.seed};
     std::optional<renderer::Anchors> anchors_;
 };
 

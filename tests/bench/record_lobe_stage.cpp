@@ -25,16 +25,16 @@ Stage stage_of(const std::string& scene, const bench::Wishes& wishes) {
     const app::RenderJob film = app::prepare(options);
     const renderer::Settings& settings = film.rendering;
     const scene::Snapshot world = film.snapshot(wishes.number("frame", 0));
-    Stage stage{film.animation, renderer::Scenery(*film.animation, settings.isa, film.plan), {}, {}};
-    stage.scenery.pose(world);
-    renderer::LightPoints lights(stage.scenery, film.plan, settings.direct_points, settings.seed);
-    const renderer::Anchors anchors(stage.scenery, lights, {settings.vpls, settings.bounces});
-    lights.place(stage.scenery, world);
-    const std::vector<renderer::LightPoint> direct = lights.at(stage.scenery);
-    stage.forest = renderer::plant(direct, anchors.at(stage.scenery, direct).still, 1);
-    stage.forest.direct_clamp = stage.forest.indirect_clamp = renderer::GeometryClamp{0.25f};
+    Stage stage{film.animation, renderer::PosedScene(*film.animation, settings.isa, film.plan), {}, {}};
+    stage.posed_scene.pose(world);
+    renderer::LightPoints lights(stage.posed_scene, film.plan, settings.direct_points, settings.seed);
+    const renderer::Anchors anchors(stage.posed_scene, lights, {settings.vpls, settings.bounces});
+    lights.place(stage.posed_scene, world);
+    const std::vector<renderer::LightPoint> direct = lights.at(stage.posed_scene);
+    stage.light_trees = renderer::build_light_trees(direct, anchors.at(stage.posed_scene, direct).still, 1);
+    stage.light_trees.direct_clamp = stage.light_trees.indirect_clamp = renderer::GeometryClamp{0.25f};
     renderer::SeeCounts counts;
-    stage.seen = renderer::see(stage.scenery, {{size, size, 1.0f}, 1, settings.specular_depth}, film.plan, counts);
+    stage.seen = renderer::see(stage.posed_scene, {{size, size, 1.0f}, 1, settings.specular_depth}, film.plan, counts);
     return stage;
 }
 

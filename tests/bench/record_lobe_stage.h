@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "renderer/surface/gather_point.h"
-#include "renderer/surface/scenery.h"
-#include "renderer/tree/light_forest.h"
+#include "renderer/surface/posed_scene.h"
+#include "renderer/tree/light_trees.h"
 #include "tests/bench/wishes.h"
 
 /// What the trials of lobes are lit by, and where.
@@ -15,8 +15,8 @@ namespace render2mpeg::bench {
 /// Whatever lights a frame.
 struct Stage {
     std::shared_ptr<const scene::Animation> animation;
-    renderer::Scenery scenery;
-    renderer::LightForest forest;
+    renderer::PosedScene posed_scene;
+    renderer::LightTrees light_trees;
     renderer::Seen seen;
 };
 

@@ -76,33 +76,33 @@ class Lighting {
         renderer::fill(lanes_, pointers);
     }
     void add_all() {
-        for (const renderer::ExactLight& e : stage_.forest.exact)
-            add(e.family, e.light, &e.spot, stage_.forest.direct_clamp, true);
-        for (int t = 0; t < renderer::LightForest::tree_count; ++t) {
-            const renderer::LightTree& tree = stage_.forest.trees[static_cast<std::size_t>(t)];
+        for (const renderer::ExactLight& e : stage_.light_trees.exact)
+            add(e.type, e.light, &e.spot, stage_.light_trees.direct_clamp, true);
+        for (int t = 0; t < renderer::LightTrees::tree_count; ++t) {
+            const renderer::LightTree& tree = stage_.light_trees.trees[static_cast<std::size_t>(t)];
             for (std::uint32_t i = 0; i < tree.lights.size(); ++i)
                 if (core::luminance(tree.lights[i].intensity) > 0.0f)
-                    add(tree.family, tree.lights[i], tree.spot(i), stage_.forest.clamp(t), false);
+                    add(tree.type, tree.lights[i], tree.spot(i), stage_.light_trees.clamp(t), false);
         }
     }
     const std::vector<bench::IncidentHarmonics>& incident() const { return incident_; }
 
   private:
-    void add(renderer::LightFamily family, const renderer::TreeLight& light, const renderer::Spot* spot,
+    void add(renderer::LightType type, const renderer::TreeLight& light, const renderer::Spot* spot,
              renderer::GeometryClamp clamp, bool exact) {
         renderer::LightLanes unit;
-        renderer::evaluate_light(lanes_, family, light, spot, clamp, unit);
+        renderer::evaluate_light(lanes_, type, light, spot, clamp, unit);
         renderer::ShadowPacket packet;
-        renderer::aim(lanes_, family, light, packet);
+        renderer::aim(lanes_, type, light, packet);
         packet.active = 0;
         for (int i = 0; i < place_count; ++i) packet.active |= unit.diffuse[i] > 0.0f ? 1u << i : 0u;
         if (packet.active == 0) return;
-        const std::uint32_t lit = packet.active & ~stage_.scenery.tracer().occluded(packet, nullptr);
+        const std::uint32_t lit = packet.active & ~stage_.posed_scene.tracer().occluded(packet, nullptr);
         if (lit == 0) return;
         for (int i = 0; i < place_count && !exact; ++i)
-            if ((lit >> i & 1u) != 0) add_harmonics(i, family, light, clamp, unit.diffuse[i]);
+            if ((lit >> i & 1u) != 0) add_harmonics(i, type, light, clamp, unit.diffuse[i]);
         for (Pack& pack : packs_) {
-            renderer::evaluate_light(pack.lanes, family, light, spot, clamp, unit);
+            renderer::evaluate_light(pack.lanes, type, light, spot, clamp, unit);
             LaneSums& sums = exact ? pack.exact : pack.trees;
             for (int i = 0; i < pack.lanes.count; ++i) {
                 if ((lit >> (pack.of_places ? i : 0) & 1u) == 0) continue;
@@ -112,14 +112,13 @@ class Lighting {
             }
         }
     }
-    void add_harmonics(int i, renderer::LightFamily family, const renderer::TreeLight& light,
-                       renderer::GeometryClamp clamp, float irradiance) {
-        const bool far = family == renderer::LightFamily::directional;
+    void add_harmonics(int i, renderer::LightType type, const renderer::TreeLight& light, renderer::GeometryClamp clamp,
+                       float irradiance) {
+        const bool far = type == renderer::LightType::directional;
         const glm::vec3 to =
             far ? light.position : light.position - places_[static_cast<std::size_t>(i)].point.position;
-        const float spread2 = family == renderer::LightFamily::punctual
-                                  ? 0.0f
-                                  : light.disc2 / clamp.scale / (far ? 1.0f : glm::dot(to, to));
+        const float spread2 =
+            type == renderer::LightType::punctual ? 0.0f : light.disc2 / clamp.scale / (far ? 1.0f : glm::dot(to, to));
         incident_[static_cast<std::size_t>(i)].add(glm::normalize(to), spread2, irradiance * light.intensity);
     }
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""tests/fits/caution_tail.py NEEDS [CAUTION]
+"""tests/fits/error_scale_tail.py NEEDS [CAUTION]
 
-How well a few pixels tell what a share of 0.005 of all exceeds (docs/fits/caution.md, "Few pixels"). NEEDS is what
-fit_caution writes beside its table: what each pixel needs, by scene and tolerance; CAUTION those lit with it, 0.5. From each
-row samples are drawn, and the caution that they ask for is held against the whole row."""
+How well a few pixels tell what a share of 0.005 of all exceeds (docs/fits/error-calibration.md, "Few pixels"). NEEDS is what
+fit_error_calibration writes beside its table: what each pixel needs, by scene and tolerance; CAUTION those lit with it, 0.5. From each
+row samples are drawn, and the error_scale that they ask for is held against the whole row."""
 import bisect
 import math
 import random
@@ -27,7 +27,7 @@ def tail(falling):
 
 
 def learnt(falling):
-    """As caution.cpp has it."""
+    """As error_scale.cpp has it."""
     return max(tail(falling) * (1 + MARGIN / len(falling)), place(falling, PROMISED))
 
 
@@ -38,11 +38,11 @@ def twice(falling):
 
 
 def main():
-    caution = float(sys.argv[2]) if len(sys.argv) > 2 else 0.5
+    error_scale = float(sys.argv[2]) if len(sys.argv) > 2 else 0.5
     rows = []
     for line in open(sys.argv[1]):
         words = line.split(",")
-        if float(words[2]) == caution:
+        if float(words[2]) == error_scale:
             rows.append(sorted(float(w) for w in words[3:]))
     dice = random.Random(1)
     print("| pixels | rule | scatter of c | c over the least that keeps 0.5 % | beyond, mean; worst row | samples with over 1 %, mean; worst row |")

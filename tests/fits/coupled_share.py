@@ -111,7 +111,7 @@ VARIABLES = {
     "log q, log of the coding error over q": [log_scale, lambda n, q: math.log(coding_rms(n, q) / q)],
     "log q, log of what is tolerated at k = 1 over q": [log_scale, lambda n, q: math.log(at(films[n][q], 1.0, "tol_luma") / q)],
     "log q, log of the coding error over what is tolerated": [log_scale, lambda n, q: math.log(coding_rms(n, q) / at(films[n][q], 1.0, "tol_luma"))],
-    "log q, log of the caution": [log_scale, lambda n, q: math.log(fixed[n, q]["caution"])],
+    "log q, log of the error_scale": [log_scale, lambda n, q: math.log(fixed[n, q]["error_scale"])],
     "log q, log of bytes": [log_scale, lambda n, q: math.log(fixed[n, q]["kbytes"])],
 }
 names = list(films)
@@ -135,7 +135,7 @@ def table(limits):
 print("# The share of what coding hides\n")
 print("`tests/fits/coupled_share.sh`; every film rendered is a line of [coupled-share-by-type.jsonl](coupled-share-by-type.jsonl).\n")
 print("All against a fixed tolerance of 2 % at the same quantiser and stopping rule, both decoded and held against light without clustering. Share k, and there the factor in CPU time of gathering "
-      "(photons, first looks and what caution costs included: much of it in frames so small) and in shadow rays.\n")
+      "(photons, first looks and what error_scale costs included: much of it in frames so small) and in shadow rays.\n")
 print("Where 0.1 dB of PSNR-Y are lost:\n")
 table({"loss_db": 0.1})
 print("\nWhere 0.1 dB of PSNR-Y, 0.1 dB of PSNR-HVS-M or 0.002 of SSIM are lost, whichever comes first:\n")
@@ -216,6 +216,6 @@ PSNR-HVS-M; over; flicker above the fixed film's):
 | colonnade, 0.5 | x2.58, 0.041 ± 0.013, 0.164 ± 0.024, 0.32 %, +0.066 | x2.61, 0.041 ± 0.012, 0.145 ± 0.023, 0.59 %, +0.063 | x2.58, 0.028 ± 0.008, 0.105 ± 0.024, 0.56 %, +0.074 | x2.61, 0.038 ± 0.010, 0.163 ± 0.023, 0.55 %, +0.105 |
 
 Chosen on `cornell`; a factor of 1.4 in I pictures loses 0.199 and 0.404 dB there, 0.3, 0.7, 1.3 loses 0.051 and 0.207 at x2.99. In `many_lamps` at 0.45 (0.7, 0.8, 1.12) stands at x2.05, 0.034, 0.174 for x2.07, 0.034, 0.200 (0.08 either way); in `character` at 16, k = 0.35, no difference is beyond its error. Factors as
-exponents: 0.25 gives I pictures of 15 0.51, 0.1 gives P pictures 0.78 to 1. `bench_coupled --alike` gives all pictures one share. The price was pixels beyond their tolerance, 1 % in the last three columns: caution was learnt from the I picture, which needs less of it than coarser ones (0.65 for 0.76 in `character`). It is learnt of those as well, since.
+exponents: 0.25 gives I pictures of 15 0.51, 0.1 gives P pictures 0.78 to 1. `bench_coupled --alike` gives all pictures one share. The price was pixels beyond their tolerance, 1 % in the last three columns: error_scale was learnt from the I picture, which needs less of it than coarser ones (0.65 for 0.76 in `character`). It is learnt of those as well, since.
 
 Tried without gain: the root mean square of a block's errors weighted by the eye's sensitivity to each coefficient, or over u + v < 3 alone (`cornell`, k = 0.5: x3.00 and 0.340 dB, x2.82 and 0.271, which is the loss of a smaller k).""")

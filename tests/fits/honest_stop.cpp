@@ -93,7 +93,7 @@ class Bench {
 
     /// Adds the shares, weighted by pixels, to `sum`. The rule is a setting of the renderer, hence two of them.
     void add(double tolerance, double factor, Measured& sum) {
-        renderer_->set_caution(static_cast<float>(factor));
+        renderer_->set_error_scale(static_cast<float>(factor));
         const renderer::Statistics before = renderer_->statistics();
         const double start = app::cpu_seconds();
         const auto relative = static_cast<float>(tolerance);

@@ -43,11 +43,12 @@ json lasting(const std::filesystem::path& file) {
     json s = json::parse(contents(file));
     for (const char* key : {"seconds", "passes", "effects", "peak_rss_mib", "command", "output"}) s.erase(key);
     s["rays"].erase("photon");
-    if (s["caution"].is_object()) s["caution"].erase("seconds");
+    if (s["error_scale"].is_object()) s["error_scale"].erase("seconds");
     if (s["audit"].is_object()) s["audit"].erase("seconds");
     // Means are put together from two runs' means.
     s["clamped_energy"] = std::round(1e9 * s["clamped_energy"].get<double>());
-    if (s["caution"].is_object()) s["caution"]["mean"] = std::round(1e9 * s["caution"]["mean"].get<double>());
+    if (s["error_scale"].is_object())
+        s["error_scale"]["mean"] = std::round(1e9 * s["error_scale"]["mean"].get<double>());
     for (json& frame : s["per_frame"]) frame.erase("seconds");
     return s;
 }

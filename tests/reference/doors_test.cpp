@@ -13,24 +13,24 @@ constexpr int bounces = 4;
 /// Places of the far room: two on its floor, one on each of two walls, one on the ceiling; seen from its middle.
 const glm::vec3 places[] = {{5.5f, 0, 2}, {7, 0, 3.2f}, {8, 1.2f, 2}, {6, 1, 0}, {6, 3, 2.5f}};
 
-SurfacePoint surface(const Scenery& scenery, glm::vec3 place) {
+SurfacePoint surface(const PosedScene& posed_scene, glm::vec3 place) {
     const glm::vec3 eye{6, 1.5f, 2}, way = glm::normalize(place - eye);
-    const Hit hit = scenery.tracer().nearest(eye, way, 100.0f);
-    return scenery.surface_at(hit.address, -way);
+    const Hit hit = posed_scene.tracer().nearest(eye, way, 100.0f);
+    return posed_scene.surface_at(hit.address, -way);
 }
 
 /// Indirect light that the anchors make it scatter.
-double by_anchors(const Scenery& scenery, const Anchors::Lit& lit, const SurfacePoint& point) {
-    LightForest forest = plant({}, lit.still, 1);
-    forest.trees[LightForest::moving_tree] = build_light_tree(LightFamily::oriented, lit.moving, 1);
-    forest.indirect_clamp = {0.25f};
+double by_anchors(const PosedScene& posed_scene, const Anchors::Lit& lit, const SurfacePoint& point) {
+    LightTrees light_trees = build_light_trees({}, lit.still, 1);
+    light_trees.trees[LightTrees::dynamic_tree] = build_light_tree(LightType::oriented, lit.moving, 1);
+    light_trees.indirect_clamp = {0.25f};
     GatherPoint gathering;
     gathering.point = point;
     const GatherPoint* const points[] = {&gathering};
     GatherLanes lanes;
     fill(lanes, points);
     GatheredLight light;
-    Gatherer(forest, scenery.tracer()).gather_all(lanes, light);
+    Gatherer(light_trees, posed_scene.tracer()).gather_all(lanes, light);
     return core::luminance(point_light(light, 0, gathering).scattered(gathering));
 }
 
@@ -42,9 +42,9 @@ TEST(DoorsSlow, LightTheNextRoomAsPathsDo) {
         const Anchors::Lit lit = stage.light();
         double anchors = 0, paths = 0;
         for (const glm::vec3& place : places) {
-            const SurfacePoint point = surface(stage.scenery(), place);
-            const double found = by_anchors(stage.scenery(), lit, point);
-            const reference::Estimate e = reference::scattered_light(stage.scenery(), point, bounces, 30000, 1, 1);
+            const SurfacePoint point = surface(stage.posed_scene(), place);
+            const double found = by_anchors(stage.posed_scene(), lit, point);
+            const reference::Estimate e = reference::scattered_light(stage.posed_scene(), point, bounces, 30000, 1, 1);
             const double truth = core::luminance(glm::vec3(e.mean)), error = core::luminance(glm::vec3(e.error));
             anchors += found;
             paths += truth;

@@ -81,21 +81,21 @@ TEST_P(LightTransportSlow, OfAnAreaLightIsTheRenderingEquations) {
     LitStage stage(room(true));
     const GatherPoint point = patch_point(stage, GetParam());
     const auto points = mean_of_sets(stage, point, {512, 0, 0}, 24);
-    expect_same(points, reference::scattered_light(stage.scenery(), point.point, 0, 200000, 1), 0.02);
+    expect_same(points, reference::scattered_light(stage.posed_scene(), point.point, 0, 200000, 1), 0.02);
 }
 
 TEST_P(LightTransportSlow, OfOneBounceIsTheRenderingEquations) {
     LitStage stage(room(true));
     const GatherPoint point = patch_point(stage, GetParam());
     const auto points = mean_of_sets(stage, point, {256, 2000, 1}, 24);
-    expect_same(points, reference::scattered_light(stage.scenery(), point.point, 1, 300000, 2), 0.02);
+    expect_same(points, reference::scattered_light(stage.posed_scene(), point.point, 1, 300000, 2), 0.02);
 }
 
 TEST_P(LightTransportSlow, OfSixBouncesIsTheRenderingEquations) {
     LitStage stage(room(false));
     const GatherPoint point = patch_point(stage, GetParam());
     const auto points = mean_of_sets(stage, point, {16, 1500, 6}, 24);
-    expect_same(points, reference::scattered_light(stage.scenery(), point.point, 6, 60000, 3), 0.02);
+    expect_same(points, reference::scattered_light(stage.posed_scene(), point.point, 6, 60000, 3), 0.02);
 }
 INSTANTIATE_TEST_SUITE_P(Patches, LightTransportSlow, testing::Range(0, 4));
 
@@ -108,7 +108,7 @@ TEST(LightTransportSlow, OfSkyAndSunWithABounceIsTheRenderingEquations) {
     LitStage stage(b);
     const GatherPoint point = stage.point_at(1, 0, {0.3f, 0.3f}, glm::vec3(2, 1.5f, 2));
     const auto points = mean_of_sets(stage, point, {2000, 3000, 2}, 16);
-    const auto paths = reference::scattered_light(stage.scenery(), point.point, 2, 200000, 4);
+    const auto paths = reference::scattered_light(stage.posed_scene(), point.point, 2, 200000, 4);
     // The sky's directions are the same in every set: their own error is not in the spread, and below 1 % here.
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(points.mean[k] / paths.mean[k], 1.0, 0.02) << k;
 }
@@ -121,7 +121,7 @@ TEST(LightTransportSlow, OfAGlossyFloorUnderAPanelIsTheRenderingEquations) {
     const GatherPoint point = stage.point_at(0, 0, {0.25f, 0.25f}, glm::vec3(1.5f, 1.0f, -3.0f));
     ASSERT_TRUE(point.point.bsdf.has_glossy());
     const auto points = mean_of_sets(stage, point, {1024, 0, 0}, 24);
-    expect_same(points, reference::scattered_light(stage.scenery(), point.point, 0, 400000, 5), 0.02);
+    expect_same(points, reference::scattered_light(stage.posed_scene(), point.point, 0, 400000, 5), 0.02);
 }
 
 /// A closed room whose walls all emit 1 and reflect r: everything is 1 + r + r^2 + ... bright, seen or gathered
@@ -138,7 +138,7 @@ TEST(FurnaceSlow, IsAsBrightAsTheGeometricSeries) {
         for (int k = 1; k <= bounces + 1; ++k) expected += std::pow(r, k);
         for (const std::uint32_t triangle : {0u, 5u, 8u}) {
             const GatherPoint point =
-                stage.point_at(0, triangle, {0.4f, 0.2f}, stage.scenery().front_normal(0, triangle));
+                stage.point_at(0, triangle, {0.4f, 0.2f}, stage.posed_scene().front_normal(0, triangle));
             const auto sum = mean_of_sets(stage, point, {512, 1000, bounces}, 24);
             EXPECT_LT(std::abs(sum.mean.x - expected), 4 * sum.error.x + 1e-4)
                 << r << " " << sum.mean.x << " +- " << sum.error.x << " for " << expected;

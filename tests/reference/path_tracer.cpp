@@ -13,9 +13,9 @@ namespace {
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
 /// Radiance scattered at p by punctual lights.
-glm::dvec3 from_punctual(const renderer::Scenery& scenery, const renderer::SurfacePoint& p) {
+glm::dvec3 from_punctual(const renderer::PosedScene& posed_scene, const renderer::SurfacePoint& p) {
     glm::dvec3 sum(0);
-    for (const scene::LightState& light : scenery.posed().lights) {
+    for (const scene::LightState& light : posed_scene.posed().lights) {
         glm::dvec3 to_light = -glm::dvec3(light.direction), received(light.intensity);
         float far = infinity;
         const glm::vec3 normal_side = renderer::offset_origin(p, p.geometric_normal);
@@ -36,30 +36,31 @@ glm::dvec3 from_punctual(const renderer::Scenery& scenery, const renderer::Surfa
         const glm::vec3 l(to_light);
         const double cosine = glm::dot(p.shading_normal, l);
         if (!(cosine > 0.0) || !(glm::dot(p.geometric_normal, l) > 0.0f)) continue;
-        const glm::dvec3 passes(scenery.tracer().passes(normal_side, l, far));
+        const glm::dvec3 passes(posed_scene.tracer().passes(normal_side, l, far));
         sum += glm::dvec3(renderer::evaluate(p.bsdf, p.shading_normal, p.outgoing, l)) * cosine * received * passes;
     }
     return sum;
 }
 
 /// One path that starts at p: what it brings back to p's `outgoing`.
-glm::dvec3 follow(const renderer::Scenery& scenery, renderer::SurfacePoint p, int bounces, int least_bounces,
+glm::dvec3 follow(const renderer::PosedScene& posed_scene, renderer::SurfacePoint p, int bounces, int least_bounces,
                   std::uint64_t seed, std::uint64_t path) {
     glm::dvec3 light(0), throughput(1);
     for (int bounce = 0; bounce <= bounces; ++bounce) {
         const bool counts = bounce >= least_bounces;
-        if (counts) light += throughput * from_punctual(scenery, p);
+        if (counts) light += throughput * from_punctual(posed_scene, p);
         const auto key = static_cast<std::uint64_t>(2 * bounce);
         const glm::vec3 d = core::sample_cosine_hemisphere(
             p.shading_normal, {core::uniform(seed, path, key), core::uniform(seed, path, key + 1)});
         if (!(glm::dot(d, p.geometric_normal) > 0.0f)) break;
         throughput *= glm::dvec3(renderer::evaluate(p.bsdf, p.shading_normal, p.outgoing, d)) * std::numbers::pi;
-        const renderer::Hit hit = scenery.tracer().nearest(renderer::offset_origin(p, d), d, infinity);
+        const renderer::Hit hit = posed_scene.tracer().nearest(renderer::offset_origin(p, d), d, infinity);
         if (!hit.found()) {
-            if (counts && scenery.sky() != nullptr) light += throughput * glm::dvec3(scenery.sky()->radiance(d, 0.0f));
+            if (counts && posed_scene.sky() != nullptr)
+                light += throughput * glm::dvec3(posed_scene.sky()->radiance(d, 0.0f));
             break;
         }
-        p = scenery.surface_at(hit.address, -d);
+        p = posed_scene.surface_at(hit.address, -d);
         if (counts) light += throughput * glm::dvec3(p.emission);
     }
     return light;
@@ -67,11 +68,11 @@ glm::dvec3 follow(const renderer::Scenery& scenery, renderer::SurfacePoint p, in
 
 }  // namespace
 
-Estimate scattered_light(const renderer::Scenery& scenery, const renderer::SurfacePoint& point, int bounces,
+Estimate scattered_light(const renderer::PosedScene& posed_scene, const renderer::SurfacePoint& point, int bounces,
                          std::uint64_t samples, std::uint64_t seed, int least_bounces) {
     glm::dvec3 sum(0), squares(0);
     for (std::uint64_t i = 0; i < samples; ++i) {
-        const glm::dvec3 l = follow(scenery, point, bounces, least_bounces, seed, i);
+        const glm::dvec3 l = follow(posed_scene, point, bounces, least_bounces, seed, i);
         sum += l;
         squares += l * l;
     }

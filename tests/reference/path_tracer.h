@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 
-#include "renderer/surface/scenery.h"
+#include "renderer/surface/posed_scene.h"
 
 namespace render2mpeg::reference {
 
@@ -18,7 +18,7 @@ struct Estimate {
 /// punctual lights, which cannot be met, are connected to. No roulette, no clamps, sums in double. Uses the renderer's
 /// rays and surfaces, none of its lights, trees or kernels. `bounces` is how often light may scatter before it reaches
 /// the point: 0 is direct light alone; what scattered less than `least_bounces` times is left out.
-Estimate scattered_light(const renderer::Scenery& scenery, const renderer::SurfacePoint& point, int bounces,
+Estimate scattered_light(const renderer::PosedScene& posed_scene, const renderer::SurfacePoint& point, int bounces,
                          std::uint64_t samples, std::uint64_t seed, int least_bounces = 0);
 
 }  // namespace render2mpeg::reference

@@ -56,7 +56,7 @@ TEST(AnchorDoors, PartTheSameNeighboursWhetherTheseAreKeptInListsOrNot) {
         places.back().rest = {l.position, l.normal};
         places.back().disc2 = l.disc2;
     }
-    const RayTracer& scene = stage.scenery().tracer();
+    const RayTracer& scene = stage.posed_scene().tracer();
     const PhotonSplatter listed(places, scene), searched(places, scene, 0);
     EXPECT_GT(listed.bytes(), searched.bytes() + 100 * places.size());
     EXPECT_EQ(listed.rays(), searched.rays());

@@ -23,8 +23,8 @@ struct Yard {
     }
     std::vector<float> importance(const std::vector<glm::vec3>& places) {
         const Plan plan = make_plan(scene::traits_of(film), {});
-        Scenery scenery(film, core::detect_isa(), plan);
-        scenery.pose(world);
+        PosedScene posed_scene(film, core::detect_isa(), plan);
+        posed_scene.pose(world);
         std::vector<LightPoint> lights;
         for (const glm::vec3& p : places) {
             LightPoint l;
@@ -32,7 +32,7 @@ struct Yard {
             l.normal = {0, -1, 0};
             lights.push_back(l);
         }
-        return importance_to_eye(scenery, lights);
+        return importance_to_eye(posed_scene, lights);
     }
     scene::Animation film;
     scene::Snapshot world;

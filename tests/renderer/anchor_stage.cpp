@@ -8,23 +8,23 @@ namespace render2mpeg::test {
 AnchorStage::AnchorStage(const SceneBuilder& builder, renderer::AnchorSettings settings)
     : film_(builder.build()),
       plan_(renderer::make_plan(scene::traits_of(film_), {})),
-      scenery_(film_, core::detect_isa(), plan_),
-      points_(scenery_, plan_, 64, 1),
+      posed_scene_(film_, core::detect_isa(), plan_),
+      points_(posed_scene_, plan_, 64, 1),
       world_(snapshot(film_, 0, 32, 32)) {
-    scenery_.pose(world_);
-    anchors_ = std::make_unique<renderer::Anchors>(scenery_, points_, settings);
-    points_.place(scenery_, world_);
+    posed_scene_.pose(world_);
+    anchors_ = std::make_unique<renderer::Anchors>(posed_scene_, points_, settings);
+    points_.place(posed_scene_, world_);
 }
 
 void AnchorStage::pose(double seconds) {
     const auto thousandths = static_cast<std::int64_t>(std::lround(seconds * 1000));
     scene::Snapshot next = scene::snapshot_at(film_, 0, {thousandths, 1000}, {32, 32, 1.0f});
     std::swap(world_, next);
-    scenery_.pose(world_);
+    posed_scene_.pose(world_);
 }
 
 renderer::PhotonResult AnchorStage::photons() {
-    return renderer::trace_photons(scenery_, points_.at(scenery_), {1, anchors_->paths(), 4});
+    return renderer::trace_photons(posed_scene_, points_.at(posed_scene_), {1, anchors_->paths(), 4});
 }
 
 SceneBuilder hall() {

@@ -14,18 +14,18 @@ class AnchorStage {
     explicit AnchorStage(const SceneBuilder& builder, renderer::AnchorSettings settings = {600, 4});
 
     void pose(double seconds);
-    renderer::Anchors::Lit light() { return anchors_->at(scenery_, points_.at(scenery_)); }
+    renderer::Anchors::Lit light() { return anchors_->at(posed_scene_, points_.at(posed_scene_)); }
     renderer::PhotonResult photons();
 
     const renderer::Anchors& anchors() const { return *anchors_; }
     const renderer::LightPoints& points() const { return points_; }
-    std::vector<renderer::LightPoint> direct() { return points_.at(scenery_); }
-    const renderer::Scenery& scenery() const { return scenery_; }
+    std::vector<renderer::LightPoint> direct() { return points_.at(posed_scene_); }
+    const renderer::PosedScene& posed_scene() const { return posed_scene_; }
 
   private:
     scene::Animation film_;
     renderer::Plan plan_;
-    renderer::Scenery scenery_;
+    renderer::PosedScene posed_scene_;
     renderer::LightPoints points_;
     scene::Snapshot world_;
     std::unique_ptr<renderer::Anchors> anchors_;

@@ -7,7 +7,7 @@
 #include "core/color.h"
 #include "parallel/loops.h"
 #include "renderer/cut/cut.h"
-#include "renderer/tree/light_forest.h"
+#include "renderer/tree/light_trees.h"
 #include "tests/renderer/anchor_stage.h"
 
 namespace render2mpeg::renderer {
@@ -59,7 +59,7 @@ TEST(Anchors, HoldAllFluxThatPhotonsLeave) {
         const PhotonResult photons = stage.photons();
         glm::dvec3 still(0), moving(0);
         for (std::size_t i = 0; i < photons.vpls.size(); ++i) {
-            const scene::Object& object = stage.scenery().animation().objects[photons.addresses[i].object];
+            const scene::Object& object = stage.posed_scene().animation().objects[photons.addresses[i].object];
             (object.mobility == scene::Mobility::still ? still : moving) += glm::dvec3(photons.vpls[i].intensity);
         }
         ASSERT_GT(moving.x, 0.0);
@@ -144,18 +144,19 @@ std::vector<std::vector<double>> light_behind_ball(const AnchorSettings& setting
         if (!stage) stage = std::make_unique<AnchorStage>(room(false, true), settings);
         stage->pose(0.2 + frame / 25.0);
         const Anchors::Lit lit = stage->light();
-        LightForest forest = plant({}, lit.still, 1);
-        forest.trees[LightForest::moving_tree] = build_light_tree(LightFamily::oriented, lit.moving, 1);
-        forest.indirect_clamp = {0.25f};
+        LightTrees light_trees = build_light_trees({}, lit.still, 1);
+        light_trees.trees[LightTrees::dynamic_tree] = build_light_tree(LightType::oriented, lit.moving, 1);
+        light_trees.indirect_clamp = {0.25f};
         GatherPoint places[12];
         const GatherPoint* points[12];
         for (std::uint32_t i = 0; i < 12; ++i) {
-            places[i].point = stage->scenery().surface_at({0, i, 0.4f, 0.4f}, stage->scenery().front_normal(0, i));
+            places[i].point =
+                stage->posed_scene().surface_at({0, i, 0.4f, 0.4f}, stage->posed_scene().front_normal(0, i));
             points[i] = &places[i];
         }
         GatherLanes lanes;
         fill(lanes, points);
-        Gatherer gatherer(forest, stage->scenery().tracer());
+        Gatherer gatherer(light_trees, stage->posed_scene().tracer());
         GatheredLight gathered;
         gatherer.gather_all(lanes, gathered);
         for (int i = 0; i < 12; ++i)

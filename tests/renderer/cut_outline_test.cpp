@@ -18,7 +18,7 @@ using test::SceneBuilder;
 class Neighbours {
   public:
     Neighbours() : stage_(room()) {
-        forest_ = stage_.light({16, 0, 1, 0, GeometryClamp::none()});
+        light_trees_ = stage_.light({16, 0, 1, 0, GeometryClamp::none()});
         for (int g = 0; g < 2; ++g) {
             for (int i = 0; i < lane_count; ++i)
                 points_[g].push_back(
@@ -31,12 +31,12 @@ class Neighbours {
             fill(lanes_[g], pointers);
             lanes_[g].set = g;
         }
-        Gatherer(forest_, tracer()).gather_all(lanes_[1], truth_);
+        Gatherer(light_trees_, tracer()).gather_all(lanes_[1], truth_);
     }
 
     /// The second group's light, by a tolerance, with the splits of the first group's cut by another.
     GatheredLight gather(Stop stop, float relative, float neighbours, int most = 4000) {
-        Gatherer gatherer(forest_, tracer());
+        Gatherer gatherer(light_trees_, tracer());
         const CutLimits limits{8, most, stop};
         GatheredLight light;
         CutOutline outline;
@@ -73,10 +73,10 @@ class Neighbours {
         std::fill(std::begin(t.relative), std::end(t.relative), relative);
         return t;
     }
-    const RayTracer& tracer() const { return stage_.scenery().tracer(); }
+    const RayTracer& tracer() const { return stage_.posed_scene().tracer(); }
 
     LitStage stage_;
-    LightForest forest_;
+    LightTrees light_trees_;
     std::vector<GatherPoint> points_[2];
     GatherLanes lanes_[2];
     GatheredLight truth_;

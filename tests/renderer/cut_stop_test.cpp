@@ -139,7 +139,7 @@ TEST(HonestStop, SaysByHowMuchEveryPixelMayErr) {
 /// One group of points on the floor of a box, among lamps that no clamp limits.
 struct LampGroup {
     explicit LampGroup(const std::vector<glm::vec3>& lamps, float intensity) : stage(room(lamps, intensity)) {
-        forest = stage.light({16, 0, 1, 0, GeometryClamp::none()});
+        light_trees = stage.light({16, 0, 1, 0, GeometryClamp::none()});
         for (int i = 0; i < lane_count; ++i)
             points.push_back(stage.point_at(
                 0, 0, {0.2f + 0.01f * static_cast<float>(i % 4), 0.2f + 0.01f * static_cast<float>(i / 4)}, {0, 1, 0}));
@@ -157,11 +157,11 @@ struct LampGroup {
         GroupTolerance tolerance{};
         for (int i = 0; i < lane_count; ++i) tolerance.absolute[i] = absolute, tolerance.relative[i] = relative;
         GatheredLight light;
-        Gatherer(forest, stage.scenery().tracer()).gather(lanes, tolerance, limits, light);
+        Gatherer(light_trees, stage.posed_scene().tracer()).gather(lanes, tolerance, limits, light);
         return light;
     }
     test::LitStage stage;
-    LightForest forest;
+    LightTrees light_trees;
     std::vector<GatherPoint> points;
     GatherLanes lanes;
 };
@@ -177,7 +177,7 @@ std::vector<glm::vec3> cloud(int count) {
 
 TEST(CutBounds, CountLightByItsLumaOrHalfItsChroma) {
     LampGroup group(cloud(40), 1.0f);
-    LightTree lamps = group.forest.trees[static_cast<int>(LightFamily::punctual)];
+    LightTree lamps = group.light_trees.trees[static_cast<int>(LightType::punctual)];
     ASSERT_GT(lamps.nodes.size(), 10u);
     const auto bound_of = [&](glm::vec3 color, int lane) {
         lamps.nodes.back().intensity = PackedLight(color);
@@ -239,7 +239,7 @@ TEST_P(StopRules, SayWhichPointsTheLargestCutLeftOut) {
 
 TEST_P(StopRules, GatherNothingFromNoLight) {
     LampGroup group(cloud(1), 1.0f);
-    group.forest = {};
+    group.light_trees = {};
     const GatheredLight light = group.gather(0, 0, {8, 1000, GetParam()});
     EXPECT_EQ(light.direct_clusters + light.indirect_clusters, 0);
     EXPECT_EQ(light.direct.at(0), glm::vec3(0));
@@ -315,12 +315,12 @@ TEST(CutRule, RanksWhatHasNoMeasureAboveAllElse) {
         for (int i = 0; i < lane_count; ++i) some[i] = tolerance.relative[i] = 1.0f;
         rule.start(stop, 1.0f, tolerance);
         rule.observe(some);
-        const float usual = rule.urgency(some);
+        const float usual = rule.priority(some);
         for (const float bad : {nan, infinity}) {
             std::copy(std::begin(some), std::end(some), std::begin(worst));
             worst[3] = bad;
-            EXPECT_TRUE(std::isfinite(rule.urgency(worst)));
-            EXPECT_GT(rule.urgency(worst), 1e10f * usual);
+            EXPECT_TRUE(std::isfinite(rule.priority(worst)));
+            EXPECT_GT(rule.priority(worst), 1e10f * usual);
         }
     }
 }

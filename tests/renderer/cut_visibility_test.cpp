@@ -27,19 +27,19 @@ class ShadowRays : public testing::TestWithParam<std::pair<float, float>> {};
 TEST_P(ShadowRays, MeetNothingBetweenPointsOfAConvexRoom) {
     const auto [scale, distance] = GetParam();
     LitStage stage(hollow(scale, glm::vec3(distance * scale, 0.3f * distance * scale, 0)));
-    const LightForest forest = stage.light({16, 400, 4, 0, GeometryClamp::none()});
-    const LightTree& tree = forest.trees[LightForest::direct_trees];
+    const LightTrees light_trees = stage.light({16, 400, 4, 0, GeometryClamp::none()});
+    const LightTree& tree = light_trees.trees[LightTrees::direct_trees];
     ASSERT_GT(tree.lights.size(), 300u);
-    const auto triangles = static_cast<std::uint32_t>(stage.scenery().animation().meshes[0].triangles.size());
+    const auto triangles = static_cast<std::uint32_t>(stage.posed_scene().animation().meshes[0].triangles.size());
     std::vector<GatherPoint> points(lane_count);
     const GatherPoint* pointers[lane_count];
-    Gatherer gatherer(forest, stage.scenery().tracer());
+    Gatherer gatherer(light_trees, stage.posed_scene().tracer());
     double lit = 0, expected = 0;
     for (std::uint64_t g = 0; g < 40; ++g) {
         for (std::uint64_t i = 0; i < lane_count; ++i) {
             const auto triangle = static_cast<std::uint32_t>(core::uniform(3, g, i) * static_cast<float>(triangles));
             const glm::vec2 uv = core::sample_triangle({core::uniform(4, g, i), core::uniform(5, g, i)});
-            points[i] = stage.point_at(0, triangle, uv, stage.scenery().front_normal(0, triangle));
+            points[i] = stage.point_at(0, triangle, uv, stage.posed_scene().front_normal(0, triangle));
             pointers[i] = &points[i];
         }
         GatherLanes lanes;
@@ -49,7 +49,7 @@ TEST_P(ShadowRays, MeetNothingBetweenPointsOfAConvexRoom) {
         for (int i = 0; i < lane_count; ++i) lit += light.indirect.r[i];
         for (const TreeLight& l : tree.lights) {
             LightLanes unit;
-            evaluate_light(lanes, tree.family, l, nullptr, forest.indirect_clamp, unit);
+            evaluate_light(lanes, tree.type, l, nullptr, light_trees.indirect_clamp, unit);
             for (int i = 0; i < lane_count; ++i) expected += static_cast<double>(unit.diffuse[i]) * l.intensity.x;
         }
     }
@@ -74,14 +74,14 @@ TEST(GatherAll, OfLanesThatNoLightIsAimedAtIsANumberUnderGlass) {
     b.add_quad({0.5f, 1.9f, 0.5f}, {0, 0, 1}, {1, 0, 0}, glass);
     b.add_point_light({1, 1, 1}, 5);
     LitStage stage(b);
-    const LightForest forest = stage.light({16, 200, 4, 0, GeometryClamp{}});
-    ASSERT_TRUE(forest.translucent);
-    GatherPoint points[2] = {stage.point_at(0, 0, {0.3f, 0.3f}, stage.scenery().front_normal(0, 0)),
-                             stage.point_at(0, 0, {0.3f, 0.3f}, -stage.scenery().front_normal(0, 0))};
+    const LightTrees light_trees = stage.light({16, 200, 4, 0, GeometryClamp{}});
+    ASSERT_TRUE(light_trees.translucent);
+    GatherPoint points[2] = {stage.point_at(0, 0, {0.3f, 0.3f}, stage.posed_scene().front_normal(0, 0)),
+                             stage.point_at(0, 0, {0.3f, 0.3f}, -stage.posed_scene().front_normal(0, 0))};
     const GatherPoint* const pointers[] = {&points[0], &points[1]};
     GatherLanes lanes;
     fill(lanes, pointers);
-    Gatherer gatherer(forest, stage.scenery().tracer());
+    Gatherer gatherer(light_trees, stage.posed_scene().tracer());
     GatheredLight light;
     poison_stack();
     gatherer.gather_all(lanes, light);

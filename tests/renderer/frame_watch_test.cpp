@@ -23,7 +23,7 @@ test::SceneBuilder lit_wall() {
 /// Frames of the wall, one after the other, by records and a watch that tests put in order.
 class FrameWatch : public ::testing::Test {
   protected:
-    FrameWatch() : stage_(lit_wall(), side, side), lit_(lit_wall()), forest_(lit_.light({})), seen_(stage_.see()) {
+    FrameWatch() : stage_(lit_wall(), side, side), lit_(lit_wall()), light_trees_(lit_.light({})), seen_(stage_.see()) {
         tolerance_ = core::ToleranceMap::uniform(side, side, {0.0f, tolerated});
     }
 
@@ -35,7 +35,7 @@ class FrameWatch : public ::testing::Test {
                 const auto at = stage_.world().camera.project(p.point.position);
                 const int x = static_cast<int>(at->position.x), y = static_cast<int>(at->position.y);
                 if (x % 2 != 0 || y % 2 != 0) continue;
-                const test::Scattered all = test::gather_all(lit_, forest_, p);
+                const test::Scattered all = test::gather_all(lit_, light_trees_, p);
                 PointLight light;
                 light.direct = glm::vec3(all.direct) / p.point.bsdf.diffuse * factor *
                                (1.0f + ((x / 2 + y / 2) % 2 == 0 ? share : -share));
@@ -51,7 +51,7 @@ class FrameWatch : public ::testing::Test {
         shade_counts_ = {};
         scene::Snapshot world = stage_.world();
         world.frame = frame;
-        FrameLighting lighting(forest_, stage_.tracer(), seen_, world, {}, trust, trials_, records_);
+        FrameLighting lighting(light_trees_, stage_.tracer(), seen_, world, {}, trust, trials_, records_);
         lighting.prepare(tolerance_, last_, moved_, frame - 1, false, shade_counts_);
         lighting.refine(watch_, shade_counts_, counts_);
         return lighting.take(last_, moved_, shade_counts_, counts_);
@@ -66,7 +66,7 @@ class FrameWatch : public ::testing::Test {
 
     test::Stage stage_;
     test::LitStage lit_;
-    LightForest forest_;
+    LightTrees light_trees_;
     Seen seen_;
     core::ToleranceMap tolerance_;
     Records records_;

@@ -12,7 +12,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-constexpr LightFamily families[] = {LightFamily::oriented, LightFamily::punctual, LightFamily::directional};
+constexpr LightType types[] = {LightType::oriented, LightType::punctual, LightType::directional};
 
 float dice(std::uint64_t seed, std::uint64_t a, std::uint64_t b) {
     return core::uniform(seed, a, b);
@@ -42,7 +42,7 @@ void fill_from(const std::vector<GatherPoint>& points, GatherLanes& lanes) {
     fill(lanes, std::span<const GatherPoint* const>(pointers, points.size()));
 }
 
-std::vector<LightPoint> lights_at_random(LightFamily family, int count, std::uint64_t seed) {
+std::vector<LightPoint> lights_at_random(LightType type, int count, std::uint64_t seed) {
     const glm::vec3 middle = 1.5f * core::sample_sphere({dice(seed, 1000, 0), dice(seed, 1000, 1)}) + 0.5f;
     const float size = std::pow(10.0f, -2.0f * dice(seed, 1000, 2));
     const glm::vec3 axis = core::sample_sphere({dice(seed, 1000, 3), dice(seed, 1000, 4)});
@@ -56,8 +56,8 @@ std::vector<LightPoint> lights_at_random(LightFamily family, int count, std::uin
         p.intensity = {u(5), u(6), u(7)};
         p.disc2 = 1e-3f * u(8) * u(8);
         p.id = static_cast<std::uint32_t>(i);
-        if (family == LightFamily::directional) p.kind = LightPointKind::directional;
-        if (family == LightFamily::punctual) {
+        if (type == LightType::directional) p.kind = LightPointKind::directional;
+        if (type == LightType::punctual) {
             p.kind = i % 2 == 0 ? LightPointKind::omni : LightPointKind::spot;
             p.range = i % 3 == 0 ? 1.0f + u(9) : 0.0f;
             const float outer = 0.9f * u(10), inner = outer + (1 - outer) * (0.1f + 0.9f * u(11));
@@ -78,7 +78,7 @@ void sum_below(const GatherLanes& lanes, const LightTree& tree, LightRef ref, Ge
         return;
     }
     LightLanes unit;
-    evaluate_light(lanes, tree.family, tree.lights[ref.index()], tree.spot(ref.index()), clamp, unit);
+    evaluate_light(lanes, tree.type, tree.lights[ref.index()], tree.spot(ref.index()), clamp, unit);
     add_luminance(lanes, unit_light(lanes, unit), tree.lights[ref.index()].intensity, sum);
 }
 
@@ -87,9 +87,9 @@ TEST(NodeBound, IsNeverBelowTheSumOfItsLights) {
     double log_slack[3] = {};
     int counted[3] = {};
     for (std::uint64_t seed = 0; seed < 700; ++seed) {
-        for (const LightFamily family : families) {
+        for (const LightType type : types) {
             for (const GeometryClamp clamp : {GeometryClamp{0.02f}, GeometryClamp::none()}) {
-                const LightTree tree = build_light_tree(family, lights_at_random(family, 12, seed), seed);
+                const LightTree tree = build_light_tree(type, lights_at_random(type, 12, seed), seed);
                 GatherLanes lanes;
                 fill_from(points_at_random(seed + 5000, seed % 2 == 0), lanes);
                 for (std::uint32_t n = 0; n < tree.nodes.size(); ++n) {
@@ -101,8 +101,8 @@ TEST(NodeBound, IsNeverBelowTheSumOfItsLights) {
                         violations += sum[i] > bound[i] * 1.0005f + 1e-6f ? 1 : 0;
                         ASSERT_TRUE(std::isfinite(bound[i]) || clamp.scale > 1.0f);
                         if (sum[i] < 1e-3f || !std::isfinite(bound[i])) continue;
-                        log_slack[static_cast<int>(family)] += std::log(bound[i] / sum[i]);
-                        ++counted[static_cast<int>(family)];
+                        log_slack[static_cast<int>(type)] += std::log(bound[i] / sum[i]);
+                        ++counted[static_cast<int>(type)];
                     }
                 }
             }
@@ -121,9 +121,9 @@ TEST(NodeBound, IsNeverBelowTheSumOfItsLights) {
 TEST(NodeBound, CountsColourOfLobesAsOfDiffuseLight) {
     // The luminance of a blue lamp is a fourteenth of its light; half of its Cb is more, in a lobe as on a wall.
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
-        std::vector<LightPoint> lights = lights_at_random(LightFamily::oriented, 12, seed);
+        std::vector<LightPoint> lights = lights_at_random(LightType::oriented, 12, seed);
         for (LightPoint& p : lights) p.intensity = {0, 0, p.intensity.z};
-        const LightTree tree = build_light_tree(LightFamily::oriented, lights, seed);
+        const LightTree tree = build_light_tree(LightType::oriented, lights, seed);
         auto points = points_at_random(seed + 5000, true);
         for (GatherPoint& p : points) p.point.bsdf.diffuse = glm::vec3(0);  // the lobe alone
         GatherLanes lanes;
@@ -143,11 +143,11 @@ TEST(LightKernel, AgreesWithTheBsdfAndTheInverseSquareLaw) {
         const auto points = points_at_random(seed, true);
         GatherLanes lanes;
         fill_from(points, lanes);
-        LightPoint lamp = lights_at_random(LightFamily::oriented, 1, seed + 9000).front();
+        LightPoint lamp = lights_at_random(LightType::oriented, 1, seed + 9000).front();
         const LightPoint one[] = {lamp};
-        const LightTree tree = build_light_tree(LightFamily::oriented, one, 1);
+        const LightTree tree = build_light_tree(LightType::oriented, one, 1);
         LightLanes unit;
-        evaluate_light(lanes, LightFamily::oriented, tree.lights.front(), nullptr, GeometryClamp::none(), unit);
+        evaluate_light(lanes, LightType::oriented, tree.lights.front(), nullptr, GeometryClamp::none(), unit);
         ASSERT_LT(glm::length(tree.lights.front().normal() - lamp.normal), 1e-4f);
         lamp.normal = tree.lights.front().normal();
         Lanes luminance = {};
@@ -184,18 +184,18 @@ TEST(LightKernel, ClampsGeometryAtTheDiscOfTheLight) {
     LightLanes unit;
     for (const float z : {1e-20f, 1e-3f, 0.1f, 0.39f}) {
         light.position = {0, 0, z};
-        evaluate_light(lanes, LightFamily::oriented, light, nullptr, clamp, unit);
+        evaluate_light(lanes, LightType::oriented, light, nullptr, clamp, unit);
         EXPECT_TRUE(unit.any_clamped);
         EXPECT_NEAR(unit.diffuse[0], 1 / 0.16f, 1e-4f);
     }
     light.position = {0, 0, 0.41f};
-    evaluate_light(lanes, LightFamily::oriented, light, nullptr, clamp, unit);
+    evaluate_light(lanes, LightType::oriented, light, nullptr, clamp, unit);
     EXPECT_FALSE(unit.any_clamped);
     EXPECT_NEAR(unit.diffuse[0], 1 / (0.41f * 0.41f), 1e-4f);
     // At the point itself, and behind it, there is nothing.
     for (const float z : {0.0f, -0.1f}) {
         light.position = {0, 0, z};
-        evaluate_light(lanes, LightFamily::oriented, light, nullptr, clamp, unit);
+        evaluate_light(lanes, LightType::oriented, light, nullptr, clamp, unit);
         EXPECT_EQ(unit.diffuse[0], 0.0f);
     }
 }
@@ -205,12 +205,12 @@ TEST(LightKernel, LeavesUnusedLanesDark) {
     points.resize(3);
     GatherLanes lanes;
     fill_from(points, lanes);
-    for (const LightFamily family : families) {
-        const LightTree tree = build_light_tree(family, lights_at_random(family, 6, 3), 1);
+    for (const LightType type : types) {
+        const LightTree tree = build_light_tree(type, lights_at_random(type, 6, 3), 1);
         LightLanes unit;
         Lanes bound;
         for (std::uint32_t i = 0; i < tree.lights.size(); ++i) {
-            evaluate_light(lanes, family, tree.lights[i], tree.spot(i), GeometryClamp{}, unit);
+            evaluate_light(lanes, type, tree.lights[i], tree.spot(i), GeometryClamp{}, unit);
             for (int lane = 3; lane < lane_count; ++lane) EXPECT_EQ(unit.diffuse[lane], 0.0f);
         }
         for (std::uint32_t n = 0; n < tree.nodes.size(); ++n) {

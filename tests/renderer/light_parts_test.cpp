@@ -42,9 +42,9 @@ TEST(LightParts, ComeToWhatAllOfItComesTo) {
     test::LitStage stage(b, 1);
     test::LightingSettings lit;
     lit.paths = 4000;
-    LightForest now = stage.light(lit);
+    LightTrees now = stage.light(lit);
     std::vector<LightPoint> anchors;
-    for (const TreeLight& l : now.trees[LightForest::still_tree].lights) {
+    for (const TreeLight& l : now.trees[LightTrees::static_tree].lights) {
         LightPoint p;
         p.position = l.position;
         p.normal = l.normal();
@@ -55,7 +55,7 @@ TEST(LightParts, ComeToWhatAllOfItComesTo) {
     }
     ASSERT_GT(anchors.size(), 500u);
     const std::vector<LightPoint> direct = stage.direct_points(256, 1);
-    LastingForest lasting({direct, anchors, {}}, 1);
+    PersistentLightTrees lasting({direct, anchors, {}}, 1);
     LightParts parts;
     ASSERT_TRUE(parts.take(lasting.at({direct, anchors, {}}), anchors, lasting));
     // By less than it takes to take them anew, one up and the next down.
@@ -64,7 +64,7 @@ TEST(LightParts, ComeToWhatAllOfItComesTo) {
     now = lasting.at({direct, anchors, {}});
     ASSERT_FALSE(parts.take(now, anchors, lasting));
 
-    const RayTracer& tracer = stage.scenery().tracer();
+    const RayTracer& tracer = stage.posed_scene().tracer();
     double hidden = 0, changed = 0;
     for (int k = 0; k < 12; ++k) {
         const GatherPoint p = stage.point_at(0, static_cast<std::uint32_t>(k % 12), {0.3f, 0.3f}, {0, 0, 1});
@@ -72,12 +72,12 @@ TEST(LightParts, ComeToWhatAllOfItComesTo) {
         GatherLanes lanes;
         fill(lanes, one);
         lanes.set = 0;
-        const auto light = [&](const LightForest& forest, Stop stop) {
+        const auto light = [&](const LightTrees& light_trees, Stop stop) {
             GatheredLight out;
             GroupTolerance finest;
             for (int i = 0; i < lane_count; ++i) finest.set(i, {{1e-9f, 0, 0}, 0});
             CutLimits all{1, 1 << 20, stop, 1.0f, false};
-            Gatherer(forest, tracer).gather(lanes, finest, all, out);
+            Gatherer(light_trees, tracer).gather(lanes, finest, all, out);
             return glm::dvec3(out.direct.at(0)) + glm::dvec3(out.indirect.at(0));
         };
         const glm::dvec3 whole = light(now, Stop::honest);
@@ -96,8 +96,8 @@ TEST(LightParts, SuitFilmsWhereAFewThingsMoveAndLightsDoNot) {
     const auto suit = [](const test::SceneBuilder& b, std::size_t still, std::size_t moving) {
         const scene::Animation film = b.build();
         const Plan plan = make_plan(scene::traits_of(film), {});
-        const Scenery scenery(film, core::detect_isa(), plan);
-        return LightParts::suit(scenery, plan, still, moving);
+        const PosedScene posed_scene(film, core::detect_isa(), plan);
+        return LightParts::suit(posed_scene, plan, still, moving);
     };
     EXPECT_TRUE(suit(room({here, beside}), 1000, 5));
     EXPECT_FALSE(suit(room({here, beside}), 1000, 200)) << "what moves is much of what light falls on";

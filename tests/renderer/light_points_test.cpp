@@ -109,13 +109,13 @@ TEST(LightPoints, KeepIdsAndPlacesWhileTheirSurfaceStays) {
     b.move_object(mover, {{0, 0, 0}, {0, 4, 0}});
     const scene::Animation film = b.build();
     const Plan plan = make_plan(scene::traits_of(film), {});
-    Scenery scenery(film, core::detect_isa(), plan);
-    LightPoints points(scenery, plan, 100, 1);
+    PosedScene posed_scene(film, core::detect_isa(), plan);
+    LightPoints points(posed_scene, plan, 100, 1);
     const scene::Snapshot first = test::snapshot(film, 0, 8, 8), second = test::snapshot(film, 1, 8, 8);
-    points.place(scenery, first);
-    const auto before = points.at(scenery);
-    scenery.pose(second);
-    const auto after = points.at(scenery);
+    points.place(posed_scene, first);
+    const auto before = points.at(posed_scene);
+    posed_scene.pose(second);
+    const auto after = points.at(posed_scene);
     ASSERT_EQ(before.size(), after.size());
     std::set<std::uint32_t> ids;
     for (std::size_t i = 0; i < before.size(); ++i) {
@@ -144,13 +144,13 @@ TEST(LightPoints, OfAnEmitterThatIsOffWaitForItToShine) {
     b.film().tracks.push_back(track);
     const scene::Animation film = b.build();
     const Plan plan = make_plan(scene::traits_of(film), {});
-    Scenery scenery(film, core::detect_isa(), plan);
-    LightPoints points(scenery, plan, 100, 1);
+    PosedScene posed_scene(film, core::detect_isa(), plan);
+    LightPoints points(posed_scene, plan, 100, 1);
     const scene::Snapshot off = test::snapshot(film, 0, 8, 8), on = test::snapshot(film, 1, 8, 8);
-    points.place(scenery, off);
-    EXPECT_TRUE(points.at(scenery).empty());
-    scenery.pose(on);
-    EXPECT_NEAR(sum_of(points.at(scenery)).x, 4.0, 1e-3);
+    points.place(posed_scene, off);
+    EXPECT_TRUE(points.at(posed_scene).empty());
+    posed_scene.pose(on);
+    EXPECT_NEAR(sum_of(points.at(posed_scene)).x, 4.0, 1e-3);
 }
 
 TEST(LightPoints, OfTheSkyCarryItsWholePower) {

@@ -9,45 +9,46 @@ namespace render2mpeg::test {
 LitStage::LitStage(const SceneBuilder& builder, int second)
     : film_(std::make_unique<scene::Animation>(builder.build())),
       plan_(renderer::make_plan(scene::traits_of(*film_), {})),
-      scenery_(*film_, core::detect_isa(), plan_),
+      posed_scene_(*film_, core::detect_isa(), plan_),
       world_(std::make_unique<scene::Snapshot>(snapshot(*film_, second, 32, 32))) {
-    scenery_.pose(*world_);
+    posed_scene_.pose(*world_);
 }
 
 std::vector<renderer::LightPoint> LitStage::direct_points(int count, std::uint64_t seed) {
-    renderer::LightPoints points(scenery_, plan_, count, seed);
-    points.place(scenery_, *world_);
-    return points.at(scenery_);
+    renderer::LightPoints points(posed_scene_, plan_, count, seed);
+    points.place(posed_scene_, *world_);
+    return points.at(posed_scene_);
 }
 
-renderer::LightForest LitStage::light(const LightingSettings& settings) {
+renderer::LightTrees LitStage::light(const LightingSettings& settings) {
     const std::vector<renderer::LightPoint> direct = direct_points(settings.direct_points, 1000 + settings.set);
     renderer::PhotonResult photons;
     if (settings.paths > 0)
-        photons = renderer::trace_photons(scenery_, direct,
+        photons = renderer::trace_photons(posed_scene_, direct,
                                           {1 + settings.set * settings.paths, settings.paths, settings.bounces});
     std::vector<renderer::OrientedPoint> places;
     for (const renderer::LightPoint& v : photons.vpls) places.push_back({v.position, v.normal});
     const std::vector<float> areas = renderer::cell_areas(places, 1.0f);
     for (std::size_t i = 0; i < areas.size(); ++i) photons.vpls[i].disc2 = areas[i] / 3.14159265f;
-    renderer::LightForest forest = renderer::plant(direct, photons.vpls, settings.set);
-    forest.direct_clamp = forest.indirect_clamp = settings.clamp;
-    forest.translucent = plan_.runs(renderer::Pass::alpha) || plan_.runs(renderer::Pass::glass);
-    return forest;
+    renderer::LightTrees light_trees = renderer::build_light_trees(direct, photons.vpls, settings.set);
+    light_trees.direct_clamp = light_trees.indirect_clamp = settings.clamp;
+    light_trees.translucent = plan_.runs(renderer::Pass::alpha) || plan_.runs(renderer::Pass::glass);
+    return light_trees;
 }
 
 renderer::GatherPoint LitStage::point_at(std::uint32_t object, std::uint32_t primitive, glm::vec2 uv,
                                          glm::vec3 outgoing) const {
     renderer::GatherPoint point;
-    point.point = scenery_.surface_at({object, primitive, uv.x, uv.y}, glm::normalize(outgoing));
+    point.point = posed_scene_.surface_at({object, primitive, uv.x, uv.y}, glm::normalize(outgoing));
     return point;
 }
 
-Scattered gather_all(const LitStage& stage, const renderer::LightForest& forest, const renderer::GatherPoint& point) {
+Scattered gather_all(const LitStage& stage, const renderer::LightTrees& light_trees,
+                     const renderer::GatherPoint& point) {
     renderer::GatherLanes lanes;
     const renderer::GatherPoint* const points[] = {&point};
     renderer::fill(lanes, points);
-    renderer::Gatherer gatherer(forest, stage.scenery().tracer());
+    renderer::Gatherer gatherer(light_trees, stage.posed_scene().tracer());
     renderer::GatheredLight light;
     gatherer.gather_all(lanes, light);
     const renderer::Bsdf& b = point.point.bsdf;

@@ -6,8 +6,8 @@
 #include "renderer/cut/cut.h"
 #include "renderer/lights/light_points.h"
 #include "renderer/lights/photons.h"
-#include "renderer/surface/scenery.h"
-#include "renderer/tree/light_forest.h"
+#include "renderer/surface/posed_scene.h"
+#include "renderer/tree/light_trees.h"
 #include "tests/support/scene_builder.h"
 
 namespace render2mpeg::test {
@@ -26,13 +26,13 @@ class LitStage {
   public:
     explicit LitStage(const SceneBuilder& builder, int second = 0);
 
-    const renderer::Scenery& scenery() const { return scenery_; }
+    const renderer::PosedScene& posed_scene() const { return posed_scene_; }
     const scene::Snapshot& world() const { return *world_; }
 
     std::vector<renderer::LightPoint> direct_points(int count, std::uint64_t seed);
 
     /// All light of the posed second.
-    renderer::LightForest light(const LightingSettings& settings);
+    renderer::LightTrees light(const LightingSettings& settings);
 
     /// A gather point on a surface, looked at from `outgoing`.
     renderer::GatherPoint point_at(std::uint32_t object, std::uint32_t primitive, glm::vec2 uv,
@@ -41,7 +41,7 @@ class LitStage {
   private:
     std::unique_ptr<scene::Animation> film_;
     renderer::Plan plan_;
-    renderer::Scenery scenery_;
+    renderer::PosedScene posed_scene_;
     std::unique_ptr<scene::Snapshot> world_;
 };
 
@@ -51,6 +51,7 @@ struct Scattered {
     glm::dvec3 all() const { return direct + indirect + glossy; }
 };
 
-Scattered gather_all(const LitStage& stage, const renderer::LightForest& forest, const renderer::GatherPoint& point);
+Scattered gather_all(const LitStage& stage, const renderer::LightTrees& light_trees,
+                     const renderer::GatherPoint& point);
 
 }  // namespace render2mpeg::test

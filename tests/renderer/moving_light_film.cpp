@@ -13,30 +13,30 @@ namespace render2mpeg::test {
 MovingLightFilm::MovingLightFilm(const SceneBuilder& builder, int size)
     : film_(std::make_unique<scene::Animation>(builder.build())),
       plan_(renderer::make_plan(scene::traits_of(*film_), {})),
-      scenery_(*film_, core::detect_isa(), plan_),
+      posed_scene_(*film_, core::detect_isa(), plan_),
       format_{size, size, 1.0f} {}
 
 FrameLuminances MovingLightFilm::lit(const FilmLight& light, int first, int count, FilmCost* cost) {
     FilmCost own;
-    renderer::LightPoints points(scenery_, plan_, 128, 1);
+    renderer::LightPoints points(posed_scene_, plan_, 128, 1);
     scene::Snapshot world = at(first);
-    scenery_.pose(world);
-    const renderer::Anchors anchors(scenery_, points, light.anchors);
-    points.place(scenery_, world);
-    renderer::LastingForest lasting({points.average(), anchors.average_still(), anchors.average_moving()}, 1);
+    posed_scene_.pose(world);
+    const renderer::Anchors anchors(posed_scene_, points, light.anchors);
+    points.place(posed_scene_, world);
+    renderer::PersistentLightTrees lasting({points.average(), anchors.average_still(), anchors.average_moving()}, 1);
     FrameLuminances frames;
     for (int n = first; n < first + count; ++n) {
         scene::Snapshot next = at(n);
         std::swap(world, next);
-        scenery_.pose(world);
-        std::vector<renderer::LightPoint> direct = points.at(scenery_);
-        renderer::Anchors::Lit lit = anchors.at(scenery_, direct);
+        posed_scene_.pose(world);
+        std::vector<renderer::LightPoint> direct = points.at(posed_scene_);
+        renderer::Anchors::Lit lit = anchors.at(posed_scene_, direct);
         if (!light.direct) direct.clear();
         if (!light.still) lit.still.clear();
         if (!light.moving) lit.moving.clear();
-        renderer::LightForest forest = lasting.at({direct, lit.still, lit.moving}, n == first);
-        forest.direct_clamp = forest.indirect_clamp = {0.25f};
-        frames.push_back(shade(world, forest, light.tolerance, cost != nullptr ? *cost : own));
+        renderer::LightTrees light_trees = lasting.at({direct, lit.still, lit.moving}, n == first);
+        light_trees.direct_clamp = light_trees.indirect_clamp = {0.25f};
+        frames.push_back(shade(world, light_trees, light.tolerance, cost != nullptr ? *cost : own));
     }
     return frames;
 }
@@ -60,18 +60,18 @@ double MovingLightFilm::flicker(const FrameLuminances& frames, int first) {
 }
 
 renderer::Seen MovingLightFilm::see(const scene::Snapshot& world) {
-    scenery_.pose(world);
+    posed_scene_.pose(world);
     renderer::SeeCounts counts;
-    return renderer::see(scenery_, {format_, 1, 0}, plan_, counts);
+    return renderer::see(posed_scene_, {format_, 1, 0}, plan_, counts);
 }
 
-core::Plane<float> MovingLightFilm::shade(const scene::Snapshot& world, const renderer::LightForest& forest,
+core::Plane<float> MovingLightFilm::shade(const scene::Snapshot& world, const renderer::LightTrees& light_trees,
                                           const core::ToleranceMap& tolerance, FilmCost& cost) {
     const std::clock_t start = std::clock();
     renderer::ShadeCounts counts;
     const renderer::Seen seen = see(world);
     const core::Radiance radiance =
-        renderer::shade(forest, scenery_.tracer(), seen, world.camera.position(), tolerance, {}, counts);
+        renderer::shade(light_trees, posed_scene_.tracer(), seen, world.camera.position(), tolerance, {}, counts);
     cost.shadow_rays += counts.shadow_rays;
     cost.seconds += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     core::Plane<float> luminances(format_.width, format_.height);

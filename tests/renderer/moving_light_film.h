@@ -7,7 +7,7 @@
 #include "core/motion_field.h"
 #include "core/tolerance_map.h"
 #include "renderer/lights/anchors.h"
-#include "renderer/tree/light_forest.h"
+#include "renderer/tree/light_trees.h"
 #include "renderer/view/see.h"
 #include "tests/support/scene_builder.h"
 
@@ -46,7 +46,7 @@ class MovingLightFilm {
 
     renderer::Seen see(const scene::Snapshot& world);
 
-    core::Plane<float> shade(const scene::Snapshot& world, const renderer::LightForest& forest,
+    core::Plane<float> shade(const scene::Snapshot& world, const renderer::LightTrees& light_trees,
                              const core::ToleranceMap& tolerance, FilmCost& cost);
 
     /// Light that the frame before has where a pixel was, if the same thing is all about there.
@@ -55,7 +55,7 @@ class MovingLightFilm {
 
     std::unique_ptr<scene::Animation> film_;
     renderer::Plan plan_;
-    renderer::Scenery scenery_;
+    renderer::PosedScene posed_scene_;
     scene::PictureFormat format_;
 };
 

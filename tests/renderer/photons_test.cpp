@@ -38,7 +38,7 @@ TEST(Photons, CarryAllReflectedPowerOfAClosedRoom) {
         LitStage stage(room(albedo));
         const auto lights = stage.direct_points(16, 1);
         for (const int bounces : {1, 3}) {
-            const PhotonResult r = trace_photons(stage.scenery(), lights, {1, 4000, bounces});
+            const PhotonResult r = trace_photons(stage.posed_scene(), lights, {1, 4000, bounces});
             double expected = 0;
             for (int k = 1; k <= bounces; ++k) expected += std::pow(albedo, k);
             expected *= 4 * pi * 10;
@@ -52,7 +52,7 @@ TEST(Photons, CarryAllReflectedPowerOfAClosedRoom) {
 
 TEST(Photons, EndEvenWhereSurfacesReflectEverything) {
     LitStage stage(room(1.0f));
-    const PhotonResult r = trace_photons(stage.scenery(), stage.direct_points(16, 1), {1, 500, 8});
+    const PhotonResult r = trace_photons(stage.posed_scene(), stage.direct_points(16, 1), {1, 500, 8});
     EXPECT_GT(r.vpls.size(), 2000u);
     EXPECT_LE(r.vpls.size(), 4000u);
     for (const LightPoint& v : r.vpls) EXPECT_TRUE(std::isfinite(v.intensity.x));
@@ -61,19 +61,19 @@ TEST(Photons, EndEvenWhereSurfacesReflectEverything) {
 
 TEST(Photons, LeaveNothingInABlackOrEmptyRoom) {
     LitStage black(room(0.0f));
-    EXPECT_TRUE(trace_photons(black.scenery(), black.direct_points(16, 1), {1, 500, 8}).vpls.empty());
+    EXPECT_TRUE(trace_photons(black.posed_scene(), black.direct_points(16, 1), {1, 500, 8}).vpls.empty());
     LitStage lit(room(0.5f));
-    EXPECT_TRUE(trace_photons(lit.scenery(), {}, {1, 500, 8}).vpls.empty());
-    EXPECT_EQ(paths_for(lit.scenery(), {}, 1000, 8), 0u);
-    EXPECT_EQ(paths_for(black.scenery(), black.direct_points(16, 1), 1000, 8), 0u);
+    EXPECT_TRUE(trace_photons(lit.posed_scene(), {}, {1, 500, 8}).vpls.empty());
+    EXPECT_EQ(paths_for(lit.posed_scene(), {}, 1000, 8), 0u);
+    EXPECT_EQ(paths_for(black.posed_scene(), black.direct_points(16, 1), 1000, 8), 0u);
 }
 
 TEST(Photons, AreCountedToLeaveAsManyVplsAsWanted) {
     for (const float albedo : {0.1f, 0.5f, 0.9f}) {
         LitStage stage(room(albedo));
         const auto lights = stage.direct_points(16, 1);
-        const std::uint64_t paths = paths_for(stage.scenery(), lights, 2000, 8);
-        const auto left = static_cast<double>(trace_photons(stage.scenery(), lights, {1, paths, 8}).vpls.size());
+        const std::uint64_t paths = paths_for(stage.posed_scene(), lights, 2000, 8);
+        const auto left = static_cast<double>(trace_photons(stage.posed_scene(), lights, {1, paths, 8}).vpls.size());
         EXPECT_NEAR(left / 2000, 1.0, 0.1);
     }
 }
@@ -84,11 +84,11 @@ TEST(Photons, AreTheSameForAnyNumberOfThreads) {
     std::vector<LightPoint> one, two;
     {
         const parallel::ThreadLimit limit(1);
-        one = trace_photons(stage.scenery(), lights, {1, 1000, 8}).vpls;
+        one = trace_photons(stage.posed_scene(), lights, {1, 1000, 8}).vpls;
     }
     {
         const parallel::ThreadLimit limit(2);
-        two = trace_photons(stage.scenery(), lights, {1, 1000, 8}).vpls;
+        two = trace_photons(stage.posed_scene(), lights, {1, 1000, 8}).vpls;
     }
     ASSERT_EQ(one.size(), two.size());
     for (std::size_t i = 0; i < one.size(); ++i) {
@@ -102,8 +102,8 @@ TEST(Photons, KeepTheirPathsWhereAnotherPartOfTheSceneMoves) {
     const int ball = b.add_sphere({3.4f, 0.5f, 4.4f}, 0.3f, b.add_material(), 8);
     b.move_object(ball, {{3.4f, 0.5f, 4.4f}, {3.4f, 0.5f, 4.2f}});
     LitStage before(b, 0), after(b, 1);
-    const auto one = trace_photons(before.scenery(), before.direct_points(16, 1), {1, 1000, 1}).vpls;
-    const auto two = trace_photons(after.scenery(), after.direct_points(16, 1), {1, 1000, 1}).vpls;
+    const auto one = trace_photons(before.posed_scene(), before.direct_points(16, 1), {1, 1000, 1}).vpls;
+    const auto two = trace_photons(after.posed_scene(), after.direct_points(16, 1), {1, 1000, 1}).vpls;
     std::size_t same = 0;
     for (const LightPoint& v : one)
         for (const LightPoint& w : two) same += v.position == w.position && v.intensity == w.intensity ? 1 : 0;
@@ -128,7 +128,7 @@ TEST(Photons, PassThroughWhatIsNotThere) {
     b.add_light(spot);  // at the origin, along -z
     LitStage stage(b);
     const auto lights = stage.direct_points(16, 1);
-    const auto vpls = trace_photons(stage.scenery(), lights, {1, 20000, 1}).vpls;
+    const auto vpls = trace_photons(stage.posed_scene(), lights, {1, 20000, 1}).vpls;
     // Flux of the cone: integral of clamp((c - co) / (ci - co))^2 over its solid angle.
     const double ci = std::cos(0.1), co = std::cos(0.3);
     const double flux = 2 * pi * ((1 - ci) + (ci - co) / 3);

@@ -42,7 +42,7 @@ SphereCounts probe_sphere(const Stage& stage, glm::vec3 centre, float radius) {
             continue;
         }
         ++counts.points;
-        const SurfacePoint point = stage.scenery().surface_at(hit.address, -direction);
+        const SurfacePoint point = stage.posed_scene().surface_at(hit.address, -direction);
         const glm::vec3 n = point.geometric_normal;
         const glm::vec3 out = core::sample_cosine_hemisphere(n, {random(4), random(5)});
         if (tracer.passes(offset_origin(point, out), out, infinity).x != 1.0f) ++counts.outward_blocked;
@@ -93,7 +93,7 @@ TEST(Offset, IsSmallWhereTheSurfaceIsExact) {
     const Stage stage(builder);
     const Hit hit = stage.tracer().nearest({400, 5, 300}, {0, -1, 0}, infinity);
     ASSERT_TRUE(hit.found());
-    const SurfacePoint point = stage.scenery().surface_at(hit.address, {0, 1, 0});
+    const SurfacePoint point = stage.posed_scene().surface_at(hit.address, {0, 1, 0});
     EXPECT_LT(offset_origin(point, {0, 1, 0}).y - point.position.y, 1e-5f);
     EXPECT_EQ(stage.tracer().passes(offset_origin(point, {0, 1, 0}), {0.6f, 0.8f, 0}, infinity), glm::vec3{1.0f});
     EXPECT_EQ(stage.tracer().passes(offset_origin(point, {0, -1, 0}), {0.6f, -0.8f, 0}, infinity), glm::vec3{1.0f});
@@ -122,7 +122,7 @@ TEST(Needles, DoNotShadowThemselves) {
         for (std::uint64_t k = 1; k <= 40; ++k) {
             const glm::vec2 b = core::sample_triangle({core::halton(4, k), core::halton(5, k)});
             const glm::vec3 out = core::sample_sphere({core::halton(0, k), core::halton(1, k)});
-            const SurfacePoint point = stage.scenery().surface_at({i, 0, b.x, b.y}, out);
+            const SurfacePoint point = stage.posed_scene().surface_at({i, 0, b.x, b.y}, out);
             blocked += stage.tracer().passes(offset_origin(point, out), out, 1.0f).x != 1.0f;
         }
     }

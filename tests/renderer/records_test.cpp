@@ -66,7 +66,7 @@ TEST_F(Wall, EverySurfaceOfAPixelKeepsItsNewestRecords) {
     for (const Record& r : records_.all()) EXPECT_GE(r.indirect.x, 200.0f);
 }
 
-TEST_F(Wall, RecordsKeepTheirErrorsWithoutCaution) {
+TEST_F(Wall, RecordsKeepTheirErrorsWithoutErrorScale) {
     const GatherPoint p = point_at(12, 12);
     PointLight light;
     light.direct = glm::vec3(1);

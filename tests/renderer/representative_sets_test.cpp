@@ -28,7 +28,7 @@ TEST(RepresentativeSets, AreChosenByPowerEachAndStratifiedTogether) {
     int taken[most_representative_sets] = {};
     int together = 0;  // sets 0 and 4, which are of different fours
     for (int s = 0; s < seeds; ++s) {
-        const LightTree tree = build_light_tree(LightFamily::oriented, lights, static_cast<std::uint64_t>(s));
+        const LightTree tree = build_light_tree(LightType::oriented, lights, static_cast<std::uint64_t>(s));
         unsigned of_first = 0;
         for (int k = 0; k < most_representative_sets; ++k)
             of_first |= (*tree.ids)[tree.representative(tree.root, k)] == 0 ? 1u << k : 0u;
@@ -49,7 +49,7 @@ TEST(RepresentativeSets, DifferAndKeepTheirRepresentativeInOneChild) {
         lights[i].intensity = glm::vec3(0.1f + core::uniform(1, i, 3));
         lights[i].id = i;
     }
-    const LightTree tree = build_light_tree(LightFamily::oriented, lights, 3);
+    const LightTree tree = build_light_tree(LightType::oriented, lights, 3);
     std::set<std::uint32_t> of_root;
     for (int k = 0; k < most_representative_sets; ++k) {
         of_root.insert(tree.representative(tree.root, k));
@@ -69,7 +69,7 @@ TEST(RepresentativeSets, AreAdoptedWhereWalkingDownEnds) {
         lights[i].intensity = glm::vec3(0.1f + core::uniform(1, i, 3));
         lights[i].id = i;
     }
-    LightTree tree = build_lasting_tree(LightFamily::oriented, lights, 3);
+    LightTree tree = build_persistent_tree(LightType::oriented, lights, 3);
     const auto expect_seats = [&tree] {
         for (int k = 0; k < most_representative_sets; ++k) {
             for (std::uint32_t n = 0; n < tree.nodes.size(); ++n) {
@@ -112,20 +112,20 @@ struct WalledFloor {
     }
     /// Irradiance of the first point, by a cut of a fixed shape: tolerances that no light moves.
     double by_cut(std::uint64_t seed, int set) {
-        LightForest forest = plant(lamps, {}, seed);
-        forest.direct_clamp = GeometryClamp::none();
+        LightTrees light_trees = build_light_trees(lamps, {}, seed);
+        light_trees.direct_clamp = GeometryClamp::none();
         GroupTolerance tolerance{};
         std::fill(std::begin(tolerance.absolute), std::end(tolerance.absolute), 1e-6f);
         lanes.set = set;
         GatheredLight light;
-        Gatherer(forest, stage.scenery().tracer()).gather(lanes, tolerance, {12, 12, Stop::classic}, light);
+        Gatherer(light_trees, stage.posed_scene().tracer()).gather(lanes, tolerance, {12, 12, Stop::classic}, light);
         return light.direct.at(0).y;
     }
     double by_all() {
-        LightForest forest = plant(lamps, {}, 1);
-        forest.direct_clamp = GeometryClamp::none();
+        LightTrees light_trees = build_light_trees(lamps, {}, 1);
+        light_trees.direct_clamp = GeometryClamp::none();
         GatheredLight light;
-        Gatherer(forest, stage.scenery().tracer()).gather_all(lanes, light);
+        Gatherer(light_trees, stage.posed_scene().tracer()).gather_all(lanes, light);
         return light.direct.at(0).y;
     }
     LitStage stage;

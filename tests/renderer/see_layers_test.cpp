@@ -55,7 +55,7 @@ TEST(Layers, AreComposedFrontToBack) {
     EXPECT_FALSE(points[2].reached_by_specular);
     // The nearest of equal shares is what the pixel shows.
     EXPECT_NEAR(seen.visible.depth.at(8, 8), 7.0f, 1e-4f);
-    EXPECT_TRUE(seen.unscattered_specular.empty());
+    EXPECT_TRUE(seen.emitted_specular.empty());
 }
 
 TEST(Layers, BeyondTheCapCountAsOpaque) {
@@ -69,7 +69,7 @@ TEST(Layers, BeyondTheCapCountAsOpaque) {
     float sum = 0;
     for (const GatherPoint& g : middle(seen)) sum += g.weight.x;
     EXPECT_NEAR(sum, 1.0f, 1e-5f);
-    EXPECT_EQ(seen.unscattered.at(8, 8), glm::vec3{0.0f});
+    EXPECT_EQ(seen.emitted.at(8, 8), glm::vec3{0.0f});
 }
 
 TEST(Layers, ThatAreHolesCostNothingButTheirRays) {
@@ -85,7 +85,7 @@ TEST(Layers, ThatAreHolesCostNothingButTheirRays) {
     Stage stage(builder, 16, 16);
     const Seen seen = stage.see(1);
     EXPECT_TRUE(middle(seen).empty());
-    EXPECT_EQ(seen.unscattered.at(8, 8), (glm::vec3{3, 2, 1}));
+    EXPECT_EQ(seen.emitted.at(8, 8), (glm::vec3{3, 2, 1}));
     EXPECT_NEAR(seen.visible.depth.at(8, 8), 9.0f, 1e-4f);
 }
 
@@ -99,8 +99,8 @@ TEST(Emission, LeavesTheFrontAndTheBackOnlyOfDoubleSidedSurfaces) {
         builder.add_camera({0, 0, 0}, {0, 0, -1});
         Stage stage(builder, 16, 16);
         const Seen seen = stage.see(4);
-        EXPECT_EQ(seen.unscattered.at(8, 2), (glm::vec3{4, 5, 6}));
-        EXPECT_EQ(seen.unscattered.at(8, 13), double_sided ? glm::vec3(4, 5, 6) : glm::vec3(0));
+        EXPECT_EQ(seen.emitted.at(8, 2), (glm::vec3{4, 5, 6}));
+        EXPECT_EQ(seen.emitted.at(8, 13), double_sided ? glm::vec3(4, 5, 6) : glm::vec3(0));
         EXPECT_EQ(seen.visible.kind.at(8, 13), PixelClass::surface);
     }
 }
@@ -114,7 +114,7 @@ TEST(UnlitSurfaces, ShowTheirColourAndGatherNothing) {
     Stage stage(builder, 16, 16);
     const Seen seen = stage.see(4);
     EXPECT_TRUE(seen.tiles[0].empty());
-    for (const glm::vec3 light : seen.unscattered.values()) EXPECT_LT(glm::distance(light, {0.3f, 0.6f, 0.9f}), 1e-6f);
+    for (const glm::vec3 light : seen.emitted.values()) EXPECT_LT(glm::distance(light, {0.3f, 0.6f, 0.9f}), 1e-6f);
 }
 
 TEST(Sky, IsSeenWhereThereIsNoSurface) {
@@ -126,9 +126,9 @@ TEST(Sky, IsSeenWhereThereIsNoSurface) {
     const Seen seen = stage.see(4);
     EXPECT_EQ(seen.visible.kind.at(3, 2), PixelClass::sky);
     EXPECT_EQ(seen.visible.material.at(3, 2), core::no_id);
-    EXPECT_LT(glm::distance(seen.unscattered.at(3, 2), {0.1f, 0.2f, 0.4f}), 1e-6f);
+    EXPECT_LT(glm::distance(seen.emitted.at(3, 2), {0.1f, 0.2f, 0.4f}), 1e-6f);
     EXPECT_EQ(seen.visible.kind.at(3, 13), PixelClass::surface);
-    EXPECT_EQ(seen.unscattered.at(3, 13), glm::vec3{0.0f});
+    EXPECT_EQ(seen.emitted.at(3, 13), glm::vec3{0.0f});
 }
 
 TEST(Mirrors, ShowASphereWhereItsMirrorImageWouldStand) {
@@ -210,8 +210,8 @@ TEST(Glass, TintsWhatIsBehindItAndMirrorsALittle) {
     EXPECT_TRUE(points[0].reached_by_specular);
     EXPECT_NEAR(points[0].weight.x, 0.96f * 0.5f, 1e-3f);
     EXPECT_NEAR(points[0].weight.z, 0.96f, 1e-3f);
-    EXPECT_NEAR(seen.unscattered.at(8, 8).x, 0.04f, 1e-3f);
-    EXPECT_EQ(seen.unscattered, seen.unscattered_specular);
+    EXPECT_NEAR(seen.emitted.at(8, 8).x, 0.04f, 1e-3f);
+    EXPECT_EQ(seen.emitted, seen.emitted_specular);
     // The pixel moves like what is seen through it.
     EXPECT_EQ(seen.visible.kind.at(8, 8), PixelClass::surface);
     EXPECT_NEAR(seen.visible.depth.at(8, 8), 6.0f, 1e-4f);
@@ -237,7 +237,7 @@ TEST(Energy, OfAPixelsWeightsNeverExceedsOne) {
     builder.add_camera({0, 0.5f, 0}, {0, 0, -5});
     Stage stage(builder, 48, 48);
     const Seen seen = stage.see(4, 12);
-    core::Plane<glm::vec3> sum = seen.unscattered;
+    core::Plane<glm::vec3> sum = seen.emitted;
     for (std::size_t t = 0; t < seen.tiles.size(); ++t) {
         for (const GatherPoint& g : seen.tiles[t]) {
             const int x = static_cast<int>(t) % 3 * 16 + g.pixel % 16, y = static_cast<int>(t) / 3 * 16 + g.pixel / 16;

@@ -189,8 +189,8 @@ TEST(Seeing, IsTheSameForAnyNumberOfThreadsAndForStillFrames) {
     const Seen one = look(1, 0), two = look(2, 0), later = look(2, 3);
     EXPECT_GT(stage.counts().specular_rays, 100u);
     for (const Seen* other : {&two, &later}) {
-        EXPECT_EQ(one.unscattered, other->unscattered);
-        EXPECT_EQ(one.unscattered_specular, other->unscattered_specular);
+        EXPECT_EQ(one.emitted, other->emitted);
+        EXPECT_EQ(one.emitted_specular, other->emitted_specular);
         EXPECT_EQ(one.visible.address, other->visible.address);
         EXPECT_EQ(one.visible.depth, other->visible.depth);
         EXPECT_EQ(one.visible.shading_normal, other->visible.shading_normal);
@@ -227,7 +227,7 @@ TEST(Seeing, NothingAtAllIsSky) {
     const Seen seen = stage.see(4);
     EXPECT_TRUE(points_of(seen).empty());
     for (const PixelClass kind : seen.visible.kind.values()) EXPECT_EQ(kind, PixelClass::sky);
-    for (const glm::vec3 light : seen.unscattered.values()) EXPECT_EQ(light, (glm::vec3{1, 2, 3}));
+    for (const glm::vec3 light : seen.emitted.values()) EXPECT_EQ(light, (glm::vec3{1, 2, 3}));
 }
 
 TEST(Seeing, FromInsideAnObjectShowsItsInsideFaces) {

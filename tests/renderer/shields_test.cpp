@@ -36,7 +36,7 @@ SceneBuilder rooms(float scale = 1.0f, glm::vec3 at = glm::vec3(0)) {
 
 /// Sixteen neighbouring points of a surface.
 void place(const LitStage& stage, std::uint64_t seed, std::vector<GatherPoint>& points, GatherLanes& lanes) {
-    const auto& film = stage.scenery().animation();
+    const auto& film = stage.posed_scene().animation();
     const auto object = static_cast<std::uint32_t>(core::uniform(seed, 0) * static_cast<float>(film.objects.size()));
     const auto triangles =
         static_cast<float>(film.meshes[static_cast<std::size_t>(film.objects[object].mesh)].triangles.size());
@@ -46,7 +46,7 @@ void place(const LitStage& stage, std::uint64_t seed, std::vector<GatherPoint>& 
     const GatherPoint* pointers[lane_count];
     for (std::size_t i = 0; i < lane_count; ++i) {
         const glm::vec2 step(0.02f * static_cast<float>(i % 4), 0.02f * static_cast<float>(i / 4));
-        points[i] = stage.point_at(object, triangle, uv + step, stage.scenery().front_normal(object, triangle));
+        points[i] = stage.point_at(object, triangle, uv + step, stage.posed_scene().front_normal(object, triangle));
         pointers[i] = &points[i];
     }
     fill(lanes, pointers);
@@ -65,7 +65,7 @@ TEST_P(Shields, HideOnlyWhatNoRayReaches) {
     const auto [scale, distance] = GetParam();
     const glm::vec3 at(distance * scale, 0.2f * distance * scale, 0);
     LitStage stage(rooms(scale, at));
-    const RayTracer& tracer = stage.scenery().tracer();
+    const RayTracer& tracer = stage.posed_scene().tracer();
     ASSERT_GT(tracer.shields().size(), 10u);
     std::vector<GatherPoint> points;
     GatherLanes lanes;
@@ -81,10 +81,10 @@ TEST_P(Shields, HideOnlyWhatNoRayReaches) {
             const glm::vec3 middle = far_away ? core::sample_sphere({u(0), u(1)})
                                               : at + scale * glm::vec3(14 * u(0) - 1, 5 * u(1) - 1, 6 * u(2) - 1);
             const glm::vec3 half = (far_away ? 0.3f : scale) * u(3) * u(3) * glm::vec3(u(4), u(5), u(6));
-            const LightFamily family = far_away ? LightFamily::directional : LightFamily::oriented;
+            const LightType type = far_away ? LightType::directional : LightType::oriented;
             std::uint16_t viable = GroupShields::all;
             ++asked;
-            const bool hides = shields.hide(lanes, family, middle, half, viable);
+            const bool hides = shields.hide(lanes, type, middle, half, viable);
             // What hides a box is viable for it, and what is not viable hides no part of it.
             ASSERT_TRUE(!hides || viable != 0);
             for (std::uint64_t k = 0; k < 4; ++k) {
@@ -97,7 +97,7 @@ TEST_P(Shields, HideOnlyWhatNoRayReaches) {
                 ASSERT_TRUE(!hides || is_blocked(tracer, from, part, far_away)) << g << " " << n;
                 reached += is_blocked(tracer, from, part, far_away) ? 0 : 1;
                 std::uint16_t other = static_cast<std::uint16_t>(GroupShields::all & ~viable);
-                ASSERT_FALSE(other != 0 && shields.hide(lanes, family, part, glm::vec3(0), other));
+                ASSERT_FALSE(other != 0 && shields.hide(lanes, type, part, glm::vec3(0), other));
             }
             hidden += hides ? 1 : 0;
         }
@@ -116,7 +116,7 @@ TEST(ShieldsOf, PairTrianglesToConvexQuadsAndKeepTheLargest) {
     b.add_box({0, 0, 0}, {4, 3, 2}, grey);
     b.add_sphere({9, 1, 1}, 0.2f, grey, 12);
     LitStage stage(b);
-    const ShieldList& shields = stage.scenery().tracer().shields();
+    const ShieldList& shields = stage.posed_scene().tracer().shields();
     ASSERT_GT(shields.size(), 6u);
     double area = 0;
     for (std::size_t i = 0; i < 6; ++i) {
@@ -135,7 +135,7 @@ TEST(ShieldsOf, LeaveOutWhatMovesOrLetsLightThrough) {
     const int moving = b.add_quad({0, 5, 0}, {0, 0, 9}, {9, 0, 0}, b.add_material(glm::vec3(0.5f)));
     b.move_object(moving, {{0, 0, 0}, {1, 0, 0}});
     LitStage stage(b);
-    EXPECT_EQ(stage.scenery().tracer().shields().size(), 0u);
+    EXPECT_EQ(stage.posed_scene().tracer().shields().size(), 0u);
 }
 
 TEST(ShieldedCuts, LoseNoLightButSaveRays) {
@@ -150,10 +150,10 @@ TEST(ShieldedCuts, LoseNoLightButSaveRays) {
         p.id = i;
         sky.push_back(p);
     }
-    LightForest forest = plant(sky, {}, 1);
+    LightTrees light_trees = build_light_trees(sky, {}, 1);
     std::vector<GatherPoint> points;
     GatherLanes lanes;
-    Gatherer gatherer(forest, stage.scenery().tracer());
+    Gatherer gatherer(light_trees, stage.posed_scene().tracer());
     std::uint64_t rays = 0, all_rays = 0;
     for (std::uint64_t g = 0; g < 60; ++g) {
         place(stage, 500 + g, points, lanes);

@@ -1,4 +1,4 @@
-// Walls that share a mesh of many triangles are instances; they are walls all the same, and no movers.
+// Walls that share a mesh of many triangles are instances; they are walls all the same, and no dynamic objects.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -61,24 +61,24 @@ ShadowPacket packet_of(std::uint64_t first) {
 TEST(StillInstances, AreMetAsOtherWallsAreAndAreNoMovers) {
     for (const bool wall_moves : {false, true}) {
         const LitStage copied(room(true, wall_moves)), baked(room(false, wall_moves));
-        const RayTracer &a = copied.scenery().tracer(), &b = baked.scenery().tracer();
+        const RayTracer &a = copied.posed_scene().tracer(), &b = baked.posed_scene().tracer();
         for (std::uint32_t i = first_wall; i <= last_wall; ++i) {
             EXPECT_TRUE(a.is_instanced(i));
             EXPECT_FALSE(b.is_instanced(i));
         }
-        EXPECT_TRUE(a.has_movers());
-        ASSERT_EQ(a.movers().size(), 1u);
-        ASSERT_EQ(b.movers().size(), 1u);
-        EXPECT_EQ(a.movers()[0].middle, b.movers()[0].middle);
+        EXPECT_TRUE(a.has_dynamic_objects());
+        ASSERT_EQ(a.dynamic_objects().size(), 1u);
+        ASSERT_EQ(b.dynamic_objects().size(), 1u);
+        EXPECT_EQ(a.dynamic_objects()[0].middle, b.dynamic_objects()[0].middle);
         int walls = 0, moving = 0, blocked = 0;
         for (std::uint64_t i = 0; i < 4000; ++i) {
             const RayQuery ray = some_ray(i);
             const Hit hit = a.nearest(ray.origin, ray.direction, ray.far);
             EXPECT_EQ(hit.address.object, b.nearest(ray.origin, ray.direction, ray.far).address.object) << i;
-            const bool still = a.meets_still(ray.origin, ray.direction, ray.far);
-            const bool moves = a.meets_movers(ray.origin, ray.direction, ray.far);
-            ASSERT_EQ(still, b.meets_still(ray.origin, ray.direction, ray.far)) << i;
-            ASSERT_EQ(moves, b.meets_movers(ray.origin, ray.direction, ray.far)) << i;
+            const bool still = a.meets_static(ray.origin, ray.direction, ray.far);
+            const bool moves = a.meets_dynamic(ray.origin, ray.direction, ray.far);
+            ASSERT_EQ(still, b.meets_static(ray.origin, ray.direction, ray.far)) << i;
+            ASSERT_EQ(moves, b.meets_dynamic(ray.origin, ray.direction, ray.far)) << i;
             ASSERT_EQ(still || moves, hit.found()) << i;
             walls += hit.found() && hit.address.object <= last_wall ? 1 : 0;
             moving += moves ? 1 : 0;
@@ -87,11 +87,11 @@ TEST(StillInstances, AreMetAsOtherWallsAreAndAreNoMovers) {
             const std::uint32_t occluded = a.occluded(packet, nullptr);
             ASSERT_EQ(occluded, b.occluded(packet, nullptr)) << i;
             ASSERT_EQ((occluded & 1u) != 0, still || moves) << i;
-            const std::uint32_t by_movers = a.occluded_by_movers(packet);
-            ASSERT_EQ(by_movers, b.occluded_by_movers(packet)) << i;
+            const std::uint32_t by_movers = a.occluded_by_dynamic(packet);
+            ASSERT_EQ(by_movers, b.occluded_by_dynamic(packet)) << i;
             ASSERT_EQ((by_movers & 1u) != 0, moves) << i;
-            ASSERT_EQ(a.occluded_by_still(packet, nullptr) | by_movers, occluded) << i;
-            ASSERT_EQ((a.occluded_by_still(packet, nullptr) & 1u) != 0, still) << i;
+            ASSERT_EQ(a.occluded_by_static(packet, nullptr) | by_movers, occluded) << i;
+            ASSERT_EQ((a.occluded_by_static(packet, nullptr) & 1u) != 0, still) << i;
             blocked += static_cast<int>(__builtin_popcount(occluded));
         }
         EXPECT_GT(walls, 200);
@@ -102,7 +102,7 @@ TEST(StillInstances, AreMetAsOtherWallsAreAndAreNoMovers) {
 
 TEST(StillInstances, AreShieldsAsOtherWallsAre) {
     const LitStage copied(room(true)), baked(room(false));
-    const ShieldList &a = copied.scenery().tracer().shields(), &b = baked.scenery().tracer().shields();
+    const ShieldList &a = copied.posed_scene().tracer().shields(), &b = baked.posed_scene().tracer().shields();
     ASSERT_EQ(a.size(), b.size());
     ASSERT_GT(a.size(), 20u);
     for (std::size_t i = 0; i < a.size(); ++i)
@@ -113,12 +113,12 @@ TEST(StillInstances, AloneMakeNoFilmMove) {
     SceneBuilder b = room(true);
     b.film().tracks.clear();
     const LitStage stage(b);
-    EXPECT_TRUE(stage.scenery().tracer().is_instanced(first_wall));
-    EXPECT_FALSE(stage.scenery().tracer().has_movers());
-    EXPECT_TRUE(stage.scenery().tracer().movers().empty());
+    EXPECT_TRUE(stage.posed_scene().tracer().is_instanced(first_wall));
+    EXPECT_FALSE(stage.posed_scene().tracer().has_dynamic_objects());
+    EXPECT_TRUE(stage.posed_scene().tracer().dynamic_objects().empty());
     const glm::vec3 before(2.5f, 1, 0.5f), way(1, 0, 0);
-    EXPECT_TRUE(stage.scenery().tracer().meets_still(before, way, 1.0f));
-    EXPECT_FALSE(stage.scenery().tracer().meets_movers(before, way, 1.0f));
+    EXPECT_TRUE(stage.posed_scene().tracer().meets_static(before, way, 1.0f));
+    EXPECT_FALSE(stage.posed_scene().tracer().meets_dynamic(before, way, 1.0f));
 }
 
 /// Cuts for groups of sixteen neighbours all over the floor.
@@ -129,8 +129,8 @@ struct Floor {
 };
 
 Floor lit_floor(LitStage& stage) {
-    const LightForest forest = stage.light({64, 4000, 2, 0, GeometryClamp::none()});
-    Gatherer gatherer(forest, stage.scenery().tracer());
+    const LightTrees light_trees = stage.light({64, 4000, 2, 0, GeometryClamp::none()});
+    Gatherer gatherer(light_trees, stage.posed_scene().tracer());
     Floor floor;
     for (int g = 0; g < 60; ++g) {
         std::vector<GatherPoint> points(lane_count);
@@ -138,8 +138,8 @@ Floor lit_floor(LitStage& stage) {
         for (std::size_t i = 0; i < lane_count; ++i) {
             const glm::vec3 above(0.3f + 0.6f * static_cast<float>(g % 10) + 0.02f * static_cast<float>(i % 4), 0.05f,
                                   0.3f + 0.6f * static_cast<float>(g / 10) + 0.02f * static_cast<float>(i / 4));
-            const Hit hit = stage.scenery().tracer().nearest(above, {0, -1, 0}, 1.0f);
-            points[i].point = stage.scenery().surface_at(hit.address, {0, 1, 0});
+            const Hit hit = stage.posed_scene().tracer().nearest(above, {0, -1, 0}, 1.0f);
+            points[i].point = stage.posed_scene().surface_at(hit.address, {0, 1, 0});
             pointers[i] = &points[i];
         }
         GatherLanes lanes;
@@ -179,7 +179,7 @@ std::vector<AnchorPlace> floor_places() {
 
 TEST(StillInstances, PartAnchorsOnceAndForAll) {
     const LitStage copied(room(true)), baked(room(false));
-    const RayTracer &a = copied.scenery().tracer(), &b = baked.scenery().tracer();
+    const RayTracer &a = copied.posed_scene().tracer(), &b = baked.posed_scene().tracer();
     const std::vector<AnchorPlace> places = floor_places();
     const PhotonSplatter by_a(places, a), by_b(places, b);
     EXPECT_EQ(by_a.rays(), by_b.rays());

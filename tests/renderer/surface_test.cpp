@@ -5,7 +5,7 @@
 #include <string>
 
 #include "image/image.h"
-#include "renderer/surface/scenery.h"
+#include "renderer/surface/posed_scene.h"
 #include "stage.h"
 
 namespace render2mpeg::test {
@@ -41,7 +41,7 @@ class TestImage {
 
 /// The middle of object 0, a quad from (-1, -1, 0) to (1, 1, 0) that faces +z, seen from straight above.
 SurfacePoint at_middle(const Stage& stage, glm::vec3 outgoing = {0, 0, 1}, SurfaceFootprint footprint = {}) {
-    return stage.scenery().surface_at({0, 0, 0.25f, 0.5f}, outgoing, footprint);
+    return stage.posed_scene().surface_at({0, 0, 0.25f, 0.5f}, outgoing, footprint);
 }
 
 SceneBuilder quad_of(int (*add)(SceneBuilder&)) {
@@ -72,14 +72,14 @@ TEST(SurfacePoints, OfMirroredObjectsKeepTheirFront) {
     const Stage stage(builder);
     for (std::uint32_t triangle = 0; triangle < 400; triangle += 7) {
         for (const std::uint32_t object : {0u, 1u}) {
-            const glm::vec3 front = stage.scenery().front_normal(object, triangle);
-            const SurfacePoint point = stage.scenery().surface_at({object, triangle, 0.3f, 0.3f}, front);
+            const glm::vec3 front = stage.posed_scene().front_normal(object, triangle);
+            const SurfacePoint point = stage.posed_scene().surface_at({object, triangle, 0.3f, 0.3f}, front);
             EXPECT_FALSE(point.back_side);
             EXPECT_GT(glm::dot(front, glm::normalize(point.position)), 0.95f);
             EXPECT_LT(glm::distance(point.shading_normal, glm::normalize(point.position)), 0.02f);
         }
-        const SurfacePoint a = stage.scenery().surface_at({0, triangle, 0.3f, 0.3f}, {0, 1, 0});
-        const SurfacePoint b = stage.scenery().surface_at({1, triangle, 0.3f, 0.3f}, {0, 1, 0});
+        const SurfacePoint a = stage.posed_scene().surface_at({0, triangle, 0.3f, 0.3f}, {0, 1, 0});
+        const SurfacePoint b = stage.posed_scene().surface_at({1, triangle, 0.3f, 0.3f}, {0, 1, 0});
         EXPECT_LT(glm::distance(a.shading_normal * glm::vec3(-1, 1, 1), b.shading_normal), 1e-6f);
     }
 }
@@ -123,14 +123,14 @@ TEST(Textures, AreAveragedOverTheFootprint) {
     float darkest = 1, lightest = 0;
     for (int i = 0; i < 64; ++i) {
         const core::SurfaceAddress address{0, 0, 0.2f + 0.003f * static_cast<float>(i), 0.4f};
-        const float sharp = stage.scenery().surface_at(address, {0, 0, 1}).bsdf.diffuse.x;
+        const float sharp = stage.posed_scene().surface_at(address, {0, 0, 1}).bsdf.diffuse.x;
         darkest = std::min(darkest, sharp);
         lightest = std::max(lightest, sharp);
         const SurfaceFootprint wide{{0.5f, 0, 0}, {0, 0.5f, 0}};
-        EXPECT_NEAR(stage.scenery().surface_at(address, {0, 0, 1}, wide).bsdf.diffuse.x, 0.5f, 0.02f);
+        EXPECT_NEAR(stage.posed_scene().surface_at(address, {0, 0, 1}, wide).bsdf.diffuse.x, 0.5f, 0.02f);
         // Along the stripes a footprint may be as long as it likes.
         const SurfaceFootprint along{{1e-4f, 0, 0}, {0, 0.5f, 0}};
-        EXPECT_NEAR(stage.scenery().surface_at(address, {0, 0, 1}, along).bsdf.diffuse.x, sharp, 0.12f);
+        EXPECT_NEAR(stage.posed_scene().surface_at(address, {0, 0, 1}, along).bsdf.diffuse.x, sharp, 0.12f);
     }
     EXPECT_LT(darkest, 0.1f);
     EXPECT_GT(lightest, 0.9f);
@@ -154,7 +154,7 @@ TEST(Textures, FollowTheirTransformAndTheVertexColours) {
     builder.add_object(builder.add_mesh(mesh), material);
     const Stage stage(builder);
     for (const float u : {0.01f, 0.3f, 0.9f}) {
-        const glm::vec3 diffuse = stage.scenery().surface_at({0, 0, u, 0.05f}, {0, 0, 1}).bsdf.diffuse;
+        const glm::vec3 diffuse = stage.posed_scene().surface_at({0, 0, u, 0.05f}, {0, 0, 1}).bsdf.diffuse;
         EXPECT_LT(glm::distance(diffuse, {0, 0.5f, 0}), 1e-3f);
     }
 }
@@ -184,7 +184,7 @@ TEST(NormalMaps, TiltRightAndUpAsTheImageSays) {
             builder.add_object(mesh_index, material, {5, 0, 0}, {1, 0, 0, 0}, {-1, 1, 1});
             const Stage stage(builder);
             EXPECT_LT(glm::distance(at_middle(stage).shading_normal, c.expected), 0.01f) << own_tangents;
-            const glm::vec3 mirrored = stage.scenery().surface_at({1, 0, 0.3f, 0.3f}, {0, 0, 1}).shading_normal;
+            const glm::vec3 mirrored = stage.posed_scene().surface_at({1, 0, 0.3f, 0.3f}, {0, 0, 1}).shading_normal;
             EXPECT_LT(glm::distance(mirrored, c.expected * glm::vec3(-1, 1, 1)), 0.01f) << own_tangents;
         }
     }
@@ -221,7 +221,7 @@ TEST(Emission, IsAveragedOverATexturedTriangle) {
     builder.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, lamp);
     const Stage stage(builder);
     // Of the lower right triangle a quarter of the area is lit, of the upper left one three quarters.
-    const glm::vec3 lower = stage.scenery().mean_emission(0, 0), upper = stage.scenery().mean_emission(0, 1);
+    const glm::vec3 lower = stage.posed_scene().mean_emission(0, 0), upper = stage.posed_scene().mean_emission(0, 1);
     EXPECT_NEAR(lower.x, 8 * 0.25f, 0.3f);
     EXPECT_NEAR(upper.x, 8 * 0.75f, 0.3f);
     EXPECT_NEAR(lower.x + upper.x, 8.0f, 0.1f);

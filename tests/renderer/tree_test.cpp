@@ -54,7 +54,7 @@ int depth(const LightTree& tree, LightRef ref) {
 
 TEST(LightTree, HoldsEveryLightOnceAndBoundsWhatItHolds) {
     const auto lights = random_lights(2000, 1);
-    const LightTree tree = build_light_tree(LightFamily::oriented, lights, 7);
+    const LightTree tree = build_light_tree(LightType::oriented, lights, 7);
     ASSERT_EQ(tree.lights.size(), lights.size());
     ASSERT_EQ(tree.nodes.size(), lights.size() - 1);
     EXPECT_EQ(leaves(tree, tree.root).size(), lights.size());
@@ -99,8 +99,8 @@ double greedy_cost(const std::vector<LightPoint>& points) {
         std::vector<LightPoint> lights;
         double cost = 0;
     };
-    std::vector<Member> forest;
-    for (const LightPoint& p : points) forest.push_back({{p}, 0});
+    std::vector<Member> light_trees;
+    for (const LightPoint& p : points) light_trees.push_back({{p}, 0});
     const auto own_cost = [](const std::vector<LightPoint>& lights, glm::vec3 low, glm::vec3 high) {
         glm::vec3 lo(1e9f), hi(-1e9f), axis(0);
         double power = 0;
@@ -123,13 +123,13 @@ double greedy_cost(const std::vector<LightPoint>& points) {
         high = glm::max(high, p.position);
     }
     double total = 0;
-    while (forest.size() > 1) {
+    while (light_trees.size() > 1) {
         std::size_t a = 0, b = 1;
         double best = 1e300;
-        for (std::size_t i = 0; i < forest.size(); ++i) {
-            for (std::size_t j = i + 1; j < forest.size(); ++j) {
-                std::vector<LightPoint> both = forest[i].lights;
-                both.insert(both.end(), forest[j].lights.begin(), forest[j].lights.end());
+        for (std::size_t i = 0; i < light_trees.size(); ++i) {
+            for (std::size_t j = i + 1; j < light_trees.size(); ++j) {
+                std::vector<LightPoint> both = light_trees[i].lights;
+                both.insert(both.end(), light_trees[j].lights.begin(), light_trees[j].lights.end());
                 const double c = own_cost(both, low, high);
                 if (c < best) {
                     best = c;
@@ -139,8 +139,9 @@ double greedy_cost(const std::vector<LightPoint>& points) {
             }
         }
         total += best;
-        forest[a].lights.insert(forest[a].lights.end(), forest[b].lights.begin(), forest[b].lights.end());
-        forest.erase(forest.begin() + static_cast<std::ptrdiff_t>(b));
+        light_trees[a].lights.insert(light_trees[a].lights.end(), light_trees[b].lights.begin(),
+                                     light_trees[b].lights.end());
+        light_trees.erase(light_trees.begin() + static_cast<std::ptrdiff_t>(b));
     }
     return total;
 }
@@ -157,7 +158,7 @@ TEST(LightTree, CostsHardlyMoreThanGreedyClusteringOfAllPairs) {
             lights[i].normal = glm::vec3(0);
             lights[i].normal[wall % 3] = wall < 3 ? 1.0f : -1.0f;
         }
-        ratio += cost_of(build_light_tree(LightFamily::oriented, lights, 1)) / greedy_cost(lights);
+        ratio += cost_of(build_light_tree(LightType::oriented, lights, 1)) / greedy_cost(lights);
     }
     // The reference's cones lie about mean normals and are tighter than cones about cones.
     EXPECT_LT(ratio / trees, 1.3);
@@ -172,39 +173,39 @@ TEST(LightTree, ChoosesRepresentativesInProportionToPower) {
     int chosen = 0;
     const int seeds = 4000;
     for (int s = 0; s < seeds; ++s) {
-        const LightTree tree = build_light_tree(LightFamily::oriented, lights, static_cast<std::uint64_t>(s));
+        const LightTree tree = build_light_tree(LightType::oriented, lights, static_cast<std::uint64_t>(s));
         chosen += (*tree.ids)[tree.representative(tree.root)] == 0 ? 1 : 0;
     }
     EXPECT_NEAR(chosen, 0.25 * seeds, 4 * std::sqrt(seeds * 0.25 * 0.75));
 }
 
 TEST(LightTree, OfNothingOrOneOrBlackLightsIsWhole) {
-    EXPECT_TRUE(build_light_tree(LightFamily::oriented, {}, 1).empty());
+    EXPECT_TRUE(build_light_tree(LightType::oriented, {}, 1).empty());
     auto lights = random_lights(3, 4);
     for (LightPoint& l : lights) l.intensity = glm::vec3(0);
-    EXPECT_TRUE(build_light_tree(LightFamily::oriented, lights, 1).empty());
+    EXPECT_TRUE(build_light_tree(LightType::oriented, lights, 1).empty());
     lights[1].intensity = {0, 1, 0};
-    const LightTree one = build_light_tree(LightFamily::oriented, lights, 1);
+    const LightTree one = build_light_tree(LightType::oriented, lights, 1);
     ASSERT_EQ(one.lights.size(), 1u);
     EXPECT_TRUE(one.root.is_leaf());
     EXPECT_EQ(one.intensity(one.root), glm::vec3(0, 1, 0));
     lights[0].intensity = glm::vec3(std::nanf(""));
     lights[2].position.x = std::numeric_limits<float>::infinity();
     lights[2].intensity = glm::vec3(1);
-    EXPECT_EQ(build_light_tree(LightFamily::oriented, lights, 1).lights.size(), 1u);
+    EXPECT_EQ(build_light_tree(LightType::oriented, lights, 1).lights.size(), 1u);
 }
 
 TEST(LightTree, MergesCoincidentLightsIntoOneOfTheirSum) {
     std::vector<LightPoint> lights(100000, random_lights(1, 5).front());
     for (LightPoint& l : lights) l.intensity = {1, 2, 4};
-    const LightTree tree = build_light_tree(LightFamily::oriented, lights, 1);
+    const LightTree tree = build_light_tree(LightType::oriented, lights, 1);
     ASSERT_EQ(tree.lights.size(), 1u);
     EXPECT_EQ(tree.lights.front().intensity, glm::vec3(100000, 200000, 400000));
     // Facing apart they stay apart, at any depth that can be walked.
     for (std::size_t i = 0; i < 2000; ++i)
         lights[i].normal = core::sample_sphere({core::halton(0, i), core::halton(1, i)});
     lights.resize(2000);
-    const LightTree fan = build_light_tree(LightFamily::oriented, lights, 1);
+    const LightTree fan = build_light_tree(LightType::oriented, lights, 1);
     EXPECT_EQ(fan.lights.size(), 2000u);
     EXPECT_LT(depth(fan, fan.root), 64);
 }
@@ -212,7 +213,7 @@ TEST(LightTree, MergesCoincidentLightsIntoOneOfTheirSum) {
 TEST(LightTreeSlow, MergesAMillionCoincidentLightsIntoOneOfTheirSum) {
     std::vector<LightPoint> lights(1'000'000, random_lights(1, 5).front());
     for (LightPoint& l : lights) l.intensity = {1, 2, 4};
-    const LightTree tree = build_light_tree(LightFamily::oriented, lights, 1);
+    const LightTree tree = build_light_tree(LightType::oriented, lights, 1);
     ASSERT_EQ(tree.lights.size(), 1u);
     // Whole numbers that single precision still counts one by one.
     EXPECT_EQ(tree.lights.front().intensity, glm::vec3(1e6f, 2e6f, 4e6f));
@@ -221,7 +222,7 @@ TEST(LightTreeSlow, MergesAMillionCoincidentLightsIntoOneOfTheirSum) {
 TEST(LightTree, KeepsFaintLightsBesideBlindingOnes) {
     auto lights = random_lights(1000, 6);
     for (std::size_t i = 0; i < lights.size(); ++i) lights[i].intensity = glm::vec3(i % 2 == 0 ? 1e12f : 1e-12f);
-    const LightTree tree = build_light_tree(LightFamily::oriented, lights, 1);
+    const LightTree tree = build_light_tree(LightType::oriented, lights, 1);
     ASSERT_EQ(tree.lights.size(), 1000u);
     EXPECT_NEAR(tree.intensity(tree.root).x / 5e14, 1.0, 1e-5);
     int faint = 0;
@@ -231,12 +232,12 @@ TEST(LightTree, KeepsFaintLightsBesideBlindingOnes) {
 
 TEST(LightTree, IsTheSameShapeForTwiceTheLightAndTwiceTheScene) {
     auto lights = random_lights(500, 8);
-    const LightTree tree = build_light_tree(LightFamily::oriented, lights, 9);
+    const LightTree tree = build_light_tree(LightType::oriented, lights, 9);
     for (LightPoint& l : lights) {
         l.intensity *= 1024.0f;
         l.position *= 0.0625f;
     }
-    const LightTree scaled = build_light_tree(LightFamily::oriented, lights, 9);
+    const LightTree scaled = build_light_tree(LightType::oriented, lights, 9);
     ASSERT_EQ(tree.nodes.size(), scaled.nodes.size());
     for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
         const auto n = static_cast<std::uint32_t>(i);
@@ -266,7 +267,7 @@ TEST(LightTree, RoundsDiscsAndConesOutwardsByLittle) {
 }
 
 TEST(LightTree, Takes80BytesPerLight) {
-    const LightTree tree = build_light_tree(LightFamily::oriented, random_lights(50000, 10), 1);
+    const LightTree tree = build_light_tree(LightType::oriented, random_lights(50000, 10), 1);
     EXPECT_LE(tree.bytes(), 80u * 50000u);
     EXPECT_GE(tree.bytes(), 79u * 50000u);
 }
@@ -280,7 +281,7 @@ TEST(LightTree, PairsUpALatticeOfEqualLightsInLogarithmicDepth) {
         p.id = static_cast<std::uint32_t>(i);
         lights.push_back(p);
     }
-    const LightTree tree = build_light_tree(LightFamily::oriented, lights, 1);
+    const LightTree tree = build_light_tree(LightType::oriented, lights, 1);
     EXPECT_LE(depth(tree, tree.root), 24);
     EXPECT_GE(depth(tree, tree.root), 12);
 }

@@ -87,8 +87,8 @@ std::uint64_t ReferenceCache::key_of(const RenderJob& film, renderer::Renderer& 
         add(sum, tile.size());
         for (const renderer::GatherPoint& p : tile) add(sum, p);
     }
-    add_plane(sum, seen.unscattered);
-    add_plane(sum, seen.unscattered_specular);
+    add_plane(sum, seen.emitted);
+    add_plane(sum, seen.emitted_specular);
     core::Radiance nothing;
     nothing.frame = world.frame;
     nothing.combined = core::Plane<glm::vec3>(s.format.width, s.format.height, glm::vec3(0));

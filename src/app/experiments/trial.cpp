@@ -195,7 +195,7 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
     RunStatistics statistics;
     const renderer::Statistics before = renderer_.statistics();
     // CPU for what a chunk takes once: making what light stands still (the rough first look does, if there is one),
-    // first looks, caution. What frame after frame has to make is no start.
+    // first looks, error scale. What frame after frame has to make is no start.
     const double lights = (tolerance.coupled ? 0.0 : first_light_seconds_) - next_light_seconds_;
     double once = lights;
     const double began = clock_seconds(), cpu_began = cpu_seconds();

@@ -68,7 +68,8 @@ struct Trial {
     std::optional<double> quality;  ///< it was coded by this instead
     int frames = 0;
     /// CPU per frame for light, with what coupling it to its coding takes: as in the film, which pays once in a chunk
-    /// for what every window pays for (caution's calibration, the rough first look, light that stands still).
+    /// for what every window pays for (the calibration of the error scale, the rough first look, light that stands
+    /// still).
     double seconds = 0;
     double window_seconds = 0;  ///< the same as it was measured in the windows
     double rays = 0;            ///< shadow rays per gather point

@@ -80,7 +80,7 @@ core::Radiance preview(renderer::Renderer& renderer, const scene::Snapshot& worl
     core::Plane<glm::vec3> light(width, height, glm::vec3(0));
     for (int y = step / 2; y < height; y += step)
         for (int x = step / 2; x < width; x += step) {
-            const glm::vec3 sent = radiance.combined.at(x, y) - seen.unscattered.at(x, y);
+            const glm::vec3 sent = radiance.combined.at(x, y) - seen.emitted.at(x, y);
             for (int k = 0; k < 3; ++k)
                 light.at(x, y)[k] = std::max(core::divide_or(sent[k], reflectance.at(x, y)[k], 0.0f), 0.0f);
         }
@@ -90,7 +90,7 @@ core::Radiance preview(renderer::Renderer& renderer, const scene::Snapshot& worl
         for (int x = 0; x < width; ++x) {
             if (is_lit(x, y)) continue;
             radiance.combined.at(x, y) =
-                seen.unscattered.at(x, y) + reflectance.at(x, y) * light_at(seen.visible, light, x, y);
+                seen.emitted.at(x, y) + reflectance.at(x, y) * light_at(seen.visible, light, x, y);
         }
     return radiance;
 }

@@ -31,7 +31,7 @@ renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer:
           &renderer::Statistics::calibrated_pixels, &renderer::Statistics::records_created,
           &renderer::Statistics::records_served, &renderer::Statistics::records_moved,
           &renderer::Statistics::records_between, &renderer::Statistics::records_watched,
-          &renderer::Statistics::records_missed, &renderer::Statistics::frames_watched})
+          &renderer::Statistics::records_missed, &renderer::Statistics::frames_calibrated})
         sum.*count += earlier.*count;
     sum.records_live = std::max(earlier.records_live, later.records_live);
     sum.calibration_seconds += earlier.calibration_seconds;
@@ -41,13 +41,14 @@ renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer:
     if (!earlier.first_non_finite.empty()) sum.first_non_finite = earlier.first_non_finite;
 
     // What was lit decides whose means count how much; without later frames the earlier ones are all there is.
-    const auto frames = static_cast<double>(earlier.frames_watched), all = static_cast<double>(sum.frames_watched);
-    sum.mean_caution += core::divide_or(frames, all, 0.0) * (earlier.mean_caution - later.mean_caution);
-    sum.largest_caution = std::max(earlier.largest_caution, later.largest_caution);
-    if (earlier.frames_watched > 0 && later.frames_watched > 0)
-        sum.least_caution = std::min(earlier.least_caution, later.least_caution);
-    else if (earlier.frames_watched > 0)
-        sum.least_caution = earlier.least_caution;
+    const auto frames = static_cast<double>(earlier.frames_calibrated),
+               all = static_cast<double>(sum.frames_calibrated);
+    sum.mean_error_scale += core::divide_or(frames, all, 0.0) * (earlier.mean_error_scale - later.mean_error_scale);
+    sum.largest_error_scale = std::max(earlier.largest_error_scale, later.largest_error_scale);
+    if (earlier.frames_calibrated > 0 && later.frames_calibrated > 0)
+        sum.least_error_scale = std::min(earlier.least_error_scale, later.least_error_scale);
+    else if (earlier.frames_calibrated > 0)
+        sum.least_error_scale = earlier.least_error_scale;
     sum.luminance += earlier.luminance;
     sum.clamped_energy = core::divide_or(
         earlier.clamped_energy * earlier.luminance + later.clamped_energy * later.luminance, sum.luminance, 0.0);

@@ -47,10 +47,10 @@ void each_count(Counts& s, Visit&& visit) {
     visit("luminance", s.luminance);
     visit("direct_points", s.direct_points);
     visit("indirect_points", s.indirect_points);
-    visit("least_caution", s.least_caution);
-    visit("largest_caution", s.largest_caution);
-    visit("mean_caution", s.mean_caution);
-    visit("frames_watched", s.frames_watched);
+    visit("least_error_scale", s.least_error_scale);
+    visit("largest_error_scale", s.largest_error_scale);
+    visit("mean_error_scale", s.mean_error_scale);
+    visit("frames_calibrated", s.frames_calibrated);
     visit("calibrated_pixels", s.calibrated_pixels);
     visit("calibration_seconds", s.calibration_seconds);
     visit("sky_seconds", s.sky_seconds);

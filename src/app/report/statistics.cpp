@@ -69,12 +69,12 @@ json records_of(const RenderJob& film, const renderer::Statistics& r) {
          core::divide_or(static_cast<double>(r.records_between), static_cast<double>(r.gather_points), 0.0)}};
 }
 
-/// Null where no caution was learnt.
-json caution_of(const renderer::Statistics& r) {
+/// Null where no error scale was learnt.
+json error_scale_of(const renderer::Statistics& r) {
     if (r.calibrated_pixels == 0) return nullptr;
-    return {{"mean", r.mean_caution},
-            {"least", r.least_caution},
-            {"largest", r.largest_caution},
+    return {{"mean", r.mean_error_scale},
+            {"least", r.least_error_scale},
+            {"largest", r.largest_error_scale},
             {"pixels", r.calibrated_pixels},
             {"seconds", r.calibration_seconds}};
 }
@@ -229,7 +229,7 @@ json statistics_of(const RenderJob& film, const RunStatistics& statistics, const
         {"capped_points", r.capped_points},
         {"tolerance_bands", bands_of(r.bands)},
         {"stop", film.rendering.stop == renderer::Stop::classic ? "classic" : "honest"},
-        {"caution", caution_of(r)},
+        {"error_scale", error_scale_of(r)},
         {"records", records_of(film, r)},
         {"audit", audit_of(film, statistics.audit)},
         {"first_non_finite", r.first_non_finite},

@@ -192,11 +192,11 @@ std::string effect_lines(const RenderJob& film, const RunStatistics& statistics)
 }
 
 /// What the film's own light taught its cuts.
-std::string caution_lines(const renderer::Statistics& r) {
+std::string error_scale_lines(const renderer::Statistics& r) {
     return fmt::format(
-        "  caution    {:.2f} ({:.2f} to {:.2f}) of what the worst films need; {} pixels,\n"
+        "  error_scale    {:.2f} ({:.2f} to {:.2f}) of what the worst films need; {} pixels,\n"
         "             lit again by every light point, said so in {:.2f} s\n",
-        r.mean_caution, r.least_caution, r.largest_caution, r.calibrated_pixels, r.calibration_seconds);
+        r.mean_error_scale, r.least_error_scale, r.largest_error_scale, r.calibrated_pixels, r.calibration_seconds);
 }
 
 std::string audit_lines(const Audit& audit) {
@@ -209,13 +209,23 @@ std::string audit_lines(const Audit& audit) {
 
 }  // namespace
 
+<<<<<<< HEAD
 std::string summary(const RenderJob& film, const RunStatistics& statistics, const RunFacts& facts) {
     std::string text = opening_lines(film.film(), statistics, facts) + light_lines(statistics);
     if (kept_records(film.rendering, statistics.rendering)) text += record_lines(statistics.rendering);
     text += effect_lines(film, statistics) + band_lines(statistics.rendering.bands);
-    if (statistics.rendering.calibrated_pixels > 0) text += caution_lines(statistics.rendering);
+    if (statistics.rendering.calibrated_pixels > 0) text += error_scale_lines(statistics.rendering);
     if (film.audit > 0) text += audit_lines(statistics.audit);
     if (film.kind == OutputKind::film) text += closing_lines(film.film(), statistics, "rendered");
+=======
+std::string summary(const Production& film, const Ledger& ledger, const RunFacts& facts) {
+    std::string text = opening_lines(film.film(), ledger, facts) + light_lines(ledger);
+    if (kept_records(film.rendering, ledger.rendering)) text += record_lines(ledger.rendering);
+    text += effect_lines(film, ledger) + band_lines(ledger.rendering.bands);
+    if (ledger.rendering.calibrated_pixels > 0) text += error_scale_lines(ledger.rendering);
+    if (film.audit > 0) text += audit_lines(ledger.audit);
+    if (film.kind == OutputKind::film) text += closing_lines(film.film(), ledger, "rendered");
+>>>>>>> da00ea4 (renderer: the field's words for the light trees, the cut's calibration and what moves)
     return text;
 }
 

@@ -24,7 +24,7 @@ float known_luminance(const PointLight& light, const GatherPoint& p) {
 
 void FrameLighting::gather_exact(std::size_t tile, ShadeCounts& counts) {
     const GatherTile& points = seen_.tiles[tile];
-    Gatherer gatherer(parts_ != nullptr ? parts_->moving : forest_, tracer_);
+    Gatherer gatherer(parts_ != nullptr ? parts_->moving : light_trees_, tracer_);
     GatherLanes lanes;
     GatheredLight gathered;
     for (const GatherGroup& group : group_points(points, camera_.position(), 1)) {
@@ -41,7 +41,7 @@ void FrameLighting::gather_exact(std::size_t tile, ShadeCounts& counts) {
 }
 
 /// Takes the light of points that are the very same as in the last frame. Whether all exact light is known by that, and
-/// what movers change.
+/// what dynamic objects change.
 bool FrameLighting::recall(std::size_t t, const RecordCache::LitTiles& last, const MovedPoints& last_moved_points,
                            std::int64_t last_frame, bool moved) {
     const GatherTile& points = seen_.tiles[t];
@@ -96,7 +96,7 @@ void FrameLighting::prepare(const core::ToleranceMap& tolerance, const RecordCac
         if (!knows && parts_ != nullptr) exact_[t].assign(points.size(), {});
         if (!knows && !whole_.exact.empty()) gather_exact(t, of_tile[t]);
         moving_[t].assign(points.size(), knows ? Moving::recalled : Moving::unknown);
-        movers_[t].assign(points.size(), {});
+        dynamic_objects_[t].assign(points.size(), {});
         for (std::size_t i = 0; i < points.size(); ++i)
             tolerances_[t][i].base += known_luminance(exact_[t][i], points[i]);
     });
@@ -158,7 +158,7 @@ std::vector<PointRef> FrameLighting::wanting(std::size_t t, int lattice) {
 }
 
 std::optional<Record> FrameLighting::record(const GatheredRequests& g, std::size_t i) const {
-    auto record = record_of(point(g.points[i]), g.light[i], g.lobes[i], limits_.caution, snapshot_.frame);
+    auto record = record_of(point(g.points[i]), g.light[i], g.lobes[i], limits_.error_scale, snapshot_.frame);
     if (record) record->set = g.sets[i];
     return record;
 }
@@ -200,7 +200,7 @@ std::vector<GatheredRequests> FrameLighting::gather(const std::vector<std::vecto
                                                      [&](const PointRef& r) { return !moves(point(r)); });
         const std::vector<PointRef> moving(on_movers, of_area[a].end());
         of_area[a].erase(on_movers, of_area[a].end());
-        gather_requests(forest_, tracer_, seen_, camera_.position(), tolerances_, limits_, trials_, of_area[a],
+        gather_requests(light_trees_, tracer_, seen_, camera_.position(), tolerances_, limits_, trials_, of_area[a],
                         found[a]);
         gather_requests(whole_, tracer_, seen_, camera_.position(), tolerances_, limits_, trials_, moving, found[a]);
     });
@@ -293,7 +293,7 @@ FrameLight FrameLighting::take(RecordCache::LitTiles& last, MovedPoints& moved, 
             // Two gatherings err each for itself.
             light.error = std::hypot(light.error, known.error);
             light.capped = light.capped || known.capped;
-            light.parted = movers_[t][i].scattered(p) != glm::vec3(0);
+            light.parted = dynamic_objects_[t][i].scattered(p) != glm::vec3(0);
             light.direct = glm::max(light.direct, glm::vec3(0));
             light.indirect = glm::max(light.indirect, glm::vec3(0));
             light.glossy = glm::max(light.glossy, glm::vec3(0));

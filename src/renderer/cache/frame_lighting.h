@@ -19,13 +19,13 @@ namespace render2mpeg::renderer {
 /// becomes records for later points and frames.
 class FrameLighting {
   public:
-    /// `parts` of the forest's light, of which records hold what stays; none where they hold all of it.
-    FrameLighting(const LightForest& forest, const RayTracer& tracer, const Seen& seen, const scene::Snapshot& snapshot,
-                  const CutLimits& limits, const RecordTrust& trust, const LobeTrials& trials, Records& records,
-                  const LightParts* parts = nullptr)
-        : whole_(forest),
+    /// `parts` of the light trees' light, of which records hold what stays; none where they hold all of it.
+    FrameLighting(const LightTrees& light_trees, const RayTracer& tracer, const Seen& seen,
+                  const scene::Snapshot& snapshot, const CutLimits& limits, const RecordTrust& trust,
+                  const LobeTrials& trials, Records& records, const LightParts* parts = nullptr)
+        : whole_(light_trees),
           parts_(parts),
-          forest_(parts != nullptr ? parts->still : forest),
+          light_trees_(parts != nullptr ? parts->still : light_trees),
           tracer_(tracer),
           seen_(seen),
           snapshot_(snapshot),
@@ -41,13 +41,13 @@ class FrameLighting {
           state_(seen.tiles.size()),
           served_(seen.tiles.size(), 0),
           moved_points_(seen.tiles.size()),
-          movers_(seen.tiles.size()),
+          dynamic_objects_(seen.tiles.size()),
           moving_(seen.tiles.size()),
           firsts_(seen.tiles.size()),
           squares_(seen.tiles.size()) {
         limits_.exact = false;
-        // Records keep their errors without caution, which is learnt anew at a cut.
-        trust_.noise *= limits.caution;
+        // Records keep their errors without error scale, which is learnt anew at a cut.
+        trust_.noise *= limits.error_scale;
     }
 
     /// `moved`: things lie elsewhere than in the last frame, though records are what they were.
@@ -147,9 +147,9 @@ class FrameLighting {
     }
     const GatherPoint& point(const PointRef& r) const { return seen_.tiles[r.tile][r.index]; }
 
-    const LightForest& whole_;
+    const LightTrees& whole_;
     const LightParts* parts_;
-    const LightForest& forest_;  ///< what records hold
+    const LightTrees& light_trees_;  ///< what records hold
     const RayTracer& tracer_;
     const Seen& seen_;
     const scene::Snapshot& snapshot_;
@@ -170,7 +170,7 @@ class FrameLighting {
         between,  ///< taken from points around
         recalled  ///< as in the frame before, with the exact light
     };
-    FrameLight movers_;                               ///< what they change
+    FrameLight dynamic_objects_;                      ///< what they change
     std::vector<std::vector<Moving>> moving_;         ///< whether that is known
     std::vector<std::vector<std::uint32_t>> firsts_;  ///< of each pixel of a tile, its first point; and the end
     std::vector<TileSquares> squares_;

@@ -26,8 +26,8 @@ constexpr float share_between = 0.5f;
 constexpr float share_left = 0.7f;
 
 /// Of the corners there must be so much, by weight, and all but one of four: the others show other surfaces. One alone
-/// says nothing of what changes from it to the point, as at a mover's foot. chosen: 0.5; where all are wanted, twice as
-/// many points are gathered.
+/// says nothing of what changes from it to the point, as at a dynamic object's foot. chosen: 0.5; where all are wanted,
+/// twice as many points are gathered.
 constexpr float least_found = 0.5f;
 
 void add(PointLight& sum, const PointLight& part, float sign) {
@@ -41,8 +41,9 @@ void add(PointLight& sum, const PointLight& part, float sign) {
     sum.capped = sum.capped || part.capped;
 }
 
-bool is_empty(const LightForest& forest) {
-    return std::all_of(forest.trees.begin(), forest.trees.end(), [](const LightTree& t) { return t.empty(); });
+bool is_empty(const LightTrees& light_trees) {
+    return std::all_of(light_trees.trees.begin(), light_trees.trees.end(),
+                       [](const LightTree& t) { return t.empty(); });
 }
 
 }  // namespace
@@ -87,7 +88,7 @@ bool FrameLighting::is_between(std::size_t t, std::size_t i, int lattice) {
         PointRef ref;
         const float weight = weights[static_cast<std::size_t>(k)];
         if (!corner(x0 + k % 2 * lattice, y0 + k / 2 * lattice, p, ref)) continue;
-        const PointLight& there = movers_[ref.tile][ref.index];
+        const PointLight& there = dynamic_objects_[ref.tile][ref.index];
         whole += weight;
         mean.direct += weight * there.direct;
         mean.indirect += weight * there.indirect;
@@ -102,7 +103,7 @@ bool FrameLighting::is_between(std::size_t t, std::size_t i, int lattice) {
     mean.indirect /= whole;
     mean.error /= whole;
     if (!(std::max(core::noticed(high - low), mean.error) <= share_between * allowed(t, i))) return false;
-    movers_[t][i] = mean;
+    dynamic_objects_[t][i] = mean;
     moving_[t][i] = Moving::between;
     return true;
 }
@@ -127,18 +128,18 @@ std::vector<std::vector<PointRef>> FrameLighting::wanting_movers(int lattice) {
 
 void FrameLighting::gather_movers(const std::vector<std::vector<PointRef>>& of_tile, ShadeCounts& counts) {
     struct Part {
-        const LightForest* forest;
+        const LightTrees* light_trees;
         float sign;
     };
     std::vector<Part> parts;
     for (const Part& p : {Part{&parts_->moving, 1.0f}, Part{&parts_->gained, 1.0f}, Part{&parts_->lost, -1.0f},
                           Part{&parts_->hidden, -1.0f}})
-        if (!is_empty(*p.forest)) parts.push_back(p);
+        if (!is_empty(*p.light_trees)) parts.push_back(p);
     const std::vector<std::vector<PointRef>> of_area = by_area(of_tile);
     std::vector<ShadeCounts> counts_of(of_area.size());
     parallel::for_each(of_area.size(), [&](std::size_t a) {
         std::vector<Gatherer> gatherers;
-        for (const Part& p : parts) gatherers.emplace_back(*p.forest, tracer_);
+        for (const Part& p : parts) gatherers.emplace_back(*p.light_trees, tracer_);
         for (const RequestGroup& group : group_requests(seen_, of_area[a], camera_.position())) {
             GatherPoint receivers[lane_count];
             const GatherPoint* points[lane_count];
@@ -158,7 +159,7 @@ void FrameLighting::gather_movers(const std::vector<std::vector<PointRef>>& of_t
             GatherLanes lanes;
             fill(lanes, std::span<const GatherPoint* const>(points, group.points.size()));
             lanes.set = group.set;
-            for (const PointRef& ref : group.points) movers_[ref.tile][ref.index] = {};
+            for (const PointRef& ref : group.points) dynamic_objects_[ref.tile][ref.index] = {};
             for (std::size_t k = 0; k < parts.size(); ++k) {
                 GatheredLight gathered;
                 CutLimits limits = limits_;
@@ -166,7 +167,7 @@ void FrameLighting::gather_movers(const std::vector<std::vector<PointRef>>& of_t
                 gatherers[k].gather(lanes, tolerance, limits, gathered);
                 counts_of[a].shadow_rays += gathered.shadow_rays;
                 for (std::size_t i = 0; i < group.points.size(); ++i)
-                    add(movers_[group.points[i].tile][group.points[i].index],
+                    add(dynamic_objects_[group.points[i].tile][group.points[i].index],
                         point_light(gathered, static_cast<int>(i), *points[i]), parts[k].sign);
             }
             for (const PointRef& ref : group.points) moving_[ref.tile][ref.index] = Moving::gathered;
@@ -181,7 +182,7 @@ std::vector<std::vector<PointRef>> FrameLighting::doubt_hidden() {
     parallel::for_each(seen_.tiles.size(), [&](std::size_t t) {
         for (std::uint32_t i = 0; i < seen_.tiles[t].size(); ++i) {
             const GatherPoint& p = seen_.tiles[t][i];
-            const float change = core::luminance(movers_[t][i].scattered(p));
+            const float change = core::luminance(dynamic_objects_[t][i].scattered(p));
             if (!(change < 0.0f) || moves(p)) continue;
             const float before = allowed(t, i);
             tolerances_[t][i].base += change;
@@ -207,8 +208,8 @@ void FrameLighting::add_movers(ShadeCounts& counts, RecordCounts& record_counts)
         fill_lattice(1, counts, record_counts);
         gather_movers(doubted, counts);
     }
-    for (std::size_t t = 0; t < movers_.size(); ++t)
-        for (std::size_t i = 0; i < movers_[t].size(); ++i) add(exact_[t][i], movers_[t][i], 1.0f);
+    for (std::size_t t = 0; t < dynamic_objects_.size(); ++t)
+        for (std::size_t i = 0; i < dynamic_objects_[t].size(); ++i) add(exact_[t][i], dynamic_objects_[t][i], 1.0f);
 }
 
 }  // namespace render2mpeg::renderer

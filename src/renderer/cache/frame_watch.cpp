@@ -64,9 +64,9 @@ void FrameLighting::doubt_served() {
 
 void FrameLighting::watch(Watch when, RecordWatch& known, ShadeCounts& counts, RecordCounts& record_counts) {
     std::vector<WatchedPoint> points;
-    const float usual = limits_.caution;
+    const float usual = limits_.error_scale;
     float share = 0;
-    limits_.caution *= finer;
+    limits_.error_scale *= finer;
     for (const GatheredRequests& g : gather(watched(when, known, share), 0, counts)) {
         for (std::size_t k = 0; k < g.points.size(); ++k) {
             const PointRef& ref = g.points[k];
@@ -85,7 +85,7 @@ void FrameLighting::watch(Watch when, RecordWatch& known, ShadeCounts& counts, R
             state_[ref.tile][ref.index] = PointState::watched;
         }
     }
-    limits_.caution = usual;
+    limits_.error_scale = usual;
     known.learn(points);
     trust_.strictness = known.strictness();
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/color.h"
-#include "renderer/cut/movers.h"
+#include "renderer/cut/dynamic_objects.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::renderer {
@@ -31,15 +31,17 @@ bool LightParts::may_suit(const scene::Animation& film, const Plan& plan) {
         if (film.materials[static_cast<std::size_t>(object.material)].emits()) return false;
         ++movers;
     }
-    return movers <= GroupMovers::most;
+    return movers <= GroupDynamicObjects::most;
 }
 
-bool LightParts::suit(const Scenery& scenery, const Plan& plan, std::size_t still_anchors, std::size_t moving_anchors) {
-    return may_suit(scenery.animation(), plan) &&
+bool LightParts::suit(const PosedScene& posed_scene, const Plan& plan, std::size_t still_anchors,
+                      std::size_t moving_anchors) {
+    return may_suit(posed_scene.animation(), plan) &&
            static_cast<double>(moving_anchors) <= most_moving * static_cast<double>(still_anchors + moving_anchors);
 }
 
-bool LightParts::take(const LightForest& forest, std::span<const LightPoint> anchors, const LastingForest& lasting) {
+bool LightParts::take(const LightTrees& light_trees, std::span<const LightPoint> anchors,
+                      const PersistentLightTrees& lasting) {
     const auto same = [](const LightPoint& a, const LightPoint& b) { return a.id == b.id; };
     double changed = 0, all = 0;
     const bool comparable = std::equal(anchors.begin(), anchors.end(), then_.begin(), then_.end(), same);
@@ -56,26 +58,26 @@ bool LightParts::take(const LightForest& forest, std::span<const LightPoint> anc
     const bool renews = !taken_ || !comparable || changed > most_changed * all;
     taken_ = true;
 
-    LightForest bare;
-    bare.direct_clamp = forest.direct_clamp;
-    bare.indirect_clamp = forest.indirect_clamp;
-    constexpr int still_tree = LightForest::still_tree, moving_tree = LightForest::moving_tree;
+    LightTrees bare;
+    bare.direct_clamp = light_trees.direct_clamp;
+    bare.indirect_clamp = light_trees.indirect_clamp;
+    constexpr int static_tree = LightTrees::static_tree, dynamic_tree = LightTrees::dynamic_tree;
     moving = bare;
-    moving.exact = forest.exact;
-    moving.trees[moving_tree] = forest.trees[moving_tree];
-    hidden = forest;
+    moving.exact = light_trees.exact;
+    moving.trees[dynamic_tree] = light_trees.trees[dynamic_tree];
+    hidden = light_trees;
     hidden.exact.clear();
-    hidden.trees[moving_tree] = {};
-    hidden.shadows = Shadows::hidden_by_movers;
+    hidden.trees[dynamic_tree] = {};
+    hidden.shadows = Shadows::hidden_by_dynamic;
     gained = lost = bare;
-    gained.shadows = lost.shadows = Shadows::of_what_is_still;
+    gained.shadows = lost.shadows = Shadows::of_static;
     if (renews) {
         then_.assign(anchors.begin(), anchors.end());
         still = hidden;
-        still.shadows = Shadows::of_what_is_still;
+        still.shadows = Shadows::of_static;
     } else {
-        gained.trees[still_tree] = lasting.still_tree(more);
-        lost.trees[still_tree] = lasting.still_tree(less);
+        gained.trees[static_tree] = lasting.static_tree(more);
+        lost.trees[static_tree] = lasting.static_tree(less);
     }
     return renews;
 }

@@ -5,8 +5,8 @@
 
 #include "renderer/base/light_point.h"
 #include "renderer/base/plan.h"
-#include "renderer/surface/scenery.h"
-#include "renderer/tree/light_forest.h"
+#include "renderer/surface/posed_scene.h"
+#include "renderer/tree/light_trees.h"
 
 namespace render2mpeg::renderer {
 
@@ -19,7 +19,8 @@ class LightParts {
     /// move, but few, and nothing lets light through.
     static bool may_suit(const scene::Animation& film, const Plan& plan);
     /// Whether it is: what moves holds few of the anchors, too.
-    static bool suit(const Scenery& scenery, const Plan& plan, std::size_t still_anchors, std::size_t moving_anchors);
+    static bool suit(const PosedScene& posed_scene, const Plan& plan, std::size_t still_anchors,
+                     std::size_t moving_anchors);
 
     /// A chunk begins.
     void forget() {
@@ -28,14 +29,14 @@ class LightParts {
         still = {};
     }
 
-    /// Takes the forest of an instant, and the still anchors that are in it. Whether `still` is another now: anchors
-    /// have come to shine otherwise than they did when it was taken.
-    bool take(const LightForest& now, std::span<const LightPoint> still_anchors, const LastingForest& lasting);
+    /// Takes the light trees of an instant, and the still anchors that are in it. Whether `still` is another now:
+    /// anchors have come to shine otherwise than they did when it was taken.
+    bool take(const LightTrees& now, std::span<const LightPoint> still_anchors, const PersistentLightTrees& lasting);
 
-    LightForest still;         ///< past what is still: of lights, and of anchors as they shone then
-    LightForest gained, lost;  ///< likewise: of anchors, by what they shine more and less than they did then
-    LightForest hidden;        ///< of lights and still anchors of now: what things that move hide of it
-    LightForest moving;        ///< past everything: of anchors on what moves; and lights that are not clustered
+    LightTrees still;         ///< past what is still: of lights, and of anchors as they shone then
+    LightTrees gained, lost;  ///< likewise: of anchors, by what they shine more and less than they did then
+    LightTrees hidden;        ///< of lights and still anchors of now: what things that move hide of it
+    LightTrees moving;        ///< past everything: of anchors on what moves; and lights that are not clustered
 
   private:
     bool taken_ = false;            ///< `still` is that of a frame of this chunk

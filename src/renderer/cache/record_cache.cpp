@@ -7,7 +7,7 @@
 namespace render2mpeg::renderer {
 
 void RecordCache::cut_to(const Seen& seen, const scene::Snapshot& snapshot) {
-    // Their errors are of another caution.
+    // Their errors are of another error scale.
     last_ = {};
     trials_.forget();
     watch_.forget();
@@ -16,16 +16,16 @@ void RecordCache::cut_to(const Seen& seen, const scene::Snapshot& snapshot) {
     records_.thin(snapshot.frame, map);
 }
 
-FrameLight RecordCache::light(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
+FrameLight RecordCache::light(const LightTrees& light_trees, const RayTracer& tracer, const Seen& seen,
                               const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance,
                               const CutLimits& limits, ShadeCounts& shade_counts, RecordCounts& counts,
                               const LightParts* parts) {
     EXPECTS(!tolerance.is_reference());
     if (snapshot.cut_before) cut_to(seen, snapshot);
     trust_.strictness = watch_.strictness();
-    trust_.recalled = core::divide_or(limits.caution, last_caution_, 1.0f);
-    last_caution_ = limits.caution;
-    FrameLighting frame(forest, tracer, seen, snapshot, limits, trust_, trials_, records_, parts);
+    trust_.recalled = core::divide_or(limits.error_scale, last_error_scale_, 1.0f);
+    last_error_scale_ = limits.error_scale;
+    FrameLighting frame(light_trees, tracer, seen, snapshot, limits, trust_, trials_, records_, parts);
     frame.prepare(tolerance, last_, last_moved_points_, last_frame_, moved_, shade_counts);
     last_frame_ = snapshot.frame;
     moved_ = false;

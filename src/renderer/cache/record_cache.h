@@ -61,7 +61,7 @@ class RecordCache {
 
     /// Light of all points of a frame within their tolerances (not for the reference), gathered or from records; these
     /// hold what stays of it where it is given in parts, in all frames of a chunk or in none.
-    FrameLight light(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
+    FrameLight light(const LightTrees& light_trees, const RayTracer& tracer, const Seen& seen,
                      const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, const CutLimits& limits,
                      ShadeCounts& shade_counts, RecordCounts& counts, const LightParts* parts = nullptr);
 
@@ -90,7 +90,7 @@ class RecordCache {
     LitTiles last_;
     MovedPoints last_moved_points_;
     std::int64_t last_frame_ = 0;  ///< that they are of
-    float last_caution_ = 1;       ///< that they were lit with
+    float last_error_scale_ = 1;   ///< that they were lit with
     bool moved_ = false;           ///< things lie elsewhere than in the last frame; light is parted
     RecordTrust trust_;
     LobeTrials trials_;

@@ -23,7 +23,7 @@ struct RecordTrust {
     float residual = 1;    ///< multiplies what neighbours disagree by
     float step = 0.5f;     ///< multiplies what light changes by up to the nearest record
     float noise = 1;       ///< multiplies what their gathering may be off by
-    float recalled = 1;    ///< multiplies what light of the last frame may be off by: caution may be another now
+    float recalled = 1;    ///< multiplies what light of the last frame may be off by: error scale may be another now
     float strictness = 1;  ///< multiplies the first two, by what a film shows (record_watch.h)
 };
 
@@ -34,7 +34,7 @@ float record_doubt(const PointTolerance& t, float light, float tolerance);
 /// What records around a point say of it.
 struct RecordEstimate {
     bool holds = false;  ///< within the point's tolerance, as far as they tell
-    PointLight light;    ///< of the forest's trees
+    PointLight light;    ///< of the light trees' trees
     int radius = 0;      ///< pixels that were looked at to each side
     /// The record whose light that is, at its own place in the point's pixel; none where it is light at the point.
     std::optional<std::uint32_t> elsewhere;

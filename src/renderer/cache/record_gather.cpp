@@ -76,8 +76,8 @@ GatherPoint plain_receiver(const GatherPoint& p) {
     return receiver;
 }
 
-std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, const RecordLobe& lobe, float caution,
-                                std::int64_t frame) {
+std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, const RecordLobe& lobe,
+                                float error_scale, std::int64_t frame) {
     Record record;
     record.address = p.point.address;
     record.back_side = p.point.back_side;
@@ -88,7 +88,7 @@ std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, c
     record.direct = light.direct;
     record.indirect = light.indirect;
     record.lobe = lobe;
-    record.error = core::divide_or(light.error, receives(p) * caution, 0.0f);
+    record.error = core::divide_or(light.error, receives(p) * error_scale, 0.0f);
     record.clamped = core::divide_or(light.clamped, core::luminance(light.scattered(p)), 0.0f);
     record.born = record.used = frame;
     const bool finite = core::is_finite(record.direct) && core::is_finite(record.indirect) &&
@@ -96,10 +96,10 @@ std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, c
     return finite ? std::optional(record) : std::nullopt;
 }
 
-void gather_requests(const LightForest& forest, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
+void gather_requests(const LightTrees& light_trees, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
                      const std::vector<std::vector<PointTolerance>>& tolerances, const CutLimits& limits,
                      const LobeTrials& trials, const std::vector<PointRef>& requests, GatheredRequests& out) {
-    Gatherer gatherer(forest, tracer);
+    Gatherer gatherer(light_trees, tracer);
     for (const RequestGroup& group : group_requests(seen, requests, eye))
         gather_group(seen, tolerances, limits, trials, group, gatherer, out);
 }

@@ -25,9 +25,9 @@ float receives(const GatherPoint& p);
 /// told well enough for it.
 GatherPoint plain_receiver(const GatherPoint& p);
 
-/// The record of what was gathered at a point with a caution; none where that is not finite.
-std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, const RecordLobe& lobe, float caution,
-                                std::int64_t frame);
+/// The record of what was gathered at a point with an error scale; none where that is not finite.
+std::optional<Record> record_of(const GatherPoint& p, const PointLight& light, const RecordLobe& lobe,
+                                float error_scale, std::int64_t frame);
 
 /// What was found of some requests, in the order in which they were gathered.
 struct GatheredRequests {
@@ -40,7 +40,7 @@ struct GatheredRequests {
 
 /// Gathers the requests of one area in groups, those that take records for these; `tolerances` are those of all points
 /// of all tiles.
-void gather_requests(const LightForest& forest, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
+void gather_requests(const LightTrees& light_trees, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
                      const std::vector<std::vector<PointTolerance>>& tolerances, const CutLimits& limits,
                      const LobeTrials& trials, const std::vector<PointRef>& requests, GatheredRequests& out);
 

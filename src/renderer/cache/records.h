@@ -21,7 +21,8 @@ struct RecordLobe {
 };
 
 /// What one place on a surface receives, whatever its texture (docs/model/irradiance-cache.md): kept where it was
-/// gathered and never resampled. Of a light forest's trees alone; lights that are gathered exactly are no part of it.
+/// gathered and never resampled. Of a light light trees' trees alone; lights that are gathered exactly are no part of
+/// it.
 struct Record {
     core::SurfaceAddress address;
     bool back_side = false;
@@ -32,7 +33,8 @@ struct Record {
     glm::vec3 shading_normal{0};
     glm::vec3 direct{0}, indirect{0};  ///< irradiance over pi
     RecordLobe lobe;
-    float error = 0;  ///< luminance by which a white receiver may be off, as the cut's rule reckons with a caution of 1
+    float error =
+        0;  ///< luminance by which a white receiver may be off, as the cut's rule reckons with an error scale of 1
     float clamped = 0;                ///< what the clamp of near lights took, as a share of what arrived
     std::int64_t born = 0, used = 0;  ///< frames
 };

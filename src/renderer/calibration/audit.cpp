@@ -9,7 +9,7 @@
 #include "core/sampling.h"
 #include "parallel/loops.h"
 #include "renderer/base/lobe.h"
-#include "renderer/cut/lone_point.h"
+#include "renderer/cut/reference_gather.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -92,7 +92,7 @@ std::vector<LitPixel> spread(const std::vector<LitPixel>& pixels, std::size_t co
     return chosen;
 }
 
-std::vector<glm::vec3> gather_exactly(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
+std::vector<glm::vec3> gather_exactly(const LightTrees& light_trees, const RayTracer& tracer, const Seen& seen,
                                       const std::vector<LitPixel>& pixels, const MovedPoints& moved) {
     EXPECTS(moved.empty() || moved.size() == seen.tiles.size());
     struct Place {
@@ -106,7 +106,7 @@ std::vector<glm::vec3> gather_exactly(const LightForest& forest, const RayTracer
     std::vector<glm::vec3> light(places.size());
     parallel::for_each(places.size(), [&](std::size_t i) {
         GatheredLight gathered;
-        gather_all(forest, tracer, lit_at(*places[i].point, places[i].moved), *places[i].point, gathered);
+        gather_all(light_trees, tracer, lit_at(*places[i].point, places[i].moved), *places[i].point, gathered);
         light[i] = scattered(*places[i].point, gathered, 0);
     });
 
@@ -116,7 +116,7 @@ std::vector<glm::vec3> gather_exactly(const LightForest& forest, const RayTracer
         glm::vec3 own(0);
         for (std::uint32_t i = p.first; i < p.last; ++i) own += light[next++];
         const glm::ivec2 place = place_of(seen, p);
-        const glm::vec3 sum = seen.unscattered.at(place.x, place.y) + own;
+        const glm::vec3 sum = seen.emitted.at(place.x, place.y) + own;
         // What is not finite was replaced in the frame, and is counted there.
         sums.push_back(core::is_finite(sum) ? glm::max(sum, glm::vec3(0)) : glm::vec3(0));
     }

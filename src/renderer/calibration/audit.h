@@ -9,7 +9,7 @@
 #include "renderer/calibration/audited_pixel.h"
 #include "renderer/geometry/ray_tracer.h"
 #include "renderer/surface/gather_point.h"
-#include "renderer/tree/light_forest.h"
+#include "renderer/tree/light_trees.h"
 
 namespace render2mpeg::renderer {
 
@@ -34,7 +34,7 @@ std::vector<LitPixel> spread(const std::vector<LitPixel>& pixels, std::size_t co
 /// What the pixels send when their light is gathered from every light point by itself: radiance, >= 0 and finite. Light
 /// of the trees is gathered where it was when the frame was lit: some points were `moved` (empty: none). The same for
 /// any number of threads.
-std::vector<glm::vec3> gather_exactly(const LightForest& forest, const RayTracer& tracer, const Seen& seen,
+std::vector<glm::vec3> gather_exactly(const LightTrees& light_trees, const RayTracer& tracer, const Seen& seen,
                                       const std::vector<LitPixel>& pixels, const MovedPoints& moved = {});
 
 /// Holds one pixel of a frame, lit by `tolerance`, against the radiance that it should have.

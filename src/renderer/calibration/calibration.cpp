@@ -10,7 +10,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// fit: docs/fits/caution
+/// fit: docs/fits/error-calibration
 constexpr std::size_t most_rounds = 2;
 constexpr std::size_t largest_sample = 1024 / most_rounds;  ///< of a round
 constexpr std::size_t blocks_per_sample = 4;  ///< so that lighting a sample costs a fourth of a frame at most
@@ -21,7 +21,7 @@ constexpr std::size_t least_watched = 8, most_watched = 64;
 Seen blocks_of(const Seen& seen, const std::vector<LitPixel>& pixels) {
     Seen thin;
     thin.visible = seen.visible;
-    thin.unscattered = seen.unscattered;
+    thin.emitted = seen.emitted;
     thin.tiles.resize(seen.tiles.size());
     for (std::size_t i = 0; i < pixels.size();) {
         // All blocks of one tile at once, so that its points keep their order.
@@ -35,15 +35,15 @@ Seen blocks_of(const Seen& seen, const std::vector<LitPixel>& pixels) {
     return thin;
 }
 
-std::size_t light_count(const LightForest& forest) {
-    std::size_t count = forest.exact.size();
-    for (const LightTree& tree : forest.trees) count += tree.lights.size();
+std::size_t light_count(const LightTrees& light_trees) {
+    std::size_t count = light_trees.exact.size();
+    for (const LightTree& tree : light_trees.trees) count += tree.lights.size();
     return count;
 }
 
 /// Pixels that a frame can afford to have gathered again.
-std::size_t affordable(const LightForest& forest, std::uint64_t rays) {
-    const double lights = std::max(static_cast<double>(light_count(forest)), 1.0);
+std::size_t affordable(const LightTrees& light_trees, std::uint64_t rays) {
+    const double lights = std::max(static_cast<double>(light_count(light_trees)), 1.0);
     const auto count = static_cast<std::size_t>(watched_share * static_cast<double>(rays) / lights);
     return std::clamp(count, least_watched, most_watched);
 }
@@ -74,40 +74,40 @@ float typical_share(const Seen& seen, const core::ToleranceMap& tolerance) {
     return count > 0 ? static_cast<float>(std::exp(logs / count)) : 0.0f;
 }
 
-std::size_t calibrate(Caution& caution, const LightForest& forest, const RayTracer& tracer, const Seen& seen,
-                      glm::vec3 eye, const core::ToleranceMap& tolerance, ShadeSettings settings) {
+std::size_t calibrate(ErrorCalibration& calibration, const LightTrees& light_trees, const RayTracer& tracer,
+                      const Seen& seen, glm::vec3 eye, const core::ToleranceMap& tolerance, ShadeSettings settings) {
     // Too few pixels of an earlier frame are no beginning.
-    if (!caution.knows()) caution.forget();
-    const std::size_t rounds = caution.knows() ? 1 : most_rounds;
+    if (!calibration.knows()) calibration.forget();
+    const std::size_t rounds = calibration.knows() ? 1 : most_rounds;
     const std::vector<LitPixel> lit = lit_pixels(seen);
     const std::size_t wanted = std::min(largest_sample, lit.size() / lane_count / blocks_per_sample);
-    if (wanted < Caution::least_pixels) return 0;
+    if (wanted < ErrorCalibration::least_pixels) return 0;
     const std::vector<LitPixel> all = spread(lit, rounds * wanted, seen.visible.frame);
     settings.layers = false;
     for (std::size_t round = 0; round < rounds; ++round) {
         // Every round has its own pixels, since those that were lit twice err alike.
         std::vector<LitPixel> sample;
         for (std::size_t i = round; i < all.size(); i += rounds) sample.push_back(all[i]);
-        const std::vector<glm::vec3> truth = gather_exactly(forest, tracer, seen, sample);
-        settings.limits.caution = caution.value();
+        const std::vector<glm::vec3> truth = gather_exactly(light_trees, tracer, seen, sample);
+        settings.limits.error_scale = calibration.value();
         ShadeCounts uncounted;
         const core::Radiance radiance =
-            shade(forest, tracer, blocks_of(seen, sample), eye, tolerance, settings, uncounted);
-        caution.learn(compare(seen, sample, truth, tolerance, radiance), settings.limits.caution);
-        caution.settle();
+            shade(light_trees, tracer, blocks_of(seen, sample), eye, tolerance, settings, uncounted);
+        calibration.learn(compare(seen, sample, truth, tolerance, radiance), settings.limits.error_scale);
+        calibration.settle();
     }
     return all.size();
 }
 
-std::size_t watch(Caution& caution, const LightForest& forest, const RayTracer& tracer, const Seen& seen,
-                  const core::ToleranceMap& tolerance, const ShadeSettings& settings, const core::Radiance& radiance,
-                  std::uint64_t rays, const FrameLight* known) {
-    if (!caution.knows()) return 0;
+std::size_t recalibrate(ErrorCalibration& calibration, const LightTrees& light_trees, const RayTracer& tracer,
+                        const Seen& seen, const core::ToleranceMap& tolerance, const ShadeSettings& settings,
+                        const core::Radiance& radiance, std::uint64_t rays, const FrameLight* known) {
+    if (!calibration.knows()) return 0;
     std::vector<LitPixel> lit = lit_pixels(seen);
     if (known != nullptr) std::erase_if(lit, [&](const LitPixel& p) { return is_served(p, *known); });
-    const std::vector<LitPixel> pixels = spread(lit, affordable(forest, rays), seen.visible.frame);
-    caution.learn(compare(seen, pixels, gather_exactly(forest, tracer, seen, pixels), tolerance, radiance),
-                  settings.limits.caution);
+    const std::vector<LitPixel> pixels = spread(lit, affordable(light_trees, rays), seen.visible.frame);
+    calibration.learn(compare(seen, pixels, gather_exactly(light_trees, tracer, seen, pixels), tolerance, radiance),
+                      settings.limits.error_scale);
     return pixels.size();
 }
 

@@ -2,12 +2,12 @@
 
 #include "core/radiance.h"
 #include "core/tolerance_map.h"
-#include "renderer/calibration/caution.h"
+#include "renderer/calibration/error_calibration.h"
 #include "renderer/cut/shade.h"
 
 namespace render2mpeg::renderer {
 
-// How a film's own light decides the caution of its cuts (docs/model/lightcut.md). All of it is a function of what
+// How a film's own light decides the error scale of its cuts (docs/model/lightcut.md). All of it is a function of what
 // a chunk shows and of its tolerances, for any number of threads.
 
 /// What part of their luminance the pixels that gather light may be off by, as told before they are lit: the geometric
@@ -15,18 +15,18 @@ namespace render2mpeg::renderer {
 float typical_share(const Seen& seen, const core::ToleranceMap& tolerance);
 
 /// Where nothing is known, as with a frame that resembles none before: lights some hundreds of its pixels, with those
-/// they are gathered together with, and holds them against all light points; then once more with the caution that this
-/// asks for. Where something is known already, only the latter, in addition to that: for a frame with other tolerances.
-/// Small frames, whose sample would cost too much of them, leave it as it is. Returns how many pixels were gathered
-/// again.
-std::size_t calibrate(Caution& caution, const LightForest& forest, const RayTracer& tracer, const Seen& seen,
-                      glm::vec3 eye, const core::ToleranceMap& tolerance, ShadeSettings settings);
+/// they are gathered together with, and holds them against all light points; then once more with the error scale that
+/// this asks for. Where something is known already, only the latter, in addition to that: for a frame with other
+/// tolerances. Small frames, whose sample would cost too much of them, leave it as it is. Returns how many pixels were
+/// gathered again.
+std::size_t calibrate(ErrorCalibration& calibration, const LightTrees& light_trees, const RayTracer& tracer,
+                      const Seen& seen, glm::vec3 eye, const core::ToleranceMap& tolerance, ShadeSettings settings);
 
 /// Goes on with some pixels of a frame that was lit with `settings` and traced `rays` for it: as many as cost about a
-/// fiftieth of it; none where nothing was learnt to begin with, so that no film changes its caution in its midst. Of
-/// a frame lit by records (`known`), those that none of them served. Returns how many.
-std::size_t watch(Caution& caution, const LightForest& forest, const RayTracer& tracer, const Seen& seen,
-                  const core::ToleranceMap& tolerance, const ShadeSettings& settings, const core::Radiance& radiance,
-                  std::uint64_t rays, const FrameLight* known = nullptr);
+/// fiftieth of it; none where nothing was learnt to begin with, so that no film changes its error scale in its midst.
+/// Of a frame lit by records (`known`), those that none of them served. Returns how many.
+std::size_t recalibrate(ErrorCalibration& calibration, const LightTrees& light_trees, const RayTracer& tracer,
+                        const Seen& seen, const core::ToleranceMap& tolerance, const ShadeSettings& settings,
+                        const core::Radiance& radiance, std::uint64_t rays, const FrameLight* known = nullptr);
 
 }  // namespace render2mpeg::renderer

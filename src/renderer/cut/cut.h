@@ -6,12 +6,12 @@
 #include "renderer/base/stop.h"
 #include "renderer/cut/cut_outline.h"
 #include "renderer/cut/cut_rule.h"
-#include "renderer/cut/movers.h"
+#include "renderer/cut/dynamic_objects.h"
 #include "renderer/cut/point_light.h"
+#include "renderer/cut/refinement_queue.h"
 #include "renderer/cut/shields.h"
-#include "renderer/cut/urgency_queue.h"
 #include "renderer/geometry/ray_tracer.h"
-#include "renderer/tree/light_forest.h"
+#include "renderer/tree/light_trees.h"
 
 namespace render2mpeg::renderer {
 
@@ -40,17 +40,17 @@ struct CutLimits {
     int least = 8;  ///< clusters of all trees together
     int most = 1000;
     Stop stop = Stop::honest;
-    float caution = 1;  ///< multiplies what a cut is thought to err by: what fits vary
-    bool exact = true;  ///< gather the lights that are not clustered as well; else their light is known, as base
+    float error_scale = 1;  ///< multiplies what a cut is thought to err by: what fits vary
+    bool exact = true;      ///< gather the lights that are not clustered as well; else their light is known, as base
 };
 
 /// Gathers the light of one group of points at a time. One per thread: it keeps memory between groups, no values.
 class Gatherer {
   public:
-    Gatherer(const LightForest& forest, const RayTracer& tracer) : forest_(forest), tracer_(tracer) {}
+    Gatherer(const LightTrees& light_trees, const RayTracer& tracer) : light_trees_(light_trees), tracer_(tracer) {}
 
     /// By a cut through all trees at once that every lane's tolerance accepts [Walter2005, 4].
-    /// Where it may, it begins with the splits of a neighbour's cut through the same forest.
+    /// Where it may, it begins with the splits of a neighbour's cut through the same light trees.
     void gather(const GatherLanes& lanes, const GroupTolerance& tolerance, const CutLimits& limits, GatheredLight& out,
                 const CutOutline* begin_with = nullptr);
 
@@ -99,7 +99,7 @@ class Gatherer {
     };
 
     struct Settled {
-        float urgency;  ///< when last asked for
+        float priority;  ///< when last asked for
         std::uint32_t slot;
     };
 
@@ -111,8 +111,8 @@ class Gatherer {
         Tint tint;                           ///< unset where nothing is translucent
     };
 
-    void trace(const GatherLanes& lanes, LightFamily family, const TreeLight& light, const Spot* spot,
-               GeometryClamp clamp, Arrival& arrival, GatheredLight& out);
+    void trace(const GatherLanes& lanes, LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp,
+               Arrival& arrival, GatheredLight& out);
     std::uint32_t withheld(const ShadowPacket& packet, GatheredLight& out) const;
     void trace_slot(const GatherLanes& lanes, std::uint32_t slot, Arrival& arrival, GatheredLight& out);
     std::uint32_t add_slot(const GatherLanes& lanes, int tree, LightRef ref);
@@ -120,9 +120,9 @@ class Gatherer {
     UnitLight unit_of(const GatherLanes& lanes, const Arrival& arrival) const;
     void gather_exact(const GatherLanes& lanes, CutSums& sums, GatheredLight& out);
     void start_cut(const GatherLanes& lanes, const CutLimits& limits, const CutOutline* begin_with, GatheredLight& out);
-    float in_bounds(float urgency, float factor) const;
+    float in_bounds(float priority, float factor) const;
     float strictness(const GatherLanes& lanes, const Lanes& luminance) const;
-    float least_urgency(const GatherLanes& lanes, const CutOutline& outline) const;
+    float least_priority(const GatherLanes& lanes, const CutOutline& outline) const;
     void replay(const GatherLanes& lanes, const CutOutline& outline, const CutLimits& limits, GatheredLight& out);
     void refine_classic(const GatherLanes& lanes, const CutLimits& limits, GatheredLight& out);
     void refine_honest(const GatherLanes& lanes, const CutLimits& limits, GatheredLight& out);
@@ -132,13 +132,13 @@ class Gatherer {
         bool first_keeps;
     };
     Divided divide(const GatherLanes& lanes, std::uint32_t slot, GatheredLight& out);
-    void split(const GatherLanes& lanes, std::uint32_t slot, float urgency, GatheredLight& out);
+    void split(const GatherLanes& lanes, std::uint32_t slot, float priority, GatheredLight& out);
     void push(const GatherLanes& lanes, std::uint32_t slot);
     bool reopen(const GatherLanes& lanes);
     void add_square(std::uint32_t slot, double sign);
     void sum_afresh(const GatherLanes& lanes);
     bool is_safe(const GatherLanes& lanes);
-    bool seems_safe(float safe_urgency);
+    bool seems_safe(float safe_priority);
     void sum_luminance(const GatherLanes& lanes);
     /// The clusters two levels below one: what its geometry is summed over.
     struct Parts {
@@ -159,11 +159,11 @@ class Gatherer {
         std::uint16_t lit[4];
     };
 
-    const LightForest& forest_;
+    const LightTrees& light_trees_;
     const RayTracer& tracer_;
     CutRule rule_;
     GroupShields shields_;
-    GroupMovers movers_;
+    GroupDynamicObjects dynamic_objects_;
     alignas(64) Lanes luminance_{}, exact_luminance_{};
     alignas(64) Lanes peak_{};                  ///< largest luminance since it was last summed afresh
     alignas(64) double squares_[lane_count]{};  ///< honest: sums of the squared bounds of all slots
@@ -172,10 +172,10 @@ class Gatherer {
     std::vector<Slot> slots_;
     std::vector<SlotLobe> lobes_;
     std::vector<Tint> tints_;
-    UrgencyQueue queue_;
+    RefinementQueue queue_;
     std::vector<Settled> settled_;            ///< classic: what is fine enough, as far as is known
     std::vector<CutOutline::Split> history_;  ///< of the cut, where it began with nothing
-    std::uint32_t root_slot_[LightForest::tree_count]{};
+    std::uint32_t root_slot_[LightTrees::tree_count]{};
     std::vector<Veil> veils_;             ///< of the slots that have one
     std::vector<std::uint32_t> slot_of_;  ///< of each part, while a cut is replayed
     std::size_t least_ = 0;               ///< clusters of a cut

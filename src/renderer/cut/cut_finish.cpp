@@ -21,7 +21,7 @@ void fetch_grandchildren(const LightTree& tree, LightRef ref) {
 Gatherer::Parts Gatherer::parts_of(const GatherLanes& lanes, const Slot& slot) const {
     Parts parts;
     if (slot.ref.is_leaf()) return parts;
-    const LightTree& tree = forest_.trees[slot.tree];
+    const LightTree& tree = light_trees_.trees[slot.tree];
     const auto take = [&](LightRef part, std::uint32_t light) {
         parts.light[parts.count] = light;
         parts.intensity[parts.count] = tree.intensity(part);
@@ -48,8 +48,8 @@ Gatherer::Parts Gatherer::parts_of(const GatherLanes& lanes, const Slot& slot) c
 RENDER2MPEG_CLONES
 void Gatherer::sum_finely(const GatherLanes& lanes, std::uint32_t index, const Parts& parts, CutSums& sums) const {
     const Slot& slot = slots_[index];
-    const LightTree& tree = forest_.trees[slot.tree];
-    const bool direct = LightForest::is_direct(slot.tree);
+    const LightTree& tree = light_trees_.trees[slot.tree];
+    const bool direct = LightTrees::is_direct(slot.tree);
     const Veil* const veil = slot.veil == no_veil ? nullptr : &veils_[slot.veil];
     alignas(64) Lanes visible;
     const auto see = [&](std::uint16_t lanes_lit) {
@@ -59,16 +59,16 @@ void Gatherer::sum_finely(const GatherLanes& lanes, std::uint32_t index, const P
         }
     };
     see(slot.lit);
-    if (!lanes.glossy && !forest_.translucent) {
+    if (!lanes.glossy && !light_trees_.translucent) {
         // The representative's own light is what its rays let through of what it sends.
-        StandIn lights[4];
+        Representative lights[4];
         for (int p = 0; p < parts.count; ++p)
             lights[p] = {&tree.lights[parts.light[p]], tree.spot(parts.light[p]), parts.intensity[p]};
         const int together = veil == nullptr ? parts.count : 1;
         for (int p = 0; p < parts.count; p += together) {
             if (veil != nullptr) see(veil->lit[p]);
             alignas(64) RgbLanes irradiance{};
-            add_irradiance(lanes, tree.family, lights + p, together, forest_.clamp(slot.tree), irradiance);
+            add_irradiance(lanes, tree.type, lights + p, together, light_trees_.clamp(slot.tree), irradiance);
             sums.add(irradiance, visible, direct);
         }
         return;
@@ -81,8 +81,8 @@ void Gatherer::sum_finely(const GatherLanes& lanes, std::uint32_t index, const P
         }
         if (veil != nullptr) see(veil->lit[p]);
         LightLanes unit;
-        evaluate_light(lanes, tree.family, tree.lights[parts.light[p]], tree.spot(parts.light[p]),
-                       forest_.clamp(slot.tree), unit);
+        evaluate_light(lanes, tree.type, tree.lights[parts.light[p]], tree.spot(parts.light[p]),
+                       light_trees_.clamp(slot.tree), unit);
         for (int i = 0; i < lane_count; ++i) {
             unit.diffuse[i] *= visible[i];
             if (!lanes.glossy) continue;
@@ -104,13 +104,13 @@ void Gatherer::sum_slots(const GatherLanes& lanes, bool finely, CutSums& sums, G
     if (ahead(0)) next = parts_of(lanes, slots_[0]);
     for (std::uint32_t s = 0; s < count; ++s) {
         const Parts parts = next;
-        if (ahead(s + 4)) fetch(forest_.trees[slots_[s + 4].tree], slots_[s + 4].ref);
+        if (ahead(s + 4)) fetch(light_trees_.trees[slots_[s + 4].tree], slots_[s + 4].ref);
         if (ahead(s + 3) && !slots_[s + 3].ref.is_leaf()) fetch_split(s + 3);
-        if (ahead(s + 2)) fetch_grandchildren(forest_.trees[slots_[s + 2].tree], slots_[s + 2].ref);
+        if (ahead(s + 2)) fetch_grandchildren(light_trees_.trees[slots_[s + 2].tree], slots_[s + 2].ref);
         if (ahead(s + 1)) next = parts_of(lanes, slots_[s + 1]);
         const Slot& slot = slots_[s];
-        const LightTree& tree = forest_.trees[slot.tree];
-        const bool direct = LightForest::is_direct(slot.tree);
+        const LightTree& tree = light_trees_.trees[slot.tree];
+        const bool direct = LightTrees::is_direct(slot.tree);
         if (slot.ref.is_leaf() || !finely)
             sums.add(unit_of(s), slot.intensity, direct);
         else if (is_seen(slot))

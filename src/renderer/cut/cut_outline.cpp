@@ -32,8 +32,8 @@ float reflected(const GatherLanes& lanes, int i) {
 
 }  // namespace
 
-float Gatherer::in_bounds(float urgency, float factor) const {
-    return urgency * (rule_.stop() == Stop::classic ? factor : factor * factor);
+float Gatherer::in_bounds(float priority, float factor) const {
+    return priority * (rule_.stop() == Stop::classic ? factor : factor * factor);
 }
 
 float Gatherer::strictness(const GatherLanes& lanes, const Lanes& luminance) const {
@@ -49,21 +49,21 @@ void Gatherer::outline(const GatherLanes& lanes, CutOutline& out) const {
     // What was urgent because little light was known yet may not have been so in the end.
     const float tolerance = rule_.tolerance(0, luminance_[0]);
     for (CutOutline::Split& split : out.splits)
-        split.urgency = in_bounds(split.urgency, core::divide_or(split.tolerance, tolerance, 1.0f));
+        split.priority = in_bounds(split.priority, core::divide_or(split.tolerance, tolerance, 1.0f));
     // Nothing is less urgent than its parts; what was split where nothing was tolerated had no measure of its own.
     for (std::size_t n = out.splits.size(); n-- > 0;) {
         const CutOutline::Split& split = out.splits[n];
         if ((split.part & CutOutline::of_root) != 0) continue;
-        float& of_whole = out.splits[split.part / 2].urgency;
-        of_whole = std::max(of_whole, split.urgency);
+        float& of_whole = out.splits[split.part / 2].priority;
+        of_whole = std::max(of_whole, split.priority);
     }
     // What is left in the queue was accepted, or the cut had no room for it. Where nothing is left all that was split
     // had to be.
     if (!queue_.empty())
-        out.enough = queue_.urgency();
+        out.enough = queue_.priority();
     else
         for (out.enough = std::numeric_limits<float>::max(); const CutOutline::Split& split : out.splits)
-            out.enough = std::min(out.enough, split.urgency);
+            out.enough = std::min(out.enough, split.priority);
     if (rule_.stop() == Stop::classic) out.enough = queue_.empty() ? 1.0f : std::max(1.0f, out.enough);
     out.strictness = strictness(lanes, luminance_);
     float light = 0.0f, reflects = 0.0f;
@@ -74,7 +74,7 @@ void Gatherer::outline(const GatherLanes& lanes, CutOutline& out) const {
     out.irradiance = core::divide_or(light, reflects, 0.0f);
 }
 
-float Gatherer::least_urgency(const GatherLanes& lanes, const CutOutline& outline) const {
+float Gatherer::least_priority(const GatherLanes& lanes, const CutOutline& outline) const {
     Lanes expected;
     for (int i = 0; i < lane_count; ++i) expected[i] = outline.irradiance * reflected(lanes, i);
     // Where this group's tolerances are looser, what was urgent there is less so here.
@@ -88,12 +88,12 @@ float Gatherer::least_urgency(const GatherLanes& lanes, const CutOutline& outlin
 
 void Gatherer::replay(const GatherLanes& lanes, const CutOutline& outline, const CutLimits& limits,
                       GatheredLight& out) {
-    const float least = least_urgency(lanes, outline);
+    const float least = least_priority(lanes, outline);
     const std::size_t most = replayed_of(static_cast<std::size_t>(std::max(limits.most, 1)));
     slot_of_.assign(2 * outline.splits.size(), no_slot);
     // What a later split will be of, as far as is known now.
     const auto slot_ahead = [&](std::size_t n) {
-        if (n >= outline.splits.size() || !(outline.splits[n].urgency >= least)) return no_slot;
+        if (n >= outline.splits.size() || !(outline.splits[n].priority >= least)) return no_slot;
         const std::uint32_t part = outline.splits[n].part;
         return (part & CutOutline::of_root) != 0 ? root_slot_[part & ~CutOutline::of_root] : slot_of_[part];
     };

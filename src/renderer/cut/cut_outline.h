@@ -11,13 +11,13 @@ namespace render2mpeg::renderer {
 struct CutOutline {
     struct Split {
         std::uint32_t part;  ///< child 0 or 1 of split n (2n, 2n + 1), or a tree's root (of_root + tree)
-        float urgency;       ///< see CutRule
+        float priority;      ///< see CutRule
         float tolerance;     ///< of the group's first point when it was so urgent
     };
     static constexpr std::uint32_t of_root = 0x80000000u;
 
     std::vector<Split> splits;  ///< parents before children; as urgent as when the cut was done
-    float enough = 0;           ///< urgency that the cut accepted
+    float enough = 0;           ///< priority that the cut accepted
     float strictness = 0;       ///< of the group's tolerances (CutRule)
     float irradiance = 0;       ///< luminance that the group's points received, over what they reflect
 

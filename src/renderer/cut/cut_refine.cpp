@@ -11,7 +11,7 @@ namespace {
 
 /// Squares of what is larger than this (in units of what a point tolerates) leave no digits of the others in a running
 /// sum. chosen: 1e8, which leaves half of a double's; clusters that hold the point itself reach 1e30.
-constexpr float drowning_urgency = 1e8f;
+constexpr float drowning_priority = 1e8f;
 
 /// A luminance that was once this many times what it is now has lost digits in a running sum. chosen: 64, which leaves
 /// errors of about 1e-4 after a thousand clusters, a hundredth of any tolerance in use.
@@ -31,29 +31,29 @@ void Gatherer::push(const GatherLanes& lanes, std::uint32_t index) {
         std::fill(std::begin(slot.bound), std::end(slot.bound), 0.0f);
         return;
     }
-    const LightTree& tree = forest_.trees[slot.tree];
-    if (forest_.shadows == Shadows::hidden_by_movers) {
+    const LightTree& tree = light_trees_.trees[slot.tree];
+    if (light_trees_.shadows == Shadows::hidden_by_dynamic) {
         const MiddleBox box = tree.box(slot.ref.index());
-        if (!movers_.can_hide(tree.family, box.middle, box.half)) {
+        if (!dynamic_objects_.can_hide(tree.type, box.middle, box.half)) {
             std::fill(std::begin(slot.bound), std::end(slot.bound), 0.0f);
             slot.lit = slot.unknown = 0;
             return;
         }
     }
-    bound_node(lanes, tree, slot.ref.index(), forest_.clamp(slot.tree), slot.bound);
-    const float urgency = rule_.urgency(slot.bound);
-    if (!(urgency > 0.0f)) return;
+    bound_node(lanes, tree, slot.ref.index(), light_trees_.clamp(slot.tree), slot.bound);
+    const float priority = rule_.priority(slot.bound);
+    if (!(priority > 0.0f)) return;
     // Ask shields about what is dark and would be refined.
-    if (slot.is_dark && rule_.matters(urgency) && hide(lanes, index)) {
+    if (slot.is_dark && rule_.matters(priority) && hide(lanes, index)) {
         std::fill(std::begin(slot.bound), std::end(slot.bound), 0.0f);
         return;
     }
     slot.is_open = true;
     // Classic: what is fine enough waits until all light is known.
-    if (rule_.stop() == Stop::classic && CutRule::accepts(urgency) && slots_.size() >= least_)
-        settled_.push_back({urgency, index});
+    if (rule_.stop() == Stop::classic && CutRule::accepts(priority) && slots_.size() >= least_)
+        settled_.push_back({priority, index});
     else
-        queue_.push(urgency, index);
+        queue_.push(priority, index);
 }
 
 RENDER2MPEG_CLONES
@@ -77,11 +77,11 @@ bool Gatherer::reopen(const GatherLanes& lanes) {
     const float risen = rule_.risen();
     std::size_t still = 0;
     for (Settled s : settled_) {
-        if (s.urgency * risen > 1.0f) s.urgency = rule_.urgency(slots_[s.slot].bound);
-        if (CutRule::accepts(s.urgency))
+        if (s.priority * risen > 1.0f) s.priority = rule_.priority(slots_[s.slot].bound);
+        if (CutRule::accepts(s.priority))
             settled_[still++] = s;
         else
-            queue_.push(s.urgency, s.slot);
+            queue_.push(s.priority, s.slot);
     }
     settled_.resize(still);
     return !queue_.empty();
@@ -92,9 +92,9 @@ void Gatherer::refine_classic(const GatherLanes& lanes, const CutLimits& limits,
     while (!queue_.empty() || reopen(lanes)) {
         // The tolerance has moved since the entry was made.
         const std::uint32_t index = queue_.pop();
-        const float urgency = rule_.urgency(slots_[index].bound);
-        if (CutRule::accepts(urgency) && slots_.size() >= least_) {
-            settled_.push_back({urgency, index});
+        const float priority = rule_.priority(slots_[index].bound);
+        if (CutRule::accepts(priority) && slots_.size() >= least_) {
+            settled_.push_back({priority, index});
             continue;
         }
         if (slots_.size() >= most) {
@@ -102,7 +102,7 @@ void Gatherer::refine_classic(const GatherLanes& lanes, const CutLimits& limits,
                 if (slot.is_open) out.capped |= rule_.broken(slot.bound);
             break;
         }
-        split(lanes, index, urgency, out);
+        split(lanes, index, priority, out);
     }
     for (const Slot& slot : slots_)
         for (int i = 0; i < lane_count; ++i) out.error[i] = std::max(out.error[i], slot.bound[i]);
@@ -144,44 +144,44 @@ bool Gatherer::is_safe(const GatherLanes& lanes) {
     float last = std::numeric_limits<float>::max();
     for (std::uint32_t i = 0; i < slots_.size(); ++i) {
         if (!slots_[i].is_open) continue;
-        const float urgency = rule_.urgency(slots_[i].bound);
-        queue_.push(urgency, i);
-        if (urgency >= last || !rule_.is_in_the_way(slots_[i].bound, squares_)) continue;
+        const float priority = rule_.priority(slots_[i].bound);
+        queue_.push(priority, i);
+        if (priority >= last || !rule_.is_in_the_way(slots_[i].bound, squares_)) continue;
         witness_ = i;
-        last = urgency;
+        last = priority;
     }
     return false;
 }
 
 /// Whether it is worth a look at all clusters, which takes as long as some splits.
-bool Gatherer::seems_safe(float safe_urgency) {
+bool Gatherer::seems_safe(float safe_priority) {
     if (rule_.satisfied(squares_)) return true;
     const auto clear = [this](std::uint32_t slot) { return !rule_.is_in_the_way(slots_[slot].bound, squares_); };
-    return queue_.urgency() <= safe_urgency && clear(queue_.front()) && (witness_ == no_slot || clear(witness_));
+    return queue_.priority() <= safe_priority && clear(queue_.front()) && (witness_ == no_slot || clear(witness_));
 }
 
 void Gatherer::refine_honest(const GatherLanes& lanes, const CutLimits& limits, GatheredLight& out) {
     const auto most = static_cast<std::size_t>(std::max(limits.most, 1));
-    const float safe_urgency = CutRule::safe_urgency(lanes.count);
+    const float safe_priority = CutRule::safe_priority(lanes.count);
     bool summed = false, accepted = false;
     std::size_t next_look = least_;
     witness_ = no_slot;
     while (!queue_.empty() && slots_.size() < most) {
         // Keep a running sum once its largest parts are gone; what it says is checked against a fresh one.
-        if (!summed && queue_.urgency() < drowning_urgency) {
+        if (!summed && queue_.priority() < drowning_priority) {
             sum_afresh(lanes);
             summed = true;
         }
-        if (summed && slots_.size() >= next_look && seems_safe(safe_urgency)) {
+        if (summed && slots_.size() >= next_look && seems_safe(safe_priority)) {
             accepted = is_safe(lanes);
             if (accepted) break;
             next_look = slots_.size() + 1 + slots_.size() / 32;
         }
-        const float urgency = queue_.urgency();
+        const float priority = queue_.priority();
         const std::uint32_t index = queue_.pop();
         const auto added = static_cast<std::uint32_t>(slots_.size());
         if (summed) add_square(index, -1.0);
-        split(lanes, index, urgency, out);
+        split(lanes, index, priority, out);
         if (!summed) continue;
         add_square(index, 1.0);
         add_square(added, 1.0);

@@ -41,10 +41,10 @@ struct alignas(64) GroupTolerance {
 /// first where few clusters carry the light and the tolerance is fine.
 class CutRule {
   public:
-    /// `caution` multiplies what a cut is thought to err by.
-    void start(Stop stop, float caution, const GroupTolerance& tolerance) {
+    /// `error_scale` multiplies what a cut is thought to err by.
+    void start(Stop stop, float error_scale, const GroupTolerance& tolerance) {
         stop_ = stop;
-        caution_ = caution;
+        error_scale_ = error_scale;
         for (int i = 0; i < lane_count; ++i) {
             const core::Tolerance t{tolerance.absolute[i], tolerance.relative[i], tolerance.usual[i]};
             absolute_[i] = t.absolute;
@@ -63,12 +63,12 @@ class CutRule {
         for (int i = 0; i < lane_count; ++i) {
             light_[i] = inlined::max(luminance[i], 0.0f) + base_[i];
             tolerance_[i] = allowed(i, light_[i]);
-            inverse_[i] = caution_ / inlined::max(tolerance_[i], least_tolerance);
+            inverse_[i] = error_scale_ / inlined::max(tolerance_[i], least_tolerance);
             lowest_[i] = inlined::min(lowest_[i], inverse_[i]);
         }
     }
 
-    /// By what the urgency of any cluster may have risen, at most, since it was asked for in this cut.
+    /// By what the priority of any cluster may have risen, at most, since it was asked for in this cut.
     float risen() const {
         float most = 1.0f;
         // A lane that once tolerated everything tells nothing of how far it rose since.
@@ -83,7 +83,7 @@ class CutRule {
 
     /// How urgently a cluster with these bounds wants to be refined. Classic: the largest bound in units of the point's
     /// tolerance; honest: the sum of their squares.
-    RENDER2MPEG_ALWAYS_INLINED float urgency(const Lanes& bound) const {
+    RENDER2MPEG_ALWAYS_INLINED float priority(const Lanes& bound) const {
         alignas(64) Lanes share, square;
         for (int i = 0; i < lane_count; ++i) {
             const float of_tolerance = bound[i] * inverse_[i];
@@ -93,12 +93,12 @@ class CutRule {
         return stop_ == Stop::classic ? largest_of(share) : sum_of(square);
     }
 
-    /// Whether a cluster of this urgency may decide how far a cut is refined. chosen, honest: bounds of a hundredth of
+    /// Whether a cluster of this priority may decide how far a cut is refined. chosen, honest: bounds of a hundredth of
     /// the tolerance in one lane, of which a thousand come to a tenth of it in square.
-    bool matters(float urgency) const { return stop_ == Stop::classic ? !accepts(urgency) : urgency > 1e-4f; }
+    bool matters(float priority) const { return stop_ == Stop::classic ? !accepts(priority) : priority > 1e-4f; }
 
-    /// Classic: whether a cluster of this urgency may stay as it is.
-    static bool accepts(float urgency) { return urgency <= 1.0f; }
+    /// Classic: whether a cluster of this priority may stay as it is.
+    static bool accepts(float priority) { return priority <= 1.0f; }
 
     /// Classic: marks the lanes whose own tolerance this cluster breaks.
     std::uint32_t broken(const Lanes& bound) const {
@@ -136,18 +136,18 @@ class CutRule {
     /// Honest: the luminance by which a lane may err, from its sum of squared bounds and its largest bound.
     float error(int lane, double squares, float largest) const {
         const auto summed = static_cast<float>(scale(lane) * std::sqrt(std::max(squares, 0.0)));
-        return std::min(summed, caution_ * safe_part * largest);
+        return std::min(summed, error_scale_ * safe_part * largest);
     }
 
-    /// Honest: below this urgency a cluster's bounds are a safe part of what `lanes` points tolerate, in the mean.
-    static float safe_urgency(int lanes) { return static_cast<float>(lanes) / (safe_part * safe_part); }
+    /// Honest: below this priority a cluster's bounds are a safe part of what `lanes` points tolerate, in the mean.
+    static float safe_priority(int lanes) { return static_cast<float>(lanes) / (safe_part * safe_part); }
 
     /// Honest: k of a lane. fit: docs/fits/honest-stop. It falls as the relative tolerance t = T over the light grows,
     /// since the bounds of coarse clusters are looser: coarse + (fine - coarse) / (1 + (t / t0)^2).
     float scale(int lane) const {
         float t = tolerance_[lane] > 0.0f ? loosest : 0.0f;
         if (light_[lane] > 0.0f) t = std::min(loosest, tolerance_[lane] / light_[lane]);
-        return caution_ * (coarse_scale + (fine_scale - coarse_scale) * turn2 / (turn2 + t * t));
+        return error_scale_ * (coarse_scale + (fine_scale - coarse_scale) * turn2 / (turn2 + t * t));
     }
 
   private:
@@ -172,7 +172,7 @@ class CutRule {
     static constexpr float loosest = 1e6f;
 
     Stop stop_ = Stop::honest;
-    float caution_ = 1;
+    float error_scale_ = 1;
     int strictest_ = 0;
     alignas(64) Lanes absolute_{}, relative_{}, share_{}, least_{}, base_{}, light_{},
         tolerance_{}, inverse_{}, lowest_{};

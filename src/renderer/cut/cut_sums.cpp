@@ -80,7 +80,7 @@ void CutSums::add(const UnitLight& unit, const Vec3Lanes& intensity, bool direct
 
 void CutSums::add_clamped(const TreeLight& light, const UnitLight& visible, const glm::vec3& intensity) {
     LightLanes full;
-    evaluate_light(lanes_, LightFamily::oriented, light, nullptr, GeometryClamp{1.0f}, full);
+    evaluate_light(lanes_, LightType::oriented, light, nullptr, GeometryClamp{1.0f}, full);
     for (int i = 0; i < lane_count; ++i) {
         const bool lit = visible.diffuse[i] > 0.0f;
         full.diffuse[i] = lit ? std::max(full.diffuse[i] - visible.diffuse[i], 0.0f) : 0.0f;

@@ -38,7 +38,7 @@ std::vector<PointTolerance> point_tolerances(const Seen& seen, std::size_t tile,
         const core::Tolerance& t = tolerance.pixels.at(x, y);
         const float part = core::divide_or(core::luminance(p.weight), weight[p.pixel], 1.0f);
         parts.push_back({{std::max(t.absolute, 0.0f) * part, std::max(t.relative, 0.0f), t.usual * part},
-                         std::max(core::luminance(seen.unscattered.at(x, y)), 0.0f) * part});
+                         std::max(core::luminance(seen.emitted.at(x, y)), 0.0f) * part});
     }
     return parts;
 }

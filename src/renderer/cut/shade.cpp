@@ -15,7 +15,7 @@ namespace {
 
 class TileShader {
   public:
-    TileShader(const LightForest& forest, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
+    TileShader(const LightTrees& light_trees, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
                const core::ToleranceMap& tolerance, const ShadeSettings& settings, const FrameLight* known,
                core::Radiance& radiance)
         : seen_(seen),
@@ -24,7 +24,7 @@ class TileShader {
           settings_(settings),
           known_(known),
           radiance_(radiance),
-          gatherer_(forest, tracer) {}
+          gatherer_(light_trees, tracer) {}
 
     ShadeCounts shade(std::size_t tile_index);
 
@@ -210,11 +210,10 @@ ShadeCounts TileShader::shade(std::size_t tile_index) {
     // Start from what needs no gathering.
     for (int y = tile_y_; y < y_end; ++y) {
         for (int x = tile_x_; x < x_end; ++x) {
-            const glm::vec3 all = seen_.unscattered.at(x, y);
+            const glm::vec3 all = seen_.emitted.at(x, y);
             radiance_.combined.at(x, y) = all;
             if (!settings_.layers) continue;
-            const glm::vec3 specular =
-                seen_.unscattered_specular.empty() ? glm::vec3(0) : seen_.unscattered_specular.at(x, y);
+            const glm::vec3 specular = seen_.emitted_specular.empty() ? glm::vec3(0) : seen_.emitted_specular.at(x, y);
             radiance_.emission.at(x, y) = glm::max(all - specular, glm::vec3(0));
             radiance_.specular.at(x, y) = specular;
         }
@@ -254,7 +253,7 @@ void ShadeCounts::add(const ShadeCounts& more) {
     bands.add(more.bands);
 }
 
-core::Radiance shade(const LightForest& forest, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
+core::Radiance shade(const LightTrees& light_trees, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
                      const core::ToleranceMap& tolerance, const ShadeSettings& settings, ShadeCounts& counts,
                      const FrameLight* known) {
     EXPECTS(known == nullptr || known->size() == seen.tiles.size());
@@ -275,7 +274,7 @@ core::Radiance shade(const LightForest& forest, const RayTracer& tracer, const S
     }
     std::vector<ShadeCounts> of_tile(seen.tiles.size());
     parallel::for_each(seen.tiles.size(), [&](std::size_t i) {
-        TileShader shader(forest, tracer, seen, eye, tolerance, settings, known, radiance);
+        TileShader shader(light_trees, tracer, seen, eye, tolerance, settings, known, radiance);
         of_tile[i] = shader.shade(i);
     });
     for (const ShadeCounts& c : of_tile) counts.add(c);

@@ -17,10 +17,10 @@ enum class Aimed { at_one, at_each };
 /// Points a packet's rays from the lanes towards lights at (x, y, z), or, directional ones, along these unit
 /// directions. Which of them are asked for is left to the caller.
 template <Aimed aimed>
-RENDER2MPEG_ALWAYS_INLINED void aim(const GatherLanes& __restrict lanes, LightFamily family, const float* x,
-                                    const float* y, const float* z, ShadowPacket& __restrict packet) {
+RENDER2MPEG_ALWAYS_INLINED void aim(const GatherLanes& __restrict lanes, LightType type, const float* x, const float* y,
+                                    const float* z, ShadowPacket& __restrict packet) {
     constexpr int step = aimed == Aimed::at_each ? 1 : 0;
-    const bool far_away = family == LightFamily::directional;
+    const bool far_away = type == LightType::directional;
     const float keep = far_away ? 0.0f : 1.0f;
     const float far = far_away ? std::numeric_limits<float>::infinity() : shadow_ray_end;
     for (int i = 0; i < lane_count; ++i) {
@@ -35,9 +35,9 @@ RENDER2MPEG_ALWAYS_INLINED void aim(const GatherLanes& __restrict lanes, LightFa
 }
 
 /// The same, of a light.
-RENDER2MPEG_ALWAYS_INLINED void aim(const GatherLanes& lanes, LightFamily family, const TreeLight& light,
+RENDER2MPEG_ALWAYS_INLINED void aim(const GatherLanes& lanes, LightType type, const TreeLight& light,
                                     ShadowPacket& packet) {
-    aim<Aimed::at_one>(lanes, family, &light.position.x, &light.position.y, &light.position.z, packet);
+    aim<Aimed::at_one>(lanes, type, &light.position.x, &light.position.y, &light.position.z, packet);
 }
 
 }  // namespace render2mpeg::renderer

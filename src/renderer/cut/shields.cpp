@@ -231,9 +231,9 @@ void GroupShields::set(Chosen& chosen, const GatherLanes& lanes, const Shield& s
 }
 
 RENDER2MPEG_CLONES
-bool GroupShields::hide(const GatherLanes& lanes, LightFamily family, const glm::vec3& middle, const glm::vec3& half,
+bool GroupShields::hide(const GatherLanes& lanes, LightType type, const glm::vec3& middle, const glm::vec3& half,
                         std::uint16_t& viable) const {
-    const bool far_away = family == LightFamily::directional;
+    const bool far_away = type == LightType::directional;
     const float keep = far_away ? 0.0f : 1.0f;
     const float mx = middle.x, my = middle.y, mz = middle.z, hx = half.x, hy = half.y, hz = half.z;
     alignas(64) Lanes x, y, z, least, hidden;

@@ -54,7 +54,7 @@ class GroupShields {
 
     /// Whether nothing in the box about `middle` (world; directional: of unit directions) can be seen from any lane.
     /// Takes those shields out of `viable` that do not touch it.
-    bool hide(const GatherLanes& lanes, LightFamily family, const glm::vec3& middle, const glm::vec3& half,
+    bool hide(const GatherLanes& lanes, LightType type, const glm::vec3& middle, const glm::vec3& half,
               std::uint16_t& viable) const;
 
   private:

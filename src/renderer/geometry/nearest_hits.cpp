@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "renderer/base/flush_denormals.h"
-#include "renderer/geometry/traced_scene.h"
+#include "renderer/geometry/embree_scene.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -28,7 +28,7 @@ RTCRayHit unanswered(const RayQuery& query, float near, float far) {
 /// What Embree hands through to the filter; its own part comes first, so that its pointer is ours.
 struct TieContext {
     RTCIntersectContext embree;
-    const TracedScene* scene;
+    const EmbreeScene* scene;
     Hit* best;  ///< by the rays' ids
 };
 
@@ -51,7 +51,7 @@ void take_lowest(const RTCFilterFunctionNArguments* arguments) {
     }
 }
 
-void begin(TieContext& context, const TracedScene& scene, Hit* best) {
+void begin(TieContext& context, const EmbreeScene& scene, Hit* best) {
     rtcInitIntersectContext(&context.embree);
     context.embree.filter = &take_lowest;
     context.scene = &scene;
@@ -61,7 +61,7 @@ void begin(TieContext& context, const TracedScene& scene, Hit* best) {
 /// Up to sixteen rays on their way, lane by lane.
 class HitPacket {
   public:
-    HitPacket(const TracedScene& scene, std::span<const RayQuery> queries) : scene_(scene), queries_(queries) {
+    HitPacket(const EmbreeScene& scene, std::span<const RayQuery> queries) : scene_(scene), queries_(queries) {
         for (int i = 0; i < packet_size; ++i) {
             const bool asked = static_cast<std::size_t>(i) < queries.size();
             valid_[i] = asked && is_traceable(queries[static_cast<std::size_t>(i)]) ? -1 : 0;
@@ -101,12 +101,12 @@ class HitPacket {
         rays_.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     }
 
-    /// What is baked first, coherently; then instances (TracedScene::baked).
+    /// What is baked first, coherently; then instances (EmbreeScene::baked).
     void trace(RTCIntersectContext& context) {
         context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
         rtcIntersect16(valid_, scene_.baked(), &context, &rays_);
         if (!scene_.has_instances()) return;
-        std::fill(std::begin(rays_.ray.mask), std::end(rays_.ray.mask), TracedScene::instance_mask);
+        std::fill(std::begin(rays_.ray.mask), std::end(rays_.ray.mask), EmbreeScene::instance_mask);
         context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
         rtcIntersect16(valid_, scene_.root(), &context, &rays_);
     }
@@ -127,7 +127,7 @@ class HitPacket {
         return hit;
     }
 
-    const TracedScene& scene_;
+    const EmbreeScene& scene_;
     std::span<const RayQuery> queries_;
     alignas(64) int valid_[packet_size];
     RTCRayHit16 rays_;
@@ -151,7 +151,7 @@ RTCRay ray_of(const RayQuery& query, float near, float far) {
     return ray;
 }
 
-Hit nearest_hit(const TracedScene& scene, const RayQuery& query) {
+Hit nearest_hit(const EmbreeScene& scene, const RayQuery& query) {
     if (!is_traceable(query)) return {};
     const FlushDenormals flushed;
     RTCIntersectContext context;
@@ -172,7 +172,7 @@ Hit nearest_hit(const TracedScene& scene, const RayQuery& query) {
     return hit;
 }
 
-void nearest_hits(const TracedScene& scene, std::span<const RayQuery> queries, std::span<Hit> hits) {
+void nearest_hits(const EmbreeScene& scene, std::span<const RayQuery> queries, std::span<Hit> hits) {
     const FlushDenormals flushed;
     for (std::size_t first = 0; first < queries.size(); first += packet_size) {
         const std::size_t count = std::min<std::size_t>(packet_size, queries.size() - first);

@@ -9,7 +9,7 @@ struct RTCSceneTy;
 
 namespace render2mpeg::renderer {
 
-class TracedScene;
+class EmbreeScene;
 
 // What rays meet first, for RayTracer.
 
@@ -27,8 +27,8 @@ bool is_traceable(const RayQuery& query);
 RTCRay ray_of(const RayQuery& query, float near, float far);
 
 /// See RayTracer::nearest.
-Hit nearest_hit(const TracedScene& scene, const RayQuery& query);
-void nearest_hits(const TracedScene& scene, std::span<const RayQuery> queries, std::span<Hit> hits);
+Hit nearest_hit(const EmbreeScene& scene, const RayQuery& query);
+void nearest_hits(const EmbreeScene& scene, std::span<const RayQuery> queries, std::span<Hit> hits);
 
 /// Whether a ray meets anything with a bit of the mask in a scene, translucent or not.
 bool meets_any(RTCSceneTy* scene, unsigned mask, const RayQuery& query);

@@ -11,8 +11,8 @@
 #include "renderer/base/isa_clones.h"
 #include "renderer/base/light_packing.h"
 #include "renderer/cut/shields.h"
+#include "renderer/geometry/embree_scene.h"
 #include "renderer/geometry/nearest_hits.h"
-#include "renderer/geometry/traced_scene.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -76,7 +76,7 @@ std::uint32_t take_blocked(const RTCRay16& rays, int* valid) {
 }  // namespace
 
 struct RayTracer::Impl {
-    TracedScene scene;
+    EmbreeScene scene;
     Transmittance transmittance;
     std::vector<ShadowPacket>* recorded = nullptr;
     ShieldList shields;
@@ -189,7 +189,7 @@ std::uint32_t RayTracer::Impl::occluded(const ShadowPacket& packet, unsigned ins
 
 RayTracer::RayTracer(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent,
                      Transmittance transmittance)
-    : impl_(new Impl{TracedScene(animation, isa, std::move(translucent), &Impl::filter_shadow),
+    : impl_(new Impl{EmbreeScene(animation, isa, std::move(translucent), &Impl::filter_shadow),
                      std::move(transmittance),
                      nullptr,
                      {},
@@ -200,11 +200,11 @@ RayTracer::RayTracer(RayTracer&&) noexcept = default;
 
 void RayTracer::pose(const scene::Snapshot& snapshot) {
     if (impl_->scene.pose(snapshot))
-        impl_->shields = ShieldList(shields_of(impl_->scene.opaque_still_triangles(2 * most_shields), most_shields));
-    impl_->movers = impl_->scene.boxes_of_movers();
+        impl_->shields = ShieldList(shields_of(impl_->scene.opaque_static_triangles(2 * most_shields), most_shields));
+    impl_->movers = impl_->scene.dynamic_object_boxes();
 }
 
-std::span<const MiddleBox> RayTracer::movers() const {
+std::span<const MiddleBox> RayTracer::dynamic_objects() const {
     return impl_->movers;
 }
 
@@ -229,18 +229,18 @@ bool RayTracer::meets(glm::vec3 origin, glm::vec3 direction, float far) const {
     return meets_any(impl_->scene.root(), 0xffffffffu, {origin, direction, far});
 }
 
-bool RayTracer::meets_still(glm::vec3 origin, glm::vec3 direction, float far) const {
-    const TracedScene& scene = impl_->scene;
-    return meets_any(scene.has_still_instances() ? scene.root() : scene.baked(), TracedScene::still_mask,
+bool RayTracer::meets_static(glm::vec3 origin, glm::vec3 direction, float far) const {
+    const EmbreeScene& scene = impl_->scene;
+    return meets_any(scene.has_static_instances() ? scene.root() : scene.baked(), EmbreeScene::static_mask,
                      {origin, direction, far});
 }
 
-bool RayTracer::meets_movers(glm::vec3 origin, glm::vec3 direction, float far) const {
-    return has_movers() && meets_any(impl_->scene.root(), TracedScene::moving_mask, {origin, direction, far});
+bool RayTracer::meets_dynamic(glm::vec3 origin, glm::vec3 direction, float far) const {
+    return has_dynamic_objects() && meets_any(impl_->scene.root(), EmbreeScene::dynamic_mask, {origin, direction, far});
 }
 
-bool RayTracer::has_movers() const {
-    return impl_->scene.has_movers();
+bool RayTracer::has_dynamic_objects() const {
+    return impl_->scene.has_dynamic_objects();
 }
 
 void RayTracer::record(std::vector<ShadowPacket>* packets) const {
@@ -249,20 +249,20 @@ void RayTracer::record(std::vector<ShadowPacket>* packets) const {
 
 std::uint32_t RayTracer::occluded(const ShadowPacket& packet, glm::vec3* light) const {
     if (impl_->recorded != nullptr) impl_->recorded->push_back(packet);
-    return impl_->occluded(packet, impl_->scene.has_instances() ? TracedScene::instance_mask : 0, light);
+    return impl_->occluded(packet, impl_->scene.has_instances() ? EmbreeScene::instance_mask : 0, light);
 }
 
-std::uint32_t RayTracer::occluded_by_still(const ShadowPacket& packet, glm::vec3* light) const {
-    return impl_->occluded(packet, impl_->scene.has_still_instances() ? TracedScene::copied_mask : 0, light);
+std::uint32_t RayTracer::occluded_by_static(const ShadowPacket& packet, glm::vec3* light) const {
+    return impl_->occluded(packet, impl_->scene.has_static_instances() ? EmbreeScene::copied_mask : 0, light);
 }
 
-std::uint32_t RayTracer::occluded_by_movers(const ShadowPacket& packet) const {
-    if (!has_movers()) return 0;
+std::uint32_t RayTracer::occluded_by_dynamic(const ShadowPacket& packet) const {
+    if (!has_dynamic_objects()) return 0;
     const FlushDenormals flushed;
     alignas(64) int valid[16];
     RTCRay16 rays;
     if (!load(packet, rays, valid)) return 0;
-    std::fill(std::begin(rays.mask), std::end(rays.mask), TracedScene::moving_mask);
+    std::fill(std::begin(rays.mask), std::end(rays.mask), EmbreeScene::dynamic_mask);
     Impl::ShadowContext context;
     impl_->begin(context, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
     rtcOccluded16(valid, impl_->scene.root(), &context.embree, &rays);

@@ -73,11 +73,11 @@ class RayTracer {
 
     /// Whether the ray meets anything that never moves at a distance in (0, far), translucent or not. Objects that
     /// share a mesh count as others do.
-    bool meets_still(glm::vec3 origin, glm::vec3 direction, float far) const;
+    bool meets_static(glm::vec3 origin, glm::vec3 direction, float far) const;
 
-    /// The same for what `meets_still` does not ask: what moves, changes its shape, comes or goes in the film.
-    bool meets_movers(glm::vec3 origin, glm::vec3 direction, float far) const;
-    bool has_movers() const;
+    /// The same for what `meets_static` does not ask: what moves, changes its shape, comes or goes in the film.
+    bool meets_dynamic(glm::vec3 origin, glm::vec3 direction, float far) const;
+    bool has_dynamic_objects() const;
 
     /// Bit i: ray i of the packet is blocked by something opaque. Translucent surfaces do not block; where the packet
     /// met any, `light` (16 values, if given) is multiplied by what passes (at most `max_layers` surfaces; beyond them:
@@ -85,10 +85,10 @@ class RayTracer {
     std::uint32_t occluded(const ShadowPacket& packet, glm::vec3* light) const;
 
     /// The same of what never moves alone.
-    std::uint32_t occluded_by_still(const ShadowPacket& packet, glm::vec3* light) const;
+    std::uint32_t occluded_by_static(const ShadowPacket& packet, glm::vec3* light) const;
 
     /// Bit i: ray i of the packet is blocked by something opaque that moves.
-    std::uint32_t occluded_by_movers(const ShadowPacket& packet) const;
+    std::uint32_t occluded_by_dynamic(const ShadowPacket& packet) const;
 
     /// Keeps a copy of every packet that `occluded` is asked from now on, in order, so that a benchmark can ask them
     /// again; null: no longer. Only while one thread traces.
@@ -101,7 +101,7 @@ class RayTracer {
     const ShieldList& shields() const;
 
     /// Boxes about what moves and is there, as posed.
-    std::span<const MiddleBox> movers() const;
+    std::span<const MiddleBox> dynamic_objects() const;
 
     /// Whether rays meet this object through a transform of its own, which costs some digits.
     bool is_instanced(std::uint32_t object) const;

@@ -26,15 +26,16 @@ struct SeenPoint {
     glm::vec3 position, normal;
 };
 
-std::vector<SeenPoint> seen_points(const Scenery& scenery) {
-    const scene::Camera& camera = scenery.posed().camera;
+std::vector<SeenPoint> seen_points(const PosedScene& posed_scene) {
+    const scene::Camera& camera = posed_scene.posed().camera;
     std::vector<SeenPoint> seen;
     for (int y = 0; y < importance_format.height; ++y)
         for (int x = 0; x < importance_format.width; ++x) {
             const scene::Ray ray = camera.ray_through(glm::vec2(x, y) + 0.5f);
-            const Hit hit = scenery.tracer().nearest(ray.origin, ray.direction, std::numeric_limits<float>::infinity());
+            const Hit hit =
+                posed_scene.tracer().nearest(ray.origin, ray.direction, std::numeric_limits<float>::infinity());
             if (!hit.found()) continue;
-            const SurfacePoint p = scenery.surface_at(hit.address, -ray.direction);
+            const SurfacePoint p = posed_scene.surface_at(hit.address, -ray.direction);
             seen.push_back({offset_origin(p, p.geometric_normal), p.geometric_normal});
         }
     return seen;
@@ -59,9 +60,9 @@ Look look(const LightPoint& from, const SeenPoint& to, const RayTracer& tracer) 
 
 }  // namespace
 
-std::vector<float> importance_to_eye(const Scenery& scenery, std::span<const LightPoint> places) {
+std::vector<float> importance_to_eye(const PosedScene& posed_scene, std::span<const LightPoint> places) {
     std::vector<float> importance(places.size(), 1.0f);
-    const std::vector<SeenPoint> seen = seen_points(scenery);
+    const std::vector<SeenPoint> seen = seen_points(posed_scene);
     if (seen.empty()) return importance;
 
     std::vector<Look> looked(places.size() * looks);
@@ -70,7 +71,7 @@ std::vector<float> importance_to_eye(const Scenery& scenery, std::span<const Lig
             for (std::uint64_t k = 0; k < looks; ++k) {
                 const float choice = core::uniform(1, i, k) * static_cast<float>(seen.size());
                 const auto index = std::min(seen.size() - 1, static_cast<std::size_t>(choice));
-                looked[i * looks + k] = look(places[i], seen[index], scenery.tracer());
+                looked[i * looks + k] = look(places[i], seen[index], posed_scene.tracer());
             }
     });
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "renderer/base/light_point.h"
-#include "renderer/surface/scenery.h"
+#include "renderer/surface/posed_scene.h"
 #include "scene/pose/snapshot.h"
 
 namespace render2mpeg::renderer {
@@ -16,6 +16,6 @@ inline constexpr scene::PictureFormat importance_format{24, 14, 1.0f};
 /// of its share of their mean, at least a half; all 1 where the camera sees no surface. The root, since what errs is
 /// light times the size of its cell: fewest errors in sum come of cells that shrink as it. The snapshot's camera is
 /// made for `importance_format`.
-std::vector<float> importance_to_eye(const Scenery& scenery, std::span<const LightPoint> places);
+std::vector<float> importance_to_eye(const PosedScene& posed_scene, std::span<const LightPoint> places);
 
 }  // namespace render2mpeg::renderer

@@ -91,14 +91,15 @@ struct Anchors::Impl {
         return moves(film, address.object) ? rest.at(address, front) : OrientedPoint{vpl.position, vpl.normal};
     }
 
-    AnchorCandidate candidate(const Scenery& scenery, const LightPoint& vpl, const core::SurfaceAddress& address) const;
-    void look(Scenery& scenery, LightPoints& lights);
-    void look_at(const Scenery& scenery, const std::vector<LightPoint>& lights, std::uint64_t wanted);
-    void add_even(const Scenery& scenery, std::uint64_t count);
+    AnchorCandidate candidate(const PosedScene& posed_scene, const LightPoint& vpl,
+                              const core::SurfaceAddress& address) const;
+    void look(PosedScene& posed_scene, LightPoints& lights);
+    void look_at(const PosedScene& posed_scene, const std::vector<LightPoint>& lights, std::uint64_t wanted);
+    void add_even(const PosedScene& posed_scene, std::uint64_t count);
     void add_unlit();
     void average_light(const RayTracer& tracer);
-    LightPoint moving_light(const Scenery& scenery, std::uint32_t place) const;
-    PhotonHit hit_of(const Scenery& scenery, const LightPoint& vpl, const core::SurfaceAddress& address,
+    LightPoint moving_light(const PosedScene& posed_scene, std::uint32_t place) const;
+    PhotonHit hit_of(const PosedScene& posed_scene, const LightPoint& vpl, const core::SurfaceAddress& address,
                      float part) const;
 
     const scene::Animation& film;
@@ -114,72 +115,74 @@ struct Anchors::Impl {
     float apart = 0;             ///< how far from each other objects that move are thought to be
 };
 
-AnchorCandidate Anchors::Impl::candidate(const Scenery& scenery, const LightPoint& vpl,
+AnchorCandidate Anchors::Impl::candidate(const PosedScene& posed_scene, const LightPoint& vpl,
                                          const core::SurfaceAddress& address) const {
     AnchorCandidate c;
     c.address = address;
-    c.front = glm::dot(scenery.front_normal(address.object, address.primitive), vpl.normal) >= 0.0f;
+    c.front = glm::dot(posed_scene.front_normal(address.object, address.primitive), vpl.normal) >= 0.0f;
     c.rest = rest_of(vpl, address, c.front);
     c.group = group_of(address.object);
     c.flux = core::luminance(vpl.intensity);
     const glm::vec3 world = film.bounds_max - film.bounds_min;
     c.extent2 = glm::dot(world, world);
     if (c.group != 0) {
-        c.area_scale = rest.area_scale(scenery.posed(), address);
+        c.area_scale = rest.area_scale(posed_scene.posed(), address);
         c.extent2 = rest.extent2(address.object);
     }
     return c;
 }
 
 /// Gathers candidates at instants spread over the film, and chooses among them.
-void Anchors::Impl::look(Scenery& scenery, LightPoints& lights) {
+void Anchors::Impl::look(PosedScene& posed_scene, LightPoints& lights) {
     const int count = film.duration > 0.0 ? instants : 1;
     const std::uint64_t wanted = candidates_for(static_cast<std::uint64_t>(settings.count));
     const bool deforms = std::any_of(film.objects.begin(), film.objects.end(),
                                      [](const scene::Object& o) { return o.mobility == scene::Mobility::deforming; });
     for (int i = 0; deforms && i < shapes; ++i) rest.consider(average_instant(film, i, shapes));
     const scene::Snapshot first = average_instant(film, 0, count);
-    lights.place(scenery, first);
+    lights.place(posed_scene, first);
     scene::Snapshot instant;
     for (int i = 0; i < count; ++i) {
         scene::Snapshot next = average_instant(film, i, count);
         std::swap(instant, next);
-        scenery.pose(instant);
-        look_at(scenery, lights.at(scenery), std::max<std::uint64_t>(wanted / static_cast<std::uint64_t>(count), 1));
+        posed_scene.pose(instant);
+        look_at(posed_scene, lights.at(posed_scene),
+                std::max<std::uint64_t>(wanted / static_cast<std::uint64_t>(count), 1));
     }
     // What is still lies the same at any instant.
-    scenery.pose(first);
-    add_even(scenery, wanted / even_part);
+    posed_scene.pose(first);
+    add_even(posed_scene, wanted / even_part);
     add_unlit();
-    anchors = PhotonSplatter(choose_places(candidates, settings.count), scenery.tracer());
+    anchors = PhotonSplatter(choose_places(candidates, settings.count), posed_scene.tracer());
     rays += anchors.rays();
-    average_light(scenery.tracer());
+    average_light(posed_scene.tracer());
     if (anchors.size() > 0) paths = paths_of_anchors(settings.count, settings.photons, settings.bounces, seen);
 }
 
-void Anchors::Impl::look_at(const Scenery& scenery, const std::vector<LightPoint>& lights, std::uint64_t wanted) {
-    const std::uint64_t needed = paths_for(scenery, lights, static_cast<int>(wanted), settings.bounces);
+void Anchors::Impl::look_at(const PosedScene& posed_scene, const std::vector<LightPoint>& lights,
+                            std::uint64_t wanted) {
+    const std::uint64_t needed = paths_for(posed_scene, lights, static_cast<int>(wanted), settings.bounces);
     if (needed == 0) return;
     // Every instant takes other paths, so that no two look at the same places.
-    const PhotonResult photons = trace_photons(scenery, lights, {1 + seen.paths, needed, settings.bounces});
+    const PhotonResult photons = trace_photons(posed_scene, lights, {1 + seen.paths, needed, settings.bounces});
     seen.paths += needed;
     seen.landed += photons.vpls.size();
     rays += photons.rays;
-    const std::vector<float> importance = importance_to_eye(scenery, photons.vpls);
+    const std::vector<float> importance = importance_to_eye(posed_scene, photons.vpls);
     for (std::size_t i = 0; i < photons.vpls.size(); ++i) {
-        candidates.push_back(candidate(scenery, photons.vpls[i], photons.addresses[i]));
+        candidates.push_back(candidate(posed_scene, photons.vpls[i], photons.addresses[i]));
         candidates.back().importance = importance[i];
         candidate_light.push_back(photons.vpls[i].intensity);
     }
 }
 
 /// Gives still surfaces places whether photons met them or not: light may come between the instants.
-void Anchors::Impl::add_even(const Scenery& scenery, std::uint64_t count) {
-    for (const SurfacePoint& p : even_points(scenery, count)) {
+void Anchors::Impl::add_even(const PosedScene& posed_scene, std::uint64_t count) {
+    for (const SurfacePoint& p : even_points(posed_scene, count)) {
         LightPoint point;
         point.normal = p.geometric_normal;
         point.position = offset_origin(p, p.geometric_normal);
-        candidates.push_back(candidate(scenery, point, p.address));
+        candidates.push_back(candidate(posed_scene, point, p.address));
         candidates.back().even = true;
         candidate_light.push_back(glm::vec3(0));
     }
@@ -204,22 +207,22 @@ void Anchors::Impl::add_unlit() {
 }
 
 /// An anchor that moves, at the posed instant, without intensity.
-LightPoint Anchors::Impl::moving_light(const Scenery& scenery, std::uint32_t index) const {
+LightPoint Anchors::Impl::moving_light(const PosedScene& posed_scene, std::uint32_t index) const {
     const AnchorMount& place = anchors.mount(index);
-    const glm::vec3 front = scenery.front_normal(place.address.object, place.address.primitive);
+    const glm::vec3 front = posed_scene.front_normal(place.address.object, place.address.primitive);
     LightPoint p;
     p.normal = place.front ? front : -front;
-    p.position = offset_origin(scenery.surface_at(place.address, p.normal), p.normal);
-    p.disc2 = anchors.disc2(index) * rest.area_scale(scenery.posed(), place.address);
+    p.position = offset_origin(posed_scene.surface_at(place.address, p.normal), p.normal);
+    p.disc2 = anchors.disc2(index) * rest.area_scale(posed_scene.posed(), place.address);
     p.id = index - anchors.still_count();
     p.object = place.address.object;
     return p;
 }
 
 /// What a photon leaves, as a part of those of all batches.
-PhotonHit Anchors::Impl::hit_of(const Scenery& scenery, const LightPoint& vpl, const core::SurfaceAddress& address,
-                                float part) const {
-    const bool at_front = glm::dot(scenery.front_normal(address.object, address.primitive), vpl.normal) >= 0.0f;
+PhotonHit Anchors::Impl::hit_of(const PosedScene& posed_scene, const LightPoint& vpl,
+                                const core::SurfaceAddress& address, float part) const {
+    const bool at_front = glm::dot(posed_scene.front_normal(address.object, address.primitive), vpl.normal) >= 0.0f;
     return {group_of(address.object), rest_of(vpl, address, at_front), part * vpl.intensity};
 }
 
@@ -245,12 +248,12 @@ void Anchors::Impl::average_light(const RayTracer& tracer) {
         if (c.group != 0) apart = std::max(apart, 4.0f * std::sqrt(c.extent2));
 }
 
-Anchors::Anchors(Scenery& scenery, LightPoints& lights, const AnchorSettings& settings)
-    : impl_(std::make_unique<Impl>(scenery.animation(), settings)) {
+Anchors::Anchors(PosedScene& posed_scene, LightPoints& lights, const AnchorSettings& settings)
+    : impl_(std::make_unique<Impl>(posed_scene.animation(), settings)) {
     Impl& a = *impl_;
-    const scene::Snapshot& before = scenery.posed();
-    a.look(scenery, lights);
-    scenery.pose(before);
+    const scene::Snapshot& before = posed_scene.posed();
+    a.look(posed_scene, lights);
+    posed_scene.pose(before);
     a.candidates = {};
     a.candidate_light = {};
 }
@@ -295,26 +298,26 @@ std::size_t Anchors::bytes() const {
     return impl_->average.capacity() * sizeof(float) + impl_->anchors.bytes();
 }
 
-Anchors::Lit Anchors::at(const Scenery& scenery, std::span<const LightPoint> lights) const {
+Anchors::Lit Anchors::at(const PosedScene& posed_scene, std::span<const LightPoint> lights) const {
     const Impl& a = *impl_;
     std::vector<glm::dvec3> light(a.anchors.size(), glm::dvec3(0));
     Lit lit;
-    const OccludedNeighbours occluded = a.anchors.occluded_neighbours(scenery.tracer());
+    const OccludedNeighbours occluded = a.anchors.occluded_neighbours(posed_scene.tracer());
     lit.rays += occluded.rays;
     std::vector<PhotonHit> hits;
     for (std::uint64_t done = 0; done < a.paths; done += batch) {
         const std::uint64_t count = std::min(batch, a.paths - done);
-        const PhotonResult photons = trace_photons(scenery, lights, {1 + done, count, a.settings.bounces});
+        const PhotonResult photons = trace_photons(posed_scene, lights, {1 + done, count, a.settings.bounces});
         lit.rays += photons.rays;
         const float part = static_cast<float>(static_cast<double>(count) / static_cast<double>(a.paths));
         const std::size_t before = hits.size();
         hits.resize(before + photons.vpls.size());
         parallel::for_ranges(photons.vpls.size(), 256, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i)
-                hits[before + i] = a.hit_of(scenery, photons.vpls[i], photons.addresses[i], part);
+                hits[before + i] = a.hit_of(posed_scene, photons.vpls[i], photons.addresses[i], part);
         });
         if (hits.size() < most_hits && done + count < a.paths) continue;
-        lit.rays += a.anchors.splat(hits, scenery.tracer(), &occluded, light);
+        lit.rays += a.anchors.splat(hits, posed_scene.tracer(), &occluded, light);
         hits.clear();
     }
     const std::uint32_t still = a.anchors.still_count();
@@ -322,8 +325,8 @@ Anchors::Lit Anchors::at(const Scenery& scenery, std::span<const LightPoint> lig
     lit.moving.reserve(a.anchors.size() - still);
     for (std::uint32_t i = 0; i < a.anchors.size(); ++i) {
         const bool moving = i >= still;
-        if (moving && !scenery.posed().objects[a.anchors.mount(i).address.object].present) continue;
-        LightPoint p = moving ? a.moving_light(scenery, i) : still_light(a.anchors, i);
+        if (moving && !posed_scene.posed().objects[a.anchors.mount(i).address.object].present) continue;
+        LightPoint p = moving ? a.moving_light(posed_scene, i) : still_light(a.anchors, i);
         p.intensity = glm::vec3(light[i]);
         (moving ? lit.moving : lit.still).push_back(p);
     }

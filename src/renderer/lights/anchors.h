@@ -8,7 +8,7 @@
 #include "renderer/base/light_point.h"
 #include "renderer/lights/light_points.h"
 #include "renderer/lights/photons.h"
-#include "renderer/surface/scenery.h"
+#include "renderer/surface/posed_scene.h"
 
 namespace render2mpeg::renderer {
 
@@ -27,9 +27,9 @@ std::uint64_t candidates_for(std::uint64_t anchors);
 /// surfaces that move are carried along by them. A function of the animation and the settings alone.
 class Anchors {
   public:
-    /// Chooses the places. `scenery` gets posed at instants of the film and is posed as before at the end; `lights` is
-    /// placed anew for the film's beginning.
-    Anchors(Scenery& scenery, LightPoints& lights, const AnchorSettings& settings);
+    /// Chooses the places. `posed_scene` gets posed at instants of the film and is posed as before at the end; `lights`
+    /// is placed anew for the film's beginning.
+    Anchors(PosedScene& posed_scene, LightPoints& lights, const AnchorSettings& settings);
     ~Anchors();
     Anchors(Anchors&&) noexcept;
 
@@ -53,7 +53,7 @@ class Anchors {
     };
     /// The anchors as `lights` let them shine at the posed instant. All light that photons leave on surfaces is in
     /// them. Does not depend on the number of threads.
-    Lit at(const Scenery& scenery, std::span<const LightPoint> lights) const;
+    Lit at(const PosedScene& posed_scene, std::span<const LightPoint> lights) const;
 
   private:
     struct Impl;

@@ -63,17 +63,19 @@ void cut(const Cell& whole, int n, std::vector<Cell>& out) {
 
 /// The mean radiance of a cell: the texture, filtered over the parallelogram that the cell is half of, seen along the
 /// normal.
-glm::vec3 radiance_of(const Scenery& scenery, const scene::Triangle& t, std::uint32_t object, const Cell& cell) {
+glm::vec3 radiance_of(const PosedScene& posed_scene, const scene::Triangle& t, std::uint32_t object, const Cell& cell) {
     const glm::vec2 middle = cell.corner + (cell.edge_u + cell.edge_v) / 3.0f;
-    const glm::vec3 normal = scenery.front_normal(object, cell.primitive);
+    const glm::vec3 normal = posed_scene.front_normal(object, cell.primitive);
     const glm::vec3 edge1 = t.b - t.a, edge2 = t.c - t.a;
     const SurfaceFootprint footprint{edge1 * cell.edge_u.x + edge2 * cell.edge_u.y,
                                      edge1 * cell.edge_v.x + edge2 * cell.edge_v.y};
-    return scenery.surface_at({object, cell.primitive, middle.x, middle.y}, cell.front ? normal : -normal, footprint)
+    return posed_scene
+        .surface_at({object, cell.primitive, middle.x, middle.y}, cell.front ? normal : -normal, footprint)
         .emission;
 }
 
-Emitter emitter_of(const Scenery& scenery, const scene::Snapshot& snapshot, std::uint32_t object, int cells_per_edge) {
+Emitter emitter_of(const PosedScene& posed_scene, const scene::Snapshot& snapshot, std::uint32_t object,
+                   int cells_per_edge) {
     const scene::Animation& film = *snapshot.animation;
     const scene::Object& o = film.objects[object];
     const scene::Material& material = film.materials[static_cast<std::size_t>(o.material)];
@@ -86,7 +88,7 @@ Emitter emitter_of(const Scenery& scenery, const scene::Snapshot& snapshot, std:
             whole.primitive = p;
             whole.front = side == 0;
             whole.area = emitting_area(snapshot, object, p);
-            whole.radiance = scenery.mean_emission(object, p);
+            whole.radiance = posed_scene.mean_emission(object, p);
             if (!(whole.power() > 0.0) || !std::isfinite(whole.power())) continue;
             if (!material.emission_texture.present() || cells_per_edge == 1 || !snapshot.objects[object].present) {
                 emitter.cells.push_back(whole);
@@ -98,7 +100,7 @@ Emitter emitter_of(const Scenery& scenery, const scene::Snapshot& snapshot, std:
             cut(whole, cells_per_edge, emitter.cells);
             double power = 0;
             for (std::size_t c = first; c < emitter.cells.size(); ++c) {
-                emitter.cells[c].radiance = radiance_of(scenery, t, object, emitter.cells[c]);
+                emitter.cells[c].radiance = radiance_of(posed_scene, t, object, emitter.cells[c]);
                 power += emitter.cells[c].power();
             }
             const auto scale = static_cast<float>(core::divide_or(whole.power(), power, 0.0));
@@ -146,7 +148,7 @@ void place_on(const Emitter& emitter, int count, std::uint64_t seed, std::vector
 
 }  // namespace
 
-std::vector<EmitterPoint> place_emitters(const Scenery& scenery, const scene::Snapshot& snapshot, int count,
+std::vector<EmitterPoint> place_emitters(const PosedScene& posed_scene, const scene::Snapshot& snapshot, int count,
                                          std::uint64_t seed) {
     const scene::Animation& film = *snapshot.animation;
     std::vector<std::uint32_t> objects;
@@ -162,8 +164,9 @@ std::vector<EmitterPoint> place_emitters(const Scenery& scenery, const scene::Sn
     const int cells_per_edge = std::clamp(static_cast<int>(std::sqrt(per_triangle)), 1, finest);
 
     std::vector<Emitter> emitters(objects.size());
-    parallel::for_each(objects.size(),
-                       [&](std::size_t i) { emitters[i] = emitter_of(scenery, snapshot, objects[i], cells_per_edge); });
+    parallel::for_each(objects.size(), [&](std::size_t i) {
+        emitters[i] = emitter_of(posed_scene, snapshot, objects[i], cells_per_edge);
+    });
     double power = 0;
     for (const Emitter& emitter : emitters) power += emitter.power;
     std::vector<EmitterPoint> points;

@@ -42,22 +42,22 @@ std::vector<double> still_areas(const scene::Snapshot& now) {
 /// Whether a place is open: light that comes to its neighbours comes to it as well. What lies under a carpet, or within
 /// a wall, faces as they do and would take their light where nobody sees it. chosen: 2 of 8 rays must get farther than
 /// an anchor looks over its surface; in a corner 3 or 4 do, in a gap of a tenth of that way one of a hundred.
-bool is_open(const Scenery& scenery, const SurfacePoint& p, std::uint64_t index, float farther) {
+bool is_open(const PosedScene& posed_scene, const SurfacePoint& p, std::uint64_t index, float farther) {
     constexpr int rays = 8, least = 2;
     const glm::vec3 from = offset_origin(p, p.geometric_normal);
     int free = 0;
     for (std::uint64_t k = 0; k < rays && free < least; ++k) {
         const glm::vec3 way = core::sample_cosine_hemisphere(
             p.geometric_normal, {core::uniform(open_seed, index, 2 * k), core::uniform(open_seed, index, 2 * k + 1)});
-        free += scenery.tracer().meets_still(from, way, farther) ? 0 : 1;
+        free += posed_scene.tracer().meets_static(from, way, farther) ? 0 : 1;
     }
     return free >= least;
 }
 
 }  // namespace
 
-std::vector<SurfacePoint> even_points(const Scenery& scenery, std::size_t count) {
-    const scene::Snapshot& now = scenery.posed();
+std::vector<SurfacePoint> even_points(const PosedScene& posed_scene, std::size_t count) {
+    const scene::Snapshot& now = posed_scene.posed();
     const std::vector<double> areas = still_areas(now);
     double all = 0;
     for (const double a : areas) all += a;
@@ -76,12 +76,12 @@ std::vector<SurfacePoint> even_points(const Scenery& scenery, std::size_t count)
             within += area_of(now, object, t);
             for (; next < within; next += step, ++index) {
                 const float root = std::sqrt(core::halton(0, index)), v = core::halton(1, index);
-                const glm::vec3 front = scenery.front_normal(object, t);
+                const glm::vec3 front = posed_scene.front_normal(object, t);
                 const bool is_front = !has_two_sides(*now.animation, object) || core::uniform(side_seed, index) < 0.5f;
                 const SurfacePoint p =
-                    scenery.surface_at({object, t, 1.0f - root, root * v}, is_front ? front : -front);
+                    posed_scene.surface_at({object, t, 1.0f - root, root * v}, is_front ? front : -front);
                 if (p.alpha > 0.0f && !p.unlit && (p.bsdf.has_diffuse() || p.bsdf.has_glossy()) &&
-                    is_open(scenery, p, index, farther))
+                    is_open(posed_scene, p, index, farther))
                     points.push_back(p);
             }
         }

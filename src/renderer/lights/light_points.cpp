@@ -45,16 +45,16 @@ bool shines(const LightPoint& p) {
 
 }  // namespace
 
-LightPoints::LightPoints(const Scenery& scenery, const Plan& plan, int count, std::uint64_t seed)
-    : animation_(scenery.animation()),
+LightPoints::LightPoints(const PosedScene& posed_scene, const Plan& plan, int count, std::uint64_t seed)
+    : animation_(posed_scene.animation()),
       punctual_(plan.runs(Pass::punctual_lights)),
       emissive_(plan.runs(Pass::emissive_lights)),
       seed_(seed) {
-    const bool sky = plan.runs(Pass::sky_light) && scenery.sky() != nullptr;
+    const bool sky = plan.runs(Pass::sky_light) && posed_scene.sky() != nullptr;
     const int share = std::max(1, emissive_ && sky ? count / 2 : count);
     if (emissive_) emissive_count_ = share;
     if (!sky) return;
-    for (const image::SkySample& sample : scenery.sky()->samples(share)) {
+    for (const image::SkySample& sample : posed_scene.sky()->samples(share)) {
         LightPoint p;
         p.kind = LightPointKind::directional;
         p.normal = -sample.direction;
@@ -66,7 +66,7 @@ LightPoints::LightPoints(const Scenery& scenery, const Plan& plan, int count, st
     }
 }
 
-void LightPoints::place(Scenery& scenery, const scene::Snapshot& first) {
+void LightPoints::place(PosedScene& posed_scene, const scene::Snapshot& first) {
     // Look at every emitter at its full strength: one that is off or hidden now may be lit later in the chunk.
     scene::Snapshot lit = first;
     std::fill(lit.emission_factor.begin(), lit.emission_factor.end(), 1.0f);
@@ -74,13 +74,13 @@ void LightPoints::place(Scenery& scenery, const scene::Snapshot& first) {
         object.present = object.present || (object.deformed < 0 && has_volume(object.to_world));
     emitters_.clear();
     if (emissive_) {
-        scenery.pose(lit);
-        emitters_ = place_emitters(scenery, lit, emissive_count_, seed_);
+        posed_scene.pose(lit);
+        emitters_ = place_emitters(posed_scene, lit, emissive_count_, seed_);
     }
 
     const scene::Snapshot average = with_average_light(lit);
-    scenery.pose(average);
-    average_ = at(scenery);
+    posed_scene.pose(average);
+    average_ = at(posed_scene);
     // What has no surface yet lies where its mesh does.
     for (std::size_t i = 0; i < emitters_.size(); ++i) {
         const EmitterPoint& e = emitters_[i];
@@ -94,20 +94,20 @@ void LightPoints::place(Scenery& scenery, const scene::Snapshot& first) {
         p.object = e.object;
         if (shines(p)) average_.push_back(p);
     }
-    scenery.pose(first);
+    posed_scene.pose(first);
 }
 
-LightPoint LightPoints::emitter_point(const Scenery& scenery, std::size_t index) const {
-    const scene::Snapshot& now = scenery.posed();
+LightPoint LightPoints::emitter_point(const PosedScene& posed_scene, std::size_t index) const {
+    const scene::Snapshot& now = posed_scene.posed();
     const EmitterPoint& e = emitters_[index];
     const scene::Object& object = animation_.objects[e.object];
     const scene::Triangle t = scene::triangle_of(now, e.object, e.primitive);
     const float area = 0.5f * glm::length(glm::cross(t.b - t.a, t.c - t.a)) * e.share;
-    const glm::vec3 front = scenery.front_normal(e.object, e.primitive);
+    const glm::vec3 front = posed_scene.front_normal(e.object, e.primitive);
     LightPoint p;
     p.kind = LightPointKind::oriented;
     p.normal = e.front ? front : -front;
-    const SurfacePoint surface = scenery.surface_at({e.object, e.primitive, e.u, e.v}, p.normal);
+    const SurfacePoint surface = posed_scene.surface_at({e.object, e.primitive, e.u, e.v}, p.normal);
     p.position = offset_origin(surface, p.normal);
     p.intensity = e.radiance * (now.emission_factor[static_cast<std::size_t>(object.material)] * area);
     p.disc2 = area * lobe::inverse_pi;
@@ -116,8 +116,8 @@ LightPoint LightPoints::emitter_point(const Scenery& scenery, std::size_t index)
     return p;
 }
 
-std::vector<LightPoint> LightPoints::at(const Scenery& scenery) const {
-    const scene::Snapshot& now = scenery.posed();
+std::vector<LightPoint> LightPoints::at(const PosedScene& posed_scene) const {
+    const scene::Snapshot& now = posed_scene.posed();
     std::vector<LightPoint> points;
     points.reserve(emitters_.size() + sky_.size() + now.lights.size());
     if (punctual_) {
@@ -128,7 +128,7 @@ std::vector<LightPoint> LightPoints::at(const Scenery& scenery) const {
     }
     for (std::size_t i = 0; i < emitters_.size(); ++i) {
         if (!now.objects[emitters_[i].object].present) continue;
-        const LightPoint p = emitter_point(scenery, i);
+        const LightPoint p = emitter_point(posed_scene, i);
         if (shines(p)) points.push_back(p);
     }
     points.insert(points.end(), sky_.begin(), sky_.end());

@@ -7,7 +7,7 @@
 #include "image/sky_map.h"
 #include "renderer/base/light_point.h"
 #include "renderer/base/plan.h"
-#include "renderer/surface/scenery.h"
+#include "renderer/surface/posed_scene.h"
 
 namespace render2mpeg::renderer {
 
@@ -26,10 +26,10 @@ class LightPoints {
   public:
     /// `count` is the number of points for emissive surfaces and sky together, about; surfaces and sky share it half
     /// and half where both are there.
-    LightPoints(const Scenery& scenery, const Plan& plan, int count, std::uint64_t seed);
+    LightPoints(const PosedScene& posed_scene, const Plan& plan, int count, std::uint64_t seed);
 
     /// Chooses the places on emissive surfaces. A function of the animation and this snapshot, which gets posed.
-    void place(Scenery& scenery, const scene::Snapshot& first);
+    void place(PosedScene& posed_scene, const scene::Snapshot& first);
 
     /// Every light point that will ever shine, at its time-averaged strength (average_light.h) and as things lay when
     /// places were chosen.
@@ -37,10 +37,10 @@ class LightPoints {
 
     /// All light points of the posed instant; lights that are off or black are left out. Positions lie off their
     /// surface by its rounding error, so that a ray that ends there does not meet it.
-    std::vector<LightPoint> at(const Scenery& scenery) const;
+    std::vector<LightPoint> at(const PosedScene& posed_scene) const;
 
   private:
-    LightPoint emitter_point(const Scenery& scenery, std::size_t index) const;
+    LightPoint emitter_point(const PosedScene& posed_scene, std::size_t index) const;
 
     const scene::Animation& animation_;
     bool punctual_, emissive_;

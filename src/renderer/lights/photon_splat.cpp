@@ -64,11 +64,11 @@ struct Way {
     }
     /// Past all that never moves.
     bool is_open(const RayTracer& scene) const {
-        return !(length > 0.0f) || !scene.meets_still(from, direction, length);
+        return !(length > 0.0f) || !scene.meets_static(from, direction, length);
     }
     /// Past what moves.
     bool is_free(const RayTracer& scene) const {
-        return !(length > 0.0f) || !scene.meets_movers(from, direction, length);
+        return !(length > 0.0f) || !scene.meets_dynamic(from, direction, length);
     }
 };
 
@@ -167,7 +167,7 @@ PhotonSplatter::Neighbours PhotonSplatter::neighbours(std::uint32_t anchor) cons
 
 OccludedNeighbours PhotonSplatter::occluded_neighbours(const RayTracer& scene) const {
     OccludedNeighbours found;
-    if (visible_.empty() || !scene.has_movers()) return found;
+    if (visible_.empty() || !scene.has_dynamic_objects()) return found;
     found.hidden.assign(visible_.size(), 0);
     const PointTree& still = groups_.front().tree;
     std::vector<std::uint8_t> rays(visible_.size(), 0);

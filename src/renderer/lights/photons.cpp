@@ -98,7 +98,8 @@ Onward scatter(const SurfacePoint& p, glm::vec3 flux, float choice, glm::vec2 u)
 }
 
 /// One path; appends its VPLs, not yet divided by the number of paths, and returns the rays it took.
-int follow(const Scenery& scenery, const PhotonSource& source, std::uint64_t path, int bounces, PhotonResult& out) {
+int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint64_t path, int bounces,
+           PhotonResult& out) {
     const auto number = [&](int dimension) { return core::halton(dimension, path); };
     Photon photon = source.emit(number(0), {number(1), number(2)}, {number(3), number(4)});
     int rays = 0;
@@ -107,9 +108,9 @@ int follow(const Scenery& scenery, const PhotonSource& source, std::uint64_t pat
         if (!(core::luminance(photon.flux) > 0.0f)) break;
         ++rays;
         const Hit hit =
-            scenery.tracer().nearest(photon.origin, photon.direction, std::numeric_limits<float>::infinity());
+            posed_scene.tracer().nearest(photon.origin, photon.direction, std::numeric_limits<float>::infinity());
         if (!hit.found()) break;
-        const SurfacePoint p = scenery.surface_at(hit.address, -photon.direction);
+        const SurfacePoint p = posed_scene.surface_at(hit.address, -photon.direction);
         const int dimension = first_event_dimension + 3 * event;
         float choice = number(dimension);
         // Pass a translucent layer with the share that it does not cover.
@@ -132,7 +133,7 @@ int follow(const Scenery& scenery, const PhotonSource& source, std::uint64_t pat
     return rays;
 }
 
-PhotonResult follow_all(const Scenery& scenery, const PhotonSource& source, const PhotonSettings& settings) {
+PhotonResult follow_all(const PosedScene& posed_scene, const PhotonSource& source, const PhotonSettings& settings) {
     constexpr std::size_t grain = 64;
     PhotonResult result;
     const std::size_t parts = (settings.paths + grain - 1) / grain;
@@ -140,7 +141,7 @@ PhotonResult follow_all(const Scenery& scenery, const PhotonSource& source, cons
     parallel::for_ranges(settings.paths, grain, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)
             part[first / grain].rays += static_cast<std::uint64_t>(
-                follow(scenery, source, settings.first_path + i, settings.bounces, part[first / grain]));
+                follow(posed_scene, source, settings.first_path + i, settings.bounces, part[first / grain]));
     });
     for (const PhotonResult& p : part) {
         result.vpls.insert(result.vpls.end(), p.vpls.begin(), p.vpls.end());
@@ -152,23 +153,24 @@ PhotonResult follow_all(const Scenery& scenery, const PhotonSource& source, cons
 
 }  // namespace
 
-PhotonResult trace_photons(const Scenery& scenery, std::span<const LightPoint> lights, const PhotonSettings& settings) {
-    const PhotonSource source(lights, world_box(scenery.posed()));
+PhotonResult trace_photons(const PosedScene& posed_scene, std::span<const LightPoint> lights,
+                           const PhotonSettings& settings) {
+    const PhotonSource source(lights, world_box(posed_scene.posed()));
     if (source.empty() || settings.paths == 0) return {};
-    PhotonResult result = follow_all(scenery, source, settings);
+    PhotonResult result = follow_all(posed_scene, source, settings);
     const float share = static_cast<float>(1.0 / static_cast<double>(settings.paths));
     for (LightPoint& vpl : result.vpls) vpl.intensity *= share;
     return result;
 }
 
-std::uint64_t paths_for(const Scenery& scenery, std::span<const LightPoint> lights, int vpls, int bounces) {
-    const PhotonSource source(lights, world_box(scenery.posed()));
+std::uint64_t paths_for(const PosedScene& posed_scene, std::span<const LightPoint> lights, int vpls, int bounces) {
+    const PhotonSource source(lights, world_box(posed_scene.posed()));
     if (source.empty() || vpls <= 0) return 0;
     // Double the pilot until it has left enough to judge by.
     const auto wanted = static_cast<std::uint64_t>(vpls);
     const std::uint64_t enough = std::max<std::uint64_t>(wanted / pilot_share, 32);
     for (std::uint64_t paths = std::max<std::uint64_t>(wanted / pilot_share, 64);; paths *= 2) {
-        const std::uint64_t left = follow_all(scenery, source, {1, paths, bounces}).vpls.size();
+        const std::uint64_t left = follow_all(posed_scene, source, {1, paths, bounces}).vpls.size();
         if (left < enough && paths < wanted * most_paths_per_vpl) continue;
         if (left == 0) return 0;
         return std::clamp<std::uint64_t>(paths * wanted / left, 1, wanted * most_paths_per_vpl);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "renderer/base/light_point.h"
-#include "renderer/surface/scenery.h"
+#include "renderer/surface/posed_scene.h"
 
 namespace render2mpeg::renderer {
 
@@ -24,9 +24,10 @@ struct PhotonResult {
 /// Follows `paths` photons from the lights through the posed scene and leaves a virtual point light wherever one meets
 /// a surface that scatters it: intensity rho / pi dPhi on the side that was hit [Render2MPEG, eq. 6.3]. Photon i takes
 /// the same numbers whatever the scene. Does not depend on the number of threads.
-PhotonResult trace_photons(const Scenery& scenery, std::span<const LightPoint> lights, const PhotonSettings& settings);
+PhotonResult trace_photons(const PosedScene& posed_scene, std::span<const LightPoint> lights,
+                           const PhotonSettings& settings);
 
 /// How many paths leave about `vpls` VPLs in the posed scene; 0 where no light reaches any surface.
-std::uint64_t paths_for(const Scenery& scenery, std::span<const LightPoint> lights, int vpls, int bounces);
+std::uint64_t paths_for(const PosedScene& posed_scene, std::span<const LightPoint> lights, int vpls, int bounces);
 
 }  // namespace render2mpeg::renderer

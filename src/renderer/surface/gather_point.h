@@ -40,10 +40,9 @@ using GatherTile = std::vector<GatherPoint>;
 /// What `see` finds in one frame: what is kept for other frames, and what this frame's `shade` consumes.
 struct Seen {
     core::Visible visible;
-    std::vector<GatherTile> tiles;       ///< row by row, (width + 15) / 16 per row
-    core::Plane<glm::vec3> unscattered;  ///< radiance that needs no gathering: emission, sky, unlit surfaces
-    core::Plane<glm::vec3>
-        unscattered_specular;  ///< the part of `unscattered` seen by mirrors or glass; empty without them
+    std::vector<GatherTile> tiles;            ///< row by row, (width + 15) / 16 per row
+    core::Plane<glm::vec3> emitted;           ///< radiance that needs no gathering: emission, sky, unlit surfaces
+    core::Plane<glm::vec3> emitted_specular;  ///< the part of `emitted` seen by mirrors or glass; empty without them
     int tiles_across() const { return (visible.width() + tile_size - 1) / tile_size; }
 };
 

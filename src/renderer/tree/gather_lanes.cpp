@@ -5,7 +5,7 @@
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "renderer/base/lobe.h"
-#include "renderer/surface/scenery.h"
+#include "renderer/surface/posed_scene.h"
 
 namespace render2mpeg::renderer {
 namespace {

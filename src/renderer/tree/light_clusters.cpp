@@ -23,7 +23,7 @@ constexpr std::ptrdiff_t reach = 8;
 /// Widens stored cones by more than packing an axis may turn it (7e-5 rad).
 constexpr float packing_angle = 1e-4f;
 
-/// A cluster while it grows: one per root of the forest.
+/// A cluster while it grows: one per root of the light trees.
 struct Cluster {
     glm::vec3 low, high;
     glm::vec3 axis;
@@ -115,7 +115,7 @@ struct ShiningBox {
 /// How far directions count against distances: the diagonal of that box; not at all where light has no cosine. Trees of
 /// the same shining lights have the same scale, whatever dark ones one of them keeps.
 double direction_scale2(const LightTree& tree) {
-    if (tree.family != LightFamily::oriented) return 0.0;
+    if (tree.type != LightType::oriented) return 0.0;
     const ShiningBox shining(tree);
     if (!shining.any()) return 1.0;
     const glm::dvec3 d(shining.high - shining.low);

@@ -63,23 +63,23 @@ RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(float x, float y, float z, float
 }
 
 /// Writes lane i of `out`; returns G before the clamp.
-template <LightFamily family, bool glossy>
+template <LightType type, bool glossy>
 RENDER2MPEG_ALWAYS_INLINED float evaluate_lane(const GatherLanes& lanes, int i, const LaneLight& l, LightLanes& out) {
     float x = l.x, y = l.y, z = l.z, inverse2 = 1.0f, emit = 1.0f;
-    if constexpr (family != LightFamily::directional) {
+    if constexpr (type != LightType::directional) {
         x -= lanes.position.x[i];
         y -= lanes.position.y[i];
         z -= lanes.position.z[i];
         const float distance2 = x * x + y * y + z * z;
         inverse2 = 1.0f / inlined::max(distance2, lobe::tiny);
-        if constexpr (family == LightFamily::punctual || glossy) {
+        if constexpr (type == LightType::punctual || glossy) {
             const float inverse = inlined::sqrt(inverse2);
             x *= inverse;
             y *= inverse;
             z *= inverse;
         }
         const float cosine = -(l.nx * x + l.ny * y + l.nz * z);
-        if constexpr (family == LightFamily::oriented) {
+        if constexpr (type == LightType::oriented) {
             emit = inlined::max(cosine, 0.0f) * inverse2;
         } else {
             // Window of the range [KHR_lights_punctual] and the spot's falloff.
@@ -93,13 +93,13 @@ RENDER2MPEG_ALWAYS_INLINED float evaluate_lane(const GatherLanes& lanes, int i, 
     const float facing = inlined::max(dot(lanes.normal.axis, i, x, y, z), 0.0f);
     const float cosine = front > 0.0f ? facing : 0.0f;
     // Without a lobe nobody wants unit directions: cosines times the distance, each over its square.
-    constexpr bool plain = family == LightFamily::oriented && !glossy;
+    constexpr bool plain = type == LightType::oriented && !glossy;
     float g = plain ? cosine * inverse2 * emit : cosine * emit;
     const float unclamped = g;
-    if constexpr (family == LightFamily::oriented) g = inlined::min(g, l.clamp);
+    if constexpr (type == LightType::oriented) g = inlined::min(g, l.clamp);
     out.diffuse[i] = g;
     if constexpr (glossy)
-        glossy_value(lanes, i, x, y, z, family == LightFamily::punctual ? 0.0f : l.blur2 * inverse2, g, out);
+        glossy_value(lanes, i, x, y, z, type == LightType::punctual ? 0.0f : l.blur2 * inverse2, g, out);
     return unclamped;
 }
 
@@ -110,37 +110,37 @@ RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(const TreeLight& light, const Sp
                       spot != nullptr ? spot->scale : 0.0f, spot != nullptr ? spot->offset : 1.0f, scale);
 }
 
-template <LightFamily family, bool glossy>
+template <LightType type, bool glossy>
 RENDER2MPEG_ALWAYS_INLINED void evaluate_lanes(const GatherLanes& __restrict lanes, const TreeLight& light,
                                                const Spot* spot, float scale, LightLanes& __restrict out) {
     const LaneLight l = lane_light(light, spot, scale);
     Lanes unclamped;
-    for (int i = 0; i < lane_count; ++i) unclamped[i] = evaluate_lane<family, glossy>(lanes, i, l, out);
+    for (int i = 0; i < lane_count; ++i) unclamped[i] = evaluate_lane<type, glossy>(lanes, i, l, out);
     int clamped = 0;
-    if constexpr (family == LightFamily::oriented)
+    if constexpr (type == LightType::oriented)
         for (int i = 0; i < lane_count; ++i) clamped |= unclamped[i] > l.clamp ? 1 : 0;
     out.any_clamped = clamped != 0;
 }
 
-template <LightFamily family, bool glossy>
+template <LightType type, bool glossy>
 RENDER2MPEG_ALWAYS_INLINED void evaluate_each(const GatherLanes& __restrict lanes, const LightPacket& __restrict p,
                                               float scale, LightLanes& __restrict out) {
     for (int i = 0; i < lane_count; ++i) {
         const LaneLight l = lane_light(p.position.x[i], p.position.y[i], p.position.z[i], p.normal.x[i], p.normal.y[i],
                                        p.normal.z[i], p.disc2[i], p.spot_scale[i], p.spot_offset[i], scale);
-        evaluate_lane<family, glossy>(lanes, i, l, out);
+        evaluate_lane<type, glossy>(lanes, i, l, out);
     }
     out.any_clamped = false;
 }
 
-template <LightFamily family>
-RENDER2MPEG_ALWAYS_INLINED void add_lanes(const GatherLanes& __restrict lanes, const StandIn& stand_in, float scale,
-                                          RgbLanes& __restrict out) {
+template <LightType type>
+RENDER2MPEG_ALWAYS_INLINED void add_lanes(const GatherLanes& __restrict lanes, const Representative& stand_in,
+                                          float scale, RgbLanes& __restrict out) {
     const float red = stand_in.intensity.x, green = stand_in.intensity.y, blue = stand_in.intensity.z;
     const LaneLight l = lane_light(*stand_in.light, stand_in.spot, scale);
     LightLanes unit;
     for (int i = 0; i < lane_count; ++i) {
-        evaluate_lane<family, false>(lanes, i, l, unit);
+        evaluate_lane<type, false>(lanes, i, l, unit);
         const float g = unit.diffuse[i];
         out.r[i] += g * red;
         out.g[i] += g * green;
@@ -187,7 +187,7 @@ RENDER2MPEG_ALWAYS_INLINED float noticed(const Vec3Lanes& weight, int i, float r
     return inlined::max(luma, inlined::max(cr, cb));
 }
 
-template <LightFamily family, bool glossy>
+template <LightType type, bool glossy>
 RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes, const BoxGrid& grid,
                                             const LightNode& node, float scale, float* __restrict out) {
     float cx, cy, cz, hx, hy, hz, red, green, blue;
@@ -202,7 +202,7 @@ RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes,
     const NodeFrame f = frame_of(node, hx, hy, hz);
     for (int i = 0; i < lane_count; ++i) {
         float x = cx, y = cy, z = cz, inverse2 = 1.0f, emit = 1.0f, spread2_low = 0.0f, spread2_high = 0.0f;
-        if constexpr (family != LightFamily::directional) {
+        if constexpr (type != LightType::directional) {
             x -= lanes.position.x[i];
             y -= lanes.position.y[i];
             z -= lanes.position.z[i];
@@ -214,9 +214,9 @@ RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes,
                 lobe::cosine_bound(-(f.ax * x + f.ay * y + f.az * z), f.along_axis, f.tx * x + f.ty * y + f.tz * z,
                                    f.along_tangent, f.bx * x + f.by * y + f.bz * z, f.along_bitangent);
             emit = lobe::cone_bound(theta, cone);
-            if constexpr (family == LightFamily::punctual)
+            if constexpr (type == LightType::punctual)
                 emit = near2 <= range2 && theta + (outward - 1.0f) >= cone ? 1.0f : 0.0f;
-            if constexpr (glossy && family == LightFamily::oriented) {
+            if constexpr (glossy && type == LightType::oriented) {
                 const float fx = inlined::abs(x) + hx, fy = inlined::abs(y) + hy, fz = inlined::abs(z) + hz;
                 spread2_low = least_blur2 / inlined::max(fx * fx + fy * fy + fz * fz, lobe::tiny);
                 spread2_high = largest_blur2 * inverse2;
@@ -232,7 +232,7 @@ RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes,
                                         dot(normal.bitangent, i, x, y, z), dot_abs(normal.bitangent, i, hx, hy, hz));
         const float reach = emit * inverse2;
         float g = cosine * reach;
-        if constexpr (family == LightFamily::oriented) g = inlined::min(g, clamp);
+        if constexpr (type == LightType::oriented) g = inlined::min(g, clamp);
         float bound = g * noticed(lanes.diffuse_weight, i, red, green, blue);
         if constexpr (glossy) {
             const lobe::BoxCosines box{cosine, box_cosine(lanes.mirrored, i, x, y, z, hx, hy, hz),
@@ -242,7 +242,7 @@ RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes,
                 {box.normal, box.mirrored, -box.away}, lanes.cos_outgoing[i],
                 inlined::min(a2 + widening * spread2_low, 1.0f), inlined::min(a2 + widening * spread2_high, 1.0f));
             float lit = lobe_bound.cosine * reach;
-            if constexpr (family == LightFamily::oriented) lit = inlined::min(lit, lobe_bound.value * clamp);
+            if constexpr (type == LightType::oriented) lit = inlined::min(lit, lobe_bound.value * clamp);
             lit = cosine > 0.0f ? lit : 0.0f;
             // The lobe's colour lies between f0 and white; what is noticed of a mixture is no more than the mixture.
             const float f0 = noticed(lanes.f0_weight, i, red, green, blue);
@@ -256,46 +256,46 @@ RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes,
 }  // namespace
 
 RENDER2MPEG_CLONES
-void evaluate_light(const GatherLanes& lanes, LightFamily family, const TreeLight& light, const Spot* spot,
+void evaluate_light(const GatherLanes& lanes, LightType type, const TreeLight& light, const Spot* spot,
                     GeometryClamp clamp, LightLanes& out) {
-    if (family == LightFamily::oriented) {
-        lanes.glossy ? evaluate_lanes<LightFamily::oriented, true>(lanes, light, spot, clamp.scale, out)
-                     : evaluate_lanes<LightFamily::oriented, false>(lanes, light, spot, clamp.scale, out);
-    } else if (family == LightFamily::punctual) {
-        lanes.glossy ? evaluate_lanes<LightFamily::punctual, true>(lanes, light, spot, clamp.scale, out)
-                     : evaluate_lanes<LightFamily::punctual, false>(lanes, light, spot, clamp.scale, out);
+    if (type == LightType::oriented) {
+        lanes.glossy ? evaluate_lanes<LightType::oriented, true>(lanes, light, spot, clamp.scale, out)
+                     : evaluate_lanes<LightType::oriented, false>(lanes, light, spot, clamp.scale, out);
+    } else if (type == LightType::punctual) {
+        lanes.glossy ? evaluate_lanes<LightType::punctual, true>(lanes, light, spot, clamp.scale, out)
+                     : evaluate_lanes<LightType::punctual, false>(lanes, light, spot, clamp.scale, out);
     } else {
-        lanes.glossy ? evaluate_lanes<LightFamily::directional, true>(lanes, light, spot, clamp.scale, out)
-                     : evaluate_lanes<LightFamily::directional, false>(lanes, light, spot, clamp.scale, out);
+        lanes.glossy ? evaluate_lanes<LightType::directional, true>(lanes, light, spot, clamp.scale, out)
+                     : evaluate_lanes<LightType::directional, false>(lanes, light, spot, clamp.scale, out);
     }
 }
 
 RENDER2MPEG_CLONES
-void evaluate_lights(const GatherLanes& lanes, LightFamily family, const LightPacket& lights, GeometryClamp clamp,
+void evaluate_lights(const GatherLanes& lanes, LightType type, const LightPacket& lights, GeometryClamp clamp,
                      LightLanes& out) {
-    if (family == LightFamily::oriented) {
-        lanes.glossy ? evaluate_each<LightFamily::oriented, true>(lanes, lights, clamp.scale, out)
-                     : evaluate_each<LightFamily::oriented, false>(lanes, lights, clamp.scale, out);
-    } else if (family == LightFamily::punctual) {
-        lanes.glossy ? evaluate_each<LightFamily::punctual, true>(lanes, lights, clamp.scale, out)
-                     : evaluate_each<LightFamily::punctual, false>(lanes, lights, clamp.scale, out);
+    if (type == LightType::oriented) {
+        lanes.glossy ? evaluate_each<LightType::oriented, true>(lanes, lights, clamp.scale, out)
+                     : evaluate_each<LightType::oriented, false>(lanes, lights, clamp.scale, out);
+    } else if (type == LightType::punctual) {
+        lanes.glossy ? evaluate_each<LightType::punctual, true>(lanes, lights, clamp.scale, out)
+                     : evaluate_each<LightType::punctual, false>(lanes, lights, clamp.scale, out);
     } else {
-        lanes.glossy ? evaluate_each<LightFamily::directional, true>(lanes, lights, clamp.scale, out)
-                     : evaluate_each<LightFamily::directional, false>(lanes, lights, clamp.scale, out);
+        lanes.glossy ? evaluate_each<LightType::directional, true>(lanes, lights, clamp.scale, out)
+                     : evaluate_each<LightType::directional, false>(lanes, lights, clamp.scale, out);
     }
 }
 
 RENDER2MPEG_CLONES
-void add_irradiance(const GatherLanes& lanes, LightFamily family, const StandIn* lights, int count, GeometryClamp clamp,
-                    RgbLanes& out) {
+void add_irradiance(const GatherLanes& lanes, LightType type, const Representative* lights, int count,
+                    GeometryClamp clamp, RgbLanes& out) {
     for (int k = 0; k < count; ++k) {
-        const StandIn& light = lights[k];
-        if (family == LightFamily::oriented)
-            add_lanes<LightFamily::oriented>(lanes, light, clamp.scale, out);
-        else if (family == LightFamily::punctual)
-            add_lanes<LightFamily::punctual>(lanes, light, clamp.scale, out);
+        const Representative& light = lights[k];
+        if (type == LightType::oriented)
+            add_lanes<LightType::oriented>(lanes, light, clamp.scale, out);
+        else if (type == LightType::punctual)
+            add_lanes<LightType::punctual>(lanes, light, clamp.scale, out);
         else
-            add_lanes<LightFamily::directional>(lanes, light, clamp.scale, out);
+            add_lanes<LightType::directional>(lanes, light, clamp.scale, out);
     }
 }
 
@@ -321,18 +321,18 @@ void fill_lights(LightPacket& packet, const LightTree& tree, std::size_t first, 
 
 RENDER2MPEG_CLONES
 void bound_node(const GatherLanes& lanes, const LightTree& tree, std::uint32_t index, GeometryClamp clamp, Lanes& out) {
-    const LightFamily family = tree.family;
+    const LightType type = tree.type;
     const BoxGrid& grid = tree.grid;
     const LightNode& node = tree.nodes.data()[index];
-    if (family == LightFamily::oriented) {
-        lanes.glossy ? bound_lanes<LightFamily::oriented, true>(lanes, grid, node, clamp.scale, out)
-                     : bound_lanes<LightFamily::oriented, false>(lanes, grid, node, clamp.scale, out);
-    } else if (family == LightFamily::punctual) {
-        lanes.glossy ? bound_lanes<LightFamily::punctual, true>(lanes, grid, node, clamp.scale, out)
-                     : bound_lanes<LightFamily::punctual, false>(lanes, grid, node, clamp.scale, out);
+    if (type == LightType::oriented) {
+        lanes.glossy ? bound_lanes<LightType::oriented, true>(lanes, grid, node, clamp.scale, out)
+                     : bound_lanes<LightType::oriented, false>(lanes, grid, node, clamp.scale, out);
+    } else if (type == LightType::punctual) {
+        lanes.glossy ? bound_lanes<LightType::punctual, true>(lanes, grid, node, clamp.scale, out)
+                     : bound_lanes<LightType::punctual, false>(lanes, grid, node, clamp.scale, out);
     } else {
-        lanes.glossy ? bound_lanes<LightFamily::directional, true>(lanes, grid, node, clamp.scale, out)
-                     : bound_lanes<LightFamily::directional, false>(lanes, grid, node, clamp.scale, out);
+        lanes.glossy ? bound_lanes<LightType::directional, true>(lanes, grid, node, clamp.scale, out)
+                     : bound_lanes<LightType::directional, false>(lanes, grid, node, clamp.scale, out);
     }
 }
 

@@ -19,7 +19,7 @@ struct GeometryClamp {
 };
 
 /// What unit intensity of `light` sends to the lanes, without visibility. `spot`: of punctual lights, LightTree::spot.
-void evaluate_light(const GatherLanes& lanes, LightFamily family, const TreeLight& light, const Spot* spot,
+void evaluate_light(const GatherLanes& lanes, LightType type, const TreeLight& light, const Spot* spot,
                     GeometryClamp clamp, LightLanes& out);
 
 /// Sixteen lights as arrays. `fill_lights` repeats the last where there are fewer, with no intensity.
@@ -31,19 +31,19 @@ struct alignas(64) LightPacket {
 void fill_lights(LightPacket& packet, const LightTree& tree, std::size_t first, std::size_t count);
 
 /// The same for a light of its own in every lane.
-void evaluate_lights(const GatherLanes& lanes, LightFamily family, const LightPacket& lights, GeometryClamp clamp,
+void evaluate_lights(const GatherLanes& lanes, LightType type, const LightPacket& lights, GeometryClamp clamp,
                      LightLanes& out);
 
 /// A light that shines with another intensity than its own: that of all lights it stands for.
-struct StandIn {
+struct Representative {
     const TreeLight* light;
     const Spot* spot;  ///< see evaluate_light
     glm::vec3 intensity;
 };
 
 /// Adds the irradiance that some lights send to the lanes together, without visibility; for lanes without a lobe.
-void add_irradiance(const GatherLanes& lanes, LightFamily family, const StandIn* lights, int count, GeometryClamp clamp,
-                    RgbLanes& out);
+void add_irradiance(const GatherLanes& lanes, LightType type, const Representative* lights, int count,
+                    GeometryClamp clamp, RgbLanes& out);
 
 /// An upper bound, for each lane, of the luminance that the lights below a node of `tree` can add to its pixel, all of
 /// them visible.

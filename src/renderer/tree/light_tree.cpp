@@ -34,7 +34,7 @@ LooseLight loose_light(const LightPoint& p) {
     light.intensity = p.intensity;
     light.disc2 = p.disc2;
     loose.id = p.id;
-    if (family_of(p.kind) == LightFamily::punctual) {
+    if (light_type_of(p.kind) == LightType::punctual) {
         light.disc2 = p.range > 0.0f ? p.range * p.range : std::numeric_limits<float>::infinity();
         if (p.kind == LightPointKind::spot) loose.spot = {p.spot_scale, p.spot_offset};
     }
@@ -58,7 +58,7 @@ auto place_of(const LooseLight& l) {
 
 /// Sorts lights along a Z-order curve through their box [Morton1966], so that near lights have near indices. Coincident
 /// lights that shine alike become one, unless all are to be kept.
-void sort_and_merge(std::vector<LooseLight>& lights, LightFamily family, bool keep_all) {
+void sort_and_merge(std::vector<LooseLight>& lights, LightType type, bool keep_all) {
     glm::vec3 low(std::numeric_limits<float>::max()), high(-std::numeric_limits<float>::max());
     for (const LooseLight& l : lights) {
         low = glm::min(low, l.light.position);
@@ -98,7 +98,7 @@ void sort_and_merge(std::vector<LooseLight>& lights, LightFamily family, bool ke
         TreeLight& merged = sorted.back().light;
         sum += glm::dvec3(l.light.intensity);
         merged.intensity = glm::vec3(sum);
-        disc2 = family == LightFamily::punctual ? std::max<double>(disc2, l.light.disc2) : disc2 + l.light.disc2;
+        disc2 = type == LightType::punctual ? std::max<double>(disc2, l.light.disc2) : disc2 + l.light.disc2;
         merged.disc2 = static_cast<float>(disc2);
     }
     lights = std::move(sorted);
@@ -150,7 +150,7 @@ void put_in_order(const std::vector<LightPair>& pairs, LightTree& tree) {
     lights.reserve(tree.lights.size());
     ids.reserve(tree.lights.size());
     tree.nodes.resize(pairs.size());
-    TreePlan plan;
+    TreeTopology plan;
     plan.leaves.reserve(2 * pairs.size());
     std::vector<LightRef> stack{pairs.empty() ? LightRef::leaf(0)
                                               : LightRef::inner(static_cast<std::uint32_t>(pairs.size() - 1))};
@@ -177,36 +177,36 @@ void put_in_order(const std::vector<LightPair>& pairs, LightTree& tree) {
 
 }  // namespace
 
-LightFamily family_of(LightPointKind kind) {
+LightType light_type_of(LightPointKind kind) {
     switch (kind) {
         case LightPointKind::oriented:
-            return LightFamily::oriented;
+            return LightType::oriented;
         case LightPointKind::directional:
-            return LightFamily::directional;
+            return LightType::directional;
         default:
-            return LightFamily::punctual;
+            return LightType::punctual;
     }
 }
 
 namespace {
 
-LightTree build(LightFamily family, std::span<const LightPoint> points, std::uint64_t seed, bool keep_all) {
+LightTree build(LightType type, std::span<const LightPoint> points, std::uint64_t seed, bool keep_all) {
     LightTree tree;
-    tree.family = family;
+    tree.type = type;
     std::vector<LooseLight> lights;
     lights.reserve(points.size());
     for (const LightPoint& p : points) {
-        EXPECTS(family_of(p.kind) == family);
+        EXPECTS(light_type_of(p.kind) == type);
         if (is_finite(p) && (keep_all || core::luminance(p.intensity) > 0.0f)) lights.push_back(loose_light(p));
     }
     if (lights.empty()) return tree;
-    sort_and_merge(lights, family, keep_all);
+    sort_and_merge(lights, type, keep_all);
     std::vector<std::uint32_t> ids;
     tree.lights.reserve(lights.size());
     ids.reserve(lights.size());
     for (const LooseLight& l : lights) {
         tree.lights.push_back(l.light);
-        if (family == LightFamily::punctual) tree.spots.push_back(l.spot);
+        if (type == LightType::punctual) tree.spots.push_back(l.spot);
         ids.push_back(l.id);
     }
     lights = {};
@@ -265,12 +265,12 @@ void seat_representatives(LightTree& tree) {
     }
 }
 
-LightTree build_light_tree(LightFamily family, std::span<const LightPoint> points, std::uint64_t seed) {
-    return build(family, points, seed, false);
+LightTree build_light_tree(LightType type, std::span<const LightPoint> points, std::uint64_t seed) {
+    return build(type, points, seed, false);
 }
 
-LightTree build_lasting_tree(LightFamily family, std::span<const LightPoint> points, std::uint64_t seed) {
-    return build(family, points, seed, true);
+LightTree build_persistent_tree(LightType type, std::span<const LightPoint> points, std::uint64_t seed) {
+    return build(type, points, seed, true);
 }
 
 void update_light_tree(LightTree& tree, std::span<const LightPoint> points, std::uint64_t seed) {
@@ -290,13 +290,13 @@ void update_light_tree(LightTree& tree, std::span<const LightPoint> points, std:
     seat_representatives(tree);
 }
 
-std::size_t TreePlan::bytes() const {
+std::size_t TreeTopology::bytes() const {
     return leaves.capacity() / 8 + (ids ? ids->capacity() * sizeof(std::uint32_t) : 0);
 }
 
-TreePlan plan_of(const LightTree& tree) {
-    TreePlan plan;
-    plan.family = tree.family;
+TreeTopology topology_of(const LightTree& tree) {
+    TreeTopology plan;
+    plan.type = tree.type;
     plan.ids = tree.ids;
     plan.leaves.reserve(2 * tree.nodes.size());
     for (std::uint32_t i = 0; i < tree.nodes.size(); ++i)
@@ -304,13 +304,13 @@ TreePlan plan_of(const LightTree& tree) {
     return plan;
 }
 
-LightTree grow_light_tree(const TreePlan& plan, std::span<const LightPoint> points, std::uint64_t seed) {
+LightTree build_from_topology(const TreeTopology& plan, std::span<const LightPoint> points, std::uint64_t seed) {
     LightTree tree;
-    tree.family = plan.family;
+    tree.type = plan.type;
     tree.ids = plan.ids;
     tree.nodes.resize(plan.leaves.size() / 2);
     tree.lights.resize(plan.lights());
-    if (plan.family == LightFamily::punctual) tree.spots.resize(plan.lights());
+    if (plan.type == LightType::punctual) tree.spots.resize(plan.lights());
     if (tree.empty()) return tree;
     set_children(plan.leaves, tree);
     update_light_tree(tree, points, seed);

@@ -16,9 +16,9 @@
 namespace render2mpeg::renderer {
 
 /// Light points that one tree holds: their bounds differ by kind [Walter2005, 4.1].
-enum class LightFamily : std::uint8_t { oriented, punctual, directional };
+enum class LightType : std::uint8_t { oriented, punctual, directional };
 
-LightFamily family_of(LightPointKind kind);
+LightType light_type_of(LightPointKind kind);
 
 /// A node of a light tree: a light (a leaf) or an inner node.
 class LightRef {
@@ -124,9 +124,9 @@ static_assert(sizeof(TreeLight) == 32 && sizeof(LightNode) == 48);
 /// set; neighbouring pixels take different ones, so that their errors are not alike (docs/model/lightcut.md).
 inline constexpr int most_representative_sets = 16;
 
-/// A binary tree over light points of one family [Walter2005, 4.1], clustered bottom up. Plain data, fixed once built.
+/// A binary tree over light points of one type [Walter2005, 4.1], clustered bottom up. Plain data, fixed once built.
 struct LightTree {
-    LightFamily family = LightFamily::oriented;
+    LightType type = LightType::oriented;
     std::vector<LightNode> nodes;   ///< in depth-first order, parents before children
     std::vector<TreeLight> lights;  ///< in the same
     std::vector<Spot> spots;        ///< of punctual lights; else none
@@ -187,27 +187,27 @@ inline void fetch(const LightTree& tree, LightRef ref) {
     __builtin_prefetch(node + sizeof(LightNode) - 1);
 }
 
-/// Builds a tree over `points`, which are all of `family`; lights without intensity are left out, and coincident ones
+/// Builds a tree over `points`, which are all of `type`; lights without intensity are left out, and coincident ones
 /// that shine alike become one. The result is a function of the arguments alone. O(n log n).
-LightTree build_light_tree(LightFamily family, std::span<const LightPoint> points, std::uint64_t seed);
+LightTree build_light_tree(LightType type, std::span<const LightPoint> points, std::uint64_t seed);
 
 /// The same, to be updated: dark and coincident lights stay lights of their own. Ids are unique.
-LightTree build_lasting_tree(LightFamily family, std::span<const LightPoint> points, std::uint64_t seed);
+LightTree build_persistent_tree(LightType type, std::span<const LightPoint> points, std::uint64_t seed);
 
 /// Who is whose child in a lasting tree, and nothing else: 4.25 bytes per light, since nodes in depth-first order need
 /// only say which of their children are lights.
-struct TreePlan {
-    LightFamily family = LightFamily::oriented;
+struct TreeTopology {
+    LightType type = LightType::oriented;
     std::vector<bool> leaves;  ///< of each node, whether its first and whether its second child is a light
     std::shared_ptr<const std::vector<std::uint32_t>> ids;  ///< of lights, in the tree's order
 
     std::size_t lights() const { return ids ? ids->size() : 0; }
     std::size_t bytes() const;
 };
-TreePlan plan_of(const LightTree& tree);
+TreeTopology topology_of(const LightTree& tree);
 
 /// The lasting tree of a plan, updated by these points (`update_light_tree`).
-LightTree grow_light_tree(const TreePlan& plan, std::span<const LightPoint> points, std::uint64_t seed);
+LightTree build_from_topology(const TreeTopology& plan, std::span<const LightPoint> points, std::uint64_t seed);
 
 /// Gives the lights of a lasting tree places and intensities of `points` with the same ids, none of either where there
 /// is no such point, and every node its bounds, sum and representative (docs/model/light-tree.md). Who is whose child

@@ -84,15 +84,15 @@ struct EyePaths::Walk {
     bool specular = false;  ///< a mirror or glass lies before
 };
 
-EyePaths::EyePaths(const Scenery& scenery, const SeeSettings& settings, const Plan& plan)
-    : scenery_(scenery),
-      sky_(plan.runs(Pass::sky_background) && scenery.sky() != nullptr),
+EyePaths::EyePaths(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan)
+    : posed_scene_(posed_scene),
+      sky_(plan.runs(Pass::sky_background) && posed_scene.sky() != nullptr),
       mirrors_(plan.runs(Pass::mirrors)),
       specular_depth_(settings.specular_depth) {}
 
 void EyePaths::look(const EyeRay& ray, float far, const Hit& first, EyeSample& sample, SeeCounts& counts) const {
     sample.fragments.clear();
-    sample.unscattered = sample.unscattered_specular = glm::vec3{0.0f};
+    sample.emitted = sample.emitted_specular = glm::vec3{0.0f};
     sample.main = {};
     Walk walk;
     walk.ray = ray;
@@ -101,7 +101,7 @@ void EyePaths::look(const EyeRay& ray, float far, const Hit& first, EyeSample& s
 }
 
 Hit EyePaths::meet(const Walk& walk) const {
-    return scenery_.tracer().nearest(walk.ray.origin, walk.ray.direction, walk.far);
+    return posed_scene_.tracer().nearest(walk.ray.origin, walk.ray.direction, walk.far);
 }
 
 void EyePaths::see_sky(const Walk& walk, EyeSample& sample) const {
@@ -110,10 +110,10 @@ void EyePaths::see_sky(const Walk& walk, EyeSample& sample) const {
     if (!sky_) return;
     const SurfaceFootprint& spread = walk.ray.direction_change;
     const glm::vec3 light = walk.weight * sky_clock_.time([&] {
-        return scenery_.sky()->radiance(walk.ray.direction, glm::length(glm::cross(spread.dx, spread.dy)));
+        return posed_scene_.sky()->radiance(walk.ray.direction, glm::length(glm::cross(spread.dx, spread.dy)));
     });
-    sample.unscattered += light;
-    if (walk.specular) sample.unscattered_specular += light;
+    sample.emitted += light;
+    if (walk.specular) sample.emitted_specular += light;
 }
 
 /// `hit`: what the walk meets first.
@@ -130,7 +130,7 @@ void EyePaths::follow(Walk walk, Hit hit, EyeSample& sample, SeeCounts& counts) 
         const SurfaceFootprint footprint = walk.ray.footprint_at(hit.distance, plane);
         Fragment fragment;
         SurfacePoint& point = fragment.point;
-        point = scenery_.surface_at(hit.address, -walk.ray.direction, footprint);
+        point = posed_scene_.surface_at(hit.address, -walk.ray.direction, footprint);
 
         // Take what the layer shows.
         glm::vec3 passing = walk.weight;
@@ -143,8 +143,8 @@ void EyePaths::follow(Walk walk, Hit hit, EyeSample& sample, SeeCounts& counts) 
             const glm::vec3 through = last ? glm::vec3{0.0f} : fragment.weight * point.bsdf.transmission;
             passing = (1.0f - alpha) * walk.weight + through;
 
-            sample.unscattered += fragment.weight * point.emission;
-            if (walk.specular) sample.unscattered_specular += fragment.weight * point.emission;
+            sample.emitted += fragment.weight * point.emission;
+            if (walk.specular) sample.emitted_specular += fragment.weight * point.emission;
             const float share = core::luminance(walk.weight - passing);
             if (walk.mirrors == 0 && share > sample.main.share) {
                 const auto kind = shows_reflection(point) ? core::PixelClass::reflected : core::PixelClass::surface;
@@ -179,7 +179,7 @@ void EyePaths::mirror(const Walk& walk, const Fragment& fragment, const SurfaceF
 
     // [Igehy1999, "Reflection"]: neighbours are mirrored by the normal they meet.
     const glm::vec3 n = point.shading_normal, d = walk.ray.direction;
-    const SurfaceFootprint bend = scenery_.normal_change(point.address, footprint);
+    const SurfaceFootprint bend = posed_scene_.normal_change(point.address, footprint);
     const float side = point.back_side ? -1.0f : 1.0f;
     const auto turned = [&](glm::vec3 change, glm::vec3 normal_change) {
         const glm::vec3 dn = side * normal_change;

@@ -6,7 +6,7 @@
 
 #include "core/visible.h"
 #include "renderer/base/sampled_clock.h"
-#include "renderer/surface/scenery.h"
+#include "renderer/surface/posed_scene.h"
 #include "renderer/view/see.h"
 
 namespace render2mpeg::renderer {
@@ -41,16 +41,16 @@ struct MainSurface {
 
 /// Everything that one sample sees.
 struct EyeSample {
-    std::vector<Fragment> fragments;    ///< surfaces with something to gather
-    glm::vec3 unscattered{0};           ///< emission, sky, unlit surfaces
-    glm::vec3 unscattered_specular{0};  ///< the part of it seen in mirrors or through glass
+    std::vector<Fragment> fragments;  ///< surfaces with something to gather
+    glm::vec3 emitted{0};             ///< emission, sky, unlit surfaces
+    glm::vec3 emitted_specular{0};    ///< the part of it seen in mirrors or through glass
     MainSurface main;
 };
 
 /// Follows rays of the eye through layers and glass, and by mirrors.
 class EyePaths {
   public:
-    EyePaths(const Scenery& scenery, const SeeSettings& settings, const Plan& plan);
+    EyePaths(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan);
 
     /// What a ray of the eye sees whose nearest surface before `far` is `first`; replaces `sample`.
     void look(const EyeRay& ray, float far, const Hit& first, EyeSample& sample, SeeCounts& counts) const;
@@ -66,7 +66,7 @@ class EyePaths {
     void mirror(const Walk& walk, const Fragment& fragment, const SurfaceFootprint& footprint, EyeSample& sample,
                 SeeCounts& counts) const;
 
-    const Scenery& scenery_;
+    const PosedScene& posed_scene_;
     bool sky_, mirrors_;
     int specular_depth_;
     mutable SampledClock sky_clock_;

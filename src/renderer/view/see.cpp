@@ -96,13 +96,13 @@ void see_pixel(const Looking& looking, int x, int y, const FirstLook& look, std:
                Seen& seen, GatherTile& tile, SeeCounts& counts) {
     const std::size_t first = tile.size();
     const auto share = 1.0f / static_cast<float>(looking.pattern.size());
-    glm::vec3 unscattered{0.0f}, unscattered_specular{0.0f};
+    glm::vec3 emitted{0.0f}, emitted_specular{0.0f};
     for (std::size_t s = 0; s < looking.pattern.size(); ++s) {
         const std::size_t ray = begin + s;
         looking.paths.look(look.rays[ray], look.queries[ray].far, look.hits[ray], sample, counts);
         if (s == 0) record(seen.visible, looking.camera, x, y, sample.main);
-        unscattered += sample.unscattered;
-        unscattered_specular += sample.unscattered_specular;
+        emitted += sample.emitted;
+        emitted_specular += sample.emitted_specular;
         for (const Fragment& fragment : sample.fragments) {
             const glm::vec3 weight = share * fragment.weight;
             const float extent = core::divide_or(fragment.extent, looking.spacing, 0.0f);
@@ -116,8 +116,8 @@ void see_pixel(const Looking& looking, int x, int y, const FirstLook& look, std:
             tile.push_back({fragment.point, pixel, fragment.specular, weight});
         }
     }
-    seen.unscattered.at(x, y) = share * unscattered;
-    if (!seen.unscattered_specular.empty()) seen.unscattered_specular.at(x, y) = share * unscattered_specular;
+    seen.emitted.at(x, y) = share * emitted;
+    if (!seen.emitted_specular.empty()) seen.emitted_specular.at(x, y) = share * emitted_specular;
 }
 
 }  // namespace
@@ -143,22 +143,22 @@ std::vector<glm::vec2> sample_pattern(int samples) {
     return pattern;
 }
 
-Seen see(const Scenery& scenery, const SeeSettings& settings, const Plan& plan, SeeCounts& counts) {
+Seen see(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan, SeeCounts& counts) {
     EXPECTS(settings.samples >= 1 && settings.format.width > 0 && settings.format.height > 0);
-    const scene::Snapshot& snapshot = scenery.posed();
+    const scene::Snapshot& snapshot = posed_scene.posed();
     const int width = settings.format.width, height = settings.format.height;
     Seen seen;
     seen.visible = core::Visible(snapshot.frame, width, height);
-    seen.unscattered = core::Plane<glm::vec3>(width, height, glm::vec3{0.0f});
+    seen.emitted = core::Plane<glm::vec3>(width, height, glm::vec3{0.0f});
     if (plan.runs(Pass::mirrors) || plan.runs(Pass::glass))
-        seen.unscattered_specular = core::Plane<glm::vec3>(width, height, glm::vec3{0.0f});
+        seen.emitted_specular = core::Plane<glm::vec3>(width, height, glm::vec3{0.0f});
     const int across = seen.tiles_across(), down = (height + tile_size - 1) / tile_size;
     seen.tiles.resize(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
 
     // Look tile by tile; counts are summed in the tiles' order.
-    const EyePaths paths(scenery, settings, plan);
+    const EyePaths paths(posed_scene, settings, plan);
     const std::vector<glm::vec2> pattern = sample_pattern(settings.samples);
-    const Looking looking{scenery.tracer(), paths, snapshot.camera, pattern,
+    const Looking looking{posed_scene.tracer(), paths, snapshot.camera, pattern,
                           1.0f / std::sqrt(static_cast<float>(settings.samples))};
     const int together = std::max(1, static_cast<int>(most_rays / pattern.size()));
     std::vector<SeeCounts> tile_counts(seen.tiles.size());

@@ -107,7 +107,7 @@ void write_plots(const std::filesystem::path& folder, const std::vector<Curve>& 
         std::ofstream out(folder / (clip + ".svg"));
         out << fmt::format(
             "<svg xmlns='http://www.w3.org/2000/svg' width='{0}' height='{1}' viewBox='0 0 {0} {1}' "
-            "font-family='sans-serif' font-size='12'><rect width='{0}' height='{1}' fill='#fafafa'/>"
+            "font-type='sans-serif' font-size='12'><rect width='{0}' height='{1}' fill='#fafafa'/>"
             "<text x='{2}' y='18' font-size='14'>{3}</text>",
             width, height, left, clip);
         for (const Panel& panel : panels) out << panel.svg(colours);

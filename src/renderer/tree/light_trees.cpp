@@ -1,4 +1,4 @@
-#include "renderer/tree/light_forest.h"
+#include "renderer/tree/light_trees.h"
 
 #include <algorithm>
 
@@ -22,21 +22,21 @@ bool is_punctual(const LightPoint& p) {
     return p.kind != LightPointKind::oriented && p.disc2 == 0.0f;
 }
 
-using Families = std::array<std::vector<LightPoint>, LightForest::direct_trees>;
+using PointsByType = std::array<std::vector<LightPoint>, LightTrees::direct_trees>;
 
 void add_exact(const LightPoint& p, std::uint64_t seed, std::vector<ExactLight>& exact) {
     const LightPoint one[] = {p};
-    const LightTree tree = build_light_tree(family_of(p.kind), one, seed);
+    const LightTree tree = build_light_tree(light_type_of(p.kind), one, seed);
     if (!tree.empty())
-        exact.push_back({tree.family, tree.lights.front(), tree.spots.empty() ? Spot{} : tree.spots.front()});
+        exact.push_back({tree.type, tree.lights.front(), tree.spots.empty() ? Spot{} : tree.spots.front()});
 }
 
 std::uint64_t seed_of(int tree, std::uint64_t seed) {
-    return LightForest::is_direct(tree) ? seed : seed + 1;
+    return LightTrees::is_direct(tree) ? seed : seed + 1;
 }
 
 /// All lights of a plan as they lie now, to plan by; those that are absent lie with their neighbours in the tree.
-std::vector<LightPoint> with_absent(const TreePlan& plan, std::span<const LightPoint> now) {
+std::vector<LightPoint> with_absent(const TreeTopology& plan, std::span<const LightPoint> now) {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> by_id;
     glm::dvec3 sum(0);
     for (std::uint32_t i = 0; i < now.size(); ++i) {
@@ -64,89 +64,90 @@ std::vector<LightPoint> with_absent(const TreePlan& plan, std::span<const LightP
 
 }  // namespace
 
-LightForest plant(std::span<const LightPoint> direct, std::span<const LightPoint> vpls, std::uint64_t seed) {
-    LightForest forest;
+LightTrees build_light_trees(std::span<const LightPoint> direct, std::span<const LightPoint> vpls, std::uint64_t seed) {
+    LightTrees light_trees;
     const auto punctual = static_cast<std::size_t>(std::count_if(direct.begin(), direct.end(), is_punctual));
-    Families families;
+    PointsByType types;
     for (const LightPoint& p : direct) {
         if (is_punctual(p) && punctual <= most_exact_lights)
-            add_exact(p, seed, forest.exact);
+            add_exact(p, seed, light_trees.exact);
         else
-            families[static_cast<std::size_t>(family_of(p.kind))].push_back(p);
+            types[static_cast<std::size_t>(light_type_of(p.kind))].push_back(p);
     }
-    for (int f = 0; f < LightForest::direct_trees; ++f)
-        forest.trees[f] = build_light_tree(static_cast<LightFamily>(f), families[f], seed_of(f, seed));
-    forest.trees[LightForest::still_tree] =
-        build_light_tree(LightFamily::oriented, vpls, seed_of(LightForest::still_tree, seed));
-    return forest;
+    for (int f = 0; f < LightTrees::direct_trees; ++f)
+        light_trees.trees[f] = build_light_tree(static_cast<LightType>(f), types[f], seed_of(f, seed));
+    light_trees.trees[LightTrees::static_tree] =
+        build_light_tree(LightType::oriented, vpls, seed_of(LightTrees::static_tree, seed));
+    return light_trees;
 }
 
-LastingForest::LastingForest(const LitPoints& usual, std::uint64_t seed) : seed_(seed) {
+PersistentLightTrees::PersistentLightTrees(const LitPoints& usual, std::uint64_t seed) : seed_(seed) {
     const auto punctual = std::count_if(usual.direct.begin(), usual.direct.end(), is_punctual);
-    Families families;
+    PointsByType types;
     for (const LightPoint& p : usual.direct) {
         if (is_punctual(p) && static_cast<std::size_t>(punctual) <= most_exact_lights)
             exact_.push_back(p.id);
         else
-            families[static_cast<std::size_t>(family_of(p.kind))].push_back(p);
+            types[static_cast<std::size_t>(light_type_of(p.kind))].push_back(p);
     }
     std::sort(exact_.begin(), exact_.end());
-    for (int t = 0; t < LightForest::tree_count; ++t) {
-        const bool direct = LightForest::is_direct(t);
-        const auto points = direct                         ? std::span<const LightPoint>(families[t])
-                            : t == LightForest::still_tree ? usual.still
+    for (int t = 0; t < LightTrees::tree_count; ++t) {
+        const bool direct = LightTrees::is_direct(t);
+        const auto points = direct                         ? std::span<const LightPoint>(types[t])
+                            : t == LightTrees::static_tree ? usual.still
                                                            : usual.moving;
-        const LightFamily family = direct ? static_cast<LightFamily>(t) : LightFamily::oriented;
-        plans_[t] = plan_of(build_lasting_tree(family, points, seed_of(t, seed)));
+        const LightType type = direct ? static_cast<LightType>(t) : LightType::oriented;
+        plans_[t] = topology_of(build_persistent_tree(type, points, seed_of(t, seed)));
     }
 }
 
-LightForest LastingForest::at(const LitPoints& now, bool may_replan) {
-    LightForest forest;
-    Families families;
+LightTrees PersistentLightTrees::at(const LitPoints& now, bool may_rebuild) {
+    LightTrees light_trees;
+    PointsByType types;
     for (const LightPoint& p : now.direct) {
         if (std::binary_search(exact_.begin(), exact_.end(), p.id))
-            add_exact(p, seed_, forest.exact);
+            add_exact(p, seed_, light_trees.exact);
         else
-            families[static_cast<std::size_t>(family_of(p.kind))].push_back(p);
+            types[static_cast<std::size_t>(light_type_of(p.kind))].push_back(p);
     }
-    for (int t = 0; t < LightForest::tree_count; ++t) {
-        const auto points = LightForest::is_direct(t)      ? std::span<const LightPoint>(families[t])
-                            : t == LightForest::still_tree ? now.still
+    for (int t = 0; t < LightTrees::tree_count; ++t) {
+        const auto points = LightTrees::is_direct(t)       ? std::span<const LightPoint>(types[t])
+                            : t == LightTrees::static_tree ? now.still
                                                            : now.moving;
-        LightTree& tree = forest.trees[t];
-        tree = grow_light_tree(plans_[t], points, seed_of(t, seed_));
+        LightTree& tree = light_trees.trees[t];
+        tree = build_from_topology(plans_[t], points, seed_of(t, seed_));
         if (tree.empty()) continue;
         // A dark tree would be asked about for nothing.
         if (!(core::luminance(tree.intensity(tree.root)) > 0.0f)) {
             tree = {};
-            tree.family = plans_[t].family;
+            tree.type = plans_[t].type;
             continue;
         }
-        if (!may_replan) continue;
-        TreePlan other = plan_of(build_lasting_tree(tree.family, with_absent(plans_[t], points), seed_of(t, seed_)));
-        LightTree fresh = grow_light_tree(other, points, seed_of(t, seed_));
+        if (!may_rebuild) continue;
+        TreeTopology other =
+            topology_of(build_persistent_tree(tree.type, with_absent(plans_[t], points), seed_of(t, seed_)));
+        LightTree fresh = build_from_topology(other, points, seed_of(t, seed_));
         if (cost_of(tree) <= most_cost * cost_of(fresh)) continue;
         tree = std::move(fresh);
         plans_[t] = std::move(other);
-        ++replanned_;
+        ++rebuilt_;
     }
-    return forest;
+    return light_trees;
 }
 
-LightTree LastingForest::still_tree(std::span<const LightPoint> anchors) const {
-    constexpr int t = LightForest::still_tree;
-    LightTree tree = grow_light_tree(plans_[t], anchors, seed_of(t, seed_));
+LightTree PersistentLightTrees::static_tree(std::span<const LightPoint> anchors) const {
+    constexpr int t = LightTrees::static_tree;
+    LightTree tree = build_from_topology(plans_[t], anchors, seed_of(t, seed_));
     if (!tree.empty() && !(core::luminance(tree.intensity(tree.root)) > 0.0f)) {
         tree = {};
-        tree.family = plans_[t].family;
+        tree.type = plans_[t].type;
     }
     return tree;
 }
 
-std::size_t LastingForest::bytes() const {
+std::size_t PersistentLightTrees::bytes() const {
     std::size_t sum = exact_.capacity() * sizeof(std::uint32_t);
-    for (const TreePlan& plan : plans_) sum += plan.bytes();
+    for (const TreeTopology& plan : plans_) sum += plan.bytes();
     return sum;
 }
 

@@ -1,4 +1,4 @@
-#include "renderer/calibration/caution.h"
+#include "renderer/calibration/error_calibration.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// fit: docs/fits/caution
+/// fit: docs/fits/error-calibration
 constexpr std::size_t window = 2048;      ///< pixels that are remembered
 constexpr double promised_share = 0.01;   ///< of pixels beyond their tolerance
 constexpr double aimed_share = 0.005;     ///< of pixels, so that chunks scatter about it within the promise
@@ -20,7 +20,7 @@ constexpr double few_pixels_margin = 64;  ///< few pixels know little of their t
 constexpr float least = 0.1f, most = 2.0f;
 constexpr float step = 1.03f;
 /// How far what is needed may leave the value held, upward and downward: the tail of 2048 pixels scatters by 5 %
-/// where errors have an exponential's tail. fit: docs/fits/caution
+/// where errors have an exponential's tail. fit: docs/fits/error-calibration
 constexpr float held_above = 1.06f, held_below = 0.84f;
 
 float next_step(float value) {
@@ -39,19 +39,19 @@ double tail_quantile(std::span<const float> falling, double n) {
 
 }  // namespace
 
-void Caution::forget() {
+void ErrorCalibration::forget() {
     needed_.clear();
     next_ = 0;
     settle();
 }
 
-void Caution::settle() {
+void ErrorCalibration::settle() {
     const float wanted = needed();
     holds_ = wanted > 0.0f;
     value_ = holds_ ? next_step(wanted) : 1.0f;
 }
 
-float Caution::needed() const {
+float ErrorCalibration::needed() const {
     if (!knows()) return 0.0f;
     std::vector<float> falling = needed_;
     const auto n = static_cast<double>(falling.size());
@@ -65,12 +65,12 @@ float Caution::needed() const {
     return std::clamp(static_cast<float>(std::max(aimed, static_cast<double>(falling[place]))), least, most);
 }
 
-void Caution::learn(std::span<const AuditedPixel> pixels, float caution) {
+void ErrorCalibration::learn(std::span<const AuditedPixel> pixels, float error_scale) {
     for (const AuditedPixel& p : pixels) {
         if (p.capped || !(p.luminance > 0.0f || p.error > 0.0f)) continue;
-        // At most what a caution may be, so that a single fault does not decide the mean of a tail.
+        // At most what an error scale may be, so that a single fault does not decide the mean of a tail.
         const float needed =
-            std::min(caution * core::divide_or(p.noticed(), p.tolerance, p.noticed() > 0.0f ? most : 0.0f), most);
+            std::min(error_scale * core::divide_or(p.noticed(), p.tolerance, p.noticed() > 0.0f ? most : 0.0f), most);
         if (!std::isfinite(needed)) continue;
         if (needed_.size() < window)
             needed_.push_back(needed);

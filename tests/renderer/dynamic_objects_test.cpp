@@ -1,4 +1,4 @@
-#include "renderer/cut/movers.h"
+#include "renderer/cut/dynamic_objects.h"
 
 #include <gtest/gtest.h>
 
@@ -59,13 +59,13 @@ bool walks_through(const MiddleBox& box, glm::vec3 from, glm::vec3 to) {
     return false;
 }
 
-TEST(GroupMovers, KnowWhichWaysLeadThroughABox) {
+TEST(GroupDynamicObjects, KnowWhichWaysLeadThroughABox) {
     int through = 0, wrong = 0;
     for (std::uint64_t i = 0; i < 1000; ++i) {
         const GatherLanes lanes = group_at(some_place(i, 0));
         const MiddleBox box{some_place(i, 1), glm::vec3(0.2f, 0.5f, 0.3f)};
         const glm::vec3 light = some_place(i, 2);
-        GroupMovers movers;
+        GroupDynamicObjects movers;
         movers.choose(lanes, {&box, 1});
         ASSERT_FALSE(movers.empty());
         const std::uint32_t passed = movers.passed(rays_to(lanes, light));
@@ -76,14 +76,14 @@ TEST(GroupMovers, KnowWhichWaysLeadThroughABox) {
         }
         // What a ray passes the rough look does not leave out.
         if (passed != 0) {
-            EXPECT_TRUE(movers.may_hide(LightFamily::oriented, light, glm::vec3(0))) << i;
+            EXPECT_TRUE(movers.may_hide(LightType::oriented, light, glm::vec3(0))) << i;
         }
     }
     EXPECT_GT(through, 200);
     EXPECT_LE(wrong, through / 20);  // steps may miss an edge
 }
 
-TEST(GroupMovers, SayThatTheyCannotHideOnlyWhereNoRayMeetsThem) {
+TEST(GroupDynamicObjects, SayThatTheyCannotHideOnlyWhereNoRayMeetsThem) {
     int met = 0, left_out = 0;
     for (std::uint64_t i = 0; i < 4000; ++i) {
         GatherLanes lanes = group_at(some_place(i, 0));
@@ -93,14 +93,14 @@ TEST(GroupMovers, SayThatTheyCannotHideOnlyWhereNoRayMeetsThem) {
             lanes.origin.x[k] += apart * core::uniform(3, i, static_cast<std::uint64_t>(k));
         const MiddleBox box{some_place(i, 1), glm::vec3(0.2f, 0.5f, 0.3f) * core::uniform(2, i, 2)};
         const glm::vec3 middle = some_place(i, 2), half = wide * glm::vec3(0.5f, 0.2f, 0.3f);
-        GroupMovers movers;
+        GroupDynamicObjects movers;
         movers.choose(lanes, {&box, 1}, 0.0f);
         std::uint32_t rays = 0;
         for (std::uint64_t l = 0; l < 20; ++l) {
             const glm::vec3 at = 0.25f * some_place(20 * i + l, 3);
             rays |= movers.met(rays_to(lanes, middle + (2.0f * at - 1.0f) * half));
         }
-        const bool can = movers.can_hide(LightFamily::oriented, middle, half);
+        const bool can = movers.can_hide(LightType::oriented, middle, half);
         if (rays != 0) {
             EXPECT_TRUE(can) << i;
             ++met;
@@ -111,22 +111,22 @@ TEST(GroupMovers, SayThatTheyCannotHideOnlyWhereNoRayMeetsThem) {
     EXPECT_GT(left_out, 400);
 }
 
-TEST(GroupMovers, LeaveOutWhatIsBehindAndFarAside) {
+TEST(GroupDynamicObjects, LeaveOutWhatIsBehindAndFarAside) {
     const GatherLanes lanes = group_at(glm::vec3(0));
     const MiddleBox box{{0, 2, 0}, glm::vec3(0.3f)};
-    GroupMovers movers;
+    GroupDynamicObjects movers;
     movers.choose(lanes, {&box, 1});
-    EXPECT_TRUE(movers.may_hide(LightFamily::oriented, {0, 4, 0}, glm::vec3(0.1f)));
-    EXPECT_TRUE(movers.may_hide(LightFamily::directional, {0, 1, 0}, glm::vec3(0.01f)));
-    EXPECT_FALSE(movers.may_hide(LightFamily::oriented, {0, 1, 0}, glm::vec3(0.1f)));
-    EXPECT_FALSE(movers.may_hide(LightFamily::oriented, {4, 1, 0}, glm::vec3(0.1f)));
-    EXPECT_FALSE(movers.may_hide(LightFamily::directional, {0, -1, 0}, glm::vec3(0.01f)));
+    EXPECT_TRUE(movers.may_hide(LightType::oriented, {0, 4, 0}, glm::vec3(0.1f)));
+    EXPECT_TRUE(movers.may_hide(LightType::directional, {0, 1, 0}, glm::vec3(0.01f)));
+    EXPECT_FALSE(movers.may_hide(LightType::oriented, {0, 1, 0}, glm::vec3(0.1f)));
+    EXPECT_FALSE(movers.may_hide(LightType::oriented, {4, 1, 0}, glm::vec3(0.1f)));
+    EXPECT_FALSE(movers.may_hide(LightType::directional, {0, -1, 0}, glm::vec3(0.01f)));
 }
 
-TEST(GroupMovers, TakeTheLargestOfManyAndNoneThatAreTiny) {
+TEST(GroupDynamicObjects, TakeTheLargestOfManyAndNoneThatAreTiny) {
     const GatherLanes lanes = group_at(glm::vec3(0));
     std::vector<MiddleBox> boxes(100, {{0, 50, 0}, glm::vec3(0.1f)});
-    GroupMovers movers;
+    GroupDynamicObjects movers;
     movers.choose(lanes, boxes);
     EXPECT_TRUE(movers.empty());
     for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = {{3, 2, 0}, glm::vec3(0.1f)};
@@ -135,14 +135,14 @@ TEST(GroupMovers, TakeTheLargestOfManyAndNoneThatAreTiny) {
     EXPECT_EQ(movers.passed(rays_to(lanes, {0, 4, 0})), 0xffffu);
 }
 
-TEST(GroupMovers, OfATracerAreBoxesAboutWhatMovesAndIsThere) {
+TEST(GroupDynamicObjects, OfATracerAreBoxesAboutWhatMovesAndIsThere) {
     SceneBuilder b;
     b.add_box({0, 0, 0}, {4, 3, 5}, b.add_material(), true);
     const int ball = b.add_sphere({0, 0, 0}, 0.4f, b.add_material(), 12);
     b.move_object(ball, {{1, 1, 1}, {3, 1, 2}});
     for (const int second : {0, 1}) {
         const LitStage stage(b, second);
-        const auto movers = stage.scenery().tracer().movers();
+        const auto movers = stage.posed_scene().tracer().dynamic_objects();
         ASSERT_EQ(movers.size(), 1u);
         const glm::vec3 middle = second == 0 ? glm::vec3(1) : glm::vec3(3, 1, 2);
         EXPECT_LT(glm::distance(movers[0].middle, middle), 0.02f);
@@ -150,7 +150,7 @@ TEST(GroupMovers, OfATracerAreBoxesAboutWhatMovesAndIsThere) {
     }
     SceneBuilder still;
     still.add_box({0, 0, 0}, {4, 3, 5}, still.add_material(), true);
-    EXPECT_TRUE(LitStage(still).scenery().tracer().movers().empty());
+    EXPECT_TRUE(LitStage(still).posed_scene().tracer().dynamic_objects().empty());
 }
 
 /// A shining ceiling over a floor, and a board between, which moves or does not.
@@ -166,9 +166,9 @@ SceneBuilder under_a_board(bool moves) {
 /// Root mean square error of coarse cuts all over the floor, as a share of the light.
 double error_of_cuts(bool moves) {
     LitStage stage(under_a_board(moves));
-    EXPECT_EQ(stage.scenery().tracer().movers().size(), moves ? 1u : 0u);
-    const LightForest forest = stage.light({1024, 0, 1, 0, GeometryClamp::none()});
-    Gatherer gatherer(forest, stage.scenery().tracer());
+    EXPECT_EQ(stage.posed_scene().tracer().dynamic_objects().size(), moves ? 1u : 0u);
+    const LightTrees light_trees = stage.light({1024, 0, 1, 0, GeometryClamp::none()});
+    Gatherer gatherer(light_trees, stage.posed_scene().tracer());
     double squares = 0, lit = 0;
     for (int g = 0; g < 400; ++g) {
         std::vector<GatherPoint> points(lane_count);
@@ -176,8 +176,8 @@ double error_of_cuts(bool moves) {
         for (int i = 0; i < lane_count; ++i) {
             const glm::vec2 uv(0.05f + 0.045f * static_cast<float>(g % 20) + 0.005f * static_cast<float>(i % 4),
                                0.05f + 0.045f * static_cast<float>(g / 20) + 0.005f * static_cast<float>(i / 4));
-            const Hit hit = stage.scenery().tracer().nearest({4 * uv.x, 0.1f, 4 * uv.y}, {0, -1, 0}, 1.0f);
-            points[static_cast<std::size_t>(i)].point = stage.scenery().surface_at(hit.address, {0, 1, 0});
+            const Hit hit = stage.posed_scene().tracer().nearest({4 * uv.x, 0.1f, 4 * uv.y}, {0, -1, 0}, 1.0f);
+            points[static_cast<std::size_t>(i)].point = stage.posed_scene().surface_at(hit.address, {0, 1, 0});
             pointers[i] = &points[static_cast<std::size_t>(i)];
         }
         GatherLanes lanes;

@@ -19,7 +19,7 @@ DiscLight disc_light(const GatherLanes& lanes, int lane, const TreeLight& light)
 
 /// Adds to what was gathered, of all light points or by a cut, what indirect light points near the lanes send as discs
 /// beyond what they sent as points, clamped. Does nothing where nothing is clamped.
-void put_back_near_light(const LightForest& forest, const RayTracer& tracer, const GatherLanes& lanes,
-                         GatheredLight& out);
+void compensate_clamping_bias(const LightTrees& light_trees, const RayTracer& tracer, const GatherLanes& lanes,
+                              GatheredLight& out);
 
 }  // namespace render2mpeg::renderer

@@ -6,34 +6,34 @@
 
 namespace render2mpeg::renderer {
 
-/// The clusters of a cut that may be refined, the most urgent first, in steps of urgency that are a fourth of an octave
-/// wide: exact order within a step changes no cut that matters, and a heap's comparisons, which no processor predicts,
-/// took as long as bounds. Within a step the oldest comes first, so that where all are as urgent (nothing is lit yet,
-/// or nothing tolerated) trees are refined level by level.
-class UrgencyQueue {
+/// The clusters of a cut that may be refined, the most urgent first, in steps of priority that are a fourth of an
+/// octave wide: exact order within a step changes no cut that matters, and a heap's comparisons, which no processor
+/// predicts, took as long as bounds. Within a step the oldest comes first, so that where all are as urgent (nothing is
+/// lit yet, or nothing tolerated) trees are refined level by level.
+class RefinementQueue {
   public:
     void clear() {
         for (; words_ != 0; words_ &= words_ - 1) steps_[std::countr_zero(words_)] = 0;
     }
     bool empty() const { return words_ == 0; }
 
-    /// Puts a slot in that is not there; urgency >= 0, not NaN.
-    void push(float urgency, std::uint32_t slot) {
+    /// Puts a slot in that is not there; priority >= 0, not NaN.
+    void push(float priority, std::uint32_t slot) {
         if (slot >= entries_.size()) entries_.resize(2 * std::size_t{slot} + 64);
-        const std::uint32_t step = std::bit_cast<std::uint32_t>(urgency) >> step_bits;
+        const std::uint32_t step = std::bit_cast<std::uint32_t>(priority) >> step_bits;
         std::uint64_t& steps = steps_[step / 64];
         const std::uint64_t bit = std::uint64_t{1} << step % 64;
         Ends& ends = ends_[step];
         ((steps & bit) != 0 ? entries_[ends.last].next : ends.first) = slot;
         ends.last = slot;
-        entries_[slot].urgency = urgency;
+        entries_[slot].priority = priority;
         steps |= bit;
         words_ |= 1u << step / 64;
     }
 
-    /// The next to come out, and its urgency; not when empty.
+    /// The next to come out, and its priority; not when empty.
     std::uint32_t front() const { return ends_[top()].first; }
-    float urgency() const { return entries_[front()].urgency; }
+    float priority() const { return entries_[front()].priority; }
 
     std::uint32_t pop() {
         const std::uint32_t step = top();
@@ -54,7 +54,7 @@ class UrgencyQueue {
         std::uint32_t first, last;
     };
     struct Entry {
-        float urgency;
+        float priority;
         std::uint32_t next;
     };
 

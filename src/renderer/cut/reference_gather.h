@@ -8,12 +8,12 @@ namespace render2mpeg::renderer {
 /// Gatherer::gather_all asks for one light from sixteen points, which are a packet only where they are near each other;
 /// this asks for sixteen neighbouring lights of a tree from one point, whose rays are as alike wherever it lies. Lights
 /// that are not clustered light `exact_at`.
-void gather_all(const LightForest& forest, const RayTracer& tracer, const GatherPoint& point,
+void gather_all(const LightTrees& light_trees, const RayTracer& tracer, const GatherPoint& point,
                 const GatherPoint& exact_at, GatheredLight& out);
 
-inline void gather_all(const LightForest& forest, const RayTracer& tracer, const GatherPoint& point,
+inline void gather_all(const LightTrees& light_trees, const RayTracer& tracer, const GatherPoint& point,
                        GatheredLight& out) {
-    gather_all(forest, tracer, point, point, out);
+    gather_all(light_trees, tracer, point, point, out);
 }
 
 }  // namespace render2mpeg::renderer

@@ -15,13 +15,13 @@ namespace render2mpeg::renderer {
 
 /// The scene as rays meet it: geometry in a ray tracer, posed at one instant, and textured materials. Everything that
 /// is looked up is a function of the animation and the posed snapshot alone, whatever was posed before.
-class Scenery {
+class PosedScene {
   public:
     /// Decodes the textures that surfaces use (in parallel) and builds what never moves. `animation` is complete
     /// (scene::complete) and outlives this. Throws core::Error for images that cannot be read.
-    Scenery(const scene::Animation& animation, core::Isa isa, const Plan& plan);
-    ~Scenery();
-    Scenery(Scenery&&) noexcept;
+    PosedScene(const scene::Animation& animation, core::Isa isa, const Plan& plan);
+    ~PosedScene();
+    PosedScene(PosedScene&&) noexcept;
 
     /// Moves everything to where it is in the snapshot; cheap for what has not moved since the last call, nothing at
     /// all for the snapshot that is posed already. The snapshot must outlive all look-ups until the next call.

@@ -1,7 +1,7 @@
 // Lights on surfaces near a point are discs to it, not points: what the clamp takes of them is put back
-// (docs/model/clamping.md). [Render2MPEG, 6.5] finds it by short rays over the hemisphere; here the near lights are known,
-// and their discs have form factors: no noise, and no more rays than one for each.
-#include "renderer/cut/near_lights.h"
+// (docs/model/clamping.md). [Render2MPEG, 6.5] finds it by short rays over the hemisphere; here the near lights are
+// known, and their discs have form factors: no noise, and no more rays than one for each.
+#include "renderer/cut/bias_compensation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -128,7 +128,7 @@ class Hexagon {
 /// lane's does.
 bool shortage(const GatherLanes& lanes, const TreeLight& light, GeometryClamp clamp, Lanes& lacks) {
     LightLanes point;
-    evaluate_light(lanes, LightFamily::oriented, light, nullptr, clamp, point);
+    evaluate_light(lanes, LightType::oriented, light, nullptr, clamp, point);
     // Most lights near a point lie in its own plane, but for rounding.
     const float least = least_share / light.disc2;
     bool any = false;
@@ -150,7 +150,7 @@ bool shortage(const GatherLanes& lanes, const TreeLight& light, GeometryClamp cl
 void see(const GatherLanes& lanes, const TreeLight& light, const RayTracer& tracer, Shadows shadows, Lanes& lacks,
          glm::vec3* passes, GatheredLight& out) {
     ShadowPacket packet;
-    aim(lanes, LightFamily::oriented, light, packet);
+    aim(lanes, LightType::oriented, light, packet);
     for (int i = 0; i < lane_count; ++i) {
         passes[i] = glm::vec3(1);
         packet.active |= lacks[i] != 0.0f ? 1u << i : 0u;
@@ -160,12 +160,12 @@ void see(const GatherLanes& lanes, const TreeLight& light, const RayTracer& trac
     std::uint32_t blocked = 0;
     if (shadows == Shadows::of_everything) {
         blocked = tracer.occluded(packet, passes);
-    } else if (shadows == Shadows::of_what_is_still) {
-        blocked = tracer.occluded_by_still(packet, nullptr);
+    } else if (shadows == Shadows::of_static) {
+        blocked = tracer.occluded_by_static(packet, nullptr);
     } else {
-        packet.active = tracer.occluded_by_movers(packet);
+        packet.active = tracer.occluded_by_dynamic(packet);
         out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
-        blocked = ~packet.active | (packet.active != 0 ? tracer.occluded_by_still(packet, nullptr) : 0);
+        blocked = ~packet.active | (packet.active != 0 ? tracer.occluded_by_static(packet, nullptr) : 0);
     }
     for (int i = 0; i < lane_count; ++i)
         if ((blocked >> i & 1u) != 0) lacks[i] = 0.0f;
@@ -200,7 +200,7 @@ void keep_to_surfaces(const GatherLanes& lanes, const TreeLight& light, const Ra
     if (packet.active == 0) return;
     out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
     const std::uint32_t met = shadows == Shadows::of_everything ? tracer.occluded(packet, nullptr)
-                                                                : tracer.occluded_by_still(packet, nullptr);
+                                                                : tracer.occluded_by_static(packet, nullptr);
     for (int i = 0; i < lane_count; ++i)
         if ((met >> i & 1u) == 0) lacks[i] = 0.0f;
 }
@@ -208,16 +208,16 @@ void keep_to_surfaces(const GatherLanes& lanes, const TreeLight& light, const Ra
 /// Whether anything that moves is so near to the points.
 bool has_mover(const Box& points, const RayTracer& tracer, float distance2) {
     const auto near = [&](const MiddleBox& m) { return points.distance2(m.middle, m.half) < distance2; };
-    return std::any_of(tracer.movers().begin(), tracer.movers().end(), near);
+    return std::any_of(tracer.dynamic_objects().begin(), tracer.dynamic_objects().end(), near);
 }
 
-void put_back(const TreeLight& light, const LightForest& forest, const GatherLanes& lanes, const RayTracer& tracer,
+void put_back(const TreeLight& light, const LightTrees& light_trees, const GatherLanes& lanes, const RayTracer& tracer,
               GatheredLight& out) {
     Lanes lacks;
-    if (!shortage(lanes, light, forest.indirect_clamp, lacks)) return;
+    if (!shortage(lanes, light, light_trees.indirect_clamp, lacks)) return;
     glm::vec3 passes[lane_count];
-    see(lanes, light, tracer, forest.shadows, lacks, passes, out);
-    keep_to_surfaces(lanes, light, tracer, forest.shadows, lacks, out);
+    see(lanes, light, tracer, light_trees.shadows, lacks, passes, out);
+    keep_to_surfaces(lanes, light, tracer, light_trees.shadows, lacks, out);
     for (int i = 0; i < lanes.count; ++i) {
         if (lacks[i] == 0.0f) continue;
         const glm::vec3 light_there = lacks[i] * light.intensity * passes[i];
@@ -236,13 +236,13 @@ DiscLight disc_light(const GatherLanes& lanes, int lane, const TreeLight& light)
     return Hexagon(light).seen_by(lanes, lane);
 }
 
-void put_back_near_light(const LightForest& forest, const RayTracer& tracer, const GatherLanes& lanes,
-                         GatheredLight& out) {
-    if (!(forest.indirect_clamp.scale < GeometryClamp::none().scale)) return;
+void compensate_clamping_bias(const LightTrees& light_trees, const RayTracer& tracer, const GatherLanes& lanes,
+                              GatheredLight& out) {
+    if (!(light_trees.indirect_clamp.scale < GeometryClamp::none().scale)) return;
     const Box box(lanes);
     std::vector<LightRef> left;
-    for (const int t : {LightForest::still_tree, LightForest::moving_tree}) {
-        const LightTree& tree = forest.trees[static_cast<std::size_t>(t)];
+    for (const int t : {LightTrees::static_tree, LightTrees::dynamic_tree}) {
+        const LightTree& tree = light_trees.trees[static_cast<std::size_t>(t)];
         if (tree.empty()) continue;
         left.assign(1, tree.root);
         while (!left.empty()) {
@@ -252,9 +252,9 @@ void put_back_near_light(const LightForest& forest, const RayTracer& tracer, con
                 const TreeLight& light = tree.lights[ref.index()];
                 if (light.disc2 > 0.0f && core::luminance(light.intensity) > 0.0f &&
                     box.distance2(light.position, glm::vec3(0)) < far_radii * far_radii * light.disc2 &&
-                    (forest.shadows != Shadows::hidden_by_movers ||
+                    (light_trees.shadows != Shadows::hidden_by_dynamic ||
                      has_mover(box, tracer, far_radii * far_radii * light.disc2)))
-                    put_back(light, forest, lanes, tracer, out);
+                    put_back(light, light_trees, lanes, tracer, out);
                 continue;
             }
             const LightNode& node = tree.nodes[ref.index()];

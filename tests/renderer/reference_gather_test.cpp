@@ -1,4 +1,4 @@
-#include "renderer/cut/lone_point.h"
+#include "renderer/cut/reference_gather.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ namespace {
 using test::LitStage;
 using test::SceneBuilder;
 
-/// A room with a lamp of every family, a screen, and a pane of tinted glass.
+/// A room with a lamp of every type, a screen, and a pane of tinted glass.
 SceneBuilder hall(bool glass, int lamps) {
     SceneBuilder b;
     b.add_box({0, 0, 0}, {3, 2, 3}, b.add_material(glm::vec3(0.8f, 0.6f, 0.5f)), true);
@@ -32,14 +32,14 @@ class LonePoints : public testing::TestWithParam<std::tuple<bool, bool, int>> {}
 TEST_P(LonePoints, ReceiveWhatTheyReceiveInACrowd) {
     const auto [glossy, glass, lamps] = GetParam();
     LitStage stage(hall(glass, lamps));
-    const LightForest forest = stage.light({64, 300, 3, 0, GeometryClamp{0.25f}});
-    ASSERT_EQ(forest.exact.empty(), lamps > 16);
+    const LightTrees light_trees = stage.light({64, 300, 3, 0, GeometryClamp{0.25f}});
+    ASSERT_EQ(light_trees.exact.empty(), lamps > 16);
     std::vector<GatherPoint> points(lane_count);
     const GatherPoint* pointers[lane_count];
     for (std::uint64_t i = 0; i < lane_count; ++i) {
         const auto triangle = static_cast<std::uint32_t>(12.0f * core::uniform(3, i, 0));
         points[i] = stage.point_at(0, triangle, core::sample_triangle({core::uniform(3, i, 1), core::uniform(3, i, 2)}),
-                                   stage.scenery().front_normal(0, triangle));
+                                   stage.posed_scene().front_normal(0, triangle));
         if (glossy) {
             points[i].point.bsdf.f0 = glm::vec3(0.04f);
             points[i].point.bsdf.alpha = 0.2f;
@@ -49,11 +49,11 @@ TEST_P(LonePoints, ReceiveWhatTheyReceiveInACrowd) {
     GatherLanes lanes;
     fill(lanes, pointers);
     GatheredLight all;
-    Gatherer(forest, stage.scenery().tracer()).gather_all(lanes, all);
+    Gatherer(light_trees, stage.posed_scene().tracer()).gather_all(lanes, all);
     double light = 0;
     for (int i = 0; i < lane_count; ++i) {
         GatheredLight alone;
-        gather_all(forest, stage.scenery().tracer(), points[static_cast<std::size_t>(i)], alone);
+        gather_all(light_trees, stage.posed_scene().tracer(), points[static_cast<std::size_t>(i)], alone);
         const auto expect = [&](glm::vec3 found, glm::vec3 expected, const char* what) {
             for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], 3e-6f * (expected[c] + 1.0f)) << what << i;
             light += expected.x;
@@ -68,19 +68,19 @@ TEST_P(LonePoints, ReceiveWhatTheyReceiveInACrowd) {
 }
 TEST(LonePoint, TakesTheExactLightOfAnotherPlace) {
     LitStage stage(hall(false, 2));
-    const LightForest forest = stage.light({64, 300, 3, 0, GeometryClamp{0.25f}});
-    LightForest trees = forest;
+    const LightTrees light_trees = stage.light({64, 300, 3, 0, GeometryClamp{0.25f}});
+    LightTrees trees = light_trees;
     trees.exact = {};
-    const auto at = [&](float u) { return stage.point_at(0, 2, {u, 0.3f}, stage.scenery().front_normal(0, 2)); };
-    const auto direct = [&](const LightForest& of, const GatherPoint& p, const GatherPoint& exact_at) {
+    const auto at = [&](float u) { return stage.point_at(0, 2, {u, 0.3f}, stage.posed_scene().front_normal(0, 2)); };
+    const auto direct = [&](const LightTrees& of, const GatherPoint& p, const GatherPoint& exact_at) {
         GatheredLight light;
-        gather_all(of, stage.scenery().tracer(), p, exact_at, light);
+        gather_all(of, stage.posed_scene().tracer(), p, exact_at, light);
         return light.direct.at(0).x;
     };
     const GatherPoint here = at(0.2f), there = at(0.5f);
-    const float exact_here = direct(forest, here, here) - direct(trees, here, here);
-    ASSERT_GT(std::abs(exact_here - (direct(forest, there, there) - direct(trees, there, there))), 1e-3f);
-    EXPECT_NEAR(direct(forest, there, here), direct(trees, there, there) + exact_here, 1e-5f);
+    const float exact_here = direct(light_trees, here, here) - direct(trees, here, here);
+    ASSERT_GT(std::abs(exact_here - (direct(light_trees, there, there) - direct(trees, there, there))), 1e-3f);
+    EXPECT_NEAR(direct(light_trees, there, here), direct(trees, there, there) + exact_here, 1e-5f);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, LonePoints,

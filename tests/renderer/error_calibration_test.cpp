@@ -1,4 +1,4 @@
-#include "renderer/calibration/caution.h"
+#include "renderer/calibration/error_calibration.h"
 
 #include <gtest/gtest.h>
 
@@ -29,18 +29,18 @@ std::vector<AuditedPixel> pixels_of(int count, std::uint64_t seed, const std::fu
     return pixels;
 }
 
-TEST(Caution, IsTheLawsOwnWhileLittleIsKnown) {
-    Caution caution;
-    EXPECT_EQ(caution.value(), 1.0f);
-    caution.learn(pixels_of(Caution::least_pixels - 1, 1, [](float) { return 0.2f; }), 1.0f);
-    EXPECT_EQ(caution.value(), 1.0f);
-    caution.learn(pixels_of(1, 1, [](float) { return 0.2f; }), 1.0f);
-    EXPECT_NEAR(caution.value(), 0.3f, 0.3f * 0.016f);  // half as much again for so few; in steps
-    caution.forget();
-    EXPECT_EQ(caution.value(), 1.0f);
+TEST(ErrorCalibration, IsTheLawsOwnWhileLittleIsKnown) {
+    ErrorCalibration calibration;
+    EXPECT_EQ(calibration.value(), 1.0f);
+    calibration.learn(pixels_of(ErrorCalibration::least_pixels - 1, 1, [](float) { return 0.2f; }), 1.0f);
+    EXPECT_EQ(calibration.value(), 1.0f);
+    calibration.learn(pixels_of(1, 1, [](float) { return 0.2f; }), 1.0f);
+    EXPECT_NEAR(calibration.value(), 0.3f, 0.3f * 0.016f);  // half as much again for so few; in steps
+    calibration.forget();
+    EXPECT_EQ(calibration.value(), 1.0f);
 }
 
-TEST(Caution, KeepsThePromiseForNewPixelsWhateverTheirErrors) {
+TEST(ErrorCalibration, KeepsThePromiseForNewPixelsWhateverTheirErrors) {
     const std::function<float(float)> shapes[] = {
         [](float u) { return 0.5f * u; },                                      // even
         [](float u) { return -0.1f * std::log(1.0f - u); },                    // exponential
@@ -48,34 +48,34 @@ TEST(Caution, KeepsThePromiseForNewPixelsWhateverTheirErrors) {
         [](float u) { return u < 0.97f ? 0.1f : 0.5f + 10.0f * (u - 0.97f); }  // a few of another kind
     };
     for (const auto& shape : shapes) {
-        double over = 0, pixels = 0, cautions = 0;
+        double over = 0, pixels = 0, error_scales = 0;
         for (std::uint64_t film = 0; film < 100; ++film) {
-            Caution caution;
-            caution.learn(pixels_of(400, 2 * film, shape), 1.0f);
-            cautions += static_cast<double>(caution.value());
-            // Errors at the caution found are those at 1 over it.
+            ErrorCalibration calibration;
+            calibration.learn(pixels_of(400, 2 * film, shape), 1.0f);
+            error_scales += static_cast<double>(calibration.value());
+            // Errors at the error scale found are those at 1 over it.
             for (const AuditedPixel& p : pixels_of(1000, 2 * film + 1, shape)) {
-                over += p.noticed() > caution.value() * p.tolerance ? 1 : 0;
+                over += p.noticed() > calibration.value() * p.tolerance ? 1 : 0;
                 pixels += 1;
             }
         }
         EXPECT_LT(over / pixels, 0.01);
         // More would be waste.
-        EXPECT_LT(cautions / 100, 1.8 * static_cast<double>(shape(0.99f)));
+        EXPECT_LT(error_scales / 100, 1.8 * static_cast<double>(shape(0.99f)));
     }
 }
 
-TEST(Caution, ScattersLessThanTheLargestOfFewPixels) {
+TEST(ErrorCalibration, ScattersLessThanTheLargestOfFewPixels) {
     const auto error = [](float u) { return -0.1f * std::log(1.0f - u); };
     double sums[2] = {}, squares[2] = {};
     constexpr int films = 200;
     for (std::uint64_t film = 0; film < films; ++film) {
         const auto pixels = pixels_of(256, film, error);
-        Caution caution;
-        caution.learn(pixels, 1.0f);
+        ErrorCalibration calibration;
+        calibration.learn(pixels, 1.0f);
         float largest = 0;
         for (const AuditedPixel& p : pixels) largest = std::max(largest, p.noticed() / p.tolerance);
-        const double logs[] = {std::log(caution.value()), std::log(largest)};
+        const double logs[] = {std::log(calibration.value()), std::log(largest)};
         for (int i = 0; i < 2; ++i) {
             sums[i] += logs[i];
             squares[i] += logs[i] * logs[i];
@@ -87,89 +87,90 @@ TEST(Caution, ScattersLessThanTheLargestOfFewPixels) {
     EXPECT_NEAR(std::exp(sums[0] / films), 1.25 * -0.1 * std::log(0.005), 0.05);
 }
 
-TEST(Caution, IsNotDecidedByOneFault) {
-    Caution caution;
+TEST(ErrorCalibration, IsNotDecidedByOneFault) {
+    ErrorCalibration calibration;
     auto pixels = pixels_of(500, 1, [](float u) { return 0.5f * u; });
-    caution.learn(pixels, 1.0f);
-    const float before = caution.value();
+    calibration.learn(pixels, 1.0f);
+    const float before = calibration.value();
     pixels[100].error = 1e6f;
-    caution.forget();
-    caution.learn(pixels, 1.0f);
-    EXPECT_GT(caution.value(), before);
-    EXPECT_LT(caution.value(), 1.5f * before);
+    calibration.forget();
+    calibration.learn(pixels, 1.0f);
+    EXPECT_GT(calibration.value(), before);
+    EXPECT_LT(calibration.value(), 1.5f * before);
 }
 
-TEST(Caution, IsToldInTheMeasureOfTheCautionThatPixelsWereLitWith) {
-    Caution at_one, at_half;
+TEST(ErrorCalibration, IsToldInTheMeasureOfTheErrorScaleThatPixelsWereLitWith) {
+    ErrorCalibration at_one, at_half;
     at_one.learn(pixels_of(300, 1, [](float u) { return 0.6f * u; }), 1.0f);
     at_half.learn(pixels_of(300, 1, [](float u) { return 1.2f * u; }), 0.5f);
     EXPECT_NEAR(at_one.value(), at_half.value(), 1e-5f);
 }
 
-TEST(Caution, IsHeldWhileWhatIsLearntScatters) {
+TEST(ErrorCalibration, IsHeldWhileWhatIsLearntScatters) {
     // Frame after frame of the same light, audited by other dice.
-    Caution caution;
+    ErrorCalibration calibration;
     const auto error = [](float u) { return -0.1f * std::log(1.0f - u); };
-    caution.learn(pixels_of(2048, 1, error), 1.0f);
+    calibration.learn(pixels_of(2048, 1, error), 1.0f);
     int changes = 0;
     for (std::uint64_t frame = 0; frame < 300; ++frame) {
-        const float before = caution.value();
-        caution.learn(pixels_of(32, 2 + frame, error), caution.value());
-        changes += caution.value() != before ? 1 : 0;
+        const float before = calibration.value();
+        calibration.learn(pixels_of(32, 2 + frame, error), calibration.value());
+        changes += calibration.value() != before ? 1 : 0;
         // A step is large enough to be worth it.
-        if (caution.value() != before) {
-            EXPECT_GT(std::abs(std::log(caution.value() / before)), 0.05f);
+        if (calibration.value() != before) {
+            EXPECT_GT(std::abs(std::log(calibration.value() / before)), 0.05f);
         }
     }
     EXPECT_LE(changes, 8);
     // Let go, what is known counts again, in steps of 3 %.
-    caution.settle();
-    const float step = std::log(caution.value()) / std::log(1.03f);
+    calibration.settle();
+    const float step = std::log(calibration.value()) / std::log(1.03f);
     EXPECT_NEAR(step, std::round(step), 1e-3f);
 }
 
-TEST(Caution, RisesWithTheFirstPixelsOfAnotherLightAndForgetsItInTime) {
-    Caution caution;
-    caution.learn(pixels_of(1000, 1, [](float u) { return 0.3f * u; }), 1.0f);
-    const float before = caution.value();
-    caution.learn(pixels_of(64, 2, [](float u) { return u < 0.7f ? 0.3f * u : 1.5f; }), 1.0f);
-    EXPECT_GT(caution.value(), 1.5f);
-    EXPECT_LT(caution.value(), 1.65f);
-    for (std::uint64_t i = 0; i < 100; ++i) caution.learn(pixels_of(64, 3 + i, [](float u) { return 0.3f * u; }), 1.0f);
-    EXPECT_NEAR(caution.value(), before, 0.01f);
+TEST(ErrorCalibration, RisesWithTheFirstPixelsOfAnotherLightAndForgetsItInTime) {
+    ErrorCalibration calibration;
+    calibration.learn(pixels_of(1000, 1, [](float u) { return 0.3f * u; }), 1.0f);
+    const float before = calibration.value();
+    calibration.learn(pixels_of(64, 2, [](float u) { return u < 0.7f ? 0.3f * u : 1.5f; }), 1.0f);
+    EXPECT_GT(calibration.value(), 1.5f);
+    EXPECT_LT(calibration.value(), 1.65f);
+    for (std::uint64_t i = 0; i < 100; ++i)
+        calibration.learn(pixels_of(64, 3 + i, [](float u) { return 0.3f * u; }), 1.0f);
+    EXPECT_NEAR(calibration.value(), before, 0.01f);
 }
 
-TEST(Caution, TakesNoLessonFromPixelsThatNothingWasPromisedOf) {
-    Caution caution;
+TEST(ErrorCalibration, TakesNoLessonFromPixelsThatNothingWasPromisedOf) {
+    ErrorCalibration calibration;
     auto pixels = pixels_of(1000, 1, [](float u) { return u < 0.5f ? 100.0f : 0.2f; });
     for (AuditedPixel& p : pixels) p.capped = p.error > p.tolerance;
-    caution.learn(pixels, 1.0f);
-    EXPECT_NEAR(caution.value(), 0.2f, 0.03f);
+    calibration.learn(pixels, 1.0f);
+    EXPECT_NEAR(calibration.value(), 0.2f, 0.03f);
     // Black ones, too: the light may come on.
-    caution.forget();
+    calibration.forget();
     pixels.assign(1000, {});
-    caution.learn(pixels, 1.0f);
-    EXPECT_EQ(caution.pixels(), 0u);
-    EXPECT_EQ(caution.value(), 1.0f);
+    calibration.learn(pixels, 1.0f);
+    EXPECT_EQ(calibration.pixels(), 0u);
+    EXPECT_EQ(calibration.value(), 1.0f);
 }
 
-TEST(Caution, CountsColour) {
-    Caution caution;
+TEST(ErrorCalibration, CountsColour) {
+    ErrorCalibration calibration;
     auto pixels = pixels_of(500, 1, [](float) { return 0.1f; });
     for (AuditedPixel& p : pixels) p.chroma = p.tolerance;
-    caution.learn(pixels, 1.0f);
-    EXPECT_GT(caution.value(), 0.5f);
-    EXPECT_LT(caution.value(), 0.58f);
+    calibration.learn(pixels, 1.0f);
+    EXPECT_GT(calibration.value(), 0.5f);
+    EXPECT_LT(calibration.value(), 0.58f);
 }
 
-TEST(Caution, StaysWithinItsBounds) {
-    Caution caution;
-    caution.learn(pixels_of(500, 1, [](float) { return 1e30f; }), 1.0f);
-    EXPECT_LE(caution.value(), 5.0f);
-    caution.forget();
-    caution.learn(pixels_of(500, 1, [](float) { return 0.0f; }), 1.0f);
-    EXPECT_GE(caution.value(), 0.05f);
-    EXPECT_LT(caution.value(), 1.0f);
+TEST(ErrorCalibration, StaysWithinItsBounds) {
+    ErrorCalibration calibration;
+    calibration.learn(pixels_of(500, 1, [](float) { return 1e30f; }), 1.0f);
+    EXPECT_LE(calibration.value(), 5.0f);
+    calibration.forget();
+    calibration.learn(pixels_of(500, 1, [](float) { return 0.0f; }), 1.0f);
+    EXPECT_GE(calibration.value(), 0.05f);
+    EXPECT_LT(calibration.value(), 1.0f);
 }
 
 /// The least side of a frame that is calibrated.
@@ -198,29 +199,29 @@ TEST(CalibrationSlow, KeepsThePromiseOfARoomWithFarFewerRays) {
         EXPECT_GT(ratio, 0.1) << tolerance;
     }
     const Statistics& s = own.statistics();
-    EXPECT_LT(s.largest_caution, 0.8);
-    EXPECT_GT(s.least_caution, 0.1);
-    EXPECT_GE(s.mean_caution, s.least_caution);
-    EXPECT_LE(s.mean_caution, s.largest_caution);
+    EXPECT_LT(s.largest_error_scale, 0.8);
+    EXPECT_GT(s.least_error_scale, 0.1);
+    EXPECT_GE(s.mean_error_scale, s.least_error_scale);
+    EXPECT_LE(s.mean_error_scale, s.largest_error_scale);
     // Two chunks of two rounds, each with pixels of its own.
-    EXPECT_GT(s.calibrated_pixels, 4 * Caution::least_pixels);
-    EXPECT_LT(s.calibrated_pixels, 5 * Caution::least_pixels);
+    EXPECT_GT(s.calibrated_pixels, 4 * ErrorCalibration::least_pixels);
+    EXPECT_LT(s.calibrated_pixels, 5 * ErrorCalibration::least_pixels);
 }
 
 TEST(Calibration, IsTheSameForAnyNumberOfThreads) {
     core::Radiance frames[2][2];
-    double cautions[2];
+    double error_scales[2];
     for (int threads : {1, 2}) {
         const parallel::ThreadLimit limit(threads);
         Settings settings = room_settings(true);
         settings.vpls = 200;
         FilmStage stage(test::furnished_room(), settings);
         for (int i = 0; i < 2; ++i) frames[threads - 1][i] = stage.cut(0.2f, i);
-        cautions[threads - 1] = stage.statistics().mean_caution;
+        error_scales[threads - 1] = stage.statistics().mean_error_scale;
     }
     for (int i = 0; i < 2; ++i) EXPECT_TRUE(test::same_bytes(frames[0][i], frames[1][i]));
-    EXPECT_EQ(cautions[0], cautions[1]);
-    EXPECT_NE(cautions[0], 1.0);
+    EXPECT_EQ(error_scales[0], error_scales[1]);
+    EXPECT_NE(error_scales[0], 1.0);
 }
 
 TEST(Calibration, StillFilmsStayAsTheyAreToTheLastBit) {
@@ -231,7 +232,7 @@ TEST(Calibration, StillFilmsStayAsTheyAreToTheLastBit) {
     const Statistics after_one = stage.statistics();
     for (int i = 1; i < 6; ++i) EXPECT_TRUE(test::same_bytes(first, stage.cut(0.2f, i))) << i;
     EXPECT_EQ(stage.statistics().calibrated_pixels, after_one.calibrated_pixels);
-    EXPECT_NE(stage.statistics().mean_caution, 1.0);
+    EXPECT_NE(stage.statistics().mean_error_scale, 1.0);
     // Another tolerance is learnt from.
     stage.cut(0.1f, 6);
     EXPECT_GT(stage.statistics().calibrated_pixels, after_one.calibrated_pixels);
@@ -277,7 +278,7 @@ TEST(Calibration, TypicalSharesAreOfPixelsThatGatherLight) {
 TEST(Calibration, LeavesSmallFramesAlone) {
     FilmStage small(test::furnished_room(), test::small_frame(40, 40));
     small.cut(0.1f);
-    EXPECT_EQ(small.statistics().mean_caution, 1.0);
+    EXPECT_EQ(small.statistics().mean_error_scale, 1.0);
 }
 
 TEST(Calibration, BeginsAnewWithEachChunkAndTeachesNothingByRoughLooks) {

@@ -11,12 +11,12 @@ namespace render2mpeg::renderer {
 /// How far a film's cuts err against what CutRule thinks: learnt from pixels that were gathered a second time without
 /// clustering. The law of CutRule is that of the worst scenes; rooms err by a third of it.
 ///
-/// What an audited pixel needs is the caution with which its error would just have been its tolerance, since errors
-/// fall with caution in proportion. The value is a high quantile of that over the newest pixels: what half the promised
-/// share exceeds if the largest twentieth thins out as an exponential's tail does [Pickands1975], and at least so much
-/// that a next pixel keeps its tolerance with the promised probability whatever the errors' distribution: split
+/// What an audited pixel needs is the error scale with which its error would just have been its tolerance, since errors
+/// fall with error scale in proportion. The value is a high quantile of that over the newest pixels: what half the
+/// promised share exceeds if the largest twentieth thins out as an exponential's tail does [Pickands1975], and at least
+/// so much that a next pixel keeps its tolerance with the promised probability whatever the errors' distribution: split
 /// conformal prediction [Lei2018, 2.2].
-class Caution {
+class ErrorCalibration {
   public:
     /// Fewer say too little of a hundredth.
     static constexpr std::size_t least_pixels = 128;
@@ -24,9 +24,9 @@ class Caution {
     /// No pixels at all: the law as it stands counts.
     void forget();
 
-    /// Takes pixels of a frame that was lit with `caution`. Those stopped by the largest cut say nothing,
+    /// Takes pixels of a frame that was lit with `error_scale`. Those stopped by the largest cut say nothing,
     /// nor do black ones: their light may come on.
-    void learn(std::span<const AuditedPixel> pixels, float caution);
+    void learn(std::span<const AuditedPixel> pixels, float error_scale);
 
     /// What multiplies the law, > 0; 1 while too few pixels are known. In steps, and held while what is learnt scatters
     /// about it, so that a film's cuts do not change from frame to frame for the sake of the audit's dice.

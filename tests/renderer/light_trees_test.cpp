@@ -1,4 +1,4 @@
-#include "renderer/tree/light_forest.h"
+#include "renderer/tree/light_trees.h"
 
 #include <gtest/gtest.h>
 
@@ -53,7 +53,7 @@ void expect_same(const LightTree& a, const LightTree& b) {
 
 TEST(LightTreeUpdate, WithTheSameLightsChangesNoBit) {
     const auto lights = random_lights(3000, 1);
-    const LightTree tree = build_lasting_tree(LightFamily::oriented, lights, 7);
+    const LightTree tree = build_persistent_tree(LightType::oriented, lights, 7);
     LightTree updated = tree;
     update_light_tree(updated, lights, 7);
     expect_same(tree, updated);
@@ -61,7 +61,7 @@ TEST(LightTreeUpdate, WithTheSameLightsChangesNoBit) {
 
 TEST(LightTreeUpdate, DependsOnTheLastLightsAlone) {
     const auto lights = random_lights(500, 1), others = random_lights(500, 2);
-    const LightTree tree = build_lasting_tree(LightFamily::oriented, lights, 7);
+    const LightTree tree = build_persistent_tree(LightType::oriented, lights, 7);
     LightTree once = tree, twice = tree;
     update_light_tree(once, others, 7);
     update_light_tree(twice, random_lights(400, 3), 7);
@@ -73,7 +73,7 @@ TEST(LightTreeUpdate, BoundsLightsThatHaveMovedOrGoneOut) {
     const auto lights = random_lights(1000, 1);
     auto others = random_lights(1000, 2);
     others.erase(others.begin() + 100, others.begin() + 300);
-    LightTree tree = build_lasting_tree(LightFamily::oriented, lights, 7);
+    LightTree tree = build_persistent_tree(LightType::oriented, lights, 7);
     update_light_tree(tree, others, 7);
     ASSERT_EQ(tree.lights.size(), 1000u);
     glm::dvec3 sum(0), expected(0);
@@ -115,7 +115,7 @@ TEST(LightTreeUpdate, ChangesRepresentativesAsRarelyAsSharesAllow) {
     // When each light changes by up to a tenth, a representative that is chosen by its share must change in one of some
     // twenty nodes; a tree that rolled new dice would change half of them.
     auto lights = random_lights(2000, 1);
-    const LightTree tree = build_lasting_tree(LightFamily::oriented, lights, 7);
+    const LightTree tree = build_persistent_tree(LightType::oriented, lights, 7);
     for (std::size_t i = 0; i < lights.size(); ++i) lights[i].intensity *= 0.9f + 0.2f * core::uniform(9, i);
     LightTree updated = tree;
     update_light_tree(updated, lights, 7);
@@ -126,15 +126,16 @@ TEST(LightTreeUpdate, ChangesRepresentativesAsRarelyAsSharesAllow) {
     EXPECT_GT(changed, 0u);
 }
 
-/// Clusters that a forest takes to light places on the floor and a wall, all told.
-int clusters(const AnchorStage& stage, LightForest& forest) {
-    forest.direct_clamp = forest.indirect_clamp = {0.25f};
-    Gatherer gatherer(forest, stage.scenery().tracer());
+/// Clusters that light trees takes to light places on the floor and a wall, all told.
+int clusters(const AnchorStage& stage, LightTrees& light_trees) {
+    light_trees.direct_clamp = light_trees.indirect_clamp = {0.25f};
+    Gatherer gatherer(light_trees, stage.posed_scene().tracer());
     int sum = 0;
     for (std::uint32_t triangle = 0; triangle < 12; ++triangle) {
         for (const float u : {0.1f, 0.3f, 0.6f}) {
             GatherPoint point;
-            point.point = stage.scenery().surface_at({0, triangle, u, 0.3f}, stage.scenery().front_normal(0, triangle));
+            point.point =
+                stage.posed_scene().surface_at({0, triangle, u, 0.3f}, stage.posed_scene().front_normal(0, triangle));
             const GatherPoint* const points[] = {&point};
             GatherLanes lanes;
             fill(lanes, points);
@@ -148,20 +149,20 @@ int clusters(const AnchorStage& stage, LightForest& forest) {
     return sum;
 }
 
-TEST(LastingForest, NeedsHardlyMoreClustersAfterALampHasCrossedTheHallThanAFreshOne) {
+TEST(PersistentLightTrees, NeedsHardlyMoreClustersAfterALampHasCrossedTheHallThanAFreshOne) {
     AnchorStage stage(hall(), {2000, 4});
-    LastingForest lasting({stage.points().average(), stage.anchors().average_still(), stage.anchors().average_moving()},
-                          1);
+    PersistentLightTrees lasting(
+        {stage.points().average(), stage.anchors().average_still(), stage.anchors().average_moving()}, 1);
     for (const double seconds : {0.0, 1.0, 2.0}) {  // 2: after 50 frames at 25 Hz, 7 m on
         stage.pose(seconds);
         const Anchors::Lit lit = stage.light();
-        LightForest updated = lasting.at({stage.direct(), lit.still, lit.moving}, true);
-        LightForest fresh = plant(stage.direct(), lit.still, 1);
+        LightTrees updated = lasting.at({stage.direct(), lit.still, lit.moving}, true);
+        LightTrees fresh = build_light_trees(stage.direct(), lit.still, 1);
         const double ratio = static_cast<double>(clusters(stage, updated)) / clusters(stage, fresh);
         EXPECT_LE(ratio, 1.15) << seconds;
         EXPECT_GE(ratio, 0.8) << seconds;
     }
-    EXPECT_EQ(lasting.replanned(), 0);
+    EXPECT_EQ(lasting.rebuilt(), 0);
 }
 
 /// The hall with a lamp that goes up and down it in 8 s and three balls that pass each other.
@@ -180,17 +181,17 @@ test::SceneBuilder busy_hall() {
     return b;
 }
 
-TEST(LastingForestSlow, NeedsHardlyMoreClustersIn200FramesWithThingsThatMove) {
+TEST(PersistentLightTreesSlow, NeedsHardlyMoreClustersIn200FramesWithThingsThatMove) {
     AnchorStage stage(busy_hall(), {1500, 4});
-    LastingForest lasting({stage.points().average(), stage.anchors().average_still(), stage.anchors().average_moving()},
-                          1);
+    PersistentLightTrees lasting(
+        {stage.points().average(), stage.anchors().average_still(), stage.anchors().average_moving()}, 1);
     double updated_clusters = 0, fresh_clusters = 0;
     for (int frame = 0; frame < 200; frame += 15) {
         stage.pose(frame / 25.0);
         const Anchors::Lit lit = stage.light();
-        LightForest updated = lasting.at({stage.direct(), lit.still, lit.moving}, true);
-        LightForest fresh = plant(stage.direct(), lit.still, 1);
-        fresh.trees[LightForest::moving_tree] = build_light_tree(LightFamily::oriented, lit.moving, 2);
+        LightTrees updated = lasting.at({stage.direct(), lit.still, lit.moving}, true);
+        LightTrees fresh = build_light_trees(stage.direct(), lit.still, 1);
+        fresh.trees[LightTrees::dynamic_tree] = build_light_tree(LightType::oriented, lit.moving, 2);
         const int mine = clusters(stage, updated), other = clusters(stage, fresh);
         // chosen: since walls hide what neither asks, single frames compare some hundred clusters and scatter (1.30 at
         // frame 15).
@@ -201,29 +202,29 @@ TEST(LastingForestSlow, NeedsHardlyMoreClustersIn200FramesWithThingsThatMove) {
     EXPECT_LE(updated_clusters / fresh_clusters, 1.1);
     EXPECT_GE(updated_clusters / fresh_clusters, 0.85);
     // Balls that part ways may fit their plan badly once or twice, not all the time.
-    EXPECT_LE(lasting.replanned(), 2);
+    EXPECT_LE(lasting.rebuilt(), 2);
 }
 
-TEST(LastingForest, PlansATreeAnewThatFitsItsLightsNoMoreOnlyWhereItMay) {
+TEST(PersistentLightTrees, PlansATreeAnewThatFitsItsLightsNoMoreOnlyWhereItMay) {
     // Lights that all change places.
     const auto usual = random_lights(1000, 1), now = random_lights(1000, 2);
-    LastingForest lasting({{}, usual, {}}, 1);
+    PersistentLightTrees lasting({{}, usual, {}}, 1);
     lasting.at({{}, usual, {}}, true);
     lasting.at({{}, now, {}}, false);
-    EXPECT_EQ(lasting.replanned(), 0);
-    const LightForest other = lasting.at({{}, now, {}}, true);
-    EXPECT_EQ(lasting.replanned(), 1);
-    const LightTree fresh = build_light_tree(LightFamily::oriented, now, 2);
-    EXPECT_LE(cost_of(other.trees[LightForest::still_tree]), 1.1 * cost_of(fresh));
-    EXPECT_GE(cost_of(other.trees[LightForest::still_tree]), 0.5 * cost_of(fresh));
+    EXPECT_EQ(lasting.rebuilt(), 0);
+    const LightTrees other = lasting.at({{}, now, {}}, true);
+    EXPECT_EQ(lasting.rebuilt(), 1);
+    const LightTree fresh = build_light_tree(LightType::oriented, now, 2);
+    EXPECT_LE(cost_of(other.trees[LightTrees::static_tree]), 1.1 * cost_of(fresh));
+    EXPECT_GE(cost_of(other.trees[LightTrees::static_tree]), 0.5 * cost_of(fresh));
     // From then on it stays: frames between do not alternate between two trees.
     auto later = now;
     for (LightPoint& p : later) p.intensity *= 1.5f;
-    const LightForest next = lasting.at({{}, later, {}}, false);
-    const auto &x = other.trees[LightForest::still_tree], &y = next.trees[LightForest::still_tree];
+    const LightTrees next = lasting.at({{}, later, {}}, false);
+    const auto &x = other.trees[LightTrees::static_tree], &y = next.trees[LightTrees::static_tree];
     ASSERT_EQ(x.lights.size(), y.lights.size());
     EXPECT_EQ(*x.ids, *y.ids);
-    EXPECT_EQ(lasting.replanned(), 1);
+    EXPECT_EQ(lasting.rebuilt(), 1);
 }
 
 /// Two things of 200 lights each: one in [0, 1]^3, and one like it far along x.
@@ -237,17 +238,17 @@ std::vector<LightPoint> two_things(float distance) {
     return lights;
 }
 
-TEST(LastingForest, DoesNotLetWhatIsHiddenWidenItsBounds) {
+TEST(PersistentLightTrees, DoesNotLetWhatIsHiddenWidenItsBounds) {
     // The tree is planned with a thing a kilometre away, which then is hidden.
     const auto usual = two_things(1000.0f);
     auto now = usual;
     now.erase(now.begin() + 200, now.end());
-    LastingForest lasting({usual, {}, usual}, 1);
-    const LightForest forest = lasting.at({now, {}, now}, true);
-    EXPECT_EQ(lasting.replanned(), 0);
-    for (const int t : {0, LightForest::moving_tree}) {
-        const LightTree& tree = forest.trees[t];
-        const LightTree fresh = build_light_tree(LightFamily::oriented, now, t == 0 ? 1 : 2);
+    PersistentLightTrees lasting({usual, {}, usual}, 1);
+    const LightTrees light_trees = lasting.at({now, {}, now}, true);
+    EXPECT_EQ(lasting.rebuilt(), 0);
+    for (const int t : {0, LightTrees::dynamic_tree}) {
+        const LightTree& tree = light_trees.trees[t];
+        const LightTree fresh = build_light_tree(LightType::oriented, now, t == 0 ? 1 : 2);
         ASSERT_FALSE(tree.root.is_leaf());
         const MiddleBox root = tree.box(tree.root.index());
         for (int k = 0; k < 3; ++k) {
@@ -259,34 +260,34 @@ TEST(LastingForest, DoesNotLetWhatIsHiddenWidenItsBounds) {
     }
 }
 
-TEST(LastingForest, PlansAgainByWhatIsThereAndKeepsRoomForWhatIsHidden) {
+TEST(PersistentLightTrees, PlansAgainByWhatIsThereAndKeepsRoomForWhatIsHidden) {
     const auto usual = two_things(1000.0f);
     auto now = random_lights(400, 3);
     now.erase(now.begin() + 100, now.begin() + 300);
-    LastingForest lasting({{}, {}, usual}, 1);
+    PersistentLightTrees lasting({{}, {}, usual}, 1);
     lasting.at({{}, {}, now}, true);
-    EXPECT_EQ(lasting.replanned(), 1);
-    const LightForest all = lasting.at({{}, {}, usual});
+    EXPECT_EQ(lasting.rebuilt(), 1);
+    const LightTrees all = lasting.at({{}, {}, usual});
     glm::dvec3 sum(0), expected(0);
     for (const LightPoint& p : usual) expected += p.intensity;
-    for (const TreeLight& l : all.trees[LightForest::moving_tree].lights) sum += l.intensity;
+    for (const TreeLight& l : all.trees[LightTrees::dynamic_tree].lights) sum += l.intensity;
     EXPECT_NEAR(sum.x / expected.x, 1.0, 1e-6);
 }
 
-TEST(LastingForest, KeepsFourAndAQuarterBytesOfAPlanForEachLight) {
+TEST(PersistentLightTrees, KeepsFourAndAQuarterBytesOfAPlanForEachLight) {
     const auto usual = random_lights(10000, 1);
-    const LastingForest lasting({usual, usual, usual}, 1);
+    const PersistentLightTrees lasting({usual, usual, usual}, 1);
     EXPECT_LE(lasting.bytes(), 3u * 43u * 1000u);
     EXPECT_GE(lasting.bytes(), 3u * 42u * 1000u);
 }
 
-TEST(LastingForest, HasNoTreeForWhatIsDark) {
+TEST(PersistentLightTrees, HasNoTreeForWhatIsDark) {
     const auto usual = random_lights(100, 1);
-    LastingForest lasting({usual, usual, usual}, 1);
-    const LightForest dark = lasting.at({{}, {}, {}});
+    PersistentLightTrees lasting({usual, usual, usual}, 1);
+    const LightTrees dark = lasting.at({{}, {}, {}});
     for (const LightTree& tree : dark.trees) EXPECT_TRUE(tree.empty());
-    const LightForest lit = lasting.at({usual, usual, usual});
-    EXPECT_EQ(lit.trees[LightForest::moving_tree].lights.size(), 100u);
+    const LightTrees lit = lasting.at({usual, usual, usual});
+    EXPECT_EQ(lit.trees[LightTrees::dynamic_tree].lights.size(), 100u);
 }
 
 }  // namespace

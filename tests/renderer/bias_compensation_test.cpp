@@ -1,4 +1,4 @@
-#include "renderer/cut/near_lights.h"
+#include "renderer/cut/bias_compensation.h"
 
 #include <gtest/gtest.h>
 
@@ -91,7 +91,7 @@ class FurnaceEdges : public testing::Test {
   protected:
     FurnaceEdges() : stage_(room(), {800, 3}) {
         const Anchors::Lit lit = stage_.light();
-        forest_ = plant({}, lit.still, 1);
+        light_trees_ = build_light_trees({}, lit.still, 1);
         for (const LightPoint& l : lit.still) radius_ += std::sqrt(l.disc2) / static_cast<float>(lit.still.size());
     }
     static test::SceneBuilder room() {
@@ -104,14 +104,14 @@ class FurnaceEdges : public testing::Test {
     /// Mean and scatter of indirect irradiance along a line of the floor at a distance from a wall, without clamp or
     /// with.
     std::pair<double, double> along(float from_wall, GeometryClamp clamp) {
-        forest_.indirect_clamp = clamp;
-        Gatherer gatherer(forest_, stage_.scenery().tracer());
+        light_trees_.indirect_clamp = clamp;
+        Gatherer gatherer(light_trees_, stage_.posed_scene().tracer());
         double sum = 0, squares = 0;
         for (int i = 0; i < places; ++i) {
             const float z = 0.5f + 3.0f * (static_cast<float>(i) + 0.5f) / places;
-            const Hit hit = stage_.scenery().tracer().nearest({from_wall, 1, z}, {0, -1, 0}, 10);
+            const Hit hit = stage_.posed_scene().tracer().nearest({from_wall, 1, z}, {0, -1, 0}, 10);
             GatherPoint point;
-            point.point = stage_.scenery().surface_at(hit.address, {0, 1, 0});
+            point.point = stage_.posed_scene().surface_at(hit.address, {0, 1, 0});
             const GatherPoint* const points[] = {&point};
             GatherLanes lanes;
             fill(lanes, points);
@@ -125,7 +125,7 @@ class FurnaceEdges : public testing::Test {
 
     static constexpr int places = 48;
     test::AnchorStage stage_;
-    LightForest forest_;
+    LightTrees light_trees_;
     float radius_ = 0;
 };
 

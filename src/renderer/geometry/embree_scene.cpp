@@ -1,4 +1,4 @@
-#include "renderer/geometry/traced_scene.h"
+#include "renderer/geometry/embree_scene.h"
 
 #include <embree3/rtcore.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 /// Still objects that share a mesh are copied into world space, which traces fastest, unless the copies have more
 /// triangles than this. chosen: about 10 MB of vertices and tree; tried 0 (a tenth slower) and no limit (gigabytes for
-/// forests).
+/// sets of light trees).
 constexpr std::size_t most_copied_triangles = 65536;
 
 /// Instances that are distorted more than this are not known well enough where they lie to be shields, which allow for
@@ -48,21 +48,21 @@ glm::mat3 cofactors(const glm::mat4& m) {
 
 }  // namespace
 
-void TracedScene::ReleaseDevice::operator()(RTCDeviceTy* device) const {
+void EmbreeScene::ReleaseDevice::operator()(RTCDeviceTy* device) const {
     rtcReleaseDevice(device);
 }
-void TracedScene::ReleaseScene::operator()(RTCSceneTy* scene) const {
+void EmbreeScene::ReleaseScene::operator()(RTCSceneTy* scene) const {
     rtcReleaseScene(scene);
 }
 
-TracedScene::TracedScene(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent, Filter filter)
+EmbreeScene::EmbreeScene(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent, Filter filter)
     : animation_(animation), translucent_(std::move(translucent)), filter_(filter), placed_(animation.objects.size()) {
     EXPECTS(translucent_.size() == animation.materials.size());
     const FlushDenormals flushed;
     device_.reset(rtcNewDevice((std::string("isa=") + core::name_of(isa)).c_str()));
     if (!device_) throw core::Error("starting Embree: " + name_of_error(rtcGetDeviceError(nullptr)));
     const auto remember = [](void* self, RTCError code, const char* text) {
-        std::string& first = static_cast<TracedScene*>(self)->message_;
+        std::string& first = static_cast<EmbreeScene*>(self)->message_;
         if (first.empty()) first = name_of_error(code) + (text != nullptr ? std::string(": ") + text : std::string());
     };
     rtcSetDeviceErrorFunction(device_.get(), remember, this);
@@ -83,8 +83,8 @@ TracedScene::TracedScene(const scene::Animation& animation, core::Isa isa, std::
         all_baked = all_baked && placed_[i].kind == Kind::baked;
         any_translucent_ = any_translucent_ || is_filtered(static_cast<std::uint32_t>(i));
         const bool still = object.mobility == scene::Mobility::still;
-        has_movers_ = has_movers_ || !still;
-        has_still_instances_ = has_still_instances_ || (still && placed_[i].kind == Kind::instanced);
+        has_dynamic_objects_ = has_dynamic_objects_ || !still;
+        has_static_instances_ = has_static_instances_ || (still && placed_[i].kind == Kind::instanced);
     }
 
     // Start with empty scenes: nothing is anywhere before it is posed.
@@ -98,16 +98,16 @@ TracedScene::TracedScene(const scene::Animation& animation, core::Isa isa, std::
     check("starting Embree");
 }
 
-TracedScene::~TracedScene() = default;
+EmbreeScene::~EmbreeScene() = default;
 
-void TracedScene::check(const char* doing) {
+void EmbreeScene::check(const char* doing) {
     const RTCError code = rtcGetDeviceError(device_.get());
     if (code == RTC_ERROR_NONE && message_.empty()) return;
     throw core::Error(std::string(doing) + ": " +
                       (message_.empty() ? name_of_error(code) : std::exchange(message_, {})));
 }
 
-TracedScene::Scene TracedScene::new_scene(bool instances) const {
+EmbreeScene::Scene EmbreeScene::new_scene(bool instances) const {
     Scene scene(rtcNewScene(device_.get()));
     const int flags = RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION |
                       (instances ? RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_NONE);
@@ -115,16 +115,16 @@ TracedScene::Scene TracedScene::new_scene(bool instances) const {
     return scene;
 }
 
-bool TracedScene::is_filtered(std::uint32_t object) const {
+bool EmbreeScene::is_filtered(std::uint32_t object) const {
     return translucent_[static_cast<std::size_t>(animation_.objects[object].material)];
 }
 
-bool TracedScene::is_still(std::uint32_t object) const {
+bool EmbreeScene::is_still(std::uint32_t object) const {
     return animation_.objects[object].mobility == scene::Mobility::still;
 }
 
 /// The object's triangles, in Embree's own buffers: it reads some bytes past the end of shared ones.
-RTCGeometry TracedScene::new_triangles(const std::vector<glm::vec3>& positions, std::uint32_t object) const {
+RTCGeometry EmbreeScene::new_triangles(const std::vector<glm::vec3>& positions, std::uint32_t object) const {
     const auto mesh = static_cast<std::size_t>(animation_.objects[object].mesh);
     const std::vector<glm::uvec3>& triangles = animation_.meshes[mesh].triangles;
     RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -139,7 +139,7 @@ RTCGeometry TracedScene::new_triangles(const std::vector<glm::vec3>& positions, 
     return geometry;
 }
 
-RTCGeometry TracedScene::new_instance(RTCScene of, unsigned id, unsigned mask) const {
+RTCGeometry EmbreeScene::new_instance(RTCScene of, unsigned id, unsigned mask) const {
     RTCGeometry instance = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(instance, of);
     rtcSetGeometryMask(instance, mask);
@@ -149,7 +149,7 @@ RTCGeometry TracedScene::new_instance(RTCScene of, unsigned id, unsigned mask) c
     return instance;
 }
 
-RTCScene TracedScene::shared_mesh(std::uint32_t object) {
+RTCScene EmbreeScene::shared_mesh(std::uint32_t object) {
     const int mesh = animation_.objects[object].mesh;
     Scene& scene = shared_[{mesh, is_filtered(object)}];
     if (!scene) {
@@ -162,7 +162,7 @@ RTCScene TracedScene::shared_mesh(std::uint32_t object) {
     return scene.get();
 }
 
-bool TracedScene::pose(const scene::Snapshot& snapshot) {
+bool EmbreeScene::pose(const scene::Snapshot& snapshot) {
     EXPECTS(snapshot.animation == &animation_ && snapshot.objects.size() == placed_.size());
     const FlushDenormals flushed;
     bool baked_changed = false, top_changed = false, still_changed = false;
@@ -178,7 +178,7 @@ bool TracedScene::pose(const scene::Snapshot& snapshot) {
     return still_changed;
 }
 
-std::vector<scene::Triangle> TracedScene::opaque_still_triangles(std::size_t most) const {
+std::vector<scene::Triangle> EmbreeScene::opaque_static_triangles(std::size_t most) const {
     LargestTriangles largest(most);
     std::vector<double> largest_of_mesh(animation_.meshes.size(), -1.0);
     for (std::uint32_t i = 0; i < placed_.size(); ++i) {
@@ -188,7 +188,7 @@ std::vector<scene::Triangle> TracedScene::opaque_still_triangles(std::size_t mos
         const scene::Mesh& mesh = animation_.meshes[mesh_index];
         if (placed.kind == Kind::instanced) {
             if (!(distortion_of(placed.to_world) <= most_distorted)) continue;
-            // A forest's leaves need not be looked at one by one.
+            // the light trees' leaves need not be looked at one by one.
             double& own = largest_of_mesh[mesh_index];
             if (own < 0.0) own = largest_area2(mesh);
             if (own * widening2(placed.to_world) < largest.least()) continue;
@@ -201,7 +201,7 @@ std::vector<scene::Triangle> TracedScene::opaque_still_triangles(std::size_t mos
     return largest.in_order();
 }
 
-std::vector<MiddleBox> TracedScene::boxes_of_movers() const {
+std::vector<MiddleBox> EmbreeScene::dynamic_object_boxes() const {
     std::vector<MiddleBox> boxes;
     for (std::uint32_t i = 0; i < placed_.size(); ++i) {
         const Placed& placed = placed_[i];
@@ -223,7 +223,7 @@ std::vector<MiddleBox> TracedScene::boxes_of_movers() const {
 }
 
 /// Brings one object to where the snapshot has it; whether anything changed.
-bool TracedScene::place(std::uint32_t object, const scene::Snapshot& snapshot) {
+bool EmbreeScene::place(std::uint32_t object, const scene::Snapshot& snapshot) {
     const scene::ObjectState& state = snapshot.objects[object];
     Placed& placed = placed_[object];
     const bool deforms = placed.kind == Kind::deforming;
@@ -248,7 +248,7 @@ bool TracedScene::place(std::uint32_t object, const scene::Snapshot& snapshot) {
     return !std::exchange(placed.present, true) || changed;
 }
 
-bool TracedScene::bake(std::uint32_t object, const glm::mat4& to_world) {
+bool EmbreeScene::bake(std::uint32_t object, const glm::mat4& to_world) {
     Placed& placed = placed_[object];
     if (placed.geometry != nullptr && placed.to_world == to_world) return false;
     const auto mesh = static_cast<std::size_t>(animation_.objects[object].mesh);
@@ -262,10 +262,10 @@ bool TracedScene::bake(std::uint32_t object, const glm::mat4& to_world) {
     return true;
 }
 
-bool TracedScene::move_instance(std::uint32_t object, const glm::mat4& to_world) {
+bool EmbreeScene::move_instance(std::uint32_t object, const glm::mat4& to_world) {
     Placed& placed = placed_[object];
     if (placed.geometry == nullptr)
-        placed.geometry = new_instance(shared_mesh(object), object, is_still(object) ? copied_mask : moving_mask);
+        placed.geometry = new_instance(shared_mesh(object), object, is_still(object) ? copied_mask : dynamic_mask);
     else if (placed.to_world == to_world)
         return false;
     rtcSetGeometryTransform(placed.geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &to_world[0][0]);
@@ -275,7 +275,7 @@ bool TracedScene::move_instance(std::uint32_t object, const glm::mat4& to_world)
     return true;
 }
 
-bool TracedScene::deform(std::uint32_t object, const scene::DeformedMesh& mesh) {
+bool EmbreeScene::deform(std::uint32_t object, const scene::DeformedMesh& mesh) {
     Placed& placed = placed_[object];
     if (placed.geometry == nullptr) {
         placed.own = new_scene(false);
@@ -283,7 +283,7 @@ bool TracedScene::deform(std::uint32_t object, const scene::DeformedMesh& mesh) 
         rtcAttachGeometryByID(placed.own.get(), placed.triangles, 0);
         rtcReleaseGeometry(placed.triangles);
         rtcCommitScene(placed.own.get());
-        placed.geometry = new_instance(placed.own.get(), object, moving_mask);
+        placed.geometry = new_instance(placed.own.get(), object, dynamic_mask);
         return true;
     }
     void* const vertices = rtcGetGeometryBufferData(placed.triangles, RTC_BUFFER_TYPE_VERTEX, 0);

@@ -1,11 +1,11 @@
-// The fit of how the honest stop learns its caution (docs/fits/caution.md).
+// The fit of how the honest stop learns its error scale (docs/fits/error-calibration.md).
 //
-//   fit_caution OUT.csv NAME=SCENE...
+//   fit_error_calibration OUT.csv NAME=SCENE...
 //
-// First table: what pixels need at a range of cautions, one pixel of one 4x4 block in every tile. Second: how well the
-// caution that a film learns from its own pixels keeps the promise, and what it costs against the law as it stands and
-// against the classic rule at the part of the tolerance that keeps the same promise in that very film. What each pixel
-// needs goes into OUT.csv.needs, for caution_tail.py.
+// First table: what pixels need at a range of error scales, one pixel of one 4x4 block in every tile. Second: how well
+// the error scale that a film learns from its own pixels keeps the promise, and what it costs against the law as it
+// stands and against the classic rule at the part of the tolerance that keeps the same promise in that very film. What
+// each pixel needs goes into OUT.csv.needs, for error scale_tail.py.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -32,13 +32,13 @@ namespace {
 constexpr int picture_size = 512, vpls = 9000, frames_per_scene = 2, audited = 1024;
 constexpr double promise = 0.01;
 const std::vector<double> tolerances{0.02, 0.08, 0.26};
-const std::vector<double> cautions{1.0, 0.5, 0.25, 0.125};
+const std::vector<double> error_scales{1.0, 0.5, 0.25, 0.125};
 const std::vector<double> classic_parts{1.0, 2.0, 4.0, 8.0};
 
 /// What one way to stop came to; sums over frames.
 struct Outcome {
     std::vector<float> errors;  ///< what is noticed of each audited pixel's error, over its tolerance
-    double rays = 0, seconds = 0, points = 0, caution = 0;
+    double rays = 0, seconds = 0, points = 0, error_scale = 0;
 
     double over() const {
         const auto beyond = std::count_if(errors.begin(), errors.end(), [](float e) { return e > 1.0f; });
@@ -74,23 +74,23 @@ class Bench {
         }
     }
 
-    /// Without `caution` each frame is a chunk that learns its own.
-    Outcome run(renderer::Stop stop, double tolerance, double part, std::optional<double> caution) const {
+    /// Without `error_scale` each frame is a chunk that learns its own.
+    Outcome run(renderer::Stop stop, double tolerance, double part, std::optional<double> error_scale) const {
         Outcome sum;
         const auto relative = static_cast<float>(tolerance), scale = static_cast<float>(1.0 / part);
         const auto promised = core::ToleranceMap::uniform(picture_size, picture_size, {floor_, relative}),
                    map = core::ToleranceMap::uniform(picture_size, picture_size, {floor_ * scale, relative * scale});
         for (std::size_t f = 0; f < worlds_.size(); ++f) {
             std::unique_ptr<renderer::Renderer> learner;
-            if (!caution) {
+            if (!error_scale) {
                 learner = new_renderer();
                 learner->start_chunk(worlds_[f]);
                 // So that trees are no part of the time.
-                learner->sketch(worlds_[f], renderer::Seen{seen_[f].visible, {}, seen_[f].unscattered, {}}, map);
+                learner->sketch(worlds_[f], renderer::Seen{seen_[f].visible, {}, seen_[f].emitted, {}}, map);
             }
-            renderer::Renderer& renderer = caution ? *told_[f] : *learner;
+            renderer::Renderer& renderer = error_scale ? *told_[f] : *learner;
             renderer.set_stop(stop);
-            if (caution) renderer.set_caution(static_cast<float>(*caution));
+            if (error_scale) renderer.set_error_scale(static_cast<float>(*error_scale));
             const renderer::Statistics before = renderer.statistics();
             const double start = app::cpu_seconds();
             const core::Radiance cut = renderer.shade(worlds_[f], seen_[f], map);
@@ -98,7 +98,7 @@ class Bench {
             sum.seconds += app::cpu_seconds() - start - (after.calibration_seconds - before.calibration_seconds);
             sum.rays += static_cast<double>(after.shadow_rays - before.shadow_rays);
             sum.points += static_cast<double>(after.gather_points - before.gather_points);
-            sum.caution = after.mean_caution;
+            sum.error_scale = after.mean_error_scale;
             for (const renderer::AuditedPixel& p : renderer::compare(seen_[f], pixels_[f], truth_[f], promised, cut))
                 sum.errors.push_back(p.noticed() / std::max(p.tolerance, 1e-30f));
         }
@@ -125,7 +125,7 @@ class Bench {
 
     /// The gather points of some pixels.
     static renderer::Seen only(const renderer::Seen& seen, const std::vector<renderer::LitPixel>& pixels) {
-        renderer::Seen part{seen.visible, {}, seen.unscattered, {}};
+        renderer::Seen part{seen.visible, {}, seen.emitted, {}};
         part.tiles.resize(seen.tiles.size());
         for (const renderer::LitPixel& p : pixels)
             part.tiles[p.tile].insert(part.tiles[p.tile].end(), seen.tiles[p.tile].begin() + p.first,
@@ -149,7 +149,7 @@ class Bench {
     float floor_ = 0;
     std::vector<scene::Snapshot> worlds_;
     std::vector<renderer::Seen> seen_;
-    std::vector<std::unique_ptr<renderer::Renderer>> told_;  ///< their caution
+    std::vector<std::unique_ptr<renderer::Renderer>> told_;  ///< their error scale
     std::vector<std::vector<renderer::LitPixel>> pixels_;    ///< that are held against
     std::vector<std::vector<glm::vec3>> truth_;
 };
@@ -175,10 +175,11 @@ std::optional<Outcome> classic_at_promise(const Bench& bench, double tolerance, 
     return std::nullopt;
 }
 
-/// A line of what every pixel needs: the caution with which its error would have been its tolerance.
-void list_needs(const std::string& name, double tolerance, double caution, const Outcome& lit, std::ofstream& needs) {
-    needs << fmt::format("{},{:g},{:g}", name, tolerance, caution);
-    for (const float error : lit.errors) needs << fmt::format(",{:.4g}", caution * static_cast<double>(error));
+/// A line of what every pixel needs: the error scale with which its error would have been its tolerance.
+void list_needs(const std::string& name, double tolerance, double error_scale, const Outcome& lit,
+                std::ofstream& needs) {
+    needs << fmt::format("{},{:g},{:g}", name, tolerance, error_scale);
+    for (const float error : lit.errors) needs << fmt::format(",{:.4g}", error_scale * static_cast<double>(error));
     needs << '\n';
 }
 
@@ -187,16 +188,16 @@ void measure(const std::string& name, const std::string& path, std::ofstream& ou
     for (const double tolerance : tolerances) {
         std::string needs, overs;
         Outcome lawful;
-        for (const double caution : cautions) {
-            const Outcome o = bench.run(renderer::Stop::honest, tolerance, 1.0, caution);
-            needs += fmt::format(" {:.2f}", caution * o.quantile(0.99));
-            out << fmt::format("{},{:g},{:g},{:.5f},{:.4f},{:.1f}\n", name, tolerance, caution, o.over(),
+        for (const double error_scale : error_scales) {
+            const Outcome o = bench.run(renderer::Stop::honest, tolerance, 1.0, error_scale);
+            needs += fmt::format(" {:.2f}", error_scale * o.quantile(0.99));
+            out << fmt::format("{},{:g},{:g},{:.5f},{:.4f},{:.1f}\n", name, tolerance, error_scale, o.over(),
                                o.quantile(0.99), o.rays / o.points);
-            list_needs(name, tolerance, caution, o, listed);
-            if (caution == 1.0) lawful = o;
+            list_needs(name, tolerance, error_scale, o, listed);
+            if (error_scale == 1.0) lawful = o;
         }
         const Outcome own = bench.run(renderer::Stop::honest, tolerance, 1.0, std::nullopt);
-        out << fmt::format("{},{:g},learnt {:.3f},{:.5f},{:.4f},{:.1f}\n", name, tolerance, own.caution, own.over(),
+        out << fmt::format("{},{:g},learnt {:.3f},{:.5f},{:.4f},{:.1f}\n", name, tolerance, own.error_scale, own.over(),
                            own.quantile(0.99), own.rays / own.points);
         double part = 0;
         const std::optional<Outcome> classic = classic_at_promise(bench, tolerance, part);
@@ -204,7 +205,7 @@ void measure(const std::string& name, const std::string& path, std::ofstream& ou
                                                           own.seconds / classic->seconds, part)
                                             : "- (over 8)";
         fmt::print("| {} | {:g} % |{} | {:.2f} | {:.2f} % | {:.2f} | {:.2f} %; {:.2f}, {:.2f} | {} |\n", name,
-                   100 * tolerance, needs, own.caution, 100 * own.over(), own.quantile(0.99), 100 * lawful.over(),
+                   100 * tolerance, needs, own.error_scale, 100 * own.over(), own.quantile(0.99), 100 * lawful.over(),
                    own.rays / lawful.rays, own.seconds / lawful.seconds, against);
         std::fflush(stdout);
         out.flush();
@@ -217,11 +218,11 @@ void measure(const std::string& name, const std::string& path, std::ofstream& ou
 int main(int argc, char** argv) {
     using namespace render2mpeg;
     try {
-        if (argc < 3) throw core::Error("usage: fit_caution OUT.csv NAME=SCENE...");
+        if (argc < 3) throw core::Error("usage: fit_error_calibration OUT.csv NAME=SCENE...");
         const parallel::ThreadLimit limit(1);  // so that CPU seconds are those of the work
         std::ofstream out(argv[1]);
         std::ofstream needs(std::string(argv[1]) + ".needs");
-        out << "scene,tolerance,caution,over,p99,rays\n";
+        out << "scene,tolerance,error_scale,over,p99,rays\n";
         fmt::print(
             "| scene | tolerance | r at 99 %, lit at 1, 1/2, 1/4, 1/8 | learnt c | over | p99 of error/T | "
             "at c = 1: over; rays, time of c over it | rays, time over classic's at equal 99 % (at T/) |\n"

@@ -12,10 +12,10 @@
 namespace render2mpeg::renderer {
 
 /// Which of the things that move may throw shadows on one group of points, and where they may: told by their boxes
-/// (RayTracer::movers), so that most lights need no ray to find that nothing moves before them.
-class GroupMovers {
+/// (RayTracer::dynamic_objects), so that most lights need no ray to find that nothing moves before them.
+class GroupDynamicObjects {
   public:
-    /// Of many movers those that look largest from the group. chosen: 8, as of shields; not tuned.
+    /// Of many dynamic objects those that look largest from the group. chosen: 8, as of shields; not tuned.
     static constexpr int most = 8;
 
     /// What looks smaller hides too little for parts of clusters to be looked at past it. chosen: 0.02, a
@@ -28,17 +28,17 @@ class GroupMovers {
 
     /// Whether something may move between the group and the lights of a box (directional: of unit directions). Rough: a
     /// ball about the group and one about the box.
-    bool may_hide(LightFamily family, const glm::vec3& middle, const glm::vec3& half) const;
+    bool may_hide(LightType type, const glm::vec3& middle, const glm::vec3& half) const;
 
     /// The same, and no is certain: of the lights of a box none is hidden from a lane.
-    bool can_hide(LightFamily family, const glm::vec3& middle, const glm::vec3& half) const;
+    bool can_hide(LightType type, const glm::vec3& middle, const glm::vec3& half) const;
 
     /// Bit i: ray i, asked for or not, meets one of the boxes.
     std::uint32_t met(const ShadowPacket& packet) const;
 
     /// Bit i: ray i, asked for or not, passes through one of the boxes, in at one side and out at another before it
-    /// ends. Boxes that hold one of its ends do not count: of what lies on a mover, or is the light, the box tells
-    /// nothing.
+    /// ends. Boxes that hold one of its ends do not count: of what lies on a dynamic object, or is the light, the box
+    /// tells nothing.
     std::uint32_t passed(const ShadowPacket& packet) const;
 
   private:

@@ -27,23 +27,23 @@ namespace render2mpeg::renderer {
 /// of it. If anything moves, or is such a copy, that scene is one instance of the scene that rays are traced in, and
 /// every rigid, deforming or copied object is another. All trees are built anew from what is posed and never refitted,
 /// so that nothing depends on what was posed before.
-class TracedScene {
+class EmbreeScene {
   public:
     /// Called for shadow rays that meet a translucent object; see rtcSetGeometryOccludedFilterFunction.
     using Filter = void (*)(const RTCFilterFunctionNArguments*);
 
-    TracedScene(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent, Filter filter);
-    ~TracedScene();
+    EmbreeScene(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent, Filter filter);
+    ~EmbreeScene();
 
     /// Returns whether what never moves was posed anew.
     bool pose(const scene::Snapshot& snapshot);
 
     /// World triangles of what is posed, never moves and lets no light through, as rays meet them, instances or not:
     /// the `most` largest, earlier ones first where areas agree, in the order of objects and triangles.
-    std::vector<scene::Triangle> opaque_still_triangles(std::size_t most) const;
+    std::vector<scene::Triangle> opaque_static_triangles(std::size_t most) const;
 
     /// World boxes of what is posed and moves.
-    std::vector<MiddleBox> boxes_of_movers() const;
+    std::vector<MiddleBox> dynamic_object_boxes() const;
 
     RTCSceneTy* root() const { return top_ ? top_.get() : baked_.get(); }
 
@@ -52,13 +52,13 @@ class TracedScene {
     /// `instance_mask` in their rays, in `root`.
     RTCSceneTy* baked() const { return baked_.get(); }
     bool has_instances() const { return top_ != nullptr; }
-    bool has_movers() const { return has_movers_; }
-    bool has_still_instances() const { return has_still_instances_; }
+    bool has_dynamic_objects() const { return has_dynamic_objects_; }
+    bool has_static_instances() const { return has_static_instances_; }
 
     /// Bits of a ray's mask in `root`: what lies in `baked`; what moves, changes its shape, comes or goes in the film;
     /// and instances that never do.
-    static constexpr unsigned baked_mask = 1, moving_mask = 2, copied_mask = 4;
-    static constexpr unsigned still_mask = baked_mask | copied_mask, instance_mask = moving_mask | copied_mask;
+    static constexpr unsigned baked_mask = 1, dynamic_mask = 2, copied_mask = 4;
+    static constexpr unsigned static_mask = baked_mask | copied_mask, instance_mask = dynamic_mask | copied_mask;
 
     bool any_translucent() const { return any_translucent_; }
     bool is_instanced(std::uint32_t object) const { return placed_[object].kind == Kind::instanced; }
@@ -125,7 +125,7 @@ class TracedScene {
     Scene top_;  ///< none where everything is baked
     RTCGeometryTy* baked_instance_ = nullptr;
     std::vector<Placed> placed_;
-    bool any_translucent_ = false, has_movers_ = false, has_still_instances_ = false;
+    bool any_translucent_ = false, has_dynamic_objects_ = false, has_static_instances_ = false;
 };
 
 }  // namespace render2mpeg::renderer

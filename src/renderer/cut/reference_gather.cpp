@@ -1,11 +1,11 @@
-#include "renderer/cut/lone_point.h"
+#include "renderer/cut/reference_gather.h"
 
 #include <algorithm>
 
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/isa_clones.h"
+#include "renderer/cut/bias_compensation.h"
 #include "renderer/cut/cut_sums.h"
-#include "renderer/cut/near_lights.h"
 #include "renderer/cut/shadow_rays.h"
 
 namespace render2mpeg::renderer {
@@ -13,9 +13,9 @@ namespace {
 
 /// A ray from the point, which all lanes are, to each light that shines and could reach it.
 RENDER2MPEG_CLONES
-void aim_at_each(const GatherLanes& lanes, LightFamily family, const LightPacket& lights, const LightLanes& unit,
+void aim_at_each(const GatherLanes& lanes, LightType type, const LightPacket& lights, const LightLanes& unit,
                  ShadowPacket& packet) {
-    aim<Aimed::at_each>(lanes, family, lights.position.x, lights.position.y, lights.position.z, packet);
+    aim<Aimed::at_each>(lanes, type, lights.position.x, lights.position.y, lights.position.z, packet);
     std::uint32_t active = 0;
     for (int i = 0; i < lane_count; ++i) {
         const float shines = lights.intensity.x[i] + lights.intensity.y[i] + lights.intensity.z[i];
@@ -49,7 +49,7 @@ void set_first(RgbLanes& lanes, glm::vec3 v) {
 
 }  // namespace
 
-void gather_all(const LightForest& forest, const RayTracer& tracer, const GatherPoint& point,
+void gather_all(const LightTrees& light_trees, const RayTracer& tracer, const GatherPoint& point,
                 const GatherPoint& exact_at, GatheredLight& out) {
     const FlushDenormals flushed;
     const GatherPoint* copies[lane_count];
@@ -59,7 +59,7 @@ void gather_all(const LightForest& forest, const RayTracer& tracer, const Gather
     GatheredLight exact;
     const GatherPoint* const exactly[] = {&exact_at};
     fill(alone, exactly);
-    Gatherer(forest, tracer).gather_exact(alone, exact);
+    Gatherer(light_trees, tracer).gather_exact(alone, exact);
     fill(alone, std::span(copies).first(1));
 
     CutSums sums(lanes);
@@ -67,30 +67,30 @@ void gather_all(const LightForest& forest, const RayTracer& tracer, const Gather
     LightLanes unit;
     ShadowPacket packet;
     glm::vec3 passes[lane_count];
-    for (int t = 0; t < LightForest::tree_count; ++t) {
-        const LightTree& tree = forest.trees[t];
+    for (int t = 0; t < LightTrees::tree_count; ++t) {
+        const LightTree& tree = light_trees.trees[t];
         for (std::size_t first = 0; first < tree.lights.size(); first += lane_count) {
             const std::size_t count = std::min<std::size_t>(lane_count, tree.lights.size() - first);
             fill_lights(lights, tree, first, count);
-            evaluate_lights(lanes, tree.family, lights, forest.clamp(t), unit);
-            aim_at_each(lanes, tree.family, lights, unit, packet);
+            evaluate_lights(lanes, tree.type, lights, light_trees.clamp(t), unit);
+            aim_at_each(lanes, tree.type, lights, unit, packet);
             if (packet.active == 0) continue;
             std::fill(std::begin(passes), std::end(passes), glm::vec3(1));
-            const std::uint32_t blocked = tracer.occluded(packet, forest.translucent ? passes : nullptr);
+            const std::uint32_t blocked = tracer.occluded(packet, light_trees.translucent ? passes : nullptr);
             darken(lanes, packet.active & ~blocked, unit);
-            if (forest.translucent)
+            if (light_trees.translucent)
                 for (int i = 0; i < lane_count; ++i) {
                     lights.intensity.x[i] *= passes[i].x;
                     lights.intensity.y[i] *= passes[i].y;
                     lights.intensity.z[i] *= passes[i].z;
                 }
-            sums.add(unit_light(lanes, unit), lights.intensity, LightForest::is_direct(t));
+            sums.add(unit_light(lanes, unit), lights.intensity, LightTrees::is_direct(t));
         }
     }
     sums.store(out);
     set_first(out.direct, exact.direct.at(0) + total(out.direct));
     set_first(out.indirect, exact.indirect.at(0) + total(out.indirect));
-    put_back_near_light(forest, tracer, alone, out);
+    compensate_clamping_bias(light_trees, tracer, alone, out);
     if (!lanes.glossy) return;
     set_first(out.f0, exact.f0.at(0) + total(out.f0));
     set_first(out.schlick, exact.schlick.at(0) + total(out.schlick));

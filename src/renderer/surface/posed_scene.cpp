@@ -1,4 +1,4 @@
-#include "renderer/surface/scenery.h"
+#include "renderer/surface/posed_scene.h"
 
 #include <optional>
 #include <vector>
@@ -28,7 +28,7 @@ std::vector<bool> translucent_materials(const SurfaceMaterials& materials, std::
 
 }  // namespace
 
-struct Scenery::Impl {
+struct PosedScene::Impl {
     Impl(const scene::Animation& film, core::Isa isa, const Plan& plan)
         : animation(film),
           materials(film, plan),
@@ -64,37 +64,37 @@ struct Scenery::Impl {
     const scene::Snapshot* snapshot = nullptr;
 };
 
-Scenery::Scenery(const scene::Animation& animation, core::Isa isa, const Plan& plan)
+PosedScene::PosedScene(const scene::Animation& animation, core::Isa isa, const Plan& plan)
     : impl_(std::make_unique<Impl>(animation, isa, plan)) {}
-Scenery::~Scenery() = default;
-Scenery::Scenery(Scenery&&) noexcept = default;
+PosedScene::~PosedScene() = default;
+PosedScene::PosedScene(PosedScene&&) noexcept = default;
 
-void Scenery::pose(const scene::Snapshot& snapshot) {
+void PosedScene::pose(const scene::Snapshot& snapshot) {
     EXPECTS(snapshot.animation == &impl_->animation);
     impl_->snapshot = &snapshot;
     impl_->tracer.pose(snapshot);
 }
 
-const scene::Snapshot& Scenery::posed() const {
+const scene::Snapshot& PosedScene::posed() const {
     EXPECTS(impl_->snapshot != nullptr);
     return *impl_->snapshot;
 }
 
-const RayTracer& Scenery::tracer() const {
+const RayTracer& PosedScene::tracer() const {
     return impl_->tracer;
 }
-const scene::Animation& Scenery::animation() const {
+const scene::Animation& PosedScene::animation() const {
     return impl_->animation;
 }
-double Scenery::layer_seconds() const {
+double PosedScene::layer_seconds() const {
     return impl_->layer_clock.seconds();
 }
-const image::SkyMap* Scenery::sky() const {
+const image::SkyMap* PosedScene::sky() const {
     return impl_->sky ? &*impl_->sky : nullptr;
 }
 
-SurfacePoint Scenery::surface_at(const core::SurfaceAddress& address, glm::vec3 outgoing,
-                                 const SurfaceFootprint& footprint) const {
+SurfacePoint PosedScene::surface_at(const core::SurfaceAddress& address, glm::vec3 outgoing,
+                                    const SurfaceFootprint& footprint) const {
     const SurfaceShape shape = impl_->shape(address, footprint);
     SurfacePoint point;
     point.address = address;
@@ -108,11 +108,11 @@ SurfacePoint Scenery::surface_at(const core::SurfaceAddress& address, glm::vec3 
     return point;
 }
 
-glm::vec3 Scenery::front_normal(std::uint32_t object, std::uint32_t primitive) const {
+glm::vec3 PosedScene::front_normal(std::uint32_t object, std::uint32_t primitive) const {
     return impl_->shape({object, primitive, 0.0f, 0.0f}, {}).front_normal;
 }
 
-glm::vec3 Scenery::mean_emission(std::uint32_t object, std::uint32_t primitive) const {
+glm::vec3 PosedScene::mean_emission(std::uint32_t object, std::uint32_t primitive) const {
     const std::uint32_t material = impl_->material_of(object);
     const scene::Material& m = impl_->animation.materials[material];
     if (m.unlit || !m.emits() || !impl_->snapshot->objects[object].present) return glm::vec3{0.0f};
@@ -137,7 +137,8 @@ glm::vec3 Scenery::mean_emission(std::uint32_t object, std::uint32_t primitive) 
     return factor * sum / static_cast<float>(split * split);
 }
 
-SurfaceFootprint Scenery::normal_change(const core::SurfaceAddress& address, const SurfaceFootprint& footprint) const {
+SurfaceFootprint PosedScene::normal_change(const core::SurfaceAddress& address,
+                                           const SurfaceFootprint& footprint) const {
     const SurfaceShape shape = impl_->shape(address, footprint);
     const auto change = [&](glm::vec2 d) {
         // Beyond the triangle's neighbours its own curvature says nothing.

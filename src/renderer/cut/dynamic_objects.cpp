@@ -1,4 +1,4 @@
-#include "renderer/cut/movers.h"
+#include "renderer/cut/dynamic_objects.h"
 
 #include <algorithm>
 #include <cmath>
@@ -43,7 +43,7 @@ RENDER2MPEG_ALWAYS_INLINED void cross(const ShadowPacket& packet, const MiddleBo
 
 }  // namespace
 
-void GroupMovers::choose(const GatherLanes& lanes, std::span<const MiddleBox> movers, float least) {
+void GroupDynamicObjects::choose(const GatherLanes& lanes, std::span<const MiddleBox> movers, float least) {
     count_ = 0;
     if (movers.empty()) return;
     glm::vec3 low(lanes.origin.x[0], lanes.origin.y[0], lanes.origin.z[0]), high = low;
@@ -70,14 +70,14 @@ void GroupMovers::choose(const GatherLanes& lanes, std::span<const MiddleBox> mo
     }
 }
 
-bool GroupMovers::may_hide(LightFamily family, const glm::vec3& middle, const glm::vec3& half) const {
-    const bool far_away = family == LightFamily::directional;
+bool GroupDynamicObjects::may_hide(LightType type, const glm::vec3& middle, const glm::vec3& half) const {
+    const bool far_away = type == LightType::directional;
     const glm::vec3 way = far_away ? middle : middle - middle_;
     const float inverse2 = 1.0f / std::max(glm::dot(way, way), 1e-30f), spread = glm::length(half);
     const glm::vec3 inverse = 1.0f / glm::vec3(not_zero(way.x), not_zero(way.y), not_zero(way.z));
     const float end = far_away ? std::numeric_limits<float>::infinity() : 1.0f;
     for (int k = 0; k < count_; ++k) {
-        // Where the way passes the mover, the cone or frustum of all ways is so wide.
+        // Where the way passes the dynamic object, the cone or frustum of all ways is so wide.
         const glm::vec3 to = box_[k].middle - middle_;
         const float along = std::max(glm::dot(way, to) * inverse2, 0.0f);
         const float t = std::min(along, end);
@@ -95,12 +95,12 @@ bool GroupMovers::may_hide(LightFamily family, const glm::vec3& middle, const gl
     return false;
 }
 
-bool GroupMovers::can_hide(LightFamily family, const glm::vec3& middle, const glm::vec3& half) const {
-    const bool far_away = family == LightFamily::directional;
+bool GroupDynamicObjects::can_hide(LightType type, const glm::vec3& middle, const glm::vec3& half) const {
+    const bool far_away = type == LightType::directional;
     const glm::vec3 way = far_away ? middle : middle - middle_, narrows = far_away ? glm::vec3(0) : half_;
     for (int k = 0; k < count_; ++k) {
         // A part t of the way all places on the ways fill a box, of half_ to `half`: where along the way does that
-        // meet the mover's?
+        // meet the dynamic object's?
         const glm::vec3 to = box_[k].middle - middle_;
         float in = 0.0f, out = far_away ? std::numeric_limits<float>::infinity() : 1.0f;
         const auto at_most = [&](float rise, float end) {  // rise x t <= end
@@ -123,7 +123,7 @@ bool GroupMovers::can_hide(LightFamily family, const glm::vec3& middle, const gl
 }
 
 RENDER2MPEG_CLONES
-std::uint32_t GroupMovers::met(const ShadowPacket& packet) const {
+std::uint32_t GroupDynamicObjects::met(const ShadowPacket& packet) const {
     std::uint32_t rays = 0;
     for (int k = 0; k < count_; ++k) {
         Crossing c;
@@ -134,7 +134,7 @@ std::uint32_t GroupMovers::met(const ShadowPacket& packet) const {
 }
 
 RENDER2MPEG_CLONES
-std::uint32_t GroupMovers::passed(const ShadowPacket& packet) const {
+std::uint32_t GroupDynamicObjects::passed(const ShadowPacket& packet) const {
     std::uint32_t rays = 0;
     for (int k = 0; k < count_; ++k) {
         Crossing c;

@@ -11,25 +11,25 @@ namespace render2mpeg::renderer {
 
 /// A light that every point gathers by itself.
 struct ExactLight {
-    LightFamily family = LightFamily::punctual;
+    LightType type = LightType::punctual;
     TreeLight light;
     Spot spot;  ///< see LightTree::spot
 };
 
-/// Whose shadows a forest's light falls past. Two of them make the third: light past what is still, less what things
-/// that move hide of it, is light past everything.
+/// Whose shadows the light trees' light falls past. Two of them make the third: light past what is still, less what
+/// things that move hide of it, is light past everything.
 enum class Shadows : std::uint8_t {
     of_everything,
-    of_what_is_still,
-    hidden_by_movers  ///< light that would arrive, did not something that moves stand in its way
+    of_static,
+    hidden_by_dynamic  ///< light that would arrive, did not something that moves stand in its way
 };
 
-/// All light of one instant, ready to be gathered: the direct light tree, which is one tree per family since their
+/// All light of one instant, ready to be gathered: the direct light tree, which is one tree per type since their
 /// bounds differ, the indirect trees of still and of moving surfaces, and the few lights that are not clustered.
-struct LightForest {
-    /// Direct trees by family, then the indirect ones.
+struct LightTrees {
+    /// Direct trees by type, then the indirect ones.
     static constexpr int direct_trees = 3;
-    static constexpr int still_tree = direct_trees, moving_tree = direct_trees + 1;
+    static constexpr int static_tree = direct_trees, dynamic_tree = direct_trees + 1;
     static constexpr int tree_count = direct_trees + 2;
     std::array<LightTree, tree_count> trees;
     std::vector<ExactLight> exact;
@@ -46,40 +46,40 @@ struct LightForest {
 inline constexpr std::size_t most_exact_lights = 16;
 
 /// Sorts direct light points into exact lights and trees; `vpls` become the indirect tree of still surfaces.
-LightForest plant(std::span<const LightPoint> direct, std::span<const LightPoint> vpls, std::uint64_t seed);
+LightTrees build_light_trees(std::span<const LightPoint> direct, std::span<const LightPoint> vpls, std::uint64_t seed);
 
 /// The light points of one instant. Ids are unique in each of the three.
 struct LitPoints {
     std::span<const LightPoint> direct, still, moving;
 };
 
-/// A forest that follows its lights from instant to instant: who is whose neighbour in its trees was settled once, from
-/// lights at their usual strength, so that what changes smoothly is gathered smoothly (docs/model/light-tree.md).
-class LastingForest {
+/// Light trees that follow their lights from instant to instant: who is whose neighbour in its trees was settled once,
+/// from lights at their usual strength, so that what changes smoothly is gathered smoothly (docs/model/light-tree.md).
+class PersistentLightTrees {
   public:
-    LastingForest() = default;
+    PersistentLightTrees() = default;
     /// `usual` holds every light point that will ever shine.
-    LastingForest(const LitPoints& usual, std::uint64_t seed);
+    PersistentLightTrees(const LitPoints& usual, std::uint64_t seed);
 
-    /// The forest of an instant: a function of these lights, and of the plans alone. Where `may_replan` says so, a tree
-    /// whose plan fits these lights badly is planned anew by them first, for this instant and all later ones: to be
-    /// said at instants that only the chunk decides, among them its first.
-    LightForest at(const LitPoints& now, bool may_replan = false);
+    /// The light trees of an instant: a function of these lights, and of the plans alone. Where `may_rebuild` says so,
+    /// a tree whose plan fits these lights badly is planned anew by them first, for this instant and all later ones: to
+    /// be said at instants that only the chunk decides, among them its first.
+    LightTrees at(const LitPoints& now, bool may_rebuild = false);
 
     /// A tree over the anchors of still surfaces as `at` grows it, of other intensities.
-    LightTree still_tree(std::span<const LightPoint> anchors) const;
+    LightTree static_tree(std::span<const LightPoint> anchors) const;
 
     /// Plans that were made anew since construction.
-    int replanned() const { return replanned_; }
+    int rebuilt() const { return rebuilt_; }
 
     /// Bytes held between instants.
     std::size_t bytes() const;
 
   private:
-    std::array<TreePlan, LightForest::tree_count> plans_;
+    std::array<TreeTopology, LightTrees::tree_count> plans_;
     std::vector<std::uint32_t> exact_;  ///< ids, in order
     std::uint64_t seed_ = 0;
-    int replanned_ = 0;
+    int rebuilt_ = 0;
 };
 
 }  // namespace render2mpeg::renderer
