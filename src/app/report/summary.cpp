@@ -209,7 +209,6 @@ std::string audit_lines(const Audit& audit) {
 
 }  // namespace
 
-<<<<<<< HEAD
 std::string summary(const RenderJob& film, const RunStatistics& statistics, const RunFacts& facts) {
     std::string text = opening_lines(film.film(), statistics, facts) + light_lines(statistics);
     if (kept_records(film.rendering, statistics.rendering)) text += record_lines(statistics.rendering);
@@ -217,15 +216,6 @@ std::string summary(const RenderJob& film, const RunStatistics& statistics, cons
     if (statistics.rendering.calibrated_pixels > 0) text += error_scale_lines(statistics.rendering);
     if (film.audit > 0) text += audit_lines(statistics.audit);
     if (film.kind == OutputKind::film) text += closing_lines(film.film(), statistics, "rendered");
-=======
-std::string summary(const Production& film, const Ledger& ledger, const RunFacts& facts) {
-    std::string text = opening_lines(film.film(), ledger, facts) + light_lines(ledger);
-    if (kept_records(film.rendering, ledger.rendering)) text += record_lines(ledger.rendering);
-    text += effect_lines(film, ledger) + band_lines(ledger.rendering.bands);
-    if (ledger.rendering.calibrated_pixels > 0) text += error_scale_lines(ledger.rendering);
-    if (film.audit > 0) text += audit_lines(ledger.audit);
-    if (film.kind == OutputKind::film) text += closing_lines(film.film(), ledger, "rendered");
->>>>>>> da00ea4 (renderer: the field's words for the light trees, the cut's calibration and what moves)
     return text;
 }
 
