@@ -55,13 +55,15 @@ std::string link_to(const std::string& path, const std::string& text) {
     return "[" + text + "](" + (path.starts_with("docs/") ? path.substr(5) : "../" + path) + ")";
 }
 
-/// Text as a cell of a table shows it.
+/// Text as a cell of a table shows it: code in backquotes stays as it is.
 std::string cell(std::string_view text) {
     std::string result;
+    bool code = false;
     for (const char c : text) {
+        if (c == '`') code = !code;
         if (c == '|')
             result += "\\|";
-        else if (c == '<')
+        else if (c == '<' && !code)
             result += "&lt;";
         else
             result += c;
