@@ -21,9 +21,8 @@ namespace render2mpeg::renderer {
 namespace {
 
 /// Up to which share of what its surroundings would give, if they filled the receiver's view, one light point may give.
-/// chosen: 25 % (2 radii of a point's disc) for anchors and points of emissive surfaces, which lie in even strata;
-/// [Render2MPEG, 6.5]'s 2 % is for VPLs strewn at random, and took 3 to 49 % of the indirect light. Of 0.02 to 1, 0.25
-/// and 0.5 err least for anchors, and at 0.5 edges show spots (docs/model/clamping.md).
+/// chosen: 25 % of 2 to 100 % (2 radii of a point's disc) for anchors and points of emissive surfaces, which lie in
+/// even strata; [Render2MPEG, 6.5]'s 2 % is for VPLs at random places (docs/model/clamping.md).
 constexpr GeometryClamp anchor_clamp{0.25f};
 constexpr GeometryClamp emitter_clamp{0.25f};
 

@@ -16,9 +16,8 @@
 namespace render2mpeg::renderer {
 
 /// Where a shadow ray ends, as a share of the way to its light: Embree's distance to the light's own surface errs, and
-/// surfaces in planes through the origin have hardly any offset of their own. chosen: 1 - 2^-18; at 1 five of six
-/// pixels of the Cornell box err by more than 2 % (grains of false shadow), at 1 - 2^-24 still many, from 1 - 2^-22 to
-/// 1 - 2^-14 no pixel changes.
+/// surfaces in planes through the origin have hardly any offset of their own. chosen: 1 - 2^-18 of 1 - 2^-24 to
+/// 1 - 2^-14 (docs/fits/lightcut.md).
 inline constexpr float shadow_ray_end = 1.0f - 0x1p-18f;
 
 /// Light that reaches each lane. The lobe's radiance is f0 x `f0` + `schlick`.

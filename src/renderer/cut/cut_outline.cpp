@@ -10,9 +10,8 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// By how much, in bounds, a neighbour's split must have been more urgent than what its cut accepted. chosen: clusters
-/// of Sponza's classic cut at 2 % from 698 to 694 for 1.05 to 1.6, and no other time; of its honest cut at 13 % 550,
-/// 542, 527, 527 for 1.2, 1.5, 2, 3, and 2 % of time.
+/// By how much, in bounds, a neighbour's split must have been more urgent than what its cut accepted. chosen: of 1.05
+/// to 1.6 and of 1.2 to 3 (docs/fits/lightcut.md).
 constexpr float classic_margin = 1.5f, honest_margin = 2.0f;
 
 /// Of who reflects light and tolerates nothing: far above all others, but with a quotient.

@@ -13,13 +13,10 @@ struct Likeness {
     float largest_gap;   ///< between points, likewise
 };
 
-/// Within a block. chosen: Sponza's gathering time rises by 20 % at a gap of 0.03 and falls by 2 % at 0.3, rises by 8 %
-/// at a step of 0.005 and by 3 % at 0.05, and changes by 2 % for normals between 0.7 and 0.97.
+/// Within a block. chosen: docs/fits/lightcut.md.
 constexpr Likeness within_block{0.9f, 0.02f, 0.1f};
 
-/// Of what blocks leave over. chosen: packets per point in Sponza and Sibenik (8 %, 256x256, groups of 8 stay) fall
-/// from 43.1 and 35.1 with the blocks' own to 40.8 and 29.7; normals of 0.3 with steps and gaps far wider: 40.6
-/// and 29.3, no faster.
+/// Of what blocks leave over. chosen: docs/fits/lightcut.md.
 constexpr Likeness left_over{0.5f, 0.05f, 0.2f};
 
 /// Groups of a tile that begin with one another's splits.

@@ -11,9 +11,7 @@ namespace render2mpeg::renderer {
 /// Sets that neighbouring pixels share out among themselves. chosen: 4 of 1, 4 and 16 (docs/decisions/0016).
 inline constexpr int representative_sets = 4;
 
-/// Smaller groups of a block look for others in the tile. chosen: 13 of 8, 11, 13, 16, which make 40.8, 36.6, 35.7 and
-/// 35.4 packets per point in Sponza, 29.7, 27.3, 26.5 and 26.3 in Sibenik; 16 is no faster. (Measured before points
-/// preferred groups of their own set.)
+/// Smaller groups of a block look for others in the tile. chosen: 13 of 8 to 16 (docs/fits/lightcut.md).
 inline constexpr std::size_t large_group = 13;
 
 /// Up to sixteen gather points that are gathered together.
