@@ -11,10 +11,6 @@
 
 namespace render2mpeg::encoder {
 
-namespace mpeg2 {
-struct Search;
-}
-
 /// Throws core::Error, naming the limit, where no level of Main Profile allows size and rates, or where even pictures
 /// without any detail would not fit the rate.
 void check(const Settings& settings);
@@ -30,8 +26,6 @@ class Encoder {
   public:
     /// Throws as check() does.
     explicit Encoder(const Settings& settings);
-    /// For measurements alone (encoder/mpeg2/motion/search.h, which is not installed).
-    Encoder(const Settings& settings, const mpeg2::Search& search);
     ~Encoder();
 
     /// Decides type, references and quantiser of the next picture in display order; it may run ahead of push(), over

@@ -1,7 +1,6 @@
 #include "encoder/encoder.h"
 
 #include <algorithm>
-#include <cmath>
 #include <deque>
 #include <utility>
 
@@ -16,7 +15,6 @@
 #include "encoder/mpeg2/macroblock/weighting_matrices.h"
 #include "encoder/mpeg2/motion/candidates.h"
 #include "encoder/mpeg2/motion/picture_order.h"
-#include "encoder/mpeg2/motion/search.h"
 #include "encoder/mpeg2/picture/fitting.h"
 #include "encoder/mpeg2/rate/rate_controller.h"
 #include "encoder/mpeg2/rate/vbv_schedule.h"
@@ -68,18 +66,17 @@ core::Plane<mpeg2::Vector> stretched(const Reference& from, std::int64_t distanc
 }  // namespace
 
 struct Encoder::Impl {
-    Impl(const Settings& s, const mpeg2::Search& measured)
+    explicit Impl(const Settings& s)
         : settings(s),
-          search(measured),
           level(mpeg2::level_for(s)),
           channel(mpeg2::channel_for(s, level)),
           minimal(mpeg2::minimal_bits(s, level)),
           source((s.width + 15) / 16, mpeg2::macroblock_rows(s)),
           quantisers(mpeg2::matrices_for(s.tune)),
-          refresh(source.columns(), source.rows()) {}
+          refresh(source.columns(), source.rows()),
+          order(s.gop, s.b_pictures) {}
 
     const Settings settings;
-    const mpeg2::Search search;
     const mpeg2::Level& level;
     const mpeg2::Channel channel;
     const mpeg2::MinimalBits minimal;
@@ -89,12 +86,10 @@ struct Encoder::Impl {
     mpeg2::IntraRefresh refresh;
 
     // What plan() has decided so far; it may run ahead of push().
-    std::optional<std::int64_t> last_planned;
+    mpeg2::PictureOrder order;
     std::deque<PicturePlan> planned;  ///< and not pushed
     std::deque<Session> sessions;     ///< of pictures not yet coded; the last is the one planned in
     bool cut_short = false;           ///< the chunk planned last ended before its promise
-    std::int64_t planned_gop_start = 0;
-    std::int64_t planned_earlier = 0, planned_later = 0;  ///< I or P pictures around the one planned last, or itself
 
     // Where push() stands.
     std::optional<Reference> earlier, later;  ///< the newest two I and P pictures
@@ -105,16 +100,21 @@ struct Encoder::Impl {
     void enter(std::int64_t number, const PictureFacts& facts, bool first_of_chunk);
     Session& session_of(std::int64_t number);
     void write_headers(mpeg2::BitWriter& out, const PicturePlan& plan) const;
+    mpeg2::PictureTask task_for(const mpeg2::Frame& picture, const PicturePlan& plan,
+                                std::span<const core::Plane<mpeg2::Candidates>> exact,
+                                const mpeg2::MacroblockOverrides& overrides,
+                                core::Plane<mpeg2::Vector> (&predictors)[2]) const;
     CodedPicture code(const mpeg2::Frame& picture, const PicturePlan& plan,
                       std::span<const core::Plane<mpeg2::Candidates>> exact,
                       const mpeg2::MacroblockOverrides& overrides);
+    void keep(const PicturePlan& plan, mpeg2::PictureResult result, CodedPicture& coded);
     void code_delayed(std::vector<CodedPicture>& complete);
 };
 
 /// Finds the session that a picture to be planned belongs to, or begins one.
 void Encoder::Impl::enter(std::int64_t number, const PictureFacts& facts, bool first_of_chunk) {
-    const bool follows = last_planned && !cut_short && number == *last_planned + 1;
-    EXPECTS(follows || first_of_chunk || !last_planned);
+    const bool follows = order.last() && !cut_short && number == *order.last() + 1;
+    EXPECTS(follows || first_of_chunk || !order.last());
     if (!follows) {
         EXPECTS(planned.empty());
         sessions.clear();
@@ -144,10 +144,11 @@ void Encoder::Impl::write_headers(mpeg2::BitWriter& out, const PicturePlan& plan
     mpeg2::write_gop(out, settings, plan.number);
 }
 
-/// Codes a picture whose references are there; an I or P picture becomes the newest one.
-CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan& plan,
-                                 std::span<const core::Plane<mpeg2::Candidates>> exact,
-                                 const mpeg2::MacroblockOverrides& overrides) {
+/// What a picture is coded from. `predictors` is where vectors lie that another picture suggests.
+mpeg2::PictureTask Encoder::Impl::task_for(const mpeg2::Frame& picture, const PicturePlan& plan,
+                                           std::span<const core::Plane<mpeg2::Candidates>> exact,
+                                           const mpeg2::MacroblockOverrides& overrides,
+                                           core::Plane<mpeg2::Vector> (&predictors)[2]) const {
     mpeg2::PictureTask task{picture,
                             plan.type,
                             {},
@@ -158,27 +159,34 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
                             plan.quantiser,
                             settings.effort,
                             fields_of(settings, plan.number)};
-    task.search_range = search.range;
     task.quantisers = &quantisers;
     task.weights = mpeg2::weights_for(settings.tune);
     if (plan.type == PictureType::predicted) task.intra_due = &refresh.due();
     if (!overrides.quantiser_factors.empty()) task.quantiser_factors = &overrides.quantiser_factors;
     if (!overrides.forced.empty()) task.forced = &overrides.forced;
-    core::Plane<mpeg2::Vector> predictors[2];
-    const bool bidirectional = plan.type == PictureType::bidirectional;
     for (std::size_t i = 0; i < plan.references.size(); ++i) {
-        task.reference[i] = bidirectional && i == 0 ? &earlier->frame : &later->frame;
+        const bool forward = plan.type == PictureType::bidirectional && i == 0;
+        task.reference[i] = forward ? &earlier->frame : &later->frame;
         if (i < exact.size()) task.exact[i] = &exact[i];
         if (later->vectors.empty()) continue;
         predictors[i] = stretched(*later, plan.references[i] - plan.number);
         task.predictors[i] = &predictors[i];
     }
+    return task;
+}
+
+/// Codes a picture whose references are there; an I or P picture becomes the newest one.
+CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan& plan,
+                                 std::span<const core::Plane<mpeg2::Candidates>> exact,
+                                 const mpeg2::MacroblockOverrides& overrides) {
+    core::Plane<mpeg2::Vector> predictors[2];
+    mpeg2::PictureTask task = task_for(picture, plan, exact, overrides, predictors);
     mpeg2::BitWriter headers;
     write_headers(headers, plan);
 
     // Code it within what the buffer holds.
     auto& [first, end, schedule, rate] = session_of(plan.number);
-    task.quantiser = rate.settle(plan, schedule);
+    task.quantiser = rate.coding_quantiser(plan, schedule);
     const auto header_bits = static_cast<std::int64_t>(headers.bit_count());
     const std::int64_t most_bits = schedule.most_bits() - header_bits;
     mpeg2::Fitted fitted = mpeg2::code_within(task, level, most_bits);
@@ -187,6 +195,8 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
         task.quantiser = better;
         fitted = mpeg2::again(fitted, mpeg2::code_within(task, level, most_bits));
     }
+
+    // Take it out of the decoder's buffer.
     mpeg2::PictureResult& result = fitted.picture;
     const std::int64_t bits = header_bits + mpeg2::bits_of(result);
     const mpeg2::Removal removal = schedule.take(bits, header_bits + mpeg2::start_code_bits);
@@ -194,6 +204,7 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
     mpeg2::set_vbv_delay(result.bytes, removal.delay);
     mpeg2::add_stuffing(result.bytes, static_cast<std::size_t>(removal.stuffing_bytes));
 
+    // Tell what became of it.
     CodedPicture coded;
     coded.plan = plan;
     coded.quantiser = fitted.quantiser;
@@ -206,18 +217,26 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
     coded.coding_order = coding_order++;
     coded.bytes = headers.take();
     coded.bytes.insert(coded.bytes.end(), result.bytes.begin(), result.bytes.end());
+    coded.macroblocks = std::move(result.records);
+    coded.block_evaluations = result.evaluations;
+    refresh.record(plan.type, coded.macroblocks);
+    keep(plan, std::move(result), coded);
+    return coded;
+}
+
+/// Gives the coded picture its reconstruction; that of an I or P picture becomes the newest reference, too.
+void Encoder::Impl::keep(const PicturePlan& plan, mpeg2::PictureResult result, CodedPicture& coded) {
     const auto shown = [&](auto&& frame) {
         return mpeg2::crop(std::forward<decltype(frame)>(frame), settings.width, settings.height, plan.number);
     };
-    coded.reconstruction = bidirectional ? shown(std::move(result.reconstruction)) : shown(result.reconstruction);
-    coded.macroblocks = std::move(result.records);
-    refresh.record(plan.type, coded.macroblocks);
-    coded.block_evaluations = result.evaluations;
-    if (bidirectional) return coded;
+    if (plan.type == PictureType::bidirectional) {
+        coded.reconstruction = shown(std::move(result.reconstruction));
+        return;
+    }
+    coded.reconstruction = shown(result.reconstruction);
     earlier = std::move(later);
     later = Reference{plan.number, plan.references.empty() ? plan.number : plan.references[0],
                       std::move(result.reconstruction), std::move(result.vectors)};
-    return coded;
 }
 
 /// Codes the B pictures between the newest two others.
@@ -237,10 +256,9 @@ Declaration declaration_of(const Settings& settings) {
     return {level.name, channel.bit_rate, channel.buffer_bits, channel.chunk_fullness};
 }
 
-Encoder::Encoder(const Settings& settings) : Encoder(settings, mpeg2::Search{}) {}
-Encoder::Encoder(const Settings& settings, const mpeg2::Search& search) {
+Encoder::Encoder(const Settings& settings) {
     check(settings);
-    impl_ = std::make_unique<Impl>(settings, search);
+    impl_ = std::make_unique<Impl>(settings);
 }
 Encoder::~Encoder() = default;
 
@@ -249,36 +267,16 @@ PicturePlan Encoder::plan(std::int64_t number, const PictureFacts& facts, bool f
     mpeg2::check_facts(number, facts);
     m.enter(number, facts, first_of_chunk);
     Session& session = m.sessions.back();
-    PicturePlan plan;
-    plan.number = number;
-    plan.starts_gop = !m.last_planned || first_of_chunk || number - m.planned_gop_start >= m.settings.gop ||
-                      ((facts.cut_before || facts.keyframe) && session.schedule.affords_gop(number));
-    if (plan.starts_gop) {
-        // B pictures may have been promised this picture as their later reference, in their own GOP.
-        EXPECTS(!m.last_planned || m.planned_later <= *m.last_planned);
-        plan.type = PictureType::intra;
-        m.planned_gop_start = m.planned_earlier = m.planned_later = number;
-    } else {
-        if (number > m.planned_later) {
-            const std::int64_t left = std::min(facts.frames_left, m.planned_gop_start + m.settings.gop - 1 - number);
-            m.planned_earlier = m.planned_later;
-            m.planned_later =
-                number - 1 + mpeg2::next_reference_after(left + 1, m.settings.b_pictures, facts.motion_nonuniformity);
-        }
-        plan.type = number < m.planned_later ? PictureType::bidirectional : PictureType::predicted;
-        plan.references = {m.planned_earlier};
-        if (plan.type == PictureType::bidirectional) plan.references.push_back(m.planned_later);
-    }
-    const std::int64_t horizon = std::min(number + facts.frames_left, m.planned_gop_start + m.settings.gop - 1);
-    if (plan.type != PictureType::bidirectional && horizon > number) plan.horizon = horizon;
-    first_of_chunk = first_of_chunk || !m.last_planned;
+    first_of_chunk = first_of_chunk || !m.order.last();
+    const bool starts_gop = first_of_chunk || m.order.gop_is_over(number) ||
+                            ((facts.cut_before || facts.keyframe) && session.schedule.affords_gop(number));
+    PicturePlan plan = m.order.plan(number, facts, starts_gop);
     session.schedule.plan(number, plan.starts_gop, first_of_chunk, facts.left_in_chunk, facts.last_chunk);
     if (first_of_chunk && !session.schedule.feasible())
         throw core::Error("bit rate " + std::to_string(m.channel.bit_rate) + ": a chunk of " +
                           std::to_string(facts.left_in_chunk.value_or(0) + 1) +
                           " pictures cannot be coded so that the next one finds its buffer filled");
     plan.quantiser = session.rate.plan(plan, facts, first_of_chunk, session.schedule);
-    m.last_planned = number;
     m.planned.push_back(plan);
     return plan;
 }
@@ -311,11 +309,11 @@ std::vector<CodedPicture> Encoder::push(const core::Picture& picture, const Pict
 std::vector<CodedPicture> Encoder::flush() {
     Impl& m = *impl_;
     std::vector<CodedPicture> complete;
-    if (m.last_planned) m.planned_later = *m.last_planned;
+    m.order.cut_short();
 
     // What was planned beyond will not come, nor what was promised.
     const auto promised = m.sessions.empty() ? std::nullopt : m.sessions.back().end;
-    if (!m.planned.empty() || (promised && *m.last_planned + 1 != *promised)) m.cut_short = true;
+    if (!m.planned.empty() || (promised && *m.order.last() + 1 != *promised)) m.cut_short = true;
     m.planned.clear();
     if (m.delayed.empty()) return complete;
 

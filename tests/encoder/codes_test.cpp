@@ -9,7 +9,7 @@
 #include "encoder/mpeg2/bitstream/syntax.h"
 #include "encoder/mpeg2/kernels/kernels.h"
 #include "encoder/mpeg2/kernels/quantiser.h"
-#include "encoder/mpeg2/macroblock/row_coding.h"
+#include "encoder/mpeg2/macroblock/slice_writing.h"
 #include "film.h"
 #include "streams.h"
 

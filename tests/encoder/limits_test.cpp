@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "encoder/mpeg2/bitstream/levels.h"
-#include "encoder/mpeg2/macroblock/row_coding.h"
+#include "encoder/mpeg2/macroblock/slice_writing.h"
 #include "encoder/mpeg2/picture/fitting.h"
 #include "film.h"
 
@@ -95,8 +95,8 @@ std::uint32_t largest_of_jumping_noise(PictureType type, Effort effort) {
         const std::vector<std::uint8_t> finest(columns, 1);
         RowCode code = decide_row(picture, row, finest.data(), vectors);
         BitWriter out;
-        RowSyntax syntax{type, rows * 16, row, code.quantiser, {{1, 1}, {1, 1}}, false};
-        write_row(out, syntax, code);
+        SliceSyntax syntax{type, rows * 16, row, code.quantiser, {{1, 1}, {1, 1}}, false};
+        write_slice(out, syntax, code);
         for (const MacroblockCode& m : code.macroblocks) {
             largest = std::max(largest, m.bits);
             inter += m.type.motion(directions - 1) ? 1 : 0;

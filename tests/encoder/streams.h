@@ -7,7 +7,7 @@
 #include "encoder/mpeg2/bitstream/syntax.h"
 #include "encoder/mpeg2/kernels/kernels.h"
 #include "encoder/mpeg2/kernels/quantiser.h"
-#include "encoder/mpeg2/macroblock/row_coding.h"
+#include "encoder/mpeg2/macroblock/slice_writing.h"
 #include "encoder/mpeg2/macroblock/weighting_matrices.h"
 #include "film.h"
 
@@ -30,9 +30,9 @@ inline std::vector<std::uint8_t> access_unit(const PictureHeader& header, std::v
     }
     write_picture_header(out, header);
     for (int row = 0; row < rows; ++row) {
-        RowSyntax syntax{header.type, s.height, row, quantiser, {}, header.intra_vlc_format};
+        SliceSyntax syntax{header.type, s.height, row, quantiser, {}, header.intra_vlc_format};
         std::copy_n(&header.f_code[0][0], 4, &syntax.f_code[0][0]);
-        write_row(out, syntax, code[static_cast<std::size_t>(row)]);
+        write_slice(out, syntax, code[static_cast<std::size_t>(row)]);
     }
     return out.take();
 }

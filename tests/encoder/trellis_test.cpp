@@ -143,7 +143,7 @@ TEST(Levels, AreLoweredOneByOneAlikeByEveryKernel) {
                              other.dequantised,  other.weights ? other.weights->of : nullptr,
                              other.scan_mask,    other.distortion};
             const int bits =
-                variants.variant[i]->greedy_rdoq(b, table, CoefficientLengths::zero().code_lengths(), intra, lambda);
+                variants.variant[i]->greedy_rdoq(b, table, CoefficientLengths::zero().tables(), intra, lambda);
             ASSERT_EQ(bits, coefficient_bits(plain, CoefficientLengths::zero(), intra)) << "seed " << seed;
             ASSERT_EQ(b.scan_mask, plain.scan_mask);
             ASSERT_TRUE(std::equal(plain.levels, plain.levels + 64, other.levels));

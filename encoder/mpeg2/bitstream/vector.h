@@ -16,6 +16,16 @@ struct Vector {
     bool is_zero() const { return x == 0 && y == 0; }
 };
 
+/// The smallest and largest components of vectors, zero among them.
+struct VectorExtent {
+    Vector low, high;
+
+    void include(Vector v) {
+        low = {std::min(low.x, v.x), std::min(low.y, v.y)};
+        high = {std::max(high.x, v.x), std::max(high.y, v.y)};
+    }
+};
+
 /// How a macroblock is predicted: direction 0 is forward (from an earlier picture), 1 backward (from a later one);
 /// both: the mean of the two. Neither: not predicted. A direction that is not used still has a vector where it stands
 /// for what the stream predicts the next one from.

@@ -86,7 +86,7 @@ struct Fall {
 R2M_INLINE Fall fall_of(const QuantisedBlock& block, const QuantTable& table, int place) {
     const int level = block.levels[place], sign = level >> 31, magnitude = with_sign(level, sign);
     const int value = with_sign(block.dequantised[place], sign);
-    const int lower = magnitude > 1 ? ((2 * (magnitude - 1) + table.reconstruction) * table.weight[place]) >> 4 : 0;
+    const int lower = dequantised_magnitude(table, place, magnitude - 1);
     // (c - lower)^2 - (c - value)^2
     const float c = block.coefficients[place];
     float loss = static_cast<float>(value - lower) * (2 * (c < 0 ? -c : c) - static_cast<float>(value + lower));
@@ -98,15 +98,15 @@ R2M_INLINE int tabled(int magnitude) {
     return magnitude < 63 ? magnitude : 63;
 }
 
-int greedy_rdoq(QuantisedBlock& block, const QuantTable& table, const CodeLengths& code_lengths, bool intra,
+int greedy_rdoq(QuantisedBlock& block, const QuantTable& table, const CodeLengthTables& tables, bool intra,
                 float lambda) {
-    if (block.scan_mask == 0) return code_lengths.end_of_block;
+    if (block.scan_mask == 0) return tables.end_of_block;
     const int start = intra ? 0 : -1;  // past DC in intra blocks: a run counts from the coefficient before
     const auto row = [&](int before, int scan) {
-        return !intra && scan == 0 ? code_lengths.first : code_lengths.length + (scan - before - 1) * 64;
+        return !intra && scan == 0 ? tables.first : tables.length + (scan - before - 1) * 64;
     };
     int after = -1, after_magnitude = 0;  // the next coefficient still there
-    int bits = code_lengths.end_of_block;
+    int bits = tables.end_of_block;
     std::uint64_t kept = block.scan_mask;
     float lost = 0.0f;
 
@@ -117,7 +117,7 @@ int greedy_rdoq(QuantisedBlock& block, const QuantTable& table, const CodeLength
         left &= left - 1;
         more = left != 0;
         const int before = more ? 63 - __builtin_ctzll(left) : start;
-        const Fall fall = fall_of(block, table, code_lengths.place_of_scan[scan]);
+        const Fall fall = fall_of(block, table, tables.place_of_scan[scan]);
 
         // Price the level and the one below.
         const std::uint8_t* own = row(before, scan);

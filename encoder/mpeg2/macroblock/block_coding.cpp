@@ -37,13 +37,6 @@ int magnitude_at(const Block& block, int scan) {
     return std::abs(block.levels[place_of_scan[static_cast<std::size_t>(scan)]]);
 }
 
-/// Bits of the code at `scan` after the coefficient at `before` (-1: none before).
-int bits_after(const CoefficientLengths& lengths, int before, int scan, int magnitude, bool intra) {
-    // The first coefficient of a non-intra block has a shorter code for level 1 at once. [H262, 7.2.2.1]
-    if (!intra && scan == 0 && magnitude == 1) return 2;
-    return lengths.bits(scan - before - 1, magnitude);
-}
-
 }  // namespace
 
 CoefficientLengths::CoefficientLengths(const CoefficientCodes& codes) : end_of_block_(codes.end_of_block.length) {
@@ -53,10 +46,10 @@ CoefficientLengths::CoefficientLengths(const CoefficientCodes& codes) : end_of_b
                 run < CoefficientCodes::runs && level < CoefficientCodes::levels && codes.code[run][level].length > 0;
             length_[run][level] = static_cast<std::uint8_t>(tabled ? codes.code[run][level].length + 1 : escape_bits);
         }
-    static_assert(levels == 64);  // what CodeLengths says
+    static_assert(levels == 64);  // what CodeLengthTables says
     std::copy_n(length_[0], levels, first_);
     first_[1] = 2;
-    code_lengths_ = {length_[0], first_, place_of_scan.data(), end_of_block_};
+    tables_ = {length_[0], first_, place_of_scan.data(), end_of_block_};
 }
 
 const CoefficientLengths& CoefficientLengths::zero() {
@@ -88,7 +81,7 @@ int greedy_rdoq(Block& block, const QuantTable& table, const CoefficientLengths&
     QuantisedBlock quantised{block.coefficients, block.levels,
                              block.dequantised,  block.weights ? block.weights->of : nullptr,
                              block.scan_mask,    block.distortion};
-    const int bits = kernels().greedy_rdoq(quantised, table, lengths.code_lengths(), intra, lambda);
+    const int bits = kernels().greedy_rdoq(quantised, table, lengths.tables(), intra, lambda);
     block.scan_mask = quantised.scan_mask;
     block.distortion = quantised.distortion;
     return bits;
@@ -99,7 +92,7 @@ int coefficient_bits(const Block& block, const CoefficientLengths& lengths, bool
     int before = intra ? 0 : -1;
     for (std::uint64_t left = block.scan_mask; left != 0; left &= left - 1) {
         const int scan = std::countr_zero(left);
-        bits += bits_after(lengths, before, scan, magnitude_at(block, scan), intra);
+        bits += lengths.bits_after(before, scan, magnitude_at(block, scan), intra);
         before = scan;
     }
     return bits;

@@ -22,8 +22,14 @@ class CoefficientLengths {
     CoefficientLengths& operator=(const CoefficientLengths&) = delete;
 
     int bits(int run, int magnitude) const { return magnitude < levels ? length_[run][magnitude] : escape_bits; }
+    /// Of the coefficient at `scan`, after the one at `before` (-1: none before).
+    int bits_after(int before, int scan, int magnitude, bool intra) const {
+        // The first coefficient of a non-intra block has a shorter code for level 1 at once. [H262, 7.2.2.1]
+        if (!intra && scan == 0 && magnitude == 1) return 2;
+        return bits(scan - before - 1, magnitude);
+    }
     int end_of_block() const { return end_of_block_; }
-    const CodeLengths& code_lengths() const { return code_lengths_; }
+    const CodeLengthTables& tables() const { return tables_; }
 
     static const CoefficientLengths& zero();  ///< table B-14
     static const CoefficientLengths& one();   ///< table B-15
@@ -33,7 +39,7 @@ class CoefficientLengths {
     std::uint8_t length_[64][levels];  ///< [run][magnitude 1..]
     std::uint8_t first_[levels];       ///< likewise, of a non-intra block's first coefficient without a run
     int end_of_block_;
-    CodeLengths code_lengths_;
+    CodeLengthTables tables_;
 };
 
 /// Weights of the squares of coefficients' errors, in the encoder's order.

@@ -34,10 +34,6 @@ std::ptrdiff_t prediction_stride(const Place& p) {
     return p.plane == 0 ? 16 : 8;
 }
 
-float lambda_of(const PictureCoding& picture, int quantiser) {
-    return picture.lambda_factor * static_cast<float>(quantiser * quantiser);
-}
-
 /// Lowers the levels of a quantised block where that is worth it; gives its coefficients' bits with table B-14.
 int rdoq(const PictureCoding& picture, Block& block, const QuantTable& table, bool intra, float lambda) {
     const CoefficientLengths& lengths = CoefficientLengths::zero();

@@ -9,7 +9,7 @@
 #include "encoder/mpeg2/kernels/quantiser.h"
 #include "encoder/mpeg2/macroblock/block_coding.h"
 #include "encoder/mpeg2/motion/fast_motion_search.h"
-#include "encoder/mpeg2/motion/motion_estimation.h"
+#include "encoder/mpeg2/motion/motion_compensation.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 
@@ -77,6 +77,11 @@ struct ModeTrial {
     int quantiser = 1;
     RdCost rd;
 };
+
+/// The Lagrangian: squared error per bit.
+inline float lambda_of(const PictureCoding& picture, int quantiser) {
+    return picture.lambda_factor * static_cast<float>(quantiser * quantiser);
+}
 
 /// Tries the macroblock predicted by `mode`; blocks not worth their bits are dropped. `out` may hold the prediction
 /// of luma already.

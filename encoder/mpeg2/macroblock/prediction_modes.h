@@ -1,18 +1,15 @@
 #pragma once
 
-#include <cstdint>
-
+#include "core/smallest.h"
 #include "encoder/mpeg2/macroblock/macroblock.h"
 #include "encoder/mpeg2/motion/motion_estimation.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 
-/// The modes of a B picture's macroblock that deserve to be tried in full, cheapest first by Hadamard sum and bits.
+/// The prediction modes of a B picture's macroblock that deserve to be tried in full.
 struct ModeChoice {
-    static constexpr int most = 4;
-    PredictionMode mode[most];
-    int count = 0;
-    int evaluations = 0;  ///< 16x16 differences computed
+    core::Smallest<PredictionMode, 4> modes;  ///< by Hadamard sum and bits
+    int evaluations = 0;                      ///< 16x16 differences computed
 };
 
 /// Chooses among each direction's vectors alone and means of their best, and of those of the macroblock before.

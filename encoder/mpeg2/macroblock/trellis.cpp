@@ -17,10 +17,6 @@ struct Path {
     std::int16_t value;  ///< dequantised magnitude
 };
 
-int dequantise(const QuantTable& table, std::size_t place, int magnitude) {
-    return magnitude == 0 ? 0 : ((2 * magnitude + table.reconstruction) * table.weight[place]) >> 4;
-}
-
 class Trellis {
   public:
     Trellis(const Block& block, const QuantTable& table, const CoefficientLengths& lengths, bool intra, float lambda)
@@ -38,12 +34,12 @@ class Trellis {
         Path& best = paths_[count_];
         best.before = -1;
         for (int level = highest; level > 0 && level >= highest - 1; --level) {
-            const int value = dequantise(table_, place, level);
+            const int value = dequantised_magnitude(table_, static_cast<int>(place), level);
             const float error = target - static_cast<float>(value),
                         gain = loss_of(block_, place, error) - loss_of(block_, place, target);
             for (int i = 0; i < open_count_; ++i) {
                 const Path& from = paths_[open_[i]];
-                const float cost = from.cost + gain + lambda_ * static_cast<float>(bits(from.scan, scan, level));
+                const float cost = from.cost + gain + lambda_ * static_cast<float>(lengths_.bits_after(from.scan, scan, level, intra_));
                 if (best.before >= 0 && cost >= best.cost) continue;
                 best = {cost, static_cast<std::int8_t>(scan), open_[i], static_cast<std::int16_t>(level),
                         static_cast<std::int16_t>(value)};
@@ -60,12 +56,6 @@ class Trellis {
     const Path& before(const Path& path) const { return paths_[path.before]; }
 
   private:
-    int bits(int before, int scan, int magnitude) const {
-        // The first coefficient of a non-intra block has a shorter code for level 1 at once. [H262, 7.2.2.1]
-        if (!intra_ && scan == 0 && magnitude == 1) return 2;
-        return lengths_.bits(scan - before - 1, magnitude);
-    }
-
     const Block& block_;
     const QuantTable& table_;
     const CoefficientLengths& lengths_;

@@ -21,7 +21,22 @@ struct MotionSources {
     bool zero_is_implicit;      ///< a zero vector costs next to nothing: P pictures
     std::uint32_t enough = 0;   ///< FastMotionSearch: Hadamard sum at which no more vectors are tried
     int evaluation_limit = 38;  ///< most 16x16 differences computed for one macroblock, 9..40
-    int search_range = 0;       ///< encoder/mpeg2/motion/search.h
+};
+
+/// Bits of macroblock_type and vector of a P picture's macroblock, or of one direction of a B picture's.
+class VectorBits {
+  public:
+    VectorBits(int horizontal_f_code, int vertical_f_code, bool zero_is_implicit)
+        : x_(horizontal_f_code), y_(vertical_f_code), zero_is_implicit_(zero_is_implicit) {}
+    /// A zero vector needs no bits in P pictures, but a macroblock type one bit longer.
+    int operator()(Vector v, Vector prediction) const {
+        if (zero_is_implicit_ && v.is_zero()) return 2;
+        return 1 + x_(v.x - prediction.x) + y_(v.y - prediction.y);
+    }
+
+  private:
+    ComponentBits x_, y_;
+    bool zero_is_implicit_;
 };
 
 /// The best vectors of a macroblock, best first.
@@ -50,15 +65,5 @@ static_assert(2 * evaluation_limit_per_direction + evaluation_limit_of_means + e
 /// among half-pel neighbours of the best in at most two rounds. No search: a vector is never more than two half pixels
 /// from one of these.
 MotionEstimate estimate_motion(const MotionSources& sources);
-
-/// Luma and chroma prediction of a macroblock: 16x16 samples, then 8x8 of Cb and Cr.
-struct Prediction {
-    alignas(32) std::uint8_t y[256];
-    alignas(32) std::uint8_t cb[64];
-    alignas(32) std::uint8_t cr[64];
-};
-/// [H262, 7.6.3.7 and 7.6.4]. The vector keeps inside the reference (vector_range).
-void predict_luma(const Frame& reference, int column, int row, Vector v, std::uint8_t* out);  ///< 16x16 samples
-void predict_chroma(const Frame& reference, int column, int row, Vector v, Prediction& out);
 
 }  // namespace render2mpeg::encoder::mpeg2

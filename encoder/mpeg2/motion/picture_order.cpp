@@ -19,4 +19,29 @@ std::int64_t next_reference_after(std::int64_t rest, int most_b, std::optional<d
     return (rest + runs - 1) / runs;
 }
 
+PicturePlan PictureOrder::plan(std::int64_t number, const PictureFacts& facts, bool starts_gop) {
+    PicturePlan plan;
+    plan.number = number;
+    plan.starts_gop = starts_gop;
+    if (starts_gop) {
+        // B pictures may have been promised this picture as their later reference, in their own GOP.
+        EXPECTS(!last_ || later_ <= *last_);
+        plan.type = PictureType::intra;
+        gop_start_ = earlier_ = later_ = number;
+    } else {
+        if (number > later_) {
+            const std::int64_t left = std::min(facts.frames_left, gop_start_ + gop_ - 1 - number);
+            earlier_ = later_;
+            later_ = number - 1 + next_reference_after(left + 1, b_pictures_, facts.motion_nonuniformity);
+        }
+        plan.type = number < later_ ? PictureType::bidirectional : PictureType::predicted;
+        plan.references = {earlier_};
+        if (plan.type == PictureType::bidirectional) plan.references.push_back(later_);
+    }
+    const std::int64_t horizon = std::min(number + facts.frames_left, gop_start_ + gop_ - 1);
+    if (plan.type != PictureType::bidirectional && horizon > number) plan.horizon = horizon;
+    last_ = number;
+    return plan;
+}
+
 }  // namespace render2mpeg::encoder::mpeg2

@@ -3,11 +3,35 @@
 #include <cstdint>
 #include <optional>
 
+#include "encoder/types.h"
+
 namespace render2mpeg::encoder::mpeg2 {
 
 /// How far from an I or P picture the next P picture is to lie, >= 1, where `rest` >= 1 pictures of the GOP follow.
-/// Runs of B pictures are as long as `most_b` and the motion's non-uniformity (encoder/motion_nonuniformity.h;
-/// none: even) allow, and as alike as the rest can be parted: so no lone picture is left over at the GOP's end.
+/// Runs of B pictures are as long as `most_b` and the motion's non-uniformity (encoder/motion_nonuniformity.h; none:
+/// even) allow, and as alike as the rest can be parted: so no lone picture is left over at the GOP's end.
 std::int64_t next_reference_after(std::int64_t rest, int most_b, std::optional<double> motion_nonuniformity);
+
+/// Decides types and references, in display order.
+class PictureOrder {
+  public:
+    /// As in Settings.
+    PictureOrder(int gop, int b_pictures) : gop_(gop), b_pictures_(b_pictures) {}
+
+    /// Whether a GOP has to begin with the next picture.
+    bool gop_is_over(std::int64_t number) const { return !last_ || number - gop_start_ >= gop_; }
+    /// Everything of the next picture's plan but its quantiser.
+    PicturePlan plan(std::int64_t number, const PictureFacts& facts, bool starts_gop);
+    /// Promised pictures beyond those planned will not come.
+    void cut_short() { later_ = last_.value_or(later_); }
+
+    std::optional<std::int64_t> last() const { return last_; }  ///< number of the picture planned last
+
+  private:
+    int gop_, b_pictures_;
+    std::optional<std::int64_t> last_;
+    std::int64_t gop_start_ = 0;
+    std::int64_t earlier_ = 0, later_ = 0;  ///< I or P pictures around the one planned last, or itself
+};
 
 }  // namespace render2mpeg::encoder::mpeg2

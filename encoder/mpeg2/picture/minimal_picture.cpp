@@ -6,7 +6,7 @@
 
 #include "encoder/mpeg2/bitstream/syntax.h"
 #include "encoder/mpeg2/kernels/quantiser.h"
-#include "encoder/mpeg2/macroblock/row_coding.h"
+#include "encoder/mpeg2/macroblock/slice_writing.h"
 #include "encoder/mpeg2/macroblock/weighting_matrices.h"
 
 namespace render2mpeg::encoder::mpeg2 {
@@ -48,13 +48,13 @@ std::vector<std::uint8_t> written(const PictureHeader& header, int lines, int ro
     BitWriter out;
     write_picture_header(out, header);
     for (int r = 0; r < rows; ++r) {
-        RowSyntax syntax{};
+        SliceSyntax syntax{};
         syntax.type = header.type;
         syntax.lines = lines;
         syntax.row = r;
         syntax.quantiser = quantiser;
         std::copy_n(&header.f_code[0][0], 4, &syntax.f_code[0][0]);
-        write_row(out, syntax, row);
+        write_slice(out, syntax, row);
     }
     return out.take();
 }

@@ -7,25 +7,18 @@
 
 #include "encoder/mpeg2/bitstream/syntax.h"
 #include "encoder/mpeg2/bitstream/tuning.h"
-#include "encoder/mpeg2/macroblock/row_coding.h"
+#include "encoder/mpeg2/macroblock/mode_decision.h"
+#include "encoder/mpeg2/macroblock/slice_writing.h"
 #include "encoder/mpeg2/motion/motion_estimation.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
-/// Largest and smallest components, for f_codes.
-struct Extent {
-    Vector low, high;
-    void include(Vector v) {
-        low = {std::min(low.x, v.x), std::min(low.y, v.y)};
-        high = {std::max(high.x, v.x), std::max(high.y, v.y)};
-    }
-    void f_codes(int (&f_code)[2]) const {
-        f_code[0] = f_code_for(low.x, high.x);
-        f_code[1] = f_code_for(low.y, high.y);
-    }
-};
+void set_f_codes(int (&f_code)[2], const VectorExtent& extent) {
+    f_code[0] = f_code_for(extent.low.x, extent.high.x);
+    f_code[1] = f_code_for(extent.low.y, extent.high.y);
+}
 
 float lambda_factor(PictureType type) {
     return type == PictureType::intra       ? lambda_intra
@@ -48,8 +41,7 @@ std::optional<MotionSources> sources_of(const PictureTask& task, const Level& le
                          lambda_motion * q,
                          !bidirectional,
                          fast ? static_cast<std::uint32_t>(enough_fast * task.quantiser) : 0,
-                         bidirectional ? evaluation_limit_per_direction : evaluation_limit_of_vectors,
-                         task.search_range};
+                         bidirectional ? evaluation_limit_per_direction : evaluation_limit_of_vectors};
 }
 
 Vectors choose(const PictureTask& task, const Level& level, std::uint64_t& evaluations) {
@@ -99,10 +91,10 @@ std::vector<RowCode> decide(const PictureTask& task, const Vectors& vectors, con
             std::copy_n(fast_search->f_code(static_cast<int>(d)), 2, picture.f_code[d]);
             continue;
         }
-        Extent extent;
+        VectorExtent extent;
         for (const BestVectors& choice : vectors[d].values())
             for (int i = 0; i < choice.count; ++i) extent.include(choice.vector[i]);
-        extent.f_codes(picture.f_code[d]);
+        set_f_codes(picture.f_code[d], extent);
     }
     const core::Plane<std::uint8_t> quantisers = quantisers_of(task);
     std::vector<RowCode> rows(static_cast<std::size_t>(task.source.rows()));
@@ -123,7 +115,7 @@ PictureHeader header_for(const PictureTask& task, const std::vector<RowCode>& ro
     header.intra_dc_bits = dc_bits_for(task.quantiser);
     header.shown = task.shown;
     std::int64_t gain = 0;
-    Extent extent[2];
+    VectorExtent extent[2];
     for (const RowCode& row : rows) {
         gain += row.table_one_gain;
         for (const MacroblockCode& code : row.macroblocks)
@@ -132,7 +124,7 @@ PictureHeader header_for(const PictureTask& task, const std::vector<RowCode>& ro
     }
     header.intra_vlc_format = gain > 0;
     for (int d = 0; d < 2; ++d)
-        if (task.reference[d]) extent[d].f_codes(header.f_code[d]);
+        if (task.reference[d]) set_f_codes(header.f_code[d], extent[d]);
     return header;
 }
 
@@ -141,11 +133,11 @@ std::vector<std::uint8_t> write(const PictureTask& task, const PictureHeader& he
     std::vector<std::vector<std::uint8_t>> slices(rows.size());
     parallel::for_each(rows.size(), [&](std::size_t row) {
         BitWriter out;
-        RowSyntax syntax{task.type,           task.lines, static_cast<int>(row),
+        SliceSyntax syntax{task.type,           task.lines, static_cast<int>(row),
                          rows[row].quantiser, {},         header.intra_vlc_format,
                          header.intra_dc_bits};
         std::copy_n(&header.f_code[0][0], 4, &syntax.f_code[0][0]);
-        write_row(out, syntax, rows[row]);
+        write_slice(out, syntax, rows[row]);
         slices[row] = out.take();
     });
     BitWriter out;
@@ -189,7 +181,7 @@ PictureResult code_picture(const PictureTask& task, const Level& level) {
     Vectors vectors;
     const std::optional<MotionSources> sources[2] = {sources_of(task, level, 0), sources_of(task, level, 1)};
     std::optional<FastMotionSearch> fast_search;
-    if (task.effort == Effort::fast && task.search_range == 0) {
+    if (task.effort == Effort::fast) {
         fast_search.emplace(sources[0] ? &*sources[0] : nullptr, sources[1] ? &*sources[1] : nullptr);
     } else {
         vectors = choose(task, level, result.evaluations);

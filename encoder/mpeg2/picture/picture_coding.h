@@ -32,7 +32,6 @@ struct PictureTask {
     /// What `quantiser` is multiplied by in each macroblock; null: 1.
     const core::Plane<float>* quantiser_factors = nullptr;
     const core::Plane<Force>* forced = nullptr;  ///< null: nothing
-    int search_range = 0;                        ///< encoder/mpeg2/motion/search.h
     float bit_weight = 1;                        ///< how much dearer bits are than tuning.h makes them
 };
 

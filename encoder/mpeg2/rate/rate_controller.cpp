@@ -62,7 +62,7 @@ int RateController::plan(const PicturePlan& picture, const PictureFacts& facts, 
         chunk_end_ = facts.left_in_chunk ? std::optional(picture.number + *facts.left_in_chunk + 1) : std::nullopt;
         hands_over_ = !facts.last_chunk;
         spent_ = rounding_ = steady_ = 0;
-        settled_ = 0;
+        coded_in_chunk_ = 0;
         allocated_ = facts.allocation ? facts.allocation->affordable * facts.allocation->bits_left : 0;
     }
     if (picture.starts_gop) gop_start_ = picture.number;
@@ -77,7 +77,7 @@ int RateController::plan(const PicturePlan& picture, const PictureFacts& facts, 
     return entry.quantiser;
 }
 
-int RateController::settle(const PicturePlan& picture, const VbvSchedule& schedule) {
+int RateController::coding_quantiser(const PicturePlan& picture, const VbvSchedule& schedule) {
     const auto planned = in_flight_.find(picture.number);
     EXPECTS(planned != in_flight_.end());
     InFlight& entry = planned->second;
@@ -92,7 +92,7 @@ int RateController::settle(const PicturePlan& picture, const VbvSchedule& schedu
 
     // What was planned holds unless what has been learned since asks for another step.
     const double wanted = std::clamp(nominal(picture.number, entry, schedule), 1.0, 31.0);
-    if (++settled_ > settings_.b_pictures + 2) steady_ = solved_;
+    if (++coded_in_chunk_ > settings_.b_pictures + 2) steady_ = solved_;
     const double off = wanted - picture.quantiser;
     if (entry.guessed && off > 1) return whole(wanted);
     return picture.quantiser + (off >= 1.0 ? 1 : off <= -1.0 ? -1 : 0);
@@ -174,12 +174,12 @@ double RateController::nominal(std::int64_t number, const InFlight& picture, con
         const double share = bits_as_allocated(picture);
         const double correction = core::divide_or(share, std::max(0.0, left), 1e3);
         quantiser =
-            picture.allocation->quantiser * calm(std::pow(std::max(correction, 1e-3), 1.0 / rate_slope(picture.type)));
+            picture.allocation->quantiser * damped(std::pow(std::max(correction, 1e-3), 1.0 / rate_slope(picture.type)));
     } else {
         const Counts rest = foreseen();
         const double base = solve(
             left, [&](double q) { return bits(picture, std::max(1.0, q * picture.ratio)) + bits_of_rest(rest, q); });
-        quantiser = calm(base) * picture.ratio;
+        quantiser = damped(base) * picture.ratio;
     }
     return limited(number, picture, quantiser, schedule);
 }
@@ -187,7 +187,7 @@ double RateController::nominal(std::int64_t number, const InFlight& picture, con
 /// What is solved for must not jump, least of all near a chunk's end, where a small rest would be spent on one picture.
 /// chosen: a third finer, half as much again coarser than for the picture before (1.2..2); the first pictures of a
 /// chunk may, since they find out what it needs.
-double RateController::calm(double solved) {
+double RateController::damped(double solved) {
     solved_ = steady_ > 0 ? std::clamp(solved, steady_ / 1.33, steady_ * 1.5) : solved;
     return solved_;
 }

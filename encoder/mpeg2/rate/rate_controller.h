@@ -13,8 +13,8 @@
 namespace render2mpeg::encoder::mpeg2 {
 
 /// Chooses quantisers: one before a picture is lit, from all that is known then, pictures still in flight included, and
-/// the final one when it is coded, at most a step away (but for the first pictures of a chunk). What the buffer then
-/// refuses is not its business (fitting.h).
+/// the final one when it is coded, at most a step away (but for the first pictures of a chunk). VBV violations
+/// are handled in fitting.h.
 ///
 /// All modes but the constant ones solve one equation: with quantiser k for I and P pictures and its ratio for B
 /// pictures, what is left of the chunk is to cost what is left of the chunk's bits. So the quantiser is the same
@@ -27,7 +27,7 @@ class RateController {
     int plan(const PicturePlan& picture, const PictureFacts& facts, bool first_of_chunk, const VbvSchedule& schedule);
     /// The quantiser for coding a planned picture. Its type may have changed since: then it is chosen anew. Where it
     /// was planned by a guess it may become coarser by any number of steps.
-    int settle(const PicturePlan& picture, const VbvSchedule& schedule);
+    int coding_quantiser(const PicturePlan& picture, const VbvSchedule& schedule);
     /// The first picture of each type is planned by a guess, and a film may become harder at once. Now that a picture
     /// came to `bits`: a quantiser coarser by more than a step if that is what they ask for, else the one it has. Never
     /// finer: it was lit for no more.
@@ -50,7 +50,7 @@ class RateController {
     void adapt(InFlight& picture) const;
     int rounded(const InFlight& entry, double wanted);
     double steady_quantiser(const InFlight& picture) const;
-    double calm(double solved);
+    double damped(double solved);
     double nominal(std::int64_t number, const InFlight& picture, const VbvSchedule& schedule);
     double bits(const InFlight& picture, double quantiser) const;
     /// What a picture and all not planned yet would come to as they were allocated.
@@ -83,7 +83,7 @@ class RateController {
     std::array<double, 3> allocated_rest_{};  ///< of it to pictures not planned yet, by type
     int reference_quantiser_ = 1;             ///< of the newest I or P picture planned
     double solved_ = 0;                       ///< by the last call of nominal
-    int settled_ = 0;                         ///< pictures of the chunk
+    int coded_in_chunk_ = 0;                         ///< pictures of the chunk
     double steady_ = 0;    ///< what the last picture settled at: base quantiser or correction; 0: too early
     double rounding_ = 0;  ///< bits that rounding of quantisers has cost or saved lately
 };

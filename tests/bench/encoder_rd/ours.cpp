@@ -7,8 +7,8 @@
 #include "core/numeric.h"
 #include "encoder/encoder.h"
 #include "encoder/motion_nonuniformity.h"
-#include "encoder/mpeg2/motion/search.h"
 #include "encoder_rd/codecs.h"
+#include "encoder_rd/full_search.h"
 #include "perceptual/hvs.h"
 #include "perceptual/metrics.h"
 
@@ -65,7 +65,7 @@ Run start(const Clip& clip, const OwnCodec& codec, int quantiser) {
     s.tune = codec.tune;
     Run run;
     run.codec = codec;
-    run.encoder = std::make_unique<encoder::Encoder>(s, encoder::mpeg2::Search{codec.search});
+    run.encoder = std::make_unique<encoder::Encoder>(s);
     run.measured.quantiser = quantiser;
     return run;
 }
@@ -127,8 +127,15 @@ std::vector<std::vector<Measured>> code_with_ours(const Clip& clip, const std::v
             if (run.codec.told) facts.motion_nonuniformity = unevenness;
             const encoder::PicturePlan plan = run.encoder->plan(n, facts, n == 0);
             std::vector<core::MotionField> motion;
-            for (const std::int64_t reference : plan.references)
-                if (run.codec.told && run.codec.search == 0) motion.push_back(clip.motion(n, reference));
+            for (const std::int64_t reference : plan.references) {
+                if (run.codec.search > 0)
+                    motion.push_back(timed(run.measured.seconds, [&] {
+                        return full_search(picture, clip.pictures[static_cast<std::size_t>(reference)],
+                                           run.measured.quantiser, run.codec.search, run.evaluations);
+                    }));
+                else if (run.codec.told)
+                    motion.push_back(clip.motion(n, reference));
+            }
             encoder::Hints hints;
             if (plan.horizon && run.codec.told) hints.onward = &clip.motion(n, *plan.horizon);
             run.take(clip,

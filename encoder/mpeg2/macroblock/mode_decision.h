@@ -23,18 +23,4 @@ struct RowCode {
 RowCode decide_row(const PictureCoding& picture, int row, const std::uint8_t* quantisers,
                    const BestVectors* const (&vectors)[2]);
 
-/// What the writer needs beyond a row's code.
-struct RowSyntax {
-    PictureType type;
-    int lines;
-    int row;
-    int quantiser;  ///< of the slice's header
-    int f_code[2][2];
-    bool intra_vlc_format;
-    int dc_bits = 8;
-};
-
-/// Writes the row as one slice, whole bytes; notes the bits of every macroblock in its code.
-void write_row(BitWriter& out, const RowSyntax& syntax, RowCode& code);
-
 }  // namespace render2mpeg::encoder::mpeg2
