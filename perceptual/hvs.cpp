@@ -64,7 +64,7 @@ double spread(const core::Block8x8& samples, int x, int y, int size) {
 
 /// What a block hides, to be divided by a coefficient's masking: its energy, less where it is in an edge, so that the
 /// block's quarters are quieter than the whole. [Ponomarenko2007, eq. 2 and 3]
-double hiding(const core::Block8x8& samples, const core::Block8x8& coefficients) {
+double masking_of(const core::Block8x8& samples, const core::Block8x8& coefficients) {
     double energy = 0.0;
     for (std::size_t i = 1; i < 64; ++i)
         energy += static_cast<double>(coefficients[i]) * static_cast<double>(coefficients[i]) *
@@ -75,9 +75,9 @@ double hiding(const core::Block8x8& samples, const core::Block8x8& coefficients)
 }
 
 /// Sum of the weighted squares of one block's differences.
-double block_error(const core::Block8x8& a, const core::Block8x8& b, bool masked) {
+double block_error(const core::Block8x8& a, const core::Block8x8& b) {
     const core::Block8x8 p = core::forward_dct(a), q = core::forward_dct(b);
-    const double hidden = masked ? std::max(hiding(a, p), hiding(b, q)) : 0.0;
+    const double hidden = std::max(masking_of(a, p), masking_of(b, q));
     double error = 0.0;
     for (std::size_t i = 0; i < 64; ++i) {
         double difference = std::abs(static_cast<double>(p[i]) - static_cast<double>(q[i]));
@@ -88,7 +88,9 @@ double block_error(const core::Block8x8& a, const core::Block8x8& b, bool masked
     return error;
 }
 
-double mean_error(const Plane& a, const Plane& b, bool masked) {
+}  // namespace
+
+double masked_error(const Plane& a, const Plane& b) {
     EXPECTS(a.width() == b.width() && a.height() == b.height());
     if (a.empty()) return 0.0;
     const int columns = std::max(1, a.width() / 8), rows = std::max(1, a.height() / 8);
@@ -96,19 +98,9 @@ double mean_error(const Plane& a, const Plane& b, bool masked) {
     for (int row = 0; row < rows; ++row)
         for (int column = 0; column < columns; ++column) {
             const core::Block8x8 p = samples_of(a, column, row), q = samples_of(b, column, row);
-            if (p != q) sum += block_error(p, q, masked);
+            if (p != q) sum += block_error(p, q);
         }
     return sum / (64.0 * static_cast<double>(columns) * rows);
-}
-
-}  // namespace
-
-double masked_error(const Plane& a, const Plane& b) {
-    return mean_error(a, b, true);
-}
-
-double weighted_error(const Plane& a, const Plane& b) {
-    return mean_error(a, b, false);
 }
 
 }  // namespace render2mpeg::perceptual

@@ -13,7 +13,4 @@ namespace render2mpeg::perceptual {
 /// repeating its edges. Symmetric.
 double masked_error(const core::Plane<std::uint8_t>& a, const core::Plane<std::uint8_t>& b);
 
-/// The same without masking: sensitivity alone, PSNR-HVS.
-double weighted_error(const core::Plane<std::uint8_t>& a, const core::Plane<std::uint8_t>& b);
-
 }  // namespace render2mpeg::perceptual

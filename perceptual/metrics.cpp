@@ -1,6 +1,5 @@
 #include "perceptual/metrics.h"
 
-#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -105,37 +104,16 @@ double ssim(const Plane& a, const Plane& b) {
 }
 
 void FilmQuality::add(const core::Picture& picture, const core::Picture& reference) {
-    const std::array planes{&picture.y, &picture.cb, &picture.cr};
-    const std::array references{&reference.y, &reference.cb, &reference.cr};
-    double samples = 0, error = 0, similar = 0;
-    for (std::size_t i = 0; i < planes.size(); ++i) {
-        const double size = static_cast<double>(planes[i]->size());
-        const double plane_error = mean_squared_error(*planes[i], *references[i]);
-        const double plane_similarity = ssim(*planes[i], *references[i]);
-        if (i == 0) {
-            error_y_ += plane_error;
-            similarity_y_ += plane_similarity;
-        }
-        samples += size;
-        error += size * plane_error;
-        similar += size * plane_similarity;
-    }
-    error_all_ += samples > 0 ? error / samples : 0.0;
-    similarity_all_ += samples > 0 ? similar / samples : 1.0;
+    error_ += mean_squared_error(picture.y, reference.y);
+    similarity_ += ssim(picture.y, reference.y);
     ++pictures_;
 }
 
 double FilmQuality::psnr_y() const {
-    return psnr(pictures_ > 0 ? error_y_ / static_cast<double>(pictures_) : 0.0);
-}
-double FilmQuality::psnr_average() const {
-    return psnr(pictures_ > 0 ? error_all_ / static_cast<double>(pictures_) : 0.0);
+    return psnr(pictures_ > 0 ? error_ / static_cast<double>(pictures_) : 0.0);
 }
 double FilmQuality::ssim_y() const {
-    return pictures_ > 0 ? similarity_y_ / static_cast<double>(pictures_) : 1.0;
-}
-double FilmQuality::ssim_all() const {
-    return pictures_ > 0 ? similarity_all_ / static_cast<double>(pictures_) : 1.0;
+    return pictures_ > 0 ? similarity_ / static_cast<double>(pictures_) : 1.0;
 }
 
 }  // namespace render2mpeg::perceptual

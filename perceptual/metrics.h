@@ -18,7 +18,8 @@ double psnr(double mean_squared_error);
 /// pixels. Films are averaged arithmetically. 1 for planes too small for one window that are equal.
 double ssim(const core::Plane<std::uint8_t>& a, const core::Plane<std::uint8_t>& b);
 
-/// Quality of a film, picture by picture, averaged as ffmpeg's `psnr` and `ssim` filters do (docs/model/metrics.md).
+/// Quality of a film's luma, picture by picture, averaged as ffmpeg's `psnr` and `ssim` filters do
+/// (docs/model/metrics.md).
 class FilmQuality {
   public:
     /// Both pictures have the same size.
@@ -26,19 +27,14 @@ class FilmQuality {
 
     /// Of luma, dB; +infinity while every picture equals its reference. ffmpeg: `y` of psnr.
     double psnr_y() const;
-    /// Of all samples of the three planes alike. ffmpeg: `average` of psnr.
-    double psnr_average() const;
     /// Of luma. ffmpeg: `Y` of ssim. 1 before the first picture.
     double ssim_y() const;
-    /// Of the planes, weighted by their number of samples. ffmpeg: `All` of ssim.
-    double ssim_all() const;
 
     std::int64_t pictures() const { return pictures_; }
 
   private:
     std::int64_t pictures_ = 0;
-    double error_y_ = 0, error_all_ = 0;            ///< sums over the pictures of mean squared errors
-    double similarity_y_ = 0, similarity_all_ = 0;  ///< sums over the pictures
+    double error_ = 0, similarity_ = 0;  ///< sums over the pictures
 };
 
 }  // namespace render2mpeg::perceptual

@@ -36,7 +36,6 @@ TEST(PsnrHvsM, AgreesWithTheAuthorsFormulasInDoublePrecision) {
     // 37 x 30: what is left over of whole blocks does not count.
     const Plane a = plane(37, 30, original), b = plane(37, 30, changed);
     EXPECT_NEAR(psnr(masked_error(a, b)), 37.659397, 1e-4);
-    EXPECT_NEAR(psnr(weighted_error(a, b)), 31.814503, 1e-4);
 }
 
 TEST(PsnrHvsM, EqualPlanesHaveNoError) {
@@ -46,11 +45,10 @@ TEST(PsnrHvsM, EqualPlanesHaveNoError) {
     EXPECT_EQ(masked_error({}, {}), 0.0);
 }
 
-TEST(PsnrHvsM, IsSymmetricAndMaskingOnlyTakesAway) {
+TEST(PsnrHvsM, IsSymmetric) {
     const Plane a = plane(64, 48, [](int x, int y) { return 100 + noise(x, y, 30); });
     const Plane b = plane(64, 48, [](int x, int y) { return 100 + noise(y, x, 30); });
     EXPECT_EQ(masked_error(a, b), masked_error(b, a));
-    EXPECT_LT(masked_error(a, b), weighted_error(a, b));
     EXPECT_GT(masked_error(a, b), 0.0);
 }
 
@@ -64,18 +62,15 @@ TEST(PsnrHvsM, NoiseInTextureIsSeenLessThanOnAFlatPlane) {
     const double on_flat = psnr(masked_error(flat, with_noise(flat)));
     const double on_texture = psnr(masked_error(texture, with_noise(texture)));
     EXPECT_GT(on_texture, on_flat + 3.0);
-    EXPECT_NEAR(psnr(weighted_error(texture, with_noise(texture))), psnr(weighted_error(flat, with_noise(flat))), 1e-3)
-        << "without masking both are alike";
 }
 
 TEST(PsnrHvsM, AnEdgeHidesLessThanTextureOfItsEnergy) {
     // Steps in the middle of blocks: the quarters of a block are flat, so that nothing is masked.
     const Plane edge = plane(64, 64, [](int x, int) { return x % 8 < 4 ? 80 : 160; });
     const Plane noisy = plane(64, 64, [&](int x, int y) { return edge.at(x, y) + noise(x, y, 6); });
-    const double seen = masked_error(edge, noisy) / weighted_error(edge, noisy);
     const Plane texture = plane(64, 64, [](int x, int y) { return (x / 2 + y / 2) % 2 == 0 ? 80 : 160; });
     const Plane noisy_texture = plane(64, 64, [&](int x, int y) { return texture.at(x, y) + noise(x, y, 6); });
-    EXPECT_GT(seen, 2.0 * masked_error(texture, noisy_texture) / weighted_error(texture, noisy_texture));
+    EXPECT_GT(masked_error(edge, noisy), 2.0 * masked_error(texture, noisy_texture));
 }
 
 TEST(PsnrHvsM, LowFrequenciesWeighMoreThanHighOnes) {
@@ -83,10 +78,9 @@ TEST(PsnrHvsM, LowFrequenciesWeighMoreThanHighOnes) {
     const Plane shifted = plane(64, 64, [](int, int) { return 124; });
     const Plane checked = plane(64, 64, [](int x, int y) { return (x + y) % 2 == 0 ? 116 : 124; });
     EXPECT_EQ(mean_squared_error(flat, shifted), mean_squared_error(flat, checked));
-    // Of a shift all is in the mean: its weight is 25.735 / 16.
-    EXPECT_NEAR(weighted_error(flat, shifted), 16.0 * 1.608443 * 1.608443, 1e-3);
-    EXPECT_EQ(masked_error(flat, shifted), weighted_error(flat, shifted)) << "the mean is not masked";
-    EXPECT_LT(weighted_error(flat, checked), 0.1 * weighted_error(flat, shifted));
+    // Of a shift all is in the mean, which nothing masks: its weight is 25.735 / 16.
+    EXPECT_NEAR(masked_error(flat, shifted), 16.0 * 1.608443 * 1.608443, 1e-3);
+    EXPECT_LT(masked_error(flat, checked), 0.1 * masked_error(flat, shifted));
 }
 
 TEST(PsnrHvsM, SmallPlanesCountAndSizesMustAgree) {
