@@ -18,10 +18,11 @@ void check(const Settings& settings);
 /// Throws as check() does.
 Declaration declaration_of(const Settings& settings);
 
-/// Pictures in display order to coded pictures in coding order. Never searches for motion. Bytes are a function of the
-/// chunk: of what was planned and pushed since the last chunk of promised length (PictureFacts::left_in_chunk) began,
-/// and where there is a rate, of how these took turns; whatever came before, and for any number of threads. Of chunks
-/// without a promise they are a function of all since the first of those.
+/// Codes pictures, which come in display order, and gives them in coding order. It does not search for motion.
+///
+/// Bytes do not depend on the number of threads nor on earlier chunks: only on what was planned and pushed since the
+/// last chunk of promised length (PictureFacts::left_in_chunk) began and, where there is a bit rate, on how calls of
+/// plan() and push() alternated. Without a promised length they depend on everything since the first such chunk.
 class Encoder {
   public:
     /// Throws as check() does.

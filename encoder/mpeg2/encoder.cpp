@@ -270,13 +270,15 @@ PicturePlan Encoder::plan(std::int64_t number, const PictureFacts& facts, bool f
     first_of_chunk = first_of_chunk || !m.order.last();
     const bool starts_gop = first_of_chunk || m.order.gop_is_over(number) ||
                             ((facts.cut_before || facts.keyframe) && session.schedule.affords_gop(number));
-    PicturePlan plan = m.order.plan(number, facts, starts_gop);
+    mpeg2::PictureOrder order = m.order;
+    PicturePlan plan = order.plan(number, facts, starts_gop);
     session.schedule.plan(number, plan.starts_gop, first_of_chunk, facts.left_in_chunk, facts.last_chunk);
     if (first_of_chunk && !session.schedule.feasible())
         throw core::Error("bit rate " + std::to_string(m.channel.bit_rate) + ": a chunk of " +
                           std::to_string(facts.left_in_chunk.value_or(0) + 1) +
                           " pictures cannot be coded so that the next one finds its buffer filled");
     plan.quantiser = session.rate.plan(plan, facts, first_of_chunk, session.schedule);
+    m.order = order;
     m.planned.push_back(plan);
     return plan;
 }

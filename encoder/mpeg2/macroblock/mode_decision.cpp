@@ -75,8 +75,8 @@ class RowDecision {
     }
 
   private:
-    /// The decision on one macroblock, by J = distortion + lambda * bits. It is reconstructed at once: the next ones are
-    /// predicted from its vectors.
+    /// The decision on one macroblock, by J = distortion + lambda * bits. It is reconstructed at once: the next ones
+    /// are predicted from its vectors.
     void decide(int column, SkipTrial& skip) {
         const int quantiser = quantisers_[column];
         const float lambda = lambda_of(picture_, quantiser);

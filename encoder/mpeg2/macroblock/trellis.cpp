@@ -39,7 +39,8 @@ class Trellis {
                         gain = loss_of(block_, place, error) - loss_of(block_, place, target);
             for (int i = 0; i < open_count_; ++i) {
                 const Path& from = paths_[open_[i]];
-                const float cost = from.cost + gain + lambda_ * static_cast<float>(lengths_.bits_after(from.scan, scan, level, intra_));
+                const float cost = from.cost + gain +
+                                   lambda_ * static_cast<float>(lengths_.bits_after(from.scan, scan, level, intra_));
                 if (best.before >= 0 && cost >= best.cost) continue;
                 best = {cost, static_cast<std::int8_t>(scan), open_[i], static_cast<std::int16_t>(level),
                         static_cast<std::int16_t>(value)};

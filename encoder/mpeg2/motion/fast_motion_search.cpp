@@ -43,15 +43,13 @@ VectorRange FastMotionSearch::range(const Side& side, int column, int row) const
     return vector_range(column, row, picture.columns(), picture.rows(), side.f_code[0], side.f_code[1]);
 }
 
-void FastMotionSearch::consider(Found& found, const Side& side, int column, int row, Vector v,
-                                Vector predictor) const {
+void FastMotionSearch::consider(Found& found, const Side& side, int column, int row, Vector v, Vector predictor) const {
     const auto end = found.tried.begin() + found.evaluations;
     if (std::find(found.tried.begin(), end, v) != end) return;
     *end = v;
     ++found.evaluations;
     const std::uint32_t difference = satd(side.sources->picture, side.sources->reference, column, row, v);
-    const float cost =
-        static_cast<float>(difference) + cost_per_bit_ * static_cast<float>((*side.bits)(v, predictor));
+    const float cost = static_cast<float>(difference) + cost_per_bit_ * static_cast<float>((*side.bits)(v, predictor));
     if (cost >= found.cost) return;
     found.vector = v;
     found.difference = difference;

@@ -134,8 +134,8 @@ std::vector<std::uint8_t> write(const PictureTask& task, const PictureHeader& he
     parallel::for_each(rows.size(), [&](std::size_t row) {
         BitWriter out;
         SliceSyntax syntax{task.type,           task.lines, static_cast<int>(row),
-                         rows[row].quantiser, {},         header.intra_vlc_format,
-                         header.intra_dc_bits};
+                           rows[row].quantiser, {},         header.intra_vlc_format,
+                           header.intra_dc_bits};
         std::copy_n(&header.f_code[0][0], 4, &syntax.f_code[0][0]);
         write_slice(out, syntax, rows[row]);
         slices[row] = out.take();

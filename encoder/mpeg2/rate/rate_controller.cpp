@@ -46,14 +46,55 @@ double solve(double wanted, const Bits& bits) {
     return std::exp2(high);
 }
 
+bool has_bit_rate(const Settings& settings) {
+    const RateMode mode = settings.rate_control.mode;
+    return mode == RateMode::variable || mode == RateMode::constant;
+}
+
+/// Of the constant modes. `ratio`: to P pictures that nothing refers to.
+double steady_quantiser(const Settings& settings, double ratio, double sensitivity) {
+    const encoder::RateControl& wanted = settings.rate_control;
+    if (wanted.mode == RateMode::constant_quantiser) return settings.quantiser * ratio;
+    // Detail that the eye sees less of is coded coarser in that proportion, at most four times.
+    return quantiser_of_quality(wanted.quality) * ratio / std::clamp(sensitivity, 0.25, 1.0);
+}
+
+/// The allocated quantiser is that of what the picture was: makes it that of what it is. Its bits stay, so that what
+/// they are off by is learned together with what another type or other followers change.
+void adapt(BitAllocation& allocation, PictureType type, double ratio, int gop) {
+    allocation.type = allocation.type.value_or(type);
+    allocation.quantiser *= ratio / allocation.ratio.value_or(usual_quantiser_ratio(*allocation.type, gop));
+    allocation.ratio = ratio;
+}
+
+/// Numbers of I, P and B pictures.
+using Counts = std::array<std::int64_t, 3>;
+
+/// Of the first `count` pictures from a GOP's beginning on, in the regular pattern.
+Counts regular_pattern(const Settings& settings, std::int64_t count) {
+    const std::int64_t gop = settings.gop, distance = settings.b_pictures + 1;
+    const auto within = [&](std::int64_t place) {  // of one GOP, the pictures before `place`
+        const std::int64_t others = std::max<std::int64_t>(0, place - 1), end = place == gop && others % distance != 0;
+        const std::int64_t predicted = others / distance + end;
+        return Counts{place > 0 ? 1 : 0, predicted, others - predicted};
+    };
+    const Counts whole = within(gop), part = within(count % gop);
+    Counts counts;
+    for (std::size_t i = 0; i < 3; ++i) counts[i] = count / gop * whole[i] + part[i];
+    return counts;
+}
+
+/// From the beginning of picture `first` to that of `end`.
+double seconds(const Settings& settings, std::int64_t first, std::int64_t end) {
+    const std::int64_t fields = fields_before(settings.cadence, end - settings.first_number) -
+                                fields_before(settings.cadence, first - settings.first_number);
+    return 0.5 * static_cast<double>(fields) / declared_rate(settings).hertz.value();
+}
+
 }  // namespace
 
 RateController::RateController(const Settings& settings, const Channel& channel, const MinimalBits& minimal)
     : settings_(settings), channel_(channel), model_(settings, minimal) {}
-
-bool RateController::has_bit_rate() const {
-    return settings_.rate_control.mode == RateMode::variable || settings_.rate_control.mode == RateMode::constant;
-}
 
 int RateController::plan(const PicturePlan& picture, const PictureFacts& facts, bool first_of_chunk,
                          const VbvSchedule& schedule) {
@@ -71,7 +112,7 @@ int RateController::plan(const PicturePlan& picture, const PictureFacts& facts, 
     InFlight entry{picture.type,      1,
                    facts.allocation,  facts.sensitivity.value_or(1.0),
                    ratio_of(picture), !facts.allocation && !model_.knows(picture.type)};
-    adapt(entry);
+    if (entry.allocation) adapt(*entry.allocation, entry.type, entry.ratio, settings_.gop);
     entry.quantiser = rounded(entry, nominal(picture.number, entry, schedule));
     in_flight_.insert_or_assign(picture.number, entry);
     return entry.quantiser;
@@ -85,10 +126,10 @@ int RateController::coding_quantiser(const PicturePlan& picture, const VbvSchedu
     entry.type = picture.type;
     if (changed) {
         entry.ratio = ratio_of(picture);
-        adapt(entry);
+        if (entry.allocation) adapt(*entry.allocation, entry.type, entry.ratio, settings_.gop);
         return rounded(entry, nominal(picture.number, entry, schedule));
     }
-    if (!has_bit_rate()) return picture.quantiser;
+    if (!has_bit_rate(settings_)) return picture.quantiser;
 
     // What was planned holds unless what has been learned since asks for another step.
     const double wanted = std::clamp(nominal(picture.number, entry, schedule), 1.0, 31.0);
@@ -104,7 +145,7 @@ int RateController::reconsider(const PicturePlan& picture, int quantiser, std::i
     EXPECTS(planned != in_flight_.end());
     const InFlight& entry = planned->second;
     const bool surprising = model_.surprised(picture.type, quantiser, bits);
-    if (!has_bit_rate() || entry.allocation || (model_.knows(picture.type) && !surprising)) return quantiser;
+    if (!has_bit_rate(settings_) || entry.allocation || (model_.knows(picture.type) && !surprising)) return quantiser;
     const RateModel model = model_;
     const double steady = steady_;
     model_.learn(picture.type, quantiser, bits);
@@ -119,21 +160,10 @@ int RateController::reconsider(const PicturePlan& picture, int quantiser, std::i
     return quantiser;
 }
 
-/// The allocated quantiser is that of what the picture was: makes it that of what it is. Its bits stay, so that what
-/// they are off by is learned together with what another type or other followers change.
-void RateController::adapt(InFlight& picture) const {
-    if (!picture.allocation) return;
-    BitAllocation& allocation = *picture.allocation;
-    allocation.type = allocation.type.value_or(picture.type);
-    const double usual = usual_quantiser_ratio(*allocation.type, settings_.gop);
-    allocation.quantiser *= picture.ratio / allocation.ratio.value_or(usual);
-    allocation.ratio = picture.ratio;
-}
-
 /// The whole quantiser for a picture. Of the two next to what is wanted, rates take the one that keeps the bits lost to
 /// rounding near zero; but nothing refers to B pictures, so that they are never finer than what they refer to.
 int RateController::rounded(const InFlight& entry, double wanted) {
-    if (!has_bit_rate()) return whole(wanted);
+    if (!has_bit_rate(settings_)) return whole(wanted);
     wanted = std::clamp(wanted, 1.0, 31.0);
     const bool bidirectional = entry.type == PictureType::bidirectional;
     const int fine = std::max(static_cast<int>(std::floor(wanted)), bidirectional ? reference_quantiser_ : 1);
@@ -158,23 +188,15 @@ void RateController::record(const PicturePlan& picture, int quantiser, std::int6
     in_flight_.erase(planned);
 }
 
-/// Of the constant modes.
-double RateController::steady_quantiser(const InFlight& picture) const {
-    const encoder::RateControl& wanted = settings_.rate_control;
-    if (wanted.mode == RateMode::constant_quantiser) return settings_.quantiser * picture.ratio;
-    // Detail that the eye sees less of is coded coarser in that proportion, at most four times.
-    return quantiser_of_quality(wanted.quality) * picture.ratio / std::clamp(picture.sensitivity, 0.25, 1.0);
-}
-
 double RateController::nominal(std::int64_t number, const InFlight& picture, const VbvSchedule& schedule) {
-    if (!has_bit_rate()) return steady_quantiser(picture);
+    if (!has_bit_rate(settings_)) return steady_quantiser(settings_, picture.ratio, picture.sensitivity);
     const double left = bits_for_rest(number, schedule);
     double quantiser;
     if (picture.allocation) {
         const double share = bits_as_allocated(picture);
         const double correction = core::divide_or(share, std::max(0.0, left), 1e3);
-        quantiser =
-            picture.allocation->quantiser * damped(std::pow(std::max(correction, 1e-3), 1.0 / rate_slope(picture.type)));
+        quantiser = picture.allocation->quantiser *
+                    damped(std::pow(std::max(correction, 1e-3), 1.0 / rate_slope(picture.type)));
     } else {
         const Counts rest = foreseen();
         const double base = solve(
@@ -214,43 +236,25 @@ std::int64_t RateController::horizon() const {
     return planned_end_ + 2 * std::max<std::int64_t>(settings_.gop, second);
 }
 
-RateController::Counts RateController::regular(std::int64_t count) const {
-    const std::int64_t gop = settings_.gop, distance = settings_.b_pictures + 1;
-    const auto within = [&](std::int64_t place) {  // of one GOP, the pictures before `place`
-        const std::int64_t others = std::max<std::int64_t>(0, place - 1), end = place == gop && others % distance != 0;
-        const std::int64_t predicted = others / distance + end;
-        return Counts{place > 0 ? 1 : 0, predicted, others - predicted};
-    };
-    const Counts whole = within(gop), part = within(count % gop);
-    Counts counts;
-    for (std::size_t i = 0; i < 3; ++i) counts[i] = count / gop * whole[i] + part[i];
-    return counts;
-}
-
-RateController::Counts RateController::foreseen() const {
-    const Counts planned = regular(planned_end_ - gop_start_), all = regular(horizon() - gop_start_);
+std::array<std::int64_t, 3> RateController::foreseen() const {
+    const Counts planned = regular_pattern(settings_, planned_end_ - gop_start_),
+                 all = regular_pattern(settings_, horizon() - gop_start_);
     Counts rest;
     for (std::size_t i = 0; i < 3; ++i) rest[i] = all[i] - planned[i];
     // Where the chunk ends within a GOP, its last picture is no B picture.
     if (!chunk_end_ || rest[0] + rest[1] + rest[2] == 0) return rest;
-    const Counts before = regular(*chunk_end_ - 1 - gop_start_);
+    const Counts before = regular_pattern(settings_, *chunk_end_ - 1 - gop_start_);
     if (all[2] > before[2]) --rest[2], ++rest[1];
     return rest;
 }
 
 /// Expected bits of the pictures not planned yet, with `quantiser` in I and P pictures.
-double RateController::bits_of_rest(const Counts& rest, double quantiser) const {
+double RateController::bits_of_rest(const std::array<std::int64_t, 3>& rest, double quantiser) const {
     double sum = 0;
     for (const PictureType type : {PictureType::intra, PictureType::predicted, PictureType::bidirectional})
         sum += static_cast<double>(rest[static_cast<std::size_t>(type) - 1]) *
                model_.bits(type, std::clamp(quantiser * usual_quantiser_ratio(type, settings_.gop), 1.0, 31.0));
     return sum;
-}
-
-double RateController::seconds(std::int64_t first, std::int64_t end) const {
-    const std::int64_t fields = fields_before(settings_.cadence, end - settings_.first_number) -
-                                fields_before(settings_.cadence, first - settings_.first_number);
-    return 0.5 * static_cast<double>(fields) / declared_rate(settings_).hertz.value();
 }
 
 /// Bits for picture `number` and those not planned yet: of the chunk's what is neither spent nor in flight, and no more
@@ -263,11 +267,12 @@ double RateController::bits_for_rest(std::int64_t number, const VbvSchedule& sch
         if (n >= chunk_start_) of_chunk += bits(picture, picture.quantiser);
     }
 
-    const double all =
-        allocated_ > 0 ? allocated_ : static_cast<double>(channel_.average_rate) * seconds(chunk_start_, horizon());
+    const double all = allocated_ > 0
+                           ? allocated_
+                           : static_cast<double>(channel_.average_rate) * seconds(settings_, chunk_start_, horizon());
     const double left = all - spent_ - of_chunk;
     const double brought = static_cast<double>(schedule.fullness()) +
-                           static_cast<double>(channel_.bit_rate) * seconds(schedule.next(), horizon());
+                           static_cast<double>(channel_.bit_rate) * seconds(settings_, schedule.next(), horizon());
     const double kept = chunk_end_ && hands_over_ ? static_cast<double>(channel_.chunk_fullness) : 0.0;
     return std::max(1.0, std::min(left, brought - kept - in_flight));
 }
@@ -279,7 +284,7 @@ double RateController::limited(std::int64_t number, const InFlight& picture, dou
     const std::int64_t next = schedule.next();
     for (const auto& [n, before] : in_flight_)
         if (n < number) fullness -= bits(before, before.quantiser);
-    fullness += static_cast<double>(channel_.bit_rate) * seconds(next, std::max(next, number));
+    fullness += static_cast<double>(channel_.bit_rate) * seconds(settings_, next, std::max(next, number));
     const double room = expected_share * std::clamp(fullness, 1.0, static_cast<double>(channel_.usable_bits));
     if (bits(picture, quantiser) <= room) return quantiser;
     return std::max(quantiser, solve(room, [&](double q) { return bits(picture, q); }));

@@ -46,23 +46,15 @@ class RateController {
         bool guessed = false;  ///< planned before any picture of its type was coded
     };
 
-    bool has_bit_rate() const;
-    void adapt(InFlight& picture) const;
     int rounded(const InFlight& entry, double wanted);
-    double steady_quantiser(const InFlight& picture) const;
     double damped(double solved);
     double nominal(std::int64_t number, const InFlight& picture, const VbvSchedule& schedule);
     double bits(const InFlight& picture, double quantiser) const;
     /// What a picture and all not planned yet would come to as they were allocated.
     double bits_as_allocated(const InFlight& picture) const;
-    /// Numbers of I, P and B pictures.
-    using Counts = std::array<std::int64_t, 3>;
-    /// Of the first pictures from gop_start_ on, in the regular pattern.
-    Counts regular(std::int64_t count) const;
-    /// Of the pictures not planned yet, as far as the horizon.
-    Counts foreseen() const;
-    double bits_of_rest(const Counts& rest, double quantiser) const;
-    double seconds(std::int64_t first, std::int64_t end) const;
+    /// Numbers of I, P and B pictures not planned yet, as far as the horizon.
+    std::array<std::int64_t, 3> foreseen() const;
+    double bits_of_rest(const std::array<std::int64_t, 3>& rest, double quantiser) const;
     double bits_for_rest(std::int64_t number, const VbvSchedule& schedule) const;
     double limited(std::int64_t number, const InFlight& picture, double quantiser, const VbvSchedule& schedule) const;
     std::int64_t horizon() const;
@@ -83,7 +75,7 @@ class RateController {
     std::array<double, 3> allocated_rest_{};  ///< of it to pictures not planned yet, by type
     int reference_quantiser_ = 1;             ///< of the newest I or P picture planned
     double solved_ = 0;                       ///< by the last call of nominal
-    int coded_in_chunk_ = 0;                         ///< pictures of the chunk
+    int coded_in_chunk_ = 0;                  ///< pictures
     double steady_ = 0;    ///< what the last picture settled at: base quantiser or correction; 0: too early
     double rounding_ = 0;  ///< bits that rounding of quantisers has cost or saved lately
 };
