@@ -113,9 +113,4 @@ class RayTracer {
     std::unique_ptr<Impl> impl_;
 };
 
-/// A ray origin moved off its surface to the side of `direction`, by a bound of the rounding error of a point that was
-/// computed on it: 32 ulp of |p|, and at least `error` (scene units). There is no fixed epsilon, so that scenes of any
-/// scale and at any place look alike. `geometric_normal` is unit.
-glm::vec3 offset_origin(glm::vec3 position, glm::vec3 geometric_normal, glm::vec3 direction, float error = 0);
-
 }  // namespace render2mpeg::renderer

@@ -64,8 +64,8 @@ class PosedScene {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Where a ray leaves `point` towards `direction` (see the other offset_origin): the one to use for shadow and bounce
-/// rays.
+/// Where a ray leaves `point` towards `direction`: moved off its surface by a bound of what rounding may be off, not by
+/// a fixed epsilon, so that scenes of any scale and at any place look alike (docs/model/visibility.md).
 glm::vec3 offset_origin(const SurfacePoint& point, glm::vec3 direction);
 
 }  // namespace render2mpeg::renderer
