@@ -3,7 +3,11 @@
 # -ffp-contract=off: a fused multiply-add rounds once where two operations round twice, so that letting the compiler
 # choose would make the film depend on the instruction set. -ffast-math is never used (docs/model/determinism.md).
 add_library(render2mpeg_options INTERFACE)
-target_compile_options(render2mpeg_options INTERFACE -ffp-contract=off -fno-math-errno -Wall -Wextra -Wshadow -Wnon-virtual-dtor)
+target_compile_options(render2mpeg_options INTERFACE -ffp-contract=off -fno-math-errno -Wall -Wextra -Wnon-virtual-dtor)
+if(RENDER2MPEG_UNITY LESS 2)
+  # Sources that are compiled as one see each other's names, and a local that hides another file's constant hides nothing.
+  target_compile_options(render2mpeg_options INTERFACE -Wshadow)
+endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # g++ 12 warns of overlapping copies in "text" + std::string(...), which are none (GCC bug 105651, mended in 13).
   target_compile_options(render2mpeg_options INTERFACE -Wno-restrict)

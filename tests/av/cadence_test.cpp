@@ -91,7 +91,7 @@ fs::path mux_for_dvd(const CodedFilm& film, const fs::path& file) {
 }
 
 /// Values of one field of ffprobe's, a line each.
-std::vector<std::string> probed(const std::string& what, const fs::path& file) {
+std::vector<std::string> probed_lines(const std::string& what, const fs::path& file) {
     const support::Outcome outcome =
         support::run("ffprobe -v error -of default=nw=1:nk=1 " + what + " " + file.string());
     EXPECT_EQ(outcome.status, 0) << outcome.output;
@@ -109,8 +109,8 @@ TEST(Cadence, TimeStampsAdvanceByThreeAndTwoFieldsInDisplayOrder) {
     const double field = 1501.5;
     const fs::path file = film.mux(folder / "a.ts");
     std::vector<double> pts, dts;
-    for (const std::string& line : probed("-show_entries packet=pts", file)) pts.push_back(std::stod(line));
-    for (const std::string& line : probed("-show_entries packet=dts", file)) dts.push_back(std::stod(line));
+    for (const std::string& line : probed_lines("-show_entries packet=pts", file)) pts.push_back(std::stod(line));
+    for (const std::string& line : probed_lines("-show_entries packet=dts", file)) dts.push_back(std::stod(line));
     ASSERT_EQ(pts.size(), 41u);
     ASSERT_EQ(dts.size(), 41u);
     for (std::size_t i = 0; i < 41; ++i) {

@@ -42,7 +42,7 @@ TEST(ModuleFolders, BeginWithTheOneThatTheUserNames) {
     EXPECT_EQ(core::module_folders().size(), 4u);
 }
 
-std::string error_of(const std::string& part, const std::string& symbol) {
+std::string opening_error(const std::string& part, const std::string& symbol) {
     try {
         core::module_symbol(part, symbol);
     } catch (const core::Error& error) {
@@ -52,7 +52,7 @@ std::string error_of(const std::string& part, const std::string& symbol) {
 }
 
 TEST(Module, ThatIsMissingIsNamedWithThePlacesThatWereSearched) {
-    const std::string message = error_of("teapot", "door");
+    const std::string message = opening_error("teapot", "door");
     EXPECT_NE(message.find("render2mpeg_teapot_module.so"), std::string::npos) << message;
     EXPECT_NE(message.find((executable().parent_path() / "modules").string()), std::string::npos);
     EXPECT_NE(message.find("RENDER2MPEG_MODULES"), std::string::npos);
@@ -62,13 +62,13 @@ TEST(Module, ThatIsBrokenIsAnErrorAndNotPassedOver) {
     const Folder folder;
     write_bytes(folder / "render2mpeg_broken_module.so", {'n', 'o', 't', ' ', 'E', 'L', 'F'});
     const ModulesVariable variable(folder.path().string());
-    const std::string message = error_of("broken", "door");
+    const std::string message = opening_error("broken", "door");
     EXPECT_NE(message.find((folder / "render2mpeg_broken_module.so").string()), std::string::npos) << message;
     EXPECT_EQ(message.find("searched"), std::string::npos);
 }
 
 TEST(Module, OfAnotherVersionIsToldByItsMissingFunction) {
-    EXPECT_NE(error_of("av", "no_such_function").find("no_such_function"), std::string::npos);
+    EXPECT_NE(opening_error("av", "no_such_function").find("no_such_function"), std::string::npos);
 }
 
 TEST(Module, IsOpenedOnce) {

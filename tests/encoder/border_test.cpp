@@ -63,7 +63,7 @@ std::vector<std::vector<std::uint8_t>> code(const Settings& s, const std::vector
     return bytes;
 }
 
-Settings rated(RateMode mode, std::int64_t first_number = 0) {
+Settings chunk_settings(RateMode mode, std::int64_t first_number = 0) {
     Settings s = settings(80, 64, 6, 6, 3, 2);
     s.rate_control.mode = mode;
     s.rate_control.quality = 70;
@@ -81,7 +81,7 @@ TEST(Chunks, BytesAreAFunctionOfTheChunkInEveryMode) {
     const std::vector<Span> chunks = {{0, 12}, {12, 6}, {18, 12}, {30, 5, true}};
     for (const RateMode mode : all_modes)
         for (const std::size_t lead : {0, 5}) {
-            const Settings s = rated(mode);
+            const Settings s = chunk_settings(mode);
             std::vector<std::vector<std::uint8_t>> apart;
             for (const Span& chunk : chunks)
                 for (auto& bytes : code(s, {chunk}, lead)) apart.push_back(std::move(bytes));
@@ -93,7 +93,7 @@ TEST(Chunks, TheNumberOfThreadsDoesNotShowInAnyMode) {
     for (const RateMode mode : all_modes) {
         const auto run = [&](int threads) {
             const parallel::ThreadLimit limit(threads);
-            return code(rated(mode), {{0, 12}, {12, 7, true}}, 3);
+            return code(chunk_settings(mode), {{0, 12}, {12, 7, true}}, 3);
         };
         const auto one = run(1);
         EXPECT_EQ(one, run(3)) << static_cast<int>(mode);
@@ -103,7 +103,7 @@ TEST(Chunks, TheNumberOfThreadsDoesNotShowInAnyMode) {
 TEST(Chunks, AChunkBeyondAGapBeginsAsIfItWereTheFirst) {
     for (const RateMode mode : all_modes)
         for (const Span& second : {Span{24, 6}, Span{6, 6}}) {
-            const Settings s = rated(mode);
+            const Settings s = chunk_settings(mode);
             std::vector<std::vector<std::uint8_t>> both = code(s, {{12, 6}, second}, 0);
             both.erase(both.begin(), both.begin() + 6);
             EXPECT_EQ(both, code(s, {second}, 0)) << static_cast<int>(mode) << ", chunk from " << second.first;
@@ -115,13 +115,13 @@ PictureFacts left(std::int64_t n) {
 }
 
 TEST(Contracts, NoGapIsPlannedWhilePicturesAreInFlight) {
-    Encoder encoder(rated(RateMode::variable));
+    Encoder encoder(chunk_settings(RateMode::variable));
     encoder.plan(0, left(0), true);
     EXPECT_THROW(encoder.plan(7, left(0), true), core::ContractViolation);
 }
 
 TEST(Contracts, APlannedPictureMustNotBeSkippedOrChanged) {
-    const Settings s = rated(RateMode::constant_quantiser);
+    const Settings s = chunk_settings(RateMode::constant_quantiser);
     Encoder encoder(s);
     std::vector<PicturePlan> plans;
     for (std::int64_t n = 0; n < 4; ++n) plans.push_back(encoder.plan(n, left(3 - n), n == 0));
@@ -138,7 +138,7 @@ TEST(Contracts, APlannedPictureMustNotBeSkippedOrChanged) {
 
 TEST(Contracts, AChunkIsAsLongAsItWasPromised) {
     const auto start = [] {
-        auto encoder = std::make_unique<Encoder>(rated(RateMode::variable));
+        auto encoder = std::make_unique<Encoder>(chunk_settings(RateMode::variable));
         encoder->plan(0, left(1), true);
         return encoder;
     };
@@ -153,7 +153,7 @@ TEST(Contracts, AChunkIsAsLongAsItWasPromised) {
 TEST(Contracts, FactsAreNumbersWithinTheirRanges) {
     const double nan = std::nan(""), infinite = std::numeric_limits<double>::infinity();
     const auto refused = [](const PictureFacts& facts) {
-        Encoder encoder(rated(RateMode::variable));
+        Encoder encoder(chunk_settings(RateMode::variable));
         EXPECT_THROW(encoder.plan(0, facts, true), core::ContractViolation);
     };
     for (const double wrong : {nan, infinite, -0.1}) {
@@ -179,7 +179,7 @@ TEST(Contracts, FactsAreNumbersWithinTheirRanges) {
 }
 
 TEST(Contracts, AFilmThatEndsEarlyTakesWhatWasPlannedWithIt) {
-    const Settings s = rated(RateMode::variable);
+    const Settings s = chunk_settings(RateMode::variable);
     Encoder encoder(s);
     std::vector<PicturePlan> plans;
     for (std::int64_t n = 0; n < 5; ++n) plans.push_back(encoder.plan(n, left(11 - n), n == 0));
@@ -192,7 +192,7 @@ TEST(Contracts, AFilmThatEndsEarlyTakesWhatWasPlannedWithIt) {
 }
 
 TEST(Contracts, AFilmThatEndsBeforeItsPromiseGoesOnWithAChunkAlone) {
-    Settings s = rated(RateMode::variable);
+    Settings s = chunk_settings(RateMode::variable);
     s.b_pictures = 0;  // nothing waits when it ends
     for (const bool one_is_planned : {false, true}) {
         Encoder encoder(s);
@@ -214,7 +214,7 @@ TEST(Contracts, AFilmThatEndsBeforeItsPromiseGoesOnWithAChunkAlone) {
     EXPECT_NO_THROW(encoder.plan(1, left(3), true));
 }
 
-std::string refusal(const Settings& s) {
+std::string border_refusal(const Settings& s) {
     try {
         check(s);
     } catch (const core::Error& e) {
@@ -251,7 +251,7 @@ TEST(Checks, WhatCheckAcceptsCanBePlannedChunkByChunk) {
         const auto at = [&](std::int64_t rate) {
             s.rate_control.bit_rate = rate;
             if (s.rate_control.mode == RateMode::variable) s.rate_control.max_rate = rate;
-            return refusal(s).empty();
+            return border_refusal(s).empty();
         };
         // A small buffer may also forbid high rates: look for any that is taken first.
         while (high > low && !at(high)) high /= 2;
@@ -274,9 +274,9 @@ TEST(Checks, WhatCheckAcceptsCanBePlannedChunkByChunk) {
 }
 
 TEST(Checks, GopsAreNotEndless) {
-    EXPECT_EQ(refusal(settings(32, 32, 4, 100'000)), "");
-    EXPECT_NE(refusal(settings(32, 32, 4, 100'001)).find("at most 100000"), std::string::npos);
-    EXPECT_NE(refusal(settings(32, 32, 4, std::numeric_limits<int>::max())).find("gop"), std::string::npos);
+    EXPECT_EQ(border_refusal(settings(32, 32, 4, 100'000)), "");
+    EXPECT_NE(border_refusal(settings(32, 32, 4, 100'001)).find("at most 100000"), std::string::npos);
+    EXPECT_NE(border_refusal(settings(32, 32, 4, std::numeric_limits<int>::max())).find("gop"), std::string::npos);
 }
 
 TEST(Checks, ChunksOfAnyLengthArePlannedAtOnce) {

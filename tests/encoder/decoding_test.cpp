@@ -26,7 +26,7 @@ Film sliding_with_exact_motion(const Settings& s, int count, glm::dvec2 step) {
 /// libmpeg2's own transform rounds otherwise, and predicted pictures add that up: bounds on the mean difference in code
 /// values. chosen: about twice what was measured (0.04 in small films, 0.12 after 15 predicted pictures of a sliding
 /// texture).
-constexpr double short_film = 0.1, long_film = 0.25;
+constexpr double after_few_pictures = 0.1, after_many_pictures = 0.25;
 
 TEST(Decoding, GradientsAreDecodedAsReconstructed) {
     for (const int quantiser : {1, 4, 12, 31}) {
@@ -38,7 +38,7 @@ TEST(Decoding, GradientsAreDecodedAsReconstructed) {
                                                                : 128 + 0.3 * (x - y) * (plane == 1 ? 1 : -1);
                                          });
                                      }),
-                              short_film);
+                              after_few_pictures);
     }
 }
 
@@ -47,7 +47,7 @@ TEST(Decoding, NoiseIsDecodedAsReconstructedAtBothEndsOfTheQuantiser) {
         const Settings s = settings(96, 80, quantiser, 3);
         const Film film =
             encode(s, 6, [&](std::int64_t n) { return noise(s.width, s.height, n, static_cast<std::uint64_t>(n)); });
-        const Difference d = expect_decoders_agree(film, short_film);
+        const Difference d = expect_decoders_agree(film, after_few_pictures);
         EXPECT_LE(d.largest, 3);
         for (const CodedPicture& coded : film.coded)
             for (const MacroblockRecord& m : coded.macroblocks.values()) ASSERT_LE(m.bits, 4608u);
@@ -66,19 +66,19 @@ TEST(Decoding, BlackAndWhiteNoiseNeverSaturatesACoefficient) {
                 return block % 3 == 0 ? 255.0 * ((n + plane) % 2) : (c > 0) == (n % 2 == 0) ? 255.0 : 0.0;
             });
         };
-        expect_decoders_agree(encode(s, 5, picture), short_film);
+        expect_decoders_agree(encode(s, 5, picture), after_few_pictures);
     }
 }
 
 TEST(Decoding, MovingTexturesAreDecodedAsReconstructed) {
-    const Difference d =
-        expect_decoders_agree(sliding_with_exact_motion(settings(720, 576, 3, 15), 16, {3.5, -2.25}), long_film);
+    const Difference d = expect_decoders_agree(sliding_with_exact_motion(settings(720, 576, 3, 15), 16, {3.5, -2.25}),
+                                               after_many_pictures);
     EXPECT_LE(d.largest, 6);
 }
 
 TEST(Decoding, BPicturesOfMovingTexturesAreDecodedAsReconstructed) {
-    const Difference d =
-        expect_decoders_agree(sliding_with_exact_motion(settings(720, 576, 3, 15, 3, 2), 16, {3.5, -2.25}), long_film);
+    const Difference d = expect_decoders_agree(
+        sliding_with_exact_motion(settings(720, 576, 3, 15, 3, 2), 16, {3.5, -2.25}), after_many_pictures);
     EXPECT_LE(d.largest, 6);
 }
 
@@ -87,7 +87,7 @@ TEST(Decoding, BPicturesOfNoiseAreDecodedAsReconstructedAtBothEndsOfTheQuantiser
         const Settings s = settings(96, 80, quantiser, 4, 3, 2);
         const Film film =
             encode(s, 8, [&](std::int64_t n) { return noise(s.width, s.height, n, static_cast<std::uint64_t>(n)); });
-        const Difference d = expect_decoders_agree(film, short_film);
+        const Difference d = expect_decoders_agree(film, after_few_pictures);
         EXPECT_LE(d.largest, 3);
         for (const CodedPicture& coded : film.coded)
             for (const MacroblockRecord& m : coded.macroblocks.values()) ASSERT_LE(m.bits, 4608u);
@@ -100,7 +100,8 @@ TEST(Decoding, EverySizeDownToOnePixelIsDecodedAsReconstructed) {
         SCOPED_TRACE(std::to_string(width) + "x" + std::to_string(height));
         for (const int b_pictures : {0, 2})
             expect_decoders_agree(
-                sliding_with_exact_motion(settings(width, height, 2, 4, 3, b_pictures), 6, {1.5, 0.5}), long_film);
+                sliding_with_exact_motion(settings(width, height, 2, 4, 3, b_pictures), 6, {1.5, 0.5}),
+                after_many_pictures);
     }
 }
 
@@ -109,14 +110,16 @@ TEST(Decoding, EveryGopLengthIsDecodedAsReconstructed) {
         for (const int b_pictures : {0, 1, 2, 3}) {
             SCOPED_TRACE("gop " + std::to_string(gop) + ", " + std::to_string(b_pictures) + " B pictures");
             const Film film = sliding_with_exact_motion(settings(64, 48, 5, gop, 3, b_pictures), 17, {-1.0, 2.5});
-            expect_decoders_agree(film, long_film);
+            expect_decoders_agree(film, after_many_pictures);
             for (const CodedPicture& coded : film.coded) EXPECT_EQ(coded.plan.starts_gop, coded.plan.number % gop == 0);
         }
 }
 
 TEST(DecodingSlow, FullHdIsDecodedAsReconstructed) {
-    expect_decoders_agree(sliding_with_exact_motion(settings(1920, 1080, 4, 3, 5), 4, {7.25, -3.0}), long_film);
-    expect_decoders_agree(sliding_with_exact_motion(settings(1920, 1080, 4, 6, 5, 2), 4, {7.25, -3.0}), long_film);
+    expect_decoders_agree(sliding_with_exact_motion(settings(1920, 1080, 4, 3, 5), 4, {7.25, -3.0}),
+                          after_many_pictures);
+    expect_decoders_agree(sliding_with_exact_motion(settings(1920, 1080, 4, 6, 5, 2), 4, {7.25, -3.0}),
+                          after_many_pictures);
 }
 
 /// Chooses at random in [low, high].

@@ -14,9 +14,9 @@ namespace render2mpeg::encoder::testing {
 namespace {
 
 /// Numbers from a seed, one after the other.
-class Dice {
+class RandomChoice {
   public:
-    explicit Dice(std::uint64_t seed) : seed_(seed) {}
+    explicit RandomChoice(std::uint64_t seed) : seed_(seed) {}
     double next() { return core::uniform(seed_, 7, n_++, 0); }
     int pick(int low, int high) { return low + std::min(high - low, static_cast<int>(next() * (high - low + 1))); }
 
@@ -45,7 +45,7 @@ core::Picture wild_picture(const Settings& s, std::int64_t n, std::uint64_t seed
 }
 
 /// Vectors of every length, far out of the picture, no numbers; classes at random.
-core::MotionField wild_motion(const Settings& s, std::int64_t n, std::int64_t reference, Dice& dice) {
+core::MotionField far_motion(const Settings& s, std::int64_t n, std::int64_t reference, RandomChoice& dice) {
     core::MotionField field = uniform_motion(s.width, s.height, n, {0, 0});
     field.reference = reference;
     const double reach = std::exp2(dice.pick(0, 13));
@@ -66,7 +66,7 @@ core::MotionField wild_motion(const Settings& s, std::int64_t n, std::int64_t re
     return field;
 }
 
-Settings wild_settings(Dice& dice) {
+Settings wild_settings(RandomChoice& dice) {
     Settings s = settings(dice.pick(1, 100), dice.pick(1, 100), dice.pick(0, 2) == 0 ? 1 : dice.pick(1, 31),
                           dice.pick(1, 9), dice.pick(1, 8), dice.pick(0, 3));
     s.effort = dice.pick(0, 1) == 0 ? Effort::fast : Effort::quality;
@@ -75,7 +75,7 @@ Settings wild_settings(Dice& dice) {
     return s;
 }
 
-Film wild_film(const Settings& s, int count, std::uint64_t seed, Dice& dice) {
+Film wild_film(const Settings& s, int count, std::uint64_t seed, RandomChoice& dice) {
     Film film{s, {}};
     Encoder encoder(s);
     const auto keep = [&](std::vector<CodedPicture> pictures) {
@@ -84,9 +84,9 @@ Film wild_film(const Settings& s, int count, std::uint64_t seed, Dice& dice) {
     for (int n = 0; n < count; ++n) {
         const PicturePlan plan = encoder.plan(n, {.frames_left = count - 1 - n}, n == 0);
         std::vector<core::MotionField> motion;
-        for (const std::int64_t reference : plan.references) motion.push_back(wild_motion(s, n, reference, dice));
+        for (const std::int64_t reference : plan.references) motion.push_back(far_motion(s, n, reference, dice));
         core::MotionField onward;
-        if (plan.horizon) onward = wild_motion(s, n, *plan.horizon, dice);
+        if (plan.horizon) onward = far_motion(s, n, *plan.horizon, dice);
         const Hints hints{plan.horizon ? &onward : nullptr};
         keep(encoder.push(wild_picture(s, n, seed), plan,
                           dice.pick(0, 4) == 0 ? std::vector<core::MotionField>{} : motion, hints));
@@ -114,7 +114,7 @@ int at_the_edge(const Film& film) {
 TEST(HardCases, AnyPicturesWithAnyHintsDecodeToTheReconstruction) {
     int edges = 0, finest = 0;
     for (std::uint64_t seed = 0; seed < 60; ++seed) {
-        Dice dice(seed);
+        RandomChoice dice(seed);
         const Settings s = wild_settings(dice);
         const Film film = wild_film(s, 5, seed, dice);
         // libmpeg2 rounds otherwise; pictures of black and white drift apart by more than others.
@@ -155,7 +155,7 @@ TEST(HardCases, TheLongestVectorsThatALevelAllowsAreUsedAndDecode) {
 TEST(HardCases, EverySizeClassDecodes) {
     // Every remainder of a macroblock and of its chroma, both ways.
     for (int size = 1; size <= 33; ++size) {
-        Dice dice(static_cast<std::uint64_t>(size));
+        RandomChoice dice(static_cast<std::uint64_t>(size));
         const Settings s = settings(size, 34 - size, 3, 3, 3, 1);
         expect_decoders_agree(wild_film(s, 3, 5, dice), 2.0);
     }

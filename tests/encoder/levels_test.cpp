@@ -18,7 +18,7 @@ std::string level_name(int width, int height, int rate_code) {
     return level_for(settings(width, height, 4, 15, rate_code)).name;
 }
 
-std::string refusal(const Settings& s) {
+std::string level_refusal(const Settings& s) {
     try {
         check(s);
     } catch (const core::Error& e) {
@@ -45,24 +45,24 @@ TEST(Levels, TheLowestThatAllowsSizeRateAndSamplesIsTaken) {
 }
 
 TEST(Levels, WhatNoneAllowsIsRefusedByNamingTheLimit) {
-    EXPECT_TRUE(says(refusal(settings(1921, 16)), "1920 columns"));
-    EXPECT_TRUE(says(refusal(settings(16, 1153)), "1152 lines"));
-    EXPECT_TRUE(says(refusal(settings(1920, 1080, 4, 15, 8)), "62668800 luma samples per second"));
-    EXPECT_TRUE(says(refusal(settings(1920, 1152, 4, 15, 5)), "62668800 luma samples per second"));
-    EXPECT_TRUE(says(refusal(settings(0, 16)), "at least 1"));
-    EXPECT_TRUE(says(refusal(settings(16, 16, 0)), "quantiser 0: must be 1..31"));
-    EXPECT_TRUE(says(refusal(settings(16, 16, 32)), "quantiser 32"));
-    EXPECT_TRUE(says(refusal(settings(16, 16, 4, 0)), "gop 0"));
+    EXPECT_TRUE(says(level_refusal(settings(1921, 16)), "1920 columns"));
+    EXPECT_TRUE(says(level_refusal(settings(16, 1153)), "1152 lines"));
+    EXPECT_TRUE(says(level_refusal(settings(1920, 1080, 4, 15, 8)), "62668800 luma samples per second"));
+    EXPECT_TRUE(says(level_refusal(settings(1920, 1152, 4, 15, 5)), "62668800 luma samples per second"));
+    EXPECT_TRUE(says(level_refusal(settings(0, 16)), "at least 1"));
+    EXPECT_TRUE(says(level_refusal(settings(16, 16, 0)), "quantiser 0: must be 1..31"));
+    EXPECT_TRUE(says(level_refusal(settings(16, 16, 32)), "quantiser 32"));
+    EXPECT_TRUE(says(level_refusal(settings(16, 16, 4, 0)), "gop 0"));
     Settings s = settings(16, 16);
     s.rate = {};
-    EXPECT_TRUE(says(refusal(s), "no such rate"));
+    EXPECT_TRUE(says(level_refusal(s), "no such rate"));
     s = settings(16, 16);
     s.matrix_coefficients = 2;
-    EXPECT_TRUE(says(refusal(s), "matrix coefficients 2"));
+    EXPECT_TRUE(says(level_refusal(s), "matrix coefficients 2"));
     s = settings(16, 16);
     s.aspect_ratio_code = 5;
-    EXPECT_TRUE(says(refusal(s), "aspect ratio code 5"));
-    EXPECT_EQ(refusal(settings(1920, 1080, 1, 1, 5)), "");
+    EXPECT_TRUE(says(level_refusal(s), "aspect ratio code 5"));
+    EXPECT_EQ(level_refusal(settings(1920, 1080, 1, 1, 5)), "");
 }
 
 TEST(Syntax, RowsBeyond2800LinesCarryTheirUpperBits) {

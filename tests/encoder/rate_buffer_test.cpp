@@ -15,8 +15,8 @@ namespace {
 
 using testing::settings;
 
-Settings rated(RateMode mode, std::int64_t bit_rate, std::int64_t max_rate = 0, std::int64_t buffer = 0,
-               int rate_code = 3) {
+Settings buffered(RateMode mode, std::int64_t bit_rate, std::int64_t max_rate = 0, std::int64_t buffer = 0,
+                  int rate_code = 3) {
     Settings s = settings(64, 64, 4, 5, rate_code, 2);
     s.rate_control = {mode, 60, bit_rate, max_rate, buffer};
     return s;
@@ -27,7 +27,7 @@ VbvBuffer buffer_of(const Settings& s) {
 }
 
 TEST(RateBuffer, AVariableRateFillsItUpAndNoFurther) {
-    VbvBuffer b = buffer_of(rated(RateMode::variable, 1'000'000, 5'000'000, 327'680));  // 200,000 bits per picture
+    VbvBuffer b = buffer_of(buffered(RateMode::variable, 1'000'000, 5'000'000, 327'680));  // 200,000 bits per picture
     EXPECT_EQ(b.whole_bits(b.capacity()), 327'680);
     EXPECT_EQ(b.whole_bits(b.fullness()), 262'144);  // four fifths
     EXPECT_EQ(b.take(262'144, 2), 0);
@@ -38,7 +38,7 @@ TEST(RateBuffer, AVariableRateFillsItUpAndNoFurther) {
 }
 
 TEST(RateBuffer, AConstantRateAsksForTheFewestBytesThatKeepItFromRunningOver) {
-    const Settings s = rated(RateMode::constant, 5'000'000, 0, 327'680);
+    const Settings s = buffered(RateMode::constant, 5'000'000, 0, 327'680);
     VbvBuffer b = buffer_of(s);
     const std::int64_t capacity = b.whole_bits(b.capacity());
     EXPECT_EQ(capacity, 327'680 - 5'000'000 / 90'000 - 16);
@@ -51,14 +51,14 @@ TEST(RateBuffer, AConstantRateAsksForTheFewestBytesThatKeepItFromRunningOver) {
 }
 
 TEST(RateBuffer, DelaysAreThoseOfTheBitsThatAreThere) {
-    const Settings s = rated(RateMode::constant, 9'000'000, 0, 1'638'400);  // 100 bits per tick of 90 kHz
+    const Settings s = buffered(RateMode::constant, 9'000'000, 0, 1'638'400);  // 100 bits per tick of 90 kHz
     VbvBuffer b = buffer_of(s);
     const std::int64_t bits = b.whole_bits(b.fullness());
     EXPECT_EQ(b.delay(0), (bits + 99) / 100);
     EXPECT_EQ(b.delay(bits), 0);
     EXPECT_EQ(b.delay(bits - 1), 1);  // rounded up
     // No delay ever reaches the value that means a variable rate, however large the buffer.
-    const Settings slow = rated(RateMode::constant, 400'000, 0, 1'835'008);
+    const Settings slow = buffered(RateMode::constant, 400'000, 0, 1'835'008);
     const VbvBuffer large = buffer_of(slow);
     EXPECT_LE(large.whole_bits(large.capacity()), 65'534ll * 400'000 / 90'000);
     EXPECT_GE(large.whole_bits(large.capacity()), 65'533ll * 400'000 / 90'000);
@@ -66,7 +66,7 @@ TEST(RateBuffer, DelaysAreThoseOfTheBitsThatAreThere) {
 
 TEST(RateBuffer, ChunksOfAConstantRateAreWholeBytesApart) {
     for (const int code : {1, 3, 4, 7}) {
-        const Settings s = rated(RateMode::constant, 1'234'400, 0, 0, code);
+        const Settings s = buffered(RateMode::constant, 1'234'400, 0, 0, code);
         VbvBuffer b = buffer_of(s);
         for (const std::int64_t first : {0, 1, 60, 1'000'000'007}) {
             b.start_chunk(first);
@@ -85,7 +85,7 @@ TEST(RateBuffer, ChunksOfAConstantRateAreWholeBytesApart) {
 }
 
 TEST(RateSchedule, ALastPictureMayTakeAllThatTheNextChunkDoesNotNeed) {
-    Settings s = rated(RateMode::variable, 100'000, 100'000, 163'840);  // 4,000 bits per picture
+    Settings s = buffered(RateMode::variable, 100'000, 100'000, 163'840);  // 4,000 bits per picture
     const MinimalBits minimal{1'600, 400};
     VbvSchedule schedule(s, channel_for(s, level_for(s)), minimal);
     for (std::int64_t n = 0; n < 5; ++n) schedule.plan(n, n == 0, n == 0, 4 - n, false);
@@ -101,7 +101,7 @@ TEST(RateSchedule, ALastPictureMayTakeAllThatTheNextChunkDoesNotNeed) {
 }
 
 TEST(RateSchedule, TheFilmsLastChunkMayEmptyTheBuffer) {
-    Settings s = rated(RateMode::variable, 100'000, 100'000, 163'840);
+    Settings s = buffered(RateMode::variable, 100'000, 100'000, 163'840);
     VbvSchedule schedule(s, channel_for(s, level_for(s)), {1'600, 400});
     for (std::int64_t n = 0; n < 2; ++n) schedule.plan(n, n == 0, n == 0, 1 - n, true);
     EXPECT_EQ(schedule.most_bits(), 131'072);  // 4,000 come before the other picture: enough
@@ -110,7 +110,7 @@ TEST(RateSchedule, TheFilmsLastChunkMayEmptyTheBuffer) {
 }
 
 TEST(RateSchedule, ACutBeginsNoGopThatCannotBePaid) {
-    Settings s = rated(RateMode::variable, 10'000, 10'000, 163'840);  // 400 bits per picture
+    Settings s = buffered(RateMode::variable, 10'000, 10'000, 163'840);  // 400 bits per picture
     s.gop = 12;
     VbvSchedule schedule(s, channel_for(s, level_for(s)), {3'000, 100});
     schedule.plan(0, true, true, 11, false);
@@ -139,7 +139,7 @@ TEST(RateSchedule, WhatIsFarAwayIsReckonedAsIfOneByOne) {
         const auto pick = [&](std::uint64_t what, int low, int high) {
             return low + static_cast<int>(core::uniform(seed, what, 0, 0) * (high - low + 0.999));
         };
-        Settings s = rated(RateMode::variable, 100'000, 100'000, 16'384 * pick(0, 1, 8), pick(1, 1, 2));
+        Settings s = buffered(RateMode::variable, 100'000, 100'000, 16'384 * pick(0, 1, 8), pick(1, 1, 2));
         s.cadence = pick(2, 0, 1) == 0 ? Cadence::frames : Cadence::pulldown;
         s.gop = pick(3, 1, 9);
         s.first_number = pick(4, 0, 3);
@@ -169,25 +169,25 @@ TEST(RateChecks, WhatCannotBeIsRefusedByOneLineThatSaysWhy) {
     const auto says = [](const Settings& s, const std::string& part) {
         return refusal(s).find(part) != std::string::npos;
     };
-    EXPECT_EQ(refusal(rated(RateMode::variable, 1'000'000)), "");
-    EXPECT_EQ(refusal(rated(RateMode::constant, 1'000'000)), "");
-    EXPECT_TRUE(says(rated(RateMode::variable, 0), "at least 400"));
-    EXPECT_TRUE(says(rated(RateMode::variable, 90'000'000), "at most 80000000"));
-    EXPECT_TRUE(says(rated(RateMode::variable, 2'000'000, 1'000'000), "is below the bit rate 2000000"));
-    EXPECT_TRUE(says(rated(RateMode::constant, 1'000'000, 2'000'000), "must be equal"));
-    EXPECT_TRUE(says(rated(RateMode::variable, 1'000'000, 0, 16'000), "at least 16384"));
-    EXPECT_TRUE(says(rated(RateMode::variable, 1'000'000, 0, 20'000'000), "at most 9781248"));
-    EXPECT_TRUE(says(rated(RateMode::variable, 3'000, 3'000), "even pictures without detail need"));
-    EXPECT_TRUE(says(rated(RateMode::constant, 5'000'000, 0, 180'224), "arrive while a picture is shown"));
+    EXPECT_EQ(refusal(buffered(RateMode::variable, 1'000'000)), "");
+    EXPECT_EQ(refusal(buffered(RateMode::constant, 1'000'000)), "");
+    EXPECT_TRUE(says(buffered(RateMode::variable, 0), "at least 400"));
+    EXPECT_TRUE(says(buffered(RateMode::variable, 90'000'000), "at most 80000000"));
+    EXPECT_TRUE(says(buffered(RateMode::variable, 2'000'000, 1'000'000), "is below the bit rate 2000000"));
+    EXPECT_TRUE(says(buffered(RateMode::constant, 1'000'000, 2'000'000), "must be equal"));
+    EXPECT_TRUE(says(buffered(RateMode::variable, 1'000'000, 0, 16'000), "at least 16384"));
+    EXPECT_TRUE(says(buffered(RateMode::variable, 1'000'000, 0, 20'000'000), "at most 9781248"));
+    EXPECT_TRUE(says(buffered(RateMode::variable, 3'000, 3'000), "even pictures without detail need"));
+    EXPECT_TRUE(says(buffered(RateMode::constant, 5'000'000, 0, 180'224), "arrive while a picture is shown"));
 }
 
 TEST(RateChecks, TheLevelIsTheLowestThatBringsAndHoldsTheBits) {
     const auto level = [](const Settings& s) { return std::string(level_for(s).name); };
-    EXPECT_EQ(level(rated(RateMode::variable, 15'000'000)), "Main");
-    EXPECT_EQ(level(rated(RateMode::variable, 15'000'001)), "High-1440");
-    EXPECT_EQ(level(rated(RateMode::variable, 1'000'000, 60'000'400)), "High");
-    EXPECT_EQ(level(rated(RateMode::variable, 1'000'000, 0, 1'835'009)), "High-1440");
-    const Declaration d = declaration_of(rated(RateMode::variable, 1'000'000, 1'500'399, 100'000));
+    EXPECT_EQ(level(buffered(RateMode::variable, 15'000'000)), "Main");
+    EXPECT_EQ(level(buffered(RateMode::variable, 15'000'001)), "High-1440");
+    EXPECT_EQ(level(buffered(RateMode::variable, 1'000'000, 60'000'400)), "High");
+    EXPECT_EQ(level(buffered(RateMode::variable, 1'000'000, 0, 1'835'009)), "High-1440");
+    const Declaration d = declaration_of(buffered(RateMode::variable, 1'000'000, 1'500'399, 100'000));
     EXPECT_EQ(d.bit_rate, 1'500'000) << "rounded down: a decoder must not count on more";
     EXPECT_EQ(d.buffer_bits, 98'304);
 }

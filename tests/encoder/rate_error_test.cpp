@@ -15,7 +15,7 @@ namespace {
 enum class Content { calm, busy, changing };
 
 /// Dim or loud grain on a texture that slides.
-core::Picture picture_of(const Settings& s, Content content, std::int64_t n) {
+core::Picture content_picture(const Settings& s, Content content, std::int64_t n) {
     core::Picture picture = textured(s, n, {1.5, -0.5});
     const int loud = content == Content::calm ? 0 : content == Content::busy ? 64 : n / 30 % 2 == 0 ? 6 : 48;
     if (loud == 0) return picture;
@@ -34,8 +34,8 @@ struct Coding {
 };
 
 /// Codes a film in chunks of 60 by an encoder each, or endlessly by one.
-Coding code(const Settings& s, Content content, std::int64_t count, bool endless = false,
-            const std::vector<BitAllocation>* allocated = nullptr) {
+Coding coding_of(const Settings& s, Content content, std::int64_t count, bool endless = false,
+                 const std::vector<BitAllocation>* allocated = nullptr) {
     Coding coding{{s, {}}, {}};
     const std::int64_t length = endless ? count : 60;
     for (std::int64_t first = 0; first < count; first += length) {
@@ -57,7 +57,7 @@ Coding code(const Settings& s, Content content, std::int64_t count, bool endless
             facts.last_chunk = end == count;
             if (allocated) facts.allocation = (*allocated)[static_cast<std::size_t>(n)];
             const PicturePlan plan = encoder.plan(n, facts, n == first);
-            take(encoder.push(picture_of(s, content, n), plan, steady_motion(s, plan, {-1.5f, 0.5f})));
+            take(encoder.push(content_picture(s, content, n), plan, steady_motion(s, plan, {-1.5f, 0.5f})));
         }
         take(encoder.flush());
     }
@@ -70,8 +70,8 @@ Coding code_twice(const Settings& s, Content content, std::int64_t count, int fi
     first.effort = Effort::fast;
     first.rate_control = {};
     first.quantiser = 8;
-    const std::vector<BitAllocation> allocated = allocate_bits(s, code(first, content, count).pass, 1.0);
-    return code(s, content, count, false, &allocated);
+    const std::vector<BitAllocation> allocated = allocate_bits(s, coding_of(first, content, count).pass, 1.0);
+    return coding_of(s, content, count, false, &allocated);
 }
 
 double error_of(const Coding& coding) {
@@ -80,7 +80,7 @@ double error_of(const Coding& coding) {
     return coding.bits / seconds / static_cast<double>(s.rate_control.bit_rate) - 1;
 }
 
-Settings rated(RateMode mode, double bits_per_sample) {
+Settings film_settings(RateMode mode, double bits_per_sample) {
     Settings s = settings(96, 80, 6, 15, 3, 2);
     s.rate_control.mode = mode;
     s.rate_control.bit_rate = static_cast<std::int64_t>(bits_per_sample * 96 * 80 * 25);
@@ -104,8 +104,8 @@ TEST(RateErrorsSlow, OfRatesThatQuantisersReachAreWithinTwoPerCentInTwoPassesAnd
                                                      {RateMode::constant, Content::calm, 0.8, 65},
                                                      {RateMode::constant, Content::busy, 2, 33},
                                                      {RateMode::constant, Content::changing, 0.8, 65}}) {
-        const Settings s = rated(mode, bits);
-        const Coding one = code(s, content, count), two = code_twice(s, content, count);
+        const Settings s = film_settings(mode, bits);
+        const Coding one = coding_of(s, content, count), two = code_twice(s, content, count);
         const std::string name = std::to_string(static_cast<int>(mode)) + ", content " +
                                  std::to_string(static_cast<int>(content)) + ", bits " + std::to_string(bits);
         EXPECT_LT(std::abs(error_of(one)), 0.05) << name;
@@ -116,7 +116,7 @@ TEST(RateErrorsSlow, OfRatesThatQuantisersReachAreWithinTwoPerCentInTwoPassesAnd
 
 TEST(RateErrorsSlow, PicturesMayBeOfOtherTypesInTheSecondPass) {
     for (const int now : {0, 3}) {
-        Settings s = rated(RateMode::variable, 0.8);
+        Settings s = film_settings(RateMode::variable, 0.8);
         s.b_pictures = now;
         const double alike = code_twice(s, Content::calm, 60, now).quantisers;
         for (const int then : {0, 1, 3}) {
@@ -131,8 +131,8 @@ TEST(RateErrors, WhereNoQuantiserReachesTheRateTheLastOneIsTaken) {
     const std::int64_t count = 20;
     for (const bool twice : {false, true}) {
         const auto coded = [&](Content content, double bits) {
-            const Settings s = rated(RateMode::variable, bits);
-            return twice ? code_twice(s, content, count) : code(s, content, count);
+            const Settings s = film_settings(RateMode::variable, bits);
+            return twice ? code_twice(s, content, count) : coding_of(s, content, count);
         };
         EXPECT_GT(coded(Content::busy, 0.3).quantisers, 30.5 * count) << twice;
         EXPECT_GT(coded(Content::calm, 0.15).quantisers, 30.5 * count) << twice;
@@ -142,7 +142,7 @@ TEST(RateErrors, WhereNoQuantiserReachesTheRateTheLastOneIsTaken) {
 
 TEST(RateErrors, FirstPicturesDoNotStarveTheOthers) {
     // Sharp textures need several times the bits that are guessed of a film that nobody has seen.
-    const Coding coding = code(rated(RateMode::variable, 0.3), Content::calm, 20);
+    const Coding coding = coding_of(film_settings(RateMode::variable, 0.3), Content::calm, 20);
     const double mean = coding.quantisers / 20;
     EXPECT_GT(coding.film.coded[0].quantiser, 0.5 * mean);
     EXPECT_LT(coding.film.coded[0].quantiser, 1.5 * mean);
@@ -152,7 +152,7 @@ TEST(RateErrors, FirstPicturesDoNotStarveTheOthers) {
 
 TEST(RateErrorsSlow, OfEndlessFilmsAreWithinFivePerCentAndTheirBufferHolds) {
     for (const RateMode mode : {RateMode::variable, RateMode::constant}) {
-        const Coding coding = code(rated(mode, 0.8), Content::changing, 240, true);
+        const Coding coding = coding_of(film_settings(mode, 0.8), Content::changing, 240, true);
         EXPECT_LT(std::abs(error_of(coding)), 0.05) << static_cast<int>(mode);
         const ReadStream stream = read_stream(coding.film.bytes());
         EXPECT_EQ(check_stream(stream, mode == RateMode::constant), "");

@@ -1,8 +1,7 @@
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(hard_cases_libavcodec REQUIRED IMPORTED_TARGET libavcodec libavutil)
 pkg_check_modules(hard_cases_libmpeg2 REQUIRED IMPORTED_TARGET libmpeg2)
-render2mpeg_test(hard_cases LIBS render2mpeg_app render2mpeg_test_scenes PkgConfig::hard_cases_libavcodec PkgConfig::hard_cases_libmpeg2)
-if(TARGET test_hard_cases)
-  file(GLOB hard_cases CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/hard_cases/*_cases.cpp ${CMAKE_CURRENT_SOURCE_DIR}/hard_cases/*_proofs.cpp)
-  target_sources(test_hard_cases PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/hard_cases/hard_case.cpp ${hard_cases})
-endif()
+file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/hard_cases/*.cpp)
+list(FILTER sources EXCLUDE REGEX "_test[.]cpp$")
+render2mpeg_test(hard_cases SOURCES ${sources} LIBS render2mpeg_app render2mpeg_test_scenes PkgConfig::hard_cases_libavcodec
+                                                    PkgConfig::hard_cases_libmpeg2)

@@ -14,7 +14,7 @@ namespace render2mpeg::image {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr std::uint64_t seed = 7;
+constexpr std::uint64_t sky_seed = 7;
 
 Image constant_map(int width, int height, glm::vec3 color) {
     Image image;
@@ -29,7 +29,7 @@ Image outdoors(int width, int height) {
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             const float up = 1 - static_cast<float>(y) / static_cast<float>(height);
-            const float v = (0.1f + up * up) * (0.5f + core::uniform(seed, static_cast<std::uint64_t>(x / 4),
+            const float v = (0.1f + up * up) * (0.5f + core::uniform(sky_seed, static_cast<std::uint64_t>(x / 4),
                                                                      static_cast<std::uint64_t>(y / 4)));
             image.pixels.at(x, y) = {0.6f * v, 0.8f * v, v, 1};
         }
@@ -152,7 +152,7 @@ TEST(SkyMap, SamplesLightSurfacesAsTheSkyDoes) {
     const SkyMap sky(outdoors(256, 128), {1, 1, 1}, 0.7f);
     const std::vector<SkySample> samples = sky.samples(1024);
     for (std::uint64_t i = 0; i < 20; ++i) {
-        const glm::vec3 normal = core::sample_sphere({core::uniform(seed, i, 1), core::uniform(seed, i, 2)});
+        const glm::vec3 normal = core::sample_sphere({core::uniform(sky_seed, i, 1), core::uniform(sky_seed, i, 2)});
         glm::dvec3 sum{0};
         for (const SkySample& sample : samples)
             sum +=
@@ -165,7 +165,8 @@ TEST(SkyMap, IrradianceOfAUniformMapIsPiTimesItsRadiance) {
     for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {33, 17}, {128, 64}}) {
         const SkyMap sky(constant_map(width, height, {1, 2, 3}), {1, 1, 1}, 0.3f);
         for (std::uint64_t i = 0; i < 5; ++i) {
-            const glm::vec3 normal = core::sample_sphere({core::uniform(seed, i, 3), core::uniform(seed, i, 4)});
+            const glm::vec3 normal =
+                core::sample_sphere({core::uniform(sky_seed, i, 3), core::uniform(sky_seed, i, 4)});
             expect_close(sky.irradiance(normal), glm::dvec3(1, 2, 3) * pi, 1e-4);
         }
         expect_close(sky.mean(), {1, 2, 3}, 1e-6);
@@ -181,7 +182,7 @@ TEST(SkyMap, AConstantSkyIsSpreadEvenly) {
     ASSERT_EQ(samples.size(), 500u);
     expect_close(light_of(samples), glm::dvec3(0.5, 1, 2) * 4.0 * pi, 1e-5);
     for (std::uint64_t i = 0; i < 50; ++i) {
-        const glm::vec3 normal = core::sample_sphere({core::uniform(seed, i, 5), core::uniform(seed, i, 6)});
+        const glm::vec3 normal = core::sample_sphere({core::uniform(sky_seed, i, 5), core::uniform(sky_seed, i, 6)});
         double sum = 0;
         for (const SkySample& sample : samples)
             sum += sample.irradiance.y * std::max(0.0f, glm::dot(normal, sample.direction));
@@ -236,7 +237,7 @@ TEST(SkyMap, WideLookupsAreMeansOverTheSphere) {
     const SkyMap sky(image, {1, 1, 1}, 0);
     for (const double solid_angle : {0.0, 0.001, 0.01, 0.03})
         for (std::uint64_t i = 0; i < 40; ++i) {
-            glm::vec3 axis = core::sample_sphere({core::uniform(seed, i, 8), core::uniform(seed, i, 9)});
+            glm::vec3 axis = core::sample_sphere({core::uniform(sky_seed, i, 8), core::uniform(sky_seed, i, 9)});
             if (i < 2) axis = {0, i == 0 ? 1 : -1, 0};
             glm::vec3 tangent, bitangent;
             core::make_frame(axis, tangent, bitangent);

@@ -14,7 +14,7 @@ namespace {
 
 using core::Wrap;
 
-constexpr std::uint64_t seed = 20;
+constexpr std::uint64_t texture_seed = 20;
 
 /// An image of random values, as multiples of 1/255 or any.
 Image noise(int width, int height, bool in_codes = true) {
@@ -24,8 +24,8 @@ Image noise(int width, int height, bool in_codes = true) {
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x)
             for (int c = 0; c < 4; ++c) {
-                const float v = core::uniform(seed, static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y),
-                                              static_cast<std::uint64_t>(c));
+                const float v = core::uniform(texture_seed, static_cast<std::uint64_t>(x),
+                                              static_cast<std::uint64_t>(y), static_cast<std::uint64_t>(c));
                 image.pixels.at(x, y)[c] = in_codes ? std::floor(v * 256) / 255.0f : v;
             }
     return image;
@@ -68,8 +68,9 @@ TEST(Texture, MagnificationIsBilinearUnderEveryWrapEncodingAndStorage) {
                 const Image image = noise(13, 6, in_codes);
                 const Texture texture(image, srgb ? Encoding::srgb : Encoding::linear, wrap, wrap);
                 for (std::uint64_t i = 0; i < 500; ++i) {
-                    const glm::vec2 uv{core::uniform(seed, i, 7) * 6 - 3, core::uniform(seed, i, 8) * 6 - 3};
-                    const glm::vec4 v = texture.sample(uv, square(core::uniform(seed, i, 9), 13));
+                    const glm::vec2 uv{core::uniform(texture_seed, i, 7) * 6 - 3,
+                                       core::uniform(texture_seed, i, 8) * 6 - 3};
+                    const glm::vec4 v = texture.sample(uv, square(core::uniform(texture_seed, i, 9), 13));
                     const glm::dvec4 truth = bilinear(image, uv, wrap, wrap, srgb && in_codes);
                     for (int c = 0; c < 4; ++c) EXPECT_NEAR(v[c], truth[c], 3e-5) << i;
                 }
@@ -84,7 +85,7 @@ TEST(Texture, AConstantStaysConstantAtEveryFootprint) {
         for (const AlphaMeaning alpha : {AlphaMeaning::value, AlphaMeaning::coverage}) {
             const Texture texture(image, Encoding::srgb, Wrap::repeat, Wrap::mirrored_repeat, nearest, alpha);
             for (std::uint64_t i = 0; i < 2000; ++i) {
-                const auto random = [&](std::uint64_t k) { return core::uniform(seed, i, k) * 2 - 1; };
+                const auto random = [&](std::uint64_t k) { return core::uniform(texture_seed, i, k) * 2 - 1; };
                 const float size = std::pow(10.0f, 3 * random(1) - 1);
                 const glm::vec4 v =
                     texture.sample({random(2) * 9, random(3) * 9},
@@ -172,7 +173,7 @@ TEST(Texture, FootprintsOfAnyShapeChangeTheResultSmoothly) {
     // number of probes or the level changes.
     const Texture texture(noise(128, 128), Encoding::linear, Wrap::repeat, Wrap::repeat);
     for (std::uint64_t i = 0; i < 20; ++i) {
-        const glm::vec2 uv{core::uniform(seed, i, 11), core::uniform(seed, i, 12)};
+        const glm::vec2 uv{core::uniform(texture_seed, i, 11), core::uniform(texture_seed, i, 12)};
         float before = -1;
         for (float t = 0; t < 1; t += 0.005f) {
             const float longer = std::pow(60.0f, t) / 128, shorter = std::pow(12.0f, t) / 128, angle = t * 3;
@@ -209,8 +210,8 @@ TEST(Texture, NearestIsTheMeanOfHardTexelsOverTheFootprint) {
     const Image image = noise(8, 8);
     const Texture texture(image, Encoding::linear, Wrap::repeat, Wrap::repeat, true);
     for (std::uint64_t i = 0; i < 300; ++i) {
-        const float size = core::uniform(seed, i, 13);
-        const glm::vec2 at{core::uniform(seed, i, 14) * 8, core::uniform(seed, i, 15) * 8};
+        const float size = core::uniform(texture_seed, i, 13);
+        const glm::vec2 at{core::uniform(texture_seed, i, 14) * 8, core::uniform(texture_seed, i, 15) * 8};
         double truth = 0;
         for (int k = 0; k < 4096; ++k) {
             const double x = at.x + size * ((k % 64 + 0.5) / 64 - 0.5), y = at.y + size * ((k / 64 + 0.5) / 64 - 0.5);

@@ -11,10 +11,10 @@ namespace render2mpeg::perceptual {
 namespace {
 
 /// [H262, 6.3.11], written down a second time.
-constexpr double intra_matrix[64] = {8,  16, 19, 22, 26, 27, 29, 34, 16, 16, 22, 24, 27, 29, 34, 37,
-                                     19, 22, 26, 27, 29, 34, 34, 38, 22, 22, 26, 27, 29, 34, 37, 40,
-                                     22, 26, 27, 29, 32, 35, 40, 48, 26, 27, 29, 32, 35, 40, 48, 58,
-                                     26, 27, 29, 34, 38, 46, 56, 69, 27, 29, 35, 38, 46, 56, 69, 83};
+constexpr double intra_weights[64] = {8,  16, 19, 22, 26, 27, 29, 34, 16, 16, 22, 24, 27, 29, 34, 37,
+                                      19, 22, 26, 27, 29, 34, 34, 38, 22, 22, 26, 27, 29, 34, 37, 40,
+                                      22, 26, 27, 29, 32, 35, 40, 48, 26, 27, 29, 32, 35, 40, 48, 58,
+                                      26, 27, 29, 34, 38, 46, 56, 69, 27, 29, 35, 38, 46, 56, 69, 83};
 
 core::Block8x8 random_block(std::uint64_t seed, float reach) {
     core::Block8x8 block;
@@ -26,7 +26,7 @@ core::Block8x8 random_block(std::uint64_t seed, float reach) {
 core::Block8x8 random_thresholds(std::uint64_t seed) {
     core::Block8x8 m;
     for (std::size_t i = 0; i < 64; ++i)
-        m[i] = static_cast<float>(intra_matrix[i]) * (0.2f + 3.0f * core::uniform(seed, i, 1));
+        m[i] = static_cast<float>(intra_weights[i]) * (0.2f + 3.0f * core::uniform(seed, i, 1));
     return m;
 }
 
@@ -43,7 +43,7 @@ TEST(WorstErrors, OfIntraBlocksAreThoseOfTheFormulaInDoublePrecision) {
             for (std::size_t i = 1; i < 64; ++i) {
                 const double c_i = c[i];
                 const double size =
-                    std::abs(c_i) < intra_matrix[i] * qs / 2 ? qs * 16 / 2 : qs * static_cast<double>(m[i]) / 2;
+                    std::abs(c_i) < intra_weights[i] * qs / 2 ? qs * 16 / 2 : qs * static_cast<double>(m[i]) / 2;
                 EXPECT_NEAR(errors[i], c_i < 0 ? -size : size, 1e-5 * size) << code << " " << i;
             }
         }
@@ -58,7 +58,7 @@ TEST(WorstErrors, OfCoefficientsThatVanishNeverExceedHalfTheirStep) {
         const core::Block8x8 errors = worst_errors(c, m, default_quantisation(), {scale, true, nullptr});
         for (std::size_t i = 1; i < 64; ++i) {
             EXPECT_GT(errors[i], 0.0f) << "0 counts as positive";
-            EXPECT_LE(errors[i], 0.5f * scale * static_cast<float>(intra_matrix[i]) * 1.000001f);
+            EXPECT_LE(errors[i], 0.5f * scale * static_cast<float>(intra_weights[i]) * 1.000001f);
         }
     }
 }
@@ -70,7 +70,7 @@ TEST(WorstErrors, OfPredictedBlocksAreDecidedByTheResidual) {
     residual[10] = -16.1f;
     const core::Block8x8 errors = worst_errors(c, m, default_quantisation(), {1.0f, false, &residual});
     for (std::size_t i = 1; i < 64; ++i) {
-        const double masked = 8.0 * static_cast<double>(m[i]) / intra_matrix[i];
+        const double masked = 8.0 * static_cast<double>(m[i]) / intra_weights[i];
         EXPECT_NEAR(std::abs(errors[i]), i == 10 ? masked : 8.0, 1e-4) << i;
         EXPECT_EQ(std::signbit(errors[i]), std::signbit(c[i])) << "the sign is the block's, not the residual's";
     }

@@ -32,7 +32,7 @@ core::Picture picture_of(core::Plane<float> luma) {
 }
 
 /// Dark to bright from left to right, smooth above and noisy below.
-core::Picture scene(int width, int height) {
+core::Picture busy_picture(int width, int height) {
     core::Plane<float> luma(width, height);
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
@@ -97,7 +97,7 @@ void expect_equal_to_reference(const core::Picture& picture) {
 
 TEST(Masking, EqualsTheFormulasInDoublePrecision) {
     for (const auto& [width, height] : {std::pair{64, 48}, {45, 31}, {3, 5}, {1, 1}}) {
-        core::Picture picture = scene(width, height);
+        core::Picture picture = busy_picture(width, height);
         expect_equal_to_reference(picture);
         picture.luma = {};
         expect_equal_to_reference(picture);
@@ -157,7 +157,7 @@ TEST(Masking, APictureWithoutPixelsHasNoBlocks) {
 }
 
 TEST(Masking, LumaThatIsNoNumberIsABrokenContract) {
-    core::Picture picture = scene(16, 16);
+    core::Picture picture = busy_picture(16, 16);
     picture.luma.at(9, 3) = std::numeric_limits<float>::quiet_NaN();
     EXPECT_THROW(mask(picture), core::ContractViolation);
 }

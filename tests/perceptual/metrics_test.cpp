@@ -15,11 +15,11 @@
 namespace render2mpeg::perceptual {
 namespace {
 
-using Plane = core::Plane<std::uint8_t>;
+using Samples = core::Plane<std::uint8_t>;
 
 /// A soft pattern with noise of `strength` code values.
-Plane plane(int width, int height, std::uint64_t seed, float strength) {
-    Plane p(width, height);
+Samples noisy_samples(int width, int height, std::uint64_t seed, float strength) {
+    Samples p(width, height);
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             const auto index = static_cast<std::uint64_t>(y * width + x);
@@ -33,17 +33,17 @@ Plane plane(int width, int height, std::uint64_t seed, float strength) {
 
 core::Picture picture(int width, int height, std::uint64_t seed, float strength) {
     core::Picture p;
-    p.y = plane(width, height, seed, strength);
-    p.cb = plane((width + 1) / 2, (height + 1) / 2, seed + 1000, strength / 2);
-    p.cr = plane((width + 1) / 2, (height + 1) / 2, seed + 2000, strength / 3);
+    p.y = noisy_samples(width, height, seed, strength);
+    p.cb = noisy_samples((width + 1) / 2, (height + 1) / 2, seed + 1000, strength / 2);
+    p.cr = noisy_samples((width + 1) / 2, (height + 1) / 2, seed + 2000, strength / 3);
     return p;
 }
 
 TEST(MeanSquaredError, IsTheSquareOfAConstantDifference) {
-    EXPECT_EQ(mean_squared_error(Plane(7, 5, 10), Plane(7, 5, 13)), 9.0);
-    EXPECT_EQ(mean_squared_error(Plane(7, 5, 255), Plane(7, 5, 0)), 65025.0);
-    EXPECT_EQ(mean_squared_error(Plane(), Plane()), 0.0);
-    EXPECT_THROW(mean_squared_error(Plane(7, 5), Plane(5, 7)), core::ContractViolation);
+    EXPECT_EQ(mean_squared_error(Samples(7, 5, 10), Samples(7, 5, 13)), 9.0);
+    EXPECT_EQ(mean_squared_error(Samples(7, 5, 255), Samples(7, 5, 0)), 65025.0);
+    EXPECT_EQ(mean_squared_error(Samples(), Samples()), 0.0);
+    EXPECT_THROW(mean_squared_error(Samples(7, 5), Samples(5, 7)), core::ContractViolation);
 }
 
 TEST(Psnr, FallsByTenDecibelsForTenTimesTheError) {
@@ -54,7 +54,7 @@ TEST(Psnr, FallsByTenDecibelsForTenTimesTheError) {
 }
 
 TEST(Ssim, IsOneForEqualPlanesOnly) {
-    const Plane a = plane(64, 48, 1, 20), b = plane(64, 48, 2, 20);
+    const Samples a = noisy_samples(64, 48, 1, 20), b = noisy_samples(64, 48, 2, 20);
     EXPECT_NEAR(ssim(a, a), 1.0, 1e-12);
     EXPECT_LT(ssim(a, b), 0.99);
     EXPECT_GT(ssim(a, b), 0.2);
@@ -62,7 +62,7 @@ TEST(Ssim, IsOneForEqualPlanesOnly) {
 }
 
 TEST(Ssim, IsNegativeForAnInvertedPattern) {
-    Plane a(16, 16), b(16, 16);
+    Samples a(16, 16), b(16, 16);
     for (int y = 0; y < 16; ++y)
         for (int x = 0; x < 16; ++x) {
             a.at(x, y) = (x + y) % 2 ? 200 : 56;
@@ -75,15 +75,15 @@ TEST(Ssim, OfOneFlatWindowIsTheLuminanceTerm) {
     // Variances are 0, so that only means and the first constant count [Wang2004, eq. 6]: 416 / 64^2 in ffmpeg, where
     // the paper has 0.01^2 255^2 = 6.5.
     const double c1 = 416.0 / 4096, a = 100, b = 120;
-    EXPECT_NEAR(ssim(Plane(8, 8, 100), Plane(8, 8, 120)), (2 * a * b + c1) / (a * a + b * b + c1), 1e-12);
+    EXPECT_NEAR(ssim(Samples(8, 8, 100), Samples(8, 8, 120)), (2 * a * b + c1) / (a * a + b * b + c1), 1e-12);
 }
 
 TEST(Ssim, TakesPlanesTooSmallForAWindowWhole) {
-    EXPECT_EQ(ssim(Plane(1, 1, 9), Plane(1, 1, 9)), 1.0);
-    EXPECT_LT(ssim(Plane(1, 1, 9), Plane(1, 1, 200)), 0.5);
-    EXPECT_NEAR(ssim(plane(7, 3, 1, 20), plane(7, 3, 1, 20)), 1.0, 1e-12);
-    EXPECT_LT(ssim(plane(7, 3, 1, 90), plane(7, 3, 2, 90)), 1.0);
-    EXPECT_EQ(ssim(Plane(), Plane()), 1.0);
+    EXPECT_EQ(ssim(Samples(1, 1, 9), Samples(1, 1, 9)), 1.0);
+    EXPECT_LT(ssim(Samples(1, 1, 9), Samples(1, 1, 200)), 0.5);
+    EXPECT_NEAR(ssim(noisy_samples(7, 3, 1, 20), noisy_samples(7, 3, 1, 20)), 1.0, 1e-12);
+    EXPECT_LT(ssim(noisy_samples(7, 3, 1, 90), noisy_samples(7, 3, 2, 90)), 1.0);
+    EXPECT_EQ(ssim(Samples(), Samples()), 1.0);
 }
 
 /// The number that follows `label` in ffmpeg's report.
@@ -138,7 +138,7 @@ TEST(FilmQuality, OfNothingAndOfEqualPicturesIsPerfect) {
 
 TEST(FilmQuality, AveragesErrorsNotDecibels) {
     core::Picture grey, off;
-    for (core::Picture* p : {&grey, &off}) p->y = p->cb = p->cr = Plane(8, 8, p == &grey ? 100 : 104);
+    for (core::Picture* p : {&grey, &off}) p->y = p->cb = p->cr = Samples(8, 8, p == &grey ? 100 : 104);
     FilmQuality quality;
     quality.add(grey, grey);
     quality.add(grey, off);

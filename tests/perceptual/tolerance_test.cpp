@@ -19,7 +19,7 @@ core::Block8x8 random_errors(int column, int row) {
 }
 
 /// Grey light from black to bright.
-PixelLight ramp(const Display& display, int width, int height) {
+PixelLight light_ramp(const Display& display, int width, int height) {
     core::Radiance radiance;
     radiance.combined = core::Plane<glm::vec3>(width, height);
     for (int y = 0; y < height; ++y)
@@ -61,7 +61,7 @@ TEST(Distances, SpreadByBlockPrintNoEdges) {
 TEST(Tolerances, AreNeverBelowTwoPercentNorHalfACodeValue) {
     const Display display(0, ColorMatrix::bt709);
     const InverseLuma light(display);
-    const PixelLight pixels = ramp(display, 64, 4);
+    const PixelLight pixels = light_ramp(display, 64, 4);
     core::Plane<float> plane(64, 4, 1e-3f);
     to_tolerances(plane, pixels, light);
     for (std::size_t i = 0; i < plane.size(); ++i) {
@@ -73,7 +73,7 @@ TEST(Tolerances, AreNeverBelowTwoPercentNorHalfACodeValue) {
 
 TEST(Tolerances, AreWhatTheDisplayInvertsTo) {
     const Display display(0, ColorMatrix::bt709);
-    const PixelLight pixels = ramp(display, 64, 1);
+    const PixelLight pixels = light_ramp(display, 64, 1);
     for (const float distance : {-6.0f, 6.0f}) {
         core::Plane<float> plane(64, 1, distance);
         to_tolerances(plane, pixels, InverseLuma(display));

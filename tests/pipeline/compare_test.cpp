@@ -26,11 +26,11 @@ using support::program;
 using support::run;
 using test::path;
 
-const std::string small = " --size 48x32 --vpls 16 --samples 1 --exposure 0 --sample 1x4 --references 2 --runs 1";
+const std::string few_samples = " --size 48x32 --vpls 16 --samples 1 --exposure 0 --sample 1x4 --references 2 --runs 1";
 
 TEST(Compare, HoldsSixWaysAgainstOneReference) {
     const Folder folder;
-    const auto outcome = run(program() + " compare " + plain_film() + small + " --quantisers 4,16 --report " +
+    const auto outcome = run(program() + " compare " + plain_film() + few_samples + " --quantisers 4,16 --report " +
                              path(folder, "c.html") + " --json " + path(folder, "c.json"));
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     const json found = json::parse(contents(folder / "c.json"));
@@ -194,7 +194,7 @@ TEST(ImageSequence, IsFoundInAFolderWhateverItsNumbers) {
 
 TEST(Compare, IsRefusedBeforeAnyWork) {
     const auto refused = [&](const std::string& before, const std::string& options, const char* words) {
-        const auto outcome = run(before + program() + " compare " + plain_film() + small + options);
+        const auto outcome = run(before + program() + " compare " + plain_film() + few_samples + options);
         EXPECT_EQ(outcome.status, 1) << outcome.output;
         EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
         EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;

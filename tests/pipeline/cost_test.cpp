@@ -27,7 +27,7 @@ using support::run;
 using test::path;
 
 /// Small enough for a test; the room's last second is dear to nobody.
-const std::string small = " --size 32x32 --vpls 16 --samples 1 --exposure 0 --sample 1x2";
+const std::string brief = " --size 32x32 --vpls 16 --samples 1 --exposure 0 --sample 1x2";
 
 json cost_of(const std::string& scene, const std::string& options) {
     const Folder folder;
@@ -157,7 +157,7 @@ TEST(CostOptions, AreReadAndRefused) {
 
     const Folder folder;
     const auto refused = [&](const std::string& options, const char* words) {
-        const auto outcome = run(program() + " cost " + plain_film() + small + options);
+        const auto outcome = run(program() + " cost " + plain_film() + brief + options);
         EXPECT_EQ(outcome.status, 1) << outcome.output;
         EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
         EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
@@ -170,7 +170,7 @@ TEST(CostOptions, AreReadAndRefused) {
 }
 
 TEST(Cost, RisesAndErrorsFallAsTolerancesTighten) {
-    const json found = cost_of(plain_film(), small + " --tolerances 0.001,2,40 --quantisers 4,31 --quantiser 4");
+    const json found = cost_of(plain_film(), brief + " --tolerances 0.001,2,40 --quantisers 4,31 --quantiser 4");
     EXPECT_TRUE(found.at("complete").get<bool>());
     EXPECT_EQ(found.at("windows"), (json{{29, 30}}));
     EXPECT_EQ(found.at("reference").at("frames"), 1);
@@ -210,7 +210,7 @@ TEST(Cost, RisesAndErrorsFallAsTolerancesTighten) {
 }
 
 TEST(Cost, DependsOnThreadsInItsTimesAlone) {
-    const std::string options = small + " --tolerances 10 --quantisers 8 --b-pictures 0";
+    const std::string options = brief + " --tolerances 10 --quantisers 8 --b-pictures 0";
     EXPECT_EQ(timeless(cost_of(plain_film(), options + " --threads 1")),
               timeless(cost_of(plain_film(), options + " --threads 3")));
 }
@@ -230,7 +230,7 @@ TEST(Cost, OfASceneWithoutAnythingToLightIsTold) {
     std::ofstream(folder / "film.json") << R"({"camera": {"position": [0, 0, 5], "look_at": [0, 0, 0]},
         "objects": [{"name": "away", "shape": "box", "position": [0, 0, 50], "material": "grey"}],
         "materials": {"grey": {"base_color": 0.5}}})";
-    const auto outcome = run(program() + " cost " + path(folder, "film.json") + small + " --report " +
+    const auto outcome = run(program() + " cost " + path(folder, "film.json") + brief + " --report " +
                              path(folder, "c.html") + " --tolerances 4,2 --quantisers 4");
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     EXPECT_NE(outcome.output.find("Nothing in these frames gathers light"), std::string::npos) << outcome.output;
@@ -242,7 +242,7 @@ TEST(Cost, OfASceneWithoutAnythingToLightIsTold) {
 
 TEST(Cost, PrintsRowsThatFitATerminalAndAPageThatStandsAlone) {
     const Folder folder;
-    const std::string command = program() + " cost " + plain_film() + small +
+    const std::string command = program() + " cost " + plain_film() + brief +
                                 " --tolerances 32,16,4,1 --quantisers 8 --report " + path(folder, "c.html");
     const auto outcome = run(command);
     ASSERT_EQ(outcome.status, 0) << outcome.output;
@@ -262,7 +262,7 @@ TEST(Cost, PrintsRowsThatFitATerminalAndAPageThatStandsAlone) {
 
     // Such a page may be replaced, and nothing else.
     const std::string again =
-        program() + " cost " + plain_film() + small + " --quantisers none --tolerances 50 --quiet";
+        program() + " cost " + plain_film() + brief + " --quantisers none --tolerances 50 --quiet";
     EXPECT_EQ(run(again + " --report " + path(folder, "c.html")).status, 0);
     EXPECT_EQ(contents(folder / "c.html").find(">q 8<"), std::string::npos);
     std::ofstream(folder / "other.html") << "mine";

@@ -14,7 +14,7 @@ using support::film;
 using support::Folder;
 using support::run;
 
-const std::string small = " --size 48x32 --samples 1 --exposure 0 --quiet";
+const std::string one_sample = " --size 48x32 --samples 1 --exposure 0 --quiet";
 
 struct Made {
     nlohmann::json statistics;
@@ -24,7 +24,7 @@ struct Made {
 Made make(const Folder& folder, const std::string& name, const std::string& options) {
     const auto output = folder / "film.m2v", stats = folder / "s.json";
     const auto outcome =
-        run(support::program() + " render " + film(name) + " -o " + output.string() + small + " --stats " +
+        run(support::program() + " render " + film(name) + " -o " + output.string() + one_sample + " --stats " +
             stats.string() + (options.find("--vpls") == std::string::npos ? " --vpls 128" : "") + options);
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     return {nlohmann::json::parse(contents(stats)), contents(output)};
@@ -96,7 +96,7 @@ TEST(Coupled, CutsOfAStillFilmStayTheSame) {
 TEST(Coupled, OnlyFilmsHaveACodingToCoupleTo) {
     const Folder folder;
     const auto outcome = run(support::program() + " render " + support::plain_film() + " -o " +
-                             (folder / "f.%04d.png").string() + small + " --frames 0:0 --tolerance coupled");
+                             (folder / "f.%04d.png").string() + one_sample + " --frames 0:0 --tolerance coupled");
     EXPECT_EQ(outcome.status, 1);
     EXPECT_NE(outcome.output.find("fixed=P%"), std::string::npos) << outcome.output;
     for (const char* wrong : {"coupled=0", "coupled=-1", "coupled=x", "coupled=1e9", "coupled="})

@@ -10,7 +10,7 @@
 namespace render2mpeg::app {
 namespace {
 
-std::size_t count(const std::string& text, const std::string& word) {
+std::size_t times_in(const std::string& text, const std::string& word) {
     std::size_t found = 0;
     for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + word.size())) ++found;
     return found;
@@ -44,16 +44,16 @@ TEST(Curves, ShowEveryPointThatTheAxesHaveOnWideAndNarrowPaper) {
     std::vector<CurvePoint> points{
         {1, 2, "a<b", true}, {10, none, "lost", false}, {0, 5, "zero", false}, {100, 3, "", false}};
     const std::string figure = figure_of(plot_of(points, true));
-    EXPECT_EQ(count(figure, "<svg "), 2u);
-    EXPECT_EQ(count(figure, "<title>one"), 2u * 2u);
-    EXPECT_EQ(count(figure, "class=\"ring\""), 2u);
-    EXPECT_EQ(count(figure, ">a&lt;b<"), 2u);
-    EXPECT_EQ(count(figure, "lost") + count(figure, "zero"), 0u);
-    EXPECT_EQ(count(figure, "nan") + count(figure, "inf"), 0u);
+    EXPECT_EQ(times_in(figure, "<svg "), 2u);
+    EXPECT_EQ(times_in(figure, "<title>one"), 2u * 2u);
+    EXPECT_EQ(times_in(figure, "class=\"ring\""), 2u);
+    EXPECT_EQ(times_in(figure, ">a&lt;b<"), 2u);
+    EXPECT_EQ(times_in(figure, "lost") + times_in(figure, "zero"), 0u);
+    EXPECT_EQ(times_in(figure, "nan") + times_in(figure, "inf"), 0u);
     EXPECT_NE(figure.find("A &amp; B"), std::string::npos);
 
     // Even axes have 0.
-    EXPECT_EQ(count(figure_of(plot_of(points, false)), "<title>one"), 2u * 3u);
+    EXPECT_EQ(times_in(figure_of(plot_of(points, false)), "<title>one"), 2u * 3u);
 }
 
 TEST(Curves, WriteNoValueOverAnother) {
@@ -62,11 +62,11 @@ TEST(Curves, WriteNoValueOverAnother) {
         figure_of(plot_of({{260, 30, "", false}, {520, 35, "", false}, {1300, 44, "", false}}, true));
     const std::string wide = figure.substr(0, figure.find("</svg>")), narrow = figure.substr(wide.size());
     for (const char* value : {">300<", ">500<", ">1000<"}) {
-        EXPECT_EQ(count(wide, value), 1u) << value;
-        EXPECT_EQ(count(narrow, value), 1u) << value;
+        EXPECT_EQ(times_in(wide, value), 1u) << value;
+        EXPECT_EQ(times_in(narrow, value), 1u) << value;
     }
-    EXPECT_EQ(count(wide, ">900<"), 1u);
-    EXPECT_EQ(count(narrow, ">900<"), 0u);
+    EXPECT_EQ(times_in(wide, ">900<"), 1u);
+    EXPECT_EQ(times_in(narrow, ">900<"), 0u);
 }
 
 TEST(Curves, OfNothingAndOfOnePointAreDrawnToo) {
@@ -74,8 +74,8 @@ TEST(Curves, OfNothingAndOfOnePointAreDrawnToo) {
     EXPECT_EQ(figure_of(plot_of({{0, 0, "", false}}, true)), "");
     for (const bool logarithmic : {false, true}) {
         const std::string figure = figure_of(plot_of({{3, 40, "p", false}, {3, 40, "q", false}}, logarithmic));
-        EXPECT_EQ(count(figure, "<title>one"), 4u);
-        EXPECT_EQ(count(figure, "nan") + count(figure, "inf"), 0u);
+        EXPECT_EQ(times_in(figure, "<title>one"), 4u);
+        EXPECT_EQ(times_in(figure, "nan") + times_in(figure, "inf"), 0u);
     }
 }
 

@@ -16,14 +16,14 @@ using support::Folder;
 using support::plain_film;
 using support::run;
 
-const std::string small = " --size 64x48 --samples 1 --vpls 64 --exposure 0 --quiet";
+const std::string few_lights = " --size 64x48 --samples 1 --vpls 64 --exposure 0 --quiet";
 
 std::string render(const std::string& input, const std::filesystem::path& output, const std::string& options) {
     return support::program() + " render " + input + " -o " + output.string() + options;
 }
 
 /// Frames that libavcodec decodes, without a word of complaint; -1 otherwise.
-int frames_by_ffmpeg(const std::filesystem::path& file) {
+int pictures_by_ffmpeg(const std::filesystem::path& file) {
     const auto strict = run("ffmpeg -v error -xerror -err_detect explode -i " + file.string() + " -f null -");
     if (strict.status != 0 || !strict.output.empty()) return -1;
     const auto counted =
@@ -73,10 +73,10 @@ class EveryFilm : public testing::TestWithParam<const char*> {};
 TEST_P(EveryFilm, DecodesWholeEverywhereAndHasOnlyFiniteLight) {
     const Folder folder;
     const auto output = folder / "film.mpg";
-    const auto outcome =
-        run(render(film(GetParam()), output, small + " --frames 0:4 --gop 3 --stats " + (folder / "s.json").string()));
+    const auto outcome = run(
+        render(film(GetParam()), output, few_lights + " --frames 0:4 --gop 3 --stats " + (folder / "s.json").string()));
     ASSERT_EQ(outcome.status, 0) << outcome.output;
-    EXPECT_EQ(frames_by_ffmpeg(output), 5);
+    EXPECT_EQ(pictures_by_ffmpeg(output), 5);
     EXPECT_EQ(frames_by_mpeg2dec(output, "-s"), 5);
     const auto statistics = nlohmann::json::parse(contents(folder / "s.json"));
     EXPECT_EQ(statistics.at("non_finite"), 0);
@@ -88,7 +88,7 @@ TEST_P(EveryFilm, DecodesWholeEverywhereAndHasOnlyFiniteLight) {
 TEST_P(EveryFilm, IsTheSameInLibmpeg2ButForTheRoundingOfItsTransform) {
     const Folder folder;
     const auto output = folder / "film.mpg";
-    ASSERT_EQ(run(render(film(GetParam()), output, small + " --frames 0:6")).status, 0);
+    ASSERT_EQ(run(render(film(GetParam()), output, few_lights + " --frames 0:6")).status, 0);
     const std::string ours = planes_by_ffmpeg(output), theirs = planes_by_mpeg2dec(output, 64, 48);
     ASSERT_EQ(ours.size(), std::size_t{7} * 64 * 48 * 3 / 2);
     ASSERT_EQ(theirs.size(), ours.size());
@@ -121,8 +121,8 @@ TEST(OutputKind, EveryFilmEndingGivesItsContainerWithAllPictures) {
                                          {"mkv", "matroska,webm"},
                                          {"mp4", "mov,mp4,m4a,3gp,3g2,mj2"}}) {
         const auto output = folder / (std::string("film.") + ending);
-        ASSERT_EQ(run(render(plain_film(), output, small + " --frames 0:3 --gop 2")).status, 0) << ending;
-        EXPECT_EQ(frames_by_ffmpeg(output), 4) << ending;
+        ASSERT_EQ(run(render(plain_film(), output, few_lights + " --frames 0:3 --gop 2")).status, 0) << ending;
+        EXPECT_EQ(pictures_by_ffmpeg(output), 4) << ending;
         EXPECT_EQ(run("ffprobe -v error -show_entries format=format_name -of csv=p=0 " + output.string()).output,
                   std::string(format).find(',') == std::string::npos ? format + std::string("\n")
                                                                      : "\"" + std::string(format) + "\"\n");
@@ -134,13 +134,13 @@ TEST(OutputKind, EveryFilmEndingGivesItsContainerWithAllPictures) {
 
 TEST(OutputKind, ImagesAndRawVideoAreWrittenFrameByFrame) {
     const Folder folder;
-    ASSERT_EQ(run(render(plain_film(), folder / "film.y4m", small + " --frames 0:2")).status, 0);
-    EXPECT_EQ(frames_by_ffmpeg(folder / "film.y4m"), 3);
-    ASSERT_EQ(run(render(plain_film(), folder / "f.%04d.png", small + " --frames 5:6")).status, 0);
+    ASSERT_EQ(run(render(plain_film(), folder / "film.y4m", few_lights + " --frames 0:2")).status, 0);
+    EXPECT_EQ(pictures_by_ffmpeg(folder / "film.y4m"), 3);
+    ASSERT_EQ(run(render(plain_film(), folder / "f.%04d.png", few_lights + " --frames 5:6")).status, 0);
     EXPECT_TRUE(std::filesystem::exists(folder / "f.0005.png"));
     EXPECT_TRUE(std::filesystem::exists(folder / "f.0006.png"));
     EXPECT_FALSE(std::filesystem::exists(folder / "f.0007.png"));
-    ASSERT_EQ(run(render(plain_film(), folder / "f.%d.exr", small + " --frames 5:5")).status, 0);
+    ASSERT_EQ(run(render(plain_film(), folder / "f.%d.exr", few_lights + " --frames 5:5")).status, 0);
     EXPECT_EQ(
         run("ffprobe -v error -show_entries stream=width,height -of csv=p=0 " + (folder / "f.5.exr").string()).output,
         "64,48\n");
@@ -153,7 +153,7 @@ TEST(Size, AnySizeIsCodedAndShownAsItIs) {
         const auto outcome = run(
             render(plain_film(), output, " --samples 1 --vpls 16 --exposure 0 --quiet --frames 0:2 --size " + size));
         ASSERT_EQ(outcome.status, 0) << outcome.output;
-        EXPECT_EQ(frames_by_ffmpeg(output), 3) << size;
+        EXPECT_EQ(pictures_by_ffmpeg(output), 3) << size;
         const auto shown = run("ffprobe -v error -show_entries stream=width,height -of csv=p=0:s=x " + output.string());
         EXPECT_TRUE(shown.output.starts_with(size)) << size << " " << shown.output;
     }
@@ -161,16 +161,16 @@ TEST(Size, AnySizeIsCodedAndShownAsItIs) {
 
 TEST(Determinism, TheFilmDoesNotDependOnThreads) {
     const Folder folder;
-    ASSERT_EQ(run(render(plain_film(), folder / "one.m2v", small + " --frames 0:3 --threads 1")).status, 0);
-    ASSERT_EQ(run(render(plain_film(), folder / "four.m2v", small + " --frames 0:3 --threads 4")).status, 0);
+    ASSERT_EQ(run(render(plain_film(), folder / "one.m2v", few_lights + " --frames 0:3 --threads 1")).status, 0);
+    ASSERT_EQ(run(render(plain_film(), folder / "four.m2v", few_lights + " --frames 0:3 --threads 4")).status, 0);
     EXPECT_EQ(contents(folder / "one.m2v"), contents(folder / "four.m2v"));
 }
 
 TEST(Determinism, LayersAndStatisticsChangeNoBitOfTheFilm) {
     const Folder folder;
-    ASSERT_EQ(run(render(film("character"), folder / "plain.m2v", small + " --frames 0:2")).status, 0);
+    ASSERT_EQ(run(render(film("character"), folder / "plain.m2v", few_lights + " --frames 0:2")).status, 0);
     ASSERT_EQ(run(render(film("character"), folder / "layers.m2v",
-                         small + " --frames 0:2 --aov " + (folder / "aov").string() + " --stats " +
+                         few_lights + " --frames 0:2 --aov " + (folder / "aov").string() + " --stats " +
                              (folder / "s.json").string()))
                   .status,
               0);
@@ -186,10 +186,10 @@ TEST(Quality, StatisticsAgreeWithTheFiltersOfFfmpegToFourDigits) {
     const Folder folder;
     const auto stats = folder / "s.json";
     ASSERT_EQ(run(render(plain_film(), folder / "f.mpg",
-                         small + " --tolerance fixed=2% --quantiser 12 --frames 0:4 --stats " + stats.string()))
+                         few_lights + " --tolerance fixed=2% --quantiser 12 --frames 0:4 --stats " + stats.string()))
                   .status,
               0);
-    ASSERT_EQ(run(render(plain_film(), folder / "f.y4m", small + " --frames 0:4")).status, 0);
+    ASSERT_EQ(run(render(plain_film(), folder / "f.y4m", few_lights + " --frames 0:4")).status, 0);
     const auto filters = run("ffmpeg -v info -idct simple -i " + (folder / "f.mpg").string() + " -i " +
                              (folder / "f.y4m").string() + " -lavfi '[0][1]psnr;[0][1]ssim' -f null -");
     const auto value_after = [&](const std::string& key, std::size_t from) {

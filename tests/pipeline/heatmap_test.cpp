@@ -11,7 +11,7 @@ using support::Folder;
 using support::plain_film;
 using support::run;
 
-const std::string small = " --size 64x48 --samples 1 --vpls 64 --exposure 0 --quiet --frames 0:6 --gop 4";
+const std::string seven_frames = " --size 64x48 --samples 1 --vpls 64 --exposure 0 --quiet --frames 0:6 --gop 4";
 
 TEST(Heatmap, OfEverySubjectIsAFilmAsLongAsTheRender) {
     const Folder folder;
@@ -20,7 +20,8 @@ TEST(Heatmap, OfEverySubjectIsAFilmAsLongAsTheRender) {
     std::string heatmaps;
     for (const char* subject : {"tolerance", "cut", "error", "quantiser"})
         heatmaps += " --heatmap " + std::string(subject) + " " + of(subject);
-    const auto outcome = run(render + (folder / "film.m2v").string() + small + " --tolerance coupled=0.5" + heatmaps);
+    const auto outcome =
+        run(render + (folder / "film.m2v").string() + seven_frames + " --tolerance coupled=0.5" + heatmaps);
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     for (const char* subject : {"tolerance", "cut", "error", "quantiser"}) {
         const auto shown =
@@ -32,7 +33,7 @@ TEST(Heatmap, OfEverySubjectIsAFilmAsLongAsTheRender) {
     EXPECT_EQ(folder.entries(), 5u) << "nothing unfinished is left";
 
     // To look on changes nothing.
-    ASSERT_EQ(run(render + (folder / "plain.m2v").string() + small + " --tolerance coupled=0.5").status, 0);
+    ASSERT_EQ(run(render + (folder / "plain.m2v").string() + seven_frames + " --tolerance coupled=0.5").status, 0);
     EXPECT_EQ(contents(folder / "plain.m2v"), contents(folder / "film.m2v"));
 }
 
@@ -41,7 +42,7 @@ TEST(Heatmap, RefusesWhatThereIsNoneOfBeforeAnythingIsDone) {
     const auto refused = [&](const std::string& output, const std::string& options, const char* words) {
         for (const char* more : {" --dry-run", ""}) {
             const auto outcome = run(support::program() + " render " + plain_film() + " -o " +
-                                     (folder / output).string() + small + options + more);
+                                     (folder / output).string() + seven_frames + options + more);
             EXPECT_EQ(outcome.status, 1) << options;
             EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
             EXPECT_EQ(folder.entries(), 0u) << options;
@@ -63,8 +64,8 @@ TEST(Heatmap, RefusesWhatThereIsNoneOfBeforeAnythingIsDone) {
 TEST(Heatmap, TakesItsTwoWordsAndNoMore) {
     const Folder folder;
     const std::string heat = (folder / "h.mpg").string();
-    const auto outcome = run(support::program() + " render" + small + " --heatmap cut " + heat + " " + plain_film() +
-                             " --dry-run -o " + (folder / "film.mpg").string());
+    const auto outcome = run(support::program() + " render" + seven_frames + " --heatmap cut " + heat + " " +
+                             plain_film() + " --dry-run -o " + (folder / "film.mpg").string());
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     const auto alone = run(support::program() + " render " + plain_film() + " --dry-run -o " +
                            (folder / "film.mpg").string() + " --heatmap cut");

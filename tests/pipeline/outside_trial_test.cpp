@@ -19,7 +19,7 @@ using app::try_images;
 
 constexpr std::uintmax_t mib = std::uintmax_t{1} << 20;
 /// An image of 1024 x 1536 pixels takes 24 MiB when it is read, and more on the way.
-constexpr int width = 1024, height = 1536;
+constexpr int wide = 1024, tall = 1536;
 constexpr ImageTrials little{2, 8 * mib, 8 * mib}, little_each{2, 8 * mib, 512 * mib}, enough{2, 512 * mib, 512 * mib};
 
 /// A scene whose sky and only surface show two images.
@@ -37,11 +37,11 @@ scene::Animation scene_of(const std::vector<std::filesystem::path>& files) {
 /// As PNG and as OpenEXR.
 std::vector<std::filesystem::path> images_in(const support::Folder& folder) {
     std::vector<std::filesystem::path> files{folder / "a.png", folder / "b.exr"};
-    image::write_png(files[0], width, height, std::vector<unsigned char>(std::size_t{3} * width * height, 9));
+    image::write_png(files[0], wide, tall, std::vector<unsigned char>(std::size_t{3} * wide * tall, 9));
     std::vector<image::Channel> channels;
     for (const char* name : {"R", "G", "B"})
-        channels.push_back({name, std::vector<float>(std::size_t{1} * width * height, 0.5f), true});
-    image::write_exr(files[1], width, height, channels);
+        channels.push_back({name, std::vector<float>(std::size_t{1} * wide * tall, 0.5f), true});
+    image::write_exr(files[1], wide, tall, channels);
     return files;
 }
 

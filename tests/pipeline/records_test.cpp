@@ -17,8 +17,8 @@ using support::Folder;
 using support::plain_film;
 using support::run;
 
-const std::string render = support::program() + " render " + plain_film() +
-                           " --size 64x48 --samples 1 --vpls 64 --exposure 0 --frames 3:5 -o ";
+const std::string render_room = support::program() + " render " + plain_film() +
+                                " --size 64x48 --samples 1 --vpls 64 --exposure 0 --frames 3:5 -o ";
 
 const std::string kept = " --cache on";
 
@@ -28,11 +28,11 @@ TEST(Records, ToLookOnAtThemChangesNothing) {
     std::string heatmaps;
     for (const std::string subject : {"records", "age", "reuse"})
         heatmaps += " --heatmap " + subject + " " + place(subject + ".m2v");
-    const auto watched =
-        run(render + place("watched.y4m") + kept + heatmaps + " --aov " + place("aov") + " --stats " + place("s.json"));
+    const auto watched = run(render_room + place("watched.y4m") + kept + heatmaps + " --aov " + place("aov") +
+                             " --stats " + place("s.json"));
     ASSERT_EQ(watched.status, 0) << watched.output;
     EXPECT_NE(watched.output.find("  records    "), std::string::npos) << watched.output;
-    ASSERT_EQ(run(render + place("plain.y4m") + kept + " --quiet").status, 0);
+    ASSERT_EQ(run(render_room + place("plain.y4m") + kept + " --quiet").status, 0);
     EXPECT_EQ(contents(folder / "plain.y4m"), contents(folder / "watched.y4m"));
 
     // Three of one scale would be one film thrice.
@@ -46,7 +46,7 @@ TEST(Records, ToLookOnAtThemChangesNothing) {
 TEST(Records, OfFramesAddUpToThoseOfTheFilm) {
     const Folder folder;
     const std::string stats = (folder / "s.json").string();
-    ASSERT_EQ(run(render + (folder / "f.y4m").string() + kept + " --quiet --stats " + stats).status, 0);
+    ASSERT_EQ(run(render_room + (folder / "f.y4m").string() + kept + " --quiet --stats " + stats).status, 0);
     const auto film = nlohmann::json::parse(contents(stats));
     std::uint64_t created = 0, most = 0;
     for (const auto& frame : film.at("per_frame")) {
@@ -65,7 +65,7 @@ TEST(Records, ThatAreNotThereAreNotShown) {
     const Folder folder;
     const std::string heat = " --heatmap age " + (folder / "h.m2v").string();
     for (const char* option : {"", " --cache on --tolerance reference"}) {
-        const auto refused = run(render + (folder / "f.y4m").string() + heat + option);
+        const auto refused = run(render_room + (folder / "f.y4m").string() + heat + option);
         EXPECT_EQ(refused.status, 1) << option;
         EXPECT_NE(refused.output.find("no records"), std::string::npos) << refused.output;
         EXPECT_EQ(folder.entries(), 0u) << option;

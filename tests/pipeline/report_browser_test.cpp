@@ -108,10 +108,10 @@ class ReportInABrowserSlow : public testing::Test {
     const Folder folder_;
 };
 
-const std::string small = " --vpls 16 --samples 1 --exposure 0 --quiet";
+const std::string for_browser = " --vpls 16 --samples 1 --exposure 0 --quiet";
 
 TEST_F(ReportInABrowserSlow, OfARenderFitsAPhoneAndADesktop) {
-    ASSERT_EQ(run(program() + " render " + plain_film() + small + " --size 640x96 --frames 0:4 --aov " +
+    ASSERT_EQ(run(program() + " render " + plain_film() + for_browser + " --size 640x96 --frames 0:4 --aov " +
                   path(folder_, "layers") + " -o " + path(folder_, "f.mpg") + " --report " + path(folder_, "r.html"))
                   .status,
               0);
@@ -120,7 +120,7 @@ TEST_F(ReportInABrowserSlow, OfARenderFitsAPhoneAndADesktop) {
 
 TEST_F(ReportInABrowserSlow, OfCostFitsAPhoneAndADesktop) {
     ASSERT_EQ(
-        run(program() + " cost " + plain_film() + small +
+        run(program() + " cost " + plain_film() + for_browser +
             " --size 48x32 --sample 1x2 --tolerances 32,8,2 --quantisers 4,16 --report " + path(folder_, "c.html"))
             .status,
         0);
@@ -129,7 +129,7 @@ TEST_F(ReportInABrowserSlow, OfCostFitsAPhoneAndADesktop) {
 
 TEST_F(ReportInABrowserSlow, OfCompareFitsAPhoneAndADesktop) {
     ASSERT_EQ(
-        run(program() + " compare " + plain_film() + small +
+        run(program() + " compare " + plain_film() + for_browser +
             " --size 48x32 --sample 1x3 --runs 2 --references 1 --quantisers 4,16 --report " + path(folder_, "v.html"))
             .status,
         0);
@@ -137,7 +137,7 @@ TEST_F(ReportInABrowserSlow, OfCompareFitsAPhoneAndADesktop) {
 }
 
 TEST_F(ReportInABrowserSlow, OfTuneFitsAPhoneAndADesktop) {
-    ASSERT_EQ(run(program() + " tune " + plain_film() + small +
+    ASSERT_EQ(run(program() + " tune " + plain_film() + for_browser +
                   " --size 48x32 --sample 1x3 --target-psnr 36 --dry-run --report " + path(folder_, "t.html"))
                   .status,
               0);

@@ -29,7 +29,7 @@ using support::run;
 using test::path;
 
 const std::string plain = " --samples 1 --vpls 16 --exposure 0 --tolerance fixed=10% ";
-const std::string tiny = plain + "--size 32x32 --frames 0:1 ";
+const std::string smallest = plain + "--size 32x32 --frames 0:1 ";
 
 std::string render_to(const Folder& folder, const std::string& output, const std::string& options) {
     const auto unless = [&](const std::string& name, const char* value) {
@@ -39,11 +39,11 @@ std::string render_to(const Folder& folder, const std::string& output, const std
            options + " -o " + path(folder, output);
 }
 
-void write(const std::filesystem::path& file, const std::string& text) {
+void write_text(const std::filesystem::path& file, const std::string& text) {
     std::ofstream(file, std::ios::binary) << text;
 }
 
-bool has(const support::Outcome& outcome, const std::string& words) {
+bool tells(const support::Outcome& outcome, const std::string& words) {
     return outcome.output.find(words) != std::string::npos;
 }
 
@@ -52,9 +52,9 @@ TEST(Inputs, AreNoOutputsByWhateverName) {
     std::filesystem::copy(film("cornell"), folder / "scene", std::filesystem::copy_options::recursive);
     const std::string scene = contents(folder / "scene" / "film.json");
     ASSERT_FALSE(scene.empty());
-    write(folder / "keys.txt", "0\n");
+    write_text(folder / "keys.txt", "0\n");
     const std::string start =
-        "cd " + path(folder, "scene") + " && " + program() + " render . -o film.mpg --quiet" + tiny;
+        "cd " + path(folder, "scene") + " && " + program() + " render . -o film.mpg --quiet" + smallest;
 
     // The report of a film in the scene's own folder lies beside the scene's file.
     auto outcome = run(start + "--report film.html");
@@ -66,7 +66,7 @@ TEST(Inputs, AreNoOutputsByWhateverName) {
          {"--stats film.json", "--stats ../scene/film.json", "--keyframes ../keys.txt --stats ../keys.txt"}) {
         outcome = run(start + options);
         EXPECT_EQ(outcome.status, 1) << options;
-        EXPECT_TRUE(has(outcome, "it is an input")) << outcome.output;
+        EXPECT_TRUE(tells(outcome, "it is an input")) << outcome.output;
     }
     EXPECT_EQ(contents(folder / "scene" / "film.json"), scene);
     EXPECT_EQ(contents(folder / "keys.txt"), "0\n");
@@ -81,7 +81,7 @@ TEST(Inputs, OfEncodingAreNoOutputsFrameByFrame) {
         const std::string before = contents(folder / taken);
         const auto outcome = run(start + path(folder, taken));
         EXPECT_EQ(outcome.status, 1) << taken;
-        EXPECT_TRUE(has(outcome, "it is an input")) << outcome.output;
+        EXPECT_TRUE(tells(outcome, "it is an input")) << outcome.output;
         EXPECT_EQ(contents(folder / taken), before);
     }
     EXPECT_EQ(run(start + path(folder, "f.002.exr")).status, 0) << "no frame of this film";
@@ -91,7 +91,7 @@ TEST(Outputs, OfOneNameAreRefusedFrameByFrame) {
     const Folder folder;
     std::filesystem::create_directory(folder / "v");
     const std::string layers = "--dry-run --aov " + path(folder, "v");
-    EXPECT_TRUE(has(run(render_to(folder, "v/frame_%04d.exr", layers)), "two outputs have this name"));
+    EXPECT_TRUE(tells(run(render_to(folder, "v/frame_%04d.exr", layers)), "two outputs have this name"));
     EXPECT_EQ(run(render_to(folder, "v/f_%04d.exr", layers)).status, 0);
     EXPECT_EQ(run(render_to(folder, "v/frame_%05d.exr", layers)).status, 0) << "00001 is not 0001";
     EXPECT_EQ(run(render_to(folder, "v/frame_0%d.exr", layers + " --frames 0:99")).status, 0);
@@ -104,11 +104,11 @@ TEST(Report, ReplacesNothingButAnEarlierReport) {
     const Folder folder;
     const std::string render = render_to(folder, "f.mpg", "--quiet --report " + path(folder, "r.html"));
     for (const char* name : {"r.html", "r.report.json"}) {
-        write(folder / name, R"(<!DOCTYPE html><title>my page</title>)");
+        write_text(folder / name, R"(<!DOCTYPE html><title>my page</title>)");
         for (const char* more : {" --dry-run", ""}) {
             const auto outcome = run(render + more);
             EXPECT_EQ(outcome.status, 1) << name;
-            EXPECT_TRUE(has(outcome, std::string(name) + ": what has this name is no earlier report"))
+            EXPECT_TRUE(tells(outcome, std::string(name) + ": what has this name is no earlier report"))
                 << outcome.output;
         }
         EXPECT_EQ(contents(folder / name), R"(<!DOCTYPE html><title>my page</title>)");
@@ -126,8 +126,8 @@ TEST(Outputs, ThatFailCostNoOthers) {
     const Folder folder;
     const auto outcome = run(render_to(folder, "f.mpg", "--stats /dev/full --report " + path(folder, "r.html")));
     EXPECT_EQ(outcome.status, 1);
-    EXPECT_TRUE(has(outcome, "render2mpeg: writing /dev/full: No space left")) << outcome.output;
-    EXPECT_TRUE(has(outcome, "f.mpg: ")) << "the summary: " << outcome.output;
+    EXPECT_TRUE(tells(outcome, "render2mpeg: writing /dev/full: No space left")) << outcome.output;
+    EXPECT_TRUE(tells(outcome, "f.mpg: ")) << "the summary: " << outcome.output;
     for (const char* there : {"f.mpg", "r.html", "r.report.json"}) EXPECT_TRUE(std::filesystem::exists(folder / there));
     EXPECT_EQ(folder.entries(), 4u);  // with f.mpg.partial: --resume may tell what was not told
 
@@ -135,18 +135,18 @@ TEST(Outputs, ThatFailCostNoOthers) {
     const auto encoded =
         run(program() + " encode " + path(folder, "in.y4m") + " --stats /dev/full -o " + path(folder, "e.mpg"));
     EXPECT_EQ(encoded.status, 1);
-    EXPECT_TRUE(has(encoded, "e.mpg: ")) << encoded.output;
+    EXPECT_TRUE(tells(encoded, "e.mpg: ")) << encoded.output;
 }
 
 TEST(Outputs, AreWrittenWholeOrNotAtAll) {
     const Folder folder;
-    write(folder / "s.json", "{\"before\": 1}");
+    write_text(folder / "s.json", "{\"before\": 1}");
     // Blocks of 512 bytes: the film fits, its statistics do not.
     const auto outcome =
         run("trap '' XFSZ; ulimit -f 26; " +
             render_to(folder, "f.m2v", "--quiet --frames 0:24 --quantiser 31 --stats " + path(folder, "s.json")));
     EXPECT_EQ(outcome.status, 1);
-    EXPECT_TRUE(has(outcome, "s.json: File too large")) << outcome.output;
+    EXPECT_TRUE(tells(outcome, "s.json: File too large")) << outcome.output;
     EXPECT_TRUE(std::filesystem::exists(folder / "f.m2v"));
     EXPECT_EQ(contents(folder / "s.json"), "{\"before\": 1}");
     EXPECT_TRUE(std::filesystem::exists(folder / "f.m2v.partial")) << "--resume may tell what was not told";
@@ -155,7 +155,7 @@ TEST(Outputs, AreWrittenWholeOrNotAtAll) {
 
 TEST(Outputs, AreSeenToBeProtectedBeforeAnythingIsDone) {
     const Folder folder;
-    write(folder / "s.json", "{}");
+    write_text(folder / "s.json", "{}");
     chmod((folder / "s.json").c_str(), 0444);
     // For root nothing is protected, unless it gives up that right; another user might not reach the program.
     const std::string as_user = geteuid() == 0 ? "setpriv --bounding-set=-dac_override,-dac_read_search " : "";
@@ -163,7 +163,7 @@ TEST(Outputs, AreSeenToBeProtectedBeforeAnythingIsDone) {
     for (const char* more : {"--dry-run ", ""}) {
         const auto outcome = run(as_user + render_to(folder, "f.mpg", more + ("--stats " + path(folder, "s.json"))));
         EXPECT_EQ(outcome.status, 1);
-        EXPECT_TRUE(has(outcome, "s.json: Permission denied")) << outcome.output;
+        EXPECT_TRUE(tells(outcome, "s.json: Permission denied")) << outcome.output;
         EXPECT_EQ(folder.entries(), 1u);
     }
 }
@@ -177,8 +177,8 @@ TEST(Heatmap, ThatFailsCostsNoFilm) {
                       "--quantiser 31 --frames 0:24 --size 96x64 --heatmap cut " + path(folder, "h.m2v") +
                           " --heatmap quantiser " + path(folder, "q.m2v") + " --stats " + path(folder, "s.json")));
     EXPECT_EQ(outcome.status, 1);
-    EXPECT_TRUE(has(outcome, "File too large")) << outcome.output;
-    EXPECT_TRUE(has(outcome, "f.mpg: ")) << "the summary: " << outcome.output;
+    EXPECT_TRUE(tells(outcome, "File too large")) << outcome.output;
+    EXPECT_TRUE(tells(outcome, "f.mpg: ")) << "the summary: " << outcome.output;
     EXPECT_TRUE(std::filesystem::exists(folder / "f.mpg"));
     EXPECT_EQ(json::parse(contents(folder / "s.json")).at("frames"), 25);
     EXPECT_FALSE(std::filesystem::exists(folder / "h.m2v"));
@@ -187,7 +187,7 @@ TEST(Heatmap, ThatFailsCostsNoFilm) {
 
 TEST(Heatmap, LeavesFilesOfEveryNameAlone) {
     const Folder folder;
-    write(folder / "h.mpg.unfinished", "mine");
+    write_text(folder / "h.mpg.unfinished", "mine");
     EXPECT_EQ(run(render_to(folder, "f.mpg", "--quiet --heatmap cut " + path(folder, "h.mpg"))).status, 0);
     EXPECT_EQ(contents(folder / "h.mpg.unfinished"), "mine");
     EXPECT_EQ(folder.entries(), 3u);
@@ -217,7 +217,7 @@ TEST(Leftovers, AreRemovedByTheSameFilmAloneAndReplacedByNone) {
                                 " --size 32x32 --samples 1 --vpls 16 --frames 0:9999 --exposure 0 --quiet -o " +
                                 path(folder, "a.mpg");
     const std::string chunk = path(folder, "a.mpg.partial/chunk_00000.m2v");
-    write(folder / "a.partial.mpg", "a diary");
+    write_text(folder / "a.partial.mpg", "a diary");
     for (int i = 0; i < 2; ++i) EXPECT_EQ(interrupt("rm -f " + chunk + "; " + endless, chunk).status, 130);
     EXPECT_EQ(contents(folder / "a.partial.mpg"), "a diary");
     EXPECT_TRUE(std::filesystem::exists(folder / "a.partial-2.mpg"));
@@ -240,13 +240,13 @@ TEST(Leftovers, GoWhenTheirFilmIsWholeUnlessTheyWereChanged) {
     const Folder folder;
     const auto leave = [&](const app::Film& made, const char* command, const char* text) {
         app::WorkFolder work(folder / "a.mpg", app::identity_of(made, command));
-        write(work.begin("film.mpg"), text);
+        write_text(work.begin("film.mpg"), text);
         return work.leave(work.place("film.mpg"));
     };
     const auto first = leave(film_of("s"), "render", "one"), second = leave(film_of("s"), "render", "two");
     const auto third = leave(film_of("s"), "render", "three");
     EXPECT_EQ(third.filename(), "a.partial-3.mpg");
-    write(second, "somebody wrote here since");
+    write_text(second, "somebody wrote here since");
     app::WorkFolder work(folder / "a.mpg", app::identity_of(film_of("s"), "render"));
     work.begin("film.mpg");
     work.clear_away();
@@ -269,7 +269,7 @@ TEST(WorkFolder, IsItsRunsAloneWhileOthersEndAndBegin) {
             try {
                 app::WorkFolder work(folder / "a.mpg", app::identity_of(film_of("s"), "render"));
                 const std::filesystem::path file = work.begin("film.mpg");
-                write(file, "pictures");
+                write_text(file, "pictures");
                 ++had;
                 std::this_thread::yield();
                 if (contents(file) != "pictures" || !std::filesystem::exists(work.place("manifest.json"))) ++lost;
@@ -327,9 +327,9 @@ TEST(CommandLine, OfStatisticsCanBeGivenToAShellAgain) {
     const std::string odd = path(folder, "it's a $film (1).mpg"),
                       quoted = "\"" + path(folder, "it's a \\$film (1).mpg") + "\"";
     const std::string statistics = path(folder, "s.json");
-    ASSERT_EQ(
-        run(program() + " render " + plain_film() + tiny + "--quiet -o " + quoted + " --stats " + statistics).status,
-        0);
+    ASSERT_EQ(run(program() + " render " + plain_film() + smallest + "--quiet -o " + quoted + " --stats " + statistics)
+                  .status,
+              0);
     const std::string again = json::parse(contents(statistics)).at("command").get<std::string>();
     std::filesystem::remove(odd);
     EXPECT_EQ(run(again).status, 0) << again;

@@ -30,7 +30,7 @@ using support::program;
 using support::run;
 using test::path;
 
-const std::string small = " --size 32x32 --vpls 16 --samples 1 --exposure 0";
+const std::string small_search = " --size 32x32 --vpls 16 --samples 1 --exposure 0";
 
 /// Probes until nothing is left to be tried or the figure is within `near` of the target; counts them.
 int probes_until(QualitySearch& search, double target, double near, double first,
@@ -102,7 +102,7 @@ TEST(TuneTargets, AreReadAndRefused) {
         EXPECT_THROW(app::time_in_seconds(wrong), core::Error) << wrong;
 
     const auto refused = [&](const std::string& options, const char* words) {
-        const auto outcome = run(program() + " tune " + plain_film() + small + options);
+        const auto outcome = run(program() + " tune " + plain_film() + small_search + options);
         EXPECT_EQ(outcome.status, 1) << outcome.output;
         EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
         EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
@@ -158,14 +158,14 @@ TEST(CommandWords, BecomeThoseOfTheRender) {
 json tuned(const std::string& options, int status = 0) {
     const Folder folder;
     const auto outcome =
-        run(program() + " tune " + plain_film() + small + options + " --quiet --json " + path(folder, "t.json"));
+        run(program() + " tune " + plain_film() + small_search + options + " --quiet --json " + path(folder, "t.json"));
     EXPECT_EQ(outcome.status, status) << outcome.output;
     return json::parse(contents(folder / "t.json"));
 }
 
 TEST(Tune, FindsAQualityAndPrintsTheRenderThatHasIt) {
     const Folder folder;
-    const std::string options = small + " --sample 2x6 --target-psnr 38 --dry-run";
+    const std::string options = small_search + " --sample 2x6 --target-psnr 38 --dry-run";
     const auto outcome = run(program() + " tune " + plain_film() + options + " --report " + path(folder, "t.html") +
                              " --json " + path(folder, "t.json"));
     ASSERT_EQ(outcome.status, 0) << outcome.output;

@@ -23,7 +23,7 @@ using test::path;
 
 const std::string quick = " --size 32x32 --samples 1 --vpls 0 --tolerance fixed=90% --exposure 0 --threads 1 --gop 15 ";
 
-std::string render_to(const Folder& folder, const std::string& output, const std::string& more = "--frames 0:1") {
+std::string render_whole(const Folder& folder, const std::string& output, const std::string& more = "--frames 0:1") {
     return program() + " render " + plain_film() + quick + more + " -o " + path(folder, output);
 }
 
@@ -38,7 +38,7 @@ TEST(WholeFilm, IsNotRenderedAnewByResume) {
     const Folder folder;
     if (!has_attributes(folder)) GTEST_SKIP() << "this file system keeps no attributes";
     for (const std::string output : {"f.mpg", "f.y4m", "f.%03d.png"}) {
-        const std::string start = render_to(folder, output, "--frames 0:1 --stats " + path(folder, "s.json"));
+        const std::string start = render_whole(folder, output, "--frames 0:1 --stats " + path(folder, "s.json"));
         const auto first = folder / (output == "f.%03d.png" ? "f.000.png" : output);
         ASSERT_EQ(run(start + " --quiet").status, 0);
         const auto written = std::filesystem::last_write_time(first);
@@ -74,7 +74,7 @@ TEST(WholeFilm, IsNotRenderedAnewByResume) {
 TEST(WholeFilm, LeavesAloneWhatIsAnothersBesideIt) {
     const Folder folder;
     if (!has_attributes(folder)) GTEST_SKIP() << "this file system keeps no attributes";
-    const std::string start = render_to(folder, "f.mpg");
+    const std::string start = render_whole(folder, "f.mpg");
     ASSERT_EQ(run(start + " --quiet").status, 0);
     const std::filesystem::path beside = folder / "f.mpg.partial";
     std::filesystem::create_directory(beside);
@@ -95,7 +95,7 @@ TEST(WholeFilm, LeavesAloneWhatIsAnothersBesideIt) {
 TEST(WholeFilm, IsMadeOfWhatStaysUntilStatisticsAreWritten) {
     for (const auto& [option, name] : {std::pair("--stats ", "told.json"), std::pair("--report ", "told.html")}) {
         const Folder folder;
-        const std::string start = render_to(folder, "f.mpg", "--frames 0:1 " + (option + path(folder, name)));
+        const std::string start = render_whole(folder, "f.mpg", "--frames 0:1 " + (option + path(folder, name)));
         std::filesystem::create_symlink("/dev/full", folder / name);
         const auto full = run(start);
         EXPECT_EQ(full.status, 1) << full.output;
@@ -162,7 +162,7 @@ TEST(Heatmap, ThatCannotHaveItsNameAtLastMayHaveItLater) {
     // Somebody takes its name while it is made.
     const auto outcome = met_at_work(60, [&](int frames) {
         all = std::to_string(frames);
-        start = render_to(folder, "f.mpg", "--frames 0:" + std::to_string(frames - 1) + " --heatmap cut " + heat);
+        start = render_whole(folder, "f.mpg", "--frames 0:" + std::to_string(frames - 1) + " --heatmap cut " + heat);
         EXPECT_EQ(run(start + " --quiet").status, 0);
         whole = contents(heat);
         std::filesystem::remove(heat);
@@ -188,7 +188,7 @@ TEST(Heatmap, ThatIsGivenUpLeavesNothing) {
         std::string start;
         const auto killed = met_at_work(120, [&](int frames) {
             for (const std::string& made : {heat, film}) std::filesystem::remove(made);
-            start = render_to(folder, "f.mpg", "--frames 0:" + std::to_string(frames - 1));
+            start = render_whole(folder, "f.mpg", "--frames 0:" + std::to_string(frames - 1));
             return run(start + " --heatmap cut " + heat + waits_for(film + ".partial/chunk_00000.json") +
                        "kill -KILL $job; wait $job; test -e " + heat + ".partial || exit 99; exit 137");
         });

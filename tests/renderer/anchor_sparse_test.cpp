@@ -14,7 +14,7 @@ namespace {
 using test::AnchorStage;
 using test::SceneBuilder;
 
-double sum_of(const std::vector<LightPoint>& lights) {
+double power_of(const std::vector<LightPoint>& lights) {
     double sum = 0;
     for (const LightPoint& l : lights) sum += core::luminance(l.intensity);
     return sum;
@@ -24,7 +24,7 @@ double sum_of(const std::vector<LightPoint>& lights) {
 double spread_about(const std::vector<LightPoint>& lights, glm::vec3 place) {
     double sum = 0;
     for (const LightPoint& l : lights) sum += core::luminance(l.intensity) * glm::distance(l.position, place);
-    return sum / sum_of(lights);
+    return sum / power_of(lights);
 }
 
 TEST(PathsOfAnchors, FollowLandingsWithinBounds) {
@@ -91,7 +91,7 @@ TEST(SparseAnchors, FollowALampOnAPathOf500Metres) {
         stage.pose(seconds);
         const std::vector<LightPoint> still = stage.light().still;
         const glm::vec3 below{0, 0, 10 + 50 * static_cast<float>(seconds)};
-        ASSERT_GT(sum_of(still), 0.0);
+        ASSERT_GT(power_of(still), 0.0);
         EXPECT_LT(spread_about(still, below), spread_about(stage.photons().vpls, below) + 0.75) << seconds;
     }
 }

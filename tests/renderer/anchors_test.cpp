@@ -18,7 +18,7 @@ using test::hall;
 using test::SceneBuilder;
 
 /// A room with a block, a ball that crosses it, and a lamp that moves 14 cm every 1/25 s.
-SceneBuilder room(bool moving_lamp, bool moving_ball) {
+SceneBuilder lamp_room(bool moving_lamp, bool moving_ball) {
     SceneBuilder b;
     b.add_box({0, 0, 0}, {5, 3, 5}, b.add_material({0.7f, 0.6f, 0.5f}), true);
     b.add_box({3.0f, 0, 1.0f}, {4.0f, 1.5f, 2.0f}, b.add_material({0.3f, 0.5f, 0.7f}));
@@ -52,7 +52,7 @@ double change(const std::vector<LightPoint>& a, const std::vector<LightPoint>& b
 }
 
 TEST(Anchors, HoldAllFluxThatPhotonsLeave) {
-    AnchorStage stage(room(true, true));
+    AnchorStage stage(lamp_room(true, true));
     for (const double seconds : {0.0, 0.5, 1.0}) {
         stage.pose(seconds);
         const Anchors::Lit lit = stage.light();
@@ -71,7 +71,7 @@ TEST(Anchors, HoldAllFluxThatPhotonsLeave) {
 }
 
 TEST(Anchors, AreOfAConstantNumberAtFixedPlaces) {
-    AnchorStage stage(room(true, true));
+    AnchorStage stage(lamp_room(true, true));
     const Anchors::Lit before = stage.light();
     EXPECT_NEAR(static_cast<double>(before.still.size() + before.moving.size()), 600, 10);
     EXPECT_GE(before.moving.size(), 3u);
@@ -91,7 +91,7 @@ TEST(Anchors, AreOfAConstantNumberAtFixedPlaces) {
 }
 
 TEST(Anchors, DependOnTheInstantAlone) {
-    AnchorStage stage(room(true, true));
+    AnchorStage stage(lamp_room(true, true));
     stage.pose(0.5);
     const Anchors::Lit one = stage.light();
     stage.pose(1.0);
@@ -99,7 +99,7 @@ TEST(Anchors, DependOnTheInstantAlone) {
     stage.pose(0.5);
     const parallel::ThreadLimit limit(1);
     const Anchors::Lit two = stage.light();
-    AnchorStage other(room(true, true));
+    AnchorStage other(lamp_room(true, true));
     other.pose(0.5);
     const Anchors::Lit three = other.light();
     ASSERT_EQ(one.still.size(), two.still.size());
@@ -141,7 +141,7 @@ std::vector<std::vector<double>> light_behind_ball(const AnchorSettings& setting
     std::vector<std::vector<double>> light(12);
     std::unique_ptr<AnchorStage> stage;
     for (int frame = 0; frame < 12; ++frame) {
-        if (!stage) stage = std::make_unique<AnchorStage>(room(false, true), settings);
+        if (!stage) stage = std::make_unique<AnchorStage>(lamp_room(false, true), settings);
         stage->pose(0.2 + frame / 25.0);
         const Anchors::Lit lit = stage->light();
         LightTrees light_trees = build_light_trees({}, lit.still, 1);

@@ -17,7 +17,7 @@ using test::FilmStage;
 using test::furnished_room;
 using test::SceneBuilder;
 
-Settings room_settings(Stop stop) {
+Settings stop_settings(Stop stop) {
     Settings settings = test::small_frame(48, 48);
     settings.vpls = 2000;
     settings.direct_points = 256;
@@ -44,7 +44,7 @@ double share_over(const std::vector<double>& e) {
 }
 
 TEST(HonestStop, KeepsItsToleranceInNinetyNineOfAHundredPixels) {
-    FilmStage stage(furnished_room(), room_settings(Stop::honest));
+    FilmStage stage(furnished_room(), stop_settings(Stop::honest));
     const core::Radiance truth = stage.reference();
     for (const float tolerance : {0.01f, 0.02f, 0.04f, 0.08f, 0.26f}) {
         const auto map = core::ToleranceMap::uniform(48, 48, {0.0f, tolerance});
@@ -59,8 +59,8 @@ TEST(HonestStop, KeepsItsToleranceInNinetyNineOfAHundredPixels) {
 
 TEST(HonestStop, CostsNoMoreThanTheClassicRuleMadeAsSafe) {
     // Over the scenes of the fit, the classic rule keeps 99 % of the pixels only at 1/6.3 of the tolerance.
-    FilmStage honest(furnished_room(), room_settings(Stop::honest));
-    FilmStage classic(furnished_room(), room_settings(Stop::classic));
+    FilmStage honest(furnished_room(), stop_settings(Stop::honest));
+    FilmStage classic(furnished_room(), stop_settings(Stop::classic));
     for (const float tolerance : {0.02f, 0.08f, 0.26f}) {
         const std::uint64_t honest_before = honest.statistics().shadow_rays;
         const std::uint64_t classic_before = classic.statistics().shadow_rays;
@@ -76,7 +76,7 @@ TEST(HonestStop, CostsNoMoreThanTheClassicRuleMadeAsSafe) {
 
 TEST(HonestStop, KeepsEveryPixelsOwnTolerance) {
     // Fine and coarse pixels alternate, so that every group holds both.
-    FilmStage stage(furnished_room(), room_settings(Stop::honest));
+    FilmStage stage(furnished_room(), stop_settings(Stop::honest));
     const core::Radiance truth = stage.reference();
     core::ToleranceMap map = core::ToleranceMap::uniform(48, 48, {0.0f, 0.3f});
     for (int y = 0; y < 48; ++y)
@@ -96,7 +96,7 @@ TEST(HonestStop, KeepsEveryPixelsOwnTolerance) {
 }
 
 TEST(HonestStop, RefinesLessWhereMoreIsTolerated) {
-    FilmStage stage(furnished_room(), room_settings(Stop::honest));
+    FilmStage stage(furnished_room(), stop_settings(Stop::honest));
     std::uint64_t last = std::numeric_limits<std::uint64_t>::max();
     for (const float tolerance : {0.01f, 0.02f, 0.05f, 0.1f, 0.2f, 0.4f}) {
         const std::uint64_t before = stage.statistics().shadow_rays;
@@ -107,7 +107,7 @@ TEST(HonestStop, RefinesLessWhereMoreIsTolerated) {
 }
 
 TEST(HonestStop, SaysByHowMuchEveryPixelMayErr) {
-    FilmStage stage(furnished_room(), room_settings(Stop::honest));
+    FilmStage stage(furnished_room(), stop_settings(Stop::honest));
     EXPECT_TRUE(stage.cut(0.08f).error.empty());
     stage.restart(true);
     const core::Radiance truth = stage.reference(), cut = stage.cut(0.08f);
@@ -122,7 +122,7 @@ TEST(HonestStop, SaysByHowMuchEveryPixelMayErr) {
         EXPECT_EQ(truth.error.values()[i], 0.0f);
     }
     EXPECT_GE(within, pixels * 98 / 100);
-    Settings short_cuts = room_settings(Stop::honest);
+    Settings short_cuts = stop_settings(Stop::honest);
     short_cuts.max_cut = 10;
     FilmStage capped(furnished_room(), short_cuts);
     capped.restart(true);

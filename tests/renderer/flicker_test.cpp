@@ -12,10 +12,10 @@ using test::FilmLight;
 using test::MovingLightFilm;
 using test::SceneBuilder;
 
-constexpr int size = 32, first = 3, frames = 4;
+constexpr int flicker_size = 32, first = 3, frames = 4;
 
 /// A white ball that crosses a room under a lamp, 12 cm a frame, or shines itself.
-SceneBuilder room(bool glows) {
+SceneBuilder flicker_room(bool glows) {
     SceneBuilder b;
     b.add_box({0, 0, 0}, {5, 3, 5}, b.add_material({0.7f, 0.6f, 0.5f}), true);
     b.add_box({3.0f, 0, 1.0f}, {4.0f, 1.5f, 2.0f}, b.add_material({0.3f, 0.5f, 0.7f}));
@@ -30,13 +30,13 @@ SceneBuilder room(bool glows) {
 class FlickerSlow : public testing::TestWithParam<bool> {};
 
 TEST_P(FlickerSlow, AlongMotionIsThatOfLightWithoutNoise) {
-    MovingLightFilm film(room(GetParam()), size);
+    MovingLightFilm film(flicker_room(GetParam()), flicker_size);
     // The reference: eight times the photons, and every light point gathered.
     FilmLight usual, fine;
     fine.anchors.photons = 1u << 20;
     const double reference = film.flicker(film.lit(fine, first, frames), first);
     const double anchors = film.flicker(film.lit(usual, first, frames), first);
-    usual.tolerance = core::ToleranceMap::uniform(size, size, {0.0f, 0.02f});
+    usual.tolerance = core::ToleranceMap::uniform(flicker_size, flicker_size, {0.0f, 0.02f});
     const double cuts = film.flicker(film.lit(usual, first, frames), first);
     EXPECT_GT(reference, 0.002);
     EXPECT_LE(anchors, 1.1 * reference) << anchors / reference;

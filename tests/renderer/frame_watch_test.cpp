@@ -8,7 +8,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-constexpr int side = 48;
+constexpr int picture_side = 48;
 constexpr float tolerated = 0.08f;
 
 /// A wall before a lamp, that fills the picture.
@@ -23,8 +23,8 @@ test::SceneBuilder lit_wall() {
 /// Frames of the wall, one after the other, by records and a watch that tests put in order.
 class FrameWatch : public ::testing::Test {
   protected:
-    FrameWatch() : stage_(lit_wall(), side, side), lit_(lit_wall()), light_trees_(lit_.light({})), seen_(stage_.see()) {
-        tolerance_ = core::ToleranceMap::uniform(side, side, {0.0f, tolerated});
+    FrameWatch() : stage_(lit_wall(), picture_side, picture_side), lit_(lit_wall()), light_trees_(lit_.light({})), seen_(stage_.see()) {
+        tolerance_ = core::ToleranceMap::uniform(picture_side, picture_side, {0.0f, tolerated});
     }
 
     /// Records on every second pixel of every second row: the wall's light times `factor`, and a share of it off that
@@ -90,7 +90,7 @@ TEST_F(FrameWatch, SomeOfWhatRecordsServeIsGatheredAndFoundRight) {
     for (const auto& tile : frame)
         for (const PointLight& l : tile) watched += l.watched ? 1 : 0;
     EXPECT_EQ(watched, counts_.watched);
-    EXPECT_GE(counts_.served, static_cast<std::uint64_t>(side * side) * 8 / 10);
+    EXPECT_GE(counts_.served, static_cast<std::uint64_t>(picture_side * picture_side) * 8 / 10);
 }
 
 TEST_F(FrameWatch, RecordsThatAreWrongServeNoLonger) {
@@ -106,7 +106,7 @@ TEST_F(FrameWatch, RecordsThatAreWrongServeNoLonger) {
             EXPECT_LE(l.doubt * watch_.strictness(), 1.0f);
         }
     }
-    EXPECT_LE(served, static_cast<std::uint64_t>(side * side) / 2);
+    EXPECT_LE(served, static_cast<std::uint64_t>(picture_side * picture_side) / 2);
 }
 
 TEST_F(FrameWatch, TheSameFrameAgainIsTheSameAndShootsNoRay) {

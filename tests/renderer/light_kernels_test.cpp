@@ -14,7 +14,7 @@ namespace {
 
 constexpr LightType types[] = {LightType::oriented, LightType::punctual, LightType::directional};
 
-float dice(std::uint64_t seed, std::uint64_t a, std::uint64_t b) {
+float kernel_dice(std::uint64_t seed, std::uint64_t a, std::uint64_t b) {
     return core::uniform(seed, a, b);
 }
 
@@ -23,15 +23,15 @@ std::vector<GatherPoint> points_at_random(std::uint64_t seed, bool glossy) {
     std::vector<GatherPoint> points(lane_count);
     for (std::uint64_t i = 0; i < points.size(); ++i) {
         SurfacePoint& p = points[i].point;
-        p.position = {dice(seed, i, 0), dice(seed, i, 1), dice(seed, i, 2)};
-        p.shading_normal = p.geometric_normal = core::sample_sphere({dice(seed, i, 3), dice(seed, i, 4)});
-        p.outgoing = core::sample_cosine_hemisphere(p.shading_normal, {dice(seed, i, 5), dice(seed, i, 6)});
-        p.bsdf.diffuse = {dice(seed, i, 7), dice(seed, i, 8), dice(seed, i, 9)};
+        p.position = {kernel_dice(seed, i, 0), kernel_dice(seed, i, 1), kernel_dice(seed, i, 2)};
+        p.shading_normal = p.geometric_normal = core::sample_sphere({kernel_dice(seed, i, 3), kernel_dice(seed, i, 4)});
+        p.outgoing = core::sample_cosine_hemisphere(p.shading_normal, {kernel_dice(seed, i, 5), kernel_dice(seed, i, 6)});
+        p.bsdf.diffuse = {kernel_dice(seed, i, 7), kernel_dice(seed, i, 8), kernel_dice(seed, i, 9)};
         if (glossy && i % 2 == 0) {
-            p.bsdf.f0 = {0.04f + 0.9f * dice(seed, i, 10), 0.04f, 0.04f + 0.5f * dice(seed, i, 11)};
-            p.bsdf.alpha = std::pow(10.0f, -2.0f * dice(seed, i, 12));
+            p.bsdf.f0 = {0.04f + 0.9f * kernel_dice(seed, i, 10), 0.04f, 0.04f + 0.5f * kernel_dice(seed, i, 11)};
+            p.bsdf.alpha = std::pow(10.0f, -2.0f * kernel_dice(seed, i, 12));
         }
-        points[i].weight = {1, dice(seed, i, 13), 0.5f};
+        points[i].weight = {1, kernel_dice(seed, i, 13), 0.5f};
     }
     return points;
 }
@@ -43,13 +43,13 @@ void fill_from(const std::vector<GatherPoint>& points, GatherLanes& lanes) {
 }
 
 std::vector<LightPoint> lights_at_random(LightType type, int count, std::uint64_t seed) {
-    const glm::vec3 middle = 1.5f * core::sample_sphere({dice(seed, 1000, 0), dice(seed, 1000, 1)}) + 0.5f;
-    const float size = std::pow(10.0f, -2.0f * dice(seed, 1000, 2));
-    const glm::vec3 axis = core::sample_sphere({dice(seed, 1000, 3), dice(seed, 1000, 4)});
-    const float turn = dice(seed, 1000, 5);
+    const glm::vec3 middle = 1.5f * core::sample_sphere({kernel_dice(seed, 1000, 0), kernel_dice(seed, 1000, 1)}) + 0.5f;
+    const float size = std::pow(10.0f, -2.0f * kernel_dice(seed, 1000, 2));
+    const glm::vec3 axis = core::sample_sphere({kernel_dice(seed, 1000, 3), kernel_dice(seed, 1000, 4)});
+    const float turn = kernel_dice(seed, 1000, 5);
     std::vector<LightPoint> lights;
     for (int i = 0; i < count; ++i) {
-        const auto u = [&](std::uint64_t k) { return dice(seed, static_cast<std::uint64_t>(i), k); };
+        const auto u = [&](std::uint64_t k) { return kernel_dice(seed, static_cast<std::uint64_t>(i), k); };
         LightPoint p;
         p.position = middle + size * glm::vec3(u(0) - 0.5f, u(1) - 0.5f, u(2) - 0.5f);
         p.normal = core::normalize_or(axis + turn * core::sample_sphere({u(3), u(4)}), axis);

@@ -11,7 +11,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-float dice(std::uint64_t i, std::uint64_t k) {
+float packing_dice(std::uint64_t i, std::uint64_t k) {
     return core::uniform(3, i, k);
 }
 
@@ -43,8 +43,8 @@ TEST_P(PackedBoxes, HoldWhatTheyAreMadeOfAndHardlyMore) {
         glm::vec3 low, high;
         for (int k = 0; k < 3; ++k) {
             const auto n = static_cast<std::uint64_t>(k);
-            const float size = i % 3 == 0 ? 0.0f : std::exp2(-24.0f * dice(i, 4 + n));
-            low[k] = std::clamp(origin[k] + extent[k] * dice(i, n), origin[k], end[k]);
+            const float size = i % 3 == 0 ? 0.0f : std::exp2(-24.0f * packing_dice(i, 4 + n));
+            low[k] = std::clamp(origin[k] + extent[k] * packing_dice(i, n), origin[k], end[k]);
             high[k] = std::clamp(low[k] + extent[k] * size, low[k], end[k]);
             if (i == 0) low[k] = high[k] = origin[k];
             if (i == 1) low[k] = high[k] = end[k];
@@ -68,8 +68,9 @@ INSTANTIATE_TEST_SUITE_P(ScalesAndDistances, PackedBoxes,
 
 TEST(PackedLight, IsRoundedUpByLittle) {
     for (std::uint64_t i = 0; i < 20000; ++i) {
-        const float scale = std::exp2(120.0f * dice(i, 0) - 60.0f);
-        const glm::vec3 light = scale * glm::vec3(dice(i, 1), dice(i, 2), std::exp2(-30.0f * dice(i, 3)));
+        const float scale = std::exp2(120.0f * packing_dice(i, 0) - 60.0f);
+        const glm::vec3 light =
+            scale * glm::vec3(packing_dice(i, 1), packing_dice(i, 2), std::exp2(-30.0f * packing_dice(i, 3)));
         const glm::vec3 kept = unpacked(light);
         const float largest = std::max({light.x, light.y, light.z});
         for (int k = 0; k < 3; ++k) {
@@ -91,7 +92,7 @@ TEST(PackedLight, IsRoundedUpByLittle) {
 
 TEST(PackedNormals, AreUnpackedAsEverywhere) {
     for (std::uint64_t i = 0; i < 5000; ++i) {
-        const core::PackedNormal packed(core::sample_sphere({dice(i, 0), dice(i, 1)}));
+        const core::PackedNormal packed(core::sample_sphere({packing_dice(i, 0), packing_dice(i, 1)}));
         glm::vec3 here;
         unpack_normal(packed, here.x, here.y, here.z);
         EXPECT_LT(glm::length(here - packed.unpack()), 3e-7f);

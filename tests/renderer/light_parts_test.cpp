@@ -12,10 +12,10 @@ namespace {
 
 using test::FilmStage;
 using test::share_over;
-constexpr int size = 48;
+constexpr int parts_size = 48;
 
-Settings settings(bool cache) {
-    Settings s = test::small_frame(size, size);
+Settings parts_settings(bool cache) {
+    Settings s = test::small_frame(parts_size, parts_size);
     s.cache = cache ? CacheUse::on : CacheUse::off;
     s.vpls = 2000;
     return s;
@@ -24,7 +24,7 @@ Settings settings(bool cache) {
 constexpr glm::vec3 low{0.3f, 0.0f, 2.2f}, high{0.7f, 0.4f, 2.6f};
 
 /// The furnished room with a lamp, and a small box that goes through these places, one a second.
-test::SceneBuilder room(const std::vector<glm::vec3>& places, bool walks = false, glm::vec3 reaches_to = high) {
+test::SceneBuilder parts_room(const std::vector<glm::vec3>& places, bool walks = false, glm::vec3 reaches_to = high) {
     test::SceneBuilder b = test::furnished_room();
     b.add_point_light({0.6f, 2.4f, 3.0f}, 1.5f);
     if (walks)
@@ -38,7 +38,7 @@ constexpr glm::vec3 here{0, 0, 0}, beside{0.6f, 0, 0.1f}, below{0, -9, 0};
 
 TEST(LightParts, ComeToWhatAllOfItComesTo) {
     // A wall beside a box that moves, lit by lamps above and by indirect light, some of which has changed meanwhile.
-    test::SceneBuilder b = room({here, beside});
+    test::SceneBuilder b = parts_room({here, beside});
     test::LitStage stage(b, 1);
     test::LightingSettings lit;
     lit.paths = 4000;
@@ -99,20 +99,20 @@ TEST(LightParts, SuitFilmsWhereAFewThingsMoveAndLightsDoNot) {
         const PosedScene posed_scene(film, core::detect_isa(), plan);
         return LightParts::suit(posed_scene, plan, still, moving);
     };
-    EXPECT_TRUE(suit(room({here, beside}), 1000, 5));
-    EXPECT_FALSE(suit(room({here, beside}), 1000, 200)) << "what moves is much of what light falls on";
-    test::SceneBuilder flickers = room({here, beside});
+    EXPECT_TRUE(suit(parts_room({here, beside}), 1000, 5));
+    EXPECT_FALSE(suit(parts_room({here, beside}), 1000, 200)) << "what moves is much of what light falls on";
+    test::SceneBuilder flickers = parts_room({here, beside});
     flickers.add_track(scene::TrackTarget::light_intensity, 0, 1, {0, 1}, {1, 2});
     EXPECT_FALSE(suit(flickers, 1000, 5));
     test::SceneBuilder stays = test::furnished_room();
     EXPECT_FALSE(suit(stays, 1000, 0));
-    test::SceneBuilder crowd = room({here, beside});
+    test::SceneBuilder crowd = parts_room({here, beside});
     for (int k = 0; k < 8; ++k) crowd.move_object(crowd.add_box(low, high, 0), {here, beside});
     EXPECT_FALSE(suit(crowd, 1000, 5));
 }
 
 TEST(LightParts, KeepAllRecordsWhereABoxMoves) {
-    FilmStage stage(room({here, beside}), settings(true)), plain(room({here, beside}), settings(false));
+    FilmStage stage(parts_room({here, beside}), parts_settings(true)), plain(parts_room({here, beside}), parts_settings(false));
     stage.cut(0.05f, 0);
     const std::uint64_t first = stage.statistics().shadow_rays, created = stage.statistics().records_created;
     const core::Radiance frame = stage.cut(0.05f, 1), truth = plain.reference(1);
@@ -122,15 +122,15 @@ TEST(LightParts, KeepAllRecordsWhereABoxMoves) {
 }
 
 TEST(LightParts, DecideWhetherLightIsKeptWhereOnlyStaticLightMayBe) {
-    Settings kept = settings(true), plain = settings(false);
+    Settings kept = parts_settings(true), plain = parts_settings(false);
     kept.cache = CacheUse::static_light;
-    FilmStage parted(room({here, beside}), kept);
+    FilmStage parted(parts_room({here, beside}), kept);
     for (int second = 0; second < 2; ++second) parted.cut(0.05f, second);
     EXPECT_GT(parted.statistics().records_created, 0u);
     EXPECT_GT(parted.statistics().records_served, 0u);
 
     // A box that fills the room holds more light points than light is parted for.
-    const test::SceneBuilder filled = room({here, beside}, false, {2.0f, 1.2f, 3.4f});
+    const test::SceneBuilder filled = parts_room({here, beside}, false, {2.0f, 1.2f, 3.4f});
     FilmStage whole(filled, kept), gathered(filled, plain);
     for (int second = 0; second < 2; ++second)
         EXPECT_TRUE(test::same_bytes(whole.cut(0.05f, second), gathered.cut(0.05f, second)));
@@ -151,8 +151,8 @@ TEST(LightParts, DecideWhetherLightIsKeptWhereOnlyStaticLightMayBe) {
 }
 
 TEST(LightParts, ShowNoShadowOfWhatIsGoneAndShowItAgainOnceItIsBack) {
-    const test::SceneBuilder b = room({here, here, below, here}, false, {0.9f, 0.5f, 2.8f});
-    FilmStage stage(b, settings(true)), plain(b, settings(false));
+    const test::SceneBuilder b = parts_room({here, here, below, here}, false, {0.9f, 0.5f, 2.8f});
+    FilmStage stage(b, parts_settings(true)), plain(b, parts_settings(false));
     stage.cut(0.05f, 0);
     const core::Radiance gone = plain.reference(2), back = plain.reference(3);
     ASSERT_GE(share_over(stage.cut(0.05f, 1), gone, 0.05f), 0.05) << "the box and its shadow count";
@@ -166,7 +166,7 @@ TEST(LightParts, FollowWhatAppears) {
     const int box = b.add_box(low, high, b.add_material({0.5f, 0.5f, 0.5f}));
     b.add_track(scene::TrackTarget::visibility, b.film().objects[static_cast<std::size_t>(box)].node, 1, {0, 1, 2},
                 {0, 1, 0});
-    FilmStage stage(b, settings(true)), plain(b, settings(false));
+    FilmStage stage(b, parts_settings(true)), plain(b, parts_settings(false));
     for (int second = 0; second < 3; ++second)
         EXPECT_LE(share_over(stage.cut(0.05f, second), plain.reference(second), 0.05f), 0.02) << second;
     EXPECT_GE(share_over(plain.reference(0), plain.reference(1), 0.05f), 0.02);
@@ -183,16 +183,16 @@ TEST(LightParts, FollowWhatDeforms) {
     b.film().objects[static_cast<std::size_t>(body)].morph_weights = {0};
     b.add_track(scene::TrackTarget::weights, b.film().objects[static_cast<std::size_t>(body)].node, 1, {0, 1, 2},
                 {0, 1, 0});
-    FilmStage stage(b, settings(true)), plain(b, settings(false));
+    FilmStage stage(b, parts_settings(true)), plain(b, parts_settings(false));
     for (int second = 0; second < 3; ++second)
         EXPECT_LE(share_over(stage.cut(0.05f, second), plain.reference(second), 0.05f), 0.02) << second;
     EXPECT_GE(share_over(plain.reference(0), plain.reference(1), 0.05f), 0.02);
 }
 
 TEST(LightParts, AreOfLampsWhereThereAreNoAnchors) {
-    Settings s = settings(true);
+    Settings s = parts_settings(true);
     s.vpls = 0;
-    FilmStage stage(room({here, beside, here}, true), s);
+    FilmStage stage(parts_room({here, beside, here}, true), s);
     for (int chunk = 0; chunk < 2; ++chunk) {
         stage.renderer().start_chunk(stage.at(0));
         for (int second = 0; second < 3; ++second)
@@ -201,10 +201,10 @@ TEST(LightParts, AreOfLampsWhereThereAreNoAnchors) {
 }
 
 TEST(LightParts, MeetACameraCutAndAnotherChunk) {
-    test::SceneBuilder b = room({here, beside, here, beside}, true);
+    test::SceneBuilder b = parts_room({here, beside, here, beside}, true);
     b.add_camera({3.5f, 1.2f, 3.6f}, {0.5f, 0.2f, 2.0f}, 1.1f);
     b.film().shots = {{0, 0}, {2, 1}};
-    FilmStage stage(b, settings(true));
+    FilmStage stage(b, parts_settings(true));
     for (int chunk = 0; chunk < 2; ++chunk) {
         stage.renderer().start_chunk(stage.at(chunk));
         for (int second = chunk; second < 4; ++second)
@@ -216,11 +216,11 @@ TEST(LightParts, MeetACameraCutAndAnotherChunk) {
 }
 
 TEST(LightParts, AreTheSameForAnyNumberOfThreads) {
-    Settings s = settings(true);
+    Settings s = parts_settings(true);
     s.format = {136, 80, 1.0f};
     s.direct_points = 32;
     s.vpls = 400;
-    FilmStage one(room({here, beside}, true), s), two(room({here, beside}, true), s);
+    FilmStage one(parts_room({here, beside}, true), s), two(parts_room({here, beside}, true), s);
     for (int second = 0; second < 2; ++second) {
         core::Radiance a, b;
         {
@@ -236,7 +236,7 @@ TEST(LightParts, AreTheSameForAnyNumberOfThreads) {
 }
 
 TEST(LightParts, ThatRestCostNoRay) {
-    FilmStage stage(room({here, beside, beside, beside}), settings(true));
+    FilmStage stage(parts_room({here, beside, beside, beside}), parts_settings(true));
     stage.cut(0.05f, 0);
     const core::Radiance moved = stage.cut(0.05f, 1);
     const std::uint64_t rays = stage.statistics().shadow_rays;

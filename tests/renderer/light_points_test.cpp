@@ -15,7 +15,7 @@ using test::SceneBuilder;
 
 constexpr float pi = std::numbers::pi_v<float>;
 
-glm::dvec3 sum_of(const std::vector<LightPoint>& points) {
+glm::dvec3 flux_of(const std::vector<LightPoint>& points) {
     glm::dvec3 sum(0);
     for (const LightPoint& p : points) sum += p.intensity;
     return sum;
@@ -150,7 +150,7 @@ TEST(LightPoints, OfAnEmitterThatIsOffWaitForItToShine) {
     points.place(posed_scene, off);
     EXPECT_TRUE(points.at(posed_scene).empty());
     posed_scene.pose(on);
-    EXPECT_NEAR(sum_of(points.at(posed_scene)).x, 4.0, 1e-3);
+    EXPECT_NEAR(flux_of(points.at(posed_scene)).x, 4.0, 1e-3);
 }
 
 TEST(LightPoints, OfTheSkyCarryItsWholePower) {
@@ -160,7 +160,7 @@ TEST(LightPoints, OfTheSkyCarryItsWholePower) {
     LitStage stage(b);
     const auto points = stage.direct_points(300, 1);
     EXPECT_EQ(points.size(), 300u);
-    const glm::dvec3 sum = sum_of(points);
+    const glm::dvec3 sum = flux_of(points);
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(sum[k], 4 * pi * (k + 1), 1e-2 * (k + 1));
     double solid_angle = 0;
     for (const LightPoint& p : points) solid_angle += p.disc2 * pi;

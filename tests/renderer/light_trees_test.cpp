@@ -13,7 +13,7 @@ namespace {
 using test::AnchorStage;
 using test::hall;
 
-std::vector<LightPoint> random_lights(int count, std::uint64_t seed) {
+std::vector<LightPoint> forest_lights(int count, std::uint64_t seed) {
     std::vector<LightPoint> lights;
     for (int i = 0; i < count; ++i) {
         const auto u = [&](std::uint64_t k) { return core::uniform(seed, static_cast<std::uint64_t>(i), k); };
@@ -52,7 +52,7 @@ void expect_same(const LightTree& a, const LightTree& b) {
 }
 
 TEST(LightTreeUpdate, WithTheSameLightsChangesNoBit) {
-    const auto lights = random_lights(3000, 1);
+    const auto lights = forest_lights(3000, 1);
     const LightTree tree = build_persistent_tree(LightType::oriented, lights, 7);
     LightTree updated = tree;
     update_light_tree(updated, lights, 7);
@@ -60,18 +60,18 @@ TEST(LightTreeUpdate, WithTheSameLightsChangesNoBit) {
 }
 
 TEST(LightTreeUpdate, DependsOnTheLastLightsAlone) {
-    const auto lights = random_lights(500, 1), others = random_lights(500, 2);
+    const auto lights = forest_lights(500, 1), others = forest_lights(500, 2);
     const LightTree tree = build_persistent_tree(LightType::oriented, lights, 7);
     LightTree once = tree, twice = tree;
     update_light_tree(once, others, 7);
-    update_light_tree(twice, random_lights(400, 3), 7);
+    update_light_tree(twice, forest_lights(400, 3), 7);
     update_light_tree(twice, others, 7);
     expect_same(once, twice);
 }
 
 TEST(LightTreeUpdate, BoundsLightsThatHaveMovedOrGoneOut) {
-    const auto lights = random_lights(1000, 1);
-    auto others = random_lights(1000, 2);
+    const auto lights = forest_lights(1000, 1);
+    auto others = forest_lights(1000, 2);
     others.erase(others.begin() + 100, others.begin() + 300);
     LightTree tree = build_persistent_tree(LightType::oriented, lights, 7);
     update_light_tree(tree, others, 7);
@@ -114,7 +114,7 @@ TEST(LightTreeUpdate, BoundsLightsThatHaveMovedOrGoneOut) {
 TEST(LightTreeUpdate, ChangesRepresentativesAsRarelyAsSharesAllow) {
     // When each light changes by up to a tenth, a representative that is chosen by its share must change in one of some
     // twenty nodes; a tree that rolled new dice would change half of them.
-    auto lights = random_lights(2000, 1);
+    auto lights = forest_lights(2000, 1);
     const LightTree tree = build_persistent_tree(LightType::oriented, lights, 7);
     for (std::size_t i = 0; i < lights.size(); ++i) lights[i].intensity *= 0.9f + 0.2f * core::uniform(9, i);
     LightTree updated = tree;
@@ -207,7 +207,7 @@ TEST(PersistentLightTreesSlow, NeedsHardlyMoreClustersIn200FramesWithThingsThatM
 
 TEST(PersistentLightTrees, PlansATreeAnewThatFitsItsLightsNoMoreOnlyWhereItMay) {
     // Lights that all change places.
-    const auto usual = random_lights(1000, 1), now = random_lights(1000, 2);
+    const auto usual = forest_lights(1000, 1), now = forest_lights(1000, 2);
     PersistentLightTrees lasting({{}, usual, {}}, 1);
     lasting.at({{}, usual, {}}, true);
     lasting.at({{}, now, {}}, false);
@@ -229,8 +229,8 @@ TEST(PersistentLightTrees, PlansATreeAnewThatFitsItsLightsNoMoreOnlyWhereItMay) 
 
 /// Two things of 200 lights each: one in [0, 1]^3, and one like it far along x.
 std::vector<LightPoint> two_things(float distance) {
-    auto lights = random_lights(200, 1);
-    for (LightPoint p : random_lights(200, 2)) {
+    auto lights = forest_lights(200, 1);
+    for (LightPoint p : forest_lights(200, 2)) {
         p.position.x += distance;
         p.id += 200;
         lights.push_back(p);
@@ -262,7 +262,7 @@ TEST(PersistentLightTrees, DoesNotLetWhatIsHiddenWidenItsBounds) {
 
 TEST(PersistentLightTrees, PlansAgainByWhatIsThereAndKeepsRoomForWhatIsHidden) {
     const auto usual = two_things(1000.0f);
-    auto now = random_lights(400, 3);
+    auto now = forest_lights(400, 3);
     now.erase(now.begin() + 100, now.begin() + 300);
     PersistentLightTrees lasting({{}, {}, usual}, 1);
     lasting.at({{}, {}, now}, true);
@@ -275,14 +275,14 @@ TEST(PersistentLightTrees, PlansAgainByWhatIsThereAndKeepsRoomForWhatIsHidden) {
 }
 
 TEST(PersistentLightTrees, KeepsFourAndAQuarterBytesOfAPlanForEachLight) {
-    const auto usual = random_lights(10000, 1);
+    const auto usual = forest_lights(10000, 1);
     const PersistentLightTrees lasting({usual, usual, usual}, 1);
     EXPECT_LE(lasting.bytes(), 3u * 43u * 1000u);
     EXPECT_GE(lasting.bytes(), 3u * 42u * 1000u);
 }
 
 TEST(PersistentLightTrees, HasNoTreeForWhatIsDark) {
-    const auto usual = random_lights(100, 1);
+    const auto usual = forest_lights(100, 1);
     PersistentLightTrees lasting({usual, usual, usual}, 1);
     const LightTrees dark = lasting.at({{}, {}, {}});
     for (const LightTree& tree : dark.trees) EXPECT_TRUE(tree.empty());

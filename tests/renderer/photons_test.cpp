@@ -15,10 +15,10 @@ namespace {
 using test::LitStage;
 using test::SceneBuilder;
 
-constexpr double pi = std::numbers::pi;
+constexpr double pi_double = std::numbers::pi;
 
 /// A closed white-ish room with a lamp.
-SceneBuilder room(float albedo) {
+SceneBuilder photon_room(float albedo) {
     SceneBuilder b;
     b.add_box({0, 0, 0}, {4, 3, 5}, b.add_material(glm::vec3(albedo)), true);
     b.add_point_light({1.7f, 1.6f, 2.1f}, 10.0f, {1.0f, 0.5f, 0.25f});
@@ -27,7 +27,7 @@ SceneBuilder room(float albedo) {
 
 glm::dvec3 power(const std::vector<LightPoint>& vpls) {
     glm::dvec3 sum(0);
-    for (const LightPoint& v : vpls) sum += glm::dvec3(v.intensity) * pi;
+    for (const LightPoint& v : vpls) sum += glm::dvec3(v.intensity) * pi_double;
     return sum;
 }
 
@@ -35,13 +35,13 @@ TEST(Photons, CarryAllReflectedPowerOfAClosedRoom) {
     // Light of flux F in a closed room of reflectance r leaves surfaces, over bounces 1..n, with F (r + r^2 + ... +
     // r^n).
     for (const float albedo : {0.3f, 0.7f}) {
-        LitStage stage(room(albedo));
+        LitStage stage(photon_room(albedo));
         const auto lights = stage.direct_points(16, 1);
         for (const int bounces : {1, 3}) {
             const PhotonResult r = trace_photons(stage.posed_scene(), lights, {1, 4000, bounces});
             double expected = 0;
             for (int k = 1; k <= bounces; ++k) expected += std::pow(albedo, k);
-            expected *= 4 * pi * 10;
+            expected *= 4 * pi_double * 10;
             const glm::dvec3 sum = power(r.vpls);
             const double tint[] = {1, 0.5, 0.25};
             for (int k = 0; k < 3; ++k)
@@ -51,18 +51,18 @@ TEST(Photons, CarryAllReflectedPowerOfAClosedRoom) {
 }
 
 TEST(Photons, EndEvenWhereSurfacesReflectEverything) {
-    LitStage stage(room(1.0f));
+    LitStage stage(photon_room(1.0f));
     const PhotonResult r = trace_photons(stage.posed_scene(), stage.direct_points(16, 1), {1, 500, 8});
     EXPECT_GT(r.vpls.size(), 2000u);
     EXPECT_LE(r.vpls.size(), 4000u);
     for (const LightPoint& v : r.vpls) EXPECT_TRUE(std::isfinite(v.intensity.x));
-    EXPECT_NEAR(power(r.vpls).x / (8 * 4 * pi * 10), 1.0, 0.1);
+    EXPECT_NEAR(power(r.vpls).x / (8 * 4 * pi_double * 10), 1.0, 0.1);
 }
 
 TEST(Photons, LeaveNothingInABlackOrEmptyRoom) {
-    LitStage black(room(0.0f));
+    LitStage black(photon_room(0.0f));
     EXPECT_TRUE(trace_photons(black.posed_scene(), black.direct_points(16, 1), {1, 500, 8}).vpls.empty());
-    LitStage lit(room(0.5f));
+    LitStage lit(photon_room(0.5f));
     EXPECT_TRUE(trace_photons(lit.posed_scene(), {}, {1, 500, 8}).vpls.empty());
     EXPECT_EQ(paths_for(lit.posed_scene(), {}, 1000, 8), 0u);
     EXPECT_EQ(paths_for(black.posed_scene(), black.direct_points(16, 1), 1000, 8), 0u);
@@ -70,7 +70,7 @@ TEST(Photons, LeaveNothingInABlackOrEmptyRoom) {
 
 TEST(Photons, AreCountedToLeaveAsManyVplsAsWanted) {
     for (const float albedo : {0.1f, 0.5f, 0.9f}) {
-        LitStage stage(room(albedo));
+        LitStage stage(photon_room(albedo));
         const auto lights = stage.direct_points(16, 1);
         const std::uint64_t paths = paths_for(stage.posed_scene(), lights, 2000, 8);
         const auto left = static_cast<double>(trace_photons(stage.posed_scene(), lights, {1, paths, 8}).vpls.size());
@@ -79,7 +79,7 @@ TEST(Photons, AreCountedToLeaveAsManyVplsAsWanted) {
 }
 
 TEST(Photons, AreTheSameForAnyNumberOfThreads) {
-    LitStage stage(room(0.7f));
+    LitStage stage(photon_room(0.7f));
     const auto lights = stage.direct_points(16, 1);
     std::vector<LightPoint> one, two;
     {
@@ -98,7 +98,7 @@ TEST(Photons, AreTheSameForAnyNumberOfThreads) {
 }
 
 TEST(Photons, KeepTheirPathsWhereAnotherPartOfTheSceneMoves) {
-    SceneBuilder b = room(0.6f);
+    SceneBuilder b = photon_room(0.6f);
     const int ball = b.add_sphere({3.4f, 0.5f, 4.4f}, 0.3f, b.add_material(), 8);
     b.move_object(ball, {{3.4f, 0.5f, 4.4f}, {3.4f, 0.5f, 4.2f}});
     LitStage before(b, 0), after(b, 1);
@@ -131,7 +131,7 @@ TEST(Photons, PassThroughWhatIsNotThere) {
     const auto vpls = trace_photons(stage.posed_scene(), lights, {1, 20000, 1}).vpls;
     // Flux of the cone: integral of clamp((c - co) / (ci - co))^2 over its solid angle.
     const double ci = std::cos(0.1), co = std::cos(0.3);
-    const double flux = 2 * pi * ((1 - ci) + (ci - co) / 3);
+    const double flux = 2 * pi_double * ((1 - ci) + (ci - co) / 3);
     EXPECT_NEAR(power(vpls).x / (flux * 0.75 * 0.5), 1.0, 0.02);
 }
 

@@ -10,7 +10,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-float dice(std::uint64_t seed, std::uint64_t i, std::uint64_t k) {
+float point_dice(std::uint64_t seed, std::uint64_t i, std::uint64_t k) {
     return core::uniform(seed, i, k);
 }
 
@@ -18,13 +18,14 @@ float dice(std::uint64_t seed, std::uint64_t i, std::uint64_t k) {
 std::vector<OrientedPoint> storey(std::uint64_t count) {
     std::vector<OrientedPoint> points;
     for (std::uint64_t i = 0; i < count; ++i) {
-        const float u = 10 * dice(1, i, 0), v = 10 * dice(1, i, 1);
+        const float u = 10 * point_dice(1, i, 0), v = 10 * point_dice(1, i, 1);
         if (i % 100 == 0)
             points.push_back({{u, 1, v}, {0, -1, 0}});
         else if (i % 4 == 0)
             points.push_back({{0, u, v}, {1, 0, 0}});
         else if (i % 4 == 1)
-            points.push_back({{5 + u / 10, v / 10, 5}, core::sample_sphere({dice(1, i, 2), dice(1, i, 3)})});
+            points.push_back(
+                {{5 + u / 10, v / 10, 5}, core::sample_sphere({point_dice(1, i, 2), point_dice(1, i, 3)})});
         else
             points.push_back({{u, 0, v}, {0, 1, 0}});
     }
@@ -54,8 +55,8 @@ TEST(PointTree, FindsWhatLookingAtAllFinds) {
     for (const float least_facing : {0.5f, 0.99f, 0.0f, -0.7f, -2.0f}) {
         for (std::uint64_t i = 0; i < 200; ++i) {
             OrientedPoint at = points[i * 15];
-            if (i % 3 == 0) at.normal = core::sample_sphere({dice(2, i, 0), dice(2, i, 1)});
-            at.position += 0.1f * glm::vec3(dice(2, i, 2), dice(2, i, 3), dice(2, i, 4));
+            if (i % 3 == 0) at.normal = core::sample_sphere({point_dice(2, i, 0), point_dice(2, i, 1)});
+            at.position += 0.1f * glm::vec3(point_dice(2, i, 2), point_dice(2, i, 3), point_dice(2, i, 4));
             const std::vector<Neighbour> expected = by_looking_at_all(points, at, least_facing, found.size());
             ASSERT_EQ(tree.nearest(at, least_facing, found), static_cast<int>(expected.size()));
             for (std::size_t k = 0; k < expected.size(); ++k) {

@@ -11,7 +11,7 @@ namespace {
 
 using renderer::Hit;
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr float endless = std::numeric_limits<float>::infinity();
 
 /// A still floor, a box that travels and turns, two instanced crowds of still spheres, and a sheet that morphs into a
 /// hill.
@@ -60,7 +60,7 @@ Traced trace_all(const Stage& stage) {
         const glm::vec3 from{16 * core::halton(0, i) - 8, 9, 16 * core::halton(1, i) - 8};
         const glm::vec3 to{12 * core::halton(2, i) - 6, 0, 12 * core::halton(3, i) - 6};
         const glm::vec3 direction = glm::normalize(to - from);
-        traced.hits.push_back(stage.tracer().nearest(from, direction, infinity));
+        traced.hits.push_back(stage.tracer().nearest(from, direction, endless));
         traced.points.push_back(from + traced.hits.back().distance * direction);
     }
     return traced;
@@ -101,7 +101,7 @@ TEST(RaysTogether, MeetWhatTheyMeetAlone) {
     for (int y = 0; y < 45; ++y) {
         for (int x = 0; x < 45; ++x) {
             const glm::vec3 to{0.4f * static_cast<float>(x) - 8.8f, 0, 0.5f * static_cast<float>(y) - 14.1f};
-            rays.push_back({eye, glm::normalize(to - eye), x % 9 == 4 ? 8.0f : infinity});
+            rays.push_back({eye, glm::normalize(to - eye), x % 9 == 4 ? 8.0f : endless});
         }
     }
     rays[20].direction.y = std::numeric_limits<float>::quiet_NaN();
@@ -153,7 +153,7 @@ TEST(MovedVeils, DimLightWhereTheyAre) {
         builder.move_object(sheet, {{alpha * 20 - 5, 0, 0}, {0.3f, alpha, 0}});
     }
     Stage stage(builder);
-    const auto light_at = [&](float x) { return stage.tracer().passes({x, 5, 0.3f}, {0, -1, 0}, infinity).x; };
+    const auto light_at = [&](float x) { return stage.tracer().passes({x, 5, 0.3f}, {0, -1, 0}, endless).x; };
     EXPECT_NEAR(light_at(0.1f), 0.75f, 1e-6f);
     EXPECT_NEAR(light_at(5.1f), 0.5f, 1e-6f);
     EXPECT_EQ(light_at(2.5f), 1.0f);
@@ -177,8 +177,8 @@ TEST(AbsentObjects, AreNotHit) {
         if (track.target == scene::TrackTarget::visibility) track.interpolation = scene::Interpolation::step;
     builder.add_track(scene::TrackTarget::scale, node(shrinking), 3, {0, 1, 2}, {1, 1, 1, 0, 0, 0, 1, 1, 1});
     Stage stage(builder);
-    const auto first_hit = [&] { return stage.tracer().nearest({0.3f, 9, 0.2f}, {0, -1, 0}, infinity); };
-    const auto sees_light = [&] { return stage.tracer().passes({0.3f, 9, 0.2f}, {0, -1, 0}, infinity).x == 1.0f; };
+    const auto first_hit = [&] { return stage.tracer().nearest({0.3f, 9, 0.2f}, {0, -1, 0}, endless); };
+    const auto sees_light = [&] { return stage.tracer().passes({0.3f, 9, 0.2f}, {0, -1, 0}, endless).x == 1.0f; };
     EXPECT_EQ(first_hit().address.object, static_cast<std::uint32_t>(still));
     stage.pose(1);
     EXPECT_FALSE(first_hit().found());
@@ -198,9 +198,9 @@ TEST(AbsentObjects, ThatNeverWereCanAppear) {
                       {0, 1}, {0, 1});
     builder.film().tracks.back().interpolation = scene::Interpolation::step;
     Stage stage(builder);
-    EXPECT_FALSE(stage.tracer().nearest({0.3f, 9, 0.2f}, {0, -1, 0}, infinity).found());
+    EXPECT_FALSE(stage.tracer().nearest({0.3f, 9, 0.2f}, {0, -1, 0}, endless).found());
     stage.pose(1);
-    EXPECT_TRUE(stage.tracer().nearest({0.3f, 9, 0.2f}, {0, -1, 0}, infinity).found());
+    EXPECT_TRUE(stage.tracer().nearest({0.3f, 9, 0.2f}, {0, -1, 0}, endless).found());
 }
 
 }  // namespace

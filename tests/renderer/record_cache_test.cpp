@@ -11,10 +11,10 @@ namespace {
 
 using test::FilmStage;
 using test::share_over;
-constexpr int size = 48;
+constexpr int cache_size = 48;
 
-Settings settings(bool cache) {
-    Settings s = test::small_frame(size, size);
+Settings cache_settings(bool cache) {
+    Settings s = test::small_frame(cache_size, cache_size);
     s.cache = cache ? CacheUse::on : CacheUse::off;
     return s;
 }
@@ -30,7 +30,7 @@ test::SceneBuilder walk(bool moves = true) {
 }
 
 TEST(RecordCache, LightsAWalkWithinItsToleranceForAFractionOfTheRays) {
-    FilmStage plain(walk(), settings(false)), cached(walk(), settings(true));
+    FilmStage plain(walk(), cache_settings(false)), cached(walk(), cache_settings(true));
     double over = 0;
     std::uint64_t rays = 0, all = 0;
     for (int second = 0; second < 3; ++second) {
@@ -49,7 +49,7 @@ TEST(RecordCache, LightsAWalkWithinItsToleranceForAFractionOfTheRays) {
 }
 
 TEST(RecordCache, AStillFilmShootsNoSecondShadowRayAndStaysStill) {
-    FilmStage stage(walk(false), settings(true));
+    FilmStage stage(walk(false), cache_settings(true));
     const core::Radiance first = stage.cut(0.05f, 0);
     const std::uint64_t rays = stage.statistics().shadow_rays;
     EXPECT_GT(rays, 0u);
@@ -66,7 +66,7 @@ TEST(RecordCache, LightsMovedPointsRightWhereItMovedThemAndRemembersWhere) {
     test::SceneBuilder b = walk(false);
     b.add_track(scene::TrackTarget::translation, b.film().cameras[0].node, 3, {0, 2, 9},
                 {2.0f, 1.6f, 3.8f, 2.08f, 1.6f, 3.8f, 2.08f, 1.6f, 3.8f});
-    FilmStage stage(b, settings(true));
+    FilmStage stage(b, cache_settings(true));
     core::Radiance frame;
     double beyond = 0;
     for (int second = 0; second < 3; ++second) {
@@ -74,10 +74,10 @@ TEST(RecordCache, LightsMovedPointsRightWhereItMovedThemAndRemembersWhere) {
         beyond = stage.share_beyond(frame, 0.02f, second);
         EXPECT_LE(beyond, 0.02) << second;
     }
-    EXPECT_GE(stage.statistics().records_moved, static_cast<std::uint64_t>(size * size / 20));
+    EXPECT_GE(stage.statistics().records_moved, static_cast<std::uint64_t>(cache_size * cache_size / 20));
     EXPECT_LE(stage.statistics().records_moved, stage.statistics().records_served);
     // Where they were seen, light is another.
-    FilmStage plain(b, settings(false));
+    FilmStage plain(b, cache_settings(false));
     const core::Radiance truth = plain.reference(2);
     EXPECT_GE(share_over(frame, truth, 0.02f), beyond + 0.01);
     EXPECT_LE(share_over(frame, truth, 0.06f), 0.02) << "and not by much more than twice its tolerance";
@@ -105,7 +105,7 @@ TEST(RecordCache, TellsPointsBetweenThoseItServedWithinTheirTolerance) {
 
 TEST(RecordCache, IsTheSameForAnyNumberOfThreads) {
     // Six areas whose records meet, two samples a pixel.
-    Settings s = settings(true);
+    Settings s = cache_settings(true);
     s.format = {136, 80, 1.0f};
     s.samples = 2;
     s.direct_points = 32;
@@ -130,7 +130,7 @@ TEST(RecordCache, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(RecordCache, StartsAnewWithAChunk) {
-    FilmStage long_run(walk(), settings(true)), fresh(walk(), settings(true));
+    FilmStage long_run(walk(), cache_settings(true)), fresh(walk(), cache_settings(true));
     long_run.cut(0.05f, 0);
     long_run.cut(0.05f, 1);
     long_run.renderer().start_chunk(long_run.at(2));
@@ -143,7 +143,7 @@ TEST(RecordCache, ForgetsWhatItKnewWhenALampIsDimmedOrAPanelDoubled) {
     const int panel = 1;  // of furnished_room's materials
     b.add_track(scene::TrackTarget::light_intensity, 0, 1, {0, 1, 2, 3}, {6.0f, 6.0f, 0.6f, 0.6f});
     b.add_track(scene::TrackTarget::emission, panel, 1, {0, 2, 3}, {1, 1, 2});
-    FilmStage stage(b, settings(true)), plain(b, settings(false));
+    FilmStage stage(b, cache_settings(true)), plain(b, cache_settings(false));
     core::Radiance before = stage.cut(0.05f, 0);
     for (const int second : {2, 3}) {
         const core::Radiance truth = plain.reference(second);
@@ -158,7 +158,7 @@ TEST(RecordCache, ShowsNoShadowOfWhatIsGone) {
     test::SceneBuilder b = walk(false);
     const int box = b.add_box({0.3f, 0.0f, 2.2f}, {0.9f, 0.5f, 2.8f}, b.add_material({0.5f, 0.5f, 0.5f}));
     b.move_object(box, {{0, 0, 0}, {0, 0, 0}, {0, -9, 0}});
-    FilmStage stage(b, settings(true)), plain(b, settings(false));
+    FilmStage stage(b, cache_settings(true)), plain(b, cache_settings(false));
     stage.cut(0.05f, 0);
     const core::Radiance truth = plain.reference(2);
     ASSERT_GE(share_over(stage.cut(0.05f, 1), truth, 0.05f), 0.05) << "the box and its shadow count";
@@ -166,7 +166,7 @@ TEST(RecordCache, ShowsNoShadowOfWhatIsGone) {
 }
 
 TEST(RecordCache, TellsOfEveryPixelHowOldItsLightIs) {
-    Settings s = settings(true);
+    Settings s = cache_settings(true);
     s.samples = 2;
     FilmStage stage(walk(false), s), plain(walk(false), s);
     EXPECT_TRUE(plain.cut(0.05f, 0).record_age.empty());
@@ -218,7 +218,7 @@ TEST(RecordCacheSlow, RecordsOfAgeFortyErrNoMoreThanThoseOfAgeOne) {
     test::SceneBuilder b = walk(false);
     b.add_track(scene::TrackTarget::translation, b.film().cameras[0].node, 3, {0, 47},
                 {2.0f, 1.6f, 3.8f, 2.15f, 1.6f, 3.8f});
-    FilmStage long_run(b, settings(true)), short_run(b, settings(true));
+    FilmStage long_run(b, cache_settings(true)), short_run(b, cache_settings(true));
     long_run.restart(true);
     short_run.restart(true);
     const Errors old = errors_after(long_run, 0, 47), young = errors_after(short_run, 46, 47);
@@ -230,7 +230,7 @@ TEST(RecordCacheSlow, RecordsOfAgeFortyErrNoMoreThanThoseOfAgeOne) {
 }
 
 TEST(RecordCache, CountsWhatIsCappedForServedPointsToo) {
-    Settings s = settings(true);
+    Settings s = cache_settings(true);
     s.max_cut = 24;
     FilmStage stage(walk(false), s);
     stage.cut(0.03f, 0);
@@ -241,7 +241,7 @@ TEST(RecordCache, CountsWhatIsCappedForServedPointsToo) {
 }
 
 TEST(RecordCache, TellsTheShareOfClampedLightAsCutsDo) {
-    FilmStage plain(walk(), settings(false)), cached(walk(), settings(true));
+    FilmStage plain(walk(), cache_settings(false)), cached(walk(), cache_settings(true));
     for (int second = 0; second < 3; ++second) {
         plain.cut(0.08f, second);
         cached.cut(0.08f, second);
@@ -258,7 +258,7 @@ TEST(RecordCache, ACutKeepsRecordsButNoPointsLight) {
     test::SceneBuilder b = walk(false);
     b.add_camera({2.0f, 1.6f, 3.8f}, {2.0f, 1.0f, 0.0f}, 1.1f);
     b.film().shots = {{0, 0}, {1, 1}};
-    FilmStage stage(b, settings(true));
+    FilmStage stage(b, cache_settings(true));
     ASSERT_TRUE(stage.at(1).cut_before);
     stage.cut(0.05f, 0);
     const std::uint64_t rays = stage.statistics().shadow_rays;
@@ -270,7 +270,7 @@ TEST(RecordCache, ACutKeepsRecordsButNoPointsLight) {
 }
 
 TEST(RecordCache, TakesNoPartInReferenceFrames) {
-    FilmStage plain(walk(), settings(false)), cached(walk(), settings(true));
+    FilmStage plain(walk(), cache_settings(false)), cached(walk(), cache_settings(true));
     EXPECT_TRUE(test::same_bytes(plain.reference(0), cached.reference(0)));
     EXPECT_EQ(cached.statistics().records_created, 0u);
 }
@@ -285,7 +285,7 @@ TEST(RecordCache, LightsVarnishedWallsWithinTheirTolerance) {
     b.material(polished).roughness = 0.3f;
     b.material(polished).ior = 1.5f;
     b.add_quad({2.4f, 0.5f, 0.1f}, {1.5f, 0, 0}, {0, 2, 0}, polished);
-    FilmStage plain(b, settings(false)), cached(b, settings(true));
+    FilmStage plain(b, cache_settings(false)), cached(b, cache_settings(true));
     for (int second = 0; second < 3; ++second) {
         const core::Radiance frame = cached.cut(0.05f, second);
         EXPECT_LE(cached.share_beyond(frame, 0.05f, second), 0.03) << second;
@@ -301,7 +301,7 @@ TEST(RecordCache, LightsPolishedMetalForAFractionOfTheRays) {
         b.material(m).metallic = 1.0f;
         b.material(m).roughness = 0.4f;
     }
-    FilmStage plain(b, settings(false)), cached(b, settings(true));
+    FilmStage plain(b, cache_settings(false)), cached(b, cache_settings(true));
     double over = 0, plain_over = 0;
     std::uint64_t rays = 0, all = 0;
     for (int second = 0; second < 3; ++second) {

@@ -16,7 +16,7 @@ using test::furnished_room;
 using test::same_bytes;
 using test::SceneBuilder;
 
-constexpr float pi = std::numbers::pi_v<float>;
+constexpr float half_turn = std::numbers::pi_v<float>;
 
 /// Relative errors in luminance of all lit pixels, sorted.
 std::vector<double> errors(const core::Radiance& truth, const core::Radiance& other) {
@@ -51,7 +51,7 @@ TEST(Shade, OfOnePointLightIsTheInverseSquareLaw) {
                 if (!p) continue;
                 const glm::vec3 d = glm::vec3(0.3f, 2, -0.4f) - *p;
                 const float d2 = glm::dot(d, d);
-                const float expected = 0.5f / pi * 7 * 2 / (std::sqrt(d2) * d2);
+                const float expected = 0.5f / half_turn * 7 * 2 / (std::sqrt(d2) * d2);
                 EXPECT_NEAR(r.combined.at(x, y).x, expected, 2e-5f * expected);
                 EXPECT_NEAR(r.combined.at(x, y).z, 0.25f * expected, 2e-5f * expected);
                 ++compared;

@@ -21,7 +21,7 @@ constexpr std::uint32_t first_wall = 1, last_wall = 3, mover = 4;
 /// A room with a lamp at one end, three walls across it with gaps between, and something that moves before them: a
 /// ball, or one more of these walls. `shared`: the walls share a mesh, in more triangles than are copied, most of which
 /// lie within them.
-SceneBuilder room(bool shared, bool wall_moves = false) {
+SceneBuilder shared_room(bool shared, bool wall_moves = false) {
     SceneBuilder b;
     const int grey = b.add_material({0.7f, 0.6f, 0.5f});
     b.add_box({0, 0, 0}, {6, 3, 4}, grey, true);
@@ -60,7 +60,7 @@ ShadowPacket packet_of(std::uint64_t first) {
 
 TEST(StillInstances, AreMetAsOtherWallsAreAndAreNoMovers) {
     for (const bool wall_moves : {false, true}) {
-        const LitStage copied(room(true, wall_moves)), baked(room(false, wall_moves));
+        const LitStage copied(shared_room(true, wall_moves)), baked(shared_room(false, wall_moves));
         const RayTracer &a = copied.posed_scene().tracer(), &b = baked.posed_scene().tracer();
         for (std::uint32_t i = first_wall; i <= last_wall; ++i) {
             EXPECT_TRUE(a.is_instanced(i));
@@ -101,7 +101,7 @@ TEST(StillInstances, AreMetAsOtherWallsAreAndAreNoMovers) {
 }
 
 TEST(StillInstances, AreShieldsAsOtherWallsAre) {
-    const LitStage copied(room(true)), baked(room(false));
+    const LitStage copied(shared_room(true)), baked(shared_room(false));
     const ShieldList &a = copied.posed_scene().tracer().shields(), &b = baked.posed_scene().tracer().shields();
     ASSERT_EQ(a.size(), b.size());
     ASSERT_GT(a.size(), 20u);
@@ -110,7 +110,7 @@ TEST(StillInstances, AreShieldsAsOtherWallsAre) {
 }
 
 TEST(StillInstances, AloneMakeNoFilmMove) {
-    SceneBuilder b = room(true);
+    SceneBuilder b = shared_room(true);
     b.film().tracks.clear();
     const LitStage stage(b);
     EXPECT_TRUE(stage.posed_scene().tracer().is_instanced(first_wall));
@@ -156,7 +156,7 @@ Floor lit_floor(LitStage& stage) {
 }
 
 TEST(StillInstances, AreLitAndShadowByTheSameCutsAsOtherWalls) {
-    LitStage copied(room(true)), baked(room(false));
+    LitStage copied(shared_room(true)), baked(shared_room(false));
     const Floor a = lit_floor(copied), b = lit_floor(baked);
     EXPECT_EQ(a.rays, b.rays);
     EXPECT_EQ(a.clusters, b.clusters);
@@ -178,7 +178,7 @@ std::vector<AnchorPlace> floor_places() {
 }
 
 TEST(StillInstances, PartAnchorsOnceAndForAll) {
-    const LitStage copied(room(true)), baked(room(false));
+    const LitStage copied(shared_room(true)), baked(shared_room(false));
     const RayTracer &a = copied.posed_scene().tracer(), &b = baked.posed_scene().tracer();
     const std::vector<AnchorPlace> places = floor_places();
     const PhotonSplatter by_a(places, a), by_b(places, b);
@@ -197,7 +197,7 @@ TEST(StillInstances, PartAnchorsOnceAndForAll) {
 
 TEST(StillInstances, HaveAnchorsAsOtherWallsHave) {
     // Which places are chosen hangs on the last digits of where photons land; what they hold together does not.
-    AnchorStage copied(room(true)), baked(room(false));
+    AnchorStage copied(shared_room(true)), baked(shared_room(false));
     const auto beyond = [](const Anchors::Lit& lit) {
         double sum = 0;
         for (const LightPoint& l : lit.still) sum += l.position.x > 3.1f ? glm::length(l.intensity) : 0.0f;

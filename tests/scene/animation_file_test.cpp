@@ -53,7 +53,7 @@ class AnimationFile : public ::testing::Test {
     fs::path folder_;
 };
 
-Snapshot at(const Animation& film, double seconds) {
+Snapshot frame_at(const Animation& film, double seconds) {
     return snapshot_at(film, std::llround(seconds * 25), {std::llround(seconds * 1000), 1000}, {320, 240, 1});
 }
 
@@ -66,7 +66,7 @@ void expect_near(glm::vec3 a, glm::vec3 b, float tolerance) {
 TEST_F(AnimationFile, NamesAnUnknownKeyItsPlaceAndTheNearestKnownOne) {
     expect_complaint(R"({"camra": {}})", {"\"camra\"", "did you mean \"camera\""});
     expect_complaint(R"({"camera": {"postion": [0,0,0]}})", {"camera:", "\"postion\"", "\"position\""});
-    expect_complaint(R"({"camera": {"keys": [{"at": 0}, {"at": 1, "lookat": [0,0,0]}]}})",
+    expect_complaint(R"({"camera": {"keys": [{"frame_at": 0}, {"frame_at": 1, "lookat": [0,0,0]}]}})",
                      {"camera.keys[1]", "\"lookat\"", "\"look_at\""});
     expect_complaint(R"({"objects": [{"shape": "boxx"}]})", {"objects[0].shape", "\"boxx\"", "\"box\""});
     expect_complaint(R"({"objects": [{"shape": "box", "radius": 1}]})", {"objects[0].radius", "box", "size"});
@@ -75,8 +75,9 @@ TEST_F(AnimationFile, NamesAnUnknownKeyItsPlaceAndTheNearestKnownOne) {
 }
 
 TEST_F(AnimationFile, NamesThePlaceOfWrongTypesAndRanges) {
-    expect_complaint(R"({"camera": {"keys": [{"at": 0}, {"at": 1}, {"at": 2}, {"at": 3, "position": [1, 2]}]}})",
-                     {"camera.keys[3].position", "a list of 3", "a list of 2"});
+    expect_complaint(
+        R"({"camera": {"keys": [{"frame_at": 0}, {"frame_at": 1}, {"frame_at": 2}, {"frame_at": 3, "position": [1, 2]}]}})",
+        {"camera.keys[3].position", "a list of 3", "a list of 2"});
     expect_complaint(R"({"camera": {"position": [0, "one", 2]}})", {"camera.position[1]", "number", "\"one\""});
     expect_complaint(R"({"camera": {"fov": 190}})", {"camera.fov", "175", "190"});
     expect_complaint(R"({"frames": 2.5})", {"frames", "whole number", "2.5"});
@@ -93,22 +94,22 @@ TEST_F(AnimationFile, NamesThePlaceOfWrongTypesAndRanges) {
 
 TEST_F(AnimationFile, RefusesWhatContradictsItself) {
     expect_complaint(R"({"camera": {"look_at": [0,0,0], "rotate": 3}})", {"camera", "look_at", "rotate"});
-    expect_complaint(R"({"camera": {"position": [0,0,0], "keys": [{"at": 0, "position": [1,0,0]}]}})",
+    expect_complaint(R"({"camera": {"position": [0,0,0], "keys": [{"frame_at": 0, "position": [1,0,0]}]}})",
                      {"camera.position", "twice"});
-    expect_complaint(R"({"camera": {"keys": [{"at": 1}, {"at": 1}]}})", {"camera.keys[1].at", "later"});
+    expect_complaint(R"({"camera": {"keys": [{"frame_at": 1}, {"frame_at": 1}]}})", {"camera.keys[1].at", "later"});
     expect_complaint(R"({"camera": {}, "cameras": {}})", {"camera"});
     expect_complaint(R"({"frames": 3, "seconds": 2})", {"seconds", "frames"});
     expect_complaint(R"({"frames": 3, "frames": 4})", {"\"frames\" twice"});
-    expect_complaint(R"({"cameras": {"a": {}}, "shots": [{"at": 0, "camera": "b"}]})",
+    expect_complaint(R"({"cameras": {"a": {}}, "shots": [{"frame_at": 0, "camera": "b"}]})",
                      {"shots[0].camera", "\"b\"", "\"a\""});
-    expect_complaint(R"({"cameras": {"a": {}}, "shots": [{"at": 1, "camera": "a"}]})", {"shots[0].at", "0"});
+    expect_complaint(R"({"cameras": {"a": {}}, "shots": [{"frame_at": 1, "camera": "a"}]})", {"shots[0].at", "0"});
     expect_complaint(R"({"objects": [{"shape": "box", "material": "wite"}], "materials": {"white": {}}})",
                      {"objects[0].material", "\"wite\"", "\"white\""});
     expect_complaint(R"({"objects": [{"shape": "box"}], "materials": {"white": {}}})",
                      {"materials.white", "nothing has this material"});
     expect_complaint(R"({"change": {"chair": {"visible": false}}})", {"change.chair", "no object"});
     expect_complaint(
-        R"({"objects": [{"shape": "box", "loop": true, "keys": [{"at": 0, "rotate": 0}, {"at": 1, "rotate": 9}]}]})",
+        R"({"objects": [{"shape": "box", "loop": true, "keys": [{"frame_at": 0, "rotate": 0}, {"frame_at": 1, "rotate": 9}]}]})",
         {"loop", "frames"});
     expect_complaint(R"({"objects": [{"shape": "torus", "radius": 1, "tube_radius": 1}]})",
                      {"objects[0]", "tube_radius"});
@@ -178,7 +179,7 @@ TEST_F(AnimationFile, CameraPathsHitTheirKeys) {
         const glm::vec3 position[] = {{0, 1, 5}, {2, 1.5, 4}, {4, 1, -3}}, target[] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
         const double time[] = {0, 0.5, 2}, fov[] = {30, 60, 45};
         for (int k = 0; k < 3; ++k) {
-            const Snapshot s = at(a, time[k]);
+            const Snapshot s = frame_at(a, time[k]);
             expect_near(s.camera.position(), position[k], 1e-5f);
             expect_near(s.camera.forward(), glm::normalize(target[k] - position[k]), 1e-5f);
             EXPECT_NEAR(s.camera.lens().vertical_fov, glm::radians(fov[k]), 1e-5);
@@ -192,7 +193,7 @@ TEST_F(AnimationFile, CamerasLookAtTheirTargetBetweenKeysToo) {
     complete(a);
     double worst = 0;
     for (int k = 0; k <= 300; ++k) {
-        const Snapshot s = at(a, k / 100.0);
+        const Snapshot s = frame_at(a, k / 100.0);
         const glm::vec3 wanted = glm::normalize(glm::vec3(0, 0.5f, 0) - s.camera.position());
         worst = std::max(worst, static_cast<double>(glm::length(s.camera.forward() - wanted)));
         // The horizon stays level.
@@ -208,7 +209,7 @@ TEST_F(AnimationFile, SmoothPathsHaveNoKinkAndEasedOnesRestAtTheirKeys) {
             film(std::string(R"({"objects": [{"shape": "box", "interpolation": ")") + passage + R"(", "keys": [
             {"at": 0, "position": [0, 0, 0]}, {"at": 1, "position": [3, 0, 0]}, {"at": 2, "position": [4, 0, 0]}]}]})");
         complete(a);
-        const auto x = [&](double t) { return static_cast<double>(at(a, t).objects[0].to_world[3].x); };
+        const auto x = [&](double t) { return static_cast<double>(frame_at(a, t).objects[0].to_world[3].x); };
         return (x(seconds + 0.005) - x(seconds - 0.005)) / 0.01;
     };
     EXPECT_NEAR(speed("smooth", 0.99), speed("smooth", 1.01), 0.15);
@@ -230,20 +231,20 @@ TEST_F(AnimationFile, SwitchesAreThrownAtTheirFrame) {
 
 TEST_F(AnimationFile, WhatRestsBetweenTwoKeysDoesNotSwing) {
     Animation a = film(
-        R"({"objects": [{"shape": "box", "keys": [{"at": 0, "position": [0, 0, 0]}, {"at": 1, "position": [1, 0, 0]},
+        R"({"objects": [{"shape": "box", "keys": [{"frame_at": 0, "position": [0, 0, 0]}, {"frame_at": 1, "position": [1, 0, 0]},
         {"at": 1.5, "position": [2, 3, 0]}, {"at": 2, "position": [3, 0, 0]}, {"at": 3, "position": [4, 0, 0]}]}]})");
     complete(a);
-    for (int k = 0; k <= 300; ++k) EXPECT_GE(at(a, k / 100.0).objects[0].to_world[3].y, -1e-6);
-    EXPECT_NEAR(at(a, 1.25).objects[0].to_world[3].y, 1.5, 0.01);
+    for (int k = 0; k <= 300; ++k) EXPECT_GE(frame_at(a, k / 100.0).objects[0].to_world[3].y, -1e-6);
+    EXPECT_NEAR(frame_at(a, 1.25).objects[0].to_world[3].y, 1.5, 0.01);
 }
 
 TEST_F(AnimationFile, TurnsAreCountedNotTakenByTheShortWay) {
     Animation a = film(
-        R"({"objects": [{"shape": "box", "interpolation": "linear", "keys": [{"at": 0, "rotate": 0}, {"at": 1, "rotate": 720}]}]})");
+        R"({"objects": [{"shape": "box", "interpolation": "linear", "keys": [{"frame_at": 0, "rotate": 0}, {"frame_at": 1, "rotate": 720}]}]})");
     complete(a);
     for (int k = 0; k <= 20; ++k) {
         const double turn = glm::two_pi<double>() * 2 * k / 20;
-        const glm::vec3 x(at(a, k / 20.0).objects[0].to_world[0]);
+        const glm::vec3 x(frame_at(a, k / 20.0).objects[0].to_world[0]);
         expect_near(x, {std::cos(turn), 0, -std::sin(turn)}, 1e-4f);
     }
 }
@@ -267,7 +268,7 @@ TEST_F(AnimationFile, LoopsGoOnUntilTheFilmEndsAndBeginWhereTheyEnded) {
         "keys": [{"at": 0, "position": [0, 0, 0], "rotate": 0}, {"at": 1, "position": [2, 0, 0], "rotate": 90}]}]})");
     complete(a);
     for (const double t : {0.5, 1.5, 2.25, 3.75}) {
-        const glm::mat4 m = at(a, t).objects[0].to_world;
+        const glm::mat4 m = frame_at(a, t).objects[0].to_world;
         EXPECT_NEAR(m[3].x, 2 * t, 1e-4);
         EXPECT_NEAR(m[0].x, std::cos(glm::half_pi<double>() * t), 1e-4);
     }
@@ -289,14 +290,14 @@ TEST_F(AnimationFile, CutsShowAnotherCameraFromTheirFrameOn) {
 
 TEST_F(AnimationFile, ThingsAppearAndVanish) {
     Animation a = film(
-        R"({"objects": [{"shape": "box", "keys": [{"at": 0, "visible": false}, {"at": 1, "visible": true}, {"at": 2, "visible": false}]},
+        R"({"objects": [{"shape": "box", "keys": [{"frame_at": 0, "visible": false}, {"frame_at": 1, "visible": true}, {"frame_at": 2, "visible": false}]},
                                        {"shape": "box", "visible": false}, {"shape": "box"}]})");
     complete(a);
-    EXPECT_FALSE(at(a, 0.96).objects[0].present);
-    EXPECT_TRUE(at(a, 1.0).objects[0].present);
-    EXPECT_FALSE(at(a, 2.0).objects[0].present);
-    EXPECT_FALSE(at(a, 0.5).objects[1].present);
-    EXPECT_TRUE(at(a, 0.5).objects[2].present);
+    EXPECT_FALSE(frame_at(a, 0.96).objects[0].present);
+    EXPECT_TRUE(frame_at(a, 1.0).objects[0].present);
+    EXPECT_FALSE(frame_at(a, 2.0).objects[0].present);
+    EXPECT_FALSE(frame_at(a, 0.5).objects[1].present);
+    EXPECT_TRUE(frame_at(a, 0.5).objects[2].present);
 }
 
 }  // namespace

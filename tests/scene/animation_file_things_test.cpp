@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using glm::pi;
 
-Animation film(const std::string& text, const std::map<std::string, std::string>& files = {}) {
+Animation parsed(const std::string& text, const std::map<std::string, std::string>& files = {}) {
     const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
     const fs::path folder = fs::path(::testing::TempDir()) / (std::string("r2m_things_") + test->name());
     fs::remove_all(folder);
@@ -39,7 +39,7 @@ Animation film(const std::string& text, const std::map<std::string, std::string>
     }
 }
 
-Snapshot at(const Animation& animation, double seconds) {
+Snapshot thing_at(const Animation& animation, double seconds) {
     return snapshot_at(animation, std::llround(seconds * 25), {std::llround(seconds * 1000), 1000}, {320, 240, 1});
 }
 
@@ -125,12 +125,12 @@ TEST(AnimationFileShapes, ShowTexturesUprightAndInScale) {
 }
 
 TEST(AnimationFileThings, RepeatsShareOneMeshAndStandInRowsAndRings) {
-    const Animation a = film(R"({"objects": [
+    const Animation a = parsed(R"({"objects": [
         {"shape": "sphere", "position": [10, 0, 0], "repeat": {"count": [3, 2, 1], "step": [2, 1, 0], "centered": true}},
         {"shape": "group", "repeat": {"ring": {"count": 4, "radius": 5}}, "parts": [{"shape": "box"}, {"shape": "box", "position": [0, 1, 0]}]}]})");
     ASSERT_EQ(a.objects.size(), 6u + 8u);
     EXPECT_EQ(a.meshes.size(), 3u);
-    const Snapshot s = at(a, 0);
+    const Snapshot s = thing_at(a, 0);
     const auto place = [&](std::size_t i) { return glm::vec3(s.objects[i].to_world[3]) + glm::vec3(a.origin); };
     EXPECT_EQ(place(0), glm::vec3(8, -0.5f, 0));
     EXPECT_EQ(place(2), glm::vec3(12, -0.5f, 0));
@@ -145,21 +145,21 @@ TEST(AnimationFileThings, RepeatsShareOneMeshAndStandInRowsAndRings) {
 
 TEST(AnimationFileThings, RefuseMoreCopiesThanAFilmCanHold) {
     EXPECT_THROW(
-        film(R"({"objects": [{"shape": "box", "repeat": {"count": [10000, 10000, 10000], "step": [1, 1, 1]}}]})"),
+        parsed(R"({"objects": [{"shape": "box", "repeat": {"count": [10000, 10000, 10000], "step": [1, 1, 1]}}]})"),
         core::Error);
     // Nested repeats multiply.
     EXPECT_THROW(
-        film(R"({"objects": [{"shape": "group", "repeat": {"count": [1000, 100, 1], "step": [1, 1, 1]}, "parts": [
+        parsed(R"({"objects": [{"shape": "group", "repeat": {"count": [1000, 100, 1], "step": [1, 1, 1]}, "parts": [
         {"shape": "box", "repeat": {"count": [1000, 100, 1], "step": [1, 1, 1]}}]}]})"),
         core::Error);
 }
 
 TEST(AnimationFileThings, LightsShineAlongTheirSightWithTheirOwnUnits) {
-    const Animation a = film(R"({"objects": [{"shape": "plane"}], "lights": [
+    const Animation a = parsed(R"({"objects": [{"shape": "plane"}], "lights": [
         {"kind": "sun", "elevation": 30, "azimuth": 90, "intensity": 4, "color": [1, 0.5, 0]},
         {"kind": "spot", "position": [0, 3, 0], "look_at": [0, 0, 0], "angle": 40, "softness": 0.5, "intensity": 7},
         {"kind": "point", "position": [1, 2, 3], "keys": [{"at": 0, "power": 1}, {"at": 1, "power": 0}], "interpolation": "step"}]})");
-    const Snapshot s = at(a, 0.5);
+    const Snapshot s = thing_at(a, 0.5);
     ASSERT_EQ(s.lights.size(), 3u);
     // The sun stands over +x: its light comes down from there.
     const glm::vec3 wanted(-std::cos(pi<float>() / 6), -0.5f, 0);
@@ -170,17 +170,17 @@ TEST(AnimationFileThings, LightsShineAlongTheirSightWithTheirOwnUnits) {
     EXPECT_NEAR(s.lights[1].cos_inner, std::cos(glm::radians(10.0f)), 1e-5);
     EXPECT_EQ(s.lights[2].position, glm::vec3(1, 2, 3));
     EXPECT_GT(s.lights[2].intensity.x, 0);
-    EXPECT_EQ(at(a, 1.0).lights[2].intensity, glm::vec3(0));
+    EXPECT_EQ(thing_at(a, 1.0).lights[2].intensity, glm::vec3(0));
 }
 
 TEST(AnimationFileThings, PanelsShineToOneSideAndSpheresOutwards) {
-    const Animation a = film(R"({"lights": [
+    const Animation a = parsed(R"({"lights": [
         {"kind": "panel", "position": [0, 2, 0], "rotate": [-90, 0, 0], "size": [2, 1], "intensity": 5, "color": "#ff0000"},
         {"kind": "sphere", "position": [0, 1, 0], "radius": 0.2, "intensity": 3}]})");
     ASSERT_EQ(a.objects.size(), 2u);
     EXPECT_EQ(a.materials[static_cast<std::size_t>(a.objects[0].material)].emission, glm::vec3(5, 0, 0));
     EXPECT_FALSE(a.materials[static_cast<std::size_t>(a.objects[0].material)].double_sided);
-    const Snapshot s = at(a, 0);
+    const Snapshot s = thing_at(a, 0);
     double lit = 0;
     for (std::uint32_t t = 0; t < 2; ++t) {
         const Triangle triangle = triangle_of(s, 0, t);
@@ -193,13 +193,13 @@ TEST(AnimationFileThings, PanelsShineToOneSideAndSpheresOutwards) {
 }
 
 TEST(AnimationFileThings, StaggeredCopiesFollowEachOther) {
-    const Animation a = film(
+    const Animation a = parsed(
         R"({"objects": [{"shape": "plane"}], "lights": [{"kind": "point", "intensity": 1, "stagger": 0.5, "interpolation": "step",
         "repeat": {"count": [3, 1, 1], "step": [1, 0, 0]}, "colors": ["#ff0000", "#0000ff"], "keys": [{"at": 0, "power": 0}, {"at": 1, "power": 1}]}]})");
     ASSERT_EQ(a.lights.size(), 3u);
     for (int i = 0; i < 3; ++i) {
         const auto lit = [&](double t) {
-            return at(a, t).lights[static_cast<std::size_t>(i)].intensity != glm::vec3(0);
+            return thing_at(a, t).lights[static_cast<std::size_t>(i)].intensity != glm::vec3(0);
         };
         EXPECT_FALSE(lit(0.96 + 0.5 * i));
         EXPECT_TRUE(lit(1.04 + 0.5 * i));
@@ -209,7 +209,7 @@ TEST(AnimationFileThings, StaggeredCopiesFollowEachOther) {
 }
 
 TEST(AnimationFileThings, MaterialsAreMattUntilTheySayOtherwise) {
-    const Animation a = film(
+    const Animation a = parsed(
         R"({"objects": [{"shape": "box", "material": "m"}, {"shape": "box", "material": {"roughness": 0.3}}, {"shape": "box"},
             {"shape": "box", "material": "lamp"}],
         "materials": {"m": {"base_color": "#808080", "texture": {"checker": [0, 1], "squares": 4}, "texture_scale": [2, 3]},
@@ -226,32 +226,32 @@ TEST(AnimationFileThings, MaterialsAreMattUntilTheySayOtherwise) {
     EXPECT_FALSE(material(1).specular_glossiness);
     EXPECT_EQ(material(1).roughness, 0.3f);
     EXPECT_TRUE(material(2).specular_glossiness);
-    EXPECT_NEAR(at(a, 0.5).emission_factor[static_cast<std::size_t>(a.objects[3].material)], 0.5, 1e-5);
+    EXPECT_NEAR(thing_at(a, 0.5).emission_factor[static_cast<std::size_t>(a.objects[3].material)], 0.5, 1e-5);
 }
 
 TEST(AnimationFileThings, ChangesMoveHideAndRepaintWhatTheSceneHas) {
     const std::string obj = "o left\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no right\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf 4 5 6\n";
-    const Animation a = film(R"({"scene": "two.obj", "change": {
+    const Animation a = parsed(R"({"scene": "two.obj", "change": {
         "left": {"keys": [{"at": 0, "position": [0, 0, 0]}, {"at": 1, "position": [0, 4, 0]}], "interpolation": "linear"},
         "right": {"visible": false, "material": {"base_color": [1, 0, 0]}}}})",
-                             {{"two.obj", obj}});
+                               {{"two.obj", obj}});
     ASSERT_EQ(a.objects.size(), 2u);
     const std::size_t left = a.objects[0].name == "left" ? 0 : 1;
-    EXPECT_NEAR(at(a, 0.5).objects[left].to_world[3].y, 2, 1e-5);
-    EXPECT_FALSE(at(a, 0.5).objects[1 - left].present);
+    EXPECT_NEAR(thing_at(a, 0.5).objects[left].to_world[3].y, 2, 1e-5);
+    EXPECT_FALSE(thing_at(a, 0.5).objects[1 - left].present);
     EXPECT_EQ(glm::vec3(a.materials[static_cast<std::size_t>(a.objects[1 - left].material)].base_color),
               glm::vec3(1, 0, 0));
     EXPECT_NE(a.objects[0].material, a.objects[1].material);
 }
 
 TEST(AnimationFileThings, SkiesAreColoursImagesOrGradients) {
-    EXPECT_EQ(film(R"({"sky": [1, 2, 3]})").sky.color, glm::vec3(1, 2, 3));
-    const Animation gradient = film(R"({"sky": {"zenith": [0, 0, 4], "horizon": 2, "strength": 0.5}})");
+    EXPECT_EQ(parsed(R"({"sky": [1, 2, 3]})").sky.color, glm::vec3(1, 2, 3));
+    const Animation gradient = parsed(R"({"sky": {"zenith": [0, 0, 4], "horizon": 2, "strength": 0.5}})");
     EXPECT_EQ(gradient.sky.color, glm::vec3(2));
     ASSERT_GE(gradient.sky.image, 0);
     EXPECT_GT(gradient.images[static_cast<std::size_t>(gradient.sky.image)].bytes.size(), 1000u);
-    EXPECT_THROW(film(R"({"sky": {"zenith": 1, "horizon": 1, "color": 1}})"), core::Error);
-    EXPECT_THROW(film(R"({"sky": {"zenith": 1}})"), core::Error);
+    EXPECT_THROW(parsed(R"({"sky": {"zenith": 1, "horizon": 1, "color": 1}})"), core::Error);
+    EXPECT_THROW(parsed(R"({"sky": {"zenith": 1}})"), core::Error);
 }
 
 TEST(AnimationFileThings, NoCutFileEndsInAnythingButAnError) {
@@ -259,7 +259,7 @@ TEST(AnimationFileThings, NoCutFileEndsInAnythingButAnError) {
     std::string whole((std::istreambuf_iterator<char>(in)), {});
     ASSERT_GT(whole.size(), 1000u);
     whole = std::regex_replace(whole, std::regex(R"("[a-z]+\.png")"), R"({"checker": [0, 1], "squares": 2})");
-    ASSERT_GT(film(whole).objects.size(), 10u);
+    ASSERT_GT(parsed(whole).objects.size(), 10u);
     for (std::size_t i = 0; i < 200; ++i) {
         // Cut somewhere, or change one byte: either an error or a film, never a crash.
         const auto where = static_cast<std::size_t>(core::uniform(1, i) * static_cast<float>(whole.size()));
@@ -269,7 +269,7 @@ TEST(AnimationFileThings, NoCutFileEndsInAnythingButAnError) {
         else
             broken[where] = static_cast<char>(static_cast<int>(core::uniform(2, i) * 256));
         try {
-            film(broken);
+            parsed(broken);
             EXPECT_EQ(i % 2, 0u) << "a cut file was accepted";
         } catch (const core::Error& e) {
             EXPECT_GT(std::string(e.what()).size(), 10u);

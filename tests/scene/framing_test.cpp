@@ -10,7 +10,7 @@
 namespace render2mpeg::scene {
 namespace {
 
-constexpr PictureFormat format{400, 300, 1};
+constexpr PictureFormat wide_format{400, 300, 1};
 
 /// A box with its faces to the outside or to the inside; the bits of `open` leave out -x, +x, -y, +y, -z, +z.
 Mesh box(glm::vec3 low, glm::vec3 high, bool inward, unsigned open = 0) {
@@ -53,8 +53,8 @@ bool says(const Animation& film, const std::string& part) {
                        [&](const std::string& n) { return n.find(part) != std::string::npos; });
 }
 
-Snapshot at(const Animation& film, double seconds) {
-    return snapshot_at(film, 0, {static_cast<std::int64_t>(seconds * 1000), 1000}, format);
+Snapshot framed_at(const Animation& film, double seconds) {
+    return snapshot_at(film, 0, {static_cast<std::int64_t>(seconds * 1000), 1000}, wide_format);
 }
 
 /// Whether every corner of the bounds is on the picture.
@@ -77,7 +77,7 @@ TEST(Framing, OrbitsAnObjectAndKeepsItWholeInThePicture) {
         EXPECT_EQ(film.duration, 8);
         float lowest = 300, highest = 0;
         for (double t = 0; t < 8; t += 0.5) {
-            const Camera camera = at(film, t).camera;
+            const Camera camera = framed_at(film, t).camera;
             EXPECT_TRUE(shows_all(film, camera)) << t;
             lowest = std::min(lowest, camera.project(glm::vec3(0, 3 * size, 0))->position.y);
             highest = std::max(highest, camera.project(glm::vec3(0))->position.y);
@@ -89,9 +89,9 @@ TEST(Framing, OrbitsAnObjectAndKeepsItWholeInThePicture) {
 
 TEST(Framing, GoesOnceAroundInOnePeriod) {
     const Animation film = film_of({box(glm::vec3(-1), glm::vec3(1), false)});
-    const glm::vec3 start = at(film, 0).camera.position();
-    EXPECT_LT(glm::length(at(film, 8).camera.position() - start), 1e-5 * glm::length(start));
-    EXPECT_LT(glm::dot(at(film, 4).camera.position() * glm::vec3(1, 0, 1), start), 0);
+    const glm::vec3 start = framed_at(film, 0).camera.position();
+    EXPECT_LT(glm::length(framed_at(film, 8).camera.position() - start), 1e-5 * glm::length(start));
+    EXPECT_LT(glm::dot(framed_at(film, 4).camera.position() * glm::vec3(1, 0, 1), start), 0);
 }
 
 TEST(Framing, LooksIntoTheOpenSideOfABox) {
@@ -102,7 +102,7 @@ TEST(Framing, LooksIntoTheOpenSideOfABox) {
             film_of({box(glm::vec3(-1), glm::vec3(1), true, open), box({-0.5f, -1, -0.2f}, {0, 0, 0.3f}, false)});
         EXPECT_TRUE(says(film, "open side")) << open;
         for (double t = 0; t < 8; t += 1) {
-            const Camera camera = at(film, t).camera;
+            const Camera camera = framed_at(film, t).camera;
             EXPECT_GT(glm::dot(glm::normalize(camera.position()), side), 0.9) << open;
             EXPECT_TRUE(shows_all(film, camera));
         }
@@ -113,10 +113,10 @@ TEST(Framing, TurnsWithinAClosedRoom) {
     const Animation film =
         film_of({box({-3, 0, -2}, {3, 2.5f, 2}, true), box({-0.5f, 0, -0.2f}, {0.5f, 1, 0.3f}, false)});
     EXPECT_TRUE(says(film, "within"));
-    const glm::vec3 eye = at(film, 3).camera.position();
+    const glm::vec3 eye = framed_at(film, 3).camera.position();
     EXPECT_TRUE(glm::all(glm::greaterThan(eye, film.bounds_min)) && glm::all(glm::lessThan(eye, film.bounds_max)));
     EXPECT_EQ(film.duration, 16);
-    EXPECT_LT(glm::dot(at(film, 0).camera.forward(), at(film, 8).camera.forward()), -0.99);
+    EXPECT_LT(glm::dot(framed_at(film, 0).camera.forward(), framed_at(film, 8).camera.forward()), -0.99);
 }
 
 TEST(Framing, TurnsWithinAHouseWithWallsOfTwoFaces) {
@@ -124,7 +124,7 @@ TEST(Framing, TurnsWithinAHouseWithWallsOfTwoFaces) {
         film_of({box({-3, 0, -2}, {3, 2.5f, 2}, true), box({-3.1f, -0.1f, -2.1f}, {3.1f, 2.6f, 2.1f}, false)});
     // From outside it is a block, from inside a room: both are views of it, and each is finite.
     EXPECT_EQ(film.cameras.size(), 1u);
-    for (double t = 0; t < film.duration; t += 1) EXPECT_TRUE(core::is_finite(at(film, t).camera.to_world()));
+    for (double t = 0; t < film.duration; t += 1) EXPECT_TRUE(core::is_finite(framed_at(film, t).camera.to_world()));
 }
 
 TEST(Framing, LastsAsLongAsTheFilmItself) {
@@ -139,8 +139,8 @@ TEST(Framing, LastsAsLongAsTheFilmItself) {
     film.tracks.push_back({TrackTarget::translation, 0, Interpolation::linear, 3, {0, 2.5f}, {0, 0, 0, 0, 3, 0}});
     complete(film);
     EXPECT_EQ(film.duration, 2.5);
-    EXPECT_TRUE(shows_all(film, at(film, 0).camera));
-    EXPECT_TRUE(at(film, 2.5).camera.project({0, 3, 0}));
+    EXPECT_TRUE(shows_all(film, framed_at(film, 0).camera));
+    EXPECT_TRUE(framed_at(film, 2.5).camera.project({0, 3, 0}));
 }
 
 TEST(Framing, WorksForAnEmptyFilm) {
@@ -148,7 +148,7 @@ TEST(Framing, WorksForAnEmptyFilm) {
     film.source = "film";
     complete(film);
     EXPECT_EQ(film.cameras.size(), 1u);
-    EXPECT_TRUE(core::is_finite(at(film, 1).camera.to_world()));
+    EXPECT_TRUE(core::is_finite(framed_at(film, 1).camera.to_world()));
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ class Gltf : public ::testing::Test {
     support::Folder folder_;
 };
 
-Snapshot at(const Animation& film, double seconds) {
+Snapshot gltf_at(const Animation& film, double seconds) {
     return snapshot_at(film, 0, {static_cast<std::int64_t>(std::llround(seconds * 1000)), 1000}, {64, 64, 1});
 }
 
@@ -76,7 +76,7 @@ TEST_F(Gltf, HierarchiesOfMatricesAndTransformsCompose) {
         {{"mesh", 0}, {"matrix", {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 1, 0, 0, 1}}}};
     const Animation film = load_file(file);
     // (1, 0, 0): doubled and moved to (3, 0, 0), turned to (0, 3, 0), moved.
-    const Triangle t = triangle_of(at(film, 0), 0, 0);
+    const Triangle t = triangle_of(gltf_at(film, 0), 0, 0);
     EXPECT_NEAR(glm::length(t.b - glm::vec3(10, 3, 0)), 0, 1e-5);
 }
 
@@ -190,7 +190,7 @@ TEST_F(Gltf, OneMeshAtSeveralNodesIsOneMesh) {
     const Animation film = load_file(file);
     EXPECT_EQ(film.meshes.size(), 1u);
     ASSERT_EQ(film.objects.size(), 3u);
-    const Snapshot now = at(film, 0);
+    const Snapshot now = gltf_at(film, 0);
     EXPECT_EQ(triangle_of(now, 1, 0).b, glm::vec3(3, 0, 0));
     EXPECT_EQ(triangle_of(now, 2, 0).b, glm::vec3(-1, 0, 0));
     EXPECT_TRUE(now.objects[2].present);
@@ -226,7 +226,7 @@ TEST_F(Gltf, AnimationsMoveNodesAndOneCanBeChosen) {
     };
     file.json["animations"] = {clip("walk", 4), clip("run", 8)};
     const auto x_after_one_second = [&](const LoadOptions& options) {
-        return triangle_of(at(load_file(file, options), 1), 0, 0).a.x;
+        return triangle_of(gltf_at(load_file(file, options), 1), 0, 0).a.x;
     };
     EXPECT_EQ(x_after_one_second({}), 2);  // clips of one node: the first
     EXPECT_EQ(x_after_one_second({{}, "run", {}}), 4);
@@ -253,12 +253,12 @@ TEST_F(Gltf, CamerasAreChosenByNameOrIndex) {
                              {"orthographic", {{"xmag", 2}, {"ymag", 3}, {"znear", 0}, {"zfar", 100}}}}};
     file.json["nodes"] = {{{"mesh", 0}}, {{"camera", 0}, {"translation", {0, 0, 5}}}, {{"camera", 1}}};
     file.json["scenes"][0]["nodes"] = {0, 1, 2};
-    const Camera first = at(load_file(file), 0).camera;
+    const Camera first = gltf_at(load_file(file), 0).camera;
     EXPECT_TRUE(first.perspective());
     EXPECT_EQ(first.position(), glm::vec3(0, 0, 5));
     EXPECT_EQ(first.lens().vertical_fov, 0.5f);
-    const Camera by_name = at(load_file(file, {"above", {}, {}}), 0).camera,
-                 by_index = at(load_file(file, {"1", {}, {}}), 0).camera;
+    const Camera by_name = gltf_at(load_file(file, {"above", {}, {}}), 0).camera,
+                 by_index = gltf_at(load_file(file, {"1", {}, {}}), 0).camera;
     EXPECT_FALSE(by_name.perspective());
     EXPECT_EQ(by_name.lens().y_magnification, 3);
     EXPECT_EQ(first.lens().aspect, 1.5f);
@@ -285,7 +285,7 @@ TEST_F(Gltf, SkinsBlendUpToEightJoints) {
     file.json["nodes"][0]["skin"] = 0;
     file.json["nodes"][0]["translation"] = {1000, 0, 0};
     const Animation film = load_file(file);
-    const Snapshot now = at(film, 0);
+    const Snapshot now = gltf_at(film, 0);
     EXPECT_EQ(film.objects[0].mobility, Mobility::deforming);
     EXPECT_NEAR(triangle_of(now, 0, 0).a.x, 3.5, 0.02);
     EXPECT_NEAR(triangle_of(now, 0, 0).c.y, 1, 1e-5);
@@ -296,13 +296,13 @@ TEST_F(Gltf, MorphTargetsFollowNodeWeightsMeshWeightsAndKeys) {
     const int offsets = file.add_floats({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
     file.primitive()["targets"] = {{{"POSITION", offsets}}};
     file.json["meshes"][0]["weights"] = {0.5};
-    EXPECT_EQ(triangle_of(at(load_file(file), 0), 0, 0).a.z, 0.5f);
+    EXPECT_EQ(triangle_of(gltf_at(load_file(file), 0), 0, 0).a.z, 0.5f);
     file.json["nodes"][0]["weights"] = {-0.25};
-    EXPECT_EQ(triangle_of(at(load_file(file), 0), 0, 0).a.z, -0.25f);
+    EXPECT_EQ(triangle_of(gltf_at(load_file(file), 0), 0, 0).a.z, -0.25f);
     const int times = file.add_floats({0, 1}, "SCALAR"), values = file.add_floats({0, 2}, "SCALAR");
     file.json["animations"] = {{{"samplers", {{{"input", times}, {"output", values}}}},
                                 {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}}}};
-    EXPECT_EQ(triangle_of(at(load_file(file), 0.75), 0, 0).a.z, 1.5f);
+    EXPECT_EQ(triangle_of(gltf_at(load_file(file), 0.75), 0, 0).a.z, 1.5f);
 }
 
 TEST_F(Gltf, UnknownOptionalExtensionsAreNamedOnce) {
@@ -320,7 +320,7 @@ TEST_F(Gltf, AFileWithoutAnythingIsAFilmWithoutAnything) {
     const Animation film = load_file(file);
     EXPECT_TRUE(film.objects.empty());
     EXPECT_EQ(film.cameras.size(), 1u);
-    EXPECT_NO_THROW(at(film, 3));
+    EXPECT_NO_THROW(gltf_at(film, 3));
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace {
 using core::PixelClass;
 
 constexpr int size = 64;
-constexpr PictureFormat format{size, size, 1};
+constexpr PictureFormat motion_format{size, size, 1};
 constexpr core::Rational second{1, 1}, zero{0, 1};
 
 Mesh wall_mesh() {
@@ -108,8 +108,8 @@ struct Shown {
 
     explicit Shown(Animation animation) : film(std::move(animation)) {
         complete(film);
-        first = snapshot_at(film, 0, zero, format);
-        last = snapshot_at(film, 1, second, format);
+        first = snapshot_at(film, 0, zero, motion_format);
+        last = snapshot_at(film, 1, second, motion_format);
         visible = look(first);
         motion = motion_between(visible, first, last);
     }
@@ -137,7 +137,7 @@ glm::dvec2 pixel_of(glm::dvec3 p) {
     return {0.5 * size * (1 - p.x / p.z), 0.5 * size * (1 + p.y / p.z)};
 }
 
-void expect_near(glm::vec2 vector, glm::dvec2 expected, int x, int y) {
+void expect_vector(glm::vec2 vector, glm::dvec2 expected, int x, int y) {
     EXPECT_NEAR(vector.x, expected.x, 0.01) << x << " " << y;
     EXPECT_NEAR(vector.y, expected.y, 0.01) << x << " " << y;
 }
@@ -161,7 +161,7 @@ TEST(Motion, OfATurningWallIsTheClosedForm) {
         const glm::dvec2 p = shown.on_wall(x, y);
         const double c = std::cos(0.2), s = std::sin(0.2);
         const glm::dvec3 to(c * p.x - s * p.y, s * p.x + c * p.y, -10);
-        expect_near(v, pixel_of(to) - glm::dvec2(x + 0.5, y + 0.5), x, y);
+        expect_vector(v, pixel_of(to) - glm::dvec2(x + 0.5, y + 0.5), x, y);
     });
     EXPECT_EQ(count, size * size);
 }
@@ -172,7 +172,7 @@ TEST(Motion, OfACameraThatMovesForwardIsAZoom) {
     const Shown shown(std::move(film));
     const int count = for_each(shown, PixelClass::surface, [&](int x, int y, glm::vec2 v) {
         const glm::dvec2 from_centre(x + 0.5 - size / 2, y + 0.5 - size / 2);
-        expect_near(v, from_centre * (10.0 / 8.0 - 1), x, y);
+        expect_vector(v, from_centre * (10.0 / 8.0 - 1), x, y);
         EXPECT_NEAR(shown.motion.depth_in_reference.at(x, y), 8, 1e-5);
     });
     EXPECT_EQ(count, size * size);
@@ -190,7 +190,7 @@ TEST(Motion, OfALensThatZoomsScalesThePicture) {
     const Shown shown(std::move(film));
     const double scale = 1 / std::tan(0.5 * static_cast<double>(narrow));
     const int count = for_each(shown, PixelClass::surface, [&](int x, int y, glm::vec2 v) {
-        expect_near(v, glm::dvec2(x + 0.5 - size / 2, y + 0.5 - size / 2) * (scale - 1), x, y);
+        expect_vector(v, glm::dvec2(x + 0.5 - size / 2, y + 0.5 - size / 2) * (scale - 1), x, y);
     });
     EXPECT_EQ(count, size * size);
 }
@@ -228,7 +228,7 @@ TEST(Motion, OfASkinnedWallIsTheClosedForm) {
             const glm::dvec3 turned(c * p.x - s * p.y, s * p.x + c * p.y, p.z);
             to += share[k] * ((1 - w) * p + w * turned + glm::dvec3(0, 0, -10));
         }
-        expect_near(v, pixel_of(to) - glm::dvec2(x + 0.5, y + 0.5), x, y);
+        expect_vector(v, pixel_of(to) - glm::dvec2(x + 0.5, y + 0.5), x, y);
     });
     EXPECT_EQ(count, size * size);
 }
@@ -242,7 +242,7 @@ TEST(Motion, OfAMorphedWallIsTheWeightedOffset) {
     const Shown shown(std::move(film));
     // 1.5 to the right and 1 down of 10 units a half picture.
     const int count = for_each(shown, PixelClass::surface, [&](int x, int y, glm::vec2 v) {
-        expect_near(v, {1.5 * size / 20, 1.0 * size / 20}, x, y);
+        expect_vector(v, {1.5 * size / 20, 1.0 * size / 20}, x, y);
     });
     EXPECT_EQ(count, size * size);
 }
@@ -259,7 +259,7 @@ TEST(Motion, OfTheSkyIsTheCamerasRotationAlone) {
         const double c = std::cos(0.25), s = std::sin(0.25);
         const glm::dvec3 in_last(c * d.x - s * d.z, d.y, s * d.x + c * d.z);
         ASSERT_LT(in_last.z, 0);
-        expect_near(v, pixel_of(in_last) - glm::dvec2(x + 0.5, y + 0.5), x, y);
+        expect_vector(v, pixel_of(in_last) - glm::dvec2(x + 0.5, y + 0.5), x, y);
         EXPECT_TRUE(std::isinf(shown.motion.depth_in_reference.at(x, y)));
         gone += v.x > size;
     });

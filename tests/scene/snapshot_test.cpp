@@ -13,7 +13,7 @@
 namespace render2mpeg::scene {
 namespace {
 
-constexpr PictureFormat format{100, 50, 1};
+constexpr PictureFormat snapshot_format{100, 50, 1};
 
 Animation triangle_film() {
     Animation film;
@@ -36,18 +36,18 @@ Animation triangle_film() {
     return film;
 }
 
-Snapshot at(const Animation& film, std::int64_t frame) {
-    return snapshot_at(film, frame, {frame, 1}, format);
+Snapshot numbered(const Animation& film, std::int64_t frame) {
+    return snapshot_at(film, frame, {frame, 1}, snapshot_format);
 }
 
 TEST(Snapshot, IsAPureFunctionOfTheFrame) {
     Animation film = triangle_film();
     film.tracks.push_back({TrackTarget::translation, 0, Interpolation::linear, 3, {0, 10}, {0, 0, 0, 1, 2, 3}});
     complete(film);
-    const glm::mat4 straight = at(film, 7).objects[0].to_world;
-    at(film, 3);
-    EXPECT_EQ(at(film, 7).objects[0].to_world, straight);
-    EXPECT_EQ(at(film, 7).frame, 7);
+    const glm::mat4 straight = numbered(film, 7).objects[0].to_world;
+    numbered(film, 3);
+    EXPECT_EQ(numbered(film, 7).objects[0].to_world, straight);
+    EXPECT_EQ(numbered(film, 7).frame, 7);
 }
 
 TEST(Snapshot, NormalsAreTransformedByTheInverseTranspose) {
@@ -55,7 +55,7 @@ TEST(Snapshot, NormalsAreTransformedByTheInverseTranspose) {
     film.nodes[0].scale = {4, 1, 0.5};
     film.nodes[0].rotation = glm::angleAxis(0.7, glm::normalize(glm::dvec3(1, 1, 1)));
     complete(film);
-    const ObjectState state = at(film, 0).objects[0];
+    const ObjectState state = numbered(film, 0).objects[0];
     const glm::mat3 m(state.to_world);
     const glm::mat3 should_be_one = glm::transpose(m) * state.normal_to_world;
     for (int c = 0; c < 3; ++c)
@@ -67,7 +67,7 @@ TEST(Snapshot, ShearsAndMirrorsArePresentAndScaleZeroIsNot) {
         Animation film = triangle_film();
         film.nodes[0].matrix = matrix;
         complete(film);
-        return at(film, 0).objects[0].present;
+        return numbered(film, 0).objects[0].present;
     };
     glm::dmat4 shear(1);
     shear[1][0] = 1e6;
@@ -92,11 +92,11 @@ TEST(Snapshot, VisibilityIsInheritedByWhatHangsOnANode) {
     film.lights[0].node = 0;
     film.tracks.push_back({TrackTarget::visibility, 2, Interpolation::step, 1, {0, 5}, {1, 0}});
     complete(film);
-    EXPECT_TRUE(at(film, 4).objects[0].present);
-    EXPECT_EQ(at(film, 4).lights[0].intensity, glm::vec3(1));
-    EXPECT_FALSE(at(film, 5).objects[0].present);
-    EXPECT_EQ(at(film, 5).lights[0].intensity, glm::vec3(0));
-    EXPECT_EQ(at(film, 5).lights.size(), 1u);
+    EXPECT_TRUE(numbered(film, 4).objects[0].present);
+    EXPECT_EQ(numbered(film, 4).lights[0].intensity, glm::vec3(1));
+    EXPECT_FALSE(numbered(film, 5).objects[0].present);
+    EXPECT_EQ(numbered(film, 5).lights[0].intensity, glm::vec3(0));
+    EXPECT_EQ(numbered(film, 5).lights.size(), 1u);
 }
 
 TEST(Snapshot, IntensityAndEmissionFollowTheirTracks) {
@@ -107,9 +107,9 @@ TEST(Snapshot, IntensityAndEmissionFollowTheirTracks) {
     film.tracks.push_back({TrackTarget::light_intensity, 0, Interpolation::linear, 1, {0, 2}, {0, 4}});
     film.tracks.push_back({TrackTarget::emission, 0, Interpolation::linear, 1, {0, 2}, {1, -1}});
     complete(film);
-    EXPECT_EQ(at(film, 1).lights[0].intensity, glm::vec3(6));
-    EXPECT_EQ(at(film, 0).emission_factor[0], 1);
-    EXPECT_EQ(at(film, 2).emission_factor[0], 0);  // never below 0
+    EXPECT_EQ(numbered(film, 1).lights[0].intensity, glm::vec3(6));
+    EXPECT_EQ(numbered(film, 0).emission_factor[0], 1);
+    EXPECT_EQ(numbered(film, 2).emission_factor[0], 0);  // never below 0
 }
 
 TEST(Snapshot, CamerasLoseTheirNodesScaleAndMirror) {
@@ -118,7 +118,7 @@ TEST(Snapshot, CamerasLoseTheirNodesScaleAndMirror) {
         film.nodes[1].scale = scale;
         film.nodes[1].rotation = glm::angleAxis(0.4, glm::dvec3(0, 1, 0));
         complete(film);
-        const glm::mat3 axes(at(film, 0).camera.to_world());
+        const glm::mat3 axes(numbered(film, 0).camera.to_world());
         EXPECT_NEAR(glm::determinant(axes), 1, 1e-5);
         const glm::mat3 product = glm::transpose(axes) * axes;
         for (int c = 0; c < 3; ++c)
@@ -136,10 +136,10 @@ TEST(Snapshot, ShotsChooseTheCameraAndCutWhereItChanges) {
     film.cameras.push_back(second);
     film.shots = {{10, 1}, {0, 0}, {20, 1}, {30, 0}};
     complete(film);
-    for (const std::int64_t frame : {0, 5, 9, 30, 31}) EXPECT_EQ(at(film, frame).camera.position().z, 5) << frame;
-    for (const std::int64_t frame : {10, 15, 20, 29}) EXPECT_EQ(at(film, frame).camera.position().z, 0) << frame;
+    for (const std::int64_t frame : {0, 5, 9, 30, 31}) EXPECT_EQ(numbered(film, frame).camera.position().z, 5) << frame;
+    for (const std::int64_t frame : {10, 15, 20, 29}) EXPECT_EQ(numbered(film, frame).camera.position().z, 0) << frame;
     for (std::int64_t frame = 0; frame < 40; ++frame)
-        EXPECT_EQ(at(film, frame).cut_before, frame == 10 || frame == 30) << frame;
+        EXPECT_EQ(numbered(film, frame).cut_before, frame == 10 || frame == 30) << frame;
 }
 
 TEST(Snapshot, PixelAspectWidensThePicture) {
@@ -161,7 +161,7 @@ TEST(Snapshot, DeformedNormalsAreUnitAndFollowTheJoints) {
     film.nodes[0].rotation = glm::angleAxis(0.5, glm::dvec3(1, 0, 0));
     film.nodes[0].scale = {1, 1, 9};
     complete(film);
-    const Snapshot now = at(film, 0);
+    const Snapshot now = numbered(film, 0);
     ASSERT_EQ(now.deformed.size(), 1u);
     EXPECT_EQ(now.objects[0].to_world, glm::mat4(1.0f));
     for (const glm::vec3& n : now.deformed[0].normals)
@@ -175,7 +175,7 @@ TEST(Snapshot, JointsWithoutExtentLeaveFiniteNormals) {
     film.meshes[0].joints.resize(3);
     film.nodes[0].scale = glm::dvec3(0);
     complete(film);
-    const Snapshot now = at(film, 0);
+    const Snapshot now = numbered(film, 0);
     for (const DeformedMesh& mesh : now.deformed)
         for (const glm::vec3& n : mesh.normals) EXPECT_NEAR(glm::length(n), 1, 1e-6);
 }
@@ -207,7 +207,7 @@ TEST(Snapshot, WhatTransformsMultiplyBeyondAllBoundsIsNotPresentAndBreaksNothing
         if (!has_camera) film.cameras.clear();
         Animation whole = film;
         complete(whole);
-        const Snapshot now = at(whole, 0);
+        const Snapshot now = numbered(whole, 0);
         EXPECT_FALSE(now.objects[0].present);
         EXPECT_TRUE(core::is_finite(now.camera.to_world()));
         EXPECT_TRUE(core::is_finite(now.lights[0].position));
@@ -220,7 +220,7 @@ TEST(Snapshot, SplinesOfTheFieldOfViewThatOvershootStayInRange) {
     film.tracks.push_back(
         {TrackTarget::field_of_view, 0, Interpolation::cubic_spline, 1, {0, 10}, {0, 1, 50, -50, 1, 0}});
     complete(film);
-    for (std::int64_t frame = 0; frame < 10; ++frame) EXPECT_GT(at(film, frame).camera.pixel_size(), 0) << frame;
+    for (std::int64_t frame = 0; frame < 10; ++frame) EXPECT_GT(numbered(film, frame).camera.pixel_size(), 0) << frame;
 }
 
 TEST(NormalMatrix, IsTheInverseTransposeOfAnyScale) {

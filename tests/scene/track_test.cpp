@@ -16,7 +16,7 @@ Track track(Interpolation interpolation, std::vector<float> times, std::vector<f
     return {target, 0, interpolation, width, std::move(times), std::move(values)};
 }
 
-glm::vec3 at(const Track& t, double seconds) {
+glm::vec3 value_at(const Track& t, double seconds) {
     std::array<float, 4> v{};
     t.sample(seconds, v);
     return {v[0], v[1], v[2]};
@@ -41,32 +41,32 @@ std::vector<float> about_z(std::initializer_list<double> angles, double sign = 1
 TEST(Track, IsConstantBeforeTheFirstKeyAndAfterTheLast) {
     for (const Interpolation i : {Interpolation::step, Interpolation::linear}) {
         const Track t = track(i, {1, 2}, {1, 2, 3, 4, 5, 6});
-        EXPECT_EQ(at(t, -1e9), glm::vec3(1, 2, 3));
-        EXPECT_EQ(at(t, 1), glm::vec3(1, 2, 3));
-        EXPECT_EQ(at(t, 2), glm::vec3(4, 5, 6));
-        EXPECT_EQ(at(t, 1e9), glm::vec3(4, 5, 6));
+        EXPECT_EQ(value_at(t, -1e9), glm::vec3(1, 2, 3));
+        EXPECT_EQ(value_at(t, 1), glm::vec3(1, 2, 3));
+        EXPECT_EQ(value_at(t, 2), glm::vec3(4, 5, 6));
+        EXPECT_EQ(value_at(t, 1e9), glm::vec3(4, 5, 6));
     }
 }
 
 TEST(Track, OfOneKeyHasItsValueAlways) {
     const Track t = track(Interpolation::linear, {5}, {1, 2, 3});
-    for (const double s : {0.0, 5.0, 6.0}) EXPECT_EQ(at(t, s), glm::vec3(1, 2, 3)) << s;
+    for (const double s : {0.0, 5.0, 6.0}) EXPECT_EQ(value_at(t, s), glm::vec3(1, 2, 3)) << s;
     const Track cubic = track(Interpolation::cubic_spline, {5}, {9, 9, 9, 1, 2, 3, 9, 9, 9});
-    for (const double s : {0.0, 5.0, 6.0}) EXPECT_EQ(at(cubic, s), glm::vec3(1, 2, 3)) << s;
+    for (const double s : {0.0, 5.0, 6.0}) EXPECT_EQ(value_at(cubic, s), glm::vec3(1, 2, 3)) << s;
 }
 
 TEST(Track, StepHoldsUntilTheNextKeyAndLinearGoesStraight) {
-    EXPECT_EQ(at(track(Interpolation::step, {0, 1}, {0, 0, 0, 8, 4, 2}), 0.999), glm::vec3(0));
-    EXPECT_EQ(at(track(Interpolation::linear, {0, 1}, {0, 0, 0, 8, 4, 2}), 0.25), glm::vec3(2, 1, 0.5));
+    EXPECT_EQ(value_at(track(Interpolation::step, {0, 1}, {0, 0, 0, 8, 4, 2}), 0.999), glm::vec3(0));
+    EXPECT_EQ(value_at(track(Interpolation::linear, {0, 1}, {0, 0, 0, 8, 4, 2}), 0.25), glm::vec3(2, 1, 0.5));
 }
 
 TEST(Track, CubicSplineIsTheHermiteCurveWithTangentsPerSecond) {
     // x(t) = t^3 over two seconds: tangents 0 and 12. y = t^2: 0 and 4. z = 1.
     const Track t = track(Interpolation::cubic_spline, {0, 2}, {0, 0, 0, 0, 0, 1, 0, 0, 0, 12, 4, 0, 8, 4, 1, 0, 0, 0});
     for (const double s : {0.0, 0.3, 1.0, 1.7, 2.0}) {
-        EXPECT_NEAR(at(t, s).x, s * s * s, 1e-6) << s;
-        EXPECT_NEAR(at(t, s).y, s * s, 1e-6) << s;
-        EXPECT_NEAR(at(t, s).z, 1, 1e-6) << s;
+        EXPECT_NEAR(value_at(t, s).x, s * s * s, 1e-6) << s;
+        EXPECT_NEAR(value_at(t, s).y, s * s, 1e-6) << s;
+        EXPECT_NEAR(value_at(t, s).z, 1, 1e-6) << s;
     }
 }
 
