@@ -3,11 +3,7 @@
 # -ffp-contract=off: a fused multiply-add rounds once where two operations round twice, so that letting the compiler
 # choose would make the film depend on the instruction set. -ffast-math is never used (docs/model/determinism.md).
 add_library(render2mpeg_options INTERFACE)
-target_compile_options(render2mpeg_options INTERFACE -ffp-contract=off -fno-math-errno -Wall -Wextra -Wnon-virtual-dtor)
-if(RENDER2MPEG_UNITY LESS 2)
-  # Sources that are compiled as one see each other's names, and a local that hides another file's constant hides nothing.
-  target_compile_options(render2mpeg_options INTERFACE -Wshadow)
-endif()
+target_compile_options(render2mpeg_options INTERFACE -ffp-contract=off -fno-math-errno -Wall -Wextra -Wshadow -Wnon-virtual-dtor)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # g++ 12 warns of overlapping copies in "text" + std::string(...), which are none (GCC bug 105651, mended in 13).
   target_compile_options(render2mpeg_options INTERFACE -Wno-restrict)
@@ -42,13 +38,14 @@ if(RENDER2MPEG_SANITIZE)
 endif()
 
 # What most sources read before their first line of ours: a third to two thirds of a build's time, unless it is compiled once
-# (RENDER2MPEG_PRECOMPILE). The program's own sources read it one by one in the release build, which so finds what one forgot to include.
+# (RENDER2MPEG_PRECOMPILE). The dev preset has each source read it by itself, and so finds what one forgot to include.
 set(RENDER2MPEG_COMMON_HEADERS <algorithm> <array> <cmath> <cstdint> <filesystem> <fstream> <functional> <limits> <map> <memory> <numeric>
     <optional> <set> <span> <string> <string_view> <utility> <vector> <glm/glm.hpp>)
 
-# render2mpeg_unity(VARIABLE SOURCES...): what is compiled for these sources: RENDER2MPEG_UNITY of one folder at a time as one source
-# that includes them, since reading headers takes most of a source's time. Sources with options of their own stay alone.
-function(render2mpeg_unity variable)
+# render2mpeg_unity(VARIABLE COUNT SOURCES...): what is compiled for these sources: COUNT of one folder at a time as one source that includes
+# them, since reading headers and making the same templates takes most of a source's time. Sources with options of their own stay alone.
+# Without unity (RENDER2MPEG_UNITY below 2) COUNT counts for nothing.
+function(render2mpeg_unity variable count)
   set(compiled "")
   set(batch "")
   set(number 0)
@@ -64,7 +61,7 @@ function(render2mpeg_unity variable)
     endif()
     get_filename_component(here ${source} DIRECTORY)
     list(LENGTH batch members)
-    if(batch AND joins AND (NOT here STREQUAL folder OR members GREATER_EQUAL RENDER2MPEG_UNITY))
+    if(batch AND joins AND (NOT here STREQUAL folder OR members GREATER_EQUAL count))
       render2mpeg_write_unity(file ${number} "${folder}" ${batch})
       list(APPEND compiled ${file})
       math(EXPR number "${number} + 1")
@@ -95,11 +92,15 @@ function(render2mpeg_write_unity variable number folder)
   set(${variable} ${file} PARENT_SCOPE)
 endfunction()
 
-# render2mpeg_library(NAME [PUBLIC libs...] [PRIVATE libs...] [EXCEPT files...] [HEADERS headers...]): every *.cpp of the current
-# folder and of its rooms (folders one below; not module/, which is opened on demand) as a static library render2mpeg_NAME with our
-# options. HEADERS: what many of its sources read beside the common headers.
+# render2mpeg_library(NAME [PUBLIC libs...] [PRIVATE libs...] [EXCEPT files...] [HEADERS headers...] [HOT patterns...] [COLD rooms...]
+# [UNITY count]): every *.cpp of the current folder and of its rooms (folders one below; not module/, which is opened on demand) as a static
+# library render2mpeg_NAME with our options.
+# HEADERS: what many of its sources read beside the common headers. UNITY: how many sources are compiled as one, if more than usual.
+# HOT: files, or patterns of them, with innermost loops: optimised in full in every build, and each compiled alone. With any, the library minds no floating-point exceptions,
+# for which nobody asks: a conditional may be computed on both sides, so that loops become vector code; no bit of any result changes.
+# COLD: rooms in which no frame spends its time: optimised little in a release, which takes a third of their compiling away.
 function(render2mpeg_library name)
-  cmake_parse_arguments(ARG "" "" "PUBLIC;PRIVATE;EXCEPT;HEADERS" ${ARGN})
+  cmake_parse_arguments(ARG "" "UNITY" "PUBLIC;PRIVATE;EXCEPT;HEADERS;HOT;COLD" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp ${CMAKE_CURRENT_SOURCE_DIR}/*/*.cpp)
   list(FILTER sources EXCLUDE REGEX "/module/[^/]*$")
   foreach(file IN LISTS ARG_EXCEPT)
@@ -110,11 +111,30 @@ function(render2mpeg_library name)
     target_link_libraries(render2mpeg_${name} INTERFACE $<BUILD_INTERFACE:render2mpeg_options> ${ARG_PUBLIC} ${ARG_PRIVATE})
     return()
   endif()
-  render2mpeg_unity(sources ${sources})
+  foreach(pattern IN LISTS ARG_HOT)
+    file(GLOB hot CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${pattern})
+    if(NOT hot)
+      message(FATAL_ERROR "${CMAKE_CURRENT_SOURCE_DIR} has no ${pattern}")
+    endif()
+    set_source_files_properties(${hot} PROPERTIES COMPILE_OPTIONS -O3)
+  endforeach()
+  set(count ${RENDER2MPEG_UNITY})
+  if(ARG_UNITY)
+    set(count ${ARG_UNITY})
+  endif()
+  render2mpeg_unity(sources ${count} ${sources})
+  foreach(room IN LISTS ARG_COLD)
+    set(cold ${sources})
+    list(FILTER cold INCLUDE REGEX "/unity/[0-9]+_${room}[.]cpp$|/${room}/[^/]*$")
+    set_source_files_properties(${cold} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O1>)
+  endforeach()
   add_library(render2mpeg_${name} STATIC ${sources})
   target_link_libraries(render2mpeg_${name} PUBLIC $<BUILD_INTERFACE:render2mpeg_options> ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+  if(ARG_HOT)
+    target_compile_options(render2mpeg_${name} PRIVATE -fno-trapping-math)
+  endif()
   if(RENDER2MPEG_PRECOMPILE STREQUAL "all")
-    if(ARG_HEADERS OR name STREQUAL "core")
+    if(ARG_HEADERS OR ARG_HOT OR name STREQUAL "core")
       target_precompile_headers(render2mpeg_${name} PRIVATE ${RENDER2MPEG_COMMON_HEADERS} ${ARG_HEADERS})
     else()
       target_precompile_headers(render2mpeg_${name} REUSE_FROM render2mpeg_core)

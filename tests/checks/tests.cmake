@@ -1,4 +1,3 @@
-render2mpeg_test(checks NOT_SANITIZED)
 file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/checks/*.cpp)
 list(FILTER sources EXCLUDE REGEX "_test[.]cpp$")
-target_sources(test_checks PRIVATE ${sources})
+render2mpeg_test(checks NOT_SANITIZED SOURCES ${sources})
