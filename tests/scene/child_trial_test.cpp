@@ -110,12 +110,12 @@ TEST(ChildTrial, EndsWithItsParent) {
     if (parent == 0) {
         const ChildTrial endless("file", {std::uintmax_t{1} << 30, 0, 0}, [&](const TakeTurns&) -> std::string {
             const pid_t child = getpid();
-            if (write(ends[1], &child, sizeof child) != sizeof child) return {};
+            if (::write(ends[1], &child, sizeof child) != sizeof child) return {};
             for (;;) pause();
         });
         pid_t child = 0;
         const bool begun =
-            read(ends[0], &child, sizeof child) == sizeof child && write(ends[1], &child, sizeof child) == sizeof child;
+            ::read(ends[0], &child, sizeof child) == sizeof child && ::write(ends[1], &child, sizeof child) == sizeof child;
         _exit(begun ? 0 : 1);  // without a destructor, as where it is killed
     }
     close(ends[1]);
@@ -123,7 +123,7 @@ TEST(ChildTrial, EndsWithItsParent) {
     waitpid(parent, &status, 0);
     ASSERT_EQ(status, 0);
     pid_t child = 0;
-    ASSERT_EQ(read(ends[0], &child, sizeof child), static_cast<ssize_t>(sizeof child));
+    ASSERT_EQ(::read(ends[0], &child, sizeof child), static_cast<ssize_t>(sizeof child));
     // The pipe ends when nobody is left to write to it.
     pollfd end{ends[0], POLLIN, 0};
     constexpr int long_enough = 60'000;
