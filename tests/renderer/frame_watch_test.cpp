@@ -23,7 +23,11 @@ test::SceneBuilder lit_wall() {
 /// Frames of the wall, one after the other, by records and a watch that tests put in order.
 class FrameWatch : public ::testing::Test {
   protected:
-    FrameWatch() : stage_(lit_wall(), picture_side, picture_side), lit_(lit_wall()), light_trees_(lit_.light({})), seen_(stage_.see()) {
+    FrameWatch()
+        : stage_(lit_wall(), picture_side, picture_side),
+          lit_(lit_wall()),
+          light_trees_(lit_.light({})),
+          seen_(stage_.see()) {
         tolerance_ = core::ToleranceMap::uniform(picture_side, picture_side, {0.0f, tolerated});
     }
 

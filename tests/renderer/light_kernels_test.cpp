@@ -25,7 +25,8 @@ std::vector<GatherPoint> points_at_random(std::uint64_t seed, bool glossy) {
         SurfacePoint& p = points[i].point;
         p.position = {kernel_dice(seed, i, 0), kernel_dice(seed, i, 1), kernel_dice(seed, i, 2)};
         p.shading_normal = p.geometric_normal = core::sample_sphere({kernel_dice(seed, i, 3), kernel_dice(seed, i, 4)});
-        p.outgoing = core::sample_cosine_hemisphere(p.shading_normal, {kernel_dice(seed, i, 5), kernel_dice(seed, i, 6)});
+        p.outgoing =
+            core::sample_cosine_hemisphere(p.shading_normal, {kernel_dice(seed, i, 5), kernel_dice(seed, i, 6)});
         p.bsdf.diffuse = {kernel_dice(seed, i, 7), kernel_dice(seed, i, 8), kernel_dice(seed, i, 9)};
         if (glossy && i % 2 == 0) {
             p.bsdf.f0 = {0.04f + 0.9f * kernel_dice(seed, i, 10), 0.04f, 0.04f + 0.5f * kernel_dice(seed, i, 11)};
@@ -43,7 +44,8 @@ void fill_from(const std::vector<GatherPoint>& points, GatherLanes& lanes) {
 }
 
 std::vector<LightPoint> lights_at_random(LightType type, int count, std::uint64_t seed) {
-    const glm::vec3 middle = 1.5f * core::sample_sphere({kernel_dice(seed, 1000, 0), kernel_dice(seed, 1000, 1)}) + 0.5f;
+    const glm::vec3 middle =
+        1.5f * core::sample_sphere({kernel_dice(seed, 1000, 0), kernel_dice(seed, 1000, 1)}) + 0.5f;
     const float size = std::pow(10.0f, -2.0f * kernel_dice(seed, 1000, 2));
     const glm::vec3 axis = core::sample_sphere({kernel_dice(seed, 1000, 3), kernel_dice(seed, 1000, 4)});
     const float turn = kernel_dice(seed, 1000, 5);

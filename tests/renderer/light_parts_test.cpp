@@ -112,7 +112,8 @@ TEST(LightParts, SuitFilmsWhereAFewThingsMoveAndLightsDoNot) {
 }
 
 TEST(LightParts, KeepAllRecordsWhereABoxMoves) {
-    FilmStage stage(parts_room({here, beside}), parts_settings(true)), plain(parts_room({here, beside}), parts_settings(false));
+    FilmStage stage(parts_room({here, beside}), parts_settings(true)),
+        plain(parts_room({here, beside}), parts_settings(false));
     stage.cut(0.05f, 0);
     const std::uint64_t first = stage.statistics().shadow_rays, created = stage.statistics().records_created;
     const core::Radiance frame = stage.cut(0.05f, 1), truth = plain.reference(1);

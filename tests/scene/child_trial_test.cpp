@@ -114,8 +114,8 @@ TEST(ChildTrial, EndsWithItsParent) {
             for (;;) pause();
         });
         pid_t child = 0;
-        const bool begun =
-            ::read(ends[0], &child, sizeof child) == sizeof child && ::write(ends[1], &child, sizeof child) == sizeof child;
+        const bool begun = ::read(ends[0], &child, sizeof child) == sizeof child &&
+                           ::write(ends[1], &child, sizeof child) == sizeof child;
         _exit(begun ? 0 : 1);  // without a destructor, as where it is killed
     }
     close(ends[1]);
