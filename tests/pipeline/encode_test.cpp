@@ -18,7 +18,7 @@ using support::Folder;
 using support::program;
 using support::run;
 
-std::string path(const Folder& folder, const std::string& name) {
+std::string inside(const Folder& folder, const std::string& name) {
     return (folder / name).string();
 }
 
@@ -32,7 +32,7 @@ int frames_by_ffmpeg(const std::filesystem::path& file) {
 }
 
 nlohmann::json statistics(const Folder& folder, const std::string& arguments) {
-    const auto outcome = run(program() + " encode " + arguments + " --quiet --stats " + path(folder, "s.json"));
+    const auto outcome = run(program() + " encode " + arguments + " --quiet --stats " + inside(folder, "s.json"));
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     EXPECT_EQ(outcome.output, "");
     return outcome.status == 0 ? nlohmann::json::parse(contents(folder / "s.json")) : nlohmann::json::object();
@@ -43,24 +43,24 @@ TEST(Encode, FramesAndLayersOfARenderGiveNearlyTheFilmOfTheRenderItself) {
     const std::string render =
         program() + " render " + film("cornell") +
         " --size 96x80 --samples 1 --vpls 16 --exposure 0.5 --tolerance fixed=10% --quiet --frames 4:9 -o ";
-    ASSERT_EQ(run(render + path(folder, "direct.m2v") + " --aov " + path(folder, "aov") + " --stats " +
-                  path(folder, "direct.json"))
+    ASSERT_EQ(run(render + inside(folder, "direct.m2v") + " --aov " + inside(folder, "aov") + " --stats " +
+                  inside(folder, "direct.json"))
                   .status,
               0);
-    ASSERT_EQ(run(render + path(folder, "film.y4m")).status, 0);
-    ASSERT_EQ(run(render + path(folder, "p.%04d.png")).status, 0);
+    ASSERT_EQ(run(render + inside(folder, "film.y4m")).status, 0);
+    ASSERT_EQ(run(render + inside(folder, "p.%04d.png")).status, 0);
     const auto direct = nlohmann::json::parse(contents(folder / "direct.json"));
     const double bytes = direct.at("bytes"), psnr = direct.at("psnr_y");
 
-    const std::string layers = path(folder, "aov/frame_%04d.exr"), motion = " --motion " + layers;
-    const std::string output = " -o " + path(folder, "film.m2v");
+    const std::string layers = inside(folder, "aov/frame_%04d.exr"), motion = " --motion " + layers;
+    const std::string output = " -o " + inside(folder, "film.m2v");
     // Scene-linear frames in halves develop into nearly the same pictures, display-referred ones in 8 bits less nearly.
     const auto exr = statistics(folder, layers + output + motion + " --exposure 0.5");
     EXPECT_EQ(exr.at("frames"), 6);
     EXPECT_EQ(exr.at("per_frame")[0].at("frame"), 4) << "images keep their numbers";
     EXPECT_NEAR(exr.at("bytes").get<double>() / bytes, 1.0, 0.02);
     EXPECT_NEAR(exr.at("psnr_y").get<double>(), psnr, 0.15);
-    const auto png = statistics(folder, path(folder, "p.%04d.png") + output + motion);
+    const auto png = statistics(folder, inside(folder, "p.%04d.png") + output + motion);
     EXPECT_NEAR(png.at("bytes").get<double>() / bytes, 1.0, 0.03);
     // chosen: what rounding to 8-bit RGB adds cannot be predicted; it cost 0.15 dB here, and 1 dB is a picture that is
     // off.
@@ -97,8 +97,8 @@ TEST(Encode, MotionIsWorthMostOfTheBitsOfAPanAndOnlyTheRightWayRound) {
     for (const float sign : {1.0f, -1.0f}) {
         const Folder folder;
         write_pan(folder, 6, sign);
-        const std::string start = path(folder, "pan.y4m") + " -o " + path(folder, "pan.m2v");
-        const auto with = statistics(folder, start + " --motion " + path(folder, "v.%d.exr"));
+        const std::string start = inside(folder, "pan.y4m") + " -o " + inside(folder, "pan.m2v");
+        const auto with = statistics(folder, start + " --motion " + inside(folder, "v.%d.exr"));
         EXPECT_DOUBLE_EQ(with.at("fps").get<double>(), 24.0) << "the file's own";
         bytes.push_back(with.at("bytes"));
         if (sign > 0) {
@@ -114,26 +114,26 @@ TEST(Encode, MotionIsWorthMostOfTheBitsOfAPanAndOnlyTheRightWayRound) {
 TEST(Encode, SaysThatVectorsArePoorWithoutMotion) {
     const Folder folder;
     write_pan(folder, 2, 1);
-    const auto outcome = run(program() + " encode " + path(folder, "pan.y4m") + " -o " + path(folder, "pan.mpg"));
+    const auto outcome = run(program() + " encode " + inside(folder, "pan.y4m") + " -o " + inside(folder, "pan.mpg"));
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     EXPECT_NE(outcome.output.find("vectors will be poor"), std::string::npos) << outcome.output;
     EXPECT_NE(outcome.output.find("PSNR-Y"), std::string::npos) << outcome.output;
     EXPECT_EQ(frames_by_ffmpeg(folder / "pan.mpg"), 2);
     EXPECT_FALSE(std::filesystem::exists(folder / "pan.mpg.partial"));
-    const auto with = run(program() + " encode " + path(folder, "pan.y4m") + " -o " + path(folder, "pan.mpg") +
-                          " --motion " + path(folder, "v.%d.exr"));
+    const auto with = run(program() + " encode " + inside(folder, "pan.y4m") + " -o " + inside(folder, "pan.mpg") +
+                          " --motion " + inside(folder, "v.%d.exr"));
     EXPECT_EQ(with.output.find("poor"), std::string::npos) << with.output;
 }
 
 TEST(Encode, BytesDependNeitherOnThreadsNorOnWhichFramesAreLeftOut) {
     const Folder folder;
     write_pan(folder, 7, 1);
-    const std::string start = program() + " encode " + path(folder, "pan.y4m") + " --gop 3 --quiet --motion " +
-                              path(folder, "v.%d.exr") + " -o ";
-    ASSERT_EQ(run(start + path(folder, "one.m2v") + " --threads 1").status, 0);
-    ASSERT_EQ(run(start + path(folder, "three.m2v") + " --threads 3").status, 0);
+    const std::string start = program() + " encode " + inside(folder, "pan.y4m") + " --gop 3 --quiet --motion " +
+                              inside(folder, "v.%d.exr") + " -o ";
+    ASSERT_EQ(run(start + inside(folder, "one.m2v") + " --threads 1").status, 0);
+    ASSERT_EQ(run(start + inside(folder, "three.m2v") + " --threads 3").status, 0);
     EXPECT_EQ(contents(folder / "one.m2v"), contents(folder / "three.m2v"));
-    ASSERT_EQ(run(start + path(folder, "part.m2v") + " --frames 2:5").status, 0);
+    ASSERT_EQ(run(start + inside(folder, "part.m2v") + " --frames 2:5").status, 0);
     EXPECT_EQ(frames_by_ffmpeg(folder / "part.m2v"), 4);
 }
 
@@ -142,13 +142,14 @@ TEST(Encode, PixelShapesReachTheFilm) {
     for (const auto& [shape, ratio] : {std::pair{"1/1", "1:1"}, {"16/15", "16:15"}, {"64/45", "64:45"}}) {
         ASSERT_EQ(run("ffmpeg -v error -y -f lavfi -i testsrc2=size=720x576:rate=25:duration=0.08 -pix_fmt yuv420p "
                       "-vf setsar=" +
-                      std::string(shape) + " " + path(folder, "in.y4m"))
+                      std::string(shape) + " " + inside(folder, "in.y4m"))
                       .status,
                   0);
         ASSERT_EQ(
-            run(program() + " encode " + path(folder, "in.y4m") + " --quiet -o " + path(folder, "out.m2v")).status, 0);
+            run(program() + " encode " + inside(folder, "in.y4m") + " --quiet -o " + inside(folder, "out.m2v")).status,
+            0);
         EXPECT_EQ(run("ffprobe -v error -show_entries stream=sample_aspect_ratio -of default=nw=1:nk=1 " +
-                      path(folder, "out.m2v"))
+                      inside(folder, "out.m2v"))
                       .output,
                   std::string(ratio) + "\n");
     }
@@ -165,7 +166,7 @@ TEST(Encode, RefusesInOneLineAndLeavesNothing) {
     std::ofstream(folder / "shape.y4m") << "YUV4MPEG2 W8 H8 A3:1 F25:1 C420mpeg2\nFRAME\n" << std::string(96, 'x');
     const std::size_t entries = folder.entries();
     const auto refused = [&](const std::string& input, const std::string& options, const std::string& words) {
-        const auto outcome = run(program() + " encode " + path(folder, input) + " -o " + path(folder, "film.mpg") +
+        const auto outcome = run(program() + " encode " + inside(folder, input) + " -o " + inside(folder, "film.mpg") +
                                  " " + options + " --quiet");
         EXPECT_EQ(outcome.status, 1) << outcome.output;
         EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
@@ -183,14 +184,14 @@ TEST(Encode, RefusesInOneLineAndLeavesNothing) {
     refused("shape.y4m", "", "3:1");
     refused("pan.y4m", "--frames 0:2", "frames 0 to 1");
     refused("pan.y4m", "--exposure 1", "exposure");
-    refused("pan.y4m", "--motion " + path(folder, "v.0.exr"), "%04d");
-    refused("pan.y4m", "--motion " + path(folder, "w.%d.exr"), "w.1.exr");
-    refused("pan.y4m", "--motion-convention nuke --motion " + path(folder, "v.%d.exr"), "v.1.exr: it has no motion");
+    refused("pan.y4m", "--motion " + inside(folder, "v.0.exr"), "%04d");
+    refused("pan.y4m", "--motion " + inside(folder, "w.%d.exr"), "w.1.exr");
+    refused("pan.y4m", "--motion-convention nuke --motion " + inside(folder, "v.%d.exr"), "v.1.exr: it has no motion");
     EXPECT_EQ(folder.entries(), entries);
-    const auto kind = run(program() + " encode " + path(folder, "pan.y4m") + " -o " + path(folder, "x.y4m"));
+    const auto kind = run(program() + " encode " + inside(folder, "pan.y4m") + " -o " + inside(folder, "x.y4m"));
     EXPECT_EQ(kind.status, 1);
     EXPECT_NE(kind.output.find(".mpg"), std::string::npos) << kind.output;
-    EXPECT_EQ(run(program() + " encode " + path(folder, "pan.y4m") + " -o " + path(folder, "x.mpg") +
+    EXPECT_EQ(run(program() + " encode " + inside(folder, "pan.y4m") + " -o " + inside(folder, "x.mpg") +
                   " --motion-convention maya")
                   .status,
               1);

@@ -42,7 +42,7 @@ std::vector<double> on_the_floor(float beyond, AnchorSettings settings) {
 }
 
 TEST(DimLampSlow, BesideAHiddenOneOf1e12TimesItsPowerIsAsIfAlone) {
-    const std::vector<double> reference = on_the_floor(0, {16384, 8, 0, 1u << 20}), both = on_the_floor(1e12f, {});
+    const std::vector<double> reference = on_the_floor(0, {16384, 8, 1u << 20}), both = on_the_floor(1e12f, {});
     double mean = 0, square = 0;
     for (std::size_t i = 0; i < both.size(); ++i) {
         const double off = both[i] / reference[i] - 1;
