@@ -1,5 +1,5 @@
 #pragma once
-
+// When pictures are shown: fields, repeated fields, and what a container and a buffer count.
 #include <cstdint>
 
 #include "core/rational.h"

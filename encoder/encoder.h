@@ -1,5 +1,5 @@
 #pragma once
-
+// The encoder: plans and codes one picture after the other into an MPEG-2 stream.
 #include <cstdint>
 #include <memory>
 #include <span>

@@ -1,5 +1,5 @@
 #pragma once
-
+// The display: exposure, tone curve, transfer function and Y'CbCr, with exact inverses.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>

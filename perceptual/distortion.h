@@ -1,5 +1,5 @@
 #pragma once
-
+// How far quantisation can move a block's coefficients: the worst case of eq. 7.3.
 #include "core/dct.h"
 
 namespace render2mpeg::perceptual {

@@ -1,5 +1,5 @@
 #pragma once
-
+// Chooses a film's exposure.
 #include <span>
 
 namespace render2mpeg::perceptual {

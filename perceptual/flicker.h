@@ -1,5 +1,5 @@
 #pragma once
-
+// Measures flicker: change of luma along motion.
 #include <cstdint>
 
 #include "core/motion_field.h"

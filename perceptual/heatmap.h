@@ -1,5 +1,5 @@
 #pragma once
-
+// False-colour pictures with a legend.
 #include <cstdint>
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-
+// PSNR-HVS-M: mean squared error as the eye sees it.
 #include <cstdint>
 
 #include "core/plane.h"

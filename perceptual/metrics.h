@@ -1,5 +1,5 @@
 #pragma once
-
+// PSNR and SSIM of pictures and films.
 #include <cstdint>
 
 #include "core/picture.h"

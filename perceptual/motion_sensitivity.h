@@ -1,5 +1,5 @@
 #pragma once
-
+// How much less detail the eye sees in what moves.
 #include "core/motion_field.h"
 
 namespace render2mpeg::perceptual {

@@ -1,5 +1,5 @@
 #pragma once
-
+// Pictures as a screen shows them, in RGB.
 #include <cstdint>
 #include <vector>
 

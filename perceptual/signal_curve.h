@@ -1,5 +1,5 @@
 #pragma once
-
+// The tone curve and transfer function by themselves.
 #include <array>
 #include <bit>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Tolerances of pixels from the errors of their blocks, in space and time: eqs. 7.4 and 7.5.
 #include <cstdint>
 #include <functional>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// How much of what coding hides light may use, by picture type.
 #include <cstdint>
 
 namespace render2mpeg::perceptual {

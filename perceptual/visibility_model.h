@@ -1,5 +1,5 @@
 #pragma once
-
+// The visibility model's loop: masks a picture, judges its coding, and tolerates errors in the next.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Warps what is known of one picture to another along exact motion.
 #include <cstdint>
 #include <glm/glm.hpp>
 

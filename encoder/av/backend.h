@@ -1,5 +1,5 @@
 #pragma once
-
+// What the FFmpeg module offers to the light library in front of it (av.cpp).
 #include <cstdint>
 #include <filesystem>
 #include <functional>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Reads how the pictures of any MPEG-2 film are coded.
 #include <cstdint>
 #include <filesystem>
 #include <string>

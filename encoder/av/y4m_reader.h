@@ -1,5 +1,5 @@
 #pragma once
-
+// Reads uncompressed pictures from YUV4MPEG2 files.
 #include <cstdint>
 #include <filesystem>
 #include <fstream>

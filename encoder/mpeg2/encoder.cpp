@@ -1,3 +1,4 @@
+// The encoder's way through a film: plans, B pictures that wait, coding, and what comes back.
 #include "encoder/encoder.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// The program's entry: commands, errors and exit statuses.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>

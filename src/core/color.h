@@ -1,5 +1,5 @@
 #pragma once
-
+// Luminance, and the sRGB curve.
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>

@@ -1,5 +1,5 @@
 #pragma once
-
+// The 8x8 DCT of the visibility model, in float.
 #include <array>
 
 namespace render2mpeg::core {

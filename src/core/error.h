@@ -1,5 +1,5 @@
 #pragma once
-
+// The error that users see: one line with file, object and cause.
 #include <stdexcept>
 #include <string>
 #include <string_view>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Instruction-set levels, and the best of this machine.
 #include <string>
 
 namespace render2mpeg::core {

@@ -1,5 +1,5 @@
 #pragma once
-
+// Opens modules on demand, since the libraries behind them are slow to start.
 #include <filesystem>
 #include <string>
 #include <vector>

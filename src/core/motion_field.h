@@ -1,5 +1,5 @@
 #pragma once
-
+// The border type of exact motion, per picture and reference.
 #include <cstdint>
 #include <glm/glm.hpp>
 

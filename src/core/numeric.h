@@ -1,5 +1,5 @@
 #pragma once
-
+// Divisions, roots and inverses that can meet the edge of their domain.
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>

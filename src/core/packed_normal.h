@@ -1,5 +1,5 @@
 #pragma once
-
+// Unit vectors in 32 bits.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #pragma once
-
+// The border type of pictures: Y'CbCr 4:2:0 in display order.
 #include <cstdint>
 
 #include "core/plane.h"

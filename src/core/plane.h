@@ -1,5 +1,5 @@
 #pragma once
-
+// Two-dimensional arrays.
 #include <cstddef>
 #include <span>
 #include <type_traits>

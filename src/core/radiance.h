@@ -1,5 +1,5 @@
 #pragma once
-
+// The border type of lit frames: radiance by layers.
 #include <cstdint>
 #include <glm/glm.hpp>
 

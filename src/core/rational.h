@@ -1,5 +1,5 @@
 #pragma once
-
+// Exact fractions, for time.
 #include <cstdint>
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Points that stay on their surface whatever moves or deforms it.
 #include <cstdint>
 
 namespace render2mpeg::core {

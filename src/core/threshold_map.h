@@ -1,5 +1,5 @@
 #pragma once
-
+// The border type of thresholds: how far each coefficient may be off.
 #include <cstdint>
 
 #include "core/dct.h"

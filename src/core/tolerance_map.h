@@ -1,5 +1,5 @@
 #pragma once
-
+// The border type of tolerances: how far each pixel's light may be off.
 #include <algorithm>
 
 #include "core/plane.h"

@@ -1,5 +1,5 @@
 #pragma once
-
+// What a texture shows outside [0, 1].
 namespace render2mpeg::core {
 
 /// What a texture shows outside [0, 1].

@@ -1,5 +1,5 @@
 #pragma once
-
+// Finds a file's red, green, blue and alpha.
 #include <array>
 #include <string>
 #include <vector>

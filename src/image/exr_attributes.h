@@ -1,5 +1,5 @@
 #pragma once
-
+// Refuses OpenEXR files whose headers lie about sizes.
 #include <cstddef>
 #include <span>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Tells image files apart and reads their sizes, before a library does.
 #include <cstddef>
 #include <cstdint>
 #include <optional>

@@ -1,5 +1,5 @@
 #pragma once
-
+// The next level of a mip pyramid.
 #include <glm/glm.hpp>
 
 #include "core/plane.h"

@@ -1,5 +1,5 @@
 #pragma once
-
+// Decoded images, and reading them.
 #include <cstddef>
 #include <filesystem>
 #include <functional>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Writes multilayer OpenEXR files with Blender's names (docs/layers.md).
 #include <filesystem>
 #include <glm/glm.hpp>
 

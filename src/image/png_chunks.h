@@ -1,5 +1,5 @@
 #pragma once
-
+// Cuts a PNG file down to the chunks that are safe to decode.
 #include <cstddef>
 #include <span>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Divides a sky into directional lights.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>

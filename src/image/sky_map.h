@@ -1,5 +1,5 @@
 #pragma once
-
+// The sky: a colour or a latitude-longitude image.
 #include <glm/glm.hpp>
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Textures with mip pyramids, filtered anisotropically.
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>

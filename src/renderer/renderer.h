@@ -1,5 +1,5 @@
 #pragma once
-
+// The renderer's façade: see, shade, audit.
 #include <cstdint>
 #include <memory>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Loads a scene of any format.
 #include <filesystem>
 #include <optional>
 #include <string>

@@ -1,3 +1,4 @@
+// The FFmpeg module's only door: hands out its functions.
 #include "encoder/av/backend.h"
 
 #include "encoder/av/module/container.h"

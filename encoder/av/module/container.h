@@ -1,5 +1,5 @@
 #pragma once
-
+// Muxes a coded stream into a container, with libavformat.
 #include <filesystem>
 #include <memory>
 

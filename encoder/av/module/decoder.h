@@ -1,5 +1,5 @@
 #pragma once
-
+// Decodes a film for verification, with libavcodec.
 #include <filesystem>
 #include <functional>
 

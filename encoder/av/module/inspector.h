@@ -1,5 +1,5 @@
 #pragma once
-
+// Reads types, quantisers and vectors of a film's pictures, with libavcodec.
 #include <filesystem>
 
 #include "encoder/av/inspect.h"

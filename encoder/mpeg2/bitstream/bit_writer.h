@@ -1,5 +1,5 @@
 #pragma once
-
+// Writes code words into bytes.
 #include <cstddef>
 #include <cstdint>
 #include <vector>

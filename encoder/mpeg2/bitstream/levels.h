@@ -1,5 +1,5 @@
 #pragma once
-
+// The limits of MPEG-2's levels, and the lowest level that a film fits.
 #include <cstdint>
 #include <span>
 

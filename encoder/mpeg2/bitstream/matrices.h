@@ -1,5 +1,5 @@
 #pragma once
-
+// The default quantiser matrices, and how they are kept.
 #include <array>
 #include <cstdint>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Writes the headers above the macroblock: sequence, GOP, picture, slice.
 #include <cstdint>
 #include <span>
 #include <vector>

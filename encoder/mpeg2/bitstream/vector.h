@@ -1,5 +1,5 @@
 #pragma once
-
+// Motion vectors in half pixels, and how they are coded.
 #include <algorithm>
 #include <cstdint>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Pictures padded to whole macroblocks.
 #include <cstdint>
 
 #include "core/picture.h"

@@ -1,5 +1,5 @@
 #pragma once
-
+// The inner loops of coding (transform, quantisation, differences, prediction), by instruction set.
 #include <cstddef>
 #include <cstdint>
 

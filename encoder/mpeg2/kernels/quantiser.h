@@ -1,5 +1,5 @@
 #pragma once
-
+// Quantisation and its exact inverse for one quantiser_scale_code.
 #include <array>
 #include <cstdint>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Codes one 8x8 block: transform, quantisation, RDOQ, reconstruction, bits.
 #include <cstdint>
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Renews macroblocks by intra coding before decoders' inverse transforms drift apart.
 #include <cstdint>
 
 #include "core/plane.h"

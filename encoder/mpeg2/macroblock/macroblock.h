@@ -1,5 +1,5 @@
 #pragma once
-
+// Codes one macroblock in one mode, with its distortion and bits.
 #include <cstdint>
 #include <optional>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// MB-tree: finer quantisers for macroblocks that later pictures are predicted from.
 #include "core/motion_field.h"
 #include "core/plane.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Decides every macroblock of a row by distortion + lambda * bits: the mode decision.
 #include <cstdint>
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Quantiser factors and forced modes that a caller asks of single macroblocks.
 #include "core/plane.h"
 #include "encoder/types.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Chooses the prediction modes that a macroblock tries in full.
 #include "core/smallest.h"
 #include "encoder/mpeg2/macroblock/macroblock.h"
 #include "encoder/mpeg2/motion/motion_estimation.h"

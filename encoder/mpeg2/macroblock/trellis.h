@@ -1,5 +1,5 @@
 #pragma once
-
+// Trellis quantisation: the levels of a block by rate and distortion, with real code lengths.
 #include "encoder/mpeg2/macroblock/block_coding.h"
 
 namespace render2mpeg::encoder::mpeg2 {

@@ -1,5 +1,5 @@
 #pragma once
-
+// The quantiser matrices and weights by which a film is tuned to the eye.
 #include "encoder/mpeg2/kernels/quantiser.h"
 #include "encoder/mpeg2/macroblock/block_coding.h"
 #include "encoder/types.h"

@@ -1,5 +1,5 @@
 #pragma once
-
+// The few vectors that exact motion offers for a macroblock.
 #include <array>
 
 #include "core/motion_field.h"

@@ -1,5 +1,5 @@
 #pragma once
-
+// The fast effort's motion search: vectors are chosen only when a macroblock needs them.
 #include <array>
 #include <cstdint>
 #include <limits>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Chooses vectors among exact motion, neighbours and zero.
 #include <cstdint>
 
 #include "core/plane.h"

@@ -1,5 +1,5 @@
 #pragma once
-
+// How many B pictures stand between two P pictures.
 #include <cstdint>
 #include <optional>
 

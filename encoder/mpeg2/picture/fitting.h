@@ -1,5 +1,5 @@
 #pragma once
-
+// Codes a picture again, coarser, until it fits the buffer and the level.
 #include <cstdint>
 
 #include "encoder/mpeg2/picture/picture_coding.h"

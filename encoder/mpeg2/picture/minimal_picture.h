@@ -1,5 +1,5 @@
 #pragma once
-
+// The cheapest pictures there are, for buffers that leave room for nothing else.
 #include <cstdint>
 
 #include "encoder/mpeg2/picture/picture_coding.h"

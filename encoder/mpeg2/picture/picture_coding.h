@@ -1,5 +1,5 @@
 #pragma once
-
+// Codes one picture: all its rows, then tables, f_codes and bits.
 #include <cstdint>
 #include <vector>
 

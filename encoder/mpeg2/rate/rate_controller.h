@@ -1,5 +1,5 @@
 #pragma once
-
+// Rate control: chooses quantisers before a picture is lit, and when it is coded.
 #include <array>
 #include <cstdint>
 #include <map>

@@ -1,5 +1,5 @@
 #pragma once
-
+// How many bits a picture takes by its quantiser, type and followers.
 #include <array>
 #include <cstdint>
 #include <optional>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Follows the VBV buffer from picture to picture, with stuffing and vbv_delay.
 #include <cstdint>
 #include <limits>
 #include <optional>

@@ -1,5 +1,5 @@
 #pragma once
-
+// `render2mpeg render`: from options to a finished film with its statistics and reports.
 #include <cstdint>
 #include <filesystem>
 #include <string>

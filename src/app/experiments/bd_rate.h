@@ -1,5 +1,5 @@
 #pragma once
-
+// Bjontegaard's differences of rate and quality.
 #include <cmath>
 #include <cstddef>
 #include <utility>

@@ -1,5 +1,5 @@
 #pragma once
-
+// The JSON file and the page of `compare`.
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-
+// The rows of `compare`: what each way costs and gives.
 #include <array>
 #include <optional>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-
+// The table that `cost` prints.
 #include <string>
 
 #include "app/experiments/sweep.h"

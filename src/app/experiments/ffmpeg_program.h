@@ -1,5 +1,5 @@
 #pragma once
-
+// Runs the program ffmpeg as the baseline encoder.
 #include <string>
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Finds the setting after which more cost buys least.
 #include <cstddef>
 #include <optional>
 #include <span>

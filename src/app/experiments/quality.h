@@ -1,5 +1,5 @@
 #pragma once
-
+// Quality of decoded pictures, summed over a film.
 #include "app/experiments/trial.h"
 
 namespace render2mpeg::app {

@@ -1,5 +1,5 @@
 #pragma once
-
+// Searches the quality setting that meets a target, with few tries.
 #include <optional>
 #include <vector>
 

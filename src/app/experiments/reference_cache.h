@@ -1,5 +1,5 @@
 #pragma once
-
+// Keeps reference frames in a folder for the next run.
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>

@@ -1,5 +1,5 @@
 #pragma once
-
+// The rows of `cost`: one sample at several tolerances and quantisers.
 #include <cstdint>
 #include <optional>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Lights and codes sample windows of a film as chunks of their own.
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>

@@ -1,3 +1,4 @@
+// The options of `cost` and `compare`.
 #include "app/options/coding_options.h"
 #include "app/options/scene_options.h"
 

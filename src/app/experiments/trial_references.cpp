@@ -1,3 +1,4 @@
+// Lights the reference frames of a trial by every light point.
 #include <algorithm>
 #include <optional>
 #include <set>

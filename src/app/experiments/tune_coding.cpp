@@ -1,3 +1,4 @@
+// `tune` for a quality or a rate: probes of coding.
 #include <fmt/format.h>
 
 #include <cmath>

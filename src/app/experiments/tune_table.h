@@ -1,5 +1,5 @@
 #pragma once
-
+// The table that `tune` prints.
 #include <string>
 
 #include "app/experiments/tuning.h"

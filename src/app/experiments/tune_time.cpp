@@ -1,3 +1,4 @@
+// `tune` for a time: probes with less and less light.
 #include <fmt/format.h>
 
 #include <algorithm>

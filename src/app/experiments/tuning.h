@@ -1,5 +1,5 @@
 #pragma once
-
+// What `tune` tries and finds.
 #include <functional>
 #include <optional>
 #include <string>

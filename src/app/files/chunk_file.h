@@ -1,5 +1,5 @@
 #pragma once
-
+// A finished chunk on disk: its stream, and the record that proves it whole.
 #include <cstdint>
 #include <filesystem>
 #include <fstream>

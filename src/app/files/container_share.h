@@ -1,5 +1,5 @@
 #pragma once
-
+// How much of a file's size its container takes.
 #include <cstdint>
 #include <filesystem>
 

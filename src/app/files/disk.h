@@ -1,5 +1,5 @@
 #pragma once
-
+// Makes sure that bytes are on the disk.
 #include <filesystem>
 
 namespace render2mpeg::app {

@@ -1,5 +1,5 @@
 #pragma once
-
+// Writes small files whole or not at all.
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>

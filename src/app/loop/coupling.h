@@ -1,5 +1,5 @@
 #pragma once
-
+// Couples light to coding: tolerances from what was coded, through the visibility model.
 #include <cstdint>
 #include <functional>
 #include <map>

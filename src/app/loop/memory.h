@@ -1,5 +1,5 @@
 #pragma once
-
+// How much memory a run will take, and the limit on it.
 #include <cstdint>
 #include <set>
 #include <string>

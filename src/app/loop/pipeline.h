@@ -1,5 +1,5 @@
 #pragma once
-
+// The loop of a chunk: each frame from the scene to the stream.
 #include <filesystem>
 #include <functional>
 #include <optional>

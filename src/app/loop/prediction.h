@@ -1,5 +1,5 @@
 #pragma once
-
+// The prediction of a picture's macroblocks, as the visibility model needs it.
 #include <cstdint>
 
 #include "core/plane.h"

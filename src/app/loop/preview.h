@@ -1,5 +1,5 @@
 #pragma once
-
+// A rough look at a frame before it is lit, for the first tolerances.
 #include "core/radiance.h"
 #include "renderer/renderer.h"
 #include "scene/pose/snapshot.h"

@@ -1,5 +1,5 @@
 #pragma once
-
+// Chooses whether a film uses the irradiance cache, and says why.
 #include <cstdint>
 #include <string>
 

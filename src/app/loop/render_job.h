@@ -1,5 +1,5 @@
 #pragma once
-
+// Everything that decides a film, with the options' gaps filled, and its making.
 #include <cstdint>
 #include <memory>
 #include <optional>

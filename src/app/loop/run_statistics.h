@@ -1,5 +1,5 @@
 #pragma once
-
+// What a run counts and times.
 #include <array>
 #include <cstdint>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-
+// A run's statistics to the last digit, for a run that resumes it.
 #include <cstddef>
 #include <nlohmann/json_fwd.hpp>
 

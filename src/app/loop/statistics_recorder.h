@@ -1,5 +1,5 @@
 #pragma once
-
+// Records the statistics of pictures between their making and their coding.
 #include <cstdint>
 #include <map>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Chunks: runs of whole GOPs, the unit of resuming and of parallel rendering.
 #include <cstdint>
 #include <vector>
 

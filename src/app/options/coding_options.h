@@ -1,5 +1,5 @@
 #pragma once
-
+// The options of MPEG-2 coding.
 #include <CLI/CLI.hpp>
 #include <string>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Writes a command line for another command of this program.
 #include <string>
 #include <utility>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-
+// How `--help` looks.
 #include <memory>
 #include <string>
 

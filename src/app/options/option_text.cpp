@@ -1,3 +1,4 @@
+// Parses options that have a grammar of their own: sizes, ranges, tolerances.
 #include <algorithm>
 #include <charconv>
 #include <cmath>

@@ -1,5 +1,5 @@
 #pragma once
-
+// The options of `render` and what they come to: where options are parsed.
 #include <cstdint>
 #include <filesystem>
 #include <map>

@@ -1,5 +1,5 @@
 #pragma once
-
+// What the ending of an output's name asks for.
 #include <cstdint>
 #include <filesystem>
 #include <optional>

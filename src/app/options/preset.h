@@ -1,5 +1,5 @@
 #pragma once
-
+// The presets of `--for`: DVD and ATSC.
 #include <cstdint>
 #include <filesystem>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-
+// The options of quality, rates and buffer.
 #include <cstdint>
 #include <string>
 

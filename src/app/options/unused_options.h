@@ -1,5 +1,5 @@
 #pragma once
-
+// Tells options that change nothing in this run.
 #include <string>
 #include <vector>
 

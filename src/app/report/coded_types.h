@@ -1,5 +1,5 @@
 #pragma once
-
+// Sums and means over the pictures of one type.
 #include <cstdint>
 #include <vector>
 

@@ -1,3 +1,4 @@
+// The axes of plots of curves.
 #include <algorithm>
 #include <cmath>
 

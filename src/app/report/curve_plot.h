@@ -1,5 +1,5 @@
 #pragma once
-
+// Plots curves as SVG.
 #include <string>
 #include <vector>
 

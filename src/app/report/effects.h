@@ -1,5 +1,5 @@
 #pragma once
-
+// What each thing that is seen in a film has cost.
 #include <cstdint>
 #include <optional>
 #include <string>

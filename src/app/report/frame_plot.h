@@ -1,5 +1,5 @@
 #pragma once
-
+// Plots bars over frames as SVG.
 #include <cstdint>
 #include <limits>
 #include <string>

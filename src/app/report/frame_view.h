@@ -1,5 +1,5 @@
 #pragma once
-
+// Shows the middle of a frame in a page, with a slider.
 #include <string>
 
 #include "core/picture.h"

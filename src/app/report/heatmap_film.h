@@ -1,5 +1,5 @@
 #pragma once
-
+// Writes the false-colour films of `--heatmap`.
 #include <filesystem>
 #include <map>
 #include <memory>

@@ -1,3 +1,4 @@
+// The table of passes in a report, with their reasons and costs.
 #include <fmt/format.h>
 
 #include <fstream>

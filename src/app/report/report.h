@@ -1,5 +1,5 @@
 #pragma once
-
+// The page of `--report` and its JSON file.
 #include <filesystem>
 #include <string>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// The statistics file of `--stats`.
 #include <filesystem>
 #include <string>
 

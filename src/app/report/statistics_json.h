@@ -1,5 +1,5 @@
 #pragma once
-
+// How statistics are written as JSON.
 #include <nlohmann/json_fwd.hpp>
 
 #include "app/report/statistics.h"

@@ -1,3 +1,4 @@
+// The summary that a render prints.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Does several things though some fail; the first error is told at the end.
 #include <exception>
 #include <utility>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Ends a run after its frame at the first signal, at once at the second.
 namespace render2mpeg::app {
 
 /// While it lives, the first SIGINT, SIGTERM or SIGHUP only raises a flag (and says so, unless `quiet`), and a second

@@ -1,5 +1,5 @@
 #pragma once
-
+// Tunes the allocator to keep freed memory.
 namespace render2mpeg::app {
 
 /// Lets this process keep memory that it has freed. Planes of pictures come and go with every frame; given back to the

@@ -1,5 +1,5 @@
 #pragma once
-
+// Tries in child processes what libraries of others read.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>

@@ -1,5 +1,5 @@
 #pragma once
-
+// The progress line.
 #include <chrono>
 #include <cstdint>
 #include <string>

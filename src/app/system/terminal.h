@@ -1,5 +1,5 @@
 #pragma once
-
+// Whether standard error is a terminal, and how wide.
 namespace render2mpeg::app {
 
 /// Whether standard error is a terminal that can rewrite its last line.

@@ -1,5 +1,5 @@
 #pragma once
-
+// What the image module offers to the light library in front of it.
 #include <cstddef>
 #include <functional>
 #include <span>

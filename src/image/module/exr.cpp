@@ -1,3 +1,4 @@
+// Reads and writes OpenEXR files.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>

@@ -1,3 +1,4 @@
+// Reads OpenEXR files from memory, within bounds.
 #include <ImfChannelList.h>
 #include <ImfCompression.h>
 #include <ImfFrameBuffer.h>

@@ -1,3 +1,4 @@
+// Reads and writes images with OpenImageIO.
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 

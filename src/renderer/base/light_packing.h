@@ -1,5 +1,5 @@
 #pragma once
-
+// How a light tree keeps its nodes and lights in memory.
 #include <array>
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #pragma once
-
+// A light point: place, direction, intensity and kind.
 #include <cstdint>
 #include <glm/glm.hpp>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// The glossy lobe (GGX) and its bounds, for sixteen points at once.
 #include <numbers>
 
 #include "renderer/base/isa_clones.h"

@@ -1,5 +1,5 @@
 #pragma once
-
+// The plan: which passes run for a frame, and why.
 #include <array>
 #include <string>
 #include <vector>

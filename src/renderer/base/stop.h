@@ -1,5 +1,5 @@
 #pragma once
-
+// The stopping rules of cuts.
 namespace render2mpeg::renderer {
 
 /// When a cut is fine enough; see CutRule.

@@ -1,5 +1,5 @@
 #pragma once
-
+// Counts work by tolerance.
 #include <array>
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Lights one frame through the irradiance cache: recall, interpolate, gather, keep.
 #include <algorithm>
 #include <array>
 #include <cmath>

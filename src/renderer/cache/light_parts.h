@@ -1,5 +1,5 @@
 #pragma once
-
+// Splits light into what stays still and what moving objects change.
 #include <span>
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// The irradiance cache over a film's frames.
 #include "renderer/cache/light_parts.h"
 #include "renderer/cache/lobe_trials.h"
 #include "renderer/cache/record_fit.h"

@@ -1,5 +1,5 @@
 #pragma once
-
+// Interpolates light at a point from nearby records: the cache lookup.
 #include <optional>
 
 #include "renderer/cache/records.h"

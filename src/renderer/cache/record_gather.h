@@ -1,5 +1,5 @@
 #pragma once
-
+// Gathers light for new records.
 #include <optional>
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Groups points that want new records.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Glossy light in records, and how far it may be reused.
 #include <optional>
 
 #include "renderer/cache/record_fit.h"

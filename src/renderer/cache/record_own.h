@@ -1,5 +1,5 @@
 #pragma once
-
+// Reuses the nearest record within a pixel.
 #include "renderer/cache/record_fit.h"
 
 namespace render2mpeg::renderer {

@@ -1,5 +1,5 @@
 #pragma once
-
+// Fits a plane through neighbouring records' light.
 #include <array>
 #include <glm/glm.hpp>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Interpolates points between four that records served.
 #include <array>
 #include <optional>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Hold-out validation of the cache: points gathered all the same.
 #include <cstddef>
 #include <span>
 #include <vector>

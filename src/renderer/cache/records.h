@@ -1,5 +1,5 @@
 #pragma once
-
+// An irradiance record, and the grid that finds them.
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>

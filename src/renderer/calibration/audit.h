@@ -1,5 +1,5 @@
 #pragma once
-
+// Gathers pixels again from every light point, and compares.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>

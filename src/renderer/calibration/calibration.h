@@ -1,5 +1,5 @@
 #pragma once
-
+// Calibrates the cut's error for a film, on pixels gathered without clustering.
 #include "core/radiance.h"
 #include "core/tolerance_map.h"
 #include "renderer/calibration/error_calibration.h"

@@ -1,5 +1,5 @@
 #pragma once
-
+// The calibration factor of the cut's error, from audited pixels.
 #include <cstddef>
 #include <span>
 #include <vector>

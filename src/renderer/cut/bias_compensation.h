@@ -1,5 +1,5 @@
 #pragma once
-
+// Light from surfaces very near a point: discs, and bias compensation.
 #include "renderer/cut/cut.h"
 #include "renderer/tree/light_kernels.h"
 

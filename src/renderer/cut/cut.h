@@ -1,5 +1,5 @@
 #pragma once
-
+// The lightcut: gathers light for a group of points within their tolerances.
 #include <cstdint>
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Starts a cut from a neighbouring group's splits.
 #include <cstdint>
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// The stopping rules' tolerances and bounds for a group of points.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

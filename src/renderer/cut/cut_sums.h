@@ -1,5 +1,5 @@
 #pragma once
-
+// Sums light over clusters in two levels, for accuracy.
 #include "renderer/base/isa_clones.h"
 #include "renderer/cut/cut.h"
 

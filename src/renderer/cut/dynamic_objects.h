@@ -1,5 +1,5 @@
 #pragma once
-
+// Which moving objects may throw shadows on a group of points.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Groups gather points of a tile into packets of sixteen.
 #include <glm/glm.hpp>
 #include <span>
 #include <vector>

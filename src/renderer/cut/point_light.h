@@ -1,5 +1,5 @@
 #pragma once
-
+// The light of one gather point, before textures.
 #include <algorithm>
 #include <glm/glm.hpp>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Gathers one point from every light point: the reference.
 #include "renderer/cut/cut.h"
 
 namespace render2mpeg::renderer {

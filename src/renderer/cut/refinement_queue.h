@@ -1,5 +1,5 @@
 #pragma once
-
+// A bucket queue of clusters by refinement priority.
 #include <bit>
 #include <cstdint>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Gathers light for all points of a frame, tile by tile.
 #include <cstdint>
 #include <string>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Aims and traces packets of shadow rays.
 #include <cstdint>
 #include <limits>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Conservative occluders: large triangles that hide lights without rays.
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>

@@ -1,5 +1,5 @@
 #pragma once
-
+// The scene's geometry in Embree, posed.
 #include <algorithm>
 #include <cstdint>
 #include <glm/glm.hpp>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Finds the largest triangles of a scene.
 #include <cstddef>
 #include <vector>
 

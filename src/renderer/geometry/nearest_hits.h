@@ -1,5 +1,5 @@
 #pragma once
-
+// What rays meet first.
 #include <span>
 
 #include "renderer/geometry/ray_tracer.h"

@@ -1,5 +1,5 @@
 #pragma once
-
+// Traces rays through the posed scene, with Embree.
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>

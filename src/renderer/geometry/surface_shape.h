@@ -1,5 +1,5 @@
 #pragma once
-
+// The geometry of a surface about one point.
 #include <glm/glm.hpp>
 
 #include "core/surface_address.h"

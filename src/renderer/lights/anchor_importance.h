@@ -1,5 +1,5 @@
 #pragma once
-
+// How important a place is for light that cameras see.
 #include <span>
 #include <vector>
 

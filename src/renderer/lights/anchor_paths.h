@@ -1,5 +1,5 @@
 #pragma once
-
+// Follows light at some instants of a film, to choose anchors.
 #include <cstdint>
 
 namespace render2mpeg::renderer {

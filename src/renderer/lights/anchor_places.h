@@ -1,5 +1,5 @@
 #pragma once
-
+// Chooses the places of anchor lights.
 #include <cstdint>
 #include <vector>
 

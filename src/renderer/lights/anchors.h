@@ -1,5 +1,5 @@
 #pragma once
-
+// Anchor lights: VPLs at fixed places whose intensities follow the photons.
 #include <cstdint>
 #include <memory>
 #include <span>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Chooses light points on emissive surfaces.
 #include <cstdint>
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Turns lamps, shining surfaces and the sky into light points.
 #include <memory>
 #include <optional>
 #include <vector>

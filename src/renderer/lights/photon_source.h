@@ -1,5 +1,5 @@
 #pragma once
-
+// Where photons start.
 #include <glm/glm.hpp>
 #include <span>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Splats photons' energy onto the anchors around their hits.
 #include <array>
 #include <compare>
 #include <cstdint>

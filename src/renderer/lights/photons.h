@@ -1,5 +1,5 @@
 #pragma once
-
+// Traces photons from the lights through the posed scene.
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-
+// A k-d tree of surface points, for nearest neighbours.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>

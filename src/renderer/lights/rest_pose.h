@@ -1,5 +1,5 @@
 #pragma once
-
+// The shape in which a deforming surface is divided among its anchors.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <map>

@@ -1,5 +1,5 @@
 #pragma once
-
+// A gather point: a surface point that light is gathered for.
 #include <cstdint>
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// A material's textures.
 #include <array>
 #include <cstdint>
 #include <vector>

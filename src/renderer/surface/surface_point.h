@@ -1,5 +1,5 @@
 #pragma once
-
+// A point of a surface as shading needs it.
 #include <glm/glm.hpp>
 
 #include "core/surface_address.h"

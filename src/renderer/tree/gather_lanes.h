@@ -1,5 +1,5 @@
 #pragma once
-
+// Sixteen gather points side by side, as the kernels take them.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Sums over sixteen lanes, in a fixed order.
 #include <cstdint>
 #include <cstring>
 

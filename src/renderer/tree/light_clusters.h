@@ -1,5 +1,5 @@
 #pragma once
-
+// Clusters light points bottom up into a tree's topology.
 #include <cstdint>
 
 #include "renderer/tree/light_tree.h"

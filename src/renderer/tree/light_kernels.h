@@ -1,5 +1,5 @@
 #pragma once
-
+// A cluster's light and its bound at sixteen points: the innermost loops.
 #include <span>
 
 #include "renderer/base/isa_clones.h"

@@ -1,5 +1,5 @@
 #pragma once
-
+// The light tree: clusters of light points, their representatives and bounds.
 #include <array>
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #pragma once
-
+// The light trees of a film: built once a chunk, refitted in every frame.
 #include <array>
 #include <span>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Follows rays from the eye through mirrors and glass, with ray differentials.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Primary visibility: what every pixel sees.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Cameras and shots of an animation file.
 #include "scene/animation_file/json.h"
 #include "scene/animation_file/movement.h"
 #include "scene/model/animation.h"

@@ -1,5 +1,5 @@
 #pragma once
-
+// Curves over time in an animation file.
 #include <functional>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>

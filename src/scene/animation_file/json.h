@@ -1,5 +1,5 @@
 #pragma once
-
+// JSON values that know their place, so that errors name it.
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Every key that an animation file may have.
 #include <array>
 #include <string_view>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Movement and times in an animation file.
 #include <glm/glm.hpp>
 #include <span>
 #include <string_view>

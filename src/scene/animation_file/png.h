@@ -1,5 +1,5 @@
 #pragma once
-
+// Writes images that an animation file describes as PNG.
 #include <cstddef>
 #include <glm/glm.hpp>
 #include <span>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Limits of sizes in an animation file.
 #include <array>
 #include <string_view>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Lights of older formats as glTF's.
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Converts Assimp's structs to ours.
 #include <glm/glm.hpp>
 #include <map>
 #include <optional>

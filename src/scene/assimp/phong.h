@@ -1,5 +1,5 @@
 #pragma once
-
+// Phong materials of older formats as glTF's.
 #include <glm/glm.hpp>
 
 #include "scene/model/material.h"

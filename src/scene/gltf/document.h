@@ -1,5 +1,5 @@
 #pragma once
-
+// Reads the JSON part of glTF, every type and index checked.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>

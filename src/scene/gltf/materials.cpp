@@ -1,3 +1,4 @@
+// Materials, textures and images of a glTF file.
 #include <cmath>
 #include <stdexcept>
 #include <system_error>

@@ -1,3 +1,4 @@
+// Meshes of a glTF file.
 #include <algorithm>
 #include <numeric>
 

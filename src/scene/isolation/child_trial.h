@@ -1,5 +1,5 @@
 #pragma once
-
+// Tries in a child process whether a library survives a file.
 #include <cstdint>
 #include <filesystem>
 #include <functional>

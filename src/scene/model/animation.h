@@ -1,5 +1,5 @@
 #pragma once
-
+// A film's scene as plain data: nodes, objects, tracks, cameras, lights.
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>

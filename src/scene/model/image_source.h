@@ -1,5 +1,5 @@
 #pragma once
-
+// Where an encoded image is: a file, or bytes.
 #include <cstddef>
 #include <filesystem>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Punctual lights.
 #include <glm/glm.hpp>
 #include <string>
 

@@ -1,5 +1,5 @@
 #pragma once
-
+// Meshes with skins and morph targets.
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>

@@ -1,5 +1,5 @@
 #pragma once
-
+// Animation tracks: keys and interpolation.
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <span>

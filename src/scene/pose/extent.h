@@ -1,5 +1,5 @@
 #pragma once
-
+// Bounding boxes in double precision.
 #include <glm/glm.hpp>
 #include <optional>
 

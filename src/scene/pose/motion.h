@@ -1,5 +1,5 @@
 #pragma once
-
+// Exact motion of every pixel between two instants.
 #include "core/motion_field.h"
 #include "core/visible.h"
 #include "scene/pose/snapshot.h"

@@ -1,5 +1,5 @@
 #pragma once
-
+// Evaluates the tracks at one instant.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-
+// The scene at one instant.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>

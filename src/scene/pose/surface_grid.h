@@ -1,5 +1,5 @@
 #pragma once
-
+// A coarse picture of where surfaces are, before there is a ray tracer.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>

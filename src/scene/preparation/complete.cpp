@@ -1,3 +1,4 @@
+// Completes a loaded film: checks, repairs, default light and camera.
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>

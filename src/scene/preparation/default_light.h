@@ -1,5 +1,5 @@
 #pragma once
-
+// Lights a film that has no light.
 #include <string>
 
 #include "scene/model/animation.h"

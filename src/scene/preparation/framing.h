@@ -1,5 +1,5 @@
 #pragma once
-
+// Gives a film without cameras one that shows it.
 #include "scene/model/animation.h"
 
 namespace render2mpeg::scene {

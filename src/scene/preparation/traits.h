@@ -1,5 +1,5 @@
 #pragma once
-
+// What a film contains, as far as it decides which passes run.
 #include "scene/model/animation.h"
 
 namespace render2mpeg::scene {

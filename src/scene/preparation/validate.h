@@ -1,5 +1,5 @@
 #pragma once
-
+// Checks and repairs a loaded film.
 #include "scene/model/animation.h"
 
 /// The steps of `complete` that check: each throws core::Error with file, object and cause for what cannot be used,

@@ -1,3 +1,4 @@
+// Checks materials, images and sky.
 #include <algorithm>
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// Checks meshes.
 #include <algorithm>
 #include <cmath>
 

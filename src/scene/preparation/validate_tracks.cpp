@@ -1,3 +1,4 @@
+// Checks tracks.
 #include <algorithm>
 #include <cmath>
 
