@@ -9,6 +9,7 @@
 #include "core/picture.h"
 #include "encoder/types.h"
 
+/// The encoder: pictures in display order become coded pictures in coding order.
 namespace render2mpeg::encoder {
 
 /// Throws core::Error, naming the limit, where no level of Main Profile allows size and rates, or where even pictures

@@ -2,6 +2,7 @@
 
 #include "core/motion_field.h"
 
+/// Measures how unevenly a picture moves, which decides how many B pictures are worth it.
 namespace render2mpeg::encoder {
 
 /// How far from uniform the motion of a picture is: by how many pixels the motion of points a macroblock's width apart

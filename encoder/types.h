@@ -68,54 +68,55 @@ struct Declaration {
     std::string level;                ///< of Main Profile: "Main", "High-1440" or "High"
     std::int64_t bit_rate = 0;        ///< bits per second: the highest, or the constant one
     std::int64_t buffer_bits = 0;     ///< VBV size
-    std::int64_t chunk_fullness = 0;  ///< fullness that every chunk finds before its first picture is taken out
+    std::int64_t chunk_fullness = 0;  ///< bits in the VBV before a chunk's first picture is taken out of it
 };
-/// What an earlier, cheaper pass over the film found right for a picture (encoder/bit_allocation.h).
+
+/// What a first, cheaper pass over the film allocates to a picture (encoder/bit_allocation.h).
 struct BitAllocation {
-    double quantiser = 4;  ///< 1..31, not yet rounded
-    double bits = 0;       ///< that the picture should come to with it
-    double bits_left = 0;  ///< the same summed over this picture and all that follow it in its chunk, as displayed
-    /// What the picture was in that pass: where it becomes another one now, its quantiser follows. None: the same.
+    double quantiser = 4;  ///< 1..31, not rounded
+    double bits = 0;       ///< that the picture should take with it
+    double bits_left = 0;  ///< sum of `bits` over this picture and all that follow it in its chunk, in display order
+    /// The picture's type in the first pass. If it has another type now, its quantiser is adapted. None: the same type.
     std::optional<PictureType> type = {};
-    /// Bits that there are over those allocated: 1 but where even quantiser 1 needs less, or 31 more. Chunks that share
-    /// their bits have it in common.
+    /// Bits that there are, divided by bits allocated. 1, unless even quantiser 1 needs fewer bits, or 31 more. The
+    /// same for all chunks that share their bits.
     double affordable = 1;
-    /// FirstPassPicture::ratio: where what follows from the picture is another number now, its quantiser follows.
+    /// FirstPassPicture::ratio. If another number of pictures depends on this one now, its quantiser is adapted.
     std::optional<double> ratio = {};
-    /// `bits_left` of I, P and B pictures apart, since they differ in how far they are from what the pass found. All 0:
-    /// not known.
+    /// `bits_left` of I, P and B pictures apart: the real pictures of each type differ from the first pass by a factor
+    /// of their own. All 0: not known.
     std::array<double, 3> left_by_type = {};
 };
 
-/// What one picture came to in the first pass.
+/// What one picture took in the first pass.
 struct FirstPassPicture {
-    std::int64_t number = 0;  ///< display
+    std::int64_t number = 0;  ///< display number
     PictureType type = PictureType::intra;
     int quantiser = 1;
     double bits = 0;
     bool starts_chunk = false;
-    /// Of its quantiser to that of a P picture that nothing refers to, before rounding; none: the usual one of its
-    /// type.
+    /// Its quantiser, before rounding, divided by that of a P picture that nothing refers to. None: the usual ratio of
+    /// its type.
     std::optional<double> ratio = {};
 };
 
 /// What the renderer knows of a picture before anything is lit.
 struct PictureFacts {
-    bool cut_before = false;  ///< nothing of the picture before is seen in this one
-    /// How many pictures certainly follow this one, 0 or more, before a cut, a keyframe or the chunk's end. Only among
-    /// those are B pictures planned, since they refer to a later one; where they are all there are until then, runs of
-    /// B pictures come out alike.
+    bool cut_before = false;  ///< this picture shows nothing of the picture before
+    /// Pictures, 0 or more, that certainly follow this one before a cut, a keyframe or the chunk's end. B pictures are
+    /// planned only among these, since they refer to a later picture. If the number is exact, all runs of B pictures
+    /// have about the same length.
     std::int64_t frames_left = 0;
-    bool keyframe = false;  ///< a GOP is to begin here, whatever is seen
-    /// Pictures that follow this one in its chunk: every chunk then begins with the same declared buffer fullness and
-    /// leaves it to the next one, and the promise, made with the chunk's first picture, must be kept. None: the
-    /// buffer's state goes on over the chunk's end.
+    bool keyframe = false;  ///< a GOP begins here, whatever the picture shows
+    /// Pictures that follow this one in its chunk, promised with the chunk's first picture; the promise must be kept.
+    /// Every chunk then begins with Declaration::chunk_fullness and leaves as much to the next one. None: the VBV goes
+    /// on over the chunk's end.
     std::optional<std::int64_t> left_in_chunk = {};
-    bool last_chunk = false;  ///< the film ends with this chunk: it leaves its buffer to none
-    /// The eye's sensitivity to detail that moves as this picture does, relative to what stands still: 0..1, mean over
-    /// the picture; more counts as 1. `constant_quality` reads it; none: 1.
+    bool last_chunk = false;  ///< no chunk follows: the fullness at its end is free
+    /// The eye's sensitivity to detail that moves as this picture does, relative to still detail: mean over the
+    /// picture, 0..1; more counts as 1. Only `constant_quality` reads it. None: 1.
     std::optional<double> sensitivity = {};
-    /// How unevenly the picture moves against the one before it (encoder/motion_nonuniformity.h): the more, the fewer B
+    /// Non-uniformity of the motion from the picture before (encoder/motion_nonuniformity.h). The larger, the fewer B
     /// pictures are planned in a row. None: Settings::b_pictures.
     std::optional<double> motion_nonuniformity = {};
     std::optional<BitAllocation> allocation = {};  ///< none: one pass
@@ -140,19 +141,19 @@ struct PicturePlan {
 enum class Force : std::uint8_t {
     none,   ///< as the encoder finds best
     intra,  ///< predicted from nothing
-    skip,  ///< not at all, where MPEG-2 allows that: not in I pictures, nor at a row's ends, nor, in B pictures, behind
-           ///< an intra macroblock or where the vectors of the one before would lead out of the picture
+    skip,   ///< skipped where MPEG-2 allows it: not in I pictures, nor at a row's ends, nor, in B pictures, after an
+            ///< intra macroblock or where the vectors of the macroblock before lead out of the picture
 };
 
-/// What may help to code a picture well, beside its motion. Maps have an entry per macroblock of the displayed picture,
-/// (width + 15) / 16 by (height + 15) / 16. Where a buffer leaves room for next to nothing both give way.
+/// What may help to code a picture, beside its motion. Maps have an entry per macroblock of the displayed picture,
+/// (width + 15) / 16 by (height + 15) / 16; both are ignored where the VBV has room for next to nothing.
 struct Hints {
-    /// Motion to the plan's horizon: what stands still until then is worth finer quantisers. Null: not known.
+    /// Motion to the plan's horizon: what stands still until then gets finer quantisers. Null: not known.
     const core::MotionField* onward = nullptr;
-    /// What the quantiser of each macroblock is multiplied by, finite and above 0, before it is rounded into 1..31:
-    /// what a viewer looks at is worth less than 1, say. Null: 1.
+    /// Factors of each macroblock's quantiser, finite and above 0, before it is rounded into 1..31: below 1 where a
+    /// viewer looks, say. Null: 1.
     const core::Plane<float>* quantiser_factors = nullptr;
-    const core::Plane<Force>* forced = nullptr;  ///< null: nothing is
+    const core::Plane<Force>* forced = nullptr;  ///< null: none
 };
 
 /// What became of one macroblock.

@@ -7,6 +7,7 @@
 #include "core/picture.h"
 #include "core/radiance.h"
 
+/// The way from light to code values: exposure, tone curve, transfer function and matrix.
 namespace render2mpeg::perceptual {
 
 /// Which luma weights a film uses; MPEG-2's matrix_coefficients.

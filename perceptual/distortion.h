@@ -2,6 +2,7 @@
 // How far quantisation can move a block's coefficients: the worst case of eq. 7.3.
 #include "core/dct.h"
 
+/// The largest error of each coefficient that coding does or hides [Render2MPEG, eq. 7.3].
 namespace render2mpeg::perceptual {
 
 /// How an encoder quantises luma: all that the eye knows of it. A step is the distance between two levels of a

@@ -2,6 +2,7 @@
 // Chooses a film's exposure.
 #include <span>
 
+/// Measures the exposure of a film.
 namespace render2mpeg::perceptual {
 
 /// The exposure in EV that brings the middle of these luminances to mid grey (0.18), for a whole film from samples of

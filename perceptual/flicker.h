@@ -5,6 +5,7 @@
 #include "core/motion_field.h"
 #include "core/plane.h"
 
+/// Measures a film's flicker.
 namespace render2mpeg::perceptual {
 
 /// Mean absolute change of luma along motion from the picture before, in code values: what flickers, and what changes

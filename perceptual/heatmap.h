@@ -8,6 +8,7 @@
 #include "core/plane.h"
 #include "perceptual/display.h"
 
+/// False-colour pictures with a legend.
 namespace render2mpeg::perceptual {
 
 /// What a false-colour picture shows, and how its legend reads.

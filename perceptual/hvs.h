@@ -4,6 +4,7 @@
 
 #include "core/plane.h"
 
+/// The metric PSNR-HVS-M.
 namespace render2mpeg::perceptual {
 
 /// Mean squared error of two planes of the same size as the eye sees it: differences of DCT coefficients are weighted

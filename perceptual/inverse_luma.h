@@ -11,6 +11,7 @@
 #include "core/radiance.h"
 #include "perceptual/display.h"
 
+/// Inverts the display: distances of luma become distances of luminance [Render2MPEG, eq. 7.4].
 namespace render2mpeg::perceptual {
 
 /// What a frame's pixels send, and how their luma would follow if they sent more or less of the same colour.

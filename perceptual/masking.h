@@ -7,6 +7,7 @@
 #include "core/plane.h"
 #include "core/threshold_map.h"
 
+/// Thresholds of DCT coefficients by luminance and contrast masking [Render2MPEG, eq. 7.1 and 7.2].
 namespace render2mpeg::perceptual {
 
 /// The thresholds of a picture by luminance and contrast masking (docs/model/tolerance.md), from its unrounded luma,

@@ -5,6 +5,7 @@
 #include "core/picture.h"
 #include "core/plane.h"
 
+/// The metrics PSNR and SSIM, of pictures and of films.
 namespace render2mpeg::perceptual {
 
 /// Mean squared difference of two planes of the same size, in code values squared.

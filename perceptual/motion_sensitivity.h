@@ -2,6 +2,7 @@
 // How much less detail the eye sees in what moves.
 #include "core/motion_field.h"
 
+/// The eye's sensitivity to detail that moves.
 namespace render2mpeg::perceptual {
 
 /// The eye's sensitivity to detail that moves as these pixels do, relative to what stands still: mean over the picture,

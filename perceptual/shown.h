@@ -6,6 +6,7 @@
 #include "core/picture.h"
 #include "perceptual/display.h"
 
+/// What a screen shows of a picture.
 namespace render2mpeg::perceptual {
 
 /// What a screen shows of a picture: full-range R'G'B' code values 0..255, 3 per pixel, row by row; chroma interpolated

@@ -6,6 +6,7 @@
 
 #include "core/isa_clones.h"
 
+/// Tone curve and transfer function, each with its inverse, and tabulated as one.
 namespace render2mpeg::perceptual {
 
 /// The display's tone curve by itself: scene-linear, exposed, >= 0, to display-linear in [0, 1]

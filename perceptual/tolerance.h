@@ -8,6 +8,7 @@
 #include "perceptual/distortion.h"
 #include "perceptual/inverse_luma.h"
 
+/// From blocks' errors to tolerances of pixels' luminance [Render2MPEG, eq. 7.4 and 7.5].
 namespace render2mpeg::perceptual {
 
 /// How a block's error is given to its pixels (docs/decisions/0008).

@@ -2,6 +2,7 @@
 // How much of what coding hides light may use, by picture type.
 #include <cstdint>
 
+/// What share of the errors that coding hides lighting may use.
 namespace render2mpeg::perceptual {
 
 /// k: the share of what coding hides that lighting may use so that the film keeps its quality: 0.1 dB at most are lost.

@@ -17,6 +17,7 @@
 #include "perceptual/tolerance.h"
 #include "perceptual/warp.h"
 
+/// The visibility model: what one picture hides becomes the tolerance of the next frame, carried along motion.
 namespace render2mpeg::perceptual {
 
 /// The two ways of [Render2MPEG, 4.3] to use what one picture hides for the next.

@@ -7,6 +7,7 @@
 #include "core/plane.h"
 #include "core/visible.h"
 
+/// Warps values from one picture to another along motion.
 namespace render2mpeg::perceptual {
 
 /// What pixels of another picture have stands for `no_partner` where nobody there is the same surface point.

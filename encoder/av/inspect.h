@@ -7,6 +7,7 @@
 
 #include "core/rational.h"
 
+/// Tells how a film is coded: its stream and each picture, whoever made it.
 namespace render2mpeg::av {
 
 /// What a film file says of its MPEG-2 video stream.

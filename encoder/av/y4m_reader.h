@@ -9,6 +9,7 @@
 #include "core/picture.h"
 #include "core/rational.h"
 
+/// Reads uncompressed pictures from YUV4MPEG2 [Y4M].
 namespace render2mpeg::av {
 
 /// What the header of a Y4M file says of its pictures.

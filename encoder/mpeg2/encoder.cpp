@@ -20,6 +20,8 @@
 #include "encoder/mpeg2/rate/rate_controller.h"
 #include "encoder/mpeg2/rate/vbv_schedule.h"
 
+/// Plans pictures, holds B pictures back until their later reference is coded, and codes each within what the VBV
+/// allows.
 namespace render2mpeg::encoder {
 
 namespace {

@@ -5,6 +5,7 @@
 
 #include "encoder/av/backend.h"
 
+/// Muxes with libavformat: `Backend::create` inside the module.
 namespace render2mpeg::av {
 
 /// `Backend::create` inside the module.

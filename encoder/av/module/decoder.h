@@ -5,6 +5,7 @@
 
 #include "core/picture.h"
 
+/// Decodes films with libavcodec: `av::decode` inside the module.
 namespace render2mpeg::av {
 
 /// `av::decode` inside the module.

@@ -4,6 +4,7 @@
 
 #include "encoder/av/inspect.h"
 
+/// Reads how a film is coded with libavcodec: `av::inspect` inside the module.
 namespace render2mpeg::av {
 
 /// inspect() of encoder/av/inspect.h.

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 
+/// Writes code words and start codes.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// A code word: its `length` lowest bits, most significant first.

@@ -5,6 +5,7 @@
 
 #include "encoder/types.h"
 
+/// Main Profile's levels and what they allow; rate and VBV size of a stream.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// What a level of Main Profile allows. [H262, tables 8-11 to 8-14]

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+/// Quantiser matrices as the stream has them.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// Entries of a quantiser matrix in raster order, 1..255.

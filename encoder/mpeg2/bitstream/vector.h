@@ -6,6 +6,7 @@
 
 #include "encoder/mpeg2/bitstream/bit_writer.h"
 
+/// Motion vectors and prediction modes, their ranges, and how vectors are coded.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// A motion vector in half pixels, y down.

@@ -5,6 +5,7 @@
 #include "core/picture.h"
 #include "core/plane.h"
 
+/// Pictures padded to whole macroblocks.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// A picture of whole macroblocks: luma sides are multiples of 16, chroma half of them.

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+/// The loops over samples and coefficients, chosen for the processor at run time.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// Coefficients lie by columns inside the encoder, [u * 8 + v] with u the horizontal frequency: then each transform

@@ -6,6 +6,7 @@
 #include "encoder/mpeg2/bitstream/matrices.h"
 #include "encoder/mpeg2/kernels/kernels.h"
 
+/// Quantisation tables for each quantiser_scale_code, scan order and mismatch control.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// Tables for one quantiser_scale_code, linear scale.

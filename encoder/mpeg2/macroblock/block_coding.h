@@ -6,6 +6,7 @@
 #include "encoder/mpeg2/bitstream/codes.h"
 #include "encoder/mpeg2/kernels/kernels.h"
 
+/// Codes one 8x8 block: quantisation, RDOQ, lengths of its codes, writing.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// A block's coefficients as they wait to be written: `run` zeros in scan order, then a level.

@@ -5,6 +5,7 @@
 #include "core/plane.h"
 #include "encoder/types.h"
 
+/// Says when a macroblock must be intra again.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// Decoders' inverse transforms round differently, and what they differ by adds up from one P picture to the next: a

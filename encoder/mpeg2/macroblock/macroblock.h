@@ -11,6 +11,7 @@
 #include "encoder/mpeg2/motion/fast_motion_search.h"
 #include "encoder/mpeg2/motion/motion_compensation.h"
 
+/// Tries a macroblock in one mode, counts its bits and distortion, and reconstructs it.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// What prediction within a slice starts from at a macroblock. Reset at the slice's start. [H262, 7.2.1 and 7.6.3.4]

@@ -5,6 +5,7 @@
 
 #include "encoder/mpeg2/macroblock/macroblock.h"
 
+/// Decides how each macroblock is coded: skipped, inter or intra.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// A row of macroblocks, decided and reconstructed but not yet written: only then are the picture's best tables and

@@ -3,6 +3,7 @@
 #include "core/plane.h"
 #include "encoder/types.h"
 
+/// What callers and the macroblock tree ask of single macroblocks.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// What is asked of single macroblocks, `columns` x `rows`; planes are empty where nothing is.

@@ -4,6 +4,7 @@
 #include "encoder/mpeg2/macroblock/macroblock.h"
 #include "encoder/mpeg2/motion/motion_estimation.h"
 
+/// Shortlists a B picture's prediction modes: forward, backward, or the mean of both.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// The prediction modes of a B picture's macroblock that deserve to be tried in full.

@@ -3,6 +3,7 @@
 #include "encoder/mpeg2/bitstream/bit_writer.h"
 #include "encoder/mpeg2/macroblock/mode_decision.h"
 
+/// Writes a decided row of macroblocks as a slice.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// What the writer needs beyond a row's code.

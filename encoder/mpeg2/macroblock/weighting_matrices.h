@@ -4,6 +4,7 @@
 #include "encoder/mpeg2/macroblock/block_coding.h"
 #include "encoder/types.h"
 
+/// Quantiser matrices and distortion weights of each Tune.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// The matrices that a film is coded with: the default ones for Tune::psnr.

@@ -8,6 +8,7 @@
 #include "encoder/mpeg2/motion/candidates.h"
 #include "encoder/types.h"
 
+/// Effort::quality: shortlists each macroblock's vectors in one direction.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// Where the vectors of a picture come from.

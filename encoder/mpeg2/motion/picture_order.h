@@ -5,6 +5,7 @@
 
 #include "encoder/types.h"
 
+/// Decides types and references of pictures.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// How far from an I or P picture the next P picture is to lie, >= 1, where `rest` >= 1 pictures of the GOP follow.

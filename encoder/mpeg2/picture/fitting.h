@@ -4,9 +4,10 @@
 
 #include "encoder/mpeg2/picture/picture_coding.h"
 
+/// Codes a picture again, coarser, until it has no more bits than the VBV allows.
 namespace render2mpeg::encoder::mpeg2 {
 
-/// Of a picture's header and slices.
+/// Bits of a picture's header and slices.
 std::int64_t bits_of(const PictureResult& picture);
 
 struct Fitted {

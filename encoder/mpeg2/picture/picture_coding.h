@@ -12,6 +12,7 @@
 #include "encoder/mpeg2/motion/candidates.h"
 #include "encoder/types.h"
 
+/// Codes one picture: vectors, decisions, header and slices.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// What a picture is coded from.

@@ -10,27 +10,27 @@
 #include "encoder/mpeg2/rate/vbv_schedule.h"
 #include "encoder/types.h"
 
+/// Chooses the quantisers of pictures by the rate mode.
 namespace render2mpeg::encoder::mpeg2 {
 
-/// Chooses quantisers: one before a picture is lit, from all that is known then, pictures still in flight included, and
-/// the final one when it is coded, at most a step away (but for the first pictures of a chunk). VBV violations
-/// are handled in fitting.h.
+/// Chooses each picture's quantiser twice: before it is lit, and finally when it is coded, at most a step away (except
+/// for the first pictures of a chunk). VBV violations are handled in fitting.h.
 ///
-/// All modes but the constant ones solve one equation: with quantiser k for I and P pictures and its ratio for B
-/// pictures, what is left of the chunk is to cost what is left of the chunk's bits. So the quantiser is the same
-/// throughout as far as the model is right, and errors are spread over all that follows.
+/// The modes with a bit rate solve one equation: with quantiser k for I and P pictures and its ratio for B pictures,
+/// the pictures that are left in the chunk take the bits that are left in the chunk. So the quantiser is constant as
+/// far as the rate model is right, and the model's errors are spread over all pictures that follow.
 class RateController {
   public:
     RateController(const Settings& settings, const Channel& channel, const MinimalBits& minimal);
 
     /// The quantiser to render a picture for. Pictures come in display order; `schedule` knows this one already.
     int plan(const PicturePlan& picture, const PictureFacts& facts, bool first_of_chunk, const VbvSchedule& schedule);
-    /// The quantiser for coding a planned picture. Its type may have changed since: then it is chosen anew. Where it
-    /// was planned by a guess it may become coarser by any number of steps.
+    /// The quantiser for coding a planned picture. If its type has changed since, it is chosen anew. If no picture of
+    /// its type was known when it was planned, it may become coarser by any number of steps.
     int coding_quantiser(const PicturePlan& picture, const VbvSchedule& schedule);
-    /// The first picture of each type is planned by a guess, and a film may become harder at once. Now that a picture
-    /// came to `bits`: a quantiser coarser by more than a step if that is what they ask for, else the one it has. Never
-    /// finer: it was lit for no more.
+    /// A coarser quantiser for a picture that took far more bits than expected, else the one it has: the first picture
+    /// of each type is planned without knowledge, and a film may become harder at once. Never finer: it was lit for no
+    /// more.
     int reconsider(const PicturePlan& picture, int quantiser, std::int64_t bits, const VbvSchedule& schedule);
     /// What a picture came to, stuffing included in `bits_sent`.
     void record(const PicturePlan& picture, int quantiser, std::int64_t bits, std::int64_t bits_sent);

@@ -22,8 +22,7 @@ constexpr double complexity_ratio[3] = {1.0, 0.63, 0.28};
 constexpr double guessed_density = 2.2;
 
 /// A picture that takes this many times the bits expected is no odd one among its like: the film has become harder.
-/// chosen: 2; without it, films that change at once in the middle of a chunk are up to 10 % over their rate in one
-/// pass, with it (or 1.5, or 4) within 5 %.
+/// chosen: 2 of 1.5 to 4 (docs/fits/encoder.md).
 constexpr double surprise = 2;
 
 /// The geometric mean of old and new: one odd picture is half forgotten with the next.

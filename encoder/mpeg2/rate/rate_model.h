@@ -7,6 +7,7 @@
 #include "encoder/mpeg2/picture/minimal_picture.h"
 #include "encoder/types.h"
 
+/// Predicts pictures' bits from those coded so far.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// The quantiser of a picture over that of a P picture that nothing refers to; `followers`: pictures that depend on it,

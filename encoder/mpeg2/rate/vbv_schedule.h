@@ -10,6 +10,7 @@
 #include "encoder/mpeg2/rate/vbv_buffer.h"
 #include "encoder/types.h"
 
+/// How many bits the next picture may have, so that all that follow fit the VBV.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// What became of the buffer when a picture was taken out of it.
