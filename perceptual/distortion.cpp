@@ -7,15 +7,17 @@
 #include "perceptual/masking.h"
 
 // The block that differs most from another and still codes alike [Render2MPEG, eq. 7.3]. What we changed:
-// - Case 1, coefficients that vanish: the paper tests c without its absolute value and *replaces* c by
-//   sign(c) qs min(q) / 2. Where c is nearly large enough to stay, that is an error of up to qs (q - min q) / 2 with
-//   the sign against c, several times what the case is there to limit. We *add* it, so that no error exceeds qs min(q)
-//   / 2, nor, since min(q) <= q, what the quantiser itself can do.
-// - The paper has intra pictures only. Macroblocks that are predicted quantise the residual, with their own matrix and
-// a
-//   dead zone of a whole step: what vanishes is decided by the residual.
-// - DC of intra blocks has a step of its own; inter DC errors are capped at the intra one, or the mean of a block could
-//   wander in predicted pictures and jump back in the next intra one.
+//
+// Case 1, coefficients that vanish: the paper tests c without its absolute value and *replaces* c by sign(c) qs min(q)
+// / 2. Where c is nearly large enough to stay, that is an error of up to qs (q - min q) / 2 with the sign against c,
+// several times what the case is there to limit. We *add* it, so that no error exceeds qs min(q) / 2, nor, since min(q)
+// <= q, what the quantiser itself can do.
+//
+// The paper has intra pictures only. Macroblocks that are predicted quantise the residual, with their own matrix and a
+// dead zone of a whole step: what vanishes is decided by the residual.
+//
+// DC of intra blocks has a step of its own; inter DC errors are capped at the intra one, or the mean of a block could
+// wander in predicted pictures and jump back in the next intra one.
 
 namespace render2mpeg::perceptual {
 namespace {

@@ -10,8 +10,8 @@ namespace render2mpeg::perceptual {
 /// decide; `sky`, what was seen past them, only where surfaces are next to nothing of what is lit: a view through a
 /// window is not to darken the room. Samples that are black, or ten stops below the bright ones and so black on the
 /// display, do not count, nor do non-finite ones; of the rest only the middle half does, so that a lamp does not
-/// decide. 0 if nothing is left. Within
-/// +-Display::max_exposure.
+/// decide. 0 if nothing is left.
+/// Its size is at most Display::max_exposure.
 float auto_exposure(std::span<const float> surfaces, std::span<const float> sky = {});
 
 }  // namespace render2mpeg::perceptual

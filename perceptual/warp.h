@@ -17,8 +17,7 @@ inline constexpr float no_partner = -1.0f;
 /// mean of the four nearest pixels by bilinear weights, of those that show the same thing there [Render2MPEG, 4.3]: the
 /// same kind, object and material, and the same triangle or at least a like depth and normal
 /// (docs/model/tolerance.md). `no_partner` where none does or the place lies outside the picture. A null `motion` means
-/// that nothing moves. Values
-/// >= 0. T: float or glm::vec2.
+/// that nothing moves. No value is negative. T: float or glm::vec2.
 template <class T>
 core::Plane<T> warp(const core::Plane<T>& values, const core::Visible& there, const core::Visible& here,
                     const core::MotionField* motion);

@@ -7,8 +7,7 @@
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
-// --- Quantisation
-// --------------------------------------------------------------------------------------------------------
+// Quantisation
 
 Quantised quantise(const float* coefficients, const QuantTable& table, std::int16_t* levels,
                    std::int16_t* dequantised) {
@@ -60,8 +59,7 @@ Quantised weigh(const float* coefficients, const std::int16_t* dequantised, cons
     return {0, sum_lanes(distortion), sum_lanes(energy)};
 }
 
-// --- Levels that are not worth their bits
-// ---------------------------------------------------------------------------------
+// Levels that are not worth their bits
 
 R2M_INLINE std::uint64_t reversed(std::uint64_t bits) {
     const auto swap = [&](int by, std::uint64_t mask) { bits = (bits >> by & mask) | (bits & mask) << by; };

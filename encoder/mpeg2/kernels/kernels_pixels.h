@@ -7,8 +7,7 @@
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
-// --- Differences
-// ---------------------------------------------------------------------------------------------------------
+// Differences
 
 /// Hadamard butterflies of distance 4, 2 and (unless left to the caller) 1 over eight vectors.
 R2M_INLINE void butterfly(I16x16& a, I16x16& b) {
@@ -163,7 +162,7 @@ std::uint32_t ssd_8x8(const u8* a, Stride a_stride, const u8* b, Stride b_stride
     return ssd<8>(a, a_stride, b, b_stride);
 }
 
-// --- Prediction ------------------------------------------------------------------------------------------------------
+// Prediction
 
 /// Sixteen samples of a prediction, row by row; `half` as in kernels.h. The mean of four rounds its halves up:
 /// (a + b + c + d + 2) / 4 is the mean of the two means, less one where those differ in their last bit and one of them

@@ -7,8 +7,7 @@
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
-// --- Transforms
-// ----------------------------------------------------------------------------------------------------------
+// Transforms
 
 template <class V>
 R2M_INLINE void transpose(V (&r)[8]) {

@@ -9,12 +9,13 @@ namespace render2mpeg::encoder::mpeg2 {
 
 /// Factors of the quantiser of each macroblock of a reference, `columns` x `rows`. The picture as a whole has
 /// (1 + n)^-propagation_strength already, where n pictures depend on it, at most most_followers.
-/// - What stands still until the last of them, where `onward` leads, is coded once and then skipped, so that its
-/// quality
-///   is that of all. With its factor it has (1 + n)^-static_propagation_strength.
-/// - All else is predicted between pixels and loses detail each time; what leaves the picture counts for fewer. With
-/// its
-///   factor it has (1 + s n)^-propagation_strength, s being the share of it that stays.
+///
+/// What stands still until the last of them, where `onward` leads, is coded once and then skipped, so that its quality
+/// is that of all: with its factor it has (1 + n)^-static_propagation_strength.
+///
+/// All else is predicted between pixels and loses detail each time; what leaves the picture counts for fewer: with its
+/// factor it has (1 + s n)^-propagation_strength, s being the share of it that stays.
+///
 /// Macroblocks may hang over the field's right and lower side.
 core::Plane<float> quantiser_factors(const core::MotionField& onward, int columns, int rows);
 
