@@ -6,8 +6,8 @@
 
 #include "core/error.h"
 #include "renderer/base/stopwatch.h"
-#include "renderer/cache/light_parts.h"
-#include "renderer/cache/record_cache.h"
+#include "renderer/cache/irradiance_cache.h"
+#include "renderer/cache/light_split.h"
 #include "renderer/calibration/audit.h"
 #include "renderer/calibration/calibration.h"
 #include "renderer/cut/shade.h"
@@ -95,16 +95,16 @@ struct Renderer::Impl {
                                           moving = anchors ? anchors->average_moving() : none;
             // Light trees takes two seeds, one for direct light and the next for indirect light.
             lasting = PersistentLightTrees({light_points.average(), still, moving}, settings.seed + 2 * settings.draw);
-            parted =
-                settings.cache != CacheUse::off && LightParts::suit(posed_scene, plan, still.size(), moving.size());
-            keeps = settings.cache == CacheUse::on ||
-                    (settings.cache == CacheUse::static_light &&
-                     (parted || !scene::traits_of(posed_scene.animation()).changes_light()));
-            parts.forget();
+            splits =
+                settings.cache != CacheUse::off && LightSplit::suit(posed_scene, plan, still.size(), moving.size());
+            caches = settings.cache == CacheUse::on ||
+                     (settings.cache == CacheUse::static_light &&
+                      (splits || !scene::traits_of(posed_scene.animation()).changes_light()));
+            split.forget();
         }
         lit.reset();
         watched.reset();
-        records.forget();
+        cache.forget();
         calibration.forget();
         started = true;
     }
@@ -113,7 +113,7 @@ struct Renderer::Impl {
     /// frame.
     void update_light(const scene::Snapshot& snapshot) {
         if (lit && same_light(*lit, snapshot)) return;
-        if (lit && !parted) records.change();
+        if (lit && !splits) cache.invalidate();
         std::vector<LightPoint> direct;
         {
             const Stopwatch watch(row(Pass::emissive_lights));
@@ -135,7 +135,7 @@ struct Renderer::Impl {
         light_trees.direct_clamp = bounded ? emitter_clamp : GeometryClamp::none();
         light_trees.indirect_clamp = bounded ? anchor_clamp : GeometryClamp::none();
         light_trees.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass);
-        if (parted) records.move(parts.take(light_trees, indirect.still, lasting));
+        if (splits) cache.move(split.update(light_trees, indirect.still, lasting));
         statistics.direct_points = direct.size();
         statistics.indirect_points = indirect.still.size() + indirect.moving.size();
         lit = snapshot;
@@ -224,17 +224,6 @@ struct Renderer::Impl {
         s.clamped_energy = s.luminance > 0 ? clamped / s.luminance : 0.0;
     }
 
-    void count(const RecordCounts& found) {
-        statistics.records_created += found.created;
-        statistics.records_served += found.served;
-        statistics.records_moved += found.moved;
-        statistics.records_between += found.between;
-        statistics.records_watched += found.watched;
-        statistics.records_missed += found.missed;
-        statistics.records_live = std::max<std::uint64_t>(statistics.records_live, found.live);
-        statistics.records_held = found.live;
-    }
-
     Settings settings;
     Plan plan;
     PosedScene posed_scene;
@@ -242,16 +231,16 @@ struct Renderer::Impl {
     std::optional<Anchors> anchors;  ///< of the film
     PersistentLightTrees lasting;    ///< of the chunk
     LightTrees light_trees;
-    bool keeps = false;   ///< light, in records
-    bool parted = false;  ///< they hold only what stays of it
-    LightParts parts;
+    bool caches = false;  ///< light
+    bool splits = false;  ///< what is cached is only the static part of it
+    LightSplit split;
     std::optional<scene::Snapshot> lit;  ///< the instant that `light_trees` shows
     bool started = false;
     std::int64_t first_frame = 0;  ///< of the chunk
     ErrorCalibration calibration;
     std::optional<Sight> watched;  ///< the frame that error scale was told of last
     float calibrated_share = 0;    ///< typical_share of the coarsest that error scale was learnt for
-    RecordCache records;
+    IrradianceCache cache;
     std::optional<float> given_error_scale;  ///< instead of it
     Statistics statistics;
     double gathered = 0, clamped = 0;
@@ -289,18 +278,16 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     settings.limits.error_scale = i.given_error_scale.value_or(learns ? i.calibration.value() : 1.0f);
     ShadeCounts counts;
     FrameLight known;
-    const bool by_records = i.keeps && !tolerance.is_reference();
-    if (by_records) {
-        RecordCounts found;
-        known = i.records.light(i.light_trees, i.posed_scene.tracer(), seen, snapshot, tolerance, settings.limits,
-                                counts, found, i.parted ? &i.parts : nullptr);
-        i.count(found);
+    const bool by_cache = i.caches && !tolerance.is_reference();
+    if (by_cache) {
+        known = i.cache.light({i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(), tolerance},
+                              snapshot, settings.limits, i.splits ? &i.split : nullptr, counts, i.statistics.cache);
     }
     core::Radiance radiance = renderer::shade(i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(),
-                                              tolerance, settings, counts, by_records ? &known : nullptr);
-    if (by_records && settings.layers) radiance.record_density = i.records.density(snapshot.camera, i.settings.format);
+                                              tolerance, settings, counts, by_cache ? &known : nullptr);
+    if (by_cache && settings.layers) radiance.record_density = i.cache.density(snapshot.camera, i.settings.format);
     i.count(counts, seen.visible);
-    if (learns) i.watch(snapshot, seen, tolerance, settings, radiance, counts, by_records ? &known : nullptr);
+    if (learns) i.watch(snapshot, seen, tolerance, settings, radiance, counts, by_cache ? &known : nullptr);
     i.share_time(cpu_seconds() - start, counts);
     i.statistics.layer_seconds = i.posed_scene.layer_seconds();
     return radiance;
@@ -327,7 +314,7 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
     i.update_light(snapshot);
     i.statistics = before;
     const std::vector<LitPixel> pixels = drawn(lit_pixels(seen), static_cast<std::size_t>(count), seen.visible.frame);
-    const MovedPoints moved = i.records.moved_points(snapshot.frame, tolerance);
+    const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
     const auto truth = gather_exactly(i.light_trees, i.posed_scene.tracer(), seen, pixels, moved);
     return compare(seen, pixels, truth, tolerance, radiance);
 }

@@ -11,6 +11,7 @@
 #include "renderer/base/plan.h"
 #include "renderer/base/stop.h"
 #include "renderer/base/tolerance_bands.h"
+#include "renderer/cache/cache_counts.h"
 #include "renderer/calibration/audited_pixel.h"
 #include "renderer/geometry/ray_tracer.h"
 #include "renderer/surface/gather_point.h"
@@ -21,10 +22,10 @@ namespace render2mpeg::renderer {
 /// Whether near VPLs are clamped (docs/model/clamping.md).
 enum class Clamp { bounded, none };
 
-/// Where gathered light is kept for other pixels and frames (record_cache.h).
+/// Where gathered light is kept for other pixels and frames (irradiance_cache.h).
 enum class CacheUse {
     off,
-    static_light,  ///< where light, or the static part of it (light_parts.h), stays what it is all through a film
+    static_light,  ///< where light, or the static part of it (light_split.h), stays what it is all through a film
     on             ///< everywhere; a change of light forgets what was kept
 };
 
@@ -64,14 +65,7 @@ struct Statistics {
     double calibration_seconds = 0;       ///< CPU, part of the time of shading
     double sky_seconds = 0;               ///< CPU, about, part of the time of seeing: looking at the sky
     double layer_seconds = 0;             ///< likewise, of the time of shading: what translucent surfaces let through
-    std::uint64_t records_created = 0;    ///< Settings::cache
-    std::uint64_t records_served = 0;     ///< gather points whose light came from records
-    std::uint64_t records_moved = 0;      ///< of these, elsewhere in their pixels
-    std::uint64_t records_between = 0;    ///< likewise, by what other points around were served
-    std::uint64_t records_watched = 0;    ///< points that records served and that were gathered all the same
-    std::uint64_t records_missed = 0;     ///< of these, those that they were off by more than was allowed
-    std::uint64_t records_live = 0;       ///< most that were held at a time
-    std::uint64_t records_held = 0;       ///< after the last frame
+    CacheCounts cache;                    ///< of the irradiance cache (Settings::cache)
 };
 
 /// See and shade. State that lives over frames is a function of the animation, the settings and the chunk's first

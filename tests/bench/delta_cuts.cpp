@@ -5,8 +5,8 @@
 // [vpls=9000] [percent=2]. A lower bound: walls that move, and light that is not of anchors, come on top.
 //
 // Then what things that move take, for points of what is still: the parts of light that they change
-// (renderer/light_parts.h), each within a share of the tolerance, against gathering all light afresh. Light is parted
-// at `frame` and gathered at the next one.
+// (renderer/cache/light_split.h), each within a share of the tolerance, against gathering all light afresh. Light is
+// parted at `frame` and gathered at the next one.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 #include "app/loop/render_job.h"
 #include "core/color.h"
 #include "core/error.h"
-#include "renderer/cache/light_parts.h"
+#include "renderer/cache/light_split.h"
 #include "renderer/cut/cut.h"
 #include "renderer/cut/gather_groups.h"
 #include "renderer/cut/point_light.h"
@@ -157,7 +157,7 @@ void Trial::part(std::int64_t frame, float relative) {
     lights_.place(posed_scene_, film_.snapshot(frame));
     renderer::PersistentLightTrees lasting({lights_.average(), anchors_->average_still(), anchors_->average_moving()},
                                            film_.rendering.seed);
-    renderer::LightParts parts;
+    renderer::LightSplit parts;
     renderer::LightTrees light_trees;
     for (const std::int64_t f : {frame, frame + 1}) {
         pose(f);
@@ -165,7 +165,7 @@ void Trial::part(std::int64_t frame, float relative) {
         const renderer::Anchors::Lit lit = anchors_->at(posed_scene_, direct);
         light_trees = lasting.at({direct, lit.still, lit.moving});
         light_trees.direct_clamp = light_trees.indirect_clamp = renderer::GeometryClamp{0.25f};
-        parts.take(light_trees, lit.still, lasting);
+        parts.update(light_trees, lit.still, lasting);
     }
     renderer::SeeCounts counts;
     const renderer::Seen seen =
@@ -213,7 +213,7 @@ void Trial::part(std::int64_t frame, float relative) {
     fmt::print("{} points of what is still, afresh {} rays each\n", points,
                afresh / static_cast<std::uint64_t>(points));
     const std::pair<const char*, const renderer::LightTrees*> kinds[] = {
-        {"hidden", &parts.hidden}, {"moving", &parts.moving}, {"gained", &parts.gained}, {"lost", &parts.lost}};
+        {"hidden", &parts.occluded}, {"moving", &parts.moving}, {"gained", &parts.gained}, {"lost", &parts.lost}};
     for (const float share : {0.1f, 0.3f, 1.0f}) {
         fmt::print("within {:.0f} %:", 100 * share);
         for (const auto& [name, part] : kinds) {

@@ -19,7 +19,7 @@
 #include "core/sampling.h"
 #include "parallel/loops.h"
 #include "renderer/base/lobe.h"
-#include "renderer/cache/record_lobe.h"
+#include "renderer/cache/glossy_record.h"
 #include "renderer/cut/cut.h"
 #include "renderer/cut/shadow_rays.h"
 #include "renderer/lights/anchors.h"
@@ -38,7 +38,7 @@ using bench::Stage;
 using bench::Trials;
 using bench::turn_count;
 using renderer::GatherPoint;
-using renderer::RecordLobe;
+using renderer::GlossyRecord;
 
 constexpr float turns[bench::turn_count] = {0, 2, 5, 10, 20};  ///< degrees
 
@@ -159,7 +159,7 @@ class Judge {
         const glm::vec3 there = places_[0].point.outgoing;
         for (int t = 0; t < turn_count; ++t) {
             const glm::vec3 eye = turned(places_[0].point, glm::radians(turns[t]), azimuth_);
-            const RecordLobe lobe = lobe_of(own_, 0, there);
+            const GlossyRecord lobe = lobe_of(own_, 0, there);
             note(bench::slopes, t, f0() * lobe.f0 + lobe.schlick + slope(t), lobe, t);
             each_guess(0, eye, there, lobe, [&](int means, glm::vec3 guess) { note(means, t, guess, lobe, t); });
         }
@@ -171,13 +171,13 @@ class Judge {
             for (int k = 0; k < 4; ++k) {
                 const int i = 1 + 4 * d + k;
                 const glm::vec3 there = places_[static_cast<std::size_t>(i)].point.outgoing;
-                const RecordLobe lobe = lobe_of(own_, i, there);
+                const GlossyRecord lobe = lobe_of(own_, i, there);
                 each_guess(i, eye, there, lobe, [&](int means, glm::vec3 guess) {
                     mean[means] += 0.25f * guess;
                     if (k == 0) note(means, turn_count + d, guess, lobe, 0);
                 });
             }
-            const RecordLobe lobe = lobe_of(own_, 1 + 4 * d, eye);
+            const GlossyRecord lobe = lobe_of(own_, 1 + 4 * d, eye);
             for (int m = 0; m < bench::means_count; ++m)
                 if (m != bench::slopes)
                     note(static_cast<bench::Means>(m), turn_count + bench::distance_count + d, mean[m], lobe, 0);
@@ -185,10 +185,10 @@ class Judge {
     }
 
   private:
-    RecordLobe lobe_of(const Pack& pack, int lane, glm::vec3 eye) const {
+    GlossyRecord lobe_of(const Pack& pack, int lane, glm::vec3 eye) const {
         return {alpha_, eye, pack.trees.f0[lane], pack.trees.schlick[lane]};
     }
-    glm::vec3 seen(const RecordLobe& lobe, glm::vec3 eye) const {
+    glm::vec3 seen(const GlossyRecord& lobe, glm::vec3 eye) const {
         const renderer::SurfacePoint& p = places_[0].point;
         renderer::Bsdf bsdf = p.bsdf;
         bsdf.alpha = alpha_;
@@ -197,12 +197,12 @@ class Judge {
     glm::vec3 f0() const { return places_[0].point.bsdf.f0; }
     /// What the lobe's light changes by with the eye, as one nearby tells that turned the same way.
     glm::vec3 slope(int t) const {
-        const RecordLobe here = lobe_of(own_, 0, {}), near = lobe_of(eyes_, turn_count, {});
+        const GlossyRecord here = lobe_of(own_, 0, {}), near = lobe_of(eyes_, turn_count, {});
         const glm::vec3 change = f0() * (near.f0 - here.f0) + near.schlick - here.schlick;
         return change * (std::sin(glm::radians(turns[t])) / std::sin(0.1f * alpha_));
     }
     template <class Note>
-    void each_guess(int place, glm::vec3 eye, glm::vec3 there, const RecordLobe& lobe, Note note) {
+    void each_guess(int place, glm::vec3 eye, glm::vec3 there, const GlossyRecord& lobe, Note note) {
         const renderer::SurfacePoint& p = places_[0].point;
         const glm::vec3 still = seen(lobe, eye), f0 = p.bsdf.f0;
         const bench::IncidentHarmonics& light = light_[static_cast<std::size_t>(place)];
@@ -217,7 +217,7 @@ class Judge {
             note(bench::differences + n, kept + now - bench::scattered(light, before, f0, functions));
         }
     }
-    void note(int means, int column, glm::vec3 guess, const RecordLobe& lobe, int eye) {
+    void note(int means, int column, glm::vec3 guess, const GlossyRecord& lobe, int eye) {
         const GatherPoint& p = places_[0];
         const auto& bsdf = p.point.bsdf;
         const glm::vec3 diffuse =

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "renderer/cache/record_fit.h"
+#include "renderer/cache/cache_query.h"
 #include "tests/renderer/stage.h"
 
 namespace render2mpeg::renderer {
@@ -30,13 +30,13 @@ class Wall : public ::testing::Test {
                 const auto at = stage_.world().camera.project(p.point.position);
                 if (static_cast<int>(at->position.x) % step != 0 || static_cast<int>(at->position.y) % step != 0)
                     continue;
-                Record r;
+                IrradianceRecord r;
                 r.address = p.point.address;
                 r.position = p.point.position;
                 r.geometric_normal = p.point.geometric_normal;
                 r.shading_normal = p.point.shading_normal;
                 r.indirect = glm::vec3(light(at->position));
-                records_.add(r);
+                records_.insert(r);
             }
         }
         map_.build(records_.all(), stage_.world().camera);
@@ -51,36 +51,35 @@ class Wall : public ::testing::Test {
         return tile.front();
     }
 
-    RecordEstimate estimate_at(const GatherPoint& p, float relative) {
+    CacheEstimate estimate_at(const GatherPoint& p, float relative) {
         const auto at = stage_.world().camera.project(p.point.position);
-        const RecordQuery query{
-            p, {0, relative, 0}, at->position, stage_.world().camera.pixel_size() * at->depth, 0.4f};
-        return estimate(query, map_, records_, {}, 0);
+        const CacheQuery query{p, {0, relative, 0}, at->position, stage_.world().camera.pixel_size() * at->depth, 0.4f};
+        return query_cache(query, map_, records_, {}, 0);
     }
-    RecordEstimate estimate_at(int x, int y, float relative) { return estimate_at(point_at(x, y), relative); }
+    CacheEstimate estimate_at(int x, int y, float relative) { return estimate_at(point_at(x, y), relative); }
 
     /// The records' light is what a lobe of white metal sends to an eye, which may be elsewhere than the camera.
     void polish(glm::vec3 eye) {
         for (std::uint32_t i = 0; i < records_.size(); ++i) {
-            Record& r = records_.change(i);
+            IrradianceRecord& r = records_.change(i);
             r.lobe = {lobe_width, glm::normalize(eye - r.position), r.indirect, glm::vec3(0)};
             r.indirect = glm::vec3(0);
         }
     }
-    RecordEstimate estimate_polished(GatherPoint p, float relative) {
+    CacheEstimate estimate_polished(GatherPoint p, float relative) {
         const glm::vec3 eye = stage_.world().camera.position();
         p.point.bsdf = {glm::vec3(0), glm::vec3(1), lobe_width};
         p.point.outgoing = glm::normalize(eye - p.point.position);
         const auto at = stage_.world().camera.project(p.point.position);
         const float extent = stage_.world().camera.pixel_size() * at->depth;
-        return estimate({p, {0, relative, 0}, at->position, extent, 1.0f, eye}, map_, records_, {}, 0);
+        return query_cache({p, {0, relative, 0}, at->position, extent, 1.0f, eye}, map_, records_, {}, 0);
     }
     static constexpr float lobe_width = 0.25f;
 
     test::Stage stage_;
     Seen seen_;
-    Records records_;
-    RecordMap map_;
+    RecordStore records_;
+    RecordGrid map_;
 };
 
 }  // namespace render2mpeg::renderer

@@ -18,7 +18,7 @@ struct CacheChoice {
 
 /// `asked`: on, off, or auto, which keeps light where that pays in pictures of so many `pixels`. `reference`: every
 /// light point lights every pixel, which leaves nothing to keep. `parts`: light may be worth parting
-/// (renderer::LightParts::may_suit).
+/// (renderer::LightSplit::may_suit).
 CacheChoice choose_cache(const std::string& asked, const scene::Traits& traits, bool parts, bool reference,
                          std::int64_t frames, std::int64_t pixels);
 
@@ -27,7 +27,7 @@ std::string cache_word(const renderer::Settings& rendering);
 
 /// Whether a run that counted so much kept light: whether it can be parted is known once its light points are.
 inline bool kept_records(const renderer::Settings& rendering, const renderer::Statistics& found) {
-    return rendering.cache == renderer::CacheUse::on || found.records_created > 0;
+    return rendering.cache == renderer::CacheUse::on || found.cache.created > 0;
 }
 
 }  // namespace render2mpeg::app

@@ -10,7 +10,7 @@
 #include "encoder/encoder.h"
 #include "parallel/loops.h"
 #include "perceptual/exposure.h"
-#include "renderer/cache/light_parts.h"
+#include "renderer/cache/light_split.h"
 #include "scene/load.h"
 #include "scene/preparation/traits.h"
 
@@ -161,7 +161,7 @@ RenderJob prepare(const RenderOptions& options) {
     wanted.indirect = options.vpls > 0;
     const scene::Traits traits = scene::traits_of(*animation);
     film.plan = renderer::make_plan(traits, wanted);
-    film.cache = choose_cache(options.cache, traits, renderer::LightParts::may_suit(*animation, film.plan),
+    film.cache = choose_cache(options.cache, traits, renderer::LightSplit::may_suit(*animation, film.plan),
                               film.tolerance.reference, film.frame_count(),
                               std::int64_t{film.format.width} * film.format.height);
     film.rendering.cache = film.cache.use;

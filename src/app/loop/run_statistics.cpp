@@ -28,12 +28,10 @@ renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer:
           &renderer::Statistics::specular_rays, &renderer::Statistics::gather_points,
           &renderer::Statistics::capped_points, &renderer::Statistics::direct_clusters,
           &renderer::Statistics::indirect_clusters, &renderer::Statistics::non_finite,
-          &renderer::Statistics::calibrated_pixels, &renderer::Statistics::records_created,
-          &renderer::Statistics::records_served, &renderer::Statistics::records_moved,
-          &renderer::Statistics::records_between, &renderer::Statistics::records_watched,
-          &renderer::Statistics::records_missed, &renderer::Statistics::frames_calibrated})
+          &renderer::Statistics::calibrated_pixels, &renderer::Statistics::frames_calibrated})
         sum.*count += earlier.*count;
-    sum.records_live = std::max(earlier.records_live, later.records_live);
+    sum.cache = earlier.cache;
+    sum.cache.add(later.cache);
     sum.calibration_seconds += earlier.calibration_seconds;
     sum.sky_seconds += earlier.sky_seconds;
     sum.layer_seconds += earlier.layer_seconds;

@@ -55,13 +55,13 @@ void each_count(Counts& s, Visit&& visit) {
     visit("calibration_seconds", s.calibration_seconds);
     visit("sky_seconds", s.sky_seconds);
     visit("layer_seconds", s.layer_seconds);
-    visit("records_created", s.records_created);
-    visit("records_served", s.records_served);
-    visit("records_moved", s.records_moved);
-    visit("records_between", s.records_between);
-    visit("records_watched", s.records_watched);
-    visit("records_missed", s.records_missed);
-    visit("records_live", s.records_live);
+    visit("records_created", s.cache.created);
+    visit("records_served", s.cache.served);
+    visit("records_at_record", s.cache.at_record);
+    visit("records_interpolated", s.cache.interpolated);
+    visit("records_held_out", s.cache.held_out);
+    visit("records_missed", s.cache.missed);
+    visit("records_most", s.cache.most);
 }
 
 /// Sums over the film so far.

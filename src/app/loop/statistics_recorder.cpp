@@ -17,8 +17,8 @@ void StatisticsRecorder::rendered(std::int64_t frame, const renderer::Statistics
     const auto points = static_cast<double>(std::max<std::uint64_t>(1, after.gather_points - before.gather_points));
     entry.direct_cut = static_cast<double>(after.direct_clusters - before.direct_clusters) / points;
     entry.indirect_cut = static_cast<double>(after.indirect_clusters - before.indirect_clusters) / points;
-    entry.records = {after.records_created - before.records_created, after.records_held,
-                     static_cast<double>(after.records_served - before.records_served) / points};
+    entry.records = {after.cache.created - before.cache.created, after.cache.live,
+                     static_cast<double>(after.cache.served - before.cache.served) / points};
     statistics_.frames.push_back(entry);
 }
 

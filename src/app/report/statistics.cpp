@@ -58,15 +58,15 @@ json audit_of(const RenderJob& film, const Audit& audit) {
 /// Null where no light is kept.
 json records_of(const RenderJob& film, const renderer::Statistics& r) {
     if (!kept_records(film.rendering, r)) return nullptr;
-    return {
-        {"created", r.records_created},
-        {"most", r.records_live},
-        {"watched", r.records_watched},
-        {"missed", r.records_missed},
-        {"served", core::divide_or(static_cast<double>(r.records_served), static_cast<double>(r.gather_points), 0.0)},
-        {"moved", core::divide_or(static_cast<double>(r.records_moved), static_cast<double>(r.gather_points), 0.0)},
-        {"between",
-         core::divide_or(static_cast<double>(r.records_between), static_cast<double>(r.gather_points), 0.0)}};
+    return {{"created", r.cache.created},
+            {"most", r.cache.most},
+            {"held_out", r.cache.held_out},
+            {"missed", r.cache.missed},
+            {"served", core::divide_or(static_cast<double>(r.cache.served), static_cast<double>(r.gather_points), 0.0)},
+            {"at_record",
+             core::divide_or(static_cast<double>(r.cache.at_record), static_cast<double>(r.gather_points), 0.0)},
+            {"interpolated",
+             core::divide_or(static_cast<double>(r.cache.interpolated), static_cast<double>(r.gather_points), 0.0)}};
 }
 
 /// Null where no error scale was learnt.

@@ -149,15 +149,14 @@ std::string light_lines(const RunStatistics& statistics) {
 /// What light that was gathered once did for other pixels and frames.
 std::string record_lines(const renderer::Statistics& r) {
     const double served =
-        core::divide_or(static_cast<double>(r.records_served), static_cast<double>(r.gather_points), 0.0);
+        core::divide_or(static_cast<double>(r.cache.served), static_cast<double>(r.gather_points), 0.0);
     std::string text = fmt::format("  records    {} made, at most {} held; they lit {} of the points\n",
-                                   count_text(static_cast<double>(r.records_created)),
-                                   count_text(static_cast<double>(r.records_live)), percent_text(served));
-    if (r.records_watched > 0)
-        text +=
-            fmt::format("             {} of {} that were gathered all the same were off by more than allowed\n",
-                        percent_text(static_cast<double>(r.records_missed) / static_cast<double>(r.records_watched)),
-                        count_text(static_cast<double>(r.records_watched)));
+                                   count_text(static_cast<double>(r.cache.created)),
+                                   count_text(static_cast<double>(r.cache.most)), percent_text(served));
+    if (r.cache.held_out > 0)
+        text += fmt::format("             {} of {} that were gathered all the same were off by more than allowed\n",
+                            percent_text(static_cast<double>(r.cache.missed) / static_cast<double>(r.cache.held_out)),
+                            count_text(static_cast<double>(r.cache.held_out)));
     return text;
 }
 

@@ -53,7 +53,7 @@ std::size_t affordable(const LightTrees& light_trees, std::uint64_t rays) {
 bool is_served(const LitPixel& p, const FrameLight& known) {
     const auto& tile = known[p.tile];
     return std::any_of(tile.begin() + p.first, tile.begin() + p.last,
-                       [](const PointLight& l) { return l.served || l.watched || l.parted; });
+                       [](const PointLight& l) { return l.served || l.held_out || l.split; });
 }
 
 }  // namespace

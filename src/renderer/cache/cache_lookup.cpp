@@ -1,0 +1,118 @@
+// How a frame's points get their light (docs/model/irradiance-cache.md, "Order of a frame").
+#include "renderer/cache/cache_lookup.h"
+
+#include "core/numeric.h"
+#include "parallel/loops.h"
+#include "renderer/cache/find_cells.h"
+#include "renderer/cache/gather_requests.h"
+#include "renderer/cache/hold_out.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// On the coarser lattices an area of 64 x 64 pixels gathers only so many requests or more: fewer fill no packets, and
+/// are asked again on the next. chosen: 128, the fastest of 0 to 128 (docs/fits/records.md).
+constexpr std::size_t least_dense = 128;
+
+/// Where a point was lit that took a record's light and place.
+MovedPoint moved_to(const IrradianceRecord& r, std::size_t index, const CacheQuery& query) {
+    const glm::vec3 here = query.point.point.outgoing,
+                    outgoing = query.eye ? core::normalize_or(*query.eye - r.position, here) : here;
+    return {static_cast<std::uint32_t>(index), r.position, r.geometric_normal, r.shading_normal, outgoing};
+}
+
+/// Lights one point by the cache, if that can.
+bool look_up(FrameState& frame, std::size_t t, std::size_t i) {
+    TileState& tile = frame.tiles[t];
+    const GatherPoint& p = frame.seen.tiles[t][i];
+    if (tile.state[i] != PointState::open) return false;
+    const auto query = frame.query_of(t, i);
+    if (!query) return false;
+
+    // Interpolate in a cell of four points that are lit.
+    const InterpolationCell* cell =
+        p.point.bsdf.has_glossy() ? nullptr : tile.cells.at(p.pixel % tile_size, p.pixel / tile_size);
+    if (cell != nullptr && cell->interpolate(*query, frame.errors, tile.light[i])) {
+        tile.state[i] = PointState::interpolated;
+        return true;
+    }
+
+    // Else interpolate among the records around.
+    const CacheEstimate found = query_cache(*query, frame.grid, frame.records, frame.errors, frame.snapshot.frame);
+    tile.state[i] = !found.valid ? PointState::failed : found.moved_to ? PointState::at_record : PointState::done;
+    if (found.moved_to) tile.moved.push_back(moved_to(frame.records[*found.moved_to], i, *query));
+    if (found.valid) tile.light[i] = found.light;
+    return found.valid;
+}
+
+/// Queries the cache for the points of a tile on a lattice; returns those that must be gathered.
+std::vector<PointRef> look_up_tile(FrameState& frame, std::size_t t, int lattice) {
+    TileState& tile = frame.tiles[t];
+    std::vector<PointRef> requests;
+    for (std::size_t i = 0; i < tile.state.size(); ++i) {
+        const GatherPoint& p = frame.seen.tiles[t][i];
+        if (tile.state[i] >= PointState::done || !frame.on_lattice(t, p, lattice)) continue;
+        if (frame.uses_cache(p)) {
+            if (look_up(frame, t, i)) {
+                ++tile.served;
+                continue;
+            }
+        } else if (lattice > 1) {
+            continue;
+        }
+        requests.push_back({static_cast<std::uint32_t>(t), static_cast<std::uint32_t>(i)});
+    }
+    return requests;
+}
+
+/// New records have come to some areas: points that failed near them may query again.
+void reopen_near(FrameState& frame, const std::vector<GatheredRequests>& of_area) {
+    const int across = frame.areas_across(), down = static_cast<int>(of_area.size()) / std::max(across, 1);
+    const auto is_new = [&](int x, int y) {
+        return x >= 0 && y >= 0 && x < across && y < down &&
+               !of_area[static_cast<std::size_t>(y * across + x)].points.empty();
+    };
+    for (std::size_t t = 0; t < frame.tiles.size(); ++t) {
+        const auto area = static_cast<int>(frame.area_of(t));
+        bool near = false;
+        for (int k = 0; k < 9; ++k) near = near || is_new(area % across + k % 3 - 1, area / across + k / 3 - 1);
+        if (!near) continue;
+        for (PointState& state : frame.tiles[t].state)
+            if (state == PointState::failed) state = PointState::open;
+    }
+}
+
+}  // namespace
+
+void light_lattice(FrameState& frame, int lattice) {
+    // Ask the cache,
+    frame.grid.extend(frame.records.all(), frame.camera);
+    std::vector<std::vector<PointRef>> requests(frame.tiles.size());
+    parallel::for_each(frame.tiles.size(), [&](std::size_t t) { requests[t] = look_up_tile(frame, t, lattice); });
+    // else gather, and keep what was found as records.
+    const std::vector<GatheredRequests> found = gather(frame, requests, lattice > 1 ? least_dense : 0);
+    for (const GatheredRequests& g : found)
+        for (std::size_t i = 0; i < g.points.size(); ++i) keep(frame, g, i);
+    reopen_near(frame, found);
+}
+
+void light_points(FrameState& frame, CacheValidation& validation) {
+    for (const int lattice : lattices) {
+        // A film's first frame: points of the coarser lattices tell how far to trust the cache for the rest.
+        if (lattice == 1 && !validation.knows()) {
+            hold_out(frame, validation, HoldOut::early);
+            reopen_doubtful(frame);
+        }
+        light_lattice(frame, lattice);
+        if (lattice > 1) find_cells(frame, lattice);
+    }
+    const float scale = frame.errors.cache_error_scale;
+    hold_out(frame, validation, HoldOut::late);
+    // Leave no point behind that this frame would not serve and the next one would query for anew.
+    if (frame.errors.cache_error_scale > scale) {
+        reopen_doubtful(frame);
+        light_lattice(frame, 1);
+    }
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,64 @@
+#include "renderer/cache/frame_state.h"
+
+#include <algorithm>
+
+#include "core/color.h"
+
+namespace render2mpeg::renderer {
+
+float TileState::allowed(const GatherPoint& p, std::size_t i) const {
+    return tolerance[i].allows(core::luminance(light[i].scattered(p)));
+}
+
+FrameState::FrameState(const LightingContext& context, const scene::Snapshot& instant, const CutLimits& cut_limits,
+                       const CacheErrorModel& error_model, const GlossyTrials& glossy_trials, RecordStore& store,
+                       const LightSplit* parts)
+    : light_trees(context.light_trees),
+      split(parts),
+      cached(parts != nullptr ? parts->static_light : context.light_trees),
+      tracer(context.tracer),
+      seen(context.seen),
+      snapshot(instant),
+      camera(instant.camera),
+      limits(cut_limits),
+      errors(error_model),
+      trials(glossy_trials),
+      records(store),
+      grid(seen.visible.width(), seen.visible.height()),
+      tiles(seen.tiles.size()) {
+    limits.exact = false;
+    // Records keep their errors without error scale, which is learnt anew at a cut.
+    errors.noise *= limits.error_scale;
+}
+
+bool FrameState::moves(const GatherPoint& p) const {
+    return split != nullptr && snapshot.animation->objects[p.point.address.object].mobility != scene::Mobility::still;
+}
+
+std::optional<CacheQuery> FrameState::query_of(std::size_t t, std::size_t i) const {
+    const GatherPoint& p = seen.tiles[t][i];
+    const auto on_picture = camera.project(p.point.position);
+    if (!on_picture) return std::nullopt;
+    const float extent = camera.pixel_size() * (camera.perspective() ? on_picture->depth : 1.0f);
+    const auto eye = camera.perspective() ? std::optional(camera.position()) : std::nullopt;
+    // Where light is split, moving objects change it at the point, not where it were moved to.
+    return CacheQuery{p, tiles[t].tolerance[i], on_picture->position, extent, receives(p), eye, split == nullptr};
+}
+
+glm::ivec2 FrameState::pixel_of(std::size_t tile, const GatherPoint& p) const {
+    const int t = static_cast<int>(tile), across = seen.tiles_across();
+    return {t % across * tile_size + p.pixel % tile_size, t / across * tile_size + p.pixel / tile_size};
+}
+
+std::size_t FrameState::area_of(std::size_t tile) const {
+    const auto across = static_cast<std::size_t>(seen.tiles_across());
+    return tile / across / area_tiles * static_cast<std::size_t>(areas_across()) + tile % across / area_tiles;
+}
+
+std::size_t FrameState::area_count() const {
+    const int across = seen.tiles_across();
+    const int down = (static_cast<int>(seen.tiles.size()) + across - 1) / std::max(across, 1);
+    return static_cast<std::size_t>(areas_across() * ((down + area_tiles - 1) / area_tiles));
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,127 @@
+#pragma once
+// What is known of a frame while the irradiance cache lights it.
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "renderer/cache/cache_counts.h"
+#include "renderer/cache/cache_query.h"
+#include "renderer/cache/interpolation_cell.h"
+#include "renderer/cache/light_split.h"
+#include "renderer/cache/receiver.h"
+#include "renderer/cache/request_groups.h"
+#include "renderer/cut/lighting_context.h"
+#include "renderer/cut/shade.h"
+
+namespace render2mpeg::renderer {
+
+/// Distances, in pixels, of the lattices on which a frame's points are lit, the coarsest first.
+inline constexpr int lattices[] = {4, 2, 1};
+
+/// How far a gather point has come.
+enum class PointState : std::uint8_t {
+    open,
+    failed,        ///< queried the cache in vain, and no record came near since
+    done,          ///< its light is known
+    at_record,     ///< likewise: at the place of a record in the same pixel
+    interpolated,  ///< likewise: in an interpolation cell
+    reused,        ///< likewise: from the frame before
+    held_out       ///< likewise: the cache served it, and it was gathered as well
+};
+
+/// Where its dynamic light comes from (dynamic_light.h).
+enum class DynamicState : std::uint8_t { open, gathered, interpolated, reused };
+
+/// Interpolation cells of one tile, no two of which overlap.
+class TileCells {
+  public:
+    TileCells() { cell_.fill(-1); }
+    /// The cell that a pixel of the tile lies in; none: null.
+    const InterpolationCell* at(int x, int y) const {
+        const int i = cell_[index(x, y)];
+        return i < 0 ? nullptr : &cells_[static_cast<std::size_t>(i)];
+    }
+    void add(int x, int y, int side, const InterpolationCell& cell) {
+        for (int v = y; v < y + side; v += least)
+            for (int u = x; u < x + side; u += least) cell_[index(u, v)] = static_cast<std::int8_t>(cells_.size());
+        cells_.push_back(cell);
+    }
+
+  private:
+    static constexpr int least = 2, across = tile_size / least;  ///< side of the smallest; so many in a row
+    static std::size_t index(int x, int y) { return static_cast<std::size_t>(y / least * across + x / least); }
+    std::array<std::int8_t, static_cast<std::size_t>(across* across)> cell_;
+    std::vector<InterpolationCell> cells_;
+};
+
+/// What is known of a tile's gather points; lists have one entry for each, in the tile's order.
+struct TileState {
+    std::vector<PointTolerance> tolerance;
+    std::vector<PointState> state;
+    std::vector<PointLight> light;  ///< of trees
+    std::vector<PointLight> exact;  ///< of lights that are gathered one by one
+    std::vector<DynamicState> dynamic_state;
+    std::vector<PointLight> dynamic;    ///< what moving objects change; signed
+    std::vector<std::uint32_t> firsts;  ///< the first point of each pixel, and the end
+    std::vector<MovedPoint> moved;      ///< in any order
+    TileCells cells;
+    std::uint64_t served = 0;
+
+    /// Whether records of this frame's cache light the point at its own place.
+    bool is_served(std::size_t i) const {
+        return state[i] == PointState::interpolated || (state[i] == PointState::done && light[i].served);
+    }
+    /// Forgets the light of a point that was served or reused.
+    void reopen(std::size_t i) {
+        state[i] = PointState::open;
+        light[i] = {};
+        --served;
+    }
+    /// Luminance that a point's light may be off by, as far as its light is known.
+    float allowed(const GatherPoint& p, std::size_t i) const;
+};
+
+/// All that a frame's stages read and write. A stage is a free function; the order of stages is IrradianceCache::light.
+struct FrameState {
+    /// `split` of the light trees' light, of which records hold the static part; none where they hold all of it.
+    FrameState(const LightingContext& context, const scene::Snapshot& snapshot, const CutLimits& limits,
+               const CacheErrorModel& errors, const GlossyTrials& trials, RecordStore& records,
+               const LightSplit* split);
+
+    const LightTrees& light_trees;  ///< all light
+    const LightSplit* split;
+    const LightTrees& cached;  ///< what records hold
+    const RayTracer& tracer;
+    const Seen& seen;
+    const scene::Snapshot& snapshot;
+    const scene::Camera& camera;
+    CutLimits limits;
+    CacheErrorModel errors;
+    const GlossyTrials& trials;
+    RecordStore& records;
+    RecordGrid grid;
+    std::vector<TileState> tiles;
+    ShadeCounts shade_counts;
+    CacheCounts counts;
+
+    const GatherPoint& point(const PointRef& r) const { return seen.tiles[r.tile][r.index]; }
+    /// Moving surfaces have no records where light is split.
+    bool moves(const GatherPoint& p) const;
+    bool uses_cache(const GatherPoint& p) const { return renderer::uses_cache(p, trials) && !moves(p); }
+    /// None for points that no picture shows, which does not happen but by rounding.
+    std::optional<CacheQuery> query_of(std::size_t tile, std::size_t point) const;
+    glm::ivec2 pixel_of(std::size_t tile, const GatherPoint& p) const;
+    /// Whether it lies on a lattice of so many pixels.
+    bool on_lattice(std::size_t tile, const GatherPoint& p, int lattice) const {
+        const glm::ivec2 pixel = pixel_of(tile, p);
+        return pixel.x % lattice == 0 && pixel.y % lattice == 0;
+    }
+
+    /// Groups of area_tiles x area_tiles tiles.
+    int areas_across() const { return (seen.tiles_across() + area_tiles - 1) / area_tiles; }
+    std::size_t area_of(std::size_t tile) const;
+    std::size_t area_count() const;
+};
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,104 @@
+#include "renderer/cache/gather_requests.h"
+
+#include <algorithm>
+#include <span>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "parallel/loops.h"
+#include "renderer/cut/cut.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+void gather_requests_of(const FrameState& frame, const RequestGroup& group, Gatherer& gatherer, GatheredRequests& out) {
+    // Gather what uses the cache as a receiver that serves other textures, too.
+    GatherPoint receivers[lane_count];
+    const GatherPoint* pointers[lane_count];
+    GroupTolerance tolerance;
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        const PointRef& ref = group.points[std::min(i, group.points.size() - 1)];
+        tolerance.set(static_cast<int>(i), frame.tiles[ref.tile].tolerance[ref.index]);
+        if (i >= group.points.size()) continue;
+        pointers[i] = &frame.point(ref);
+        if (!uses_cache(*pointers[i], frame.trials)) continue;
+        receivers[i] = plain_receiver(*pointers[i]);
+        pointers[i] = &receivers[i];
+    }
+    GatherLanes lanes;
+    fill(lanes, std::span<const GatherPoint* const>(pointers, group.points.size()));
+    lanes.set = group.set;
+    GatheredLight gathered;
+    gatherer.gather(lanes, tolerance, frame.limits, gathered);
+
+    // Hand out what was found.
+    out.counts.add(gathered, group.points.size());
+    for (std::size_t i = 0; i < group.points.size(); ++i) {
+        out.points.push_back(group.points[i]);
+        const auto lane = static_cast<int>(i);
+        PointLight light = point_light(gathered, lane, *pointers[i]);
+        // The clamp took from the receiver what it is to have taken from the point, by share.
+        light.clamped *= core::divide_or(core::luminance(light.scattered(frame.point(group.points[i]))),
+                                         core::luminance(light.scattered(*pointers[i])), 0.0f);
+        out.light.push_back(light);
+        out.sets.push_back(static_cast<std::uint8_t>(group.set));
+        out.lobes.emplace_back();
+        const SurfacePoint& p = pointers[i]->point;
+        if (p.bsdf.has_glossy())
+            out.lobes.back() = {p.bsdf.alpha, p.outgoing, gathered.f0.at(lane), gathered.schlick.at(lane)};
+    }
+}
+
+/// Gathers the requests of one area, which share cuts.
+void gather_area(const FrameState& frame, const LightTrees& light_trees, const std::vector<PointRef>& requests,
+                 GatheredRequests& out) {
+    Gatherer gatherer(light_trees, frame.tracer);
+    for (const RequestGroup& group : group_requests(frame.seen, requests, frame.camera.position()))
+        gather_requests_of(frame, group, gatherer, out);
+}
+
+}  // namespace
+
+std::vector<std::vector<PointRef>> by_area(const FrameState& frame, const std::vector<std::vector<PointRef>>& of_tile) {
+    std::vector<std::vector<PointRef>> of_area(frame.area_count());
+    for (std::size_t t = 0; t < of_tile.size(); ++t) {
+        auto& list = of_area[frame.area_of(t)];
+        list.insert(list.end(), of_tile[t].begin(), of_tile[t].end());
+    }
+    return of_area;
+}
+
+std::vector<GatheredRequests> gather(FrameState& frame, const std::vector<std::vector<PointRef>>& of_tile,
+                                     std::size_t least) {
+    std::vector<std::vector<PointRef>> of_area = by_area(frame, of_tile);
+    // A few scattered ones fill no packet: they wait for the finer lattice.
+    for (auto& list : of_area)
+        if (list.size() < least) list.clear();
+    std::vector<GatheredRequests> found(of_area.size());
+    parallel::for_each(of_area.size(), [&](std::size_t a) {
+        std::vector<PointRef>& list = of_area[a];
+        const auto on_movers = std::stable_partition(list.begin(), list.end(),
+                                                     [&](const PointRef& r) { return !frame.moves(frame.point(r)); });
+        const std::vector<PointRef> moving(on_movers, list.end());
+        list.erase(on_movers, list.end());
+        gather_area(frame, frame.cached, list, found[a]);
+        gather_area(frame, frame.light_trees, moving, found[a]);
+    });
+    for (const GatheredRequests& g : found) frame.shade_counts.add(g.counts);
+    return found;
+}
+
+void keep(FrameState& frame, const GatheredRequests& g, std::size_t i) {
+    const PointRef& ref = g.points[i];
+    const GatherPoint& p = frame.point(ref);
+    frame.tiles[ref.tile].light[ref.index] = g.light[i];
+    frame.tiles[ref.tile].state[ref.index] = PointState::done;
+    if (!frame.uses_cache(p)) return;
+    auto record = record_of(p, g.light[i], g.lobes[i], frame.limits.error_scale, frame.snapshot.frame);
+    if (!record) return;
+    record->set = g.sets[i];
+    frame.records.insert(*record);
+    ++frame.counts.created;
+}
+
+}  // namespace render2mpeg::renderer

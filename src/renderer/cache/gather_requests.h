@@ -1,0 +1,30 @@
+#pragma once
+// Gathers points that the cache cannot serve, and keeps what was found as records.
+#include <cstdint>
+#include <vector>
+
+#include "renderer/cache/frame_state.h"
+
+namespace render2mpeg::renderer {
+
+/// What was found of some requests, in the order in which they were gathered.
+struct GatheredRequests {
+    std::vector<PointRef> points;
+    std::vector<PointLight> light;
+    std::vector<GlossyRecord> lobes;
+    std::vector<std::uint8_t> sets;  ///< of representatives
+    ShadeCounts counts;
+};
+
+/// Requests by area, so that those of neighbouring tiles share cuts.
+std::vector<std::vector<PointRef>> by_area(const FrameState& frame, const std::vector<std::vector<PointRef>>& of_tile);
+
+/// Gathers requests, given by tile, in the areas that have at least so many; returns one entry for each area. Points
+/// that use the cache are gathered as receivers of their records.
+std::vector<GatheredRequests> gather(FrameState& frame, const std::vector<std::vector<PointRef>>& of_tile,
+                                     std::size_t least);
+
+/// Takes what was found of one of them as its point's light, and as a record if the point uses the cache.
+void keep(FrameState& frame, const GatheredRequests& found, std::size_t i);
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,49 @@
+#include "renderer/cache/glossy_record.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "renderer/base/lobe.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Widths of lobes that count as one.
+constexpr float alike_alpha = 0.1f;
+/// Half vectors that a record's lobe was looked at by may lie so far, in widths of the lobe, off those that the point
+/// looks by: since the eye was elsewhere, and since the place's normal and its sight are not the point's. chosen: turns
+/// that some frames of a walk lie within, of 0.125 and 0.25; bends of 1 of 0.5, 1 and 2 (docs/fits/records.md).
+constexpr float most_turn = 0.125f, most_bend = 1.0f;
+
+}  // namespace
+
+std::optional<SeenLobe> lobe_at(const CacheQuery& q, const IrradianceRecord& r) {
+    const SurfacePoint& p = q.point.point;
+    if (!p.bsdf.has_glossy())
+        return r.lobe.alpha == 0.0f ? std::optional(SeenLobe{glm::vec3(0), glm::vec3(0)}) : std::nullopt;
+    const float alpha = p.bsdf.alpha;
+    if (!(std::abs(r.lobe.alpha - alpha) <= alike_alpha * alpha)) return std::nullopt;
+    // The eye turned about the record; and about the point it looks otherwise than about the record.
+    const glm::vec3 eye = q.eye ? core::normalize_or(*q.eye - r.position, p.outgoing) : p.outgoing;
+    const glm::vec3 turn = 0.5f * (r.lobe.outgoing - eye);
+    const glm::vec3 bend = 0.5f * (eye - p.outgoing) - (r.shading_normal - p.shading_normal);
+    if (glm::dot(turn, turn) > most_turn * most_turn * alpha * alpha ||
+        glm::dot(bend, bend) > most_bend * most_bend * alpha * alpha)
+        return std::nullopt;
+    const glm::vec3 radiance = seen_from(r.lobe, r.shading_normal, eye, p.bsdf);
+    return SeenLobe{radiance, core::luminance(q.point.weight * radiance) / alpha * (turn + bend)};
+}
+
+/// A typical cosine of light stands for it in [Heitz2014, eq. 99].
+glm::vec3 seen_from(const GlossyRecord& lobe, glm::vec3 normal, glm::vec3 outgoing, const Bsdf& bsdf) {
+    constexpr float typical = 0.6f, least = 0.05f;
+    const float a2 = bsdf.alpha * bsdf.alpha;
+    const float here = std::max(glm::dot(normal, outgoing), least),
+                there = std::max(glm::dot(normal, lobe.outgoing), least);
+    const float ratio = lobe::masking(typical, here, a2) / lobe::masking(typical, there, a2);
+    return ratio * (bsdf.f0 * lobe.f0 + lobe.schlick);
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,27 @@
+#pragma once
+// Glossy light in records, and how far it may be reused.
+#include <optional>
+
+#include "renderer/cache/cache_query.h"
+
+namespace render2mpeg::renderer {
+
+/// What a lobe's light changes by as its half vectors turn by its width, as far as `seen_from` does not know. It counts
+/// by the weighted sum of what records are off, which is nothing where a plane lies through them and the eye stands
+/// still. chosen: 0.6 of 0, 0.3, 0.6 and 1 (docs/fits/records.md).
+inline constexpr float turn_error = 0.6f;
+
+/// A record's lobe towards the eye of a point that asks, by the point's material.
+struct SeenLobe {
+    glm::vec3 radiance;
+    glm::vec3 turned;  ///< half vectors that it was looked at by, off the point's, in widths; times luminance
+};
+
+/// None where it says nothing of the point's.
+std::optional<SeenLobe> lobe_at(const CacheQuery& query, const IrradianceRecord& record);
+
+/// Radiance of a place's lobe towards another eye than the record's, `outgoing`: what hides and shadows its facets
+/// changes with the angle to the normal, for the rest it must be wide. By the material of `bsdf`.
+glm::vec3 seen_from(const GlossyRecord& lobe, glm::vec3 normal, glm::vec3 outgoing, const Bsdf& bsdf);
+
+}  // namespace render2mpeg::renderer

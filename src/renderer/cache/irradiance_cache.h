@@ -1,0 +1,57 @@
+#pragma once
+// The irradiance cache over a film's frames.
+#include "renderer/cache/cache_counts.h"
+#include "renderer/cache/cache_validation.h"
+#include "renderer/cache/frame_state.h"
+#include "renderer/cache/glossy_trials.h"
+#include "renderer/cache/light_split.h"
+#include "renderer/cache/temporal_reuse.h"
+#include "renderer/cut/lighting_context.h"
+#include "renderer/cut/shade.h"
+
+namespace render2mpeg::renderer {
+
+/// Gathers light once, at places on surfaces, and keeps it there for as long as it stays what it is: irradiance
+/// caching with records at gather points and planes through them (docs/model/irradiance-cache.md). A function of what
+/// it was shown since `forget`, for any number of threads.
+class IrradianceCache {
+  public:
+    /// A chunk begins.
+    void forget();
+
+    /// Light is another than at the frame before: nothing that is known holds.
+    void invalidate();
+
+    /// Objects lie elsewhere than in the frame before, where light is split (light_split.h): whether its static part,
+    /// which records hold, is another now, too.
+    void move(bool static_changed);
+
+    /// Light of all points of a frame within their tolerances (not for the reference), gathered or from records; these
+    /// hold the static part of it where it is `split`, in all frames of a chunk or in none.
+    FrameLight light(const LightingContext& context, const scene::Snapshot& snapshot, const CutLimits& limits,
+                     const LightSplit* split, ShadeCounts& shade_counts, CacheCounts& counts);
+
+    /// Which points were lit elsewhere in their pixels: none but in the last frame, nor by the reference, which asks no
+    /// records.
+    MovedPoints moved_points(std::int64_t frame, const core::ToleranceMap& tolerance) const;
+
+    /// How many records lie in each pixel of a picture, seen or hidden.
+    core::Plane<float> density(const scene::Camera& camera, const scene::PictureFormat& format) const;
+
+    /// Bytes held between frames.
+    std::size_t bytes() const { return records_.bytes() + trials_.bytes() + validation_.bytes() + history_.bytes(); }
+
+  private:
+    /// Another shot: forgets the last frame, and records of surfaces that are so far now that they crowd its pixels.
+    void cut_to(const Seen& seen, const scene::Snapshot& snapshot);
+
+    RecordStore records_;
+    FrameHistory history_;
+    float last_error_scale_ = 1;  ///< that the last frame was lit with
+    bool moved_ = false;          ///< objects lie elsewhere than in the last frame; light is split
+    CacheErrorModel errors_;
+    GlossyTrials trials_;
+    CacheValidation validation_;
+};
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,139 @@
+#pragma once
+// Irradiance records, the grid that finds them on the picture, and the store of a chunk.
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "core/plane.h"
+#include "core/surface_address.h"
+#include "renderer/surface/gather_point.h"
+#include "scene/pose/snapshot.h"
+
+namespace render2mpeg::renderer {
+
+/// What a surface's glossy lobe sends one way, by unit of its two parts: the radiance is f0 x `f0` + `schlick`.
+struct GlossyRecord {
+    float alpha = 0;        ///< its width; 0: no lobe
+    glm::vec3 outgoing{0};  ///< unit, world
+    glm::vec3 f0{0}, schlick{0};
+};
+
+/// What one place on a surface receives, whatever its texture (docs/model/irradiance-cache.md): kept where it was
+/// gathered and never resampled. Of a light light trees' trees alone; lights that are gathered exactly are no part of
+/// it.
+struct IrradianceRecord {
+    core::SurfaceAddress address;
+    bool back_side = false;
+    bool capped = false;            ///< its cut ended before its tolerance was kept
+    std::uint8_t set = 0;           ///< of representatives that lit it, 0..3
+    glm::vec3 position{0};          ///< world, at the instant of the frame
+    glm::vec3 geometric_normal{0};  ///< likewise
+    glm::vec3 shading_normal{0};
+    glm::vec3 direct{0}, indirect{0};  ///< irradiance over pi
+    GlossyRecord lobe;
+    float error =
+        0;  ///< luminance by which a white receiver may be off, as the cut's rule reckons with an error scale of 1
+    float clamped = 0;                ///< what the clamp of near lights took, as a share of what arrived
+    std::int64_t born = 0, used = 0;  ///< frames
+};
+
+/// A record as it is found from pixels.
+struct SurfaceMark {
+    glm::vec2 at{0};  ///< on the picture, pixels
+    std::uint32_t record = 0;
+    std::uint32_t surface = 0;  ///< `surface_of`
+    glm::vec3 position{0};
+    glm::vec3 geometric_normal{0};
+    glm::vec3 shading_normal{0};
+};
+
+/// Records (and points) that may lie on one surface have this in common.
+inline std::uint32_t surface_of(const core::SurfaceAddress& address, bool back_side) {
+    return address.object * 2u + (back_side ? 1u : 0u);
+}
+
+/// Whether two places `apart` on the picture lie on one smooth surface; both in world units at their distance, where a
+/// pixel is so large. `error`: by how much either may lie off its surface.
+bool on_one_surface(const SurfaceMark& a, const SurfaceMark& b, float apart, float pixel, float error = 0);
+
+/// Where the records of a frame lie on its picture, pixel by pixel, and for some pixels around it.
+class RecordGrid {
+  public:
+    /// Radius, in pixels, that look-ups may have, and width of the border.
+    static constexpr int border = 9;
+
+    RecordGrid() = default;
+    RecordGrid(int width, int height) : width_(width), height_(height) {}
+
+    /// Sorts the records in. Their order within a pixel is their own.
+    void build(std::span<const IrradianceRecord> records, const scene::Camera& camera) {
+        places_.clear();
+        starts_.clear();
+        extend(records, camera);
+    }
+    /// The same, where those of the last time lie where they did and others have come behind them.
+    void extend(std::span<const IrradianceRecord> records, const scene::Camera& camera);
+
+    /// Whether a look-up of up to `radius` pixels about a place of the picture may find any; not where that is not
+    /// finite.
+    bool reaches(glm::vec2 at, int radius) const {
+        const auto margin = static_cast<float>(border + radius);
+        return at.x >= -margin && at.y >= -margin && at.x < static_cast<float>(width_) + margin &&
+               at.y < static_cast<float>(height_) + margin;
+    }
+
+    /// The marks of pixels [x0, x1] of a row, one after the other; all within the border. None where x0 > x1.
+    std::span<const SurfaceMark> row(int y, int x0, int x1) const {
+        if (x0 > x1) return {};
+        const std::size_t base = static_cast<std::size_t>(y + border) * static_cast<std::size_t>(width_ + 2 * border);
+        const std::size_t first = base + static_cast<std::size_t>(x0 + border);
+        const std::size_t last = base + static_cast<std::size_t>(x1 + border) + 1;
+        return std::span(marks_).subspan(starts_[first], starts_[last] - starts_[first]);
+    }
+    std::size_t size() const { return marks_.size(); }
+    /// All marks, pixel by pixel.
+    std::span<const SurfaceMark> marks() const { return marks_; }
+    /// How many lie in each pixel of the picture.
+    core::Plane<float> density() const;
+    int width() const { return width_; }
+    int height() const { return height_; }
+
+  private:
+    struct Place {
+        glm::vec2 at{0};
+        std::uint32_t pixel = 0;  ///< of the picture with its border; or nowhere
+    };
+
+    int width_ = 0, height_ = 0;
+    std::vector<Place> places_;          ///< of the records
+    std::vector<std::uint32_t> starts_;  ///< of each pixel in `marks_`, and the end
+    std::vector<SurfaceMark> marks_;
+};
+
+/// The records of a chunk.
+class RecordStore {
+  public:
+    /// None: a chunk begins.
+    void forget() { records_.clear(); }
+
+    /// Drops what was of no use for some frames, and the oldest of those that crowd one pixel of the frame's map.
+    void thin(std::int64_t frame, const RecordGrid& map);
+
+    std::uint32_t insert(const IrradianceRecord& record);
+    IrradianceRecord& change(std::uint32_t index) { return records_[index]; }
+    const IrradianceRecord& operator[](std::uint32_t index) const { return records_[index]; }
+    std::span<const IrradianceRecord> all() const { return records_; }
+    std::size_t size() const { return records_.size(); }
+
+    /// Notes that a record served; may be called from many threads.
+    void mark_used(std::uint32_t index, std::int64_t frame);
+
+    std::size_t bytes() const { return records_.capacity() * sizeof(IrradianceRecord); }
+
+  private:
+    std::vector<IrradianceRecord> records_;
+};
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,28 @@
+#pragma once
+// Which points use the cache, and as what receiver they are gathered for it.
+#include <optional>
+
+#include "renderer/cache/glossy_trials.h"
+#include "renderer/cache/irradiance_record.h"
+#include "renderer/cut/point_light.h"
+
+namespace render2mpeg::renderer {
+
+/// Whether a point's light may come from records: seen directly, without a lobe or with one that is not too narrow and
+/// whose material's are served often enough.
+bool uses_cache(const GatherPoint& p, const GlossyTrials& trials);
+
+/// Luminance that a point's pixel gets of light 1 from all around; for records, which serve other textures as well, as
+/// if it were not quite black.
+float receives(const GatherPoint& p);
+
+/// A receiver in a point's place whose light serves other textures as well: grey at least, and never quite black. What
+/// a texture reflects more of than its luminance says, as deep blue, counts in full, so that light of many colours is
+/// told well enough for it.
+GatherPoint plain_receiver(const GatherPoint& p);
+
+/// The record of what was gathered at a point with an error scale; none where that is not finite.
+std::optional<IrradianceRecord> record_of(const GatherPoint& p, const PointLight& light, const GlossyRecord& lobe,
+                                          float error_scale, std::int64_t frame);
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,171 @@
+#include "renderer/cache/temporal_reuse.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "core/color.h"
+#include "parallel/loops.h"
+#include "renderer/cut/cut.h"
+#include "renderer/cut/gather_groups.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Luminance that is known of a point's pixel before its cut; below 0 where moving objects hide more than that.
+float known_luminance(const PointLight& light, const GatherPoint& p) {
+    const float known = core::luminance(light.scattered(p));
+    return std::isfinite(known) ? known : 0.0f;
+}
+
+/// Room for what will be known of a tile.
+TileState empty_tile(const GatherTile& points) {
+    TileState tile;
+    tile.light.assign(points.size(), {});
+    tile.exact.assign(points.size(), {});
+    tile.dynamic.assign(points.size(), {});
+    tile.state.assign(points.size(), PointState::open);
+    tile.firsts.assign(tile_size * tile_size + 1, 0);
+    for (const GatherPoint& p : points) ++tile.firsts[p.pixel + 1u];
+    for (std::size_t k = 1; k < tile.firsts.size(); ++k) tile.firsts[k] += tile.firsts[k - 1];
+    return tile;
+}
+
+/// Gathers the lights that are not clustered for all points of a tile.
+void gather_exact(const FrameState& frame, std::size_t t, std::vector<PointLight>& exact, ShadeCounts& counts) {
+    const GatherTile& points = frame.seen.tiles[t];
+    Gatherer gatherer(frame.split != nullptr ? frame.split->moving : frame.cached, frame.tracer);
+    GatherLanes lanes;
+    GatheredLight gathered;
+    for (const GatherGroup& group : group_points(points, frame.camera.position(), 1)) {
+        const GatherPoint* pointers[lane_count];
+        for (std::size_t i = 0; i < group.points.size(); ++i) pointers[i] = &points[group.points[i]];
+        fill(lanes, std::span<const GatherPoint* const>(pointers, group.points.size()));
+        lanes.set = 0;
+        gatherer.gather_exact(lanes, gathered);
+        counts.shadow_rays += gathered.shadow_rays;
+        counts.direct_clusters += group.points.size() * static_cast<std::uint64_t>(gathered.direct_clusters);
+        for (std::size_t i = 0; i < group.points.size(); ++i)
+            exact[group.points[i]] = point_light(gathered, static_cast<int>(i), *pointers[i]);
+    }
+}
+
+/// Whether light of the last frame is still within what a point tolerates.
+bool is_good_enough(const LitPoint& before, const PointTolerance& now, const GatherPoint& p, float error_factor) {
+    return now.part == before.tolerance.part ||
+           !(error_factor * before.trees.error > now.allows(core::luminance(before.trees.scattered(p))));
+}
+
+/// Reuses the light of a tile's points that are the very same as in the last frame. Whether all exact light is known by
+/// that, and what moving objects change.
+bool reuse(FrameState& frame, std::size_t t, const FrameHistory& history, bool moved) {
+    const GatherTile& points = frame.seen.tiles[t];
+    if (history.tiles.size() != frame.tiles.size() || history.tiles[t].size() != points.size()) return false;
+    TileState& tile = frame.tiles[t];
+    bool all = !moved;
+    auto moved_point = history.moved_points[t].begin();
+    const auto moved_end = history.moved_points[t].end();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const GatherPoint& p = points[i];
+        const LitPoint& before = history.tiles[t][i];
+        if (before.address != p.point.address || before.outgoing != p.point.outgoing || before.weight != p.weight ||
+            (moved && frame.moves(p))) {
+            all = false;
+            continue;
+        }
+        tile.exact[i] = before.exact;
+        PointTolerance now = tile.tolerance[i];
+        now.base += known_luminance(before.exact, p);
+        if (!is_good_enough(before, now, p, frame.errors.reused)) continue;
+        PointLight& light = tile.light[i];
+        light = before.trees;
+        light.error *= frame.errors.reused;
+        light.direct_cut = light.indirect_cut = 0;
+        light.served = true;
+        light.age += static_cast<float>(frame.snapshot.frame - history.frame);
+        tile.state[i] = PointState::reused;
+        while (moved_point != moved_end && moved_point->index < i) ++moved_point;
+        if (moved_point != moved_end && moved_point->index == i) tile.moved.push_back(*moved_point);
+        ++tile.served;
+        // Whichever record may have served it is not forgotten.
+        const glm::ivec2 pixel = frame.pixel_of(t, p);
+        for (const SurfaceMark& m : frame.grid.row(pixel.y, pixel.x, pixel.x))
+            frame.records.mark_used(m.record, frame.snapshot.frame);
+    }
+    return all;
+}
+
+/// Adds the parts of a point's light.
+void add_up(FrameState& frame, std::size_t t, std::size_t i) {
+    TileState& tile = frame.tiles[t];
+    PointLight& light = tile.light[i];
+    const PointLight& known = tile.exact[i];
+    light.direct += known.direct;
+    light.indirect += known.indirect;
+    light.glossy += known.glossy;
+    light.direct_cut += known.direct_cut;
+    light.indirect_cut += known.indirect_cut;
+    light.clamped += known.clamped;
+    if (frame.split == nullptr) return;
+    // Two gatherings err each for itself.
+    light.error = std::hypot(light.error, known.error);
+    light.capped = light.capped || known.capped;
+    light.split = tile.dynamic[i].scattered(frame.seen.tiles[t][i]) != glm::vec3(0);
+    light.direct = glm::max(light.direct, glm::vec3(0));
+    light.indirect = glm::max(light.indirect, glm::vec3(0));
+    light.glossy = glm::max(light.glossy, glm::vec3(0));
+}
+
+}  // namespace
+
+std::size_t FrameHistory::bytes() const {
+    std::size_t sum = 0;
+    for (const auto& tile : tiles) sum += tile.capacity() * sizeof(LitPoint);
+    for (const auto& tile : moved_points) sum += tile.capacity() * sizeof(MovedPoint);
+    return sum;
+}
+
+void start(FrameState& frame, const core::ToleranceMap& tolerance, const FrameHistory& history, bool moved) {
+    frame.grid.build(frame.records.all(), frame.camera);
+    std::vector<ShadeCounts> of_tile(frame.tiles.size());
+    parallel::for_each(frame.tiles.size(), [&](std::size_t t) {
+        const GatherTile& points = frame.seen.tiles[t];
+        TileState& tile = frame.tiles[t];
+        tile = empty_tile(points);
+        tile.tolerance = point_tolerances(frame.seen, t, tolerance);
+        const bool knows = reuse(frame, t, history, moved);
+        if (!knows && frame.split != nullptr) tile.exact.assign(points.size(), {});
+        if (!knows && !frame.light_trees.exact.empty()) gather_exact(frame, t, tile.exact, of_tile[t]);
+        tile.dynamic_state.assign(points.size(), knows ? DynamicState::reused : DynamicState::open);
+        for (std::size_t i = 0; i < points.size(); ++i)
+            tile.tolerance[i].base += known_luminance(tile.exact[i], points[i]);
+    });
+    for (const ShadeCounts& c : of_tile) frame.shade_counts.add(c);
+}
+
+FrameLight finish(FrameState& frame, FrameHistory& history) {
+    FrameLight light(frame.tiles.size());
+    history.frame = frame.snapshot.frame;
+    history.tiles.resize(frame.tiles.size());
+    history.moved_points.assign(frame.tiles.size(), {});
+    for (std::size_t t = 0; t < frame.tiles.size(); ++t) {
+        TileState& tile = frame.tiles[t];
+        std::sort(tile.moved.begin(), tile.moved.end(), [](const auto& a, const auto& b) { return a.index < b.index; });
+        frame.counts.at_record += tile.moved.size();
+        history.moved_points[t] = std::move(tile.moved);
+        history.tiles[t].clear();
+        frame.counts.served += tile.served;
+        frame.shade_counts.gather_points += tile.served;
+        for (std::size_t i = 0; i < tile.light.size(); ++i) {
+            const GatherPoint& p = frame.seen.tiles[t][i];
+            frame.counts.interpolated += tile.state[i] == PointState::interpolated ? 1 : 0;
+            history.tiles[t].push_back(
+                {p.point.address, p.point.outgoing, p.weight, tile.tolerance[i], tile.exact[i], tile.light[i]});
+            add_up(frame, t, i);
+        }
+        light[t] = std::move(tile.light);
+    }
+    return light;
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,35 @@
+#pragma once
+// Begins a frame with light of the last one, and ends it.
+#include <cstdint>
+#include <vector>
+
+#include "renderer/cache/frame_state.h"
+
+namespace render2mpeg::renderer {
+
+/// What a point of the last frame was lit with; kept for a frame that shows the very same.
+struct LitPoint {
+    core::SurfaceAddress address;
+    glm::vec3 outgoing{0}, weight{0};
+    PointTolerance tolerance;  ///< that it was within
+    PointLight exact, trees;
+};
+
+/// The last frame.
+struct FrameHistory {
+    std::vector<std::vector<LitPoint>> tiles;  ///< empty: nothing of it holds
+    MovedPoints moved_points;
+    std::int64_t frame = 0;
+
+    std::size_t bytes() const;
+};
+
+/// Begins a frame: shares out its tolerances among points, reuses the light of points that are the very same as in the
+/// last frame, and gathers the lights that are not clustered where they are not known by that. `moved`: light is split,
+/// and objects lie elsewhere than in the last frame.
+void start(FrameState& frame, const core::ToleranceMap& tolerance, const FrameHistory& history, bool moved);
+
+/// Ends it: adds the parts of each point's light, and becomes the history of the next frame.
+FrameLight finish(FrameState& frame, FrameHistory& history);
+
+}  // namespace render2mpeg::renderer

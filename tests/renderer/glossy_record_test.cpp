@@ -1,0 +1,93 @@
+#include <gtest/gtest.h>
+
+#include "renderer/cache/gather_requests.h"
+#include "tests/renderer/record_wall.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+TEST_F(Wall, LobesThatOneEyeSawAreFoundBetweenRecords) {
+    // From pixel to pixel half vectors turn by a twelfth of the lobe's width.
+    const auto light = [](glm::vec2 at) { return 1.0f + 0.05f * at.x - 0.03f * at.y; };
+    strew(4, light);
+    polish(stage_.world().camera.position());
+    int found = 0;
+    for (int y = 5; y < 19; ++y) {
+        for (int x = 5; x < 19; ++x) {
+            const CacheEstimate e = estimate_polished(point_at(x, y), 0.02f);
+            if (!e.valid) continue;
+            ++found;
+            const float expected = light({static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
+            EXPECT_NEAR(e.light.glossy.x, expected, 1e-3f * expected) << x << ", " << y;
+        }
+    }
+    EXPECT_GE(found, 14 * 14 * 9 / 10);
+}
+
+TEST_F(Wall, LobesThatAnotherEyeSawServeByHowFarItWas) {
+    // Two away, an eye that moves by 0.05 turns half vectors by a twentieth of the width, one that moves by 0.3 by more
+    // than an eighth.
+    const auto holds = [&](float moved, float relative) {
+        records_.forget();
+        strew(2, [](glm::vec2) { return 1.0f; });
+        polish(stage_.world().camera.position() + glm::vec3(moved, 0, 0));
+        return estimate_polished(point_at(12, 12), relative).valid;
+    };
+    EXPECT_TRUE(holds(0.0f, 0.01f));
+    EXPECT_FALSE(holds(0.05f, 0.02f));
+    EXPECT_TRUE(holds(0.05f, 0.04f));
+    EXPECT_FALSE(holds(0.3f, 10.0f));
+}
+
+TEST_F(Wall, RecordsAlongALineSayNothingOfLobesOfASurfaceThatBends) {
+    strew(1, [](glm::vec2) { return 1.0f; });
+    RecordStore line;
+    for (const IrradianceRecord& r : records_.all())
+        if (std::floor(stage_.world().camera.project(r.position)->position.x) == 12.0f) line.insert(r);
+    records_ = line;
+    polish(stage_.world().camera.position());
+    map_.build(records_.all(), stage_.world().camera);
+    const auto holds = [&](float bent, float relative) {
+        GatherPoint p = point_at(12, 12);
+        p.point.position.x += 0.4f * stage_.world().camera.pixel_size() * 2.0f;
+        p.point.geometric_normal = p.point.shading_normal = {std::sin(bent), 0.0f, std::cos(bent)};
+        return estimate_polished(p, relative).valid;
+    };
+    EXPECT_TRUE(holds(0.0f, 0.05f));
+    EXPECT_TRUE(holds(0.01f, 0.05f));
+    EXPECT_FALSE(holds(0.1f, 0.05f));
+    // Beyond the lobe's width no tolerance helps.
+    EXPECT_TRUE(holds(0.2f, 10.0f));
+    EXPECT_FALSE(holds(0.3f, 10.0f));
+}
+
+TEST_F(Wall, LobesOfRoughnessTwoTenthsAndMoreTakeRecords) {
+    const GlossyTrials untried;
+    GatherPoint p = point_at(12, 12);
+    EXPECT_TRUE(uses_cache(p, untried));
+    p.point.bsdf = {glm::vec3(0.5f), glm::vec3(0.04f), 0.2f * 0.2f};
+    EXPECT_TRUE(uses_cache(p, untried));
+    p.point.bsdf.alpha = 0.19f * 0.19f;
+    EXPECT_FALSE(uses_cache(p, untried));
+    p.point.bsdf.alpha = 1.0f;
+    p.reached_by_specular = true;
+    EXPECT_FALSE(uses_cache(p, untried));
+}
+
+TEST_F(Wall, LobesOfAMaterialThatIsNotServedTakeNoRecords) {
+    GlossyTrials trials;
+    for (int frame = 0; frame < 2; ++frame) {
+        trials.note(3, 100, 5);
+        trials.judge();
+    }
+    GatherPoint p = point_at(12, 12);
+    p.point.material = 3;
+    EXPECT_TRUE(uses_cache(p, trials)) << "without a lobe";
+    p.point.bsdf.f0 = glm::vec3(0.04f);
+    EXPECT_FALSE(uses_cache(p, trials));
+    p.point.material = 4;
+    EXPECT_TRUE(uses_cache(p, trials));
+}
+
+}  // namespace
+}  // namespace render2mpeg::renderer
