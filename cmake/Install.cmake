@@ -1,5 +1,5 @@
 # What `cmake --install` puts where: bin/render2mpeg (src/app), <libdir>/render2mpeg/*.so (render2mpeg_module), and here the animations
-# under share/render2mpeg and the documents under share/doc/render2mpeg.
+# under share/render2mpeg, the documents under share/doc/render2mpeg, manual pages and what shells complete.
 
 # The program opens its modules when a film calls for them: whoever builds the program needs them too.
 get_property(modules GLOBAL PROPERTY RENDER2MPEG_MODULES)
@@ -7,7 +7,24 @@ if(modules)
   add_dependencies(render2mpeg ${modules})
 endif()
 
+# Manual pages and completion are made from what the program's --help says.
+set(shell ${PROJECT_BINARY_DIR}/shell)
+add_custom_command(OUTPUT ${shell}/render2mpeg.fish
+                   COMMAND ${CMAKE_COMMAND} -E rm -rf ${shell}
+                   COMMAND ${PROJECT_SOURCE_DIR}/cmake/shell_pages.sh $<TARGET_FILE:render2mpeg> ${shell}
+                   DEPENDS render2mpeg ${PROJECT_SOURCE_DIR}/cmake/shell_pages.sh
+                   COMMENT "Writing manual pages and completion" VERBATIM)
+add_custom_target(shell_pages ALL DEPENDS ${shell}/render2mpeg.fish)
+install(DIRECTORY ${shell}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 FILES_MATCHING PATTERN "*.1")
+install(FILES ${shell}/render2mpeg.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME render2mpeg)
+install(FILES ${shell}/_render2mpeg DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
+install(FILES ${shell}/render2mpeg.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+
+# Documents keep their places beside each other, so that their links lead on; links to what is not installed become plain text.
 install(DIRECTORY animations DESTINATION ${CMAKE_INSTALL_DATADIR}/render2mpeg)
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*.md" PATTERN "*.json")
-install(FILES cmake/render2mpeg.bash-completion DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME render2mpeg)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.json" PATTERN "*.svg" PATTERN "*.png" PATTERN "*.jpg")
+install(CODE "set(folder \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DOCDIR}\")")
+install(SCRIPT cmake/unlink_documents.cmake)

@@ -1,7 +1,7 @@
 # An installed tree that was moved still finds its modules: renders with the installed program after renaming the prefix.
 add_test(NAME install.MovedTreeStillRenders
          COMMAND ${CMAKE_COMMAND} -D BUILD=${PROJECT_BINARY_DIR} -D BINDIR=${CMAKE_INSTALL_BINDIR} -D LIBDIR=${CMAKE_INSTALL_LIBDIR}
-                 -D DATADIR=${CMAKE_INSTALL_DATADIR} -D DOCDIR=${CMAKE_INSTALL_DOCDIR}
+                 -D DATADIR=${CMAKE_INSTALL_DATADIR} -D DOCDIR=${CMAKE_INSTALL_DOCDIR} -D MANDIR=${CMAKE_INSTALL_MANDIR}
                  -P ${CMAKE_CURRENT_SOURCE_DIR}/install/moved_tree.cmake)
 set_tests_properties(install.MovedTreeStillRenders PROPERTIES LABELS slow TIMEOUT 300)
 
@@ -11,3 +11,16 @@ add_test(NAME install.TheEncoderIsALibraryOfItsOwn
                  -D DATADIR=${CMAKE_INSTALL_DATADIR} -D GENERATOR=${CMAKE_GENERATOR}
                  -P ${CMAKE_CURRENT_SOURCE_DIR}/install/encoder_package.cmake)
 set_tests_properties(install.TheEncoderIsALibraryOfItsOwn PROPERTIES LABELS slow TIMEOUT 300)
+
+# The Debian package: what it holds, what it depends on, that links of its documents lead on, and that its program renders.
+find_program(RENDER2MPEG_DPKG_DEB dpkg-deb)
+find_program(RENDER2MPEG_SHLIBDEPS dpkg-shlibdeps)
+mark_as_advanced(RENDER2MPEG_DPKG_DEB RENDER2MPEG_SHLIBDEPS)
+add_test(NAME install.ADebianPackageHoldsAllAndRenders
+         COMMAND ${CMAKE_COMMAND} -D BUILD=${PROJECT_BINARY_DIR} -D SOURCE=${PROJECT_SOURCE_DIR} -D CPACK=${CMAKE_CPACK_COMMAND}
+                 -D DPKG_DEB=${RENDER2MPEG_DPKG_DEB} -D SHLIBDEPS=${RENDER2MPEG_SHLIBDEPS}
+                 -P ${CMAKE_CURRENT_SOURCE_DIR}/install/debian_package.cmake)
+set_tests_properties(install.ADebianPackageHoldsAllAndRenders PROPERTIES LABELS slow TIMEOUT 300 SKIP_REGULAR_EXPRESSION "skipped: ")
+# Both install the same build folder, and installing writes there.
+set_tests_properties(install.MovedTreeStillRenders install.TheEncoderIsALibraryOfItsOwn install.ADebianPackageHoldsAllAndRenders
+                     PROPERTIES RESOURCE_LOCK install)

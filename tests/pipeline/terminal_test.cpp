@@ -56,7 +56,7 @@ TEST(Wrapping, BreaksBetweenWordsAndKeepsLineEnds) {
 }
 
 TEST(Help, FitsEightyColumns) {
-    for (const char* command : {"", "render ", "encode ", "plan ", "info ", "cost ", "compare "}) {
+    for (const char* command : {"", "render ", "encode ", "plan ", "info ", "cost ", "tune ", "compare "}) {
         const auto help = run(program() + " " + command + "--help");
         EXPECT_EQ(help.status, 0);
         std::istringstream lines(help.output);
@@ -67,7 +67,7 @@ TEST(Help, FitsEightyColumns) {
 /// What bash offers behind these words, the last of them unfinished.
 std::set<std::string> completions(const std::string& words) {
     // A terminal would run the function with these variables set; the program is found by its whole path.
-    const std::string script = ". " + (support::source_folder() / "cmake/render2mpeg.bash-completion").string() +
+    const std::string script = ". " + (support::binary_folder() / "shell/render2mpeg.bash").string() +
                                "; COMP_WORDS=(" + program() + " " + words +
                                "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _render2mpeg; for word in "
                                "\"${COMPREPLY[@]}\"; do echo \"$word\"; done";
@@ -82,7 +82,7 @@ std::set<std::string> completions(const std::string& words) {
 TEST(Completion, OffersEveryCommandAndOption) {
     EXPECT_EQ(completions("\"\""), (std::set<std::string>{"render", "encode", "plan", "info", "cost", "tune", "compare",
                                                           "--help", "--version"}));
-    for (const char* command : {"render", "encode", "plan", "info", "cost", "compare"}) {
+    for (const char* command : {"render", "encode", "plan", "info", "cost", "tune", "compare"}) {
         const std::set<std::string> offers = completions(std::string(command) + " --");
         std::istringstream help(run(program() + " " + command + " --help").output);
         int options = 0;
@@ -110,6 +110,26 @@ TEST(Completion, OffersTheValuesOfOptionsThatHaveFew) {
     EXPECT_EQ(completions("render --exposure \"\""), (Words{"auto"}));
     EXPECT_EQ(completions("encode --motion-convention \"\""), (Words{"blender", "nuke"}));
     EXPECT_EQ(completions("encode --fps 2"), (Words{"23.976", "24", "25", "29.97"}));
+}
+
+TEST(Completion, OfZshAndFishOffersEveryOption) {
+    const std::string zsh = support::contents(support::binary_folder() / "shell/_render2mpeg");
+    const std::string fish = support::contents(support::binary_folder() / "shell/render2mpeg.fish");
+    for (const std::string command : {"render", "encode", "plan", "info", "cost", "tune", "compare"}) {
+        const std::size_t begin = zsh.find("\n    " + command + ")\n");
+        ASSERT_NE(begin, std::string::npos) << command;
+        const std::string part = zsh.substr(begin, zsh.find(";;", begin) - begin);
+        std::istringstream help(run(program() + " " + command + " --help").output);
+        for (std::string line; std::getline(help, line);) {
+            const std::size_t at = line.find("--");
+            if (!line.starts_with("  -") || at == std::string::npos) continue;
+            const std::string option = line.substr(at, line.find_first_of(" ,", at) - at);
+            EXPECT_NE(part.find("'" + option + "["), std::string::npos) << "zsh: " << command << line;
+            EXPECT_NE(fish.find("__fish_seen_subcommand_from " + command + "' -l " + option.substr(2) + " "),
+                      std::string::npos)
+                << "fish: " << command << line;
+        }
+    }
 }
 
 TEST(Completion, OffersFilesElsewhere) {

@@ -1,4 +1,4 @@
 render2mpeg_test(pipeline STARTS_PROGRAMS OPENS_MODULES LIBS render2mpeg_app render2mpeg_test_stages nlohmann_json::nlohmann_json)
 if(TARGET test_pipeline)
-  add_dependencies(test_pipeline render2mpeg)
+  add_dependencies(test_pipeline render2mpeg shell_pages)
 endif()

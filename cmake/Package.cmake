@@ -1,0 +1,18 @@
+# `cpack -G DEB` in a build folder makes a package for the Debian release that it runs on.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "The render2mpeg authors <render2mpeg@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGE_DESCRIPTION "Light is computed as finely as the film's coding and the eye let it be seen, and motion goes to the encoder as it is.
+Scenes are glTF, animation files and what Assimp reads; films are MPEG-2 in .mpg, .vob, .ts, .m2v, .mkv and .mp4.")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+# The encoder as a library of its own is not in it.
+set(CPACK_COMPONENTS_ALL Unspecified)
+set(CPACK_COMPONENTS_GROUPING ALL_COMPONENTS_IN_ONE)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+# `compare` codes with it.
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS ffmpeg)
+include(CPack)

@@ -1,0 +1,23 @@
+# Makes links of the documents in `folder` that lead to nothing there plain text: those to sources, tests and scripts.
+file(GLOB_RECURSE documents ${folder}/*.md)
+foreach(document IN LISTS documents)
+  get_filename_component(here ${document} DIRECTORY)
+  file(READ ${document} text)
+  string(REPLACE "](" "@LINK@(" marked "${text}")  # CMake's lists count brackets
+  string(REGEX MATCHALL "@LINK@\\([^)# :]+" links "${marked}")
+  list(REMOVE_DUPLICATES links)
+  set(dead FALSE)
+  foreach(link IN LISTS links)
+    string(REPLACE "@LINK@(" "" target "${link}")
+    if(NOT EXISTS ${here}/${target})
+      # [words](target#place) becomes words.
+      string(REGEX REPLACE "([.+*?^$])" "\\\\\\1" pattern "${target}")
+      string(REGEX REPLACE "\\[([^][]*)@LINK@\\(${pattern}(#[^)]*)?\\)" "\\1" marked "${marked}")
+      set(dead TRUE)
+    endif()
+  endforeach()
+  if(dead)
+    string(REPLACE "@LINK@(" "](" text "${marked}")
+    file(WRITE ${document} "${text}")
+  endif()
+endforeach()
