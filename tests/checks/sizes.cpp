@@ -38,10 +38,10 @@ std::vector<Finding> oversized_files(const std::vector<File>& files) {
     std::vector<Finding> findings;
     for (const File& file : files) {
         if (!file.is_cpp()) continue;
-        const int limit = file.is_product() ? longest_source : longest_test;
         const int lines = static_cast<int>(lines_of(file.text).size());
-        if (lines > limit)
-            findings.push_back({file.path, 0, std::to_string(lines) + " lines, of at most " + std::to_string(limit)});
+        if (lines > longest_file)
+            findings.push_back(
+                {file.path, 0, std::to_string(lines) + " lines, of at most " + std::to_string(longest_file)});
     }
     return findings;
 }

@@ -7,11 +7,9 @@
 
 namespace render2mpeg::checks {
 
-/// Lines that a file may have: a file that outgrows this has found a second duty. Tests grow by cases, and may be
-/// longer.
-inline constexpr int longest_source = 350;
-inline constexpr int longest_test = 500;
-/// Lines that a function should have; past it, it is two functions. The loop of the whole program must.
+/// Lines that a file may have: a file that outgrows this has found a second duty.
+inline constexpr int longest_file = 500;
+/// Lines that a function may have: past it, it is two functions.
 inline constexpr int longest_function = 60;
 
 std::vector<Finding> oversized_files(const std::vector<File>& files);
@@ -24,8 +22,7 @@ struct Function {
 };
 std::vector<Function> functions_in(const File& file);
 
-/// Functions beyond the length, in product files only. A warning, but for `src/app/loop/pipeline.cpp`, whose loop stays
-/// on a page.
+/// Functions beyond the length, in product files only.
 std::vector<Finding> oversized_functions(const std::vector<File>& files);
 
 }  // namespace render2mpeg::checks

@@ -19,19 +19,15 @@ TEST(Files, OfThisTreeHaveOneDutyEach) {
     EXPECT_TRUE(findings.empty()) << list_of(findings);
 }
 
-TEST(Functions, OfTheProgramsLoopStayOnAPage) {
+TEST(Functions, OfThisTreeStayOnAPage) {
     const auto findings = oversized_functions(read_tree(support::source_folder()));
-    for (const Finding& finding : findings) {
-        EXPECT_NE(finding.path, "src/app/loop/pipeline.cpp") << finding;
-        std::cout << "warning: " << finding << '\n';
-    }
+    EXPECT_TRUE(findings.empty()) << list_of(findings);
 }
 
 TEST(SizeCheck, FindsSourcesAndTestsThatAreTooLong) {
-    EXPECT_TRUE(oversized_files({make_file("src/core/a.cpp", lines(350))}).empty());
-    EXPECT_EQ(oversized_files({make_file("src/core/a.cpp", lines(351))}).size(), 1u);
-    EXPECT_EQ(oversized_files({make_file("encoder/a.h", lines(350) + "last, without its end")}).size(), 1u);
-    EXPECT_TRUE(oversized_files({make_file("tests/core/a_test.cpp", lines(500))}).empty());
+    EXPECT_TRUE(oversized_files({make_file("src/core/a.cpp", lines(500))}).empty());
+    EXPECT_EQ(oversized_files({make_file("src/core/a.cpp", lines(501))}).size(), 1u);
+    EXPECT_EQ(oversized_files({make_file("encoder/a.h", lines(500) + "last, without its end")}).size(), 1u);
     EXPECT_EQ(oversized_files({make_file("tests/core/a_test.cpp", lines(501))}).size(), 1u);
     EXPECT_TRUE(oversized_files({make_file("docs/model.md", lines(2000))}).empty());
 }

@@ -8,10 +8,6 @@
 namespace render2mpeg::checks {
 namespace {
 
-bool is_word(char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
-}
-
 /// The identifier that follows an offset, blanks skipped.
 std::string_view identifier_behind(std::string_view text, std::size_t at) {
     while (at < text.size() && text[at] == ' ') ++at;

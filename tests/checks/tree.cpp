@@ -11,10 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_word(char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
-}
-
 /// Splits C++ into code and comments. A scanner, not a parser: literals, comments and raw strings are all it knows.
 class Splitter {
   public:
@@ -103,6 +99,10 @@ bool is_foreign(const std::string& folder) {
 }
 
 }  // namespace
+
+bool is_word(char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+}
 
 bool File::is_cpp() const {
     return ends_with_any(path, {".cpp", ".h"});

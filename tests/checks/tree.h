@@ -48,6 +48,9 @@ int line_at(std::string_view text, std::size_t offset);
 
 std::vector<std::string_view> lines_of(std::string_view text);
 
+/// Whether a character may stand in a name: a letter, digit or underscore.
+bool is_word(char c);
+
 /// Offsets of a word in a text; whole words only: no letter, digit or underscore beside it.
 std::vector<std::size_t> find_word(std::string_view text, std::string_view word);
 
