@@ -270,24 +270,28 @@ Seen Renderer::see(const scene::Snapshot& snapshot) {
 
 core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance) {
     Impl& i = *impl_;
+    // Update the lights,
     const double start = i.prepare(snapshot, seen);
     ShadeSettings settings = i.shade_settings();
+    // learn how far cuts err,
     const bool learns =
         i.settings.calibrate && !i.given_error_scale && i.settings.stop == Stop::honest && !tolerance.is_reference();
     if (learns) i.calibrate(snapshot, seen, tolerance, settings);
     settings.limits.error_scale = i.given_error_scale.value_or(learns ? i.calibration.value() : 1.0f);
+    // ask the cache, which gathers what it does not know,
     ShadeCounts counts;
-    FrameLight known;
-    const bool by_cache = i.caches && !tolerance.is_reference();
-    if (by_cache) {
-        known = i.cache.light({i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(), tolerance},
-                              snapshot, settings.limits, i.splits ? &i.split : nullptr, counts, i.statistics.cache);
-    }
+    std::optional<FrameLight> cached;
+    if (i.caches && !tolerance.is_reference())
+        cached = i.cache.light({i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(), tolerance},
+                               snapshot, settings.limits, i.splits ? &i.split : nullptr, counts, i.statistics.cache);
+    const FrameLight* known = cached ? &*cached : nullptr;
+    // else gather all; sum up in pixels,
     core::Radiance radiance = renderer::shade(i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(),
-                                              tolerance, settings, counts, by_cache ? &known : nullptr);
-    if (by_cache && settings.layers) radiance.record_density = i.cache.density(snapshot.camera, i.settings.format);
+                                              tolerance, settings, counts, known);
+    if (cached && settings.layers) radiance.record_density = i.cache.density(snapshot.camera, i.settings.format);
+    // and learn from the frame.
     i.count(counts, seen.visible);
-    if (learns) i.watch(snapshot, seen, tolerance, settings, radiance, counts, by_cache ? &known : nullptr);
+    if (learns) i.watch(snapshot, seen, tolerance, settings, radiance, counts, known);
     i.share_time(cpu_seconds() - start, counts);
     i.statistics.layer_seconds = i.posed_scene.layer_seconds();
     return radiance;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "core/color.h"
 #include "core/sampling.h"
 #include "renderer/cache/cache_lookup.h"
 #include "renderer/cache/temporal_reuse.h"
@@ -52,6 +53,7 @@ class HoldOutFrames : public ::testing::Test {
     FrameLight light(std::int64_t frame) {
         CacheErrorModel model;
         model.cache_error_scale = validation_.cache_error_scale();
+        model.reused = risen_;
         scene::Snapshot world = stage_.world();
         world.frame = frame;
         FrameState state({light_trees_, stage_.tracer(), seen_, world.camera.position(), tolerance_}, world, {}, model,
@@ -81,6 +83,7 @@ class HoldOutFrames : public ::testing::Test {
     GlossyTrials trials_;
     CacheValidation validation_;
     FrameHistory history_;
+    float risen_ = 1;  ///< the error scale of cuts over that of the last frame
     CacheCounts counts_;
     ShadeCounts shade_counts_;
 };
@@ -127,6 +130,20 @@ TEST_F(HoldOutFrames, TheSameFrameAgainIsTheSameAndShootsNoRay) {
     EXPECT_EQ(counts_.held_out, 0u);
     for (std::size_t t = 0; t < first.size(); ++t)
         for (std::size_t i = 0; i < first[t].size(); ++i) EXPECT_EQ(first[t][i].direct, second[t][i].direct);
+}
+
+TEST_F(HoldOutFrames, LightIsReusedOnlyWithinItsToleranceByAnErrorScaleThatHasRisen) {
+    light(0);
+    light(1);
+    ASSERT_EQ(shade_counts_.shadow_rays, 0u);
+    risen_ = 100;
+    const FrameLight frame = light(2);
+    EXPECT_GT(shade_counts_.shadow_rays, 0u);
+    for (std::size_t t = 0; t < frame.size(); ++t)
+        for (std::size_t i = 0; i < frame[t].size(); ++i)
+            if (frame[t][i].served && frame[t][i].age >= 2.0f)
+                EXPECT_LE(frame[t][i].error,
+                          1.01f * tolerated * core::luminance(frame[t][i].scattered(seen_.tiles[t][i])));
 }
 
 TEST_F(HoldOutFrames, AFirstFrameIsValidatedTwice) {
