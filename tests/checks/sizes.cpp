@@ -54,9 +54,11 @@ std::vector<Function> functions_in(const File& file) {
         // head begins.
         if (!lines[i].ends_with("{")) continue;
         std::size_t first = i;
-        while (first > 0 && indent_of(lines[first]) >= indent_of(lines[first - 1]) &&
-               !ends_what_came_before(lines[first - 1]))
-            --first;
+        const auto continues = [&](std::size_t line) {
+            const std::size_t indent = indent_of(lines[line]);
+            return indent >= indent_of(lines[line - 1]) || lines[line].substr(indent).starts_with(": ");
+        };
+        while (first > 0 && continues(first) && !ends_what_came_before(lines[first - 1])) --first;
         const std::size_t indent = indent_of(lines[first]);
         const std::string_view head = lines[first].substr(indent);
         if (!opens_function(head)) continue;
