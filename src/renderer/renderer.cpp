@@ -161,7 +161,7 @@ struct Renderer::Impl {
     }
 
     ShadeSettings shade_settings() const {
-        return {{settings.min_cut, settings.max_cut, settings.stop, 1.0f}, plan.runs(Pass::layers)};
+        return {{settings.min_cut, settings.max_cut, 1.0f}, plan.runs(Pass::layers)};
     }
 
     /// Before a frame is lit that resembles none before, or that may be off by so much more that what is known of the
@@ -274,8 +274,7 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     const double start = i.prepare(snapshot, seen);
     ShadeSettings settings = i.shade_settings();
     // learn how far cuts err,
-    const bool learns =
-        i.settings.calibrate && !i.given_error_scale && i.settings.stop == Stop::honest && !tolerance.is_reference();
+    const bool learns = i.settings.calibrate && !i.given_error_scale && !tolerance.is_reference();
     if (learns) i.calibrate(snapshot, seen, tolerance, settings);
     settings.limits.error_scale = i.given_error_scale.value_or(learns ? i.calibration.value() : 1.0f);
     // ask the cache, which gathers what it does not know,
@@ -321,10 +320,6 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
     const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
     const auto truth = gather_exactly(i.light_trees, i.posed_scene.tracer(), seen, pixels, moved);
     return compare(seen, pixels, truth, tolerance, radiance);
-}
-
-void Renderer::set_stop(Stop stop) {
-    impl_->settings.stop = stop;
 }
 
 void Renderer::set_error_scale(float factor) {

@@ -9,7 +9,6 @@
 #include "core/radiance.h"
 #include "core/tolerance_map.h"
 #include "renderer/base/plan.h"
-#include "renderer/base/stop.h"
 #include "renderer/base/tolerance_bands.h"
 #include "renderer/cache/cache_counts.h"
 #include "renderer/calibration/audited_pixel.h"
@@ -35,13 +34,11 @@ struct Settings {
     int direct_points = 1024;  ///< light points for emissive surfaces and sky together
     int vpls = 4096;           ///< anchor lights, about: light points of indirect light; 0: none
     int bounces = 8;           ///< longest photon path
-    Stop stop = Stop::honest;  ///< when a cut is fine enough
     int min_cut = 8;           ///< clusters per gather point, both trees together
     int max_cut = 1000;
     int specular_depth = 6;  ///< mirrors and glass after one another
     Clamp clamp = Clamp::bounded;
-    bool calibrate =
-        true;  ///< Stop::honest: let the film's own light decide the error scale of its cuts (calibration.h)
+    bool calibrate = true;  ///< let the film's own light decide the error scale of its cuts (calibration.h)
     CacheUse cache = CacheUse::off;
     core::Isa isa = core::Isa::sse2;
     std::uint64_t seed = 1;  ///< of representatives and light samples; photons use a fixed Halton sequence
@@ -96,8 +93,6 @@ class Renderer {
 
     /// Multiplies what the following cuts are thought to err by, whatever the film's light would decide: for fits.
     void set_error_scale(float factor);
-    /// Another rule for the following cuts than the settings'.
-    void set_stop(Stop stop);
 
     const Statistics& statistics() const;
     /// What is posed as of the last frame, for measurements.

@@ -6,7 +6,7 @@
 
 #include "core/sampling.h"
 #include "parallel/loops.h"
-#include "renderer/cut/cut.h"
+#include "renderer/cut/gatherer.h"
 #include "renderer/lights/anchor_places.h"
 #include "tests/renderer/film_stage.h"
 #include "tests/renderer/lighting.h"

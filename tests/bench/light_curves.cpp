@@ -1,5 +1,5 @@
 // What light costs by the number of light points and of pixels: one point of the curves of light_curves.sh.
-// bench_light_curves SCENE [frame=0] [vpls=4096] [width=512] [height=512] [tolerance=2] [stop=honest] [every=16]
+// bench_light_curves SCENE [frame=0] [vpls=4096] [width=512] [height=512] [tolerance=2] [every=16]
 // Gathering is measured at every so manieth tile of 16x16 pixels, once light is made, the fastest of three, on one
 // thread, and told for the whole picture. Prints one line: light points, width, height; CPU seconds of choosing
 // anchors, of an instant's photons, of planning and growing trees, of gathering; clusters and shadow rays per gather
@@ -44,7 +44,6 @@ void run(const std::string& scene, const bench::Wishes& wishes) {
     options.vpls = wishes.number("vpls", 4096);
     options.exposure = "0";
     app::RenderJob film = app::prepare(options);
-    film.rendering.stop = wishes.text("stop", "honest") == "classic" ? renderer::Stop::classic : renderer::Stop::honest;
     const scene::Snapshot world = film.snapshot(wishes.number("frame", 0));
     renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
     renderer::Seen seen = renderer.see(world);

@@ -21,7 +21,7 @@
 #include "core/sampling.h"
 #include "parallel/loops.h"
 #include "renderer/base/lobe.h"
-#include "renderer/cut/cut.h"
+#include "renderer/cut/gatherer.h"
 #include "renderer/lights/anchors.h"
 #include "renderer/view/see.h"
 #include "scene/preparation/traits.h"

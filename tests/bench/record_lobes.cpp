@@ -20,7 +20,7 @@
 #include "parallel/loops.h"
 #include "renderer/base/lobe.h"
 #include "renderer/cache/glossy_record.h"
-#include "renderer/cut/cut.h"
+#include "renderer/cut/gatherer.h"
 #include "renderer/cut/shadow_rays.h"
 #include "renderer/lights/anchors.h"
 #include "renderer/view/see.h"

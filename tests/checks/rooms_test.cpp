@@ -25,7 +25,7 @@ TEST(Rooms, HaveAReadmeOfAtMostTenLines) {
 
 TEST(RoomCheck, FindsArrowsThatPointTheWrongWay) {
     const std::pair<const char*, const char*> arrows[] = {
-        {"src/renderer/geometry/a.cpp", "renderer/cut/cut.h"},
+        {"src/renderer/geometry/a.cpp", "renderer/cut/gatherer.h"},
         {"src/renderer/lights/a.cpp", "renderer/tree/light_tree.h"},
         {"src/renderer/tree/a.h", "renderer/lights/anchors.h"},
         {"src/scene/gltf/a.cpp", "scene/assimp/parts.h"},
@@ -47,7 +47,7 @@ TEST(RoomCheck, FindsPartsThatARoomMayNotKnow) {
 
 TEST(RoomCheck, FindsARoomThatIncludesWhatIsBuiltOnIt) {
     EXPECT_EQ(rooms_broken_by("src/renderer/cut/a.cpp", "renderer/renderer.h").size(), 1u);
-    EXPECT_TRUE(rooms_broken_by("src/renderer/renderer.cpp", "renderer/cut/cut.h").empty());
+    EXPECT_TRUE(rooms_broken_by("src/renderer/renderer.cpp", "renderer/cut/gatherer.h").empty());
 }
 
 TEST(RoomCheck, FindsSourcesThatLieInNoRoom) {

@@ -33,7 +33,6 @@ constexpr int picture_size = 512, vpls = 9000, frames_per_scene = 2, audited = 1
 constexpr double promise = 0.01;
 const std::vector<double> tolerances{0.02, 0.08, 0.26};
 const std::vector<double> error_scales{1.0, 0.5, 0.25, 0.125};
-const std::vector<double> classic_parts{1.0, 2.0, 4.0, 8.0};
 
 /// What one way to stop came to; sums over frames.
 struct Outcome {
@@ -75,7 +74,7 @@ class Bench {
     }
 
     /// Without `error_scale` each frame is a chunk that learns its own.
-    Outcome run(renderer::Stop stop, double tolerance, double part, std::optional<double> error_scale) const {
+    Outcome run(double tolerance, double part, std::optional<double> error_scale) const {
         Outcome sum;
         const auto relative = static_cast<float>(tolerance), scale = static_cast<float>(1.0 / part);
         const auto promised = core::ToleranceMap::uniform(picture_size, picture_size, {floor_, relative}),
@@ -89,7 +88,6 @@ class Bench {
                 learner->sketch(worlds_[f], renderer::Seen{seen_[f].visible, {}, seen_[f].emitted, {}}, map);
             }
             renderer::Renderer& renderer = error_scale ? *told_[f] : *learner;
-            renderer.set_stop(stop);
             if (error_scale) renderer.set_error_scale(static_cast<float>(*error_scale));
             const renderer::Statistics before = renderer.statistics();
             const double start = app::cpu_seconds();
@@ -154,27 +152,6 @@ class Bench {
     std::vector<std::vector<glm::vec3>> truth_;
 };
 
-/// Rays and seconds of the classic rule where it keeps the promise, between the parts tried; none: nowhere.
-std::optional<Outcome> classic_at_promise(const Bench& bench, double tolerance, double& part) {
-    std::optional<Outcome> before;
-    for (const double p : classic_parts) {
-        Outcome now = bench.run(renderer::Stop::classic, tolerance, p, 1.0);
-        const double over = now.over();
-        part = p;
-        if (over <= promise) {
-            if (!before) return now;
-            // Linear in between, over the logarithm of the part.
-            const double t = std::clamp((before->over() - promise) / (before->over() - over), 0.0, 1.0);
-            part = p * std::pow(2.0, t - 1.0);
-            now.rays = before->rays + t * (now.rays - before->rays);
-            now.seconds = before->seconds + t * (now.seconds - before->seconds);
-            return now;
-        }
-        before = std::move(now);
-    }
-    return std::nullopt;
-}
-
 /// A line of what every pixel needs: the error scale with which its error would have been its tolerance.
 void list_needs(const std::string& name, double tolerance, double error_scale, const Outcome& lit,
                 std::ofstream& needs) {
@@ -189,24 +166,19 @@ void measure(const std::string& name, const std::string& path, std::ofstream& ou
         std::string needs, overs;
         Outcome lawful;
         for (const double error_scale : error_scales) {
-            const Outcome o = bench.run(renderer::Stop::honest, tolerance, 1.0, error_scale);
+            const Outcome o = bench.run(tolerance, 1.0, error_scale);
             needs += fmt::format(" {:.2f}", error_scale * o.quantile(0.99));
             out << fmt::format("{},{:g},{:g},{:.5f},{:.4f},{:.1f}\n", name, tolerance, error_scale, o.over(),
                                o.quantile(0.99), o.rays / o.points);
             list_needs(name, tolerance, error_scale, o, listed);
             if (error_scale == 1.0) lawful = o;
         }
-        const Outcome own = bench.run(renderer::Stop::honest, tolerance, 1.0, std::nullopt);
+        const Outcome own = bench.run(tolerance, 1.0, std::nullopt);
         out << fmt::format("{},{:g},learnt {:.3f},{:.5f},{:.4f},{:.1f}\n", name, tolerance, own.error_scale, own.over(),
                            own.quantile(0.99), own.rays / own.points);
-        double part = 0;
-        const std::optional<Outcome> classic = classic_at_promise(bench, tolerance, part);
-        const std::string against = classic ? fmt::format("{:.2f}, {:.2f} (/{:.1f})", own.rays / classic->rays,
-                                                          own.seconds / classic->seconds, part)
-                                            : "- (over 8)";
-        fmt::print("| {} | {:g} % |{} | {:.2f} | {:.2f} % | {:.2f} | {:.2f} %; {:.2f}, {:.2f} | {} |\n", name,
+        fmt::print("| {} | {:g} % |{} | {:.2f} | {:.2f} % | {:.2f} | {:.2f} %; {:.2f}, {:.2f} |\n", name,
                    100 * tolerance, needs, own.error_scale, 100 * own.over(), own.quantile(0.99), 100 * lawful.over(),
-                   own.rays / lawful.rays, own.seconds / lawful.seconds, against);
+                   own.rays / lawful.rays, own.seconds / lawful.seconds);
         std::fflush(stdout);
         out.flush();
     }
@@ -225,8 +197,8 @@ int main(int argc, char** argv) {
         out << "scene,tolerance,error_scale,over,p99,rays\n";
         fmt::print(
             "| scene | tolerance | r at 99 %, lit at 1, 1/2, 1/4, 1/8 | learnt c | over | p99 of error/T | "
-            "at c = 1: over; rays, time of c over it | rays, time over classic's at equal 99 % (at T/) |\n"
-            "|---|---|---|---|---|---|---|---|\n");
+            "at c = 1: over; rays, time of c over it |\n"
+            "|---|---|---|---|---|---|---|\n");
         for (int i = 2; i < argc; ++i) {
             const std::string text = argv[i];
             const std::size_t equals = text.find('=');

@@ -1,4 +1,4 @@
-// The fit of the honest stopping rule (docs/fits/honest-stop.md): how many pixels of real pictures err by more than
+// The fit of the stopping rule (docs/fits/honest-stop.md): how many pixels of real pictures err by more than
 // their tolerance, at a range of factors on what a cut is thought to err by, against the sum over all light points.
 //
 //   honest_stop OUT.csv NAME=SCENE[:apart]...
@@ -30,7 +30,7 @@ constexpr int picture_size = 512, vpls = 9000, frames_per_scene = 2;
 constexpr int tile_step = 16;
 constexpr double promise = 0.01;  ///< share of pixels that may exceed their tolerance
 const std::vector<double> tolerances{0.01, 0.02, 0.04, 0.08, 0.26};
-const std::vector<double> honest_factors{0.35, 0.5, 0.7, 1.0, 1.4}, classic_factors{1.0, 2.0, 4.0, 8.0};
+const std::vector<double> honest_factors{0.35, 0.5, 0.7, 1.0, 1.4};
 
 struct Subject {
     std::string name, path;
@@ -48,7 +48,6 @@ struct Measured {
 
 struct Key {
     std::string name;
-    bool classic = false;
     double tolerance = 0, factor = 0;
     auto operator<=>(const Key&) const = default;
 };
@@ -132,8 +131,6 @@ class Bench {
         sum.pixels += n;
     }
 
-    void use(renderer::Stop stop) { renderer_->set_stop(stop); }
-
   private:
     static app::RenderJob prepared(const Subject& subject) {
         app::RenderOptions options;
@@ -167,12 +164,9 @@ class Bench {
 void measure(const Subject& subject, Results& results) {
     for (int frame = 0; frame < frames_per_scene; ++frame) {
         Bench bench(subject, frame);
-        for (const bool classic : {false, true}) {
-            bench.use(classic ? renderer::Stop::classic : renderer::Stop::honest);
-            for (const double tolerance : tolerances)
-                for (const double factor : classic ? classic_factors : honest_factors)
-                    bench.add(tolerance, factor, results[{subject.name, classic, tolerance, factor}]);
-        }
+        for (const double tolerance : tolerances)
+            for (const double factor : honest_factors)
+                bench.add(tolerance, factor, results[{subject.name, tolerance, factor}]);
     }
 }
 
@@ -204,74 +198,62 @@ double needed(const Results& results, const Key& key, const std::vector<double>&
 
 void print_shares(const std::vector<Subject>& subjects, const Results& results) {
     fmt::print(
-        "| scene | tolerance | over | p50 / p95 / p99; colour p99 | clusters | rays | classic at its own stop: over; "
-        "rays | "
-        "rays, time / classic's at equal 99 % | factor needed |\n|---|---|---|---|---|---|---|---|---|\n");
+        "| scene | tolerance | over | p50 / p95 / p99; colour p99 | clusters | rays | factor needed |
+"
+        "|---|---|---|---|---|---|---|
+");
     for (const Subject& s : subjects) {
         for (const double t : tolerances) {
-            const Measured& m = results.at({s.name, false, t, 1.0});
-            const Measured& own = results.at({s.name, true, t, 1.0});
-            const Key key{s.name, true, t, 0};
-            const double equal = needed(results, key, classic_factors);
-            const double rays =
-                at_factor(results, key, classic_factors, equal, [](const Measured& x) { return x.rays; });
-            const double time =
-                at_factor(results, key, classic_factors, equal, [](const Measured& x) { return x.seconds; });
+            const Measured& m = results.at({s.name, t, 1.0});
             fmt::print(
-                "| {}{} | {:g} % | {:.2f} % | {:.2f} / {:.2f} / {:.2f}; {:.2f} | {:.0f} | {:.0f} | {:.1f} %; {:.0f} | "
-                "{:.2f}, {:.2f} (/{:.2f}) | {:.2f} |\n",
-                s.name, s.apart ? " (apart)" : "", 100 * t, 100 * m.over, m.p50, m.p95, m.p99, m.colour99, m.clusters,
-                m.rays, 100 * own.over, own.rays, m.rays / rays, m.seconds / time, equal,
-                needed(results, {s.name, false, t, 0}, honest_factors));
+                "| {}{} | {:g} % | {:.2f} % | {:.2f} / {:.2f} / {:.2f}; {:.2f} | {:.0f} | {:.0f} | {:.2f} |
+                ",
+                s.name,
+                s.apart ? " (apart)" : "", 100 * t, 100 * m.over, m.p50, m.p95, m.p99, m.colour99, m.clusters, m.rays,
+                needed(results, {s.name, t, 0}, honest_factors));
         }
     }
 }
 
 /// What each scene would err by, had the factor been fitted on the others of the fit alone: their worst need.
 void print_cross_validation(const std::vector<Subject>& subjects, const Results& results) {
-    fmt::print("\n| left out | honest: over at");
+    fmt::print("\n| left out | over at");
     for (const double t : tolerances) fmt::print(" {:g} %", 100 * t);
-    fmt::print(" | classic: the same |\n|---|---|---|\n");
+    fmt::print(" |\n|---|---|\n");
     for (const Subject& left : subjects) {
         fmt::print("| {}{} |", left.name, left.apart ? " (apart)" : "");
-        for (const bool classic : {false, true}) {
-            const auto& factors = classic ? classic_factors : honest_factors;
-            for (const double t : tolerances) {
-                // The honest rule's factor may differ between tolerances, as its k does; the classic one's is one.
-                double worst = 0;
-                for (const Subject& other : subjects)
-                    for (const double u : tolerances)
-                        if (!other.apart && other.name != left.name && (classic || u == t))
-                            worst = std::max(worst, needed(results, {other.name, classic, u, 0}, factors));
-                fmt::print(" {:.2f}", 100 * at_factor(results, {left.name, classic, t, 0}, factors, worst,
-                                                      [](const Measured& m) { return m.over; }));
-            }
-            fmt::print(" |");
+        for (const double t : tolerances) {
+            // The factor may differ between tolerances, as k does.
+            double worst = 0;
+            for (const Subject& other : subjects)
+                if (!other.apart && other.name != left.name)
+                    worst = std::max(worst, needed(results, {other.name, t, 0}, honest_factors));
+            fmt::print(" {:.2f}", 100 * at_factor(results, {left.name, t, 0}, honest_factors, worst,
+                                                  [](const Measured& m) { return m.over; }));
         }
-        fmt::print("\n");
+        fmt::print(" |\n");
     }
 }
 
 void print_needs(const std::vector<Subject>& subjects, const Results& results) {
-    fmt::print("\n| tolerance | largest factor needed, fit | apart | classic, fit | apart |\n|---|---|---|---|---|\n");
+    fmt::print("\n| tolerance | largest factor needed, fit | apart |\n|---|---|---|\n");
     for (const double t : tolerances) {
-        double worst[4] = {};
-        for (const Subject& s : subjects)
-            for (const bool classic : {false, true}) {
-                double& w = worst[2 * static_cast<int>(classic) + static_cast<int>(s.apart)];
-                w = std::max(w, needed(results, {s.name, classic, t, 0}, classic ? classic_factors : honest_factors));
-            }
-        fmt::print("| {:g} % | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", 100 * t, worst[0], worst[1], worst[2], worst[3]);
+        double worst[2] = {};
+        for (const Subject& s : subjects) {
+            double& w = worst[static_cast<int>(s.apart)];
+            w = std::max(w, needed(results, {s.name, t, 0}, honest_factors));
+        }
+        fmt::print("| {:g} % | {:.2f} | {:.2f} |\n", 100 * t, worst[0], worst[1]);
     }
 }
 
 void write_csv(const std::string& file, const Results& results) {
     std::ofstream out(file);
-    out << "scene,rule,tolerance,factor,pixels,over,capped,p50,p95,p99,colour99,clusters,rays,microseconds\n";
+    out << "scene,tolerance,factor,pixels,over,capped,p50,p95,p99,colour99,clusters,rays,microseconds\n";
     for (const auto& [key, m] : results)
-        out << fmt::format("{},{},{:g},{:g},{:.0f},{:.5f},{:.5f},{:.3f},{:.3f},{:.3f},{:.3f},{:.1f},{:.1f},{:.1f}\n",
-                           key.name, key.classic ? "classic" : "honest", key.tolerance, key.factor, m.pixels, m.over,
-                           m.capped, m.p50, m.p95, m.p99, m.colour99, m.clusters, m.rays, m.seconds);
+        out << fmt::format("{},{:g},{:g},{:.0f},{:.5f},{:.5f},{:.3f},{:.3f},{:.3f},{:.3f},{:.1f},{:.1f},{:.1f}\n",
+                           key.name, key.tolerance, key.factor, m.pixels, m.over, m.capped, m.p50, m.p95, m.p99,
+                           m.colour99, m.clusters, m.rays, m.seconds);
     if (!out) throw core::Error("writing", file, "the file cannot be written");
 }
 

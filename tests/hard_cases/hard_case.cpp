@@ -48,7 +48,6 @@ app::RenderJob render_job(const HardCase& hard_case, scene::Animation film, Way 
     p.rendering.direct_points = 64;
     p.rendering.vpls = 100;
     p.rendering.isa = core::detect_isa();
-    p.rendering.stop = way == Way::classic ? renderer::Stop::classic : renderer::Stop::honest;
     p.rendering.cache = way == Way::records ? renderer::CacheUse::on : renderer::CacheUse::off;
     p.plan = renderer::make_plan(scene::traits_of(film), {});
     p.coding.width = hard_case.size.x;
@@ -64,7 +63,7 @@ app::RenderJob render_job(const HardCase& hard_case, scene::Animation film, Way 
 }  // namespace
 
 const char* name_of(Way way) {
-    constexpr const char* names[] = {"reference", "classic", "honest", "records", "coupled"};
+    constexpr const char* names[] = {"reference", "cut", "records", "coupled"};
     return names[static_cast<std::size_t>(way)];
 }
 

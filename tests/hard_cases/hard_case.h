@@ -16,8 +16,8 @@
 namespace render2mpeg::test {
 
 /// How light is gathered.
-enum class Way { reference, classic, honest, records, coupled };
-inline constexpr Way all_ways[] = {Way::reference, Way::classic, Way::honest, Way::records, Way::coupled};
+enum class Way { reference, cut, records, coupled };
+inline constexpr Way all_ways[] = {Way::reference, Way::cut, Way::records, Way::coupled};
 const char* name_of(Way way);
 
 template <class T>

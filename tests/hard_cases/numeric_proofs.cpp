@@ -16,7 +16,7 @@ std::vector<Proof> light_proofs() {
         {"a point inside a cluster's box",
          "the cluster is refined; cuts end, and those that reach the largest are counted",
          {"a block that moves through a lamp"},
-         {"StopRules.EndFiniteWhateverLightAndTolerance", "StopRules.SayWhichPointsTheLargestCutLeftOut"}},
+         {"StoppingRule.EndFiniteWhateverLightAndTolerance", "StoppingRule.SayWhichPointsTheLargestCutLeftOut"}},
         {"grazing cosines on either side",
          "light fades to 0 and is never negative",
          {"a sun along the surface", "a lamp in the plane of the surface"},

@@ -140,13 +140,11 @@ TEST(Notes, TellWhichOptionsDoNothing) {
     noted(start + frames + " --gop 5 --tune perceptual", "--gop, --tune do nothing here: f.%d.exr is not coded");
     noted(start + frames + " --exposure 1 --tolerance reference", "--exposure does nothing here");
     noted(start + film_out + " --tolerance fixed=2% --masking quantised", "--masking does nothing here");
-    noted(start + film_out + " --tolerance reference --stop classic", "--stop does nothing here");
     noted(start + film_out + " --frames 0:9 --keyframes 3,12,40", "2 of 3 are no frames of the film, which has 0 to 9");
     noted(start + film_out + " --frames 0:999", "beyond the scene's own film, which ends with frame");
     // Silent where all count, and where nobody wants to know.
-    EXPECT_EQ(
-        run(start + film_out + " --gop 5 --masking quantised --keyframes 3 --stop classic").output.find("nothing here"),
-        std::string::npos);
+    EXPECT_EQ(run(start + film_out + " --gop 5 --masking quantised --keyframes 3").output.find("nothing here"),
+              std::string::npos);
     EXPECT_EQ(run(start + frames + " --gop 5 --quiet").output, "");
 }
 

@@ -99,7 +99,7 @@ TEST(Completion, OffersEveryCommandAndOption) {
 
 TEST(Completion, OffersTheValuesOfOptionsThatHaveFew) {
     using Words = std::set<std::string>;
-    EXPECT_EQ(completions("render --stop \"\""), (Words{"honest", "classic"}));
+    EXPECT_EQ(completions("render --clamp \"\""), (Words{"bounded", "none"}));
     EXPECT_EQ(completions("render --masking \"\""), (Words{"warped", "quantised"}));
     EXPECT_EQ(completions("render --tolerance \"\""), (Words{"coupled", "fixed=", "reference"}));
     EXPECT_EQ(completions("render --for d"), (Words{"dvd-ntsc", "dvd-pal"}));

@@ -6,7 +6,7 @@
 
 #include "core/color.h"
 #include "parallel/loops.h"
-#include "renderer/cut/cut.h"
+#include "renderer/cut/gatherer.h"
 #include "renderer/tree/light_trees.h"
 #include "tests/renderer/anchor_stage.h"
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "parallel/loops.h"
-#include "renderer/cut/cut.h"
+#include "renderer/cut/gatherer.h"
 #include "tests/renderer/film_stage.h"
 #include "tests/renderer/lighting.h"
 
@@ -72,18 +72,18 @@ TEST(LightSplit, ComeToWhatAllOfItComesTo) {
         GatherLanes lanes;
         fill(lanes, one);
         lanes.set = 0;
-        const auto light = [&](const LightTrees& light_trees, Stop stop) {
+        const auto light = [&](const LightTrees& light_trees) {
             GatheredLight out;
             GroupTolerance finest;
             for (int i = 0; i < lane_count; ++i) finest.set(i, {{1e-9f, 0, 0}, 0});
-            CutLimits all{1, 1 << 20, stop, 1.0f, false};
+            CutLimits all{1, 1 << 20, 1.0f, false};
             Gatherer(light_trees, tracer).gather(lanes, finest, all, out);
             return glm::dvec3(out.direct.at(0)) + glm::dvec3(out.indirect.at(0));
         };
-        const glm::dvec3 whole = light(now, Stop::honest);
-        const glm::dvec3 less = light(parts.occluded, Stop::honest);
-        const glm::dvec3 more = light(parts.gained, Stop::honest), lost = light(parts.lost, Stop::honest);
-        const glm::dvec3 sum = light(parts.static_light, Stop::honest) + more - lost - less;
+        const glm::dvec3 whole = light(now);
+        const glm::dvec3 less = light(parts.occluded);
+        const glm::dvec3 more = light(parts.gained), lost = light(parts.lost);
+        const glm::dvec3 sum = light(parts.static_light) + more - lost - less;
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], whole[c], 1e-4 * whole[c] + 1e-6) << k;
         hidden += less.x / std::max(whole.x, 1e-9);
         changed += (more.x + lost.x) / std::max(whole.x, 1e-9);

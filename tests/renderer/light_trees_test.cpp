@@ -142,7 +142,7 @@ int clusters(const AnchorStage& stage, LightTrees& light_trees) {
             GroupTolerance tolerance{};
             std::fill(std::begin(tolerance.relative), std::end(tolerance.relative), 0.02f);
             GatheredLight light;
-            gatherer.gather(lanes, tolerance, {8, 100000, Stop::honest}, light);
+            gatherer.gather(lanes, tolerance, {8, 100000}, light);
             sum += light.direct_clusters + light.indirect_clusters;
         }
     }

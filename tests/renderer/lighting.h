@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "renderer/cut/cut.h"
+#include "renderer/cut/gatherer.h"
 #include "renderer/lights/light_points.h"
 #include "renderer/lights/photons.h"
 #include "renderer/surface/posed_scene.h"

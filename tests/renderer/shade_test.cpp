@@ -136,26 +136,6 @@ TEST(Shade, GrowsNearerToTheReferenceAsTheToleranceShrinks) {
     EXPECT_LT(last_median, 0.01);
 }
 
-TEST(Shade, AtTwoPercentErrsAsTheClassicRuleDoes) {
-    // The rule bounds single clusters: some tens of per cent of the pixels exceed 2 %, few exceed 6 %. Both ends are
-    // held: a rule that never errs wastes rays.
-    Settings settings = test::small_frame(64, 64);
-    settings.vpls = 2000;
-    settings.direct_points = 256;
-    settings.stop = Stop::classic;
-    FilmStage stage(furnished_room(), settings);
-    const std::vector<double> e = errors(stage.reference(), stage.cut(0.02f));
-    const double over =
-        static_cast<double>(e.end() - std::upper_bound(e.begin(), e.end(), 0.02)) / static_cast<double>(e.size());
-    RecordProperty("share_over_2_percent", std::to_string(over));
-    RecordProperty("p95", std::to_string(e[e.size() * 95 / 100]));
-    EXPECT_GT(over, 0.02);
-    EXPECT_LT(over, 0.49);
-    EXPECT_LT(e[e.size() / 2], 0.02);
-    EXPECT_LT(e[e.size() * 99 / 100], 0.08);
-    EXPECT_LT(e.back(), 0.3);
-}
-
 TEST(Shade, IsBrighterByExactlyWhatTheLightIs) {
     FilmStage one(furnished_room(5.0f)), four(furnished_room(20.0f));
     for (const float tolerance : {0.02f, -1.0f}) {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/sampling.h"
-#include "renderer/cut/cut.h"
+#include "renderer/cut/gatherer.h"
 #include "renderer/lights/photon_splat.h"
 #include "tests/renderer/anchor_stage.h"
 #include "tests/renderer/lighting.h"
@@ -147,7 +147,7 @@ Floor lit_floor(LitStage& stage) {
         GroupTolerance tolerance{};
         for (int i = 0; i < lane_count; ++i) tolerance.relative[i] = 0.02f;
         GatheredLight light;
-        gatherer.gather(lanes, tolerance, {8, 4000, Stop::honest}, light);
+        gatherer.gather(lanes, tolerance, {8, 4000}, light);
         floor.rays += light.shadow_rays;
         floor.clusters += light.direct_clusters + light.indirect_clusters;
         for (int i = 0; i < lane_count; ++i) floor.light.push_back(light.direct.at(i) + light.indirect.at(i));

@@ -218,7 +218,6 @@ json cost_json(const RenderJob& film, const Sweep& sweep, const std::string& com
             {"height", film.format.height},
             {"fps", film.rate.hertz.value()},
             {"exposure", film.exposure.value_or(0)},
-            {"stop", film.rendering.stop == renderer::Stop::classic ? "classic" : "honest"},
             {"samples", film.rendering.samples},
             {"vpls", film.rendering.vpls},
             {"masking", film.coupling.visibility.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"},

@@ -48,7 +48,6 @@ renderer::Settings rendering_settings(const RenderOptions& options, const scene:
     settings.clamp = options.clamp == "none" ? renderer::Clamp::none : renderer::Clamp::bounded;
     // chosen: of 1000 to 8000 clusters the least with which at 2 % no point stops early (docs/fits/lightcut.md).
     settings.max_cut = 4000;
-    settings.stop = options.stop == "classic" ? renderer::Stop::classic : renderer::Stop::honest;
     settings.isa = options.isa ? core::isa_from(*options.isa) : core::detect_isa();
     return settings;
 }

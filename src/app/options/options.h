@@ -51,7 +51,6 @@ struct RenderOptions {
     std::string masking = "warped";         ///< "warped" or "quantised"
     std::string error_maps = "references";  ///< "references" or "intra"
     std::string error_spread = "block";     ///< "block" or "pixel"
-    std::string stop = "honest";            ///< "classic" or "honest"
     int audit = 0;                          ///< pixels of every frame
     std::string exposure = "auto";          ///< "auto" or a number of EV; the animation file's wins over "auto"
     std::string clamp = "bounded";          ///< "bounded" or "none"

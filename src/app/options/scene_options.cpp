@@ -79,14 +79,6 @@ void add_light_options(CLI::App& command, RenderOptions& options) {
         ->check(CLI::IsMember({"block", "pixel"}))
         ->group("");
     command
-        .add_option(
-            "--stop", options.stop,
-            "When light is gathered finely enough: `honest` once the pixel's whole error is reckoned to be within "
-            "its tolerance, `classic` once every single cluster's is")
-        ->check(CLI::IsMember({"honest", "classic"}))
-        ->capture_default_str()
-        ->group(light);
-    command
         .add_option("--clamp", options.clamp,
                     "Light points too near a surface: `bounded` limits them, `none` does not (bright dots)")
         ->check(CLI::IsMember({"bounded", "none"}))

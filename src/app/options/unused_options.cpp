@@ -40,8 +40,6 @@ std::vector<std::string> unused_options(const RenderOptions& options, OutputKind
              output + " holds the scene's own light, and no light is too dark for this tolerance");
     if (!tolerance.coupled)
         note(lines, options.given, {"--masking"}, "the tolerance is not coupled to the film's coding");
-    if (tolerance.reference)
-        note(lines, options.given, {"--stop"}, "with --tolerance reference every light point is gathered");
     return lines;
 }
 

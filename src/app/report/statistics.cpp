@@ -228,7 +228,6 @@ json statistics_of(const RenderJob& film, const RunStatistics& statistics, const
         {"gather_points", r.gather_points},
         {"capped_points", r.capped_points},
         {"tolerance_bands", bands_of(r.bands)},
-        {"stop", film.rendering.stop == renderer::Stop::classic ? "classic" : "honest"},
         {"error_scale", error_scale_of(r)},
         {"records", records_of(film, r)},
         {"audit", audit_of(film, statistics.audit)},

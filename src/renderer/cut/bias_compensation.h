@@ -1,7 +1,9 @@
 #pragma once
 // Light from surfaces very near a point: discs, and bias compensation.
-#include "renderer/cut/cut.h"
+#include "renderer/cut/gathered_light.h"
+#include "renderer/geometry/ray_tracer.h"
 #include "renderer/tree/light_kernels.h"
+#include "renderer/tree/light_trees.h"
 
 namespace render2mpeg::renderer {
 

@@ -1,7 +1,7 @@
 #pragma once
 // Sums light over clusters in two levels, for accuracy.
-#include "renderer/base/isa_clones.h"
-#include "renderer/cut/cut.h"
+#include "renderer/cut/gathered_light.h"
+#include "renderer/tree/light_kernels.h"
 
 namespace render2mpeg::renderer {
 
@@ -38,11 +38,5 @@ class CutSums {
     Part part_{}, whole_{};
     alignas(64) Lanes clamped_{};
 };
-
-RENDER2MPEG_ALWAYS_INLINED UnitLight Gatherer::unit_of(std::uint32_t slot) const {
-    const bool glossy = !lobes_.empty();
-    return {slots_.data()[slot].diffuse, glossy ? &lobes_.data()[slot].f0 : nullptr,
-            glossy ? &lobes_.data()[slot].schlick : nullptr, tints_.empty() ? nullptr : tints_.data()[slot].passes};
-}
 
 }  // namespace render2mpeg::renderer

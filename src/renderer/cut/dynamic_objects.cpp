@@ -43,9 +43,9 @@ RENDER2MPEG_ALWAYS_INLINED void cross(const ShadowPacket& packet, const MiddleBo
 
 }  // namespace
 
-void GroupDynamicObjects::choose(const GatherLanes& lanes, std::span<const MiddleBox> movers, float least) {
+void GroupDynamicObjects::choose(const GatherLanes& lanes, std::span<const MiddleBox> boxes) {
     count_ = 0;
-    if (movers.empty()) return;
+    if (boxes.empty()) return;
     glm::vec3 low(lanes.origin.x[0], lanes.origin.y[0], lanes.origin.z[0]), high = low;
     for (int i = 1; i < lanes.count; ++i) {
         const glm::vec3 p(lanes.origin.x[i], lanes.origin.y[i], lanes.origin.z[i]);
@@ -54,12 +54,11 @@ void GroupDynamicObjects::choose(const GatherLanes& lanes, std::span<const Middl
     }
     middle_ = 0.5f * (low + high);
     half_ = 0.5f * (high - low);
-    radius_ = 0.5f * glm::distance(low, high);
     float seen[most];
-    for (const MiddleBox& box : movers) {
+    for (const MiddleBox& box : boxes) {
         const float size = glm::length(box.half);
         const float looks = core::divide_or(size, std::max(glm::distance(box.middle, middle_), size), 0.0f);
-        if (!(looks > least) || (count_ == most && !(looks > seen[most - 1]))) continue;
+        if (!(looks > 0.0f) || (count_ == most && !(looks > seen[most - 1]))) continue;
         int k = count_ < most ? count_++ : most - 1;
         for (; k > 0 && seen[k - 1] < looks; --k) {
             seen[k] = seen[k - 1];
@@ -68,31 +67,6 @@ void GroupDynamicObjects::choose(const GatherLanes& lanes, std::span<const Middl
         seen[k] = looks;
         box_[k] = box;
     }
-}
-
-bool GroupDynamicObjects::may_hide(LightType type, const glm::vec3& middle, const glm::vec3& half) const {
-    const bool far_away = type == LightType::directional;
-    const glm::vec3 way = far_away ? middle : middle - middle_;
-    const float inverse2 = 1.0f / std::max(glm::dot(way, way), 1e-30f), spread = glm::length(half);
-    const glm::vec3 inverse = 1.0f / glm::vec3(not_zero(way.x), not_zero(way.y), not_zero(way.z));
-    const float end = far_away ? std::numeric_limits<float>::infinity() : 1.0f;
-    for (int k = 0; k < count_; ++k) {
-        // Where the way passes the dynamic object, the cone or frustum of all ways is so wide.
-        const glm::vec3 to = box_[k].middle - middle_;
-        const float along = std::max(glm::dot(way, to) * inverse2, 0.0f);
-        const float t = std::min(along, end);
-        const float wide = (far_away ? 1.0f : 1.0f - t) * radius_ + t * spread;
-        const glm::vec3 size = box_[k].half + wide;
-        // The middle of all ways passes the box, widened by that.
-        float in = 0.0f, out = end;
-        for (int axis = 0; axis < 3; ++axis) {
-            const float a = (to[axis] - size[axis]) * inverse[axis], b = (to[axis] + size[axis]) * inverse[axis];
-            in = std::max(in, std::min(a, b));
-            out = std::min(out, std::max(a, b));
-        }
-        if (in <= out) return true;
-    }
-    return false;
 }
 
 bool GroupDynamicObjects::can_hide(LightType type, const glm::vec3& middle, const glm::vec3& half) const {
@@ -129,18 +103,6 @@ std::uint32_t GroupDynamicObjects::met(const ShadowPacket& packet) const {
         Crossing c;
         cross(packet, box_[k], c);
         for (int i = 0; i < lane_count; ++i) rays |= c.in[i] <= c.out[i] ? 1u << i : 0u;
-    }
-    return rays;
-}
-
-RENDER2MPEG_CLONES
-std::uint32_t GroupDynamicObjects::passed(const ShadowPacket& packet) const {
-    std::uint32_t rays = 0;
-    for (int k = 0; k < count_; ++k) {
-        Crossing c;
-        cross(packet, box_[k], c);
-        for (int i = 0; i < lane_count; ++i)
-            rays |= c.in[i] > 0.0f && c.in[i] < c.out[i] && c.out[i] < packet.far[i] ? 1u << i : 0u;
     }
     return rays;
 }

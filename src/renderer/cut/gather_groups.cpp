@@ -89,13 +89,9 @@ class Merger {
 /// pixels, in an area of 4 stride x 4 stride.
 struct Pattern {
     int stride, across;
-    explicit Pattern(int sets) : stride(sets == 16 ? 4 : sets == 4 ? 2 : 1), across(tile_size / (4 * stride)) {}
+    explicit Pattern(int sets) : stride(sets == representative_sets ? 2 : 1), across(tile_size / (4 * stride)) {}
 
-    int set(int x, int y) const {
-        // Pixels of a square of four take aligned sets, which are stratified among themselves.
-        const int in_square = x % 2 + 2 * (y % 2), square = x / 2 % 2 + 2 * (y / 2 % 2);
-        return stride == 1 ? 0 : stride == 2 ? in_square : 4 * square + in_square;
-    }
+    int set(int x, int y) const { return stride == 1 ? 0 : x % 2 + 2 * (y % 2); }
     std::size_t block(int x, int y) const {
         const int area = 4 * stride;
         return static_cast<std::size_t>((y / area * across + x / area) * stride * stride + set(x, y));

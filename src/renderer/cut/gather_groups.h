@@ -5,11 +5,9 @@
 #include <vector>
 
 #include "renderer/tree/gather_lanes.h"
+#include "renderer/tree/light_tree.h"
 
 namespace render2mpeg::renderer {
-
-/// Sets that neighbouring pixels share out among themselves. chosen: 4 of 1, 4 and 16 (docs/decisions/0016).
-inline constexpr int representative_sets = 4;
 
 /// Smaller groups of a block look for others in the tile. chosen: 13 of 8 to 16 (docs/fits/lightcut.md).
 inline constexpr std::size_t large_group = 13;
@@ -22,10 +20,10 @@ struct GatherGroup {
 
 /// Parts the points of a tile into groups: those of one representative set and one block that lie on much the same
 /// surface; points that small groups leave over join others of the tile, of their own set where one takes them, else of
-/// another. A pixel's set is its place in a pattern of `sets` (1, 4 or 16) pixels that repeats over the picture, so
-/// that the error of a set is spread over the picture as a pattern of the highest frequency, not as a stain. Grouping
-/// decides only how much work points share, never how well any of them is lit. `eye` is where distances are judged
-/// from.
+/// another. A pixel's set is its place in a pattern of `sets` pixels (1, or representative_sets) that repeats over the
+/// picture, so that the error of a set is spread over the picture as a pattern of the highest frequency, not as a
+/// stain. Grouping decides only how much work points share, never how well any of them is lit. `eye` is where distances
+/// are judged from.
 std::vector<GatherGroup> group_points(const GatherTile& tile, glm::vec3 eye, int sets);
 
 /// Whether two points lie on much the same surface, so that their cuts have much in common.

@@ -6,7 +6,7 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "renderer/base/lobe.h"
-#include "renderer/cut/cut.h"
+#include "renderer/cut/gathered_light.h"
 
 namespace render2mpeg::renderer {
 

@@ -6,6 +6,7 @@
 #include "renderer/base/isa_clones.h"
 #include "renderer/cut/bias_compensation.h"
 #include "renderer/cut/cut_sums.h"
+#include "renderer/cut/gatherer.h"
 #include "renderer/cut/shadow_rays.h"
 
 namespace render2mpeg::renderer {

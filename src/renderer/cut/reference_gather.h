@@ -1,6 +1,9 @@
 #pragma once
 // Gathers one point from every light point: the reference.
-#include "renderer/cut/cut.h"
+#include "renderer/cut/gathered_light.h"
+#include "renderer/geometry/ray_tracer.h"
+#include "renderer/surface/gather_point.h"
+#include "renderer/tree/light_trees.h"
 
 namespace render2mpeg::renderer {
 

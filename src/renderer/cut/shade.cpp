@@ -13,6 +13,10 @@
 namespace render2mpeg::renderer {
 namespace {
 
+/// Tiles that one thread shades in a row, so that a gatherer keeps its memory between them. chosen: 4; small pictures
+/// still have ranges for all threads.
+constexpr std::size_t tiles_at_once = 4;
+
 class TileShader {
   public:
     TileShader(const LightTrees& light_trees, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
@@ -31,7 +35,6 @@ class TileShader {
   private:
     void gather_groups(std::size_t tile_index);
     void gather(const GatherTile& tile, const GatherGroup& group, const std::vector<PointTolerance>& tolerances);
-    void gather_cut(const GatherPoint& first, const GroupTolerance& tolerance, std::size_t points);
     void add_to_pixels(const GatherTile& tile);
     void add_layers(const GatherTile& tile, std::size_t first, std::size_t last, int x, int y);
     void check(int x, int y);
@@ -49,13 +52,6 @@ class TileShader {
     Gatherer gatherer_;
     GatherLanes lanes_;
     GatheredLight gathered_;
-    /// Cuts of the tile that others may begin with. chosen: 4; few tiles show more surfaces.
-    struct Outlined {
-        const GatherPoint* first;
-        CutOutline cut;
-    };
-    static constexpr std::size_t most_outlines = 4;
-    std::vector<Outlined> outlines_;
     std::vector<PointLight> light_;
     ShadeCounts counts_;
     int tile_x_ = 0, tile_y_ = 0;
@@ -75,28 +71,16 @@ void TileShader::gather(const GatherTile& tile, const GatherGroup& group,
             tolerance.set(
                 i,
                 tolerances[group.points[std::min<std::size_t>(static_cast<std::size_t>(i), group.points.size() - 1)]]);
-        gather_cut(*points[0], tolerance, group.points.size());
+        gatherer_.gather(lanes_, tolerance, settings_.limits, gathered_);
     }
     counts_.add(gathered_, group.points.size());
     for (std::size_t i = 0; i < group.points.size(); ++i)
         light_[group.points[i]] = point_light(gathered_, static_cast<int>(i), *points[i]);
 }
 
-void TileShader::gather_cut(const GatherPoint& first, const GroupTolerance& tolerance, std::size_t points) {
-    const auto like = std::find_if(outlines_.begin(), outlines_.end(),
-                                   [&](const Outlined& o) { return share_surface(*o.first, first, eye_); });
-    const bool found = like != outlines_.end();
-    gatherer_.gather(lanes_, tolerance, settings_.limits, gathered_, found ? &like->cut : nullptr);
-    // What few points need says little about others.
-    if (found || points < large_group || outlines_.size() == most_outlines) return;
-    outlines_.push_back({&first, {}});
-    gatherer_.outline(lanes_, outlines_.back().cut);
-}
-
 void TileShader::gather_groups(std::size_t tile_index) {
     const GatherTile& tile = seen_.tiles[tile_index];
     light_.assign(tile.size(), {});
-    outlines_.clear();
     std::vector<PointTolerance> tolerances;
     if (!tolerance_.is_reference()) tolerances = point_tolerances(seen_, tile_index, tolerance_);
     for (const GatherGroup& group : group_points(tile, eye_, representative_sets)) gather(tile, group, tolerances);
@@ -273,9 +257,9 @@ core::Radiance shade(const LightTrees& light_trees, const RayTracer& tracer, con
         if (known != nullptr) radiance.record_age = radiance.record_reuse = core::Plane<float>(width, height, 0.0f);
     }
     std::vector<ShadeCounts> of_tile(seen.tiles.size());
-    parallel::for_each(seen.tiles.size(), [&](std::size_t i) {
+    parallel::for_ranges(seen.tiles.size(), tiles_at_once, [&](std::size_t first, std::size_t last) {
         TileShader shader(light_trees, tracer, seen, eye, tolerance, settings, known, radiance);
-        of_tile[i] = shader.shade(i);
+        for (std::size_t i = first; i < last; ++i) of_tile[i] = shader.shade(i);
     });
     for (const ShadeCounts& c : of_tile) counts.add(c);
     return radiance;

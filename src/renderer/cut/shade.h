@@ -6,7 +6,7 @@
 #include "core/radiance.h"
 #include "core/tolerance_map.h"
 #include "renderer/base/tolerance_bands.h"
-#include "renderer/cut/cut.h"
+#include "renderer/cut/gatherer.h"
 #include "renderer/cut/point_light.h"
 #include "renderer/geometry/ray_tracer.h"
 #include "renderer/surface/gather_point.h"

@@ -19,8 +19,8 @@ namespace {
 /// sets of light trees).
 constexpr std::size_t most_copied_triangles = 65536;
 
-/// Instances that are distorted more than this are not known well enough where they lie to be shields, which allow for
-/// 1e-4 of rounding. chosen: 16, whose rounding (position_error) is a seventh of that.
+/// Instances that are distorted more than this are not known well enough where they lie to be occluders, which allow
+/// for 1e-4 of rounding. chosen: 16, whose rounding (position_error) is a seventh of that.
 constexpr float most_distorted = 16.0f;
 
 std::string name_of_error(RTCError code) {

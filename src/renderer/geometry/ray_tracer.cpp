@@ -10,9 +10,9 @@
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/isa_clones.h"
 #include "renderer/base/light_packing.h"
-#include "renderer/cut/shields.h"
 #include "renderer/geometry/embree_scene.h"
 #include "renderer/geometry/nearest_hits.h"
+#include "renderer/geometry/occluders.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -24,7 +24,7 @@ constexpr float optical_steps = 0x1p20f;
 constexpr std::int64_t opaque_depth = std::int64_t{1} << 32;  ///< 2^-4096
 
 /// Of a scene. chosen: 256, which hold 70 to 76 % of all surface in Sponza and Sibenik.
-constexpr std::size_t most_shields = 256;
+constexpr std::size_t most_occluders = 256;
 
 /// 1 or 0, without a branch; 0 for NaN.
 RENDER2MPEG_ALWAYS_INLINED int fits(float v) {
@@ -78,8 +78,7 @@ std::uint32_t take_blocked(const RTCRay16& rays, int* valid) {
 struct RayTracer::Impl {
     EmbreeScene scene;
     Transmittance transmittance;
-    std::vector<ShadowPacket>* recorded = nullptr;
-    ShieldList shields;
+    OccluderList occluders;
     std::vector<MiddleBox> movers;
 
     struct Layer {
@@ -191,7 +190,6 @@ RayTracer::RayTracer(const scene::Animation& animation, core::Isa isa, std::vect
                      Transmittance transmittance)
     : impl_(new Impl{EmbreeScene(animation, isa, std::move(translucent), &Impl::filter_shadow),
                      std::move(transmittance),
-                     nullptr,
                      {},
                      {}}) {}
 
@@ -200,7 +198,8 @@ RayTracer::RayTracer(RayTracer&&) noexcept = default;
 
 void RayTracer::pose(const scene::Snapshot& snapshot) {
     if (impl_->scene.pose(snapshot))
-        impl_->shields = ShieldList(shields_of(impl_->scene.opaque_static_triangles(2 * most_shields), most_shields));
+        impl_->occluders =
+            OccluderList(occluders_of(impl_->scene.opaque_static_triangles(2 * most_occluders), most_occluders));
     impl_->movers = impl_->scene.dynamic_object_boxes();
 }
 
@@ -208,8 +207,8 @@ std::span<const MiddleBox> RayTracer::dynamic_objects() const {
     return impl_->movers;
 }
 
-const ShieldList& RayTracer::shields() const {
-    return impl_->shields;
+const OccluderList& RayTracer::occluders() const {
+    return impl_->occluders;
 }
 
 bool RayTracer::is_instanced(std::uint32_t object) const {
@@ -243,12 +242,7 @@ bool RayTracer::has_dynamic_objects() const {
     return impl_->scene.has_dynamic_objects();
 }
 
-void RayTracer::record(std::vector<ShadowPacket>* packets) const {
-    impl_->recorded = packets;
-}
-
 std::uint32_t RayTracer::occluded(const ShadowPacket& packet, glm::vec3* light) const {
-    if (impl_->recorded != nullptr) impl_->recorded->push_back(packet);
     return impl_->occluded(packet, impl_->scene.has_instances() ? EmbreeScene::instance_mask : 0, light);
 }
 

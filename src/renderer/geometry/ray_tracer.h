@@ -13,7 +13,7 @@
 
 namespace render2mpeg::renderer {
 
-class ShieldList;
+class OccluderList;
 struct MiddleBox;
 
 /// A ray and how far it goes, in units of the direction's length.
@@ -90,15 +90,11 @@ class RayTracer {
     /// Bit i: ray i of the packet is blocked by something opaque that moves.
     std::uint32_t occluded_by_dynamic(const ShadowPacket& packet) const;
 
-    /// Keeps a copy of every packet that `occluded` is asked from now on, in order, so that a benchmark can ask them
-    /// again; null: no longer. Only while one thread traces.
-    void record(std::vector<ShadowPacket>* packets) const;
-
     /// The same for one ray: what passes of light, 0 where blocked.
     glm::vec3 passes(glm::vec3 origin, glm::vec3 direction, float far) const;
 
     /// The largest pieces of what never moves and is opaque, as posed.
-    const ShieldList& shields() const;
+    const OccluderList& occluders() const;
 
     /// Boxes about what moves and is there, as posed.
     std::span<const MiddleBox> dynamic_objects() const;

@@ -4,7 +4,7 @@
 
 #include "core/surface_address.h"
 #include "image/texture.h"
-#include "renderer/surface/surface_point.h"
+#include "renderer/geometry/surface_footprint.h"
 #include "scene/pose/snapshot.h"
 
 namespace render2mpeg::renderer {

@@ -3,17 +3,10 @@
 #include <glm/glm.hpp>
 
 #include "core/surface_address.h"
-#include "image/texture.h"
+#include "renderer/geometry/surface_footprint.h"
 #include "renderer/surface/bsdf.h"
 
 namespace render2mpeg::renderer {
-
-/// The piece of surface that a look-up stands for: two edges of a parallelogram about the point, world space. Parts off
-/// the surface's plane are ignored. Zero: a point, textures are not filtered.
-struct SurfaceFootprint {
-    glm::vec3 dx{0};
-    glm::vec3 dy{0};
-};
 
 /// All that shading needs to know of one point, its material's textures looked up.
 struct SurfacePoint {

@@ -32,7 +32,7 @@ struct FrameLanes {
 /// beyond `count` repeat the first point's place with normals and weights of 0: they receive nothing.
 struct alignas(64) GatherLanes {
     int count = 0;
-    int set = 0;               ///< of representatives, 0..most_representative_sets - 1; `fill` leaves it alone
+    int set = 0;               ///< of representatives, 0..representative_sets - 1; `fill` leaves it alone
     bool glossy = false;       ///< any lane has a GGX lobe; without, everything below `schlick_weight` is unset
     Vec3Lanes position;        ///< world
     Vec3Lanes origin;          ///< of shadow rays: moved off the surface along its geometric normal

@@ -24,7 +24,7 @@ constexpr std::ptrdiff_t reach = 8;
 constexpr float packing_angle = 1e-4f;
 
 /// A cluster while it grows: one per root of the light trees.
-struct Cluster {
+struct GrowingCluster {
     glm::vec3 low, high;
     glm::vec3 axis;
     float half_angle;  ///< of the normal cone, radians, up to pi
@@ -76,15 +76,15 @@ float rough_acos(float x) {
     return x < 0.0f ? pi - r : r;
 }
 
-double pair_cost(const Cluster& a, const Cluster& b, double scale2) {
+double pair_cost(const GrowingCluster& a, const GrowingCluster& b, double scale2) {
     float half = 0.0f;
     if (scale2 > 0.0) half = union_half_angle(rough_acos(glm::dot(a.axis, b.axis)), a.half_angle, b.half_angle);
     return cost(static_cast<double>(a.power) + b.power, glm::min(a.low, b.low), glm::max(a.high, b.high), half, scale2);
 }
 
-Cluster leaf_of(const LightTree& tree, std::uint32_t index) {
+GrowingCluster leaf_of(const LightTree& tree, std::uint32_t index) {
     const TreeLight& light = tree.lights[index];
-    Cluster c;
+    GrowingCluster c;
     c.low = c.high = light.position;
     c.axis = light.normal();
     c.half_angle = 0.0f;
@@ -123,38 +123,27 @@ double direction_scale2(const LightTree& tree) {
     return scale2 > 0.0 ? scale2 : 1.0;
 }
 
-/// One of the orders of four.
-struct OrderOfFour {
-    unsigned at[4] = {0, 1, 2, 3};
-};
-
-/// Takes what it uses off the dice.
-OrderOfFour dice_order(std::uint64_t& dice) {
-    OrderOfFour order;
-    for (unsigned left = 4; left > 1; dice /= left, --left) std::swap(order.at[left - 1], order.at[dice % left]);
-    return order;
-}
-
-/// Which sets take their representative from the first of two clusters, whose share of both powers this is. Every set
-/// for itself does so with a probability of `share`; together they are stratified, all sixteen and each aligned four of
-/// them, so that the mean over neighbouring pixels errs less than that of independent dice. A function of lasting ids:
-/// as powers change the dice fall the same, and a set changes its mind where the share crosses them and nowhere else.
+/// Bit k: set k takes the representative of the first of two clusters, whose share of both powers this is. Every set
+/// for itself does so with a probability of `share`; together they are stratified, so that the mean over neighbouring
+/// pixels errs less than that of independent dice. A function of lasting ids: as powers change the dice fall the same,
+/// and a set changes its mind where the share crosses them and nowhere else.
 std::uint16_t draw_first(double share, std::uint64_t seed, std::uint32_t first_id, std::uint32_t second_id) {
     const double turn = core::uniform(seed, first_id, second_id);
     std::uint64_t dice = core::mix(core::mix(seed + first_id) + second_id);
-    const OrderOfFour quarter_of[4] = {dice_order(dice), dice_order(dice), dice_order(dice), dice_order(dice)};
-    const OrderOfFour place_within = dice_order(dice);
+    unsigned quarter[representative_sets] = {0, 1, 2, 3};
+    for (unsigned left = representative_sets; left > 1; dice /= left, --left)
+        std::swap(quarter[left - 1], quarter[dice % left]);
     unsigned sets = 0;
-    for (int k = 0; k < most_representative_sets; ++k) {
-        const double dropped = turn + quarter_of[k / 4].at[k % 4] / 4.0 + place_within.at[k / 4] / 16.0;
+    for (int k = 0; k < representative_sets; ++k) {
+        const double dropped = turn + quarter[k] / static_cast<double>(representative_sets);
         sets |= dropped - std::floor(dropped) < share ? 1u << k : 0u;
     }
     return static_cast<std::uint16_t>(sets);
 }
 
 /// The cluster of two. What is dark bounds nothing: it may lie anywhere.
-Cluster joined(const Cluster& a, const Cluster& b) {
-    Cluster c;
+GrowingCluster joined(const GrowingCluster& a, const GrowingCluster& b) {
+    GrowingCluster c;
     if ((a.power > 0.0f) != (b.power > 0.0f)) {
         c = a.power > 0.0f ? a : b;
         c.least_id = std::min(a.least_id, b.least_id);
@@ -174,8 +163,8 @@ Cluster joined(const Cluster& a, const Cluster& b) {
 }
 
 /// Sets all of a node but its children.
-void set_node(LightNode& node, const BoxGrid& grid, const Cluster& c, const Cluster& a, const Cluster& b,
-              std::uint64_t seed) {
+void set_node(LightNode& node, const BoxGrid& grid, const GrowingCluster& c, const GrowingCluster& a,
+              const GrowingCluster& b, std::uint64_t seed) {
     // What is dark may lie anywhere.
     node.box = c.power > 0.0f ? PackedBox(grid, c.low, c.high) : PackedBox();
     node.intensity = PackedLight(c.intensity);
@@ -188,7 +177,7 @@ void set_node(LightNode& node, const BoxGrid& grid, const Cluster& c, const Clus
 
 /// The best partner of every cluster within reach. Equal costs prefer the pair whose indices differ in the lowest bits:
 /// a symmetric rule, so that a lattice of equal lights pairs up at once.
-void find_partners(const std::vector<Cluster>& clusters, double scale2, std::vector<std::uint32_t>& partner) {
+void find_partners(const std::vector<GrowingCluster>& clusters, double scale2, std::vector<std::uint32_t>& partner) {
     const auto n = static_cast<std::ptrdiff_t>(clusters.size());
     partner.resize(clusters.size());
     parallel::for_ranges(clusters.size(), 1024, [&](std::size_t first, std::size_t last) {
@@ -212,13 +201,13 @@ void find_partners(const std::vector<Cluster>& clusters, double scale2, std::vec
 
 std::vector<LightPair> cluster(const LightTree& tree) {
     const double scale2 = direction_scale2(tree);
-    std::vector<Cluster> clusters, next;
+    std::vector<GrowingCluster> clusters, next;
     clusters.reserve(tree.lights.size());
     for (std::uint32_t i = 0; i < tree.lights.size(); ++i) clusters.push_back(leaf_of(tree, i));
     std::vector<LightPair> pairs;
     pairs.reserve(tree.lights.size() - 1);
-    const auto merge = [&pairs](const Cluster& a, const Cluster& b) {
-        Cluster both = joined(a, b);
+    const auto merge = [&pairs](const GrowingCluster& a, const GrowingCluster& b) {
+        GrowingCluster both = joined(a, b);
         both.ref = LightRef::inner(static_cast<std::uint32_t>(pairs.size()));
         pairs.push_back({a.ref, b.ref});
         return both;
@@ -250,16 +239,16 @@ void refit(LightTree& tree, std::uint64_t seed) {
     const ShiningBox shining(tree);
     tree.grid = shining.any() ? BoxGrid(shining.low, shining.high) : BoxGrid();
     // From the leaves up: what ends last lies on top.
-    std::vector<Cluster> stack;
+    std::vector<GrowingCluster> stack;
     const auto take = [&](LightRef child) {
         if (child.is_leaf()) return leaf_of(tree, child.index());
-        const Cluster inner = stack.back();
+        const GrowingCluster inner = stack.back();
         stack.pop_back();
         return inner;
     };
     for (auto i = static_cast<std::uint32_t>(tree.nodes.size()); i-- > 0;) {
         LightNode& node = tree.nodes[i];
-        const Cluster a = take(node.child(i, 0)), b = take(node.child(i, 1));
+        const GrowingCluster a = take(node.child(i, 0)), b = take(node.child(i, 1));
         stack.push_back(joined(a, b));
         set_node(node, tree.grid, stack.back(), a, b, seed);
     }

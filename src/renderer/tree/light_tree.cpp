@@ -213,7 +213,7 @@ LightTree build(LightType type, std::span<const LightPoint> points, std::uint64_
     tree.ids = std::make_shared<const std::vector<std::uint32_t>>(std::move(ids));
     put_in_order(cluster(tree), tree);
     refit(tree, seed);
-    seat_representatives(tree);
+    cache_representatives(tree);
     return tree;
 }
 
@@ -236,30 +236,30 @@ void LightNode::set_children(std::uint32_t self, LightRef first, LightRef second
     EXPECTS(child(self, 0) == first && child(self, 1) == second);
 }
 
-void seat_representatives(LightTree& tree) {
+void cache_representatives(LightTree& tree) {
     // From the leaves up: who stands for what ends last lies on top.
-    using Seats = std::array<std::uint32_t, seated_sets>;
-    std::vector<Seats> stack;
+    using Lights = std::array<std::uint32_t, representative_sets>;
+    std::vector<Lights> stack;
     const auto take = [&](LightRef child) {
-        Seats seats;
+        Lights lights;
         if (child.is_leaf()) {
-            seats.fill(child.index());
+            lights.fill(child.index());
         } else {
-            seats = stack.back();
+            lights = stack.back();
             stack.pop_back();
         }
-        return seats;
+        return lights;
     };
     for (auto i = static_cast<std::uint32_t>(tree.nodes.size()); i-- > 0;) {
         LightNode& node = tree.nodes[i];
-        const Seats of_first = take(node.child(i, 0)), of_second = take(node.child(i, 1));
-        Seats own;
-        for (std::size_t set = 0; set < seated_sets; ++set) {
+        const Lights of_first = take(node.child(i, 0)), of_second = take(node.child(i, 1));
+        Lights own;
+        for (std::size_t set = 0; set < representative_sets; ++set) {
             const bool first = (node.first_represents >> set & 1u) != 0;
             own[set] = first ? of_first[set] : of_second[set];
             const std::int64_t distance = std::int64_t{first ? of_second[set] : of_first[set]} - std::int64_t{own[set]};
             const bool fits = std::abs(distance) <= std::numeric_limits<std::int16_t>::max();
-            node.adopted[set] = fits ? static_cast<std::int16_t>(distance) : LightNode::far_away;
+            node.other_representative[set] = fits ? static_cast<std::int16_t>(distance) : LightNode::far_away;
         }
         stack.push_back(own);
     }
@@ -287,7 +287,7 @@ void update_light_tree(LightTree& tree, std::span<const LightPoint> points, std:
         if (!tree.spots.empty()) tree.spots[i] = loose.spot;
     }
     refit(tree, seed);
-    seat_representatives(tree);
+    cache_representatives(tree);
 }
 
 std::size_t TreeTopology::bytes() const {

@@ -51,8 +51,10 @@ struct Spot {
     float scale = 0, offset = 1;
 };
 
-/// Of these sets, as many as pictures are lit by (representative_sets).
-inline constexpr int seated_sets = 4;
+/// Sets of representatives: in each, every node has one of its lights, one of its children's. Whoever gathers takes one
+/// set; neighbouring pixels take different ones, so that their errors are not alike (docs/model/lightcut.md). chosen: 4
+/// of 1, 4 and 16 (docs/decisions/0016).
+inline constexpr int representative_sets = 4;
 
 /// The least and largest TreeLight::disc2 below a node, rounded outwards to the upper half of a float: by 0.8 % at
 /// most.
@@ -103,13 +105,13 @@ class LightNode {
 
     PackedBox box;          ///< holds all positions (directional: directions), in steps of LightTree::grid
     PackedLight intensity;  ///< summed
-    /// Of the first sets: what stands for the child that does not keep the node's representative, as its distance from
+    /// Of each set: what stands for the child that does not keep the node's representative, as its distance from
     /// that in the tree's lights; `far_away` where it is too far. Looked up where a cut splits the node, since walking
     /// down would wait for memory at each step.
-    std::int16_t adopted[seated_sets] = {far_away, far_away, far_away, far_away};
+    std::int16_t other_representative[representative_sets] = {far_away, far_away, far_away, far_away};
     static constexpr std::int16_t far_away = -0x8000;
     /// Bit k: the representative of set k is that of the first child; chosen by dice in proportion to intensity.
-    std::uint16_t first_represents = 0xffff;
+    std::uint16_t first_represents = 0xf;
     PackedCone cone;  ///< about `axis`, holds all normals
     core::PackedNormal axis;
     Disc2Range disc2;
@@ -119,10 +121,6 @@ class LightNode {
     std::uint32_t children_ = 0;
 };
 static_assert(sizeof(TreeLight) == 32 && sizeof(LightNode) == 48);
-
-/// Sets of representatives: in each, every node has one of its lights, one of its children's. Whoever gathers takes one
-/// set; neighbouring pixels take different ones, so that their errors are not alike (docs/model/lightcut.md).
-inline constexpr int most_representative_sets = 16;
 
 /// A binary tree over light points of one type [Walter2005, 4.1], clustered bottom up. Plain data, fixed once built.
 struct LightTree {
@@ -150,15 +148,15 @@ struct LightTree {
     }
     /// Null where lights have no cone.
     const Spot* spot(std::uint32_t light) const { return spots.empty() ? nullptr : &spots[light]; }
-    /// The light that stands for a node in a set, 0..most_representative_sets - 1.
+    /// The light that stands for a node in a set, 0..representative_sets - 1.
     std::uint32_t representative(LightRef ref, int set = 0) const {
         while (!ref.is_leaf()) ref = child(ref.index(), first_represents(ref, set) ? 0 : 1);
         return ref.index();
     }
     /// The light that stands for an inner node's other child, which does not keep its representative `own`.
-    std::uint32_t adopted_representative(LightRef inner, std::uint32_t own, int set) const {
+    std::uint32_t other_representative(LightRef inner, std::uint32_t own, int set) const {
         const LightNode& node = nodes[inner.index()];
-        const std::int16_t distance = set < seated_sets ? node.adopted[set] : LightNode::far_away;
+        const std::int16_t distance = node.other_representative[set];
         if (distance != LightNode::far_away) return own + static_cast<std::uint32_t>(std::int32_t{distance});
         return representative(child(inner.index(), first_represents(inner, set) ? 1 : 0), set);
     }
@@ -173,8 +171,8 @@ struct LightTree {
     }
 };
 
-/// Fills the nodes' `adopted` from their bits; children come after their parents.
-void seat_representatives(LightTree& tree);
+/// Fills the nodes' `other_representative` from their bits; children come after their parents.
+void cache_representatives(LightTree& tree);
 
 /// Has a node, or a light, on its way from memory before it is wanted.
 inline void fetch(const LightTree& tree, LightRef ref) {

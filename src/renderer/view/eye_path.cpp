@@ -76,7 +76,7 @@ EyeRay eye_ray(const scene::Camera& camera, glm::vec2 position, float spacing, f
 }
 
 /// One ray on its way.
-struct EyePaths::Walk {
+struct EyePaths::PathState {
     EyeRay ray;
     float far;
     glm::vec3 weight{1};
@@ -94,99 +94,99 @@ void EyePaths::look(const EyeRay& ray, float far, const Hit& first, EyeSample& s
     sample.fragments.clear();
     sample.emitted = sample.emitted_specular = glm::vec3{0.0f};
     sample.main = {};
-    Walk walk;
-    walk.ray = ray;
-    walk.far = far;
-    follow(walk, first, sample, counts);
+    PathState path;
+    path.ray = ray;
+    path.far = far;
+    follow(path, first, sample, counts);
 }
 
-Hit EyePaths::meet(const Walk& walk) const {
-    return posed_scene_.tracer().nearest(walk.ray.origin, walk.ray.direction, walk.far);
+Hit EyePaths::meet(const PathState& path) const {
+    return posed_scene_.tracer().nearest(path.ray.origin, path.ray.direction, path.far);
 }
 
-void EyePaths::see_sky(const Walk& walk, EyeSample& sample) const {
-    if (walk.mirrors == 0 && core::luminance(walk.weight) > sample.main.share)
-        sample.main = {core::luminance(walk.weight), core::PixelClass::sky, {}};
+void EyePaths::see_sky(const PathState& path, EyeSample& sample) const {
+    if (path.mirrors == 0 && core::luminance(path.weight) > sample.main.share)
+        sample.main = {core::luminance(path.weight), core::PixelClass::sky, {}};
     if (!sky_) return;
-    const SurfaceFootprint& spread = walk.ray.direction_change;
-    const glm::vec3 light = walk.weight * sky_clock_.time([&] {
-        return posed_scene_.sky()->radiance(walk.ray.direction, glm::length(glm::cross(spread.dx, spread.dy)));
+    const SurfaceFootprint& spread = path.ray.direction_change;
+    const glm::vec3 light = path.weight * sky_clock_.time([&] {
+        return posed_scene_.sky()->radiance(path.ray.direction, glm::length(glm::cross(spread.dx, spread.dy)));
     });
     sample.emitted += light;
-    if (walk.specular) sample.emitted_specular += light;
+    if (path.specular) sample.emitted_specular += light;
 }
 
-/// `hit`: what the walk meets first.
-void EyePaths::follow(Walk walk, Hit hit, EyeSample& sample, SeeCounts& counts) const {
+/// `hit`: what the path meets first.
+void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& counts) const {
     int layers = 0;
     for (int step = 0; step < most_steps; ++step) {
-        ++(walk.mirrors > 0 ? counts.specular_rays : counts.primary_rays);
-        if (step > 0) hit = meet(walk);
+        ++(path.mirrors > 0 ? counts.specular_rays : counts.primary_rays);
+        if (step > 0) hit = meet(path);
         if (!hit.found()) {
-            see_sky(walk, sample);
+            see_sky(path, sample);
             return;
         }
-        const glm::vec3 plane = core::normalize_or(hit.geometric_normal, -walk.ray.direction);
-        const SurfaceFootprint footprint = walk.ray.footprint_at(hit.distance, plane);
+        const glm::vec3 plane = core::normalize_or(hit.geometric_normal, -path.ray.direction);
+        const SurfaceFootprint footprint = path.ray.footprint_at(hit.distance, plane);
         Fragment fragment;
         SurfacePoint& point = fragment.point;
-        point = posed_scene_.surface_at(hit.address, -walk.ray.direction, footprint);
+        point = posed_scene_.surface_at(hit.address, -path.ray.direction, footprint);
 
         // Take what the layer shows.
-        glm::vec3 passing = walk.weight;
+        glm::vec3 passing = path.weight;
         if (point.alpha > 0.0f) {
             const bool last = ++layers == RayTracer::max_layers;
             const float alpha = last ? 1.0f : point.alpha;
-            fragment.weight = alpha * walk.weight;
+            fragment.weight = alpha * path.weight;
             fragment.extent = std::min(glm::length(footprint.dx), glm::length(footprint.dy));
-            fragment.specular = walk.specular;
+            fragment.specular = path.specular;
             const glm::vec3 through = last ? glm::vec3{0.0f} : fragment.weight * point.bsdf.transmission;
-            passing = (1.0f - alpha) * walk.weight + through;
+            passing = (1.0f - alpha) * path.weight + through;
 
             sample.emitted += fragment.weight * point.emission;
-            if (walk.specular) sample.emitted_specular += fragment.weight * point.emission;
-            const float share = core::luminance(walk.weight - passing);
-            if (walk.mirrors == 0 && share > sample.main.share) {
+            if (path.specular) sample.emitted_specular += fragment.weight * point.emission;
+            const float share = core::luminance(path.weight - passing);
+            if (path.mirrors == 0 && share > sample.main.share) {
                 const auto kind = shows_reflection(point) ? core::PixelClass::reflected : core::PixelClass::surface;
                 sample.main = {share, kind, point};
             }
             if (point.bsdf.has_diffuse() || point.bsdf.has_glossy()) sample.fragments.push_back(fragment);
-            mirror(walk, fragment, footprint, sample, counts);
-            walk.specular = walk.specular || core::luminance(through) > 0.0f;
+            mirror(path, fragment, footprint, sample, counts);
+            path.specular = path.specular || core::luminance(through) > 0.0f;
         }
         if (!(core::luminance(passing) > least_passing_share)) return;
 
         // Go on behind it.
-        walk.weight = passing;
-        walk.far -= hit.distance;
-        walk.ray.origin = offset_origin(point, walk.ray.direction);
-        walk.ray.origin_change = footprint;
+        path.weight = passing;
+        path.far -= hit.distance;
+        path.ray.origin = offset_origin(point, path.ray.direction);
+        path.ray.origin_change = footprint;
     }
 }
 
-void EyePaths::mirror(const Walk& walk, const Fragment& fragment, const SurfaceFootprint& footprint, EyeSample& sample,
-                      SeeCounts& counts) const {
+void EyePaths::mirror(const PathState& path, const Fragment& fragment, const SurfaceFootprint& footprint,
+                      EyeSample& sample, SeeCounts& counts) const {
     const SurfacePoint& point = fragment.point;
-    Walk next;
+    PathState next;
     next.weight = fragment.weight * point.bsdf.mirror;
-    if (!mirrors_ || walk.mirrors >= specular_depth_ || !(core::luminance(next.weight) >= least_mirror_share)) return;
-    next.mirrors = walk.mirrors + 1;
+    if (!mirrors_ || path.mirrors >= specular_depth_ || !(core::luminance(next.weight) >= least_mirror_share)) return;
+    next.mirrors = path.mirrors + 1;
     next.specular = true;
     next.far = std::numeric_limits<float>::infinity();
-    next.ray.direction = mirrored(walk.ray.direction, point);
+    next.ray.direction = mirrored(path.ray.direction, point);
     next.ray.origin = offset_origin(point, next.ray.direction);
     next.ray.origin_change = footprint;
 
     // [Igehy1999, "Reflection"]: neighbours are mirrored by the normal they meet.
-    const glm::vec3 n = point.shading_normal, d = walk.ray.direction;
+    const glm::vec3 n = point.shading_normal, d = path.ray.direction;
     const SurfaceFootprint bend = posed_scene_.normal_change(point.address, footprint);
     const float side = point.back_side ? -1.0f : 1.0f;
     const auto turned = [&](glm::vec3 change, glm::vec3 normal_change) {
         const glm::vec3 dn = side * normal_change;
         return change - 2.0f * (glm::dot(d, n) * dn + (glm::dot(change, n) + glm::dot(d, dn)) * n);
     };
-    next.ray.direction_change = {turned(walk.ray.direction_change.dx, bend.dx),
-                                 turned(walk.ray.direction_change.dy, bend.dy)};
+    next.ray.direction_change = {turned(path.ray.direction_change.dx, bend.dx),
+                                 turned(path.ray.direction_change.dy, bend.dy)};
     follow(next, meet(next), sample, counts);
 }
 

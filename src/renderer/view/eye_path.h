@@ -59,11 +59,11 @@ class EyePaths {
     double sky_seconds() const { return sky_clock_.seconds(); }
 
   private:
-    struct Walk;
-    void follow(Walk walk, Hit hit, EyeSample& sample, SeeCounts& counts) const;
-    Hit meet(const Walk& walk) const;
-    void see_sky(const Walk& walk, EyeSample& sample) const;
-    void mirror(const Walk& walk, const Fragment& fragment, const SurfaceFootprint& footprint, EyeSample& sample,
+    struct PathState;
+    void follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& counts) const;
+    Hit meet(const PathState& path) const;
+    void see_sky(const PathState& path, EyeSample& sample) const;
+    void mirror(const PathState& path, const Fragment& fragment, const SurfaceFootprint& footprint, EyeSample& sample,
                 SeeCounts& counts) const;
 
     const PosedScene& posed_scene_;

@@ -1,4 +1,4 @@
-#include "renderer/cut/shields.h"
+#include "renderer/cut/group_occluders.h"
 
 #include <gtest/gtest.h>
 
@@ -59,21 +59,21 @@ bool is_blocked(const RayTracer& tracer, glm::vec3 from, glm::vec3 to, bool dire
     return passed == glm::vec3(0);
 }
 
-class Shields : public testing::TestWithParam<std::pair<float, float>> {};
+class Occluders : public testing::TestWithParam<std::pair<float, float>> {};
 
-TEST_P(Shields, HideOnlyWhatNoRayReaches) {
+TEST_P(Occluders, HideOnlyWhatNoRayReaches) {
     const auto [scale, distance] = GetParam();
     const glm::vec3 at(distance * scale, 0.2f * distance * scale, 0);
     LitStage stage(rooms(scale, at));
     const RayTracer& tracer = stage.posed_scene().tracer();
-    ASSERT_GT(tracer.shields().size(), 10u);
+    ASSERT_GT(tracer.occluders().size(), 10u);
     std::vector<GatherPoint> points;
     GatherLanes lanes;
-    GroupShields shields;
+    GroupOccluders occluders;
     int hidden = 0, asked = 0, reached = 0;
     for (std::uint64_t g = 0; g < 300; ++g) {
         place(stage, 100 + g, points, lanes);
-        shields.choose(lanes, tracer.shields());
+        occluders.choose(lanes, tracer.occluders());
         for (std::uint64_t n = 0; n < 30; ++n) {
             // Boxes of all sizes in and about the rooms, and of directions.
             const auto u = [&](std::uint64_t k) { return core::uniform(7, 30 * g + n, k); };
@@ -82,9 +82,9 @@ TEST_P(Shields, HideOnlyWhatNoRayReaches) {
                                               : at + scale * glm::vec3(14 * u(0) - 1, 5 * u(1) - 1, 6 * u(2) - 1);
             const glm::vec3 half = (far_away ? 0.3f : scale) * u(3) * u(3) * glm::vec3(u(4), u(5), u(6));
             const LightType type = far_away ? LightType::directional : LightType::oriented;
-            std::uint16_t viable = GroupShields::all;
+            std::uint16_t viable = GroupOccluders::all;
             ++asked;
-            const bool hides = shields.hide(lanes, type, middle, half, viable);
+            const bool hides = occluders.hide(lanes, type, middle, half, viable);
             // What hides a box is viable for it, and what is not viable hides no part of it.
             ASSERT_TRUE(!hides || viable != 0);
             for (std::uint64_t k = 0; k < 4; ++k) {
@@ -96,8 +96,8 @@ TEST_P(Shields, HideOnlyWhatNoRayReaches) {
                 const glm::vec3 from{lanes.origin.x[lane], lanes.origin.y[lane], lanes.origin.z[lane]};
                 ASSERT_TRUE(!hides || is_blocked(tracer, from, part, far_away)) << g << " " << n;
                 reached += is_blocked(tracer, from, part, far_away) ? 0 : 1;
-                std::uint16_t other = static_cast<std::uint16_t>(GroupShields::all & ~viable);
-                ASSERT_FALSE(other != 0 && shields.hide(lanes, type, part, glm::vec3(0), other));
+                std::uint16_t other = static_cast<std::uint16_t>(GroupOccluders::all & ~viable);
+                ASSERT_FALSE(other != 0 && occluders.hide(lanes, type, part, glm::vec3(0), other));
             }
             hidden += hides ? 1 : 0;
         }
@@ -106,28 +106,28 @@ TEST_P(Shields, HideOnlyWhatNoRayReaches) {
     EXPECT_GT(hidden, asked / 5);
     EXPECT_GT(reached, asked / 4);
 }
-INSTANTIATE_TEST_SUITE_P(ScalesAndDistances, Shields,
+INSTANTIATE_TEST_SUITE_P(ScalesAndDistances, Occluders,
                          testing::Values(std::pair{1.0f, 0.0f}, std::pair{1e-3f, 0.0f}, std::pair{1e5f, 0.0f},
                                          std::pair{1.0f, 300.0f}));
 
-TEST(ShieldsOf, PairTrianglesToConvexQuadsAndKeepTheLargest) {
+TEST(OccludersOf, PairTrianglesToConvexQuadsAndKeepTheLargest) {
     SceneBuilder b;
     const int grey = b.add_material(glm::vec3(0.5f));
     b.add_box({0, 0, 0}, {4, 3, 2}, grey);
     b.add_sphere({9, 1, 1}, 0.2f, grey, 12);
     LitStage stage(b);
-    const ShieldList& shields = stage.posed_scene().tracer().shields();
-    ASSERT_GT(shields.size(), 6u);
+    const OccluderList& occluders = stage.posed_scene().tracer().occluders();
+    ASSERT_GT(occluders.size(), 6u);
     double area = 0;
     for (std::size_t i = 0; i < 6; ++i) {
-        const Shield& s = shields[i];
+        const Occluder& s = occluders[i];
         EXPECT_NE(s.corner[2], s.corner[3]);
         area += 0.5 * glm::length(glm::cross(s.corner[2] - s.corner[0], s.corner[3] - s.corner[1]));
     }
     EXPECT_NEAR(area, 52.0, 1e-3);
 }
 
-TEST(ShieldsOf, LeaveOutWhatMovesOrLetsLightThrough) {
+TEST(OccludersOf, LeaveOutWhatMovesOrLetsLightThrough) {
     SceneBuilder b;
     const int glass = b.add_material(glm::vec3(1));
     b.material(glass).transmission = 1;
@@ -135,10 +135,10 @@ TEST(ShieldsOf, LeaveOutWhatMovesOrLetsLightThrough) {
     const int moving = b.add_quad({0, 5, 0}, {0, 0, 9}, {9, 0, 0}, b.add_material(glm::vec3(0.5f)));
     b.move_object(moving, {{0, 0, 0}, {1, 0, 0}});
     LitStage stage(b);
-    EXPECT_EQ(stage.posed_scene().tracer().shields().size(), 0u);
+    EXPECT_EQ(stage.posed_scene().tracer().occluders().size(), 0u);
 }
 
-TEST(ShieldedCuts, LoseNoLightButSaveRays) {
+TEST(OccluderedCuts, LoseNoLightButSaveRays) {
     // The far room is lit through two doors; its cut does not ask about what lies behind walls.
     LitStage stage(rooms());
     std::vector<LightPoint> sky;
@@ -170,7 +170,7 @@ TEST(ShieldedCuts, LoseNoLightButSaveRays) {
         GroupTolerance tolerance{};
         std::fill(std::begin(tolerance.absolute), std::end(tolerance.absolute), 1e-9f);
         GatheredLight light, all;
-        gatherer.gather(lanes, tolerance, {8, 1 << 20, Stop::classic}, light);
+        gatherer.gather(lanes, tolerance, {8, 1 << 20}, light);
         gatherer.gather_all(lanes, all);
         for (int i = 0; i < lane_count; ++i)
             ASSERT_NEAR(light.direct.r[i], all.direct.r[i], 1e-5f * all.direct.r[i] + 1e-8f);

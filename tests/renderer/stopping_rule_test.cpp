@@ -6,7 +6,7 @@
 
 #include "core/color.h"
 #include "core/sampling.h"
-#include "renderer/cut/cut_rule.h"
+#include "renderer/cut/stopping_rule.h"
 #include "tests/renderer/film_stage.h"
 #include "tests/renderer/lighting.h"
 
@@ -17,12 +17,11 @@ using test::FilmStage;
 using test::furnished_room;
 using test::SceneBuilder;
 
-Settings stop_settings(Stop stop) {
+Settings stop_settings() {
     Settings settings = test::small_frame(48, 48);
     settings.vpls = 2000;
     settings.direct_points = 256;
     settings.max_cut = 1 << 20;
-    settings.stop = stop;
     return settings;
 }
 
@@ -43,8 +42,8 @@ double share_over(const std::vector<double>& e) {
     return static_cast<double>(e.end() - std::upper_bound(e.begin(), e.end(), 1.0)) / static_cast<double>(e.size());
 }
 
-TEST(HonestStop, KeepsItsToleranceInNinetyNineOfAHundredPixels) {
-    FilmStage stage(furnished_room(), stop_settings(Stop::honest));
+TEST(StoppingRule, KeepsItsToleranceInNinetyNineOfAHundredPixels) {
+    FilmStage stage(furnished_room(), stop_settings());
     const core::Radiance truth = stage.reference();
     for (const float tolerance : {0.01f, 0.02f, 0.04f, 0.08f, 0.26f}) {
         const auto map = core::ToleranceMap::uniform(48, 48, {0.0f, tolerance});
@@ -57,26 +56,9 @@ TEST(HonestStop, KeepsItsToleranceInNinetyNineOfAHundredPixels) {
     EXPECT_EQ(stage.statistics().capped_points, 0u);
 }
 
-TEST(HonestStop, CostsNoMoreThanTheClassicRuleMadeAsSafe) {
-    // Over the scenes of the fit, the classic rule keeps 99 % of the pixels only at 1/6.3 of the tolerance.
-    FilmStage honest(furnished_room(), stop_settings(Stop::honest));
-    FilmStage classic(furnished_room(), stop_settings(Stop::classic));
-    for (const float tolerance : {0.02f, 0.08f, 0.26f}) {
-        const std::uint64_t honest_before = honest.statistics().shadow_rays;
-        const std::uint64_t classic_before = classic.statistics().shadow_rays;
-        honest.cut(tolerance);
-        classic.cut(tolerance / 6.3f);
-        const double ratio = static_cast<double>(honest.statistics().shadow_rays - honest_before) /
-                             static_cast<double>(classic.statistics().shadow_rays - classic_before);
-        RecordProperty("rays_at_" + std::to_string(static_cast<int>(100 * tolerance + 0.5f)), std::to_string(ratio));
-        EXPECT_LT(ratio, 1.1) << tolerance;
-        EXPECT_GT(ratio, 0.2) << tolerance;
-    }
-}
-
-TEST(HonestStop, KeepsEveryPixelsOwnTolerance) {
+TEST(StoppingRule, KeepsEveryPixelsOwnTolerance) {
     // Fine and coarse pixels alternate, so that every group holds both.
-    FilmStage stage(furnished_room(), stop_settings(Stop::honest));
+    FilmStage stage(furnished_room(), stop_settings());
     const core::Radiance truth = stage.reference();
     core::ToleranceMap map = core::ToleranceMap::uniform(48, 48, {0.0f, 0.3f});
     for (int y = 0; y < 48; ++y)
@@ -95,8 +77,8 @@ TEST(HonestStop, KeepsEveryPixelsOwnTolerance) {
     EXPECT_LE(share_over(fine), 0.01);
 }
 
-TEST(HonestStop, RefinesLessWhereMoreIsTolerated) {
-    FilmStage stage(furnished_room(), stop_settings(Stop::honest));
+TEST(StoppingRule, RefinesLessWhereMoreIsTolerated) {
+    FilmStage stage(furnished_room(), stop_settings());
     std::uint64_t last = std::numeric_limits<std::uint64_t>::max();
     for (const float tolerance : {0.01f, 0.02f, 0.05f, 0.1f, 0.2f, 0.4f}) {
         const std::uint64_t before = stage.statistics().shadow_rays;
@@ -106,8 +88,8 @@ TEST(HonestStop, RefinesLessWhereMoreIsTolerated) {
     }
 }
 
-TEST(HonestStop, SaysByHowMuchEveryPixelMayErr) {
-    FilmStage stage(furnished_room(), stop_settings(Stop::honest));
+TEST(StoppingRule, SaysByHowMuchEveryPixelMayErr) {
+    FilmStage stage(furnished_room(), stop_settings());
     EXPECT_TRUE(stage.cut(0.08f).error.empty());
     stage.restart(true);
     const core::Radiance truth = stage.reference(), cut = stage.cut(0.08f);
@@ -122,7 +104,7 @@ TEST(HonestStop, SaysByHowMuchEveryPixelMayErr) {
         EXPECT_EQ(truth.error.values()[i], 0.0f);
     }
     EXPECT_GE(within, pixels * 98 / 100);
-    Settings short_cuts = stop_settings(Stop::honest);
+    Settings short_cuts = stop_settings();
     short_cuts.max_cut = 10;
     FilmStage capped(furnished_room(), short_cuts);
     capped.restart(true);
@@ -197,14 +179,12 @@ TEST(CutBounds, CountLightByItsLumaOrHalfItsChroma) {
     }
 }
 
-class StopRules : public testing::TestWithParam<Stop> {};
-
-TEST_P(StopRules, EndFiniteWhateverLightAndTolerance) {
+TEST(StoppingRule, EndFiniteWhateverLightAndTolerance) {
     for (const float intensity : {1e-30f, 1.0f, 1e25f}) {
         LampGroup group(cloud(120), intensity);
         for (const float absolute : {0.0f, 1e-6f, std::numeric_limits<float>::infinity()}) {
             for (const float relative : {0.0f, 0.02f, 1e30f}) {
-                const GatheredLight light = group.gather(absolute, relative, {8, 1 << 20, GetParam()});
+                const GatheredLight light = group.gather(absolute, relative, {8, 1 << 20});
                 EXPECT_EQ(light.capped, 0u);
                 for (int i = 0; i < lane_count; ++i) {
                     ASSERT_TRUE(std::isfinite(light.direct.r[i]));
@@ -213,42 +193,41 @@ TEST_P(StopRules, EndFiniteWhateverLightAndTolerance) {
             }
         }
         // With no tolerance at all every lamp is a cluster of its own, but for those that send next to nothing.
-        const GatheredLight exact = group.gather(0, 0, {8, 1 << 20, GetParam()});
+        const GatheredLight exact = group.gather(0, 0, {8, 1 << 20});
         for (int i = 0; i < lane_count; ++i) EXPECT_LE(exact.error[i], 1e-30f);
     }
 }
 
-TEST_P(StopRules, TakeEqualLightsAtOnePlaceForOne) {
+TEST(StoppingRule, TakeEqualLightsAtOnePlaceForOne) {
     LampGroup group(std::vector<glm::vec3>(100, glm::vec3(0.3f, 0.7f, 0.1f)), 2.0f);
-    const GatheredLight light = group.gather(0, 0.02f, {8, 1000, GetParam()});
+    const GatheredLight light = group.gather(0, 0.02f, {8, 1000});
     EXPECT_EQ(light.direct_clusters, 1);
     EXPECT_EQ(light.capped, 0u);
     EXPECT_GT(light.direct.r[0], 0.0f);
 }
 
-TEST_P(StopRules, SayWhichPointsTheLargestCutLeftOut) {
+TEST(StoppingRule, SayWhichPointsTheLargestCutLeftOut) {
     LampGroup group(cloud(200), 1.0f);
-    const GatheredLight light = group.gather(0, 1e-3f, {8, 12, GetParam()});
+    const GatheredLight light = group.gather(0, 1e-3f, {8, 12});
     EXPECT_EQ(light.direct_clusters, 12);
     EXPECT_EQ(light.capped, 0xffffu);
     for (int i = 0; i < lane_count; ++i) EXPECT_GT(light.error[i], 0.0f);
-    const GatheredLight enough = group.gather(0, 1e-3f, {8, 1000, GetParam()});
+    const GatheredLight enough = group.gather(0, 1e-3f, {8, 1000});
     EXPECT_EQ(enough.capped, 0u);
     for (int i = 0; i < lane_count; ++i) EXPECT_LT(enough.error[i], light.error[i]);
 }
 
-TEST_P(StopRules, GatherNothingFromNoLight) {
+TEST(StoppingRule, GatherNothingFromNoLight) {
     LampGroup group(cloud(1), 1.0f);
     group.light_trees = {};
-    const GatheredLight light = group.gather(0, 0, {8, 1000, GetParam()});
+    const GatheredLight light = group.gather(0, 0, {8, 1000});
     EXPECT_EQ(light.direct_clusters + light.indirect_clusters, 0);
     EXPECT_EQ(light.direct.at(0), glm::vec3(0));
     EXPECT_EQ(light.error[0], 0.0f);
 }
-INSTANTIATE_TEST_SUITE_P(Both, StopRules, testing::Values(Stop::classic, Stop::honest));
 
-TEST(CutRule, TakesBoundsForLooserTheCoarserTheTolerance) {
-    CutRule rule;
+TEST(StoppingRule, TakesBoundsForLooserTheCoarserTheTolerance) {
+    StoppingRule rule;
     const Lanes none{};
     GroupTolerance tolerance{};
     const Lanes& absolute = tolerance.absolute;
@@ -257,7 +236,7 @@ TEST(CutRule, TakesBoundsForLooserTheCoarserTheTolerance) {
         tolerance.absolute[i] = 0.002f * std::pow(1.6f, static_cast<float>(i));
         light[i] = 1.0f;
     }
-    rule.start(Stop::honest, 1.0f, tolerance);
+    rule.start(1.0f, tolerance);
     rule.observe(light);
     for (int i = 1; i < lane_count; ++i) {
         EXPECT_LT(rule.scale(i), rule.scale(i - 1));
@@ -283,21 +262,21 @@ TEST(CutRule, TakesBoundsForLooserTheCoarserTheTolerance) {
     EXPECT_LT(rule.scale(0), 0.37f);
 }
 
-TEST(CutRule, AllowsWhatThePixelsToleranceDoesAtTheLightSoFar) {
-    CutRule rule;
+TEST(StoppingRule, AllowsWhatThePixelsToleranceDoesAtTheLightSoFar) {
+    StoppingRule rule;
     GroupTolerance tolerance{};
-    Lanes light;
+    Lanes light, allowed;
     for (int i = 0; i < lane_count; ++i) {
         const PointTolerance t{{0.1f, i % 2 == 0 ? 0.02f : 0.2f, 0.2f * static_cast<float>(i / 4)}, 0.1f};
         tolerance.set(i, t);
         light[i] = 0.05f * static_cast<float>(i);
-        rule.start(Stop::honest, 1.0f, tolerance);
-        EXPECT_FLOAT_EQ(rule.tolerance(i, light[i]), t.allows(light[i])) << i;
+        allowed[i] = t.allows(light[i]);
     }
-    // And so does the reckoning of all lanes at once: an error just above it breaks it, one just below does not.
+    // An error just above it breaks it, one just below does not.
+    rule.start(1.0f, tolerance);
     rule.observe(light);
     for (int i = 0; i < lane_count; ++i) {
-        const double fits = rule.tolerance(i, light[i]) / rule.scale(i);
+        const double fits = allowed[i] / rule.scale(i);
         double squares[lane_count] = {};
         squares[i] = 0.999 * fits * fits;
         EXPECT_TRUE(rule.satisfied(squares)) << i;
@@ -306,22 +285,20 @@ TEST(CutRule, AllowsWhatThePixelsToleranceDoesAtTheLightSoFar) {
     }
 }
 
-TEST(CutRule, RanksWhatHasNoMeasureAboveAllElse) {
+TEST(StoppingRule, RanksWhatHasNoMeasureAboveAllElse) {
     const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
-    for (const Stop stop : {Stop::classic, Stop::honest}) {
-        CutRule rule;
-        Lanes some, worst;
-        GroupTolerance tolerance{};
-        for (int i = 0; i < lane_count; ++i) some[i] = tolerance.relative[i] = 1.0f;
-        rule.start(stop, 1.0f, tolerance);
-        rule.observe(some);
-        const float usual = rule.priority(some);
-        for (const float bad : {nan, infinity}) {
-            std::copy(std::begin(some), std::end(some), std::begin(worst));
-            worst[3] = bad;
-            EXPECT_TRUE(std::isfinite(rule.priority(worst)));
-            EXPECT_GT(rule.priority(worst), 1e10f * usual);
-        }
+    StoppingRule rule;
+    Lanes some, worst;
+    GroupTolerance tolerance{};
+    for (int i = 0; i < lane_count; ++i) some[i] = tolerance.relative[i] = 1.0f;
+    rule.start(1.0f, tolerance);
+    rule.observe(some);
+    const float usual = rule.priority(some);
+    for (const float bad : {nan, infinity}) {
+        std::copy(std::begin(some), std::end(some), std::begin(worst));
+        worst[3] = bad;
+        EXPECT_TRUE(std::isfinite(rule.priority(worst)));
+        EXPECT_GT(rule.priority(worst), 1e10f * usual);
     }
 }
 

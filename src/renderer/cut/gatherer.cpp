@@ -1,0 +1,97 @@
+#include "renderer/cut/gatherer.h"
+
+#include <algorithm>
+
+#include "core/color.h"
+#include "renderer/base/flush_denormals.h"
+#include "renderer/cut/bias_compensation.h"
+#include "renderer/cut/finished_cut.h"
+
+namespace render2mpeg::renderer {
+
+void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance, const CutLimits& limits,
+                      GatheredLight& out) {
+    const FlushDenormals flushed;
+    out.clear_counts();
+    shadows_.start(lanes);
+    shadows_.choose_occluders();
+    CutSums sums(lanes);
+
+    // Gather the lights that are not clustered, each by itself.
+    alignas(64) Lanes exact_luminance{};
+    if (limits.exact) add_exact(lanes, sums, exact_luminance, out);
+
+    // Start with the root of every tree, its representative tested by shadow rays.
+    cut_.start(lanes, tolerance, limits, exact_luminance, shadows_);
+
+    // Refine the cluster whose bound weighs most, until every point's estimated error is below its tolerance. Each
+    // refinement tests the visibility of one more representative.
+    while (cut_.can_refine() && !cut_.is_fine_enough()) cut_.refine();
+    cut_.estimate_errors(out);
+
+    // Sum what the clusters send, with the visibility of their representatives.
+    sum_clusters(light_trees_, lanes, cut_.clusters(), sums, out);
+    sums.store(out);
+    out.shadow_rays = shadows_.rays();
+
+    // Add what the clamp of near lights took.
+    compensate_clamping_bias(light_trees_, tracer_, lanes, out);
+}
+
+void Gatherer::add_exact(const GatherLanes& lanes, CutSums& sums, Lanes& luminance, GatheredLight& out) {
+    for (const ExactLight& exact : light_trees_.exact) {
+        LightContribution contribution = LightContribution::unknown_in(0);
+        shadows_.trace(exact.type, exact.light, &exact.spot, light_trees_.direct_clamp, contribution);
+        const UnitLight unit = contribution.visible(lanes, light_trees_.translucent);
+        add_luminance(lanes, unit, exact.light.intensity, luminance);
+        sums.add(unit, exact.light.intensity, true);
+        ++out.direct_clusters;
+    }
+}
+
+void Gatherer::gather_exact(const GatherLanes& lanes, GatheredLight& out) {
+    const FlushDenormals flushed;
+    out.clear_counts();
+    shadows_.start(lanes);
+    CutSums sums(lanes);
+    Lanes luminance{};
+    add_exact(lanes, sums, luminance, out);
+    sums.store(out);
+    out.shadow_rays = shadows_.rays();
+}
+
+void Gatherer::gather_all(const GatherLanes& lanes, GatheredLight& out) {
+    const FlushDenormals flushed;
+    out.clear_counts();
+    shadows_.start(lanes);
+    CutSums sums(lanes);
+    Lanes luminance{};
+    add_exact(lanes, sums, luminance, out);
+    // Lanes that no ray of a packet is traced for keep what they had.
+    LightContribution contribution = LightContribution::unknown_in(0);
+    for (int t = 0; t < LightTrees::tree_count; ++t) {
+        const LightTree& tree = light_trees_.trees[t];
+        for (std::uint32_t i = 0; i < tree.lights.size(); ++i) {
+            const TreeLight& light = tree.lights[i];
+            if (!(core::luminance(light.intensity) > 0.0f)) continue;
+            shadows_.trace(tree.type, light, tree.spot(i), light_trees_.clamp(t), contribution);
+            const UnitLight unit = contribution.visible(lanes, light_trees_.translucent);
+            sums.add(unit, light.intensity, LightTrees::is_direct(t));
+            if (contribution.unit.any_clamped) sums.add_clamped(light, unit, light.intensity);
+        }
+        (LightTrees::is_direct(t) ? out.direct_clusters : out.indirect_clusters) +=
+            static_cast<int>(tree.lights.size());
+    }
+    sums.store(out);
+    out.shadow_rays = shadows_.rays();
+    compensate_clamping_bias(light_trees_, tracer_, lanes, out);
+}
+
+void GatheredLight::clear_counts() {
+    direct_clusters = indirect_clusters = 0;
+    capped = 0;
+    shadow_rays = 0;
+    std::fill(std::begin(error), std::end(error), 0.0f);
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,36 @@
+#pragma once
+// Gathers the light of groups of points: lightcuts, step by step.
+#include "renderer/cut/cut.h"
+#include "renderer/cut/cut_sums.h"
+#include "renderer/cut/gathered_light.h"
+#include "renderer/cut/shadow_tester.h"
+#include "renderer/geometry/ray_tracer.h"
+#include "renderer/tree/light_trees.h"
+
+namespace render2mpeg::renderer {
+
+/// Gathers the light of one group of points at a time. One per thread: it keeps memory between groups, no values.
+class Gatherer {
+  public:
+    Gatherer(const LightTrees& light_trees, const RayTracer& tracer)
+        : light_trees_(light_trees), tracer_(tracer), shadows_(light_trees, tracer), cut_(light_trees) {}
+
+    /// By a cut through all trees at once that every lane's tolerance accepts [Walter2005, 4].
+    void gather(const GatherLanes& lanes, const GroupTolerance& tolerance, const CutLimits& limits, GatheredLight& out);
+
+    /// Only the lights that are not clustered, each by itself.
+    void gather_exact(const GatherLanes& lanes, GatheredLight& out);
+
+    /// Every light point by itself, in the order of the trees: what all cuts are held against.
+    void gather_all(const GatherLanes& lanes, GatheredLight& out);
+
+  private:
+    void add_exact(const GatherLanes& lanes, CutSums& sums, Lanes& luminance, GatheredLight& out);
+
+    const LightTrees& light_trees_;
+    const RayTracer& tracer_;
+    ShadowTester shadows_;
+    Cut cut_;
+};
+
+}  // namespace render2mpeg::renderer

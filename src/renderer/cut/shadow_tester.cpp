@@ -1,0 +1,90 @@
+#include "renderer/cut/shadow_tester.h"
+
+#include <algorithm>
+
+#include "renderer/base/isa_clones.h"
+#include "renderer/cut/shadow_rays.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Bit i: the light could reach lane i.
+RENDER2MPEG_ALWAYS_INLINED std::uint32_t reached(const LightLanes& unit) {
+    std::uint32_t lanes = 0;
+    for (int i = 0; i < lane_count; ++i) lanes |= unit.diffuse[i] > 0.0f ? 1u << i : 0u;
+    return lanes;
+}
+
+}  // namespace
+
+LightContribution LightContribution::unknown_in(std::uint16_t lanes) {
+    LightContribution contribution;
+    contribution.lit = contribution.unknown = lanes;
+    std::fill(&contribution.tint.passes[0][0], &contribution.tint.passes[0][0] + lane_count * 3, 1.0f);
+    return contribution;
+}
+
+void ShadowTester::start(const GatherLanes& lanes) {
+    lanes_ = &lanes;
+    rays_ = 0;
+}
+
+void ShadowTester::choose_occluders() {
+    occluders_.choose(*lanes_, tracer_.occluders());
+    if (light_trees_.shadows == Shadows::hidden_by_dynamic) dynamic_objects_.choose(*lanes_, tracer_.dynamic_objects());
+}
+
+RENDER2MPEG_CLONES
+void ShadowTester::trace(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp,
+                         LightContribution& contribution) {
+    const GatherLanes& lanes = *lanes_;
+    evaluate_light(lanes, type, light, spot, clamp, contribution.unit);
+    ShadowPacket packet;
+    aim(lanes, type, light, packet);
+    packet.active = reached(contribution.unit);
+    contribution.is_blocked = false;
+    if (packet.active == 0) return;
+    std::uint32_t hidden = 0;
+    if (light_trees_.translucent) {
+        glm::vec3 passes[lane_count];
+        std::fill(std::begin(passes), std::end(passes), glm::vec3(1));
+        hidden = tracer_.occluded(packet, passes);
+        for (int i = 0; i < lane_count; ++i)
+            for (int k = 0; k < 3 && (packet.active >> i & 1u) != 0; ++k) contribution.tint.passes[i][k] = passes[i][k];
+        count(packet.active);
+    } else {
+        hidden = blocked(packet);
+    }
+    contribution.lit = static_cast<std::uint16_t>((contribution.lit | packet.active) & ~hidden);
+    contribution.unknown = static_cast<std::uint16_t>(contribution.unknown & ~packet.active);
+    contribution.is_blocked = (packet.active & ~hidden) == 0;
+    if (hidden == 0) return;
+    LightLanes& unit = contribution.unit;
+    for (int i = 0; i < lane_count; ++i) {
+        const float visible = (hidden >> i & 1u) != 0 ? 0.0f : 1.0f;
+        unit.diffuse[i] *= visible;
+        if (!lanes.glossy) continue;
+        unit.f0[i] *= visible;
+        unit.schlick[i] *= visible;
+    }
+}
+
+/// Bit i: ray i of the packet carries no light of these trees.
+std::uint32_t ShadowTester::blocked(const ShadowPacket& packet) {
+    if (light_trees_.shadows != Shadows::hidden_by_dynamic) {
+        count(packet.active);
+        return light_trees_.shadows == Shadows::of_everything ? tracer_.occluded(packet, nullptr)
+                                                              : tracer_.occluded_by_static(packet, nullptr);
+    }
+    // A dynamic object hides the light, and nothing static does.
+    ShadowPacket rays = packet;
+    rays.active &= dynamic_objects_.met(packet);
+    if (rays.active == 0) return packet.active;
+    count(rays.active);
+    rays.active &= tracer_.occluded_by_dynamic(rays);
+    if (rays.active == 0) return packet.active;
+    count(rays.active);
+    return packet.active & ~(rays.active & ~tracer_.occluded_by_static(rays, nullptr));
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,75 @@
+#pragma once
+// Shadow rays and occluders: what light reaches a group of points.
+#include <cstdint>
+
+#include "renderer/cut/dynamic_objects.h"
+#include "renderer/cut/group_occluders.h"
+#include "renderer/geometry/ray_tracer.h"
+#include "renderer/tree/light_trees.h"
+
+namespace render2mpeg::renderer {
+
+/// What translucent surfaces let through to each lane, per channel; 1 where nobody knows.
+struct LayerTint {
+    float passes[lane_count][3];
+};
+
+/// What a light sends to the lanes, visibility included. Before it is traced: what is known of its parent's.
+struct LightContribution {
+    LightLanes unit;
+    std::uint16_t lit = 0, unknown = 0;  ///< as of Cluster
+    bool is_blocked = false;             ///< rays were traced, and none arrived
+    LayerTint tint;                      ///< unset where nothing is translucent
+
+    /// Of a light of which nothing is known: lit or not, and unknown, in all lanes or in none.
+    static LightContribution unknown_in(std::uint16_t lanes);
+
+    /// `unit`, with what translucent surfaces let through.
+    UnitLight visible(const GatherLanes& lanes, bool translucent) const {
+        UnitLight light = unit_light(lanes, unit);
+        if (translucent) light.passes = tint.passes;
+        return light;
+    }
+};
+
+/// Tests what light reaches one group of points: by rays to single lights, by proof for whole clusters.
+class ShadowTester {
+  public:
+    ShadowTester(const LightTrees& light_trees, const RayTracer& tracer) : light_trees_(light_trees), tracer_(tracer) {}
+
+    /// For these lanes, which outlive it; no rays were traced.
+    void start(const GatherLanes& lanes);
+
+    /// Looks for the occluders and dynamic objects that the following questions are held against.
+    void choose_occluders();
+
+    /// Evaluates a light with the visibility of one shadow ray from each lane that it could reach.
+    void trace(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp,
+               LightContribution& contribution);
+
+    /// Whether nothing in a box of lights (directional: of unit directions) can be seen from any lane. Takes those
+    /// occluders out of `viable` that do not touch it.
+    bool is_occluded(LightType type, const MiddleBox& box, std::uint16_t& viable) const {
+        return occluders_.hide(*lanes_, type, box.middle, box.half, viable);
+    }
+
+    /// Of Shadows::hidden_by_dynamic: false where no dynamic object hides a light of this box from a lane.
+    bool may_be_hidden(LightType type, const MiddleBox& box) const {
+        return dynamic_objects_.can_hide(type, box.middle, box.half);
+    }
+
+    std::uint64_t rays() const { return rays_; }
+
+  private:
+    std::uint32_t blocked(const ShadowPacket& packet);
+    void count(std::uint32_t active) { rays_ += static_cast<std::uint64_t>(__builtin_popcount(active)); }
+
+    const LightTrees& light_trees_;
+    const RayTracer& tracer_;
+    const GatherLanes* lanes_ = nullptr;
+    GroupOccluders occluders_;
+    GroupDynamicObjects dynamic_objects_;
+    std::uint64_t rays_ = 0;
+};
+
+}  // namespace render2mpeg::renderer
