@@ -85,7 +85,7 @@ Lighting Trial::gather(const std::vector<renderer::LightPoint>& lights, const re
     renderer::LightTrees light_trees = renderer::build_light_trees({}, lights, film_.rendering.seed);
     light_trees.indirect_clamp = renderer::GeometryClamp{0.25f};
     light_trees.translucent = true;
-    const renderer::ShadeSettings settings{{film_.rendering.min_cut, 1 << 20, film_.rendering.stop, 1.0f}, false};
+    const renderer::ShadeSettings settings{{film_.rendering.min_cut, 1 << 20, 1.0f}, false};
     renderer::ShadeCounts counts;
     Lighting result;
     result.radiance = renderer::shade(light_trees, posed_scene_.tracer(), seen, world_.camera.position(), tolerance,

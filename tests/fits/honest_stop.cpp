@@ -198,19 +198,14 @@ double needed(const Results& results, const Key& key, const std::vector<double>&
 
 void print_shares(const std::vector<Subject>& subjects, const Results& results) {
     fmt::print(
-        "| scene | tolerance | over | p50 / p95 / p99; colour p99 | clusters | rays | factor needed |
-"
-        "|---|---|---|---|---|---|---|
-");
+        "| scene | tolerance | over | p50 / p95 / p99; colour p99 | clusters | rays | factor needed |\n"
+        "|---|---|---|---|---|---|---|\n");
     for (const Subject& s : subjects) {
         for (const double t : tolerances) {
             const Measured& m = results.at({s.name, t, 1.0});
-            fmt::print(
-                "| {}{} | {:g} % | {:.2f} % | {:.2f} / {:.2f} / {:.2f}; {:.2f} | {:.0f} | {:.0f} | {:.2f} |
-                ",
-                s.name,
-                s.apart ? " (apart)" : "", 100 * t, 100 * m.over, m.p50, m.p95, m.p99, m.colour99, m.clusters, m.rays,
-                needed(results, {s.name, t, 0}, honest_factors));
+            fmt::print("| {}{} | {:g} % | {:.2f} % | {:.2f} / {:.2f} / {:.2f}; {:.2f} | {:.0f} | {:.0f} | {:.2f} |\n",
+                       s.name, s.apart ? " (apart)" : "", 100 * t, 100 * m.over, m.p50, m.p95, m.p99, m.colour99,
+                       m.clusters, m.rays, needed(results, {s.name, t, 0}, honest_factors));
         }
     }
 }

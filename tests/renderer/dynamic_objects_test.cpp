@@ -56,14 +56,14 @@ TEST(GroupDynamicObjects, SayThatTheyCannotHideOnlyWhereNoRayMeetsThem) {
             lanes.origin.x[k] += apart * core::uniform(3, i, static_cast<std::uint64_t>(k));
         const MiddleBox box{some_place(i, 1), glm::vec3(0.2f, 0.5f, 0.3f) * core::uniform(2, i, 2)};
         const glm::vec3 middle = some_place(i, 2), half = wide * glm::vec3(0.5f, 0.2f, 0.3f);
-        GroupDynamicObjects movers;
-        movers.choose(lanes, {&box, 1});
+        GroupDynamicObjects dynamic_objects;
+        dynamic_objects.choose(lanes, {&box, 1});
         std::uint32_t rays = 0;
         for (std::uint64_t l = 0; l < 20; ++l) {
             const glm::vec3 at = 0.25f * some_place(20 * i + l, 3);
-            rays |= movers.met(rays_to(lanes, middle + (2.0f * at - 1.0f) * half));
+            rays |= dynamic_objects.met(rays_to(lanes, middle + (2.0f * at - 1.0f) * half));
         }
-        const bool can = movers.can_hide(LightType::oriented, middle, half);
+        const bool can = dynamic_objects.can_hide(LightType::oriented, middle, half);
         if (rays != 0) {
             EXPECT_TRUE(can) << i;
             ++met;
@@ -78,11 +78,11 @@ TEST(GroupDynamicObjects, TakeTheLargestOfMany) {
     const GatherLanes lanes = group_at(glm::vec3(0));
     std::vector<MiddleBox> boxes(100, {{3, 2, 0}, glm::vec3(0.1f)});
     boxes.back() = {{0, 2, 0}, glm::vec3(0.5f)};
-    GroupDynamicObjects movers;
-    EXPECT_TRUE(movers.empty());
-    movers.choose(lanes, boxes);
-    EXPECT_FALSE(movers.empty());
-    EXPECT_EQ(movers.met(rays_to(lanes, {0, 4, 0})), 0xffffu);
+    GroupDynamicObjects dynamic_objects;
+    EXPECT_TRUE(dynamic_objects.empty());
+    dynamic_objects.choose(lanes, boxes);
+    EXPECT_FALSE(dynamic_objects.empty());
+    EXPECT_EQ(dynamic_objects.met(rays_to(lanes, {0, 4, 0})), 0xffffu);
 }
 
 TEST(GroupDynamicObjects, OfATracerAreBoxesAboutWhatMovesAndIsThere) {
@@ -92,11 +92,11 @@ TEST(GroupDynamicObjects, OfATracerAreBoxesAboutWhatMovesAndIsThere) {
     b.move_object(ball, {{1, 1, 1}, {3, 1, 2}});
     for (const int second : {0, 1}) {
         const LitStage stage(b, second);
-        const auto movers = stage.posed_scene().tracer().dynamic_objects();
-        ASSERT_EQ(movers.size(), 1u);
+        const auto dynamic_objects = stage.posed_scene().tracer().dynamic_objects();
+        ASSERT_EQ(dynamic_objects.size(), 1u);
         const glm::vec3 middle = second == 0 ? glm::vec3(1) : glm::vec3(3, 1, 2);
-        EXPECT_LT(glm::distance(movers[0].middle, middle), 0.02f);
-        EXPECT_LT(glm::distance(movers[0].half, glm::vec3(0.4f)), 0.04f);
+        EXPECT_LT(glm::distance(dynamic_objects[0].middle, middle), 0.02f);
+        EXPECT_LT(glm::distance(dynamic_objects[0].half, glm::vec3(0.4f)), 0.04f);
     }
     SceneBuilder still;
     still.add_box({0, 0, 0}, {4, 3, 5}, still.add_material(), true);

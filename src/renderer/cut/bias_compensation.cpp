@@ -1,4 +1,5 @@
-// Lights on surfaces near a point are discs to it, not points: what the clamp takes of them is put back
+// Bias compensation: lights on surfaces near a point are discs to it, not points. What the clamp takes of
+// them is added
 // (docs/model/clamping.md). [Render2MPEG, 6.5] finds it by short rays over the hemisphere; here the near lights are
 // known, and their discs have form factors: no noise, and no more rays than one for each.
 #include "renderer/cut/bias_compensation.h"
@@ -125,14 +126,14 @@ class Hexagon {
 
 /// By how much each lane's irradiance of unit intensity falls short of the disc's, without visibility; whether any
 /// lane's does.
-bool shortage(const GatherLanes& lanes, const TreeLight& light, GeometryClamp clamp, Lanes& lacks) {
+bool find_deficit(const GatherLanes& lanes, const TreeLight& light, GeometryClamp clamp, Lanes& deficit) {
     LightLanes point;
     evaluate_light(lanes, LightType::oriented, light, nullptr, clamp, point);
     // Most lights near a point lie in its own plane, but for rounding.
     const float least = least_share / light.disc2;
     bool any = false;
     for (int i = 0; i < lane_count; ++i) {
-        lacks[i] = 0.0f;
+        deficit[i] = 0.0f;
         any = any || (point.diffuse[i] > least && i < lanes.count);
     }
     if (!any) return false;
@@ -140,19 +141,19 @@ bool shortage(const GatherLanes& lanes, const TreeLight& light, GeometryClamp cl
     for (int i = 0; i < lanes.count; ++i) {
         if (!(point.diffuse[i] > least)) continue;
         const DiscLight disc = hexagon.seen_by(lanes, i);
-        lacks[i] = disc.share * (disc.irradiance - point.diffuse[i]);
+        deficit[i] = disc.share * (disc.irradiance - point.diffuse[i]);
     }
     return true;
 }
 
 /// What passes from the light to each lane that lacks something of it; traces a ray for each of those.
-void see(const GatherLanes& lanes, const TreeLight& light, const RayTracer& tracer, Shadows shadows, Lanes& lacks,
+void see(const GatherLanes& lanes, const TreeLight& light, const RayTracer& tracer, Shadows shadows, Lanes& deficit,
          glm::vec3* passes, GatheredLight& out) {
     ShadowPacket packet;
     aim(lanes, LightType::oriented, light, packet);
     for (int i = 0; i < lane_count; ++i) {
         passes[i] = glm::vec3(1);
-        packet.active |= lacks[i] != 0.0f ? 1u << i : 0u;
+        packet.active |= deficit[i] != 0.0f ? 1u << i : 0u;
     }
     if (packet.active == 0) return;
     out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
@@ -167,7 +168,7 @@ void see(const GatherLanes& lanes, const TreeLight& light, const RayTracer& trac
         blocked = ~packet.active | (packet.active != 0 ? tracer.occluded_by_static(packet, nullptr) : 0);
     }
     for (int i = 0; i < lane_count; ++i)
-        if ((blocked >> i & 1u) != 0) lacks[i] = 0.0f;
+        if ((blocked >> i & 1u) != 0) deficit[i] = 0.0f;
 }
 
 /// Forgets lanes for which no surface lies where a part of the hexagon would light them from: halfway between the light
@@ -175,7 +176,7 @@ void see(const GatherLanes& lanes, const TreeLight& light, const RayTracer& trac
 /// those of anchors in a gap between a thing and the wall behind it along the wall. What lies as near to the lane's own
 /// surface is that, and does not count.
 void keep_to_surfaces(const GatherLanes& lanes, const TreeLight& light, const RayTracer& tracer, Shadows shadows,
-                      Lanes& lacks, GatheredLight& out) {
+                      Lanes& deficit, GatheredLight& out) {
     const float radius = std::sqrt(light.disc2), widest = overlap * radius;
     const glm::vec3 facing = light.normal();
     ShadowPacket packet;
@@ -194,14 +195,14 @@ void keep_to_surfaces(const GatherLanes& lanes, const TreeLight& light, const Ra
         packet.direction_y[i] = -facing.y;
         packet.direction_z[i] = -facing.z;
         packet.far[i] = 2.0f * reach;
-        packet.active |= lacks[i] != 0.0f ? 1u << i : 0u;
+        packet.active |= deficit[i] != 0.0f ? 1u << i : 0u;
     }
     if (packet.active == 0) return;
     out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
     const std::uint32_t met = shadows == Shadows::of_everything ? tracer.occluded(packet, nullptr)
                                                                 : tracer.occluded_by_static(packet, nullptr);
     for (int i = 0; i < lane_count; ++i)
-        if ((met >> i & 1u) == 0) lacks[i] = 0.0f;
+        if ((met >> i & 1u) == 0) deficit[i] = 0.0f;
 }
 
 /// Whether anything that moves is so near to the points.
@@ -210,16 +211,16 @@ bool has_mover(const Box& points, const RayTracer& tracer, float distance2) {
     return std::any_of(tracer.dynamic_objects().begin(), tracer.dynamic_objects().end(), near);
 }
 
-void put_back(const TreeLight& light, const LightTrees& light_trees, const GatherLanes& lanes, const RayTracer& tracer,
-              GatheredLight& out) {
-    Lanes lacks;
-    if (!shortage(lanes, light, light_trees.indirect_clamp, lacks)) return;
+void compensate(const TreeLight& light, const LightTrees& light_trees, const GatherLanes& lanes,
+                const RayTracer& tracer, GatheredLight& out) {
+    Lanes deficit;
+    if (!find_deficit(lanes, light, light_trees.indirect_clamp, deficit)) return;
     glm::vec3 passes[lane_count];
-    see(lanes, light, tracer, light_trees.shadows, lacks, passes, out);
-    keep_to_surfaces(lanes, light, tracer, light_trees.shadows, lacks, out);
+    see(lanes, light, tracer, light_trees.shadows, deficit, passes, out);
+    keep_to_surfaces(lanes, light, tracer, light_trees.shadows, deficit, out);
     for (int i = 0; i < lanes.count; ++i) {
-        if (lacks[i] == 0.0f) continue;
-        const glm::vec3 light_there = lacks[i] * light.intensity * passes[i];
+        if (deficit[i] == 0.0f) continue;
+        const glm::vec3 light_there = deficit[i] * light.intensity * passes[i];
         out.indirect.r[i] += light_there.x;
         out.indirect.g[i] += light_there.y;
         out.indirect.b[i] += light_there.z;
@@ -253,7 +254,7 @@ void compensate_clamping_bias(const LightTrees& light_trees, const RayTracer& tr
                     box.distance2(light.position, glm::vec3(0)) < far_radii * far_radii * light.disc2 &&
                     (light_trees.shadows != Shadows::hidden_by_dynamic ||
                      has_mover(box, tracer, far_radii * far_radii * light.disc2)))
-                    put_back(light, light_trees, lanes, tracer, out);
+                    compensate(light, light_trees, lanes, tracer, out);
                 continue;
             }
             const LightNode& node = tree.nodes[ref.index()];

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/error.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/isa_clones.h"
 #include "renderer/base/light_packing.h"
@@ -79,7 +80,7 @@ struct RayTracer::Impl {
     EmbreeScene scene;
     Transmittance transmittance;
     OccluderList occluders;
-    std::vector<MiddleBox> movers;
+    std::vector<MiddleBox> dynamic_objects;
 
     struct Layer {
         std::uint32_t object;
@@ -200,11 +201,11 @@ void RayTracer::pose(const scene::Snapshot& snapshot) {
     if (impl_->scene.pose(snapshot))
         impl_->occluders =
             OccluderList(occluders_of(impl_->scene.opaque_static_triangles(2 * most_occluders), most_occluders));
-    impl_->movers = impl_->scene.dynamic_object_boxes();
+    impl_->dynamic_objects = impl_->scene.dynamic_object_boxes();
 }
 
 std::span<const MiddleBox> RayTracer::dynamic_objects() const {
-    return impl_->movers;
+    return impl_->dynamic_objects;
 }
 
 const OccluderList& RayTracer::occluders() const {
