@@ -12,8 +12,8 @@
 #include "parallel/loops.h"
 #include "renderer/cache/cache_lookup.h"
 #include "renderer/cache/gather_requests.h"
-#include "renderer/cut/cut.h"
 #include "renderer/cut/gather_groups.h"
+#include "renderer/cut/gatherer.h"
 
 namespace render2mpeg::renderer {
 namespace {

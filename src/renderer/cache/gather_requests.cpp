@@ -6,7 +6,7 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "parallel/loops.h"
-#include "renderer/cut/cut.h"
+#include "renderer/cut/gatherer.h"
 
 namespace render2mpeg::renderer {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "core/color.h"
 #include "parallel/loops.h"
-#include "renderer/cut/cut.h"
 #include "renderer/cut/gather_groups.h"
+#include "renderer/cut/gatherer.h"
 
 namespace render2mpeg::renderer {
 namespace {
