@@ -106,7 +106,7 @@ for command in $commands; do page "render2mpeg-$command" "$command" >"$folder/re
         echo '        _arguments \'
         options_of "$command" | while IFS= read -r line; do
             IFS=$'\x1f' read -r short long values text <<<"${line//$'\t'/$'\x1f'}"
-            text=$(sed -e "s/'/'\\\\''/g" -e 's/[]:\\[]/\\&/g' <<<"$text")
+            text=$(sed -e 's/[]:\\[]/\\&/g' -e "s/'/'\\\\''/g" <<<"$text")
             words=$(words_of "$values")
             action=''
             [ -z "$values" ] || action=":$(sed 's/[]:\\[]/\\&/g' <<<"${values%% *}"):_files"
