@@ -22,23 +22,11 @@
 namespace render2mpeg::perceptual {
 namespace {
 
-constexpr float flat = 16.0f;
-
 float least_ac(const core::Block8x8& matrix) {
     return *std::min_element(matrix.begin() + 1, matrix.end());
 }
 
 }  // namespace
-
-const Quantisation& default_quantisation() {
-    static const Quantisation quantisation = [] {
-        Quantisation q;
-        q.intra = masking_sensitivity();  // the eye's model has taken this matrix for its own
-        q.inter.fill(flat);
-        return q;
-    }();
-    return quantisation;
-}
 
 core::Block8x8 worst_errors(const core::Block8x8& c, const core::Block8x8& m, const Quantisation& quantisation,
                             const BlockCoding& coding) {

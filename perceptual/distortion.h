@@ -9,18 +9,15 @@ namespace render2mpeg::perceptual {
 /// coefficient of the orthonormal 8x8 DCT, in code values, [v * 8 + u] with u the horizontal frequency.
 struct Quantisation {
     core::Block8x8
-        intra;  ///< matrix of intra macroblocks, > 0: the steps at scale 1. [0] is not looked at: see dc_step
+        intra{};  ///< matrix of intra macroblocks, > 0: the steps at scale 1. [0] is not looked at: see dc_step
     core::Block8x8
-        inter;  ///< matrix of all others, > 0, for the residual; levels keep clear of a dead zone of one step
+        inter{};  ///< matrix of all others, > 0, for the residual; levels keep clear of a dead zone of one step
     float dc_step = 8.0f;  ///< of the mean coefficient of intra blocks, whatever the scale: 8, 4, 2 or 1
 };
 
-/// MPEG-2's matrices where a film has none of its own [H262, 6.3.11], with 8 bits for intra DC.
-const Quantisation& default_quantisation();
-
 /// How one block was or will be quantised.
 struct BlockCoding {
-    float scale = 1.0f;  ///< qs, the steps' factor: MPEG-2's quantiser_scale / 16, > 0
+    float scale = 1.0f;  ///< qs, the steps' factor, > 0
     bool intra = true;
     /// What is left of the coefficients after prediction, for inter blocks; null: not known, taken for 0.
     const core::Block8x8* residual = nullptr;

@@ -35,7 +35,7 @@ struct VisibilitySettings {
 struct CodingPlan {
     bool intra = true;    ///< picture type I; others are predicted
     float scale = 0.25f;  ///< nominal qs (BlockCoding::scale), > 0
-    Quantisation quantisation = default_quantisation();
+    Quantisation quantisation;
 
     bool operator==(const CodingPlan& other) const;
 };

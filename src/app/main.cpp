@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
             case Command::cost:
                 return cost(line.cost, line.text);
             case Command::tune:
-                return tune(line.tune, line.words);
+                return tune(line.tune, line.words, render);
             case Command::compare:
                 return compare(line.compare, line.text);
             case Command::none:

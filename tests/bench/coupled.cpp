@@ -7,7 +7,7 @@
 // of adjacent frames, lit once and kept in the folder. `loss` is what the coupled film has less than the fixed one.
 // With several draws every film, the fixed one too, is made as often, each time with other representatives of the same
 // light points, and all figures are means; `_error` is the standard error of such a mean, of differences between films
-// of one draw. --alike gives all pictures one share, whatever is predicted from them.
+// of one draw. --alike gives all pictures one fraction, whatever is predicted from them.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -135,7 +135,7 @@ int run(int argc, char** argv) {
         for (const std::string& share : parts_of(shares)) {
             app::RenderJob loop = film;
             loop.tolerance = app::tolerance_from(share == "default" ? "coupled" : "coupled=" + share);
-            loop.coupling.share = loop.tolerance.share;
+            loop.coupling.fraction = loop.tolerance.fraction;
             loop.coding.quantiser = q;
             loop.coupling.always_intra = always_intra;
             loop.coupling.alike = alike;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "app/loop/picture_coder.h"
 #include "core/color.h"
 #include "perceptual/flicker.h"
 #include "perceptual/hvs.h"
@@ -150,10 +151,8 @@ Outcome run(const RenderJob& film, const Stage& stage, std::vector<core::Picture
     watching.pictures = pictures;
     renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
     app::RunStatistics statistics;
-    app::Destination destination;
-    destination.observer = &watching;
     for (const app::Chunk& chunk : app::chunks_of(film.frames, film.coding.gop))
-        app::render_chunk(film, renderer, chunk, destination, statistics, [] { return true; });
+        app::render_chunk(film, renderer, chunk, watching, statistics, [] { return true; });
     statistics.rendering = renderer.statistics();
     Outcome out = cost_of(statistics, renderer);
     light.add_to(out);
@@ -176,20 +175,20 @@ Outcome LitFilm::coded(int quantiser) const {
     RenderJob film = film_;
     film.coding.quantiser = quantiser;
     for (const app::Chunk& chunk : app::chunks_of(film.frames, film.coding.gop)) {
-        encoder::Encoder encoder(film.coding);
         const auto take = [&](const std::vector<encoder::CodedPicture>& pictures) {
             for (const encoder::CodedPicture& picture : pictures) judge.coded(picture);
         };
+        app::RunStatistics statistics;
+        app::PosedFrames posed(film);
+        app::PictureCoder coder(film.film(), chunk, film.allocations, app::shots_of(*film.animation), statistics);
         for (std::int64_t n = chunk.first; n <= chunk.last; ++n) {
             const auto i = static_cast<std::size_t>(n - film.frames.first);
-            const scene::Snapshot world = film.snapshot(n);
-            const encoder::PicturePlan plan = encoder.plan(n, app::facts_of(film, world, chunk), n == chunk.first);
-            const core::Visible& visible = stage_.visible[i];
-            const auto onward = app::onward_motion(film, plan, visible, world);
-            take(encoder.push(pictures_[i], plan, app::motion_of(film, plan, visible, world),
-                              {onward ? &*onward : nullptr}));
+            const std::shared_ptr<const scene::Snapshot> world = posed.at(n);
+            app::RenderedMotion motion(film, posed, stage_.visible[i], *world, statistics);
+            const encoder::PicturePlan plan = coder.plan(n, world->cut_before, motion);
+            take(coder.code(pictures_[i], plan, motion));
         }
-        take(encoder.flush());
+        take(coder.flush());
     }
     Outcome out = lit_;
     judge.add_to(out);

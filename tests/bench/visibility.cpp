@@ -8,6 +8,7 @@
 #include "perceptual/masking.h"
 #include "perceptual/visibility_model.h"
 #include "perceptual/warp.h"
+#include "tests/perceptual/mpeg2_quantisation.h"
 
 namespace render2mpeg::perceptual {
 namespace {
@@ -67,6 +68,7 @@ struct Setting {
         facts.scale = core::Plane<float>(size / 16, size / 16, 1.0f);
         facts.reconstruction = facts.prediction = picture.y;
         next.intra = false;
+        facts.plan.quantisation = next.quantisation = default_quantisation();
         next.scale = 1.5f;
     }
 };

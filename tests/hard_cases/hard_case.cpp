@@ -97,7 +97,7 @@ Lit lit(const HardCase& hard_case, const SceneBuilder& scene, Way way) {
     app::RunStatistics statistics;
     Keeper keeper(result);
     for (const app::Chunk& chunk : app::chunks_of(p.frames, p.coding.gop))
-        app::render_chunk(p, renderer, chunk, {nullptr, nullptr, nullptr, &keeper}, statistics, [] { return true; });
+        app::render_chunk(p, renderer, chunk, keeper, statistics, [] { return true; });
     keeper.finish();
     result.statistics = renderer.statistics();
     return result;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/sampling.h"
+#include "tests/perceptual/mpeg2_quantisation.h"
 
 namespace render2mpeg::perceptual {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "core/sampling.h"
 #include "perceptual/visibility_model.h"
+#include "tests/perceptual/mpeg2_quantisation.h"
 
 /// A wall that is looked at, and how it is coded: what tests of the visibility model share.
 namespace render2mpeg::perceptual {
@@ -53,6 +54,7 @@ inline CodedFacts coded_as(std::int64_t number, const CodingPlan& plan) {
 
 inline CodingPlan plan_of(bool intra, int quantiser) {
     CodingPlan plan;
+    plan.quantisation = default_quantisation();
     plan.intra = intra;
     plan.scale = static_cast<float>(quantiser) / 8.0f;
     return plan;

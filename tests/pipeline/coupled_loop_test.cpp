@@ -58,10 +58,8 @@ Record made(const RenderJob& film) {
     Record record;
     renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
     RunStatistics statistics;
-    Destination destination;
-    destination.observer = &record;
     for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop))
-        render_chunk(film, renderer, chunk, destination, statistics, [] { return true; });
+        render_chunk(film, renderer, chunk, record, statistics, [] { return true; });
     record.rendering = renderer.statistics();
     return record;
 }

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <string>
 
-#include "app/loop/memory.h"
+#include "app/loop/memory_need.h"
+#include "app/system/memory_limit.h"
 #include "core/error.h"
 #include "pipeline/foreign.h"
 

@@ -17,6 +17,8 @@
 #include "app/loop/film_identity.h"
 #include "app/loop/first_pass.h"
 #include "app/loop/frame_source.h"
+#include "app/loop/motion.h"
+#include "app/loop/picture_coder.h"
 #include "app/loop/statistics_recorder.h"
 #include "app/loop/vector_layers.h"
 #include "app/options/output_kind.h"
@@ -29,9 +31,7 @@
 #include "core/error.h"
 #include "encoder/bit_allocation.h"
 #include "encoder/encoder.h"
-#include "encoder/motion_nonuniformity.h"
 #include "parallel/loops.h"
-#include "perceptual/motion_sensitivity.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -103,76 +103,71 @@ Job prepare(const EncodeOptions& options) {
     return job;
 }
 
-/// Motion to the last picture that depends on this one, where that is not too far for files that lead from frame to
-/// frame.
-std::optional<core::MotionField> onward_motion(Job& job, const encoder::PicturePlan& coding) {
-    if (!job.motion || !coding.horizon || *coding.horizon - coding.number > VectorLayers::reach) return std::nullopt;
-    return job.motion->between(coding.number, *coding.horizon);
-}
+/// Motion that files tell of one frame; none where none are given. The time it takes counts as reading.
+class FileMotion : public Motion {
+  public:
+    FileMotion(Job& job, std::int64_t frame, RunStatistics& statistics)
+        : job_(job), frame_(frame), statistics_(statistics) {}
+
+    /// Null where that is too far for files that lead from frame to frame.
+    const core::MotionField* onward(std::int64_t horizon) override {
+        return horizon - frame_ > VectorLayers::reach ? nullptr : to(horizon);
+    }
+
+  private:
+    std::optional<core::MotionField> find(std::int64_t reference) override {
+        if (!job_.motion) return std::nullopt;
+        const StageTimer timer(statistics_, Stage::develop);
+        return job_.motion->between(frame_, reference);
+    }
+
+    Job& job_;
+    std::int64_t frame_;
+    RunStatistics& statistics_;
+};
 
 /// What happens to a chunk's frames and pictures while it is coded.
 struct Steps {
-    std::function<void(const core::Picture&)> opened;
+    std::function<void(const core::Picture&)> read;
     std::function<void(const encoder::CodedPicture&)> coded;
-    std::function<void(double seconds)> frame_done;  ///< CPU
+    std::function<void()> frame_done;
 };
 
-encoder::PictureFacts facts_of(Job& job, const Chunk& chunk, std::int64_t n) {
-    encoder::PictureFacts facts;
-    facts.frames_left = job.film.keyframes.frames_left(n, chunk.last - n);
-    facts.keyframe = job.film.keyframes.begins_at(n);
-    facts.left_in_chunk = chunk.last - n;
-    facts.last_chunk = chunk.last == job.film.frames.last;
-    if (!job.allocations.empty())
-        facts.allocation = job.allocations[static_cast<std::size_t>(n - job.film.frames.first)];
-    if (!job.motion || n == chunk.first) return facts;
-    const core::MotionField motion = job.motion->between(n, n - 1);
-    facts.motion_nonuniformity = encoder::motion_nonuniformity(motion);
-    if (job.film.coding.rate_control.mode == encoder::RateMode::constant_quality)
-        facts.sensitivity = perceptual::motion_sensitivity(motion, job.film.coding.rate.hertz.value());
-    return facts;
-}
-
 /// Codes one chunk. The last pictures of a chunk that ends early are coded too. Returns whether it is whole.
-bool encode_chunk(Job& job, const encoder::Settings& settings, const Chunk& chunk, RunStatistics& statistics,
-                  const Steps& steps) {
-    encoder::Encoder encoder(settings);
-    const auto write = [&](const std::vector<encoder::CodedPicture>& pictures) {
+bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, RunStatistics& statistics, const Steps& steps) {
+    PictureCoder coder(film, chunk, job.allocations, {}, statistics);
+    const auto take = [&](const std::vector<encoder::CodedPicture>& pictures) {
         for (const encoder::CodedPicture& coded : pictures) steps.coded(coded);
     };
 
     bool whole = true;
     for (std::int64_t n = chunk.first; n <= chunk.last && whole; ++n) {
-        const double start = cpu_seconds();
-        const core::Picture picture = timed(statistics, Stage::develop, [&] { return job.frames->read(n); });
-        const encoder::PictureFacts facts = timed(statistics, Stage::develop, [&] { return facts_of(job, chunk, n); });
-        const encoder::PicturePlan coding = encoder.plan(n, facts, n == chunk.first);
-        std::vector<core::MotionField> motion;
-        if (job.motion)
-            for (const std::int64_t reference : coding.references)
-                motion.push_back(timed(statistics, Stage::develop, [&] { return job.motion->between(n, reference); }));
-        const auto onward = timed(statistics, Stage::develop, [&] { return onward_motion(job, coding); });
-        steps.opened(picture);
-        const encoder::Hints hints{onward ? &*onward : nullptr};
-        write(timed(statistics, Stage::encode, [&] { return encoder.push(picture, coding, motion, hints); }));
-        steps.frame_done(cpu_seconds() - start);
+        {
+            const FrameTimer timer(statistics);
+            const core::Picture picture = timed(statistics, Stage::develop, [&] { return job.frames->read(n); });
+            FileMotion motion(job, n, statistics);
+            const encoder::PicturePlan coding = coder.plan(n, false, motion);
+            steps.read(picture);
+            take(coder.code(picture, coding, motion));
+        }
+        steps.frame_done();
         whole = !InterruptGuard::requested() || n == chunk.last;
     }
-    write(timed(statistics, Stage::encode, [&] { return encoder.flush(); }));
+    take(coder.flush());
     return whole;
 }
 
 /// Codes all frames fast with one quantiser, without a rate or buffer that would make pictures fit, only to learn what
 /// they come to. Empty where it was interrupted.
 std::vector<encoder::FirstPassPicture> code_roughly(Job& job, int quantiser, bool quiet) {
-    encoder::Settings fast = job.film.coding;
-    fast.effort = encoder::Effort::fast;
-    fast.rate_control = {};
-    fast.quantiser = quantiser;
+    Film fast = job.film;
+    fast.coding.effort = encoder::Effort::fast;
+    fast.coding.rate_control = {};
+    fast.coding.quantiser = quantiser;
     Progress progress(job.film.frame_count(), quiet, "first pass");
     std::vector<encoder::FirstPassPicture> film;
     RunStatistics statistics;
-    for (const Chunk& chunk : chunks_of(job.film.frames, fast.gop)) {
+    for (const Chunk& chunk : chunks_of(job.film.frames, fast.coding.gop)) {
         bool starts_chunk = true;
         encode_chunk(job, fast, chunk, statistics,
                      {[](const core::Picture&) {},
@@ -180,7 +175,7 @@ std::vector<encoder::FirstPassPicture> code_roughly(Job& job, int quantiser, boo
                           film.push_back(encoder::first_pass_picture(coded, starts_chunk));
                           starts_chunk = false;
                       },
-                      [&](double) { progress.advance(); }});
+                      [&] { progress.advance(); }});
         if (InterruptGuard::requested()) return {};
     }
     return film;
@@ -218,20 +213,14 @@ std::vector<ChunkFile> encode_chunks(Job& job, const EncodeOptions& options, Wor
     std::vector<ChunkFile> files;
     for (const Chunk& chunk : chunks_of(job.film.frames, job.film.coding.gop)) {
         files.push_back(work.open(chunk));
-        StatisticsRecorder recorder(statistics);
-        const bool whole = encode_chunk(job, job.film.coding, chunk, statistics,
-                                        {[&](const core::Picture& picture) {
-                                             recorder.opened(picture.number);
-                                             recorder.keep(picture);
-                                         },
+        StatisticsRecorder recorder(statistics, true);
+        const bool whole = encode_chunk(job, job.film, chunk, statistics,
+                                        {[&](const core::Picture& picture) { recorder.read(picture); },
                                          [&](const encoder::CodedPicture& coded) {
                                              recorder.coded(coded);
                                              files.back().append(coded);
                                          },
-                                         [&](double seconds) {
-                                             recorder.took(seconds);
-                                             progress.advance();
-                                         }});
+                                         [&] { progress.advance(); }});
         if (whole)
             files.back().finish({});
         else

@@ -13,9 +13,10 @@
 #include "app/files/publish.h"
 #include "app/files/text_file.h"
 #include "app/loop/film_identity.h"
-#include "app/loop/memory.h"
+#include "app/loop/memory_need.h"
 #include "app/loop/pipeline.h"
 #include "app/loop/resume.h"
+#include "app/loop/sink.h"
 #include "app/options/unused_options.h"
 #include "app/report/heatmap_film.h"
 #include "app/report/report.h"
@@ -23,6 +24,7 @@
 #include "app/report/statistics.h"
 #include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
+#include "app/system/memory_limit.h"
 #include "app/system/outside_trial.h"
 #include "app/system/progress.h"
 #include "core/error.h"
@@ -145,21 +147,27 @@ class WallClock {
 
 /// Renders the chunks that are not in `files` yet and adds them, the last of them incomplete after an interruption.
 /// Returns whether the film is whole.
-bool render_chunks(const RenderJob& film, const RenderOptions& options, WorkFolder& work, LoopObserver* observer,
+bool render_chunks(const RenderJob& film, const RenderOptions& options, WorkFolder& work, LoopObserver& observer,
                    const WallClock& clock, RunStatistics& statistics, std::vector<ChunkFile>& files) {
     const std::vector<Chunk> chunks = chunks_of(film.frames, film.coding.gop);
     if (files.size() == chunks.size()) return true;
     renderer::Renderer renderer = renderer_of(film);
     Progress progress(film.frame_count(), options.quiet, "frame", Counted::frames, statistics.earlier_wall);
     if (!files.empty()) progress.advance_to(static_cast<std::int64_t>(statistics.frames.size()), film.frame_count());
+    std::optional<LayersWriter> layers;
+    if (options.layers) layers.emplace(*options.layers, film.format.pixel_aspect, statistics);
     bool whole = true;
     while (files.size() < chunks.size()) {
         const Chunk& chunk = chunks[files.size()];
         files.push_back(work.open(chunk));
         const std::unique_ptr<Sink> sink = make_sink(film, frames_of(film, options, work, chunk));
-        const Destination destination{film.kind == OutputKind::film ? &files.back() : nullptr, sink.get(),
-                                      options.layers ? &*options.layers : nullptr, observer};
-        whole = render_chunk(film, renderer, chunk, destination, statistics, [&] {
+        ChunkWriter coded(files.back());
+        LoopObservers products;
+        if (film.kind == OutputKind::film) products.add(coded);
+        if (sink) products.add(*sink);
+        if (layers) products.add(*layers);
+        products.add(observer);
+        whole = render_chunk(film, renderer, chunk, products, statistics, [&] {
             progress.advance();
             return !InterruptGuard::requested();
         });
@@ -202,7 +210,7 @@ std::size_t whole_of(const std::vector<ChunkFile>& chunks) {
 }
 
 /// As render_chunks(); a failure says what is not lost by it.
-bool render_or_tell(const RenderJob& film, const RenderOptions& options, WorkFolder& work, LoopObserver* observer,
+bool render_or_tell(const RenderJob& film, const RenderOptions& options, WorkFolder& work, LoopObserver& observer,
                     const WallClock& clock, RunStatistics& statistics, std::vector<ChunkFile>& files) {
     try {
         return render_chunks(film, options, work, observer, clock, statistics, files);
@@ -270,7 +278,8 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     if (!options.quiet && !options.resume) std::fputs(left.c_str(), stderr);
     const std::unique_ptr<WorkFolder> work = open_outputs(options, identity);
     HeatmapFilms heatmaps(options, film, identity, *work);
-    std::vector<ChunkFile> chunks = take_up(film, options, *work, heatmaps, statistics);
+    std::vector<ChunkFile> chunks = take_up(
+        film, options, *work, [&](std::size_t kept) { heatmaps.take_up(kept); }, statistics);
     settle(film, options, *work, statistics);
     if (InterruptGuard::requested()) return interrupted_before_frames(options);
 
@@ -278,8 +287,7 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     LoopObservers observers;
     if (!heatmaps.empty()) observers.add(heatmaps);
     if (options.report) observers.add(sample_frame);
-    const bool complete =
-        render_or_tell(film, options, *work, observers.empty() ? nullptr : &observers, clock, statistics, chunks);
+    const bool complete = render_or_tell(film, options, *work, observers, clock, statistics, chunks);
 
     // Publish what is whole; leave what is not beside the target. Whatever fails costs no more than itself.
     ErrorCollector errors;

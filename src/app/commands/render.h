@@ -1,20 +1,11 @@
 #pragma once
 // `render2mpeg render`: from options to a finished film with its statistics and reports.
-#include <cstdint>
-#include <filesystem>
 #include <string>
 
 #include "app/loop/run_statistics.h"
 #include "app/options/options.h"
 
 namespace render2mpeg::app {
-
-/// What a render comes to, for commands that make a film of their own accord.
-struct Rendered {
-    RunStatistics statistics;
-    std::filesystem::path film;
-    std::uint64_t bytes = 0;
-};
 
 /// `render2mpeg render`. Returns the exit status: 0, or 130 after an interruption. Throws core::Error. `rendered` is
 /// filled where it is not null.

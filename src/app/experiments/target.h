@@ -26,11 +26,6 @@ struct Target {
 /// How far from a target is near enough: of a quality in its own unit, of a rate as a share of it.
 inline constexpr double near_psnr = 0.1, near_ssim = 0.002, near_rate = 0.02;
 
-/// Bytes: 700M, 4.7G, 25000k, 1234567. Throws core::Error.
-double size_in_bytes(const std::string& text);
-/// Seconds: 45s, 90m, 2h, 1h30m, 5400. Throws core::Error.
-double time_in_seconds(const std::string& text);
-
 /// "42 dB PSNR-Y", "0.98 SSIM", "2000 kb/s", "1.20 MB", "1:30:00": what was asked for.
 std::string target_text(const Target& target);
 /// A value of the target's kind as people read it; none: "-".

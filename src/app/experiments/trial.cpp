@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "app/loop/picture_coder.h"
 #include "app/loop/pipeline.h"
 #include "app/loop/records_choice.h"
 #include "app/report/frame_view.h"
@@ -65,7 +66,7 @@ class Trials::Judge : public LoopObserver {
     void lit(const LitFrame& frame) override {
         waiting_.insert_or_assign(frame.world.frame, frame.picture);
         if (keep_ != nullptr)
-            keep_->frames.insert_or_assign(frame.world.frame, LitWindows::Frame{frame.picture, frame.visible});
+            keep_->frames.insert_or_assign(frame.world.frame, LitWindows::Frame{frame.picture, frame.seen.visible});
         const auto known = trials_.truths_.find(frame.world.frame);
         if (known == trials_.truths_.end()) return;
         const Truth& truth = known->second;
@@ -190,7 +191,7 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
     Judge judge(*this, trial, keep);
     RenderJob film = film_;
     film.tolerance = tolerance;
-    film.coupling.share = tolerance.share;
+    film.coupling.fraction = tolerance.fraction;
     coarseness.apply_to(film.coding);
     RunStatistics statistics;
     const renderer::Statistics before = renderer_.statistics();
@@ -211,7 +212,7 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
         };
         const double earlier = started(), unlit = shaded();
         double lit_first = 0;
-        render_chunk(film, renderer_, window, {nullptr, nullptr, nullptr, &judge}, statistics, [&] {
+        render_chunk(film, renderer_, window, judge, statistics, [&] {
             if (std::exchange(first, false)) {
                 once += started() - earlier;
                 lit_first = shaded() - unlit;
@@ -268,20 +269,18 @@ Trial Trials::coded_again(const LitWindows& lit, const Coarseness& coarseness) c
                     decoded(shown);
                 }
             };
-            encoder::Encoder encoder(film.coding);
+            RunStatistics statistics;
+            PosedFrames posed(film);
+            PictureCoder coder(film.film(), window, film.allocations, shots_of(*film.animation), statistics);
             for (std::int64_t n = window.first; n <= window.last; ++n) {
-                const core::Visible& visible = lit.frames.at(n).visible;
-                const scene::Snapshot world = film.snapshot(n);
+                const std::shared_ptr<const scene::Snapshot> world = posed.at(n);
+                RenderedMotion motion(film, posed, lit.frames.at(n).visible, *world, statistics);
                 take(timed(sum.seconds, [&] {
-                    encoder::PictureFacts facts = facts_of(film, world, window);
-                    tell_motion(film, window, visible, world, facts);
-                    const encoder::PicturePlan plan = encoder.plan(n, facts, n == window.first);
-                    const auto onward = onward_motion(film, plan, visible, world);
-                    return encoder.push(*pictures[static_cast<std::size_t>(n - window.first)], plan,
-                                        motion_of(film, plan, visible, world), {onward ? &*onward : nullptr});
+                    const encoder::PicturePlan plan = coder.plan(n, world->cut_before, motion);
+                    return coder.code(*pictures[static_cast<std::size_t>(n - window.first)], plan, motion);
                 }));
             }
-            take(timed(sum.seconds, [&] { return encoder.flush(); }));
+            take(timed(sum.seconds, [&] { return coder.flush(); }));
             return sum;
         },
         lit, coarseness);

@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "app/commands/render.h"
 #include "app/experiments/trial_command.h"
 #include "app/experiments/tune_report.h"
 #include "app/experiments/tune_table.h"
@@ -96,7 +95,7 @@ class TuneCommand {
     /// Finds the setting. Returns whether nobody interrupted.
     bool search();
     /// Makes the film. Returns its exit status.
-    int make();
+    int make(const RenderFilm& render_film);
     void write_reports() const;
 
     const Tuning& tuning() const { return tuning_; }
@@ -176,7 +175,7 @@ void TuneCommand::settle_options() {
     tuning_.command = line_of(changed_command(words_, "render", without, {"--dry-run"}, with));
 }
 
-int TuneCommand::make() {
+int TuneCommand::make(const RenderFilm& render_film) {
     RenderOptions render_options = options_.render;
     for (const auto& [name, value] : tuning_.options) {
         if (name == "--quality") render_options.coding.quality = std::stod(value);
@@ -189,7 +188,7 @@ int TuneCommand::make() {
     for (const char* looked_for : tune_only) render_options.said.erase(looked_for);
     for (const auto& [name, value] : tuning_.options) render_options.said[name] = value;
     Rendered rendered;
-    const int status = render(render_options, *tuning_.command, &rendered);
+    const int status = render_film(render_options, *tuning_.command, &rendered);
     if (status == 0) look_at_film(rendered);
     return status;
 }
@@ -235,7 +234,7 @@ void TuneCommand::write_reports() const {
 
 }  // namespace
 
-int tune(const TuneOptions& options, const std::vector<std::string>& words) {
+int tune(const TuneOptions& options, const std::vector<std::string>& words, const RenderFilm& render_film) {
     TuneCommand command(options, words);
     const Tuning& tuning = command.tuning();
     const bool quiet = options.render.quiet;
@@ -254,7 +253,7 @@ int tune(const TuneOptions& options, const std::vector<std::string>& words) {
     if (!options.render.dry_run) {
         if (!quiet) print("\n");
         command.write_reports();  // the search may have been dear; they are told of the film after it
-        status = command.make();
+        status = command.make(render_film);
         if (status != 0) return status;
         if (!quiet) print_sentence(film_sentence(tuning, command.hertz()));
         status = film_is_near(tuning) ? 0 : 1;

@@ -26,14 +26,14 @@ ToleranceRequest loosened(const ToleranceRequest& asked, float factor) {
     // chosen: what is asked without clustering is first lit as films are; a pixel's luminance is the end of all shares.
     if (asked.reference) tolerance.coupled = true;
     if (tolerance.coupled)
-        tolerance.share = std::min(asked.share.value_or(perceptual::default_tolerance_fraction) * factor, 100.0f);
+        tolerance.fraction = std::min(asked.fraction.value_or(perceptual::default_tolerance_fraction) * factor, 100.0f);
     else
         tolerance.relative = std::min(std::max(asked.relative, 0.0025f) * factor, 0.5f);
     return tolerance;
 }
 
 std::string text_of(const ToleranceRequest& t) {
-    return t.coupled ? fmt::format("coupled={:.3g}", *t.share) : fmt::format("fixed={:.3g}%", 100 * t.relative);
+    return t.coupled ? fmt::format("coupled={:.3g}", *t.fraction) : fmt::format("fixed={:.3g}%", 100 * t.relative);
 }
 
 /// From what was asked for to next to nothing.

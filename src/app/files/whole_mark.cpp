@@ -10,8 +10,8 @@
 #include <system_error>
 
 #include "app/files/checksum.h"
+#include "app/files/identity_difference.h"
 #include "app/files/text_file.h"
-#include "app/loop/film_identity.h"
 #include "core/error.h"
 
 namespace render2mpeg::app {

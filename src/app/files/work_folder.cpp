@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "app/files/identity_difference.h"
 #include "app/files/text_file.h"
-#include "app/loop/film_identity.h"
 #include "app/options/output_kind.h"
 #include "core/error.h"
 

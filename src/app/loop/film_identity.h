@@ -19,9 +19,6 @@ nlohmann::json identity_of(const RenderJob& film, const RenderOptions& options);
 /// in.
 nlohmann::json identity_of(const Film& film, const std::string& command);
 
-/// What differs first, in words a user can act on ("--quantiser was 4 and is 6"); empty where nothing does.
-std::string difference_of(const nlohmann::json& before, const nlohmann::json& now);
-
 /// The files that a film is made from, as far as they are known.
 std::vector<Files> inputs_of(const RenderJob& film, const RenderOptions& options);
 

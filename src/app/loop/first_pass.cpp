@@ -67,7 +67,7 @@ std::vector<encoder::BitAllocation> first_pass(const RenderJob& film, bool quiet
     RunStatistics statistics;
     for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {
         collector.starts_chunk = true;
-        render_chunk(pass, renderer, chunk, {nullptr, nullptr, nullptr, &collector}, statistics, [&] {
+        render_chunk(pass, renderer, chunk, collector, statistics, [&] {
             progress.advance();
             return !InterruptGuard::requested();
         });

@@ -59,7 +59,7 @@ CouplingSettings coupling_settings(const RenderOptions& options, const Tolerance
     settings.visibility.spread =
         options.error_spread == "pixel" ? perceptual::Spread::pixel : perceptual::Spread::block;
     settings.maps = options.error_maps == "intra" ? ErrorMaps::intra : ErrorMaps::references;
-    settings.share = tolerance.share;
+    settings.fraction = tolerance.fraction;
     return settings;
 }
 

@@ -171,7 +171,7 @@ json facts_of(const RenderJob& film, const RenderOptions& options, const WorkFol
 }
 
 std::vector<ChunkFile> take_up(const RenderJob& film, const RenderOptions& options, WorkFolder& work,
-                               HeatmapFilms& heatmaps, RunStatistics& statistics) {
+                               const std::function<void(std::size_t)>& kept, RunStatistics& statistics) {
     if (!options.resume) return {};
     std::vector<ChunkFile> left = work.finished(chunks_of(film.frames, film.coding.gop)), chunks;
     RunStatistics earlier;
@@ -182,7 +182,7 @@ std::vector<ChunkFile> take_up(const RenderJob& film, const RenderOptions& optio
     // Reading the scene is all that this run has done yet.
     for (std::size_t i = 0; i < statistics.seconds.size(); ++i) earlier.seconds[i] += statistics.seconds[i];
     statistics = std::move(earlier);
-    heatmaps.take_up(chunks.size());
+    kept(chunks.size());
     work.drop_all_but(chunks);
     say_given_up(options, work);
     if (!options.quiet) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -13,7 +14,6 @@
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "app/options/options.h"
-#include "app/report/heatmap_film.h"
 
 /// How a run goes on where another one was interrupted or killed (docs/resume.md).
 namespace render2mpeg::app {
@@ -36,10 +36,10 @@ Products products_of(const RenderJob& film, const RenderOptions& options);
 /// be made with it. Otherwise none; what differs from a film that is there is said.
 std::optional<int> settled_before(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity);
 
-/// The whole chunks of an earlier run, whose statistics are taken in; what else there was is removed. None where the
-/// options ask for none. Throws core::Error where a heatmap has fewer chunks than the film.
+/// The whole chunks of an earlier run, whose statistics are taken in; what else there was is removed, after `kept`
+/// was told how many are taken over. None where the options ask for none.
 std::vector<ChunkFile> take_up(const RenderJob& film, const RenderOptions& options, WorkFolder& work,
-                               HeatmapFilms& heatmaps, RunStatistics& statistics);
+                               const std::function<void(std::size_t)>& kept, RunStatistics& statistics);
 
 /// Finds out what is settled before the first frame, or takes it over from the earlier run: the exposure, and what a
 /// first pass says.

@@ -2,6 +2,7 @@
 // What a run counts and times.
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -97,8 +98,45 @@ struct RunStatistics {
     double mean_indirect_cut() const;
 };
 
+/// What a render comes to, for commands that make a film of their own accord.
+struct Rendered {
+    RunStatistics statistics;
+    std::filesystem::path film;
+    std::uint64_t bytes = 0;
+};
+
 /// Counts of two runs over parts of one film, the earlier one first.
 renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer::Statistics& later);
+
+/// Adds the CPU time of its scope to a stage, or to a row of the plan.
+class StageTimer {
+  public:
+    StageTimer(RunStatistics& statistics, Stage stage) : sum_(statistics.seconds[static_cast<std::size_t>(stage)]) {}
+    StageTimer(RunStatistics& statistics, renderer::Pass pass)
+        : sum_(statistics.pass_seconds[static_cast<std::size_t>(pass)]) {}
+    ~StageTimer() { sum_ += cpu_seconds() - start_; }
+    StageTimer(const StageTimer&) = delete;
+    StageTimer& operator=(const StageTimer&) = delete;
+
+  private:
+    double& sum_;
+    double start_ = cpu_seconds();
+};
+
+/// Says in the entry that was opened last what CPU time its scope took.
+class FrameTimer {
+  public:
+    explicit FrameTimer(RunStatistics& statistics) : statistics_(statistics) {}
+    ~FrameTimer() {
+        if (!statistics_.frames.empty()) statistics_.frames.back().seconds = cpu_seconds() - start_;
+    }
+    FrameTimer(const FrameTimer&) = delete;
+    FrameTimer& operator=(const FrameTimer&) = delete;
+
+  private:
+    RunStatistics& statistics_;
+    double start_ = cpu_seconds();
+};
 
 /// Calls `work`, adds the CPU time it took to `sum`, and returns what it returned.
 template <class Work>

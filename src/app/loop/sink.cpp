@@ -1,8 +1,11 @@
 #include "app/loop/sink.h"
 
+#include <algorithm>
+
 #include "encoder/av/y4m.h"
 #include "encoder/av/y4m_reader.h"
 #include "image/image.h"
+#include "image/layers.h"
 #include "perceptual/display.h"
 
 namespace render2mpeg::app {
@@ -57,6 +60,15 @@ class PngSink : public Sink {
 };
 
 }  // namespace
+
+void LayersWriter::lit(const LitFrame& frame) {
+    const std::int64_t n = frame.world.frame;
+    const core::MotionField& before = frame.motion.exact_to(std::max<std::int64_t>(0, n - 1));
+    const core::MotionField& after = frame.motion.exact_to(n + 1);
+    const StageTimer timer(statistics_, renderer::Pass::layers);
+    image::write_layers(numbered(layers_in(folder_), n), frame.seen.visible, frame.radiance, &before, &after,
+                        pixel_aspect_, &frame.tolerance);
+}
 
 void join_y4m(const RenderJob& film, const std::vector<std::filesystem::path>& parts,
               const std::filesystem::path& file) {

@@ -2,8 +2,11 @@
 
 #include <filesystem>
 #include <memory>
+#include <utility>
 #include <vector>
 
+#include "app/files/chunk_file.h"
+#include "app/loop/observer.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "core/picture.h"
@@ -13,16 +16,38 @@ namespace render2mpeg::app {
 
 /// Where finished frames go when no film is coded: a Y4M file or numbered images. Nothing appears under its final name
 /// before it is whole.
-class Sink {
+class Sink : public LoopObserver {
   public:
-    virtual ~Sink() = default;
-    /// Frames come in order.
+    void lit(const LitFrame& frame) final { write(frame.radiance, frame.picture); }
     virtual void write(const core::Radiance& radiance, const core::Picture& picture) = 0;
     /// After the last frame.
     virtual void finish() {}
 };
 
-/// The sink for an output that is not a film.
+/// Appends coded pictures to their chunk's file.
+class ChunkWriter : public LoopObserver {
+  public:
+    explicit ChunkWriter(ChunkFile& file) : file_(file) {}
+    void coded(const encoder::CodedPicture& picture) override { file_.append(picture); }
+
+  private:
+    ChunkFile& file_;
+};
+
+/// Writes every frame's layers into a folder.
+class LayersWriter : public LoopObserver {
+  public:
+    LayersWriter(std::filesystem::path folder, float pixel_aspect, RunStatistics& statistics)
+        : folder_(std::move(folder)), pixel_aspect_(pixel_aspect), statistics_(statistics) {}
+    void lit(const LitFrame& frame) override;
+
+  private:
+    std::filesystem::path folder_;
+    float pixel_aspect_;
+    RunStatistics& statistics_;
+};
+
+/// The sink for an output that is not a film; null for one that is.
 std::unique_ptr<Sink> make_sink(const RenderJob& film, const std::filesystem::path& output);
 
 /// Joins Y4M files that a sink wrote one after the other.

@@ -9,10 +9,10 @@
 
 namespace render2mpeg::app {
 
-void StatisticsRecorder::rendered(std::int64_t frame, const renderer::Statistics& before,
-                                  const renderer::Statistics& after) {
+void StatisticsRecorder::lit(const LitFrame& frame) {
+    const renderer::Statistics &before = frame.before, &after = frame.after;
     FrameEntry entry;
-    entry.frame = frame;
+    entry.frame = frame.world.frame;
     entry.shadow_rays = after.shadow_rays - before.shadow_rays;
     const auto points = static_cast<double>(std::max<std::uint64_t>(1, after.gather_points - before.gather_points));
     entry.direct_cut = static_cast<double>(after.direct_clusters - before.direct_clusters) / points;
@@ -20,20 +20,27 @@ void StatisticsRecorder::rendered(std::int64_t frame, const renderer::Statistics
     entry.records = {after.cache.created - before.cache.created, after.cache.live,
                      static_cast<double>(after.cache.served - before.cache.served) / points};
     statistics_.frames.push_back(entry);
+    for (const std::uint8_t luma : frame.picture.y.values())
+        statistics_.brightest_luma = std::max<int>(statistics_.brightest_luma, luma);
+    if (coded_) waiting_.emplace(frame.picture.number, frame.picture);
 }
 
-void StatisticsRecorder::audited(const std::vector<renderer::AuditedPixel>& pixels,
-                                 const core::ToleranceMap& tolerance) {
+void StatisticsRecorder::read(const core::Picture& picture) {
+    FrameEntry entry;
+    entry.frame = picture.number;
+    statistics_.frames.push_back(entry);
+    waiting_.emplace(picture.number, picture);
+}
+
+void Auditor::lit(const LitFrame& frame) {
+    const std::vector<renderer::AuditedPixel> pixels = timed(statistics_.audit.seconds, [&] {
+        return renderer_.audit(frame.world, frame.seen, frame.tolerance, frame.radiance, pixels_);
+    });
     for (const renderer::AuditedPixel& p : pixels) {
-        const float absolute = tolerance.is_reference() ? 0.0f : tolerance.pixels.at(p.x, p.y).absolute;
+        const float absolute = frame.tolerance.is_reference() ? 0.0f : frame.tolerance.pixels.at(p.x, p.y).absolute;
         statistics_.audit.errors.add(core::divide_or(p.error, std::max(p.luminance, absolute), 0.0f));
         statistics_.audit.over += p.over() ? 1 : 0;
     }
-}
-
-void StatisticsRecorder::keep(core::Picture picture) {
-    const std::int64_t number = picture.number;
-    waiting_.emplace(number, std::move(picture));
 }
 
 void StatisticsRecorder::coded(const encoder::CodedPicture& coded) {

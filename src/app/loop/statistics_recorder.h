@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 
+#include "app/loop/observer.h"
 #include "app/loop/run_statistics.h"
 #include "core/picture.h"
 #include "encoder/types.h"
@@ -10,30 +11,40 @@
 
 namespace render2mpeg::app {
 
-/// The pictures of a chunk between their making and their coding, with what is known of them. Frames come one after
-/// the other; their entries are added to the statistics.
-class StatisticsRecorder {
+/// Adds an entry for every frame of a chunk to the statistics. Frames come one after the other.
+class StatisticsRecorder : public LoopObserver {
   public:
-    explicit StatisticsRecorder(RunStatistics& statistics)
-        : statistics_(statistics), first_(statistics.frames.size()) {}
+    /// `coded`: pictures are going to be coded, and kept until then.
+    StatisticsRecorder(RunStatistics& statistics, bool coded)
+        : statistics_(statistics), first_(statistics.frames.size()), coded_(coded) {}
 
     /// Opens the entry of a frame with what gathering its light took: the growth of the renderer's counts.
-    void rendered(std::int64_t frame, const renderer::Statistics& before, const renderer::Statistics& after);
-    /// Opens the entry of a frame that came from a file.
-    void opened(std::int64_t frame) { rendered(frame, {}, {}); }
-    /// Adds pixels of that frame that were gathered again.
-    void audited(const std::vector<renderer::AuditedPixel>& pixels, const core::ToleranceMap& tolerance);
-    /// CPU seconds of the frame opened last.
-    void took(double seconds) { statistics_.frames.back().seconds = seconds; }
-    /// Keeps a picture until it is coded.
-    void keep(core::Picture picture);
+    void lit(const LitFrame& frame) override;
     /// Completes the entry of a picture that was coded.
-    void coded(const encoder::CodedPicture& coded);
+    void coded(const encoder::CodedPicture& coded) override;
+    /// Opens the entry of a frame that came from a file.
+    void read(const core::Picture& picture);
 
   private:
     RunStatistics& statistics_;
     std::size_t first_;
+    bool coded_;
     std::map<std::int64_t, core::Picture> waiting_;
+};
+
+/// Gathers some pixels of every frame again without clustering, and adds their errors to the statistics.
+class Auditor : public LoopObserver {
+  public:
+    /// `pixels` of each frame.
+    Auditor(renderer::Renderer& renderer, int pixels, RunStatistics& statistics)
+        : renderer_(renderer), pixels_(pixels), statistics_(statistics) {}
+
+    void lit(const LitFrame& frame) override;
+
+  private:
+    renderer::Renderer& renderer_;
+    int pixels_;
+    RunStatistics& statistics_;
 };
 
 }  // namespace render2mpeg::app

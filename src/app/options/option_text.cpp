@@ -1,5 +1,6 @@
 // Parses options that have a grammar of their own: sizes, ranges, tolerances.
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -120,6 +121,45 @@ std::vector<int> quantisers_from(const std::string& text) {
         quantisers.push_back(static_cast<int>(*value));
     }
     return in_order(std::move(quantisers), std::less<>());
+}
+
+double size_in_bytes(const std::string& text) {
+    char* end = nullptr;
+    double value = std::strtod(text.c_str(), &end);
+    const bool number = end != text.c_str() && std::isdigit(static_cast<unsigned char>(text[0])) != 0;
+    std::string unit(end);
+    if (unit.ends_with('B')) unit.pop_back();
+    if (unit == "k" || unit == "K")
+        value *= 1e3;
+    else if (unit == "M")
+        value *= 1e6;
+    else if (unit == "G")
+        value *= 1e9;
+    else if (!unit.empty())
+        value = -1;
+    // chosen: no file system holds more than an exabyte in one file.
+    if (!number || !(value >= 1) || value > 1e18)
+        throw core::Error("max-size " + text + ": expected bytes as a number, or with k, M or G, e.g. 700M or 4.7G");
+    return value;
+}
+
+double time_in_seconds(const std::string& text) {
+    double seconds = 0, last = 1e9;
+    const char* rest = text.c_str();
+    bool sound = !text.empty();
+    while (*rest != '\0' && sound) {
+        char* end = nullptr;
+        const double value = std::strtod(rest, &end);
+        const double unit = *end == 'h' ? 3600 : *end == 'm' ? 60 : *end == 's' || *end == '\0' ? 1 : 0;
+        sound = end != rest && std::isdigit(static_cast<unsigned char>(*rest)) != 0 && unit > 0 && unit < last;
+        seconds += value * unit;
+        last = unit;
+        rest = *end == '\0' ? end : end + 1;
+    }
+    // chosen: a year is longer than anybody waits.
+    if (!sound || !(seconds > 0) || seconds > 3.2e7)
+        throw core::Error("max-time " + text + ": expected hours, minutes and seconds, e.g. 2h, 90m, 1h30m or 45s");
+    return seconds;
 }
 
 }  // namespace render2mpeg::app

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "app/loop/memory.h"
 #include "app/options/coding_options.h"
 #include "app/options/help_format.h"
 #include "app/options/scene_options.h"
+#include "app/system/memory_limit.h"
 #include "core/error.h"
 #include "core/rational.h"
 

@@ -12,10 +12,10 @@ namespace render2mpeg::app {
 
 /// What --tolerance asks for.
 struct ToleranceRequest {
-    bool reference = false;      ///< every light point, no clustering
-    float relative = 0.02f;      ///< else: share of each pixel's luminance
-    bool coupled = false;        ///< instead: what coding and the eye hide
-    std::optional<float> share;  ///< of it, > 0; none: what the quantiser allows
+    bool reference = false;         ///< every light point, no clustering
+    float relative = 0.02f;         ///< else: share of each pixel's luminance
+    bool coupled = false;           ///< instead: what coding and the eye hide
+    std::optional<float> fraction;  ///< of it, > 0; none: what the quantiser allows
 };
 
 /// How pictures are coded: `render` and `encode` share these.
@@ -184,5 +184,10 @@ Sample sample_from(const std::string& text);
 std::vector<float> percents_from(const std::string& text);
 /// "2,4,8", ascending, each once; "none": none.
 std::vector<int> quantisers_from(const std::string& text);
+
+/// Bytes: 700M, 4.7G, 25000k, 1234567. Throws core::Error.
+double size_in_bytes(const std::string& text);
+/// Seconds: 45s, 90m, 2h, 1h30m, 5400. Throws core::Error.
+double time_in_seconds(const std::string& text);
 
 }  // namespace render2mpeg::app

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "app/loop/pipeline.h"
+#include "app/loop/observer.h"
 #include "app/report/frame_view.h"
 
 namespace render2mpeg::app {
@@ -29,28 +29,6 @@ class SampleFrameObserver : public LoopObserver {
     std::optional<core::Picture> lit_, decoded_;
     core::Plane<float> tolerance_, error_;  ///< over luminance; empty: not known
     std::string coding_;                    ///< "a B picture, quantiser 6, 1.2 kB"
-};
-
-/// Several that look on at once.
-class LoopObservers : public LoopObserver {
-  public:
-    void add(LoopObserver& observer) { all_.push_back(&observer); }
-    bool empty() const { return all_.empty(); }
-    void lit(const LitFrame& frame) override {
-        for (LoopObserver* observer : all_) observer->lit(frame);
-    }
-    void coded(const encoder::CodedPicture& picture) override {
-        for (LoopObserver* observer : all_) observer->coded(picture);
-    }
-    void begins(const Chunk& chunk) override {
-        for (LoopObserver* observer : all_) observer->begins(chunk);
-    }
-    void ends(const Chunk& chunk) override {
-        for (LoopObserver* observer : all_) observer->ends(chunk);
-    }
-
-  private:
-    std::vector<LoopObserver*> all_;
 };
 
 }  // namespace render2mpeg::app

@@ -160,7 +160,7 @@ json tolerance_of(const RenderJob& film) {
     if (film.tolerance.reference) return {{"mode", "reference"}};
     if (!film.tolerance.coupled) return {{"mode", "fixed"}, {"relative", film.tolerance.relative}};
     return {{"mode", "coupled"},
-            {"share", film.tolerance.share ? json(*film.tolerance.share) : json(nullptr)},
+            {"fraction", film.tolerance.fraction ? json(*film.tolerance.fraction) : json(nullptr)},
             {"masking", film.coupling.visibility.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"}};
 }
 

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "app/loop/memory.h"
 #include "app/system/interrupt.h"
+#include "app/system/shown_images.h"
 #include "image/image.h"
 #include "parallel/loops.h"
 #include "scene/isolation/child_trial.h"

@@ -1,5 +1,4 @@
 // The options of `tune`.
-#include "app/experiments/target.h"
 #include "app/options/coding_options.h"
 #include "app/options/rate_options.h"
 #include "app/options/scene_options.h"

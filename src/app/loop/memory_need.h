@@ -1,15 +1,10 @@
 #pragma once
 // How much memory a run will take, and the limit on it.
 #include <cstdint>
-#include <set>
-#include <string>
 
 #include "app/loop/render_job.h"
 
 namespace render2mpeg::app {
-
-/// Bytes, from "8G", "1.5G", "900M" (powers of 1024). Throws core::Error.
-std::uint64_t memory_from(const std::string& text);
 
 /// What rendering takes of memory, in bytes, by what takes it: reckoned before anything of it is allocated
 /// (docs/fits/memory.md).
@@ -24,15 +19,8 @@ struct MemoryNeed {
     std::uint64_t total() const { return held + triangles + textures + decoding + lights + frames; }
 };
 
-/// The images that surfaces or the sky show, by their numbers.
-std::set<int> images_of(const scene::Animation& film);
-
 /// Reads the headers of all images. Throws core::Error.
 MemoryNeed memory_need(const RenderJob& film);
-
-/// Holds this process to about `limit` bytes of memory of its own from now on, with so many threads: what asks for more
-/// gets std::bad_alloc, instead of making the machine swap.
-void hold_to(std::uint64_t limit, int threads);
 
 /// Whether a render of such a need may decode its images side by side in `threads` threads, or one after the other to
 /// keep the limit. Throws core::Error where even that is too much, and says what takes how much.

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+
+#include "app/loop/coupling.h"
+#include "core/plane.h"
+#include "encoder/types.h"
+
+namespace render2mpeg::app {
+
+/// Says how pictures are coded in the terms of the coupling: step sizes, and which pictures depend on which. Another
+/// codec would have another such translation; this one follows a chunk in coding order.
+class CodingTerms {
+  public:
+    /// `tune` decides the encoder's matrices.
+    explicit CodingTerms(encoder::Tune tune) : tune_(tune) {}
+
+    PlannedPicture planned(const encoder::PicturePlan& plan) const;
+    /// None for pictures that no other refers to.
+    std::optional<JudgedPicture> coded(const encoder::CodedPicture& coded);
+
+  private:
+    perceptual::CodingPlan steps_of(encoder::PictureType type, int quantiser) const;
+
+    encoder::Tune tune_;
+    core::Plane<std::uint8_t> reference_;  ///< luma of the newest I or P picture that is coded
+};
+
+}  // namespace render2mpeg::app

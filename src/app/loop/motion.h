@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "app/loop/render_job.h"
+#include "app/loop/run_statistics.h"
+#include "core/motion_field.h"
+#include "core/visible.h"
+#include "scene/pose/snapshot.h"
+
+/// Where one frame's pixels are in other frames.
+namespace render2mpeg::app {
+
+/// Motion of one frame's pixels to other frames. Each field is found once.
+class Motion {
+  public:
+    virtual ~Motion() = default;
+
+    /// To another frame; null where nothing moves, or no motion is known. Valid until take().
+    const core::MotionField* to(std::int64_t reference);
+    /// The fields to these frames, which may differ, to be kept by the caller. Empty where to() gives null.
+    std::vector<core::MotionField> take(std::span<const std::int64_t> references);
+    /// To the last picture that depends on this one; null: not known. Valid until take().
+    virtual const core::MotionField* onward(std::int64_t horizon) { return to(horizon); }
+
+  private:
+    virtual std::optional<core::MotionField> find(std::int64_t reference) = 0;
+
+    std::map<std::int64_t, core::MotionField> found_;
+};
+
+/// The scene as it is posed in the frames that were asked for last.
+class PosedFrames {
+  public:
+    explicit PosedFrames(const RenderJob& job) : job_(job) {}
+    std::shared_ptr<const scene::Snapshot> at(std::int64_t frame);
+
+  private:
+    const RenderJob& job_;
+    std::vector<std::shared_ptr<const scene::Snapshot>> latest_;  ///< the last one asked for comes last
+};
+
+/// Exact motion of what the renderer sees.
+class RenderedMotion : public Motion {
+  public:
+    /// `visible` is what `world` shows. All must outlive it. The time it takes counts as the pass `motion`.
+    RenderedMotion(const RenderJob& job, PosedFrames& posed, const core::Visible& visible, const scene::Snapshot& world,
+                   RunStatistics& statistics)
+        : job_(job), posed_(posed), visible_(visible), world_(world), statistics_(statistics) {}
+
+    /// As to(); where nothing moves the field says so.
+    const core::MotionField& exact_to(std::int64_t reference);
+    /// Never null: what stands still until then is worth knowing, too.
+    const core::MotionField* onward(std::int64_t horizon) override;
+
+  private:
+    std::optional<core::MotionField> find(std::int64_t reference) override;
+    core::MotionField between(std::int64_t reference);
+
+    const RenderJob& job_;
+    PosedFrames& posed_;
+    const core::Visible& visible_;
+    const scene::Snapshot& world_;
+    RunStatistics& statistics_;
+    std::map<std::int64_t, core::MotionField> still_;  ///< fields of a scene in which nothing moves
+};
+
+}  // namespace render2mpeg::app

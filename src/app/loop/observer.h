@@ -1,0 +1,61 @@
+#pragma once
+
+#include <vector>
+
+#include "app/loop/motion.h"
+#include "app/options/chunk.h"
+#include "core/picture.h"
+#include "core/radiance.h"
+#include "core/tolerance_map.h"
+#include "encoder/types.h"
+#include "renderer/renderer.h"
+#include "scene/pose/snapshot.h"
+
+/// Those that look on while chunks are made.
+namespace render2mpeg::app {
+
+/// One frame when its light is gathered.
+struct LitFrame {
+    const scene::Snapshot& world;
+    const renderer::Seen& seen;
+    const core::ToleranceMap& tolerance;  ///< that it was lit by
+    const core::Radiance& radiance;
+    const core::Picture& picture;
+    RenderedMotion& motion;              ///< from it to others
+    const renderer::Statistics& before;  ///< the renderer's counts before it was shaded
+    const renderer::Statistics& after;   ///< and after it
+};
+
+/// Looks on while a chunk is made, and changes nothing. Frames come in order, pictures in coding order.
+class LoopObserver {
+  public:
+    virtual ~LoopObserver() = default;
+    virtual void lit(const LitFrame&) {}
+    virtual void coded(const encoder::CodedPicture&) {}
+    /// Before a chunk's first frame, and after its last.
+    virtual void begins(const Chunk&) {}
+    virtual void ends(const Chunk&) {}
+};
+
+/// Several that look on at once, in the order in which they were added. They must outlive it.
+class LoopObservers : public LoopObserver {
+  public:
+    void add(LoopObserver& observer) { all_.push_back(&observer); }
+    void lit(const LitFrame& frame) override {
+        for (LoopObserver* observer : all_) observer->lit(frame);
+    }
+    void coded(const encoder::CodedPicture& picture) override {
+        for (LoopObserver* observer : all_) observer->coded(picture);
+    }
+    void begins(const Chunk& chunk) override {
+        for (LoopObserver* observer : all_) observer->begins(chunk);
+    }
+    void ends(const Chunk& chunk) override {
+        for (LoopObserver* observer : all_) observer->ends(chunk);
+    }
+
+  private:
+    std::vector<LoopObserver*> all_;
+};
+
+}  // namespace render2mpeg::app

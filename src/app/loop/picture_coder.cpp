@@ -1,0 +1,70 @@
+#include "app/loop/picture_coder.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "encoder/motion_nonuniformity.h"
+#include "perceptual/motion_sensitivity.h"
+
+namespace render2mpeg::app {
+
+std::vector<std::int64_t> shots_of(const scene::Animation& animation) {
+    std::vector<std::int64_t> frames;
+    for (const scene::Shot& shot : animation.shots) frames.push_back(shot.frame);
+    return frames;
+}
+
+PictureCoder::PictureCoder(const Film& film, const Chunk& chunk, std::span<const encoder::BitAllocation> allocations,
+                           std::vector<std::int64_t> shots, RunStatistics& statistics)
+    : film_(film),
+      chunk_(chunk),
+      allocations_(allocations),
+      shots_(std::move(shots)),
+      statistics_(statistics),
+      encoder_(film.coding) {}
+
+std::int64_t PictureCoder::frames_left(std::int64_t number) const {
+    std::int64_t left = chunk_.last - number;
+    for (const std::int64_t shot : shots_)
+        if (shot > number) left = std::min(left, shot - 1 - number);
+    return film_.keyframes.frames_left(number, left);
+}
+
+encoder::PictureFacts PictureCoder::facts_of(std::int64_t number, bool cut_before) const {
+    encoder::PictureFacts facts;
+    facts.cut_before = cut_before;
+    facts.frames_left = frames_left(number);
+    facts.keyframe = film_.keyframes.begins_at(number);
+    facts.left_in_chunk = chunk_.last - number;
+    facts.last_chunk = chunk_.last == film_.frames.last;
+    if (!allocations_.empty()) facts.allocation = allocations_[static_cast<std::size_t>(number - film_.frames.first)];
+    return facts;
+}
+
+encoder::PicturePlan PictureCoder::plan(std::int64_t number, bool cut_before, Motion& motion) {
+    const bool first = number == chunk_.first;
+    const core::MotionField* moved = first || cut_before ? nullptr : motion.to(number - 1);
+    const StageTimer timer(statistics_, Stage::encode);
+    encoder::PictureFacts facts = facts_of(number, cut_before);
+    if (moved != nullptr) {
+        facts.motion_nonuniformity = encoder::motion_nonuniformity(*moved);
+        if (film_.coding.rate_control.mode == encoder::RateMode::constant_quality)
+            facts.sensitivity = perceptual::motion_sensitivity(*moved, film_.coding.rate.hertz.value());
+    }
+    return encoder_.plan(number, facts, first);
+}
+
+std::vector<encoder::CodedPicture> PictureCoder::code(const core::Picture& picture, const encoder::PicturePlan& plan,
+                                                      Motion& motion) {
+    const std::vector<core::MotionField> fields = motion.take(plan.references);
+    const core::MotionField* onward = plan.horizon ? motion.onward(*plan.horizon) : nullptr;
+    const StageTimer timer(statistics_, Stage::encode);
+    return encoder_.push(picture, plan, fields, {onward});
+}
+
+std::vector<encoder::CodedPicture> PictureCoder::flush() {
+    const StageTimer timer(statistics_, Stage::encode);
+    return encoder_.flush();
+}
+
+}  // namespace render2mpeg::app

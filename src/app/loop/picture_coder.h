@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "app/loop/motion.h"
+#include "app/loop/run_statistics.h"
+#include "app/options/chunk.h"
+#include "app/options/film.h"
+#include "core/picture.h"
+#include "encoder/encoder.h"
+#include "scene/model/animation.h"
+
+namespace render2mpeg::app {
+
+/// The frames with which an animation's shots begin.
+std::vector<std::int64_t> shots_of(const scene::Animation& animation);
+
+/// Plans and codes the pictures of one chunk, wherever they and their motion come from. The time it takes counts as
+/// encoding.
+class PictureCoder {
+  public:
+    /// `allocations`: one per frame of the film, or none. `shots`: frames with which shots begin. Throws as
+    /// encoder::check() does.
+    PictureCoder(const Film& film, const Chunk& chunk, std::span<const encoder::BitAllocation> allocations,
+                 std::vector<std::int64_t> shots, RunStatistics& statistics);
+
+    /// How the next picture in display order will be coded.
+    encoder::PicturePlan plan(std::int64_t number, bool cut_before, Motion& motion);
+    /// Codes the next of the planned pictures and returns those that became complete. Takes fields out of `motion`.
+    std::vector<encoder::CodedPicture> code(const core::Picture& picture, const encoder::PicturePlan& plan,
+                                            Motion& motion);
+    /// After the chunk's last picture: those still held back.
+    std::vector<encoder::CodedPicture> flush();
+
+  private:
+    /// Pictures after this one before another shot begins, a keyframe comes or the chunk ends.
+    std::int64_t frames_left(std::int64_t number) const;
+    encoder::PictureFacts facts_of(std::int64_t number, bool cut_before) const;
+
+    Film film_;
+    Chunk chunk_;
+    std::span<const encoder::BitAllocation> allocations_;
+    std::vector<std::int64_t> shots_;
+    RunStatistics& statistics_;
+    encoder::Encoder encoder_;
+};
+
+}  // namespace render2mpeg::app

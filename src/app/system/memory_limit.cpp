@@ -1,0 +1,55 @@
+#include "app/system/memory_limit.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <string_view>
+
+#include "core/error.h"
+
+namespace render2mpeg::app {
+
+OwnMemory own_memory() {
+    std::uintmax_t resident = 0, writable = 0;
+    if (std::FILE* statm = std::fopen("/proc/self/statm", "r")) {
+        if (std::fscanf(statm, "%*u %ju %*u %*u %*u %ju", &resident, &writable) != 2) resident = writable = 0;
+        std::fclose(statm);
+    }
+    const auto page = static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+    return {resident * page, writable * page};
+}
+
+std::uint64_t memory_from(const std::string& text) {
+    double number = 0;
+    char unit = 0, more = 0;
+    const int read = std::sscanf(text.c_str(), "%lf%c%c", &number, &unit, &more);
+    constexpr std::string_view units = "KMGT";
+    const std::size_t power = units.find(unit);
+    // chosen: below 16 MiB no program starts; above an exbibyte no machine does.
+    if (read == 2 && power != std::string_view::npos && number > 0) {
+        for (std::size_t i = 0; i <= power; ++i) number *= 1024;
+        if (number >= 16.0 * 1024 * 1024 && number < 1e18) return static_cast<std::uint64_t>(number);
+    }
+    throw core::Error("memory " + text + ": expected a size such as 8G, 1.5G or 900M");
+}
+
+void hold_to(std::uint64_t limit, int threads) {
+    // What is told of is what is there. The system counts what may be written to, of which stacks and heaps keep much
+    // in store: what they do now, and for each thread to come.
+    // chosen: 256 MiB of Embree's and TBB's, and 16 by thread, with which the smallest films that are reckoned to fit
+    // do (1, 2 and 8 threads; with half of it Embree does not start).
+    const OwnMemory own = own_memory();
+    constexpr std::uint64_t in_store = std::uint64_t{256} << 20, by_thread = std::uint64_t{16} << 20;
+    limit += own.writable > own.resident ? own.writable - own.resident : 0;
+    limit += in_store + by_thread * static_cast<std::uint64_t>(std::max(threads, 1));
+#ifndef RENDER2MPEG_SANITIZED
+    // Of private memory alone: libraries and files that are mapped can be had again without swapping. Sanitizers map
+    // more than there is.
+    const rlimit memory{limit, limit};
+    setrlimit(RLIMIT_DATA, &memory);
+#endif
+}
+
+}  // namespace render2mpeg::app
