@@ -16,7 +16,6 @@ class ErrorCollector {
             if (!first_) first_ = std::current_exception();
         }
     }
-    bool none_failed() const { return !first_; }
     /// Throws what the first failure threw, if there is one.
     void rethrow() const {
         if (first_) std::rethrow_exception(first_);
