@@ -147,7 +147,7 @@ std::string page() {
     text << "# Hard cases\n\n"
             "Scenes in which careless arithmetic fails, and what render2mpeg does with them. Each is lit without "
             "clustering,\n"
-            "by both stopping rules at 2 %, with the irradiance cache, and coupled to its coding. In each, all "
+            "by cuts within 2 %, with the irradiance cache, and coupled to its coding. In each, all "
             "radiance is\n"
             "finite and not negative, and libavcodec decodes the film to the encoder's reconstruction, bit for bit.\n\n"
             "`tests/hard_cases` proves this page and writes it (`RENDER2MPEG_WRITE_PAGES=1 test_hard_cases`). The last "
