@@ -1,8 +1,6 @@
 #include "encoder/av/av.h"
 
-#include <algorithm>
 #include <array>
-#include <cctype>
 #include <fstream>
 #include <string>
 #include <string_view>
@@ -10,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/module.h"
+#include "core/text.h"
 #include "encoder/av/backend.h"
 #include "encoder/av/inspect.h"
 #include "encoder/cadence.h"
@@ -28,8 +27,7 @@ constexpr std::array<std::pair<std::string_view, const char*>, 7> formats{{{".mp
 
 /// Null where the ending is none of ours.
 const char* format_of(const std::filesystem::path& name) {
-    std::string ending = name.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string ending = core::ending_of(name);
     for (const auto& [known, format] : formats)
         if (ending == known) return format;
     return nullptr;

@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <cctype>
 #include <map>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "image/channels.h"
 
 namespace render2mpeg::image {
@@ -15,11 +15,8 @@ struct Name {
 
 Name split(const std::string& name) {
     const std::size_t dot = name.rfind('.');
-    Name parts{dot == std::string::npos ? "" : name.substr(0, dot),
-               dot == std::string::npos ? name : name.substr(dot + 1)};
-    std::transform(parts.channel.begin(), parts.channel.end(), parts.channel.begin(),
-                   [](unsigned char c) { return std::tolower(c); });
-    return parts;
+    if (dot == std::string::npos) return {"", core::lower_case(name)};
+    return {name.substr(0, dot), core::lower_case(name.substr(dot + 1))};
 }
 
 /// 0..3 for red, green, blue and alpha, 4 for luminance, -1 for all others.

@@ -1,10 +1,11 @@
 #include "image/format.h"
 
-#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstdint>
 #include <string_view>
+
+#include "core/text.h"
 
 namespace render2mpeg::image {
 namespace {
@@ -47,9 +48,7 @@ bool is_pnm(std::string_view text) {
 bool is_tga(std::string_view text, const std::string& name) {
     constexpr auto footer = "TRUEVISION-XFILE.\0"sv;
     if (text.size() >= footer.size() && text.substr(text.size() - footer.size()) == footer) return true;
-    std::string ending = name.size() >= 4 ? name.substr(name.size() - 4) : std::string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-    return ending == ".tga" && text.size() >= 18;
+    return core::ending_of(name) == ".tga" && text.size() >= 18;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "encoder/av/module/decoder.h"
 #include "encoder/av/module/ffmpeg.h"
+#include "encoder/av/module/transport_stream.h"
 
 namespace render2mpeg::av {
 namespace {
@@ -44,8 +45,7 @@ class Film {
         if (input == nullptr) refuse(AVERROR(ENOMEM));
         input->error_recognition = strictness;
         // The prefix keeps names with colons from being taken for network addresses. On failure `input` is freed.
-        // A transport stream of a few small pictures is too short for libavformat to know it by its contents.
-        const AVInputFormat* format = file_.ends_with(".ts") ? av_find_input_format("mpegts") : nullptr;
+        const AVInputFormat* format = transport_stream_format(file_);
         if (const int r = avformat_open_input(&input, ("file:" + file_).c_str(), format, nullptr); r < 0) refuse(r);
         input_.reset(input);
         if (const int r = avformat_find_stream_info(input, nullptr); r < 0) refuse(r);

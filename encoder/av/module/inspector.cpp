@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "encoder/av/module/ffmpeg.h"
 #include "encoder/av/module/picture_facts.h"
+#include "encoder/av/module/transport_stream.h"
 
 namespace render2mpeg::av {
 namespace {
@@ -81,7 +82,8 @@ class Film {
         // Playlists may name what they like: nothing but files is opened.
         AVDictionary* options = nullptr;
         av_dict_set(&options, "protocol_whitelist", "file", 0);
-        const int opened = avformat_open_input(&input, ("file:" + file_).c_str(), nullptr, &options);
+        const int opened =
+            avformat_open_input(&input, ("file:" + file_).c_str(), transport_stream_format(file_), &options);
         av_dict_free(&options);
         if (opened < 0) refuse(cause_of(opened, messages_));
         input_.reset(input);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "core/text.h"
+
 namespace render2mpeg::app {
 namespace {
 
@@ -25,7 +27,7 @@ Overhead overhead_of(const std::string& ending, bool disc) {
 }  // namespace
 
 double pictures_in_file(double bytes, std::int64_t pictures, const std::filesystem::path& file, bool disc) {
-    const Overhead overhead = overhead_of(file.extension().string(), disc);
+    const Overhead overhead = overhead_of(core::ending_of(file), disc);
     // chosen: two passes come within 1 % of a rate, seldom 2 % (docs/fits/rate-model.md).
     constexpr double aim = 0.98;
     const double fixed = overhead.file + overhead.picture * static_cast<double>(pictures);

@@ -7,6 +7,7 @@
 #include "app/options/output_kind.h"
 #include "core/error.h"
 #include "core/radiance.h"
+#include "core/text.h"
 #include "encoder/av/y4m_reader.h"
 #include "image/image.h"
 #include "perceptual/display.h"
@@ -126,7 +127,7 @@ class ImageFrames : public FrameSource {
 std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std::optional<float> exposure,
                                          const std::optional<FrameRange>& wanted,
                                          std::optional<perceptual::ColorMatrix> matrix) {
-    const std::string ending = input.extension().string();
+    const std::string ending = core::ending_of(input);
     if (ending == ".y4m") {
         if (exposure)
             throw core::Error("exposure: the frames of " + input.string() +

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "encoder/av/av.h"
 
 namespace render2mpeg::app {
@@ -34,7 +35,7 @@ std::optional<NumberField> number_field(const std::string& name) {
 
 OutputKind kind_of(const std::filesystem::path& output) {
     if (av::is_film(output)) return OutputKind::film;
-    const std::string ending = output.extension().string();
+    const std::string ending = core::ending_of(output);
     if (ending == ".y4m") return OutputKind::y4m;
     if (ending == ".exr" || ending == ".png") {
         if (!is_numbered(output))

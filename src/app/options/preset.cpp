@@ -4,11 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "app/options/output_kind.h"
 #include "core/error.h"
+#include "core/text.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -90,9 +90,7 @@ int Preset::usual_gop(const core::FrameRate& rate) const {
 
 void Preset::check_output(const std::filesystem::path& output) const {
     if (output.empty() || kind_of(output) != OutputKind::film) return;
-    std::string ending = output.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-    if (std::find(endings.begin(), endings.end(), ending) == endings.end())
+    if (std::find(endings.begin(), endings.end(), core::ending_of(output)) == endings.end())
         throw core::Error(fmt::format("--output {}: {} takes {}", output.string(), option(), fmt::join(endings, ", ")));
 }
 

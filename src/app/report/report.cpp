@@ -16,6 +16,7 @@
 #include "app/system/progress.h"
 #include "core/error.h"
 #include "core/numeric.h"
+#include "core/text.h"
 #include "perceptual/metrics.h"
 
 namespace render2mpeg::app {
@@ -235,7 +236,7 @@ std::filesystem::path report_json_of(const std::filesystem::path& html) {
 }
 
 void check_report(const std::filesystem::path& html) {
-    if (html.extension() != ".html" && html.extension() != ".htm")
+    if (const std::string ending = core::ending_of(html); ending != ".html" && ending != ".htm")
         throw core::Error("report " + html.string() + ": expected a name that ends in .html");
     for (const auto& [file, ours] : {std::pair{html, &is_page_of_ours}, {report_json_of(html), &is_json_of_ours}}) {
         std::error_code error;

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+/// Text that comes from outside: names of files, and what stands in them.
+namespace render2mpeg::core {
+
+/// A to Z become a to z; all other bytes stay, whatever the locale.
+std::string lower_case(std::string_view text);
+
+/// The ending of a file's name in lower case, with its dot: ".ts" of "FILM.TS". Empty where there is none. Endings say
+/// what a file holds, whatever their case.
+std::string ending_of(const std::filesystem::path& file);
+
+/// One line that is safe on a terminal: control codes (of ASCII and of Unicode), changes of the direction of writing,
+/// line separators and what is no UTF-8 become '?' each.
+std::string printable(std::string_view text);
+
+/// The same, but lines stay lines.
+std::string printable_lines(std::string_view text);
+
+}  // namespace render2mpeg::core

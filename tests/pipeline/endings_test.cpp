@@ -1,0 +1,71 @@
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+
+#include "app/files/container_share.h"
+#include "pipeline/foreign.h"
+
+/// Endings say what a file holds, whatever their case; what a film is, its contents say.
+namespace render2mpeg {
+namespace {
+
+using nlohmann::json;
+using support::Folder;
+using support::plain_film;
+using support::program;
+using support::run;
+using test::path;
+
+support::Outcome render(const Folder& folder, const std::string& output, const std::string& frames,
+                        const std::string& more = "") {
+    return run(program() + " render " + plain_film() +
+               " --size 32x32 --samples 1 --vpls 16 --exposure 0 --tolerance fixed=10% --quiet --frames " + frames +
+               " -o " + path(folder, output) + more);
+}
+
+TEST(Endings, OfOutputsMayBeInCapitals) {
+    const Folder folder;
+    for (const char* name : {"f.TS", "f.M2V", "f.Mkv", "f.Y4M", "f.%d.EXR", "f.%d.PNG"}) {
+        const auto outcome = render(folder, name, "0:1");
+        EXPECT_EQ(outcome.status, 0) << name << ": " << outcome.output;
+    }
+    EXPECT_EQ(folder.entries(), 8u);
+    const auto outcome = render(folder, "g.m2v", "0:1", " --report " + path(folder, "g.HTML"));
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_TRUE(std::filesystem::exists(folder / "g.HTML"));
+}
+
+TEST(Endings, OfFramesMayBeInCapitals) {
+    const Folder folder;
+    for (const char* name : {"f.%d.EXR", "f.%d.PNG", "f.Y4M"}) {
+        ASSERT_EQ(render(folder, name, "0:1").status, 0) << name;
+        const auto outcome = run(program() + " encode " + path(folder, name) + " --quiet -o " +
+                                 path(folder, std::string(name) + ".mpg"));
+        EXPECT_EQ(outcome.status, 0) << name << ": " << outcome.output;
+    }
+}
+
+TEST(Endings, InCapitalsHaveTheSameContainer) {
+    for (const auto& [small, large] : {std::pair("a.ts", "a.TS"), {"a.m2v", "a.M2V"}, {"a.mkv", "a.MKV"}})
+        EXPECT_EQ(app::pictures_in_file(1e6, 100, small, false), app::pictures_in_file(1e6, 100, large, false))
+            << large;
+    EXPECT_LT(app::pictures_in_file(1e6, 100, "a.TS", false), app::pictures_in_file(1e6, 100, "a.MPG", false));
+}
+
+TEST(TransportStreams, OfAPictureOrTwoAreKnownByTheirContents) {
+    const Folder folder;
+    for (const char* frames : {"0:0", "0:1"}) {
+        ASSERT_EQ(render(folder, "f.ts", frames).status, 0);
+        std::filesystem::rename(folder / "f.ts", folder / "f");
+        const auto outcome = run(program() + " info --json " + path(folder, "f"));
+        ASSERT_EQ(outcome.status, 0) << outcome.output;
+        const json told = json::parse(outcome.output);
+        EXPECT_EQ(told.at("container"), "MPEG-TS (MPEG-2 Transport Stream)");
+        EXPECT_EQ(told.at("pictures"), frames == std::string("0:0") ? 1 : 2);
+        EXPECT_EQ(told.at("groups").at("count"), 1);
+    }
+}
+
+}  // namespace
+}  // namespace render2mpeg
