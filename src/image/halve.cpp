@@ -1,6 +1,7 @@
 #include "image/halve.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -61,32 +62,46 @@ int wrapped(int i, int n, core::Wrap wrap) {
     return std::clamp(i, 0, n - 1);
 }
 
-core::Plane<glm::vec4> halve(const core::Plane<glm::vec4>& level, core::Wrap wrap_u, core::Wrap wrap_v) {
-    const int width = std::max(1, level.width() / 2), height = std::max(1, level.height() / 2);
-    const std::vector<Mixture> columns = mixtures(level.width(), width, wrap_u);
-    const std::vector<Mixture> rows = mixtures(level.height(), height, wrap_v);
+core::Plane<glm::vec4> halve(int width, int height, const RowOf& row, core::Wrap wrap_u, core::Wrap wrap_v) {
+    const int half_width = std::max(1, width / 2), half_height = std::max(1, height / 2);
+    const std::vector<Mixture> columns = mixtures(width, half_width, wrap_u);
+    const std::vector<Mixture> rows = mixtures(height, half_height, wrap_v);
 
-    core::Plane<glm::vec4> narrow(width, level.height());
-    for (int y = 0; y < level.height(); ++y) {
-        const glm::vec4* const from = level.row(y);
-        for (int x = 0; x < width; ++x) {
-            const Mixture& mixture = columns[static_cast<std::size_t>(x)];
+    // Rows of half the width, each kept while it is wanted: a row of the result is made of six neighbours at most, of
+    // which those at an edge may come from the other.
+    constexpr int kept = 8;
+    std::array<std::vector<glm::vec4>, kept> narrow;
+    std::array<int, kept> number;
+    number.fill(-1);
+    const auto narrow_row = [&](int y) -> const std::vector<glm::vec4>& {
+        const auto place = static_cast<std::size_t>(y % kept);
+        if (number[place] == y) return narrow[place];
+        number[place] = y;
+        narrow[place].resize(static_cast<std::size_t>(half_width));
+        const glm::vec4* const from = row(y);
+        std::transform(columns.begin(), columns.end(), narrow[place].begin(), [&](const Mixture& mixture) {
             glm::vec4 sum{0};
             for (std::size_t i = 0; i < mixture.from.size(); ++i) sum += mixture.weight[i] * from[mixture.from[i]];
-            narrow.at(x, y) = sum;
-        }
-    }
+            return sum;
+        });
+        return narrow[place];
+    };
 
-    core::Plane<glm::vec4> half(width, height, glm::vec4{0});
-    for (int y = 0; y < height; ++y) {
+    core::Plane<glm::vec4> half(half_width, half_height, glm::vec4{0});
+    for (int y = 0; y < half_height; ++y) {
         const Mixture& mixture = rows[static_cast<std::size_t>(y)];
         for (std::size_t i = 0; i < mixture.from.size(); ++i) {
-            const glm::vec4* const from = narrow.row(mixture.from[i]);
+            const std::vector<glm::vec4>& from = narrow_row(mixture.from[i]);
             glm::vec4* const to = half.row(y);
-            for (int x = 0; x < width; ++x) to[x] += mixture.weight[i] * from[x];
+            for (std::size_t x = 0; x < from.size(); ++x) to[x] += mixture.weight[i] * from[x];
         }
     }
     return half;
+}
+
+core::Plane<glm::vec4> halve(const core::Plane<glm::vec4>& level, core::Wrap wrap_u, core::Wrap wrap_v) {
+    return halve(
+        level.width(), level.height(), [&](int y) { return level.row(y); }, wrap_u, wrap_v);
 }
 
 }  // namespace render2mpeg::image

@@ -29,7 +29,9 @@ Image read_image(const std::filesystem::path& path, std::span<const std::byte> b
 /// Opens the libraries that images are read with, which takes half a second: for whoever lets children read some first.
 void open_decoders();
 
-inline constexpr std::size_t max_pixels = std::size_t{16384} * 16384;
+/// chosen: a sky of 16384x8192 pixels is read, which takes 3.5 GB as a texture of 8-bit colours. A file of less than a
+/// megabyte can claim as many, so that more would be refused by the machine (16384x16384 took 12.8 GB).
+inline constexpr std::size_t max_pixels = std::size_t{16384} * 8192;
 
 /// What the header of an image says.
 struct ImageHeader {

@@ -1,3 +1,7 @@
+// Skies as lights. The division into parts of equal power is Debevec's median cut [Debevec2005]. We changed: parts are
+// divided in proportion to the number of lights they still get, so that any count works; cells that alone exceed a
+// part's power are taken out first, so that a sun does not draw the borders of all other parts to itself; the longer
+// side is measured on the sphere, not in the image.
 #include "image/sky_grid.h"
 
 #include <algorithm>
@@ -35,13 +39,42 @@ double band(double a, double b) {
     return 2 * std::sin(0.5 * std::numbers::pi * (a + b)) * std::sin(0.5 * std::numbers::pi * (b - a));
 }
 
-/// What a column and a row of the map point to.
-glm::dvec3 direction_of(double u, double v) {
-    const double azimuth = 2 * std::numbers::pi * (u - 0.5), sine = std::sin(std::numbers::pi * v);
-    return {sine * std::sin(azimuth), std::cos(std::numbers::pi * v), -sine * std::cos(azimuth)};
+/// Power of a rectangle by columns or by rows.
+std::vector<double> profile(const core::Plane<float>& power, int x0, int y0, int x1, int y1, bool by_columns) {
+    std::vector<double> sums(static_cast<std::size_t>(by_columns ? x1 - x0 : y1 - y0), 0.0);
+    for (int y = y0; y < y1; ++y)
+        for (int x = x0; x < x1; ++x) sums[static_cast<std::size_t>(by_columns ? x - x0 : y - y0)] += power.at(x, y);
+    return sums;
+}
+
+/// Where to cut a profile so that its first piece has about `share` of the whole; also that piece's true share.
+struct Cut {
+    int at;        ///< 1 .. size - 1
+    double share;  ///< 0..1
+};
+Cut cut_near(const std::vector<double>& profile, double share) {
+    double total = 0;
+    for (const double p : profile) total += p;
+    Cut best{1, 0};
+    double sum = 0, distance = 2;
+    for (std::size_t i = 0; i + 1 < profile.size(); ++i) {
+        sum += profile[i];
+        const double here = core::divide_or(sum, total, 0.0);
+        if (std::abs(here - share) < distance) {
+            distance = std::abs(here - share);
+            best = {static_cast<int>(i) + 1, here};
+        }
+    }
+    return best;
 }
 
 }  // namespace
+
+/// A rectangle of cells [x0, x1) x [y0, y1) that becomes `lights` parts.
+struct SkyGrid::Part {
+    int x0, y0, x1, y1;
+    int lights;
+};
 
 SkyGrid::SkyGrid(const core::Plane<glm::vec4>& radiance) {
     const int width = radiance.width(), height = radiance.height();
@@ -81,39 +114,90 @@ SkyGrid::SkyGrid(const core::Plane<glm::vec4>& radiance) {
     for (glm::vec3& center : center_.values()) center = core::normalize_or(center, {0, 1, 0});
 }
 
-glm::vec3 SkyGrid::irradiance(glm::vec3 normal) const {
-    // Cut cells that are large on the sphere into smaller ones, for the cosine varies within them.
-    const int pieces = (1023 + columns()) / columns();
-    const auto piece = [&](const std::vector<double>& edges, int i, double share) {
-        const auto cell = static_cast<std::size_t>(i / pieces);
-        return edges[cell] + (edges[cell + 1] - edges[cell]) * (i % pieces + share) / pieces;
-    };
-    std::vector<glm::dvec2> azimuths;
-    for (int x = 0; x < columns() * pieces; ++x) {
-        const glm::dvec3 d = direction_of(piece(column_edges_, x, 0.5), 0.5);
-        azimuths.emplace_back(d.x, d.z);
+double SkyGrid::solid_angle(const Part& part) const {
+    const auto column = [&](int x) { return column_edges_[static_cast<std::size_t>(x)]; };
+    const auto row = [&](int y) { return row_edges_[static_cast<std::size_t>(y)]; };
+    const double a = std::numbers::pi * row(part.y0), b = std::numbers::pi * row(part.y1);
+    return 2 * std::numbers::pi * (column(part.x1) - column(part.x0)) * 2 * std::sin(0.5 * (a + b)) *
+           std::sin(0.5 * (b - a));
+}
+
+SkySample SkyGrid::sample_of(const Part& part, const core::Plane<float>& power) const {
+    glm::dvec3 light{0}, center{0};
+    float brightest = 0;
+    glm::vec3 fallback{0, 1, 0};
+    for (int y = part.y0; y < part.y1; ++y)
+        for (int x = part.x0; x < part.x1; ++x) {
+            const float p = power.at(x, y);
+            if (!(p > 0)) continue;
+            light += glm::dvec3(light_.at(x, y));
+            center += glm::dvec3(center_.at(x, y)) * static_cast<double>(p);
+            if (p > brightest) {
+                brightest = p;
+                fallback = center_.at(x, y);
+            }
+        }
+    const double length = std::sqrt(glm::dot(center, center));
+    const glm::vec3 direction = length > 0 ? core::normalize_or(glm::vec3(center / length), fallback) : fallback;
+    return {direction, glm::vec3(light), static_cast<float>(solid_angle(part)), 0};
+}
+
+std::vector<SkySample> SkyGrid::divide(int count) const {
+    std::vector<SkySample> samples;
+    if (count <= 0 || empty()) return samples;
+
+    // Weigh the cells, and take out those that are parts of their own.
+    core::Plane<float> power(columns(), rows());
+    std::transform(light_.values().begin(), light_.values().end(), power.values().begin(), core::luminance);
+    double total = 0, rest = 0;
+    for (const float p : power.values()) total += p;
+    for (int y = 0; y < rows(); ++y)
+        for (int x = 0; x < columns(); ++x) {
+            if (!(power.at(x, y) > total / count)) continue;
+            samples.push_back(sample_of({x, y, x + 1, y + 1, 1}, power));
+            power.at(x, y) = 0;
+        }
+    for (const float p : power.values()) rest += p;
+
+    // Divide the rest in a fixed order: the first half of a part before its second.
+    std::vector<Part> open;
+    if (rest > 0) open.push_back({0, 0, columns(), rows(), std::max(1, count - static_cast<int>(samples.size()))});
+    while (!open.empty()) {
+        const Part part = open.back();
+        open.pop_back();
+        divide(part, power, open, samples);
+    }
+    for (std::size_t i = 0; i < samples.size(); ++i) samples[i].id = static_cast<std::uint32_t>(i);
+    return samples;
+}
+
+/// Cuts a part in two, which are then open, or makes it a sample.
+void SkyGrid::divide(const Part& part, const core::Plane<float>& power, std::vector<Part>& open,
+                     std::vector<SkySample>& samples) const {
+    const int across = part.x1 - part.x0, down = part.y1 - part.y0;
+    if (part.lights == 1 || (across == 1 && down == 1)) {
+        samples.push_back(sample_of(part, power));
+        return;
     }
 
-    // Weigh each cell by the mean cosine of its pieces.
-    const glm::dvec3 n(normal);
-    glm::dvec3 sum{0};
-    for (int y = 0; y < rows() * pieces; ++y) {
-        const int row = y / pieces;
-        const double v = piece(row_edges_, y, 0.5), sine = std::sin(std::numbers::pi * v),
-                     height = n.y * std::cos(std::numbers::pi * v);
-        const double share =
-            band(piece(row_edges_, y, 0), piece(row_edges_, y, 1)) /
-            (band(row_edges_[static_cast<std::size_t>(row)], row_edges_[static_cast<std::size_t>(row) + 1]) * pieces);
-        for (int x = 0; x < columns(); ++x) {
-            double cosine = 0;
-            for (int p = x * pieces; p < (x + 1) * pieces; ++p) {
-                const glm::dvec2 azimuth = azimuths[static_cast<std::size_t>(p)];
-                cosine += std::max(0.0, height + sine * (n.x * azimuth.x + n.z * azimuth.y));
-            }
-            sum += glm::dvec3(light_.at(x, row)) * (share * cosine);
-        }
-    }
-    return glm::vec3(sum);
+    // Cut across the longer side as it lies on the sphere.
+    const double middle = 0.5 * (part.y0 + part.y1) * std::numbers::pi / rows();
+    const bool is_wide =
+        across * 2 * std::numbers::pi / columns() * std::sin(middle) >= down * std::numbers::pi / rows();
+    const bool by_columns = down == 1 || (across > 1 && is_wide);
+    const int half = part.lights / 2;
+    const Cut cut = cut_near(profile(power, part.x0, part.y0, part.x1, part.y1, by_columns),
+                             static_cast<double>(half) / part.lights);
+
+    // Give each side lights in proportion to its power; a side without power is dropped.
+    Part first = part, second = part;
+    (by_columns ? first.x1 : first.y1) = (by_columns ? part.x0 : part.y0) + cut.at;
+    (by_columns ? second.x0 : second.y0) = (by_columns ? part.x0 : part.y0) + cut.at;
+    first.lights = static_cast<int>(std::lround(cut.share * part.lights));
+    if (cut.share > 0 && cut.share < 1) first.lights = std::clamp(first.lights, 1, part.lights - 1);
+    second.lights = part.lights - first.lights;
+    if (cut.share < 1) open.push_back(second);
+    if (cut.share > 0) open.push_back(first);
 }
 
 }  // namespace render2mpeg::image

@@ -32,9 +32,6 @@ class SkyGrid {
     /// Integral of radiance over the whole sphere.
     glm::vec3 total() const { return total_; }
 
-    /// Integral of radiance x max(0, cosine to `normal`) over the sphere.
-    glm::vec3 irradiance(glm::vec3 normal) const;
-
     /// SkyMap::samples, in the map's own space.
     std::vector<SkySample> divide(int count) const;
 

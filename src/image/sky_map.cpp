@@ -85,10 +85,6 @@ glm::vec3 SkyMap::radiance(glm::vec3 direction, float solid_angle) const {
     return glm::vec3(texture_.sample(uv, {{wide, 0}, {0, high}}));
 }
 
-glm::vec3 SkyMap::irradiance(glm::vec3 normal) const {
-    return uniform() ? mean_ * std::numbers::pi_v<float> : grid_.irradiance(to_map(normal));
-}
-
 std::vector<SkySample> SkyMap::samples(int count) const {
     if (count <= 0 || !(core::luminance(mean_) > 0)) return {};
     if (!uniform()) {

@@ -30,10 +30,6 @@ class SkyMap {
     /// Mean radiance over the sphere.
     glm::vec3 mean() const { return mean_; }
 
-    /// Irradiance on a surface with this normal (unit) that sees nothing but sky. Exact; for an image it sums over all
-    /// its pixels, so this is for references and not for inner loops.
-    glm::vec3 irradiance(glm::vec3 normal) const;
-
     /// At most `count` parts of about equal power (luminance x solid angle) that cover all that shines; their
     /// irradiances sum to 4 pi x mean(). Pixels that alone hold more than 1 / count of the power, like a sun, are parts
     /// of their own, but pixels that lie within a quarter of a degree are one. Fewer than `count` where the map has

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "core/color.h"
 #include "core/error.h"
@@ -63,17 +64,12 @@ bool fits_in_8_bits(const core::Plane<glm::vec4>& pixels) {
     });
 }
 
-/// Linear values; colours times coverage where alpha means that.
-core::Plane<glm::vec4> linear_pixels(const core::Plane<glm::vec4>& pixels, bool in_codes, Encoding encoding,
-                                     AlphaMeaning alpha) {
-    core::Plane<glm::vec4> linear(pixels.width(), pixels.height());
-    std::transform(pixels.values().begin(), pixels.values().end(), linear.values().begin(), [&](glm::vec4 p) {
-        for (int c = 0; c < 4; ++c) p[c] = finite(p[c]);
-        if (encoding == Encoding::srgb)
-            for (int c = 0; c < 3; ++c) p[c] = in_codes ? tables.srgb[code_of(p[c])] : core::srgb_to_linear(p[c]);
-        return alpha == AlphaMeaning::coverage ? glm::vec4(glm::vec3(p) * p.w, p.w) : p;
-    });
-    return linear;
+/// The linear value of a pixel; colours times coverage where alpha means that.
+glm::vec4 linear_value(glm::vec4 p, bool in_codes, Encoding encoding, AlphaMeaning alpha) {
+    for (int c = 0; c < 4; ++c) p[c] = finite(p[c]);
+    if (encoding == Encoding::srgb)
+        for (int c = 0; c < 3; ++c) p[c] = in_codes ? tables.srgb[code_of(p[c])] : core::srgb_to_linear(p[c]);
+    return alpha == AlphaMeaning::coverage ? glm::vec4(glm::vec3(p) * p.w, p.w) : p;
 }
 
 /// A coordinate brought into [0, 1] as the wrap mode says.
@@ -154,26 +150,43 @@ Texture::Texture(const Image& image, Encoding encoding, core::Wrap wrap_u, core:
       nearest_(nearest) {
     EXPECTS(!image.pixels.empty());
     const bool in_codes = !image.high_range && fits_in_8_bits(image.pixels);
-    core::Plane<glm::vec4> level = linear_pixels(image.pixels, in_codes, encoding_, alpha_);
-
-    // Take the mean of the finest level in double precision.
-    glm::dvec4 sum{0};
-    for (const glm::vec4& p : level.values()) sum += glm::dvec4(p);
-    const auto whole = glm::vec4(sum / static_cast<double>(level.size()));
-    mean_ = unassociated(whole);
-
+    const std::size_t size = image.pixels.size();
     if (in_codes)
-        codes_.reserve(level.size() * 6);
+        codes_.reserve(size * 6);
     else
-        floats_.reserve(level.size() + level.size() / 2);
+        floats_.reserve(size + size / 2);
+
+    // Take the finest level row by row, since as linear floats it would be as large as the image; its mean in double
+    // precision.
+    std::vector<glm::vec4> line(static_cast<std::size_t>(image.pixels.width()));
+    const auto linear_row = [&](int y) -> const glm::vec4* {
+        std::transform(image.pixels.row(y), image.pixels.row(y) + line.size(), line.begin(),
+                       [&](const glm::vec4& p) { return linear_value(p, in_codes, encoding_, alpha_); });
+        return line.data();
+    };
+    glm::dvec4 sum{0};
+    for (int y = 0; y < image.pixels.height(); ++y)
+        for (const glm::vec4& p : std::span(linear_row(y), line.size())) sum += glm::dvec4(p);
+    const auto whole = glm::vec4(sum / static_cast<double>(size));
+    mean_ = unassociated(whole);
+    begin_level(image.pixels.width(), image.pixels.height());
+    for (int y = 0; y < image.pixels.height(); ++y) {
+        if (in_codes)
+            for (std::size_t x = 0; x < line.size(); ++x)
+                for (int c = 0; c < 4; ++c) codes_.push_back(code_of(image.pixels.row(y)[x][c]));
+        else
+            append_linear({linear_row(y), line.size()}, in_codes);
+    }
 
     // Build the pyramid down to one texel, which is the mean whatever the filter did at the edges. Only what is stored
     // is rounded, not what the next level is made of.
-    while (true) {
-        append_level(level, in_codes ? &image.pixels : nullptr);
-        if (level.size() == 1) break;
-        level = halve(level, wrap_u, wrap_v);
+    if (size == 1) return;
+    for (core::Plane<glm::vec4> level = halve(image.pixels.width(), image.pixels.height(), linear_row, wrap_u, wrap_v);;
+         level = halve(level, wrap_u, wrap_v)) {
         if (level.size() == 1) level.at(0, 0) = whole;
+        begin_level(level.width(), level.height());
+        append_linear(level.values(), in_codes);
+        if (level.size() == 1) return;
     }
 }
 
@@ -184,22 +197,25 @@ glm::vec4 Texture::unassociated(glm::vec4 v) const {
     return glm::vec4(glm::vec3(v) / v.w, v.w);
 }
 
-/// Stores a level; `original` is the image where it is kept in codes: the first level takes its own.
-void Texture::append_level(const core::Plane<glm::vec4>& linear, const core::Plane<glm::vec4>* original) {
-    Level level{linear.width(), linear.height(), 1, original ? codes_.size() / 4 : floats_.size()};
+/// What is stored from now on is a level of this size.
+void Texture::begin_level(int columns, int rows) {
+    Level level{columns, rows, 1, std::max(codes_.size() / 4, floats_.size())};
     if (!levels_.empty())
-        level.texel = std::max(static_cast<float>(width()) / static_cast<float>(level.width),
-                               static_cast<float>(height()) / static_cast<float>(level.height));
-    const bool is_original = original && levels_.empty();
+        level.texel = std::max(static_cast<float>(width()) / static_cast<float>(columns),
+                               static_cast<float>(height()) / static_cast<float>(rows));
     levels_.push_back(level);
-    for (std::size_t i = 0; i < linear.size(); ++i) {
-        const glm::vec4 texel = is_original ? original->values()[i] : unassociated(linear.values()[i]);
-        if (!original) {
+}
+
+/// Stores linear values, in codes or as floats.
+void Texture::append_linear(std::span<const glm::vec4> linear, bool in_codes) {
+    for (const glm::vec4& value : linear) {
+        const glm::vec4 texel = unassociated(value);
+        if (!in_codes) {
             floats_.push_back(texel);
             continue;
         }
         for (int c = 0; c < 4; ++c) {
-            const bool curved = encoding_ == Encoding::srgb && c < 3 && !is_original;
+            const bool curved = encoding_ == Encoding::srgb && c < 3;
             codes_.push_back(code_of(curved ? core::linear_to_srgb(texel[c]) : texel[c]));
         }
     }

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <span>
 #include <vector>
 
 #include "core/wrap.h"
@@ -52,7 +53,8 @@ class Texture {
     };
     struct Probes;
 
-    void append_level(const core::Plane<glm::vec4>& linear, const core::Plane<glm::vec4>* original);
+    void begin_level(int columns, int rows);
+    void append_linear(std::span<const glm::vec4> linear, bool in_codes);
     glm::vec4 unassociated(glm::vec4 v) const;
     Probes cover(glm::vec2 uv, const Footprint& footprint) const;
     template <class Texels>

@@ -54,6 +54,17 @@ glm::dvec3 light_of(const Image& image) {
     return sum;
 }
 
+/// Irradiance on a surface with this normal, by pixels as points of light.
+glm::dvec3 irradiance(const Image& image, glm::dvec3 normal) {
+    glm::dvec3 sum{0};
+    const int w = image.pixels.width(), h = image.pixels.height();
+    for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x)
+            sum += glm::dvec3(image.pixels.at(x, y)) *
+                   (pixel_solid_angle(y, w, h) * std::max(0.0, glm::dot(normal, direction_of(x, y, w, h))));
+    return sum;
+}
+
 glm::dvec3 light_of(const std::vector<SkySample>& samples) {
     glm::dvec3 sum{0};
     for (const SkySample& sample : samples) sum += glm::dvec3(sample.irradiance);
@@ -149,27 +160,15 @@ TEST(SkyMap, ASunOfOnePixelIsOneSampleAtItsCentre) {
 }
 
 TEST(SkyMap, SamplesLightSurfacesAsTheSkyDoes) {
-    const SkyMap sky(outdoors(256, 128), {1, 1, 1}, 0.7f);
-    const std::vector<SkySample> samples = sky.samples(1024);
+    const Image image = outdoors(256, 128);
+    const std::vector<SkySample> samples = SkyMap(image, {1, 1, 1}, 0).samples(1024);
     for (std::uint64_t i = 0; i < 20; ++i) {
         const glm::vec3 normal = core::sample_sphere({core::uniform(sky_seed, i, 1), core::uniform(sky_seed, i, 2)});
         glm::dvec3 sum{0};
         for (const SkySample& sample : samples)
             sum +=
                 glm::dvec3(sample.irradiance) * static_cast<double>(std::max(0.0f, glm::dot(normal, sample.direction)));
-        expect_close(sum, sky.irradiance(normal), 0.01);
-    }
-}
-
-TEST(SkyMap, IrradianceOfAUniformMapIsPiTimesItsRadiance) {
-    for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {33, 17}, {128, 64}}) {
-        const SkyMap sky(constant_map(width, height, {1, 2, 3}), {1, 1, 1}, 0.3f);
-        for (std::uint64_t i = 0; i < 5; ++i) {
-            const glm::vec3 normal =
-                core::sample_sphere({core::uniform(sky_seed, i, 3), core::uniform(sky_seed, i, 4)});
-            expect_close(sky.irradiance(normal), glm::dvec3(1, 2, 3) * pi, 1e-4);
-        }
-        expect_close(sky.mean(), {1, 2, 3}, 1e-6);
+        expect_close(sum, irradiance(image, normal), 0.01);
     }
 }
 
@@ -177,7 +176,6 @@ TEST(SkyMap, AConstantSkyIsSpreadEvenly) {
     const SkyMap sky(glm::vec3{0.5f, 1, 2});
     EXPECT_TRUE(sky.uniform());
     expect_close(sky.radiance({0.1f, 0.2f, 0.3f}, 0.5f), {0.5, 1, 2}, 0);
-    expect_close(sky.irradiance({0, 1, 0}), glm::dvec3(0.5, 1, 2) * pi, 1e-6);
     const std::vector<SkySample> samples = sky.samples(500);
     ASSERT_EQ(samples.size(), 500u);
     expect_close(light_of(samples), glm::dvec3(0.5, 1, 2) * 4.0 * pi, 1e-5);
