@@ -267,7 +267,7 @@ TEST(Statistics, TellTheRealQuantisersWhereNoneWasAskedFor) {
 TEST(Interruption, LeavesAPlayablePartialFilmAndNoFinalOne) {
     const Folder folder;
     const auto output = folder / "film.mpg";
-    const auto outcome = run(program() + " render " + plain_film() +
+    const auto outcome = run(support::program_at_terminal() + " render " + plain_film() +
                              " --size 32x32 --samples 1 --vpls 16 --frames 0:999 --exposure 0 --quiet -o " +
                              output.string() + " & job=$!; while [ ! -s " + (folder / "film.mpg.partial").string() +
                              "/chunk_00000.m2v ]; do sleep 0.05; done; sleep 0.3; " + "kill -INT $job; wait $job");

@@ -16,6 +16,7 @@ using support::film;
 using support::Folder;
 using support::plain_film;
 using support::program;
+using support::program_at_terminal;
 using support::run;
 using test::path;
 
@@ -98,7 +99,7 @@ TEST(Interruption, OfAnInterruptedRunEndsItAtOnce) {
     const Folder folder;
     // A first frame that takes minutes: only a run that does not finish it ends here.
     const auto outcome =
-        run(program() + " render " + plain_film() +
+        run(program_at_terminal() + " render " + plain_film() +
             " --size 1280x960 --samples 1 --exposure 0 --tolerance reference --frames 0:1 -o " + path(folder, "f.mpg") +
             " & job=$!; while [ ! -e " + path(folder, "f.mpg.partial/chunk_00000.m2v") +
             " ]; do kill -0 $job || exit 99; sleep 0.05; done; sleep 0.1; kill -INT $job; sleep 0.3; "
@@ -111,7 +112,8 @@ TEST(Interruption, OfAnInterruptedRunEndsItAtOnce) {
 
 TEST(Heatmap, OfTwoRunsIsTheFirstOnes) {
     const Folder folder;
-    const std::string start = program() + " render " + plain_film() + " --size 64x64 --vpls 16 --exposure 0 --quiet ";
+    const std::string start =
+        program_at_terminal() + " render " + plain_film() + " --size 64x64 --vpls 16 --exposure 0 --quiet ";
     const std::string heat = " --heatmap cut " + path(folder, "heat.mpg");
     const std::string second = start + "--frames 0:1 -o " + path(folder, "b.mpg") + heat;
     const auto outcome =

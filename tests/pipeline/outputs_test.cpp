@@ -23,8 +23,9 @@ const std::string endless = " --size 32x32 --samples 1 --vpls 16 --frames 0:9999
 /// Runs a render until `file` is there and not empty, then does `then`, then sends the signal and waits.
 support::Outcome interrupted(const std::string& render, const std::string& file, const std::string& signal,
                              const std::string& then = ":") {
-    return run(render + " & job=$!; while [ ! -s " + file + " ]; do kill -0 $job || exit 99; sleep 0.05; done; " +
-               then + "; sleep 0.3; kill -" + signal + " $job; wait $job");
+    return run("env --default-signal=INT " + render + " & job=$!; while [ ! -s " + file +
+               " ]; do kill -0 $job || exit 99; sleep 0.05; done; " + then + "; sleep 0.3; kill -" + signal +
+               " $job; wait $job");
 }
 
 TEST(WorkFolder, IsAnotherForFilmsOfOneStem) {

@@ -187,8 +187,8 @@ TEST_F(Interrupted, FilmsSayHowToGoOnAndWhereTheyDo) {
 
 TEST(Resume, IsTheWayOnAfterCtrlC) {
     const Folder folder;
-    std::string start =
-        program() + " render " + scene_in(folder) + light + "--frames 0:9999 -o " + path(folder, "f.mpg");
+    std::string start = support::program_at_terminal() + " render " + scene_in(folder) + light + "--frames 0:9999 -o " +
+                        path(folder, "f.mpg");
     start.erase(start.find(" --quiet"), 8);
     const auto outcome = run(start + " & job=$!; while [ ! -s " + path(folder, "f.mpg.partial/chunk_00000.json") +
                              " ]; do kill -0 $job || exit 99; sleep 0.01; done; kill -INT $job; wait $job");

@@ -213,7 +213,7 @@ support::Outcome interrupt(const std::string& render, const std::string& file) {
 
 TEST(Leftovers, AreRemovedByTheSameFilmAloneAndReplacedByNone) {
     const Folder folder;
-    const std::string endless = program() + " render " + plain_film() +
+    const std::string endless = support::program_at_terminal() + " render " + plain_film() +
                                 " --size 32x32 --samples 1 --vpls 16 --frames 0:9999 --exposure 0 --quiet -o " +
                                 path(folder, "a.mpg");
     const std::string chunk = path(folder, "a.mpg.partial/chunk_00000.m2v");

@@ -66,6 +66,10 @@ inline std::string contents(const std::filesystem::path& file) {
 inline std::string program() {
     return (binary_folder() / "render2mpeg").string();
 }
+/// The same as at a terminal: what a script begins in the background ignores SIGINT, and so would the program.
+inline std::string program_at_terminal() {
+    return "env --default-signal=INT " + program();
+}
 inline std::string film(const std::string& name) {
     return (source_folder() / "animations" / name).string();
 }

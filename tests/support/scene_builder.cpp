@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "scene/loaders.h"
+#include "scene/preparation/complete.h"
 
 namespace render2mpeg::test {
 

@@ -25,12 +25,22 @@ namespace {
                       "another run is writing it" + (process.empty() ? "" : " (process " + process + ")"));
 }
 
-/// Whether the name still leads to the file that is open: the run that held it may have removed it since.
+/// Whether the name still is that of the file that is open: the run that held it may have removed it since.
 bool is_current(int descriptor, const std::filesystem::path& file) {
     struct stat opened {
     }, named{};
-    return fstat(descriptor, &opened) == 0 && stat(file.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
+    return fstat(descriptor, &opened) == 0 && lstat(file.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
            opened.st_ino == named.st_ino;
+}
+
+/// Whether a file has this name alone, and is no pipe or the like: what is written to it changes nothing else.
+bool is_plain(int descriptor) {
+    struct stat opened {};
+    return fstat(descriptor, &opened) == 0 && S_ISREG(opened.st_mode) && opened.st_nlink <= 1;
+}
+
+std::string why_not_opened(int failure) {
+    return failure == ELOOP ? "it is a link, which is not followed" : std::strerror(failure);
 }
 
 }  // namespace
@@ -45,9 +55,9 @@ OutputLock::OutputLock(const std::filesystem::path& file, const std::filesystem:
         std::error_code error;
         std::filesystem::create_directories(file.parent_path(), error);
         if (error) throw core::Error("writing", output.string(), error.message());
-        descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
         if (descriptor_ < 0 && errno == ENOENT && left > 0) continue;  // the folder went with the run before
-        if (descriptor_ < 0) throw core::Error("writing", file.string(), std::strerror(errno));
+        if (descriptor_ < 0) throw core::Error("writing", file.string(), why_not_opened(errno));
         const int failure = flock(descriptor_, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
         if (failure == 0 && is_current(descriptor_, file)) break;
         close(descriptor_);
@@ -57,6 +67,10 @@ OutputLock::OutputLock(const std::filesystem::path& file, const std::filesystem:
         throw core::Error("writing", output.string(), std::string("it cannot be locked: ") + std::strerror(failure));
     }
 
+    if (!is_plain(descriptor_)) {
+        close(descriptor_);
+        throw core::Error("writing", file.string(), "it is no file of ours: another name leads to it, too");
+    }
     // Say who holds it; a lock that does not say so is one all the same.
     const std::string process = std::to_string(getpid()) + "\n";
     const bool told = ftruncate(descriptor_, 0) == 0 && ::write(descriptor_, process.data(), process.size()) > 0;
@@ -68,7 +82,7 @@ OutputLock::~OutputLock() {
 }
 
 void OutputLock::check(const std::filesystem::path& file, const std::filesystem::path& output) {
-    const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (descriptor < 0) return;
     const bool held = flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
     close(descriptor);

@@ -8,7 +8,8 @@ namespace render2mpeg::app {
 class OutputLock {
   public:
     /// Locks `file`, which is made where there is none, in a folder that is made likewise. `output` is for messages.
-    /// Throws core::Error where another run holds it, naming that run's process. Waits for 0.2 s at most.
+    /// Throws core::Error where another run holds it, naming that run's process, and where it is a link or has another
+    /// name besides: what that leads to may be anybody's. Waits for 0.2 s at most.
     OutputLock(const std::filesystem::path& file, const std::filesystem::path& output);
     ~OutputLock();
     OutputLock(const OutputLock&) = delete;

@@ -1,11 +1,12 @@
 #include "app/files/publish.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <string>
 #include <system_error>
 
@@ -17,9 +18,20 @@
 namespace render2mpeg::app {
 namespace {
 
-/// A pipe or the like, which is written to and not replaced.
-bool is_device(const std::filesystem::file_status& status) {
-    return std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+/// A pipe or a device of characters such as /dev/null, which is written to and not replaced.
+bool is_written_to(const std::filesystem::path& file) {
+    std::error_code error;
+    const std::filesystem::file_status status = std::filesystem::status(file, error);
+    return std::filesystem::is_fifo(status) || std::filesystem::is_character_file(status);
+}
+
+/// Whether files can be made in a folder; why not, as in errno, else 0.
+int failure_to_write_in(const std::filesystem::path& folder) {
+    // A file without a name goes with the process, however that ends.
+    const int descriptor = open(folder.c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0600);
+    if (descriptor >= 0) return close(descriptor) == 0 ? 0 : errno;
+    // Not every file system knows such files; that the rights are there has been seen already.
+    return errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL || errno == ENOENT ? 0 : errno;
 }
 
 std::filesystem::path folder_of(const std::filesystem::path& file) {
@@ -63,16 +75,32 @@ bool meet(const Files& a, const Files& b) {
     return false;
 }
 
+/// Hands all of a file to a pipe or the like.
+void write_into(const std::filesystem::path& file, const std::filesystem::path& output) {
+    errno = 0;
+    std::ifstream from(file, std::ios::binary);
+    std::ofstream to(output, std::ios::binary);
+    to << from.rdbuf();
+    to.close();
+    if (!from || !to)
+        throw core::Error("writing", output.string(), errno != 0 ? std::strerror(errno) : "it cannot be written");
+}
+
 }  // namespace
 
 void check_reachable(const std::filesystem::path& file) {
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(file, error);
+    // Such as links that lead to one another.
+    if (error && status.type() == std::filesystem::file_type::none)
+        throw core::Error("writing", file.string(), error.message());
     if (std::filesystem::is_directory(status)) throw core::Error("writing", file.string(), "it is a folder");
+    if (std::filesystem::is_block_file(status) || std::filesystem::is_socket(status))
+        throw core::Error("writing", file.string(), "it is no file");
     // It would be replaced, which its own protection does not prevent.
     if (std::filesystem::exists(status) && access(file.c_str(), W_OK) != 0)
         throw core::Error("writing", file.string(), std::strerror(errno));
-    if (is_device(status)) return;
+    if (is_written_to(file)) return;
     // The folders that are there already; the others will be made in the last of them.
     std::filesystem::path folder = std::filesystem::absolute(file, error).lexically_normal().parent_path();
     while (!std::filesystem::exists(folder, error) && folder.has_relative_path()) folder = folder.parent_path();
@@ -84,20 +112,14 @@ void check_reachable(const std::filesystem::path& file) {
 
 void check_writable(const std::filesystem::path& file) {
     check_reachable(file);
+    if (is_written_to(file)) return;
     std::error_code error;
-    if (is_device(std::filesystem::status(file, error))) return;
     const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
     std::filesystem::create_directories(folder, error);
     if (error) throw core::Error("writing", file.string(), error.message());
-
-    // Make a file of a name that nobody has: mkstemp sees to that.
-    std::string probe = (folder / ".render2mpeg-XXXXXX").string();
-    const int descriptor = mkstemp(probe.data());
-    if (descriptor < 0)
+    if (const int failure = failure_to_write_in(folder); failure != 0)
         throw core::Error("writing", file.string(),
-                          std::string("the folder cannot be written: ") + std::strerror(errno));
-    close(descriptor);
-    std::filesystem::remove(probe, error);
+                          std::string("the folder cannot be written: ") + std::strerror(failure));
 }
 
 void check_apart(const std::vector<Files>& inputs, const std::vector<Files>& outputs) {
@@ -126,6 +148,10 @@ Published give_name(const std::filesystem::path& file, WorkFolder& work, const s
     std::error_code error;
     const std::uint64_t bytes = std::filesystem::file_size(file, error);
     if (!error && !complete) return {work.leave(file), bytes};
+    if (is_written_to(output)) {
+        write_into(file, output);
+        return {output, bytes};
+    }
     // What it was made of may go once it is there for good.
     bring_to_disk(file);
     if (!error) std::filesystem::rename(file, output, error);

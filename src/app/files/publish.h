@@ -40,7 +40,7 @@ struct Published {
 
 /// Puts the film together, proves that it decodes to what was encoded, and only then gives it its name. The work folder
 /// stays as it is, for whoever needs it still. Where the film is not complete, what there is gets a name that nobody
-/// has (WorkFolder::leave). Throws core::Error.
+/// has (WorkFolder::leave). A pipe or a device of that name is written to and stays. Throws core::Error.
 Published publish(const std::vector<ChunkFile>& chunks, const Film& film, WorkFolder& work,
                   const std::filesystem::path& output, bool complete);
 

@@ -3,12 +3,16 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <charconv>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <system_error>
+#include <vector>
 
 #include "core/error.h"
+#include "core/text.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -26,6 +30,29 @@ int write_and_close(std::FILE* stream, const std::string& text) {
     }
     if (std::fclose(stream) != 0 && failure == 0) failure = errno;
     return failure;
+}
+
+/// What stands between a file's name and the process that is writing it.
+constexpr const char* temporary_mark = ".render2mpeg-";
+
+/// Removes what runs left that were killed while they wrote this file: names that begin so and go on with the number of
+/// a process that is none any more.
+void remove_abandoned(const std::filesystem::path& start) {
+    const std::filesystem::path folder = start.has_parent_path() ? start.parent_path() : ".";
+    const std::string name = start.filename().string();
+    std::error_code error;
+    std::vector<std::filesystem::path> abandoned;
+    for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
+         entry.increment(error)) {
+        const std::string found = entry->path().filename().string();
+        if (!found.starts_with(name) || !found.ends_with(".tmp")) continue;
+        const char* const last = found.data() + found.size();
+        pid_t process = 0;
+        const auto [stop, failure] = std::from_chars(found.data() + name.size(), last, process);
+        if (failure != std::errc() || stop == last || *stop != '-' || process <= 0) continue;
+        if (kill(process, 0) != 0 && errno == ESRCH) abandoned.push_back(entry->path());
+    }
+    for (const std::filesystem::path& file : abandoned) std::filesystem::remove(file, error);
 }
 
 [[noreturn]] void fail(const std::filesystem::path& file, int failure) {
@@ -50,10 +77,12 @@ void write_whole(const std::filesystem::path& file, const std::string& text) {
         target = std::filesystem::canonical(file, error);
 
     // Write it beside, under a name that nobody has.
+    const std::string start = target.string() + temporary_mark;
+    remove_abandoned(start);
     std::filesystem::path temporary;
     std::FILE* stream = nullptr;
     for (int i = 0; stream == nullptr; ++i) {
-        temporary = target.string() + "." + std::to_string(getpid()) + "-" + std::to_string(i) + ".tmp";
+        temporary = start + std::to_string(getpid()) + "-" + std::to_string(i) + ".tmp";
         stream = std::fopen(temporary.c_str(), "wbx");
         if (stream == nullptr && errno != EEXIST) fail(file, errno);
     }
@@ -73,8 +102,9 @@ std::string as_json_keeps(const std::string& name) {
 }
 
 void print(const std::string& text) {
+    const std::string shown = core::printable_lines(text);
     errno = 0;
-    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+    if (std::fwrite(shown.data(), 1, shown.size(), stdout) != shown.size() || std::fflush(stdout) != 0)
         fail("standard output", errno);
 }
 

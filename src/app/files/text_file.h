@@ -7,7 +7,7 @@
 namespace render2mpeg::app {
 
 /// Writes a file that is there whole or not at all, in place of what has its name. What is no ordinary file, such as a
-/// pipe, is written to. Throws core::Error.
+/// pipe, is written to. What a run that was killed left of the same file goes. Throws core::Error.
 void write_whole(const std::filesystem::path& file, const std::string& text);
 
 /// JSON as lines of text. Names of files are bytes, which JSON need not hold: what is no UTF-8 is replaced.
@@ -16,7 +16,8 @@ std::string json_text(const nlohmann::json& value);
 /// A name as it comes back out of such text.
 std::string as_json_keeps(const std::string& name);
 
-/// Writes to standard output. Throws core::Error where that fails.
+/// Writes lines of text to standard output; whatever they hold does nothing to a terminal (core::printable). Throws
+/// core::Error where that fails.
 void print(const std::string& text);
 
 }  // namespace render2mpeg::app

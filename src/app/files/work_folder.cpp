@@ -1,8 +1,12 @@
 #include "app/files/work_folder.h"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -35,6 +39,15 @@ std::vector<std::filesystem::path> entries_of(const std::filesystem::path& folde
     std::vector<std::filesystem::path> entries;
     for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) entries.push_back(entry.path());
     return entries;
+}
+
+/// Whether a work folder holds nothing of a film: a lock, or what a run that was killed left of its first manifest.
+bool holds_nothing(const std::filesystem::path& folder) {
+    const std::vector<std::filesystem::path> entries = entries_of(folder);
+    return std::all_of(entries.begin(), entries.end(), [](const std::filesystem::path& entry) {
+        const std::string name = entry.filename().string();
+        return name == lock_name || (name.starts_with(manifest_name) && name.ends_with(".tmp"));
+    });
 }
 
 /// The manifest that an earlier run left; an empty object where there is none that can be read.
@@ -111,17 +124,20 @@ void WorkFolder::write_manifest() {
 
 void WorkFolder::check(const std::filesystem::path& output) {
     const std::filesystem::path folder = work_folder_of(output);
-    if (!std::filesystem::exists(folder)) return;
+    struct stat there {};
+    if (lstat(folder.c_str(), &there) != 0) {
+        if (errno == ENOENT) return;
+        throw core::Error("writing", folder.string(), std::strerror(errno));
+    }
+    if (S_ISLNK(there.st_mode)) throw core::Error("writing", folder.string(), "it is a link, which is not followed");
+    // What somebody else put into a folder that all may write may lead anywhere.
+    if (there.st_uid != geteuid())
+        throw core::Error("writing", folder.string(), "it belongs to another user, who may change what is in it");
     OutputLock::check(folder / lock_name, output);
     // Take only a folder that is ours to empty: one with a manifest, or none yet.
     std::error_code error;
-    bool ours = std::filesystem::is_directory(folder, error), empty = true;
-    for (const std::filesystem::path& entry : entries_of(folder)) {
-        const std::string name = entry.filename().string();
-        // A run that was killed may have left the beginning of its manifest.
-        empty = empty && (name == lock_name || (name.starts_with(manifest_name) && name.ends_with(".tmp")));
-    }
-    ours = ours && (empty || std::filesystem::exists(folder / manifest_name));
+    const bool ours =
+        S_ISDIR(there.st_mode) && (holds_nothing(folder) || std::filesystem::exists(folder / manifest_name, error));
     if (!ours)
         throw core::Error("writing", folder.string(),
                           "something of that name is in the way that is no unfinished film");
@@ -204,8 +220,12 @@ void WorkFolder::remove_companions() const {
     for (const json& one : manifest_->value("companions", json::array())) {
         if (!one.is_object() || !one.value("file", json()).is_string()) continue;
         const std::filesystem::path file(one["file"].get<std::string>());
-        // Only what was made for this film; the folders of this run are locked.
-        if (one.value("identity", json()) != manifest_in(work_folder_of(file)).value("identity", json(false))) continue;
+        // Only what was made for this film, or holds nothing (a run was killed while it removed the folder); the
+        // folders of this run are locked.
+        const std::filesystem::path folder = work_folder_of(file);
+        std::error_code error;
+        const bool same = one.value("identity", json()) == manifest_in(folder).value("identity", json(false));
+        if (!same && !(std::filesystem::is_directory(folder, error) && holds_nothing(folder))) continue;
         try {
             check(file);
             WorkFolder(file, one["identity"]).remove();

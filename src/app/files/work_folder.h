@@ -22,8 +22,8 @@ class WorkFolder {
 
     /// Creates the folder, or takes it over. `identity` says which film it is for (film_identity.h). What an earlier
     /// run left there is removed, unless it is to be resumed: then it must be the same film's. Throws core::Error where
-    /// it is not, naming what has changed, where another run is at work in it, or where it is not ours to empty; then
-    /// nothing is removed.
+    /// it is not, naming what has changed, where another run is at work in it, or where it is not ours to empty (a
+    /// link, another user's, or something else); then nothing is removed.
     WorkFolder(const std::filesystem::path& output, const nlohmann::json& identity, Earlier earlier = Earlier::removed);
     /// A folder in which nothing was begun goes, unless it knows of leftovers. All else is left as it is.
     ~WorkFolder();

@@ -1,5 +1,7 @@
 #include "app/options/options.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "app/options/coding_options.h"
@@ -8,6 +10,7 @@
 #include "app/system/memory_limit.h"
 #include "core/error.h"
 #include "core/rational.h"
+#include "core/text.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -116,7 +119,7 @@ std::string mistake_text(const CLI::App* app, const CLI::Error& error) {
     std::string text = error.what(), command = "render2mpeg";
     std::replace(text.begin(), text.end(), '\n', ' ');
     for (const CLI::App* chosen : app->get_subcommands()) command += " " + chosen->get_name();
-    return "render2mpeg: " + text + " (see " + command + " --help)\n";
+    return core::printable("render2mpeg: " + text + " (see " + command + " --help)") + "\n";
 }
 
 /// "render, encode, plan, info"
@@ -151,8 +154,18 @@ std::map<std::string, std::string> said_of(const CLI::App& command) {
 std::string quoted(const std::string& word) {
     constexpr const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_@%+=:,./-";
     if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
-    std::string text = "'";
-    for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    if (core::printable(word) == word) {
+        std::string text = "'";
+        for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+        return text + "'";
+    }
+    // What would not be shown is written as numbers; every shell but the oldest reads them.
+    std::string text = "$'";
+    for (const char c : word) {
+        const auto byte = static_cast<unsigned char>(c);
+        const bool shown = byte >= 0x20 && byte < 0x7f && c != '\'' && c != '\\';
+        text += shown ? std::string(1, c) : fmt::format("\\{:03o}", byte);
+    }
     return text + "'";
 }
 

@@ -162,14 +162,15 @@ HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& outpu
                          const nlohmann::json& identity, WorkFolder::Earlier earlier, WorkFolder& whole)
     : subject_(subject),
       output_(output),
-      work_(output, identity_of(subject, identity), earlier),
+      // Remembered first: however this run ends, the next one knows of the folder.
+      work_((whole.remember_companion(output, identity_of(subject, identity)), output), identity_of(subject, identity),
+            earlier),
       film_(film.film()),
       grid_(chunks_of(film.frames, film.coding.gop)),
       matrix_(perceptual::matrix_for(film.format.height)),
       scale_(scale_of(subject)) {
     film_.coding = heatmap_settings(film);
     film_.disc = false;
-    whole.remember_companion(output, identity_of(subject, identity));
 }
 
 HeatmapFilm::~HeatmapFilm() = default;

@@ -11,6 +11,7 @@
 #include "app/report/statistics.h"
 #include "app/system/progress.h"
 #include "core/numeric.h"
+#include "core/text.h"
 #include "encoder/cadence.h"
 
 namespace render2mpeg::app {
@@ -51,9 +52,10 @@ std::string time_lines(const RunStatistics& statistics) {
 std::string opening_lines(const Film& film, const RunStatistics& statistics, const RunFacts& facts) {
     const auto frames = static_cast<double>(statistics.frames.size());
     const double duration = frames / film.coding.rate.hertz.value();
-    std::string text = fmt::format("{}: {} frame{}, {}x{}{} at {}, {:.2f} s", facts.output, statistics.frames.size(),
-                                   statistics.frames.size() == 1 ? "" : "s", film.coding.width, film.coding.height,
-                                   shape_text(film.coding), rate_text(film.coding), duration);
+    std::string text =
+        fmt::format("{}: {} frame{}, {}x{}{} at {}, {:.2f} s", core::printable(facts.output), statistics.frames.size(),
+                    statistics.frames.size() == 1 ? "" : "s", film.coding.width, film.coding.height,
+                    shape_text(film.coding), rate_text(film.coding), duration);
     if (facts.bytes > 0)
         text += fmt::format(", {}, {:.0f} kb/s", size_text(static_cast<double>(facts.bytes)),
                             core::divide_or(8e-3 * static_cast<double>(facts.bytes), duration, 0.0));

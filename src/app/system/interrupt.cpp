@@ -2,41 +2,49 @@
 
 #include <unistd.h>
 
-#include <csignal>
+#include <atomic>
+#include <cerrno>
+#include <cstddef>
 #include <cstring>
 
 namespace render2mpeg::app {
 namespace {
 
-volatile std::sig_atomic_t interrupts = 0;
-volatile std::sig_atomic_t last_signal = SIGINT;
-volatile std::sig_atomic_t silent = 0;
+/// Whatever thread the handler interrupts, the others see what it wrote; only lock-free atomics may be written there.
+static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
+std::atomic<int> interrupts{0}, last_signal{SIGINT};
+std::atomic<bool> silent{false};
 
 // A frame may take minutes: say at once that the wish was heard.
 constexpr const char* heard = "\nfinishing the frame at hand; interrupt again to stop at once\n";
 
 void on_signal(int signal) {
-    interrupts = interrupts + 1;
+    const int interrupted_errno = errno;  // of the call that the signal came into
     last_signal = signal;
-    if (interrupts > 1) _exit(128 + signal);
-    if (silent == 0 && write(STDERR_FILENO, heard, std::strlen(heard)) < 0) return;
+    if (interrupts.fetch_add(1) > 0) _exit(128 + signal);
+    if (!silent) {
+        const ssize_t written = write(STDERR_FILENO, heard, std::strlen(heard));
+        static_cast<void>(written);  // nobody listens
+    }
+    errno = interrupted_errno;
 }
 
 }  // namespace
 
 InterruptGuard::InterruptGuard(bool quiet) {
     interrupts = 0;
-    silent = quiet ? 1 : 0;
-    std::signal(SIGINT, on_signal);
-    std::signal(SIGTERM, on_signal);
-    // The terminal was closed; nohup says that it is to go on all the same.
-    if (std::signal(SIGHUP, on_signal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
+    silent = quiet;
+    struct sigaction action {};
+    action.sa_handler = on_signal;
+    action.sa_flags = SA_RESTART;
+    for (std::size_t i = 0; i < signals.size(); ++i) {
+        sigaction(signals[i], nullptr, &before_[i]);
+        if (before_[i].sa_handler != SIG_IGN) sigaction(signals[i], &action, nullptr);
+    }
 }
 
 InterruptGuard::~InterruptGuard() {
-    std::signal(SIGINT, SIG_DFL);
-    std::signal(SIGTERM, SIG_DFL);
-    if (std::signal(SIGHUP, SIG_DFL) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
+    for (std::size_t i = 0; i < signals.size(); ++i) sigaction(signals[i], &before_[i], nullptr);
 }
 
 bool InterruptGuard::requested() {

@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "app/system/terminal.h"
+#include "core/text.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -32,7 +33,7 @@ std::string progress_line(const Standing& s, int columns, bool with_bar) {
     const std::string rate = s.per_second <= 0 || !s.frames ? ""
                              : s.per_second < 0.5           ? fmt::format("  {:.1f} s/frame", 1 / s.per_second)
                                                             : fmt::format("  {:.2f} frames/s", s.per_second);
-    const std::string count = fmt::format("{} {}/{}", s.work, s.done, s.total);
+    const std::string count = fmt::format("{} {}/{}", core::printable(s.work), s.done, s.total);
     const std::string percent = fmt::format("  {:3.0f} %", 100 * share);
 
     // Leave out what tells least until it fits; a bar needs ten cells to say anything.

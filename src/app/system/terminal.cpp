@@ -1,10 +1,15 @@
 #include "app/system/terminal.h"
 
+#include <fcntl.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstdio>
 #include <cstdlib>
-#include <string_view>
+#include <string>
+
+#include "core/text.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -15,6 +20,21 @@ int columns_of(int descriptor) {
 }
 
 }  // namespace
+
+void hold_standard_descriptors() {
+    // Each gets the lowest number that is free: its own. What is read from an output's end cannot be written to.
+    for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+        if (fcntl(descriptor, F_GETFD) < 0 && errno == EBADF)
+            open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+}
+
+void print_line(std::string_view text) {
+    std::fputs((core::printable(text) + "\n").c_str(), stderr);
+}
+
+void print_error(std::string_view text) {
+    print_line("render2mpeg: " + std::string(text));
+}
 
 bool can_rewrite_errors() {
     const char* kind = std::getenv("TERM");

@@ -1,6 +1,21 @@
 #pragma once
-// Whether standard error is a terminal, and how wide.
+// What a user reads while the program runs, and the descriptors it goes through.
+
+#include <string_view>
+
 namespace render2mpeg::app {
+
+/// Opens /dev/null in place of standard input, output and error where they are closed, so that no file that is opened
+/// later takes their numbers and is written to by messages. Writing to such an output fails, as it would while it is
+/// closed. To be called before anything is opened.
+void hold_standard_descriptors();
+
+/// Writes one line to standard error. Whatever it holds, it stays one line and does nothing to a terminal
+/// (core::printable).
+void print_line(std::string_view text);
+
+/// The same for what went wrong: "render2mpeg: TEXT".
+void print_error(std::string_view text);
 
 /// Whether standard error is a terminal that can rewrite its last line.
 bool can_rewrite_errors();

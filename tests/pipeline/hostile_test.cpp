@@ -1,0 +1,279 @@
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <fstream>
+#include <string>
+#include <thread>
+
+#include "app/files/output_lock.h"
+#include "app/files/text_file.h"
+#include "app/files/work_folder.h"
+#include "app/loop/film_identity.h"
+#include "app/options/options.h"
+#include "app/system/interrupt.h"
+#include "app/system/progress.h"
+#include "core/error.h"
+#include "pipeline/foreign.h"
+
+/// What a careless or hostile surrounding does to a run: closed descriptors, links of others, names full of codes.
+namespace render2mpeg {
+namespace {
+
+using nlohmann::json;
+using support::contents;
+using support::Folder;
+using support::plain_film;
+using support::program;
+using support::run;
+using test::path;
+
+const std::string tiny = " --size 32x32 --samples 1 --vpls 16 --exposure 0 --tolerance fixed=10% --frames 0:1 ";
+
+std::string render_to(const Folder& folder, const std::string& output, const std::string& more = "--quiet") {
+    return program() + " render " + plain_film() + tiny + more + " -o '" + path(folder, output) + "'";
+}
+
+void write(const std::filesystem::path& file, const std::string& text) {
+    std::ofstream(file, std::ios::binary) << text;
+}
+
+bool has(const support::Outcome& outcome, const std::string& words) {
+    return outcome.output.find(words) != std::string::npos;
+}
+
+TEST(StandardDescriptors, ThatAreClosedAreNoFilesOfOurs) {
+    const Folder folder;
+    ASSERT_EQ(run(render_to(folder, "whole.m2v")).status, 0);
+    // Progress is told, so that it would go into whatever has number 2.
+    const std::string start = render_to(folder, "f.m2v", "");
+    for (const char* closed : {" 2>&- <&-", " 2>&- >&-", " <&- >&- 2>&-"}) {
+        run(start + closed);
+        EXPECT_TRUE(contents(folder / "f.m2v") == contents(folder / "whole.m2v")) << closed;
+        std::filesystem::remove(folder / "f.m2v");
+    }
+    EXPECT_EQ(run(program() + " info " + path(folder, "none") + " 2>" + path(folder, "said") + " <&- >&-").status, 1);
+    EXPECT_EQ(contents(folder / "said").find("render2mpeg: "), 0u) << contents(folder / "said");
+    const auto full = run(program() + " info " + path(folder, "whole.m2v") + " >&-");
+    EXPECT_EQ(full.status, 1) << "what is closed cannot be written to";
+}
+
+TEST(Interrupts, LeaveErrnoAndAreAllCounted) {
+    const app::InterruptGuard guard(true);
+    EXPECT_FALSE(app::InterruptGuard::requested());
+    errno = ENOSPC;
+    std::thread([] { std::raise(SIGTERM); }).join();
+    EXPECT_EQ(errno, ENOSPC);
+    EXPECT_TRUE(app::InterruptGuard::requested());
+    EXPECT_EQ(app::InterruptGuard::status(), 128 + SIGTERM);
+}
+
+TEST(Interrupts, ThatTheProgramWasStartedToIgnoreAreIgnored) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        const auto before = std::signal(signal, SIG_IGN);
+        {
+            const app::InterruptGuard guard(true);
+            std::raise(signal);
+            EXPECT_FALSE(app::InterruptGuard::requested()) << signal;
+        }
+        EXPECT_EQ(std::signal(signal, before), SIG_IGN) << "and stay so";
+    }
+}
+
+TEST(WorkFolder, ThatIsALinkIsNotFollowed) {
+    const Folder folder, victim;
+    std::filesystem::create_directory_symlink(victim.path(), folder / "f.mpg.partial");
+    write(victim / "manifest.json", "{}");
+    write(victim / "diary", "mine");
+    for (const char* more : {"--quiet", "--quiet --dry-run", "--quiet --resume"}) {
+        const auto outcome = run(render_to(folder, "f.mpg", more));
+        EXPECT_EQ(outcome.status, 1) << more;
+        EXPECT_TRUE(has(outcome, "f.mpg.partial: it is a link, which is not followed")) << outcome.output;
+    }
+    EXPECT_EQ(contents(victim / "diary"), "mine");
+    EXPECT_EQ(victim.entries(), 2u);
+}
+
+TEST(WorkFolder, OfAnotherUserIsLeftAlone) {
+    if (geteuid() != 0) GTEST_SKIP() << "only root gives files away";
+    const Folder folder;
+    const std::filesystem::path work = folder / "f.mpg.partial";
+    std::filesystem::create_directory(work);
+    write(work / "manifest.json", "{}");
+    ASSERT_EQ(chown(work.c_str(), 12345, 12345), 0);
+    const auto outcome = run(render_to(folder, "f.mpg"));
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_TRUE(has(outcome, "f.mpg.partial: it belongs to another user")) << outcome.output;
+    EXPECT_EQ(contents(work / "manifest.json"), "{}");
+}
+
+TEST(Lock, ThatIsALinkIsNotFollowed) {
+    const Folder folder;
+    const std::string victim = "a file that is somebody's";
+    write(folder / "victim", victim);
+    std::filesystem::create_directory(folder / "f.mpg.partial");
+    for (const bool symbolic : {true, false}) {
+        const std::filesystem::path lock = folder / "f.mpg.partial" / "lock";
+        if (symbolic)
+            std::filesystem::create_symlink(folder / "victim", lock);
+        else
+            std::filesystem::create_hard_link(folder / "victim", lock);
+        EXPECT_THROW(app::OutputLock(lock, "film"), core::Error) << symbolic;
+        const auto outcome = run(render_to(folder, "f.mpg"));
+        EXPECT_EQ(outcome.status, 1) << symbolic;
+        EXPECT_EQ(contents(folder / "victim"), victim) << symbolic;
+        std::filesystem::remove(lock);
+    }
+}
+
+TEST(Messages, DoNothingToATerminalWhateverFilesAreCalled) {
+    const Folder folder;
+    const std::string evil = "a\x1b[31m\nrender2mpeg: all is well\x07";
+    for (const std::string& command :
+         {program() + " info '" + path(folder, evil) + "'",
+          program() + " render '" + path(folder, evil + ".glb") + "' -o " + path(folder, "f.mpg"),
+          render_to(folder, evil + ".xyz"), program() + " '" + evil + "'", program() + " render '--" + evil + "'"}) {
+        const auto outcome = run(command);
+        EXPECT_EQ(outcome.status, 1) << command;
+        EXPECT_EQ(outcome.output.find_first_of("\x1b\x07"), std::string::npos) << outcome.output;
+        EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
+    }
+    // What goes well is told in several lines of our own.
+    const auto outcome = run(render_to(folder, evil + ".m2v", ""));
+    ASSERT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.output.find_first_of("\x1b\x07"), std::string::npos) << outcome.output;
+    EXPECT_EQ(outcome.output.find("\nrender2mpeg: all"), std::string::npos) << outcome.output;
+    const auto told = run(program() + " info '" + path(folder, evil + ".m2v") + "'");
+    EXPECT_EQ(told.status, 0);
+    EXPECT_EQ(told.output.find_first_of("\x1b\x07"), std::string::npos) << told.output;
+    EXPECT_EQ(told.output.find("\nrender2mpeg: all"), std::string::npos) << told.output;
+}
+
+TEST(Messages, DoNothingToATerminalWhateverAnAnimationFileSays) {
+    const Folder folder;
+    std::filesystem::copy(plain_film(), folder / "scene", std::filesystem::copy_options::recursive);
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "scene")) {
+        if (entry.path().extension() != ".json") continue;
+        json film = json::parse(contents(entry.path()));
+        film["\x1b]0;mine\x07\nrender2mpeg: all is well"] = 1;
+        write(entry.path(), film.dump());
+    }
+    const auto outcome = run(program() + " plan " + path(folder, "scene"));
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_EQ(outcome.output.find_first_of("\x1b\x07"), std::string::npos) << outcome.output;
+    EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
+}
+
+TEST(Progress, IsOneLineWhateverIsCounted) {
+    const std::string line = app::progress_line({"fr\x1b[31mame\n", 1, 2, 1, 1}, 1000, false);
+    EXPECT_EQ(line.find_first_of("\x1b\n"), std::string::npos) << line;
+}
+
+TEST(Words, OfACommandComeBackOutOfAShell) {
+    for (const std::string word : {"plain.mpg", "it's a $film", "a\x1b[31m\nb\\'c\xff", ""}) {
+        const auto outcome = run("bash -c " + app::quoted("printf %s " + app::quoted(word)));
+        EXPECT_EQ(outcome.output, word);
+        EXPECT_EQ(app::quoted(word).find_first_of("\x1b\n\xff"), std::string::npos);
+    }
+}
+
+TEST(Outputs, ThatMayNotGrowSaySo) {
+    const Folder folder;
+    // Blocks of 512 bytes; the signal that comes with it is not ignored by the shell.
+    const auto outcome = run("ulimit -f 2; " + render_to(folder, "f.y4m", "--quiet --size 96x64"));
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_TRUE(has(outcome, "File too large")) << outcome.output;
+}
+
+TEST(Outputs, ThatArePipesAreWrittenToAndStay) {
+    const Folder folder;
+    ASSERT_EQ(run(render_to(folder, "whole.ts")).status, 0);
+    ASSERT_EQ(run(render_to(folder, "whole.y4m")).status, 0);
+    for (const std::string ending : {".ts", ".y4m"}) {
+        const std::filesystem::path pipe = folder / ("pipe" + ending);
+        ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+        const auto outcome = run("cat " + pipe.string() + " > " + path(folder, "read") + " & " +
+                                 render_to(folder, "pipe" + ending) + "; echo status $?; wait");
+        EXPECT_TRUE(has(outcome, "status 0")) << outcome.output;
+        EXPECT_TRUE(std::filesystem::is_fifo(pipe)) << ending;
+        EXPECT_TRUE(contents(folder / "read") == contents(folder / ("whole" + ending))) << ending;
+        std::filesystem::remove(pipe);
+    }
+    EXPECT_EQ(folder.entries(), 3u) << "no work folder is left";
+}
+
+TEST(Outputs, BehindALoopOfLinksAreRefusedInALine) {
+    const Folder folder;
+    std::filesystem::create_symlink("b", folder / "a");
+    std::filesystem::create_symlink("a", folder / "b");
+    std::filesystem::create_symlink("loop.mpg", folder / "loop.mpg");
+    std::filesystem::create_symlink("g.mpg.partial", folder / "g.mpg.partial");
+    for (const char* output : {"loop.mpg", "a/f.mpg", "g.mpg"}) {
+        const auto outcome = run(render_to(folder, output));
+        EXPECT_EQ(outcome.status, 1) << output;
+        EXPECT_EQ(outcome.output.find("render2mpeg: writing "), 0u) << outcome.output;
+        EXPECT_FALSE(has(outcome, "filesystem error")) << outcome.output;
+    }
+    const auto input = run(program() + " plan " + path(folder, "a"));
+    EXPECT_EQ(input.status, 1);
+    EXPECT_FALSE(has(input, "filesystem error")) << input.output;
+}
+
+TEST(Kills, LeaveNothingThatTheNextRunDoesNotRemove) {
+    const Folder folder;
+    // As runs left them that were killed while they wrote: the process is none any more.
+    const std::string dead = run("sh -c 'echo $$'").output;
+    const std::string mark = ".render2mpeg-" + dead.substr(0, dead.size() - 1) + "-0.tmp";
+    write(folder / ("s.json" + mark), "{");
+    write(folder / "s.json.render2mpeg-notes.tmp", "mine");
+    write(folder / ("other.json" + mark), "another file's");
+    const std::string alive = "s.json.render2mpeg-" + std::to_string(getpid()) + "-0.tmp";
+    write(folder / alive, "somebody is at it");
+    app::write_whole(folder / "s.json", "{}");
+    EXPECT_EQ(contents(folder / "s.json"), "{}");
+    EXPECT_FALSE(std::filesystem::exists(folder / ("s.json" + mark)));
+    EXPECT_EQ(contents(folder / "s.json.render2mpeg-notes.tmp"), "mine");
+    EXPECT_EQ(contents(folder / alive), "somebody is at it");
+    EXPECT_EQ(folder.entries(), 4u);
+}
+
+TEST(Kills, LeaveNoFilesThatWereOnlyToBeTried) {
+    const Folder folder;
+    // Whoever is stopped between making and removing such a file leaves it.
+    const auto outcome = run("strace -f -o " + path(folder, "calls") + " " + render_to(folder, "f.m2v"));
+    if (outcome.status != 0) GTEST_SKIP() << "there is no strace, or it may not be used here";
+    EXPECT_EQ(contents(folder / "calls").find("/.render2mpeg-"), std::string::npos);
+}
+
+TEST(Kills, LeaveNoHeatmapThatTheFilmDoesNotKnow) {
+    const Folder folder;
+    const std::filesystem::path heat = folder / "h.mpg", film = folder / "f.mpg";
+    app::Film made;
+    made.source = "s";
+    made.frames = {0, 9};
+    const json identity = app::identity_of(made, "render");
+    // Killed after the manifest of the heatmap's folder was removed, and before its lock was.
+    for (const char* left : {"lock", ""}) {
+        std::filesystem::create_directory(folder / "h.mpg.partial");
+        if (*left != '\0') write(folder / "h.mpg.partial" / left, "1\n");
+        app::WorkFolder work(film, identity);
+        work.remember_companion(heat, identity);
+        work.begin("film.mpg");
+        work.clear_away();
+        EXPECT_EQ(folder.entries(), 0u) << left;
+    }
+    // What has something in it is somebody's.
+    std::filesystem::create_directory(folder / "h.mpg.partial");
+    write(folder / "h.mpg.partial" / "diary", "mine");
+    app::WorkFolder work(film, identity);
+    work.remember_companion(heat, identity);
+    work.begin("film.mpg");
+    work.clear_away();
+    EXPECT_EQ(contents(folder / "h.mpg.partial" / "diary"), "mine");
+}
+
+}  // namespace
+}  // namespace render2mpeg
