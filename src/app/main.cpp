@@ -1,8 +1,11 @@
 // The program's entry: commands, errors and exit statuses.
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <new>
+#include <string>
 
 #include "app/commands/encode.h"
 #include "app/commands/info.h"
@@ -11,7 +14,10 @@
 #include "app/experiments/cost.h"
 #include "app/experiments/tune.h"
 #include "app/options/options.h"
+#include "app/probe.h"
 #include "app/system/keep_memory.h"
+#include "app/system/terminal.h"
+#include "scene/isolation/probed.h"
 
 namespace {
 
@@ -34,6 +40,12 @@ namespace {
 /// Everything that goes wrong anywhere ends here as one line and exit status 1.
 int main(int argc, char** argv) {
     using namespace render2mpeg::app;
+    hold_standard_descriptors();
+    // Where files may not grow any more (ulimit -f), writing fails with a message instead.
+    std::signal(SIGXFSZ, SIG_IGN);
+    // However this program was started, it wants to know how its probes end.
+    std::signal(SIGCHLD, SIG_DFL);
+    if (render2mpeg::scene::is_probe(argc, argv)) probe(argc, argv);
     keep_memory();
     std::set_terminate(end_in_one_line);
     try {
@@ -60,8 +72,11 @@ int main(int argc, char** argv) {
         return 1;
     } catch (const std::bad_alloc&) {
         std::fputs("render2mpeg: out of memory\n", stderr);
+    } catch (const std::filesystem::filesystem_error& error) {
+        const std::string place = error.path1().empty() ? std::string() : error.path1().string() + ": ";
+        print_error(place + error.code().message());
     } catch (const std::exception& error) {
-        std::fprintf(stderr, "render2mpeg: %s\n", error.what());
+        print_error(error.what());
     }
     return 1;
 }

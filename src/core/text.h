@@ -1,5 +1,5 @@
 #pragma once
-
+// Text that comes from outside: lower case, endings of files, what a terminal may show.
 #include <filesystem>
 #include <string>
 #include <string_view>

@@ -1,23 +1,20 @@
 #include "scene/load.h"
 
 #include <algorithm>
-#include <cctype>
 #include <system_error>
 
 #include "core/error.h"
-#include "scene/isolation/child_trial.h"
-#include "scene/loaders.h"
+#include "core/text.h"
+#include "scene/animation_file/load.h"
+#include "scene/assimp/load.h"
+#include "scene/gltf/load.h"
+#include "scene/isolation/probe.h"
 #include "scene/model/choice.h"
 #include "scene/model/wording.h"
+#include "scene/preparation/complete.h"
 
 namespace render2mpeg::scene {
 namespace {
-
-std::string lower_case_ending(const std::filesystem::path& file) {
-    std::string ending = file.extension().string();
-    for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return ending;
-}
 
 void choose_camera(Animation& animation, const std::string& wanted) {
     std::vector<std::string> names;
@@ -33,12 +30,17 @@ Animation load_as_is(const std::filesystem::path& file, const LoadOptions& optio
     std::error_code failure;
     const std::filesystem::file_status status = std::filesystem::status(file, failure);
     if (!std::filesystem::exists(status)) throw core::Error("reading", file.string(), "there is no such file");
-    if (std::filesystem::is_directory(status)) return load_animation_file(file, options);
-    const std::string ending = lower_case_ending(file);
+    if (std::filesystem::is_directory(status)) return load_animation_file(file, options, load_as_is);
+    const std::string ending = core::ending_of(file);
     if (ending == ".gltf" || ending == ".glb") return load_gltf(file, options);
-    if (ending == ".json") return load_animation_file(file, options);
+    if (ending == ".json") return load_animation_file(file, options, load_as_is);
     // Assimp is not ours, and some of its parsers trust what a file says.
-    try_in_child(file, [&](const TakeTurns& take_turns) { load_with_assimp(file, options, take_turns); });
+    if (Probe::is_possible()) {
+        std::vector<std::string> words{"scene", file.string()};
+        if (options.animation) words.push_back(*options.animation);
+        const ProbeLimits limits = limits_for(file);
+        text_of(Probe(limits, words).end(), file.string(), limits);
+    }
     return load_with_assimp(file, options);
 }
 

@@ -1,23 +1,20 @@
 #pragma once
 // Loads a scene of any format.
 #include <filesystem>
-#include <optional>
-#include <string>
 
 #include "scene/model/animation.h"
+#include "scene/model/load_options.h"
 
+/// How a film's scene is read: the only place that knows all formats.
 namespace render2mpeg::scene {
-
-/// What the command line decides over the file.
-struct LoadOptions {
-    std::optional<std::string> camera;     ///< name or index
-    std::optional<std::string> animation;  ///< name or index of a glTF animation; none: all of them at once
-    std::optional<std::string> sky;        ///< image file, or "none"
-};
 
 /// Reads a film from .gltf, .glb, an animation file (.json), or any format that Assimp reads, checks it whole, and
 /// fills in what it lacks (a camera that orbits, a neutral sky), which is said in Animation::notes. Throws core::Error
 /// with file, object and cause for anything wrong.
 Animation load(const std::filesystem::path& file, const LoadOptions& options = {});
+
+/// What a file says, by the ending of its name, not yet completed (preparation/complete.h). Throws core::Error, also
+/// for a file that is not there.
+Animation load_as_is(const std::filesystem::path& file, const LoadOptions& options);
 
 }  // namespace render2mpeg::scene

@@ -9,8 +9,8 @@
 #include "fuzz/input.h"
 #include "fuzz/targets.h"
 #include "scene/load.h"
-#include "scene/loaders.h"
 #include "scene/pose/snapshot.h"
+#include "scene/preparation/complete.h"
 #include "scene/preparation/traits.h"
 #include "tests/support/scene_builder.h"
 

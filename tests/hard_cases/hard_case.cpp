@@ -4,7 +4,7 @@
 
 #include "app/loop/pipeline.h"
 #include "core/color.h"
-#include "scene/loaders.h"
+#include "scene/preparation/complete.h"
 #include "scene/preparation/traits.h"
 #include "tests/encoder/decoders.h"
 

@@ -17,8 +17,8 @@ using support::program;
 using support::run;
 using test::path;
 
-support::Outcome render(const Folder& folder, const std::string& output, const std::string& frames,
-                        const std::string& more = "") {
+support::Outcome render_kind(const Folder& folder, const std::string& output, const std::string& frames,
+                             const std::string& more = "") {
     return run(program() + " render " + plain_film() +
                " --size 32x32 --samples 1 --vpls 16 --exposure 0 --tolerance fixed=10% --quiet --frames " + frames +
                " -o " + path(folder, output) + more);
@@ -27,11 +27,11 @@ support::Outcome render(const Folder& folder, const std::string& output, const s
 TEST(Endings, OfOutputsMayBeInCapitals) {
     const Folder folder;
     for (const char* name : {"f.TS", "f.M2V", "f.Mkv", "f.Y4M", "f.%d.EXR", "f.%d.PNG"}) {
-        const auto outcome = render(folder, name, "0:1");
+        const auto outcome = render_kind(folder, name, "0:1");
         EXPECT_EQ(outcome.status, 0) << name << ": " << outcome.output;
     }
     EXPECT_EQ(folder.entries(), 8u);
-    const auto outcome = render(folder, "g.m2v", "0:1", " --report " + path(folder, "g.HTML"));
+    const auto outcome = render_kind(folder, "g.m2v", "0:1", " --report " + path(folder, "g.HTML"));
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     EXPECT_TRUE(std::filesystem::exists(folder / "g.HTML"));
 }
@@ -39,7 +39,7 @@ TEST(Endings, OfOutputsMayBeInCapitals) {
 TEST(Endings, OfFramesMayBeInCapitals) {
     const Folder folder;
     for (const char* name : {"f.%d.EXR", "f.%d.PNG", "f.Y4M"}) {
-        ASSERT_EQ(render(folder, name, "0:1").status, 0) << name;
+        ASSERT_EQ(render_kind(folder, name, "0:1").status, 0) << name;
         const auto outcome = run(program() + " encode " + path(folder, name) + " --quiet -o " +
                                  path(folder, std::string(name) + ".mpg"));
         EXPECT_EQ(outcome.status, 0) << name << ": " << outcome.output;
@@ -56,7 +56,7 @@ TEST(Endings, InCapitalsHaveTheSameContainer) {
 TEST(TransportStreams, OfAPictureOrTwoAreKnownByTheirContents) {
     const Folder folder;
     for (const char* frames : {"0:0", "0:1"}) {
-        ASSERT_EQ(render(folder, "f.ts", frames).status, 0);
+        ASSERT_EQ(render_kind(folder, "f.ts", frames).status, 0);
         std::filesystem::rename(folder / "f.ts", folder / "f");
         const auto outcome = run(program() + " info --json " + path(folder, "f"));
         ASSERT_EQ(outcome.status, 0) << outcome.output;

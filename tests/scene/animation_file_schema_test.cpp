@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 #include "scene/animation_file/keys.h"
-#include "scene/loaders.h"
+#include "scene/load.h"
 #include "tests/support/places.h"
 
 namespace render2mpeg::scene {
@@ -132,7 +132,7 @@ TEST(AnimationFileSchema, RefusesWhatTheReaderRefusesAndAcceptsWhatItAccepts) {
         bool read_well = true;
         std::string said;
         try {
-            load_animation_file(file, {});
+            load_as_is(file, {});
         } catch (const core::Error& e) {
             read_well = false;
             said = e.what();

@@ -7,8 +7,9 @@
 #include <string>
 
 #include "core/error.h"
-#include "scene/loaders.h"
+#include "scene/load.h"
 #include "scene/pose/snapshot.h"
+#include "scene/preparation/complete.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -30,7 +31,7 @@ class AnimationFile : public ::testing::Test {
         std::ofstream(folder_ / name) << text;
         return folder_ / name;
     }
-    Animation film(const std::string& text) const { return load_animation_file(write(text), {}); }
+    Animation film(const std::string& text) const { return load_as_is(write(text), {}); }
 
     /// The message of the error that this film ends in; empty if it is accepted.
     std::string complaint(const std::string& text) const {
@@ -124,7 +125,7 @@ TEST_F(AnimationFile, RefusesFilesThatAreNoJsonOrTooLargeOrTooDeep) {
     for (int i = 0; i < 100000; ++i) deep += "[";
     expect_complaint(deep, {"deeper than 32"});
     expect_complaint("{\"title\": \"" + std::string(17 << 20, 'x') + "\"}", {"16 MiB"});
-    EXPECT_THROW(load_animation_file(folder_ / "missing.json", {}), core::Error);
+    EXPECT_THROW(load_as_is(folder_ / "missing.json", {}), core::Error);
 }
 
 TEST_F(AnimationFile, NeverLooksOutsideOfItsFolder) {
@@ -133,7 +134,7 @@ TEST_F(AnimationFile, NeverLooksOutsideOfItsFolder) {
     write(R"({"materials": {"a": {"texture": "../outside.png"}}, "objects": [{"shape": "box", "material": "a"}]})",
           "inner/film.json");
     try {
-        load_animation_file(folder_ / "inner" / "film.json", {});
+        load_as_is(folder_ / "inner" / "film.json", {});
         ADD_FAILURE() << "was accepted";
     } catch (const core::Error& e) {
         EXPECT_NE(std::string(e.what()).find("materials.a.texture"), std::string::npos) << e.what();
@@ -142,13 +143,13 @@ TEST_F(AnimationFile, NeverLooksOutsideOfItsFolder) {
     expect_complaint(R"({"scene": "/etc/passwd"})", {"scene", "outside"});
     fs::create_symlink(folder_ / "outside.png", folder_ / "inner" / "link.png");
     write(R"({"sky": {"image": "link.png"}})", "inner/film.json");
-    EXPECT_THROW(load_animation_file(folder_ / "inner" / "film.json", {}), core::Error);
+    EXPECT_THROW(load_as_is(folder_ / "inner" / "film.json", {}), core::Error);
     expect_complaint(R"({"scene": "nothing.gltf"})", {"scene", "no file \"nothing.gltf\""});
 }
 
 TEST_F(AnimationFile, AcceptsItsFolderForTheFile) {
     write(R"({"frames": 3, "objects": [{"shape": "box"}]})");
-    EXPECT_EQ(load_animation_file(folder_, {}).last_frame, 2);
+    EXPECT_EQ(load_as_is(folder_, {}).last_frame, 2);
 }
 
 TEST_F(AnimationFile, AllowsCommentsAndSaysFormatRangeAndExposure) {

@@ -11,8 +11,9 @@
 #include "core/error.h"
 #include "core/sampling.h"
 #include "scene/animation_file/shapes.h"
-#include "scene/loaders.h"
+#include "scene/load.h"
 #include "scene/pose/snapshot.h"
+#include "scene/preparation/complete.h"
 #include "tests/support/places.h"
 
 namespace render2mpeg::scene {
@@ -29,7 +30,7 @@ Animation parsed(const std::string& text, const std::map<std::string, std::strin
     std::ofstream(folder / "film.json") << text;
     for (const auto& [name, content] : files) std::ofstream(folder / name, std::ios::binary) << content;
     try {
-        Animation animation = load_animation_file(folder / "film.json", {});
+        Animation animation = load_as_is(folder / "film.json", {});
         complete(animation);
         fs::remove_all(folder);
         return animation;

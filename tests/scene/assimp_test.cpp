@@ -9,9 +9,10 @@
 
 #include "core/error.h"
 #include "core/sampling.h"
+#include "scene/assimp/load.h"
 #include "scene/assimp/rest_pose.h"
-#include "scene/loaders.h"
 #include "scene/pose/snapshot.h"
+#include "scene/preparation/complete.h"
 #include "tests/support/places.h"
 
 namespace render2mpeg::scene {

@@ -8,8 +8,8 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "scene/load.h"
-#include "scene/loaders.h"
 #include "scene/pose/snapshot.h"
+#include "scene/preparation/complete.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::scene {

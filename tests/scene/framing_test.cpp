@@ -4,8 +4,8 @@
 
 #include "core/numeric.h"
 #include "scene/load.h"
-#include "scene/loaders.h"
 #include "scene/pose/snapshot.h"
+#include "scene/preparation/complete.h"
 
 namespace render2mpeg::scene {
 namespace {

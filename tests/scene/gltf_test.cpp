@@ -6,7 +6,6 @@
 #include "core/error.h"
 #include "scene/gltf_file.h"
 #include "scene/load.h"
-#include "scene/loaders.h"
 #include "scene/pose/snapshot.h"
 #include "support/program.h"
 

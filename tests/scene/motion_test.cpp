@@ -6,7 +6,7 @@
 #include <glm/gtc/constants.hpp>
 #include <limits>
 
-#include "scene/loaders.h"
+#include "scene/preparation/complete.h"
 #include "support/scene_builder.h"
 
 namespace render2mpeg::scene {

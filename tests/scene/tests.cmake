@@ -1,1 +1,8 @@
 render2mpeg_test(scene LIBS render2mpeg_scene render2mpeg_test_scenes)
+
+# What the tests of probes start, and what other tests' models are probed with.
+add_executable(probe_readings ${CMAKE_CURRENT_SOURCE_DIR}/scene/probe_readings.cpp)
+target_link_libraries(probe_readings PRIVATE render2mpeg_options render2mpeg_scene)
+if(TARGET test_scene)
+  add_dependencies(test_scene probe_readings render2mpeg)
+endif()

@@ -1,5 +1,5 @@
 #pragma once
-
+// Knows transport streams by their contents.
 #include <string>
 
 #include "encoder/av/module/ffmpeg.h"

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -28,6 +27,7 @@
 #include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
+#include "app/system/terminal.h"
 #include "core/error.h"
 #include "encoder/bit_allocation.h"
 #include "encoder/encoder.h"
@@ -239,7 +239,7 @@ void say_notes(const Job& job, const EncodeOptions& options) {
         notes.emplace_back(
             "no --motion: vectors will be poor, since they are guessed from neighbours and never searched");
     for (const std::string& note : notes)
-        if (!note.empty()) std::fputs((note + "\n").c_str(), stderr);
+        if (!note.empty()) print_line(note);
 }
 
 }  // namespace
@@ -260,7 +260,7 @@ int encode(const EncodeOptions& options, const std::string& command) {
     if (two_passes(options.coding))
         job.allocations = timed(statistics, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
     if (InterruptGuard::requested()) {
-        if (!options.quiet) std::fputs("interrupted before the first frame: nothing was written\n", stderr);
+        if (!options.quiet) print_line("interrupted before the first frame: nothing was written");
         return InterruptGuard::status();
     }
 
@@ -279,9 +279,7 @@ int encode(const EncodeOptions& options, const std::string& command) {
             [&] { write_encode_statistics(*options.stats, job.film, job.motion.has_value(), statistics, facts); });
     if (!options.quiet) errors.attempt([&] { print(encode_summary(job.film, statistics, facts)); });
     if (!complete && !options.quiet)
-        std::fputs(fmt::format("interrupted after {} of {} frames\n", statistics.frames.size(), job.film.frame_count())
-                       .c_str(),
-                   stderr);
+        print_line(fmt::format("interrupted after {} of {} frames", statistics.frames.size(), job.film.frame_count()));
     errors.rethrow();
     return complete ? 0 : InterruptGuard::status();
 }

@@ -3,16 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "app/files/text_file.h"
 #include "app/report/coded_types.h"
 #include "app/report/figures.h"
-#include "app/system/outside_trial.h"
+#include "app/system/probes.h"
+#include "app/system/terminal.h"
 #include "core/error.h"
 #include "core/numeric.h"
+#include "core/text.h"
 #include "encoder/av/inspect.h"
 
 namespace render2mpeg::app {
@@ -206,30 +207,39 @@ std::string damage_line(const std::string& name, const av::Inspection& film) {
 /// Between the damage and the tables: neither names nor decoders' messages hold it.
 constexpr char end_of_damage = '\0';
 
-/// All that is told of a film: the damage, and the tables.
-std::string told_of(const InfoOptions& options, const scene::TakeTurns& take_turns) {
+}  // namespace
+
+std::string told_of(const InfoOptions& options, const std::function<void()>& film_is_read) {
     const std::string name = options.input.string();
     const av::Inspection film = av::inspect(options.input);
-    take_turns(scene::Turn::ours);
+    film_is_read();
     std::string text = damage_line(name, film) + end_of_damage;
     if (options.json) return text + json_text(json_of(name, film, options.summary));
-    text += stream_lines(name, film);
+    text += stream_lines(core::printable(name), film);
     if (!options.summary) text += picture_table(film);
     return text + type_table(film);
+}
+
+namespace {
+
+/// The same as a probe tells it.
+std::string probed(const InfoOptions& options) {
+    std::vector<std::string> words{"info", options.input.string()};
+    if (options.json) words.emplace_back("json");
+    if (options.summary) words.emplace_back("summary");
+    const scene::ProbeLimits limits = film_limits(options.input);
+    return scene::text_of(scene::Probe(limits, words).end(), options.input.string(), limits);
 }
 
 }  // namespace
 
 int info(const InfoOptions& options) {
-    scene::ChildTrial trial(options.input.string(), film_limits(options.input),
-                            [&](const scene::TakeTurns& take_turns) { return told_of(options, take_turns); });
-    const scene::ChildTrial::Told told = trial.told();
-    if (told.refused) throw core::Error(told.text);
-    const std::size_t end = told.text.find(end_of_damage);
-    const std::string damage = told.text.substr(0, end);
-    print(told.text.substr(end + 1));
+    const std::string text = scene::Probe::is_possible() ? probed(options) : told_of(options, [] {});
+    const std::size_t end = text.find(end_of_damage);
+    const std::string damage = text.substr(0, end);
+    print(text.substr(end + 1));
     if (damage.empty()) return 0;
-    std::fputs(("render2mpeg: " + damage + "\n").c_str(), stderr);
+    print_error(damage);
     return 1;
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <memory>
 #include <new>
 #include <nlohmann/json.hpp>
@@ -25,9 +24,11 @@
 #include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "app/system/memory_limit.h"
-#include "app/system/outside_trial.h"
+#include "app/system/probes.h"
 #include "app/system/progress.h"
+#include "app/system/terminal.h"
 #include "core/error.h"
+#include "core/text.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
@@ -43,7 +44,7 @@ void say_notes(const RenderJob& film, const RenderOptions& options) {
     if (film.end && film.frames.last > *film.end)
         notes.push_back(fmt::format("--frames goes beyond the scene's own film, which ends with frame {}", *film.end));
     for (const std::string& note : notes)
-        if (!note.empty()) std::fputs((note + "\n").c_str(), stderr);
+        if (!note.empty()) print_line(note);
 }
 
 /// As prepare(), within the memory that the options allow. Not done where an interrupt was requested meanwhile.
@@ -52,23 +53,23 @@ RenderJob prepare_within_memory(const RenderOptions& options) {
     const std::uint64_t limit = memory_from(*options.memory);
     hold_to(limit, parallel::thread_count());
     RenderJob film = prepare(options);
-    if (!try_images(*film.animation, image_trials(true))) return film;
+    if (!probe_images(*film.animation, image_probes(true))) return film;
     // Their headers may be read now.
     film.images_in_turn = !may_decode_at_once(film, memory_need(film), limit, parallel::thread_count());
     return film;
 }
 
 int interrupted_before_frames(const RenderOptions& options) {
-    if (!options.quiet) std::fputs("interrupted before the first frame: nothing was written\n", stderr);
+    if (!options.quiet) print_line("interrupted before the first frame: nothing was written");
     return InterruptGuard::status();
 }
 
 std::string dry_run_text(const RenderJob& film, const RenderOptions& options) {
     const auto chunks = chunks_of(film.frames, film.coding.gop);
     return fmt::format("{}: would render frames {} to {} ({:.2f} s at {} Hz) of {} at {}x{}, in {} chunk{}\n",
-                       options.output.string(), film.frames.first, film.frames.last,
+                       core::printable(options.output.string()), film.frames.first, film.frames.last,
                        static_cast<double>(film.frame_count()) / film.rate.hertz.value(), film.rate.name,
-                       film.animation->source, film.format.width, film.format.height, chunks.size(),
+                       core::printable(film.animation->source), film.format.width, film.format.height, chunks.size(),
                        chunks.size() == 1 ? "" : "s") +
            plan_table(film, {});
 }
@@ -79,7 +80,7 @@ std::string left_text(const RenderJob& film, const RenderOptions& options, const
     const std::size_t left = WorkFolder::left(options.output, identity, chunks);
     if (left == 0) return {};
     const std::int64_t done = chunks[left - 1].last + 1 - film.frames.first;
-    return fmt::format("{}: {} of {} frames are left of an earlier run, {}\n", options.output.string(), done,
+    return fmt::format("{}: {} of {} frames are left of an earlier run, {}", options.output.string(), done,
                        film.frame_count(),
                        options.resume ? "which goes on" : "and given up, since --resume is not given");
 }
@@ -264,18 +265,17 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     check_outputs(film, options);
     const nlohmann::json identity = timed(statistics, Stage::load, [&] { return identity_of(film, options); });
     // `tune` looks at what it renders, and so renders.
-    if (const auto status = rendered == nullptr ? settled_before(film, options, identity) : std::nullopt)
-        return *status;
+    if (rendered == nullptr && is_done_already(film, options, identity)) return 0;
     if (options.resume) WorkFolder::check(options.output, identity);
     const std::string left = left_text(film, options, identity);
     if (options.dry_run) {
-        if (!options.quiet) print(left + dry_run_text(film, options));
+        if (!options.quiet) print((left.empty() ? "" : core::printable(left) + "\n") + dry_run_text(film, options));
         return 0;
     }
     if (!options.memory)
-        timed(statistics, Stage::load, [&] { return try_images(*film.animation, image_trials(false)); });
+        timed(statistics, Stage::load, [&] { return probe_images(*film.animation, image_probes(false)); });
     if (InterruptGuard::requested()) return interrupted_before_frames(options);
-    if (!options.quiet && !options.resume) std::fputs(left.c_str(), stderr);
+    if (!options.quiet && !options.resume && !left.empty()) print_line(left);
     const std::unique_ptr<WorkFolder> work = open_outputs(options, identity);
     HeatmapFilms heatmaps(options, film, identity, *work);
     std::vector<ChunkFile> chunks = take_up(
@@ -305,15 +305,12 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     statistics.wall = clock.seconds(statistics);
     all_written = write_told(film, options, statistics, facts, sample_frame, errors) && all_written;
     if (all_written) clear_away(film, options, identity, heatmaps, *work);
-    if (complete && !all_written && !options.quiet)
-        std::fputs((resuming_text(film, chunks.size()) + "\n").c_str(), stderr);
+    if (complete && !all_written && !options.quiet) print_line(resuming_text(film, chunks.size()));
     if (!options.quiet && published) errors.attempt([&] { print(summary(film, statistics, facts)); });
     if (!complete && !options.quiet)
-        std::fputs(fmt::format("interrupted after {} of {} frames; {}\n", statistics.frames.size(), film.frame_count(),
-                               resuming_text(film, whole_of(chunks),
-                                             rendered != nullptr ? "the command above" : "the same command"))
-                       .c_str(),
-                   stderr);
+        print_line(fmt::format(
+            "interrupted after {} of {} frames; {}", statistics.frames.size(), film.frame_count(),
+            resuming_text(film, whole_of(chunks), rendered != nullptr ? "the command above" : "the same command")));
     errors.rethrow();
     if (rendered != nullptr) *rendered = {statistics, facts.output, facts.bytes};
     return complete ? 0 : InterruptGuard::status();

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "app/experiments/compare_report.h"
@@ -12,6 +11,7 @@
 #include "app/report/statistics_json.h"
 #include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
+#include "app/system/terminal.h"
 #include "core/error.h"
 #include "parallel/loops.h"
 
@@ -157,7 +157,7 @@ int compare(const CompareOptions& options, const std::string& command) {
         throw core::Error("quantisers " + options.quantisers + ": curves need two or more");
     const std::string ffmpeg = ffmpeg_version();
     const auto interrupted = [&] {
-        if (!quiet) std::fputs("interrupted before the first row: nothing was found out\n", stderr);
+        if (!quiet) print_line("interrupted before the first row: nothing was found out");
         return InterruptGuard::status();
     };
     const RenderJob film = prepare_trials(options.render);
@@ -183,7 +183,7 @@ int compare(const CompareOptions& options, const std::string& command) {
             print(difference_table(found));
             print_sentence(sentence_of(found));
         });
-    if (!found.complete && !quiet) std::fputs("interrupted: this is a part of the table\n", stderr);
+    if (!found.complete && !quiet) print_line("interrupted: this is a part of the table");
     errors.rethrow();
     return found.complete ? 0 : InterruptGuard::status();
 }

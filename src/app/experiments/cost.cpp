@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "app/experiments/cost_report.h"
@@ -12,6 +11,7 @@
 #include "app/report/statistics_json.h"
 #include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
+#include "app/system/terminal.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
@@ -101,7 +101,7 @@ int cost(const CostOptions& options, const std::string& command) {
     const InterruptGuard guard(options.render.quiet);
     const bool quiet = options.render.quiet;
     const auto interrupted = [&] {
-        if (!quiet) std::fputs("interrupted before the first row: nothing was found out\n", stderr);
+        if (!quiet) print_line("interrupted before the first row: nothing was found out");
         return InterruptGuard::status();
     };
     const RenderJob film = prepare_trials(options.render);
@@ -117,7 +117,7 @@ int cost(const CostOptions& options, const std::string& command) {
     if (options.json) errors.attempt([&] { write_json(*options.json, cost_json(sweep.film(), found, command)); });
     if (options.report) errors.attempt([&] { write_cost_report(*options.report, sweep.film(), found, command); });
     if (!quiet) errors.attempt([&] { print_sentence(sentence_of(found, sweep.film().coding.quantiser)); });
-    if (!found.complete && !quiet) std::fputs("interrupted: this is a part of the table\n", stderr);
+    if (!found.complete && !quiet) print_line("interrupted: this is a part of the table");
     errors.rethrow();
     return found.complete ? 0 : InterruptGuard::status();
 }

@@ -9,9 +9,10 @@
 
 #include "app/loop/frame_source.h"
 #include "app/options/output_kind.h"
-#include "app/system/outside_trial.h"
+#include "app/system/probes.h"
 #include "core/error.h"
 #include "core/numeric.h"
+#include "core/text.h"
 #include "encoder/av/av.h"
 #include "encoder/av/inspect.h"
 #include "perceptual/hvs.h"
@@ -58,7 +59,7 @@ std::filesystem::path image_sequence_in(const std::filesystem::path& place) {
     if (!std::filesystem::is_directory(place, error)) return place;
     std::set<std::string> patterns;
     for (const auto& entry : std::filesystem::directory_iterator(place)) {
-        const std::string ending = entry.path().extension().string();
+        const std::string ending = core::ending_of(entry.path());
         if (ending != ".exr" && ending != ".png") continue;
         if (std::string pattern = pattern_of(entry.path().filename().string()); !pattern.empty())
             patterns.insert(std::move(pattern));
@@ -82,18 +83,17 @@ std::filesystem::path image_sequence_in(const std::filesystem::path& place) {
 
 ForeignFilm look_at_foreign(const std::filesystem::path& film, const std::filesystem::path& reference, float exposure) {
     const std::filesystem::path pattern = image_sequence_in(reference);
-    const bool linear = pattern.extension() == ".exr";
-    scene::ChildTrial(film.string(), film_limits(film), [&](const scene::TakeTurns&) {
-        av::decode(film, [](const core::Picture&) {});
-        av::inspect(film);
-        return std::string();
-    }).told();  // what it refuses it will again
+    const bool linear = core::ending_of(pattern) == ".exr";
+    if (scene::Probe::is_possible()) {
+        const scene::ProbeLimits limits = film_limits(film);
+        scene::text_of(scene::Probe(limits, {"film", film.string()}).end(), film.string(), limits);
+    }
     const av::Inspection inspection = av::inspect(film);
     const std::unique_ptr<FrameSource> frames =
         open_frames(pattern, linear ? std::optional(exposure) : std::nullopt, std::nullopt,
                     matrix_of(film, inspection.stream.matrix_coefficients));
     ForeignFilm found;
-    found.name = film.filename().string();
+    found.name = core::printable(film.filename().string());
     found.width = inspection.stream.width;
     found.height = inspection.stream.height;
     if (found.width != frames->size().width || found.height != frames->size().height)

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 
 #include "app/files/publish.h"
 #include "app/files/text_file.h"
@@ -12,7 +11,7 @@
 #include "app/options/help_format.h"
 #include "app/report/report.h"
 #include "app/system/interrupt.h"
-#include "app/system/outside_trial.h"
+#include "app/system/probes.h"
 #include "app/system/terminal.h"
 #include "core/error.h"
 
@@ -36,8 +35,8 @@ void check_trial_outputs(const RenderJob& film, const RenderOptions& options,
 RenderJob prepare_trials(const RenderOptions& options) {
     RenderJob film = prepare(options);
     for (const std::string& note : film.animation->notes)
-        if (!options.quiet && !note.empty()) std::fputs((note + "\n").c_str(), stderr);
-    if (!try_images(*film.animation, image_trials(false))) return film;
+        if (!options.quiet && !note.empty()) print_line(note);
+    if (!probe_images(*film.animation, image_probes(false))) return film;
     if (!film.exposure) film.exposure = measure_exposure(film);
     return film;
 }
@@ -54,7 +53,7 @@ std::string memory_note(double bytes, double machine) {
 void tell_memory(double bytes, bool quiet) {
     const double machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
     const std::string note = memory_note(bytes, machine);
-    if (!quiet && !note.empty()) std::fputs((note + "\n").c_str(), stderr);
+    if (!quiet && !note.empty()) print_line(note);
 }
 
 bool light_references(Trials& trials, bool quiet) {
@@ -62,11 +61,9 @@ bool light_references(Trials& trials, bool quiet) {
     return trials.light_references([&](const ReferenceStanding& standing) {
         if (!progress) {
             if (!quiet && standing.seconds_left() > 1)
-                std::fputs(fmt::format("lighting {} by every light point takes about {}; interrupt to leave it\n",
+                print_line(fmt::format("lighting {} by every light point takes about {}; interrupt to leave it",
                                        standing.parts == 1 ? "the reference" : "the references",
-                                       clock_text(standing.seconds + standing.seconds_left()))
-                               .c_str(),
-                           stderr);
+                                       clock_text(standing.seconds + standing.seconds_left())));
             progress = std::make_unique<Progress>(standing.parts, quiet, "reference", Counted::parts_of_step,
                                                   standing.seconds);
         }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "app/experiments/trial_command.h"
@@ -19,6 +18,7 @@
 #include "app/report/statistics_json.h"
 #include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
+#include "app/system/terminal.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "encoder/av/av.h"
@@ -239,13 +239,13 @@ int tune(const TuneOptions& options, const std::vector<std::string>& words, cons
     const Tuning& tuning = command.tuning();
     const bool quiet = options.render.quiet;
     if (!command.search()) {
-        if (!quiet) std::fputs("interrupted: nothing was settled\n", stderr);
+        if (!quiet) print_line("interrupted: nothing was settled");
         return InterruptGuard::status();
     }
     if (!quiet) print_sentence(sentence_of(tuning, command.hertz()));
     if (tuning.found == Found::beyond) {
         command.write_reports();
-        std::fputs(("render2mpeg: " + target_text(tuning.target) + ": out of reach\n").c_str(), stderr);
+        print_error(target_text(tuning.target) + ": out of reach");
         return 1;
     }
     if (!quiet) print("\n" + *tuning.command + "\n");
@@ -257,9 +257,7 @@ int tune(const TuneOptions& options, const std::vector<std::string>& words, cons
         if (status != 0) return status;
         if (!quiet) print_sentence(film_sentence(tuning, command.hertz()));
         status = film_is_near(tuning) ? 0 : 1;
-        if (status != 0)
-            std::fputs(("render2mpeg: " + target_text(tuning.target) + ": the film that was made missed it\n").c_str(),
-                       stderr);
+        if (status != 0) print_error(target_text(tuning.target) + ": the film that was made missed it");
     }
     command.write_reports();
     return status;

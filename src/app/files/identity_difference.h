@@ -1,5 +1,5 @@
 #pragma once
-
+// What differs between the identities of two films.
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 

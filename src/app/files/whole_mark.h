@@ -2,12 +2,12 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
-#include <string>
 #include <vector>
 
-/// How a finished film is known again: its first file carries, as an extended attribute, what it was made from. Its
-/// bytes know nothing of that, no other file lies beside it, and what takes its name does not have the mark. A file
-/// system without such attributes, or a copy that leaves them behind, makes a film that nobody knows.
+/// How a finished film is known again: its first file carries, as an extended attribute, a checksum of what it was made
+/// from, and what was made beside it. No other file lies beside it, and what takes its name does not have the mark. A
+/// file system without such attributes, or a copy that leaves them behind, makes a film that nobody knows: it is made
+/// anew.
 namespace render2mpeg::app {
 
 /// What a render leaves when it is done.
@@ -19,18 +19,7 @@ struct Products {
 /// Marks the products as whole. `identity` says of which film (film_identity.h). A mark that cannot be set is none.
 void mark_as_whole(const Products& products, const nlohmann::json& identity);
 
-/// What is known of products that may be whole.
-struct Wholeness {
-    enum class State {
-        unknown,  ///< nothing: there is no mark
-        other,    ///< they are another film's, or were changed since
-        lacking,  ///< they are this film's, without some of what is asked for beside it
-        whole,
-    };
-    State state = State::unknown;
-    std::string difference;  ///< other: what differs first, as difference_of(); lacking: the first file that lacks
-};
-
-Wholeness wholeness_of(const Products& products, const nlohmann::json& identity);
+/// Whether the products are marked as this film's, with all that is asked for beside it, and are as they were then.
+bool is_whole(const Products& products, const nlohmann::json& identity);
 
 }  // namespace render2mpeg::app

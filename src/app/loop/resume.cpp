@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "app/loop/first_pass.h"
 #include "app/loop/run_statistics_json.h"
 #include "app/system/interrupt.h"
+#include "app/system/terminal.h"
 #include "core/error.h"
 
 namespace render2mpeg::app {
@@ -103,7 +103,7 @@ void say_given_up(const RenderOptions& options, const WorkFolder& work) {
             return as_json_keeps(std::filesystem::absolute(heatmap.second, error).lexically_normal()) == file;
         });
         if (!wanted && !options.quiet && std::filesystem::exists(work_folder_of(file), error))
-            std::fputs((file.string() + " is given up, since --heatmap is not given for it\n").c_str(), stderr);
+            print_line(file.string() + " is given up, since --heatmap is not given for it");
     }
 }
 
@@ -128,38 +128,19 @@ Products products_of(const RenderJob& film, const RenderOptions& options) {
     return products;
 }
 
-std::optional<int> settled_before(const RenderJob& film, const RenderOptions& options, const json& identity) {
-    if (!options.resume) return std::nullopt;
+bool is_done_already(const RenderJob& film, const RenderOptions& options, const json& identity) {
+    if (!options.resume || !is_whole(products_of(film, options), identity)) return false;
     const std::string name = options.output.string();
-    const auto say = [&](const std::string& text) {
-        if (!options.quiet) std::fputs((name + text + "\n").c_str(), stderr);
-    };
-    const Wholeness found = wholeness_of(products_of(film, options), identity);
+    if (!options.quiet) print_line(name + " is whole already: nothing is left to be done");
     std::error_code error;
-    const bool begun = std::filesystem::exists(work_folder_of(options.output), error);
-    switch (found.state) {
-        case Wholeness::State::unknown:
-            return std::nullopt;
-        case Wholeness::State::other:
-            if (!begun) say(" is whole, but " + found.difference + ": it begins anew");
-            return std::nullopt;
-        case Wholeness::State::lacking:
-            if (begun) return std::nullopt;
-            throw core::Error("resuming", name,
-                              "it is whole already, and " + found.difference +
-                                  " can only be made with it; without --resume the film begins anew");
-        case Wholeness::State::whole:
-            break;
-    }
-    say(" is whole already: nothing is left to be done");
-    if (options.dry_run || !begun) return 0;
+    if (options.dry_run || !std::filesystem::exists(work_folder_of(options.output), error)) return true;
     try {
         WorkFolder(options.output, identity, WorkFolder::Earlier::resumed).clear_away();
     } catch (const core::Error& refusal) {
         // What somebody else has begun there, or is at work on, is no part of this film.
-        say(fmt::format(": what lies beside it is left alone ({})", refusal.what()));
+        if (!options.quiet) print_line(fmt::format("{}: what lies beside it is left alone ({})", name, refusal.what()));
     }
-    return 0;
+    return true;
 }
 
 json facts_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work, const Chunk& chunk,
@@ -191,7 +172,7 @@ std::vector<ChunkFile> take_up(const RenderJob& film, const RenderOptions& optio
             chunks.empty() ? fmt::format("--resume: no chunk was left of {}, which begins anew", name)
                            : fmt::format("resuming {} with frame {}: {} of {} are there", name,
                                          chunks.back().chunk().last + 1, statistics.frames.size(), film.frame_count());
-        std::fputs((text + "\n").c_str(), stderr);
+        print_line(text);
     }
     return chunks;
 }

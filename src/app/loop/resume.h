@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,10 +30,9 @@ nlohmann::json facts_of(const RenderJob& film, const RenderOptions& options, con
 /// What the options ask a render to leave.
 Products products_of(const RenderJob& film, const RenderOptions& options);
 
-/// Where the film of --resume is whole already (whole_mark.h) says so, removes what a run that was killed at its very
-/// end may have left, and returns the exit status: 0, or 1 where something is asked for beside the film that could only
-/// be made with it. Otherwise none; what differs from a film that is there is said.
-std::optional<int> settled_before(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity);
+/// Whether the film of --resume is whole already, with all that is asked for beside it (whole_mark.h). Says so, and
+/// removes what a run that was killed at its very end may have left.
+bool is_done_already(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity);
 
 /// The whole chunks of an earlier run, whose statistics are taken in; what else there was is removed, after `kept`
 /// was told how many are taken over. None where the options ask for none.

@@ -7,7 +7,7 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "scene/animation_file/keys.h"
-#include "scene/animation_file/png.h"
+#include "scene/model/png.h"
 
 namespace render2mpeg::scene {
 namespace {

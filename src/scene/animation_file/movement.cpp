@@ -5,8 +5,7 @@
 #include <cmath>
 
 #include "scene/animation_file/keys.h"
-#include "scene/assimp/lights.h"
-#include "scene/assimp/rest_pose.h"
+#include "scene/model/node.h"
 
 namespace render2mpeg::scene {
 namespace {

@@ -60,16 +60,4 @@ CameraLens lens_of(const ClassicCamera& classic) {
     return lens;
 }
 
-glm::dquat turn_towards(glm::dvec3 forward, glm::dvec3 up) {
-    const double length = glm::length(forward);
-    if (!(length > 0) || !std::isfinite(length)) return {1, 0, 0, 0};
-    const glm::dvec3 z = -forward / length;
-    glm::dvec3 x = glm::cross(up, z);
-    // Looking along `up`: any other axis does.
-    if (!(glm::length(x) > 1e-9 * glm::length(up)))
-        x = glm::cross(std::abs(z.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, -1), z);
-    x = glm::normalize(x);
-    return glm::normalize(glm::quat_cast(glm::dmat3(x, glm::cross(z, x), z)));
-}
-
 }  // namespace render2mpeg::scene

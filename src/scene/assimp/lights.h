@@ -1,7 +1,6 @@
 #pragma once
 // Lights of older formats as glTF's.
 #include <glm/glm.hpp>
-#include <glm/gtc/quaternion.hpp>
 
 #include "scene/model/camera.h"
 #include "scene/model/light.h"
@@ -33,8 +32,5 @@ struct ClassicCamera {
 };
 
 CameraLens lens_of(const ClassicCamera& classic);
-
-/// The turn that takes -z to `forward` and +y as near to `up` as it can be. No turn where `forward` has no direction.
-glm::dquat turn_towards(glm::dvec3 forward, glm::dvec3 up);
 
 }  // namespace render2mpeg::scene

@@ -9,9 +9,10 @@
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
-#include "scene/animation_file/png.h"
+#include "core/text.h"
 #include "scene/assimp/phong.h"
 #include "scene/assimp/rest_pose.h"
+#include "scene/model/png.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -61,8 +62,7 @@ float number_or(const aiMaterial& m, const char* key, float otherwise) {
 }
 
 bool has_bump_that_is_a_normal_map(const std::string& file) {
-    std::string name = file;
-    for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string name = core::lower_case(file);
     for (const char* sign : {"normal", "_nrm", "_nor.", "_ddn", "_nm."})
         if (name.find(sign) != std::string::npos) return true;
     return false;

@@ -52,25 +52,6 @@ void mend_normals(Mesh& mesh) {
     for (glm::vec3& n : mesh.normals) n = core::normalize_or(n, glm::vec3(0, 1, 0));
 }
 
-void separate(Node& node) {
-    if (!node.matrix) return;
-    const glm::dmat4& m = *node.matrix;
-    glm::dmat3 axes(m);
-    for (int k = 0; k < 3; ++k) {
-        node.scale[k] = glm::length(axes[k]);
-        axes[k] = node.scale[k] > 0 ? axes[k] / node.scale[k] : glm::dmat3(1)[k];
-    }
-    // A mirroring has no rotation: one axis carries it as a negative scale.
-    if (glm::determinant(axes) < 0) {
-        node.scale.x = -node.scale.x;
-        axes[0] = -axes[0];
-    }
-    node.translation = glm::dvec3(m[3]);
-    const glm::dquat q = glm::quat_cast(axes);
-    node.rotation = glm::length(q) > 1e-9 ? glm::normalize(q) : glm::dquat(1, 0, 0, 0);
-    node.matrix.reset();
-}
-
 glm::dquat upright(SignedAxis right, SignedAxis up, SignedAxis front) {
     const auto vector = [](SignedAxis a) {
         glm::dvec3 v{0};

@@ -13,10 +13,6 @@ namespace render2mpeg::scene {
 /// "not a number" or 0 where they found no area.
 void mend_normals(Mesh& mesh);
 
-/// Turns a node's matrix, if it has one, into translation, rotation and scale, so that tracks can move it. Shear is
-/// lost.
-void separate(Node& node);
-
 /// An axis of a file: 0, 1, 2 for x, y, z, and -1 or 1 for its direction.
 struct SignedAxis {
     int axis = 0;

@@ -5,15 +5,12 @@
 #include <cctype>
 #include <tuple>
 
+#include "core/text.h"
+
 namespace render2mpeg::scene {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string lower(std::string text) {
-    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return text;
-}
 
 bool is_image_ending(const std::string& ending) {
     constexpr std::array<const char*, 16> known{"png", "jpg", "jpeg", "tga", "bmp", "tif",  "tiff", "gif",
@@ -50,8 +47,8 @@ TextureFinder::TextureFinder(const fs::path& folder) {
         if (!walk->is_regular_file(ignored) || walk->is_symlink(ignored)) continue;
         Entry entry;
         entry.path = walk->path();
-        entry.relative = lower(walk->path().lexically_relative(folder).generic_string());
-        entry.name = lower(walk->path().filename().string());
+        entry.relative = core::lower_case(walk->path().lexically_relative(folder).generic_string());
+        entry.name = core::lower_case(walk->path().filename().string());
         std::tie(entry.stem, entry.ending) = split_ending(entry.name);
         if (is_image_ending(entry.ending)) files_.push_back(std::move(entry));
     }
@@ -93,7 +90,7 @@ const TextureFinder::Entry* TextureFinder::by_short_name(const std::string& name
 }
 
 std::optional<fs::path> TextureFinder::find(const std::string& written) const {
-    std::string path = lower(written);
+    std::string path = core::lower_case(written);
     std::replace(path.begin(), path.end(), '\\', '/');
     path = fs::path(path).lexically_normal().generic_string();
     const std::string name = fs::path(path).filename().string();

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "scene/gltf/document.h"
-#include "scene/load.h"
 #include "scene/model/animation.h"
+#include "scene/model/load_options.h"
 
 /// The parts of a glTF file, each read into an Animation by one file.
 namespace render2mpeg::scene::gltf {

@@ -1,11 +1,11 @@
 // Completes a loaded film: checks, repairs, default light and camera.
+#include "scene/preparation/complete.h"
+
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
 
 #include "core/rational.h"
-#include "scene/load.h"
-#include "scene/loaders.h"
 #include "scene/model/wording.h"
 #include "scene/pose/extent.h"
 #include "scene/pose/pose.h"

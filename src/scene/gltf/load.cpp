@@ -1,7 +1,8 @@
 // glTF 2.0 to an Animation. [glTF2]
+#include "scene/gltf/load.h"
+
 #include "scene/gltf/document.h"
 #include "scene/gltf/parts.h"
-#include "scene/loaders.h"
 
 namespace render2mpeg::scene {
 

@@ -1,4 +1,4 @@
-#include "scene/animation_file/png.h"
+#include "scene/model/png.h"
 
 #include <algorithm>
 #include <cstdint>

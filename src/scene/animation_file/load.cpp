@@ -1,17 +1,19 @@
 // Our own format: docs/animation-file.md describes it for those who write it, docs/animation-file.schema.json for their
 // editors.
+#include "scene/animation_file/load.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "core/error.h"
 #include "core/rational.h"
+#include "core/text.h"
 #include "scene/animation_file/cameras.h"
 #include "scene/animation_file/json.h"
 #include "scene/animation_file/keys.h"
 #include "scene/animation_file/looks.h"
 #include "scene/animation_file/things.h"
-#include "scene/loaders.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -19,15 +21,16 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The scene that the film builds on; nothing but what is built in where it names none.
-Animation base_scene(const JsonValue& value, const fs::path& folder, const LoadOptions& options) {
+Animation base_scene(const JsonValue& value, const fs::path& folder, const LoadOptions& options,
+                     const LoadScene& load_scene) {
     const auto scene = value.find("scene");
     if (!scene) {
         if (options.animation) value.fail("names no scene, so that it has no animation \"" + *options.animation + "\"");
         return {};
     }
     const fs::path file = Looks::file_below(folder, *scene);
-    if (file.extension() == ".json") scene->fail("is an animation file itself; name the scene that it refers to");
-    return load_as_is(file, options);
+    if (core::ending_of(file) == ".json") scene->fail("is an animation file itself; name the scene that it refers to");
+    return load_scene(file, options);
 }
 
 /// Frame rate, range and exposure.
@@ -99,7 +102,7 @@ void read_shape(const JsonValue& value, Animation& film) {
 
 }  // namespace
 
-Animation load_animation_file(const fs::path& given, const LoadOptions& options) {
+Animation load_animation_file(const fs::path& given, const LoadOptions& options, const LoadScene& load_scene) {
     std::error_code failure;
     const fs::path file = fs::is_directory(given, failure) ? given / "film.json" : given;
     const JsonValue value = JsonValue::read(file);
@@ -109,7 +112,7 @@ Animation load_animation_file(const fs::path& given, const LoadOptions& options)
     const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
 
     // What changes the scene goes by the names that the scene has, so it comes before the film's own things.
-    Animation film = base_scene(value, folder, options);
+    Animation film = base_scene(value, folder, options, load_scene);
     film.source = file.string();
     film.files.insert(film.files.begin(), file);
     const FilmClock clock = read_format(value, film);

@@ -1,5 +1,7 @@
-// Every mesh format but glTF, by way of Assimp. This file puts a whole scene together; assimp_parts.cpp converts its
-// pieces. The result holds nothing of Assimp's.
+// Every mesh format but glTF, by way of Assimp. This file puts a whole scene together; parts.cpp converts its pieces.
+// The result holds nothing of Assimp's.
+#include "scene/assimp/load.h"
+
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -13,10 +15,11 @@
 
 #include "core/error.h"
 #include "core/numeric.h"
+#include "core/text.h"
 #include "scene/assimp/lights.h"
 #include "scene/assimp/parts.h"
 #include "scene/assimp/rest_pose.h"
-#include "scene/loaders.h"
+#include "scene/model/node.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -72,8 +75,7 @@ class SceneReader {
     }
 
     static std::string ending_of(const fs::path& file) {
-        std::string ending = file.extension().string();
-        for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        const std::string ending = core::ending_of(file);
         return ending.empty() ? ending : ending.substr(1);
     }
 

@@ -1,4 +1,4 @@
-#include "app/system/outside_trial.h"
+#include "app/system/probes.h"
 
 #include <gtest/gtest.h>
 
@@ -14,13 +14,13 @@
 namespace render2mpeg {
 namespace {
 
-using app::ImageTrials;
-using app::try_images;
+using app::ImageProbes;
+using app::probe_images;
 
 constexpr std::uintmax_t mib = std::uintmax_t{1} << 20;
 /// An image of 1024 x 1536 pixels takes 24 MiB when it is read, and more on the way.
 constexpr int wide = 1024, tall = 1536;
-constexpr ImageTrials little{2, 8 * mib, 8 * mib}, little_each{2, 8 * mib, 512 * mib}, enough{2, 512 * mib, 512 * mib};
+constexpr ImageProbes little{2, 8 * mib, 8 * mib}, little_each{2, 8 * mib, 512 * mib}, enough{2, 512 * mib, 512 * mib};
 
 /// A scene whose sky and only surface show two images.
 scene::Animation scene_of(const std::vector<std::filesystem::path>& files) {
@@ -46,13 +46,13 @@ std::vector<std::filesystem::path> images_in(const support::Folder& folder) {
 }
 
 #ifndef RENDER2MPEG_SANITIZED
-TEST(ImageTrials, RefuseImagesThatTakeAllMemory) {
+TEST(ImageProbes, RefuseImagesThatTakeAllMemory) {
     const support::Folder folder;
     for (const std::filesystem::path& file : images_in(folder)) {
         const scene::Animation film = scene_of({file});
-        EXPECT_TRUE(try_images(film, enough)) << file;
+        EXPECT_TRUE(probe_images(film, enough)) << file;
         try {
-            try_images(film, little);
+            probe_images(film, little);
             ADD_FAILURE() << file << " is read again, in this process, which has no limit";
         } catch (const scene::OutOfMemory& error) {
             EXPECT_NE(std::string(error.what()).find(file.string() + ": takes more memory"), std::string::npos)
@@ -62,20 +62,20 @@ TEST(ImageTrials, RefuseImagesThatTakeAllMemory) {
 }
 #endif
 
-TEST(ImageTrials, GiveAnImageThatNeedsMoreThanItsShareAllOfIt) {
+TEST(ImageProbes, GiveAnImageThatNeedsMoreThanItsShareAllOfIt) {
     const support::Folder folder;
-    EXPECT_TRUE(try_images(scene_of(images_in(folder)), little_each));
+    EXPECT_TRUE(probe_images(scene_of(images_in(folder)), little_each));
 }
 
-TEST(ImageTrials, DoNotTellWhatLibrariesRefuse) {
+TEST(ImageProbes, DoNotTellWhatLibrariesRefuse) {
     const support::Folder folder;
     std::ofstream(folder / "bad.png") << "\x89PNG\r\n\x1a\n and no more";
-    EXPECT_TRUE(try_images(scene_of({folder / "bad.png"}), enough)) << "not every image is looked at";
+    EXPECT_TRUE(probe_images(scene_of({folder / "bad.png"}), enough)) << "not every image is looked at";
 }
 
-TEST(ImageTrials, OneAtATimeWithinALimit) {
-    EXPECT_EQ(app::image_trials(true).at_once, 1u);
-    const ImageTrials free = app::image_trials(false);
+TEST(ImageProbes, OneAtATimeWithinALimit) {
+    EXPECT_EQ(app::image_probes(true).at_once, 1u);
+    const ImageProbes free = app::image_probes(false);
     EXPECT_GE(free.at_once, 1u);
     EXPECT_LE(free.share, free.alone);
     // The largest image that is read: docs/fits/memory.md.
@@ -83,13 +83,13 @@ TEST(ImageTrials, OneAtATimeWithinALimit) {
     EXPECT_GT(free.share * free.at_once, 256 * mib);
 }
 
-TEST(ImageTrials, EndWithAnInterrupt) {
+TEST(ImageProbes, EndWithAnInterrupt) {
     const support::Folder folder;
     const scene::Animation film = scene_of({folder / "missing.png"});
     const app::InterruptGuard guard(true);
-    EXPECT_TRUE(try_images(film, enough));
-    std::raise(SIGINT);
-    EXPECT_FALSE(try_images(film, enough));
+    EXPECT_TRUE(probe_images(film, enough));
+    std::raise(SIGTERM);
+    EXPECT_FALSE(probe_images(film, enough));
 }
 
 }  // namespace

@@ -1,0 +1,156 @@
+#include "app/system/probes.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <deque>
+#include <iostream>
+#include <iterator>
+#include <memory>
+#include <span>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "app/system/interrupt.h"
+#include "app/system/shown_images.h"
+#include "core/error.h"
+#include "image/image.h"
+#include "parallel/loops.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// chosen: the largest image that is read takes 48 bytes for each of its pixels (docs/fits/memory.md) and some ten
+/// seconds; what it is stored in tells neither.
+constexpr scene::ProbeLimits image_limits{(std::uintmax_t{1} << 30) + 48 * std::uintmax_t{image::max_pixels}, 60, 600};
+
+using Sources = std::vector<const scene::ImageSource*>;
+
+/// Numbers and texts one after the other, as a probe of the same program reads them.
+void pack(std::vector<std::byte>& into, std::span<const std::byte> bytes) {
+    const std::uint64_t size = bytes.size();
+    const auto* const first = reinterpret_cast<const std::byte*>(&size);
+    into.insert(into.end(), first, first + sizeof size);
+    into.insert(into.end(), bytes.begin(), bytes.end());
+}
+
+std::span<const std::byte> unpack(std::span<const std::byte>& from) {
+    std::uint64_t size = 0;
+    EXPECTS(from.size() >= sizeof size);
+    std::memcpy(&size, from.data(), sizeof size);
+    EXPECTS(from.size() - sizeof size >= size);
+    const std::span<const std::byte> bytes = from.subspan(sizeof size, size);
+    from = from.subspan(sizeof size + size);
+    return bytes;
+}
+
+std::string text_of(std::span<const std::byte> bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+std::vector<std::byte> packed(std::span<const scene::ImageSource* const> sources) {
+    std::vector<std::byte> bytes;
+    for (const scene::ImageSource* source : sources) {
+        pack(bytes, std::as_bytes(std::span(source->path.native())));
+        pack(bytes, std::as_bytes(std::span(source->name)));
+        pack(bytes, source->bytes);
+    }
+    return bytes;
+}
+
+scene::ProbeLimits limits_with(std::uintmax_t memory) {
+    return {memory, image_limits.seconds, image_limits.clock_seconds};
+}
+
+/// One process that reads some images, one after the other.
+struct ImageProbe {
+    ImageProbe(Sources images, const scene::ProbeLimits& taken)
+        : sources(std::move(images)), limits(taken), probe(limits, {"images"}, packed(sources)) {}
+
+    Sources sources;
+    scene::ProbeLimits limits;
+    scene::Probe probe;
+};
+
+/// Waits for a probe, and starts others for what it did not come to. Images that ran out of memory go to `large`, or
+/// are refused where that is null.
+void finish(std::unique_ptr<ImageProbe> probe, Sources* large) {
+    while (probe) {
+        scene::ProbeEnd end = probe->probe.end(InterruptGuard::requested);
+        const std::size_t done = end.text.size();
+        if (end.how == scene::ProbeEnd::How::given_up || done >= probe->sources.size()) return;
+        const scene::ImageSource* const last = probe->sources[done];
+        try {
+            scene::text_of(std::move(end), last->name, probe->limits);
+        } catch (const scene::OutOfMemory&) {
+            if (large == nullptr) throw;
+            large->push_back(last);
+        }
+        const Sources rest(probe->sources.begin() + static_cast<std::ptrdiff_t>(done) + 1, probe->sources.end());
+        const scene::ProbeLimits limits = probe->limits;
+        probe = rest.empty() ? nullptr : std::make_unique<ImageProbe>(rest, limits);
+    }
+}
+
+}  // namespace
+
+ImageProbes image_probes(bool held_to_limit) {
+    if (held_to_limit) return {1, image_limits.memory, image_limits.memory};
+    const std::size_t threads = static_cast<std::size_t>(std::max(1, parallel::thread_count()));
+    const auto machine =
+        static_cast<std::uintmax_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uintmax_t>(sysconf(_SC_PAGESIZE));
+    // chosen: half of the machine for all of them, the other for what runs beside (1/4..1).
+    const std::uintmax_t alone = std::min(image_limits.memory, machine);
+    return {threads, std::min(alone, machine / 2 / threads), alone};
+}
+
+bool probe_images(const scene::Animation& film, const ImageProbes& probes) {
+    if (!scene::Probe::is_possible()) return !InterruptGuard::requested();
+    Sources sources, large;
+    for (const int i : images_of(film)) sources.push_back(&film.images[static_cast<std::size_t>(i)]);
+    // chosen: opening the libraries takes a process 0.3 s, as long as some sixteen small images (4..16).
+    constexpr std::size_t images_of_one = 16;
+    const std::size_t count = std::min(probes.at_once, (sources.size() + images_of_one - 1) / images_of_one);
+    std::deque<std::unique_ptr<ImageProbe>> running;
+    for (std::size_t p = 0; p < count; ++p) {
+        Sources own;
+        for (std::size_t i = p; i < sources.size(); i += count) own.push_back(sources[i]);
+        running.push_back(std::make_unique<ImageProbe>(std::move(own), limits_with(probes.share)));
+    }
+    for (; !running.empty(); running.pop_front())
+        finish(std::move(running.front()), probes.share < probes.alone ? &large : nullptr);
+    for (const scene::ImageSource* source : large)
+        finish(std::make_unique<ImageProbe>(Sources{source}, limits_with(probes.alone)), nullptr);
+    return !InterruptGuard::requested();
+}
+
+std::string read_probed_images(const scene::TakeTurns& take_turns) {
+    image::open_decoders();
+    const std::string input{std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>()};
+    std::span<const std::byte> rest = std::as_bytes(std::span(input));
+    while (!rest.empty()) {
+        const std::string path = text_of(unpack(rest)), name = text_of(unpack(rest));
+        const std::span<const std::byte> bytes = unpack(rest);
+        take_turns(scene::Turn::parser);
+        try {
+            image::read_image(path, bytes, name);
+        } catch (const core::Error&) {
+            if (errno == ENOMEM) throw;
+        }
+        scene::say_in_probe(".");
+    }
+    return {};
+}
+
+scene::ProbeLimits film_limits(const std::filesystem::path& film) {
+    // chosen: 2 GiB and 60 bytes for each of the file's hold the largest pictures and what is told of each; how long it
+    // takes nobody can say.
+    std::error_code failure;
+    const std::uintmax_t size = std::filesystem::file_size(film, failure);
+    return {(std::uintmax_t{2} << 30) + 60 * (failure ? 0 : size), 0, 0};
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,229 @@
+#include "scene/isolation/probe.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "scene/isolation/probed.h"
+
+namespace render2mpeg::scene {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Empty where there is none.
+fs::path program() {
+    if (const char* named = std::getenv("RENDER2MPEG_PROGRAM"); named != nullptr && *named != '\0') return named;
+    std::error_code failure;
+    const fs::path self = fs::read_symlink("/proc/self/exe", failure);
+    if (failure) return {};
+    if (self.filename() == "render2mpeg") return self;
+    for (const fs::path& folder : {self.parent_path(), self.parent_path().parent_path()})
+        if (fs::is_regular_file(folder / "render2mpeg", failure)) return folder / "render2mpeg";
+    return {};
+}
+
+/// A descriptor that is closed in the end, and that no other program inherits by chance.
+struct Descriptor {
+    explicit Descriptor(int number) : value(number) {}
+    ~Descriptor() {
+        if (value >= 0) close(value);
+    }
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+    int release() { return std::exchange(value, -1); }
+
+    int value;
+};
+
+[[noreturn]] void fail(int failure) {
+    throw core::Error("starting", program().string(), std::strerror(failure));
+}
+
+/// A file in memory that holds `bytes`, to be read from its beginning.
+int file_of(std::span<const std::byte> bytes) {
+    Descriptor file(memfd_create("input", MFD_CLOEXEC));
+    if (file.value < 0) fail(errno);
+    for (std::size_t done = 0; done < bytes.size();) {
+        const ssize_t n = pwrite(file.value, bytes.data() + done, bytes.size() - done, static_cast<off_t>(done));
+        if (n < 0 && errno != EINTR) fail(errno);
+        if (n > 0) done += static_cast<std::size_t>(n);
+    }
+    return file.release();
+}
+
+rlim_t limit_of(int resource) {
+    rlimit both{};
+    return getrlimit(static_cast<__rlimit_resource>(resource), &both) == 0 ? both.rlim_cur : RLIM_INFINITY;
+}
+
+/// Whether this process, and so its children, may not even take as much memory as a probe: `ulimit`, `--memory`.
+bool is_short_of(std::uintmax_t memory) {
+    const rlim_t all = limit_of(RLIMIT_AS), own = limit_of(RLIMIT_DATA);
+    return (all != RLIM_INFINITY && all < memory + address_space_now()) || (own != RLIM_INFINITY && own < memory);
+}
+
+int wait_for(pid_t child) {
+    int status = 0;
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    return status;
+}
+
+/// Reads until the other end is closed. Returns whether it came so far.
+bool read_all(int pipe, std::string& text, const std::function<bool()>& give_up) {
+    constexpr int look_every_ms = 50;
+    std::array<char, 4096> buffer;
+    for (;;) {
+        pollfd ready{pipe, POLLIN, 0};
+        if (give_up && give_up()) return false;
+        if (poll(&ready, 1, give_up ? look_every_ms : -1) <= 0) continue;
+        const ssize_t n = read(pipe, buffer.data(), buffer.size());
+        if (n > 0) text.append(buffer.data(), static_cast<std::size_t>(n));
+        if (n == 0 || (n < 0 && errno != EINTR)) return true;
+    }
+}
+
+ProbeEnd::How how_ended(int status) {
+    using enum ProbeEnd::How;
+    const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+    if (signal == SIGKILL) return killed;
+    if (signal == SIGXCPU || signal == SIGALRM) return out_of_time;
+    if (!WIFEXITED(status)) return crashed;
+    switch (WEXITSTATUS(status)) {
+        case 0:
+            return read;
+        case probe_refused:
+            return refused;
+        case probe_out_of_memory:
+            return out_of_memory;
+        default:
+            return crashed;
+    }
+}
+
+/// Starts the program with these descriptors as its 0, 1 and 3.
+pid_t spawn(std::vector<std::string> words, int input, int text, int turns) {
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, text, STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, turns, probe_turns);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+    // Interrupts are the parent's business, from the first instant on.
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    sigset_t blocked, usual;
+    sigemptyset(&blocked);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&blocked, signal);
+    sigemptyset(&usual);
+    for (const int signal : {SIGSEGV, SIGABRT, SIGALRM, SIGXCPU}) sigaddset(&usual, signal);
+    posix_spawnattr_setsigmask(&attributes, &blocked);
+    posix_spawnattr_setsigdefault(&attributes, &usual);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+    pid_t child = -1;
+    const int failure = posix_spawn(&child, program().c_str(), &actions, &attributes, arguments.data(), environ);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&actions);
+    if (failure != 0) fail(failure);
+    return child;
+}
+
+}  // namespace
+
+ProbeLimits limits_for(std::uintmax_t file_size) {
+    // chosen: the largest need seen is 30 bytes of memory per byte of a binary file and 5 s per 100 MB of text; files
+    // that say 10^9 where they hold ten need 10^10 bytes or minutes, and some of 200 bytes never end. Tried 10 .. 100
+    // bytes, 3 .. 60 s.
+    constexpr std::uintmax_t least_memory = std::uintmax_t{1} << 30, memory_per_byte = 60;
+    constexpr unsigned least_seconds = 3, seconds_per_hundred_million = 60;
+    const auto seconds = least_seconds + static_cast<unsigned>(seconds_per_hundred_million * file_size / 100'000'000);
+    return {least_memory + memory_per_byte * file_size, seconds, 10 * seconds};
+}
+
+ProbeLimits limits_for(const fs::path& file) {
+    std::error_code failure;
+    const std::uintmax_t size = fs::file_size(file, failure);
+    return limits_for(failure ? std::uintmax_t{0} : size);
+}
+
+bool Probe::is_possible() {
+    return !program().empty();
+}
+
+Probe::Probe(const ProbeLimits& limits, const std::vector<std::string>& words, std::span<const std::byte> input) {
+    int text[2], turns[2];
+    if (pipe2(text, O_CLOEXEC) != 0) fail(errno);
+    Descriptor text_end(text[0]), text_begin(text[1]);
+    if (pipe2(turns, O_CLOEXEC) != 0) fail(errno);
+    Descriptor turns_end(turns[0]), turns_begin(turns[1]);
+    // What a dup2 must not overwrite before it is used itself.
+    const Descriptor read_from(file_of(input)), high_turns(fcntl(turns[1], F_DUPFD_CLOEXEC, 10));
+    std::vector<std::string> all = probe_words(limits);
+    all.insert(all.begin(), program().string());
+    all.insert(all.end(), words.begin(), words.end());
+    child_ = spawn(std::move(all), read_from.value, text[1], high_turns.value);
+    text_ = text_end.release();
+    turns_ = turns_end.release();
+}
+
+Probe::~Probe() {
+    if (child_ > 0) {
+        kill(child_, SIGKILL);
+        wait_for(child_);
+    }
+    if (text_ >= 0) close(text_);
+    if (turns_ >= 0) close(turns_);
+}
+
+ProbeEnd Probe::end(const std::function<bool()>& give_up) {
+    EXPECTS(child_ > 0);
+    ProbeEnd end;
+    const bool ended = read_all(text_, end.text, give_up);
+    if (!ended) kill(child_, SIGKILL);
+    end.how = how_ended(wait_for(child_));
+    if (!ended) end.how = ProbeEnd::How::given_up;
+    child_ = -1;
+    std::string turns;
+    read_all(turns_, turns, {});
+    if (!turns.empty() && turns.back() == turn_mark(Turn::ours)) end.turn = Turn::ours;
+    return end;
+}
+
+std::string text_of(ProbeEnd end, const std::string& name, const ProbeLimits& limits) {
+    using How = ProbeEnd::How;
+    if (end.how == How::read || end.how == How::given_up) return std::move(end.text);
+    if (end.how == How::refused) throw core::Error(end.text);
+    // No limit of ours does that, but the system does where memory runs out.
+    if (end.how == How::killed)
+        throw OutOfMemory("reading", name, "the process that read it was killed (out of memory?)");
+    const bool no_memory = end.how == How::out_of_memory, no_time = end.how == How::out_of_time;
+    if (no_memory && is_short_of(limits.memory))
+        throw OutOfMemory("reading", name, "takes more memory than this process may have (--memory, ulimit)");
+    const std::string more =
+        std::string("takes more ") + (no_memory ? "memory" : "time") + " than a file of its size can need";
+    if (end.turn == Turn::ours)
+        throw std::logic_error("reading " + name + ": render2mpeg " +
+                               (no_memory || no_time ? "itself " + more : std::string("itself crashes on it")) +
+                               "; this is a fault of the program, not of the file");
+    if (no_memory) throw OutOfMemory("reading", name, more + ": it is damaged");
+    throw core::Error("reading", name, no_time ? more + ": it is damaged" : "its parser crashed: the file is damaged");
+}
+
+}  // namespace render2mpeg::scene
