@@ -55,7 +55,10 @@ const std::vector<Library>& libraries() {
         {"nlohmann-json", {"nlohmann/"}, "", any_number},
         {"the processor's intrinsics", {"immintrin.h", "xmmintrin.h", "emmintrin.h"}, "", any_number},
         {"the C library's heap", {"malloc.h"}, "src/app/", 1},
-        {"POSIX", {"unistd.h", "dlfcn.h", "elf.h", "fcntl.h", "link.h", "signal.h", "sys/"}, "", any_number},
+        {"POSIX",
+         {"unistd.h", "dlfcn.h", "elf.h", "fcntl.h", "link.h", "poll.h", "signal.h", "spawn.h", "sys/"},
+         "",
+         any_number},
     };
     return all;
 }

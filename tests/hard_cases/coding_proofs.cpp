@@ -41,7 +41,7 @@ std::vector<Proof> coding_proofs() {
          "the last coefficient's lowest bit changes, in encoder and decoders alike, over predictions of any length",
          {},
          {"MismatchControl.MeetsTheStandardInEveryCorner", "Macroblocks.AnySequenceOfKindsIsReadBack",
-          "Refresh.NoMacroblockIsPredictedForEver"}},
+          "IntraRefresh.NoMacroblockIsPredictedForEver"}},
         {"any pictures with any lawful hints",
          "decode to the reconstruction, bit for bit",
          {},
@@ -49,7 +49,7 @@ std::vector<Proof> coding_proofs() {
         {"hints without meaning",
          "a broken contract, told at once",
          {},
-         {"Demands.MapsOfAnotherSizeOrWithoutMeaningAreRefused"}},
+         {"Overrides.MapsOfAnotherSizeOrWithoutMeaningAreRefused"}},
     };
 }
 

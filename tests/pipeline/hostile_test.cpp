@@ -160,7 +160,7 @@ TEST(Messages, DoNothingToATerminalWhateverAnAnimationFileSays) {
     std::filesystem::copy(plain_film(), folder / "scene", std::filesystem::copy_options::recursive);
     for (const auto& entry : std::filesystem::directory_iterator(folder / "scene")) {
         if (entry.path().extension() != ".json") continue;
-        json film = json::parse(contents(entry.path()));
+        json film = json::parse(contents(entry.path()), nullptr, true, true);  // with comments
         film["\x1b]0;mine\x07\nrender2mpeg: all is well"] = 1;
         put_text(entry.path(), film.dump());
     }
@@ -186,7 +186,7 @@ TEST(Words, OfACommandComeBackOutOfAShell) {
 TEST(Outputs, ThatMayNotGrowSaySo) {
     const Folder folder;
     // Blocks of 512 bytes; the signal that comes with it is not ignored by the shell.
-    const auto outcome = run("ulimit -f 2; " + render_in(folder, "f.y4m", "--quiet --size 96x64"));
+    const auto outcome = run("ulimit -f 1; " + render_in(folder, "f.y4m"));
     EXPECT_EQ(outcome.status, 1);
     EXPECT_TRUE(mentions(outcome, "File too large")) << outcome.output;
 }

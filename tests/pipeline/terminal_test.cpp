@@ -134,8 +134,8 @@ TEST(Completion, OfZshAndFishOffersEveryOption) {
 
 TEST(Completion, IsReadByItsShell) {
     const std::string folder = (support::binary_folder() / "shell").string();
-    for (const std::string reads : {"bash -n " + folder + "/render2mpeg.bash", "zsh -n " + folder + "/_render2mpeg",
-                                    "fish --no-execute " + folder + "/render2mpeg.fish"}) {
+    for (const std::string& reads : {"bash -n " + folder + "/render2mpeg.bash", "zsh -n " + folder + "/_render2mpeg",
+                                     "fish --no-execute " + folder + "/render2mpeg.fish"}) {
         if (run("command -v " + reads.substr(0, reads.find(' '))).status != 0) continue;
         const auto outcome = run(reads);
         EXPECT_EQ(outcome.status, 0) << reads << ": " << outcome.output;

@@ -140,10 +140,10 @@ TEST_F(HoldOutFrames, LightIsReusedOnlyWithinItsToleranceByAnErrorScaleThatHasRi
     const FrameLight frame = light(2);
     EXPECT_GT(shade_counts_.shadow_rays, 0u);
     for (std::size_t t = 0; t < frame.size(); ++t)
-        for (std::size_t i = 0; i < frame[t].size(); ++i)
-            if (frame[t][i].served && frame[t][i].age >= 2.0f)
-                EXPECT_LE(frame[t][i].error,
-                          1.01f * tolerated * core::luminance(frame[t][i].scattered(seen_.tiles[t][i])));
+        for (std::size_t i = 0; i < frame[t].size(); ++i) {
+            if (!frame[t][i].served || frame[t][i].age < 2.0f) continue;
+            EXPECT_LE(frame[t][i].error, 1.01f * tolerated * core::luminance(frame[t][i].scattered(seen_.tiles[t][i])));
+        }
 }
 
 TEST_F(HoldOutFrames, AFirstFrameIsValidatedTwice) {

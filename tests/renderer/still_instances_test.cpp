@@ -100,9 +100,9 @@ TEST(StillInstances, AreMetAsOtherWallsAreAndAreNoMovers) {
     }
 }
 
-TEST(StillInstances, AreShieldsAsOtherWallsAre) {
+TEST(StillInstances, AreOccludersAsOtherWallsAre) {
     const LitStage copied(shared_room(true)), baked(shared_room(false));
-    const ShieldList &a = copied.posed_scene().tracer().shields(), &b = baked.posed_scene().tracer().shields();
+    const OccluderList &a = copied.posed_scene().tracer().occluders(), &b = baked.posed_scene().tracer().occluders();
     ASSERT_EQ(a.size(), b.size());
     ASSERT_GT(a.size(), 20u);
     for (std::size_t i = 0; i < a.size(); ++i)

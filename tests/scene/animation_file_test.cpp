@@ -67,7 +67,7 @@ void expect_near(glm::vec3 a, glm::vec3 b, float tolerance) {
 TEST_F(AnimationFile, NamesAnUnknownKeyItsPlaceAndTheNearestKnownOne) {
     expect_complaint(R"({"camra": {}})", {"\"camra\"", "did you mean \"camera\""});
     expect_complaint(R"({"camera": {"postion": [0,0,0]}})", {"camera:", "\"postion\"", "\"position\""});
-    expect_complaint(R"({"camera": {"keys": [{"frame_at": 0}, {"frame_at": 1, "lookat": [0,0,0]}]}})",
+    expect_complaint(R"({"camera": {"keys": [{"at": 0}, {"at": 1, "lookat": [0,0,0]}]}})",
                      {"camera.keys[1]", "\"lookat\"", "\"look_at\""});
     expect_complaint(R"({"objects": [{"shape": "boxx"}]})", {"objects[0].shape", "\"boxx\"", "\"box\""});
     expect_complaint(R"({"objects": [{"shape": "box", "radius": 1}]})", {"objects[0].radius", "box", "size"});
@@ -76,9 +76,8 @@ TEST_F(AnimationFile, NamesAnUnknownKeyItsPlaceAndTheNearestKnownOne) {
 }
 
 TEST_F(AnimationFile, NamesThePlaceOfWrongTypesAndRanges) {
-    expect_complaint(
-        R"({"camera": {"keys": [{"frame_at": 0}, {"frame_at": 1}, {"frame_at": 2}, {"frame_at": 3, "position": [1, 2]}]}})",
-        {"camera.keys[3].position", "a list of 3", "a list of 2"});
+    expect_complaint(R"({"camera": {"keys": [{"at": 0}, {"at": 1}, {"at": 2}, {"at": 3, "position": [1, 2]}]}})",
+                     {"camera.keys[3].position", "a list of 3", "a list of 2"});
     expect_complaint(R"({"camera": {"position": [0, "one", 2]}})", {"camera.position[1]", "number", "\"one\""});
     expect_complaint(R"({"camera": {"fov": 190}})", {"camera.fov", "175", "190"});
     expect_complaint(R"({"frames": 2.5})", {"frames", "whole number", "2.5"});
@@ -95,22 +94,22 @@ TEST_F(AnimationFile, NamesThePlaceOfWrongTypesAndRanges) {
 
 TEST_F(AnimationFile, RefusesWhatContradictsItself) {
     expect_complaint(R"({"camera": {"look_at": [0,0,0], "rotate": 3}})", {"camera", "look_at", "rotate"});
-    expect_complaint(R"({"camera": {"position": [0,0,0], "keys": [{"frame_at": 0, "position": [1,0,0]}]}})",
+    expect_complaint(R"({"camera": {"position": [0,0,0], "keys": [{"at": 0, "position": [1,0,0]}]}})",
                      {"camera.position", "twice"});
-    expect_complaint(R"({"camera": {"keys": [{"frame_at": 1}, {"frame_at": 1}]}})", {"camera.keys[1].at", "later"});
+    expect_complaint(R"({"camera": {"keys": [{"at": 1}, {"at": 1}]}})", {"camera.keys[1].at", "later"});
     expect_complaint(R"({"camera": {}, "cameras": {}})", {"camera"});
     expect_complaint(R"({"frames": 3, "seconds": 2})", {"seconds", "frames"});
     expect_complaint(R"({"frames": 3, "frames": 4})", {"\"frames\" twice"});
-    expect_complaint(R"({"cameras": {"a": {}}, "shots": [{"frame_at": 0, "camera": "b"}]})",
+    expect_complaint(R"({"cameras": {"a": {}}, "shots": [{"at": 0, "camera": "b"}]})",
                      {"shots[0].camera", "\"b\"", "\"a\""});
-    expect_complaint(R"({"cameras": {"a": {}}, "shots": [{"frame_at": 1, "camera": "a"}]})", {"shots[0].at", "0"});
+    expect_complaint(R"({"cameras": {"a": {}}, "shots": [{"at": 1, "camera": "a"}]})", {"shots[0].at", "0"});
     expect_complaint(R"({"objects": [{"shape": "box", "material": "wite"}], "materials": {"white": {}}})",
                      {"objects[0].material", "\"wite\"", "\"white\""});
     expect_complaint(R"({"objects": [{"shape": "box"}], "materials": {"white": {}}})",
                      {"materials.white", "nothing has this material"});
     expect_complaint(R"({"change": {"chair": {"visible": false}}})", {"change.chair", "no object"});
     expect_complaint(
-        R"({"objects": [{"shape": "box", "loop": true, "keys": [{"frame_at": 0, "rotate": 0}, {"frame_at": 1, "rotate": 9}]}]})",
+        R"({"objects": [{"shape": "box", "loop": true, "keys": [{"at": 0, "rotate": 0}, {"at": 1, "rotate": 9}]}]})",
         {"loop", "frames"});
     expect_complaint(R"({"objects": [{"shape": "torus", "radius": 1, "tube_radius": 1}]})",
                      {"objects[0]", "tube_radius"});
@@ -232,7 +231,7 @@ TEST_F(AnimationFile, SwitchesAreThrownAtTheirFrame) {
 
 TEST_F(AnimationFile, WhatRestsBetweenTwoKeysDoesNotSwing) {
     Animation a = film(
-        R"({"objects": [{"shape": "box", "keys": [{"frame_at": 0, "position": [0, 0, 0]}, {"frame_at": 1, "position": [1, 0, 0]},
+        R"({"objects": [{"shape": "box", "keys": [{"at": 0, "position": [0, 0, 0]}, {"at": 1, "position": [1, 0, 0]},
         {"at": 1.5, "position": [2, 3, 0]}, {"at": 2, "position": [3, 0, 0]}, {"at": 3, "position": [4, 0, 0]}]}]})");
     complete(a);
     for (int k = 0; k <= 300; ++k) EXPECT_GE(frame_at(a, k / 100.0).objects[0].to_world[3].y, -1e-6);
@@ -241,7 +240,7 @@ TEST_F(AnimationFile, WhatRestsBetweenTwoKeysDoesNotSwing) {
 
 TEST_F(AnimationFile, TurnsAreCountedNotTakenByTheShortWay) {
     Animation a = film(
-        R"({"objects": [{"shape": "box", "interpolation": "linear", "keys": [{"frame_at": 0, "rotate": 0}, {"frame_at": 1, "rotate": 720}]}]})");
+        R"({"objects": [{"shape": "box", "interpolation": "linear", "keys": [{"at": 0, "rotate": 0}, {"at": 1, "rotate": 720}]}]})");
     complete(a);
     for (int k = 0; k <= 20; ++k) {
         const double turn = glm::two_pi<double>() * 2 * k / 20;
@@ -291,7 +290,7 @@ TEST_F(AnimationFile, CutsShowAnotherCameraFromTheirFrameOn) {
 
 TEST_F(AnimationFile, ThingsAppearAndVanish) {
     Animation a = film(
-        R"({"objects": [{"shape": "box", "keys": [{"frame_at": 0, "visible": false}, {"frame_at": 1, "visible": true}, {"frame_at": 2, "visible": false}]},
+        R"({"objects": [{"shape": "box", "keys": [{"at": 0, "visible": false}, {"at": 1, "visible": true}, {"at": 2, "visible": false}]},
                                        {"shape": "box", "visible": false}, {"shape": "box"}]})");
     complete(a);
     EXPECT_FALSE(frame_at(a, 0.96).objects[0].present);

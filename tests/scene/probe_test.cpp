@@ -22,7 +22,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-const std::string readings = (support::binary_folder() / "tests" / "probe_readings").string();
+const std::string readings = (support::binary_folder() / "probe_readings").string();
 
 /// Lets probes be the program probe_readings.cpp.
 class ProbeOf : public testing::Test {

@@ -32,9 +32,8 @@ namespace {
 using Kind = Target::Kind;
 
 /// Options that `render` has not, or that mean another file there.
-constexpr std::array tune_only{"--target-psnr", "--target-ssim", "--target-bitrate", "--max-size",
-                               "--max-time",    "--sample",      "--references",     "--reference-frames",
-                               "--json",        "--report",      "--keep-references"};
+constexpr std::array tune_only{"--target-psnr", "--target-ssim", "--target-bitrate", "--max-size", "--max-time",
+                               "--sample",      "--references",  "--json",           "--report",   "--keep-references"};
 
 Target target_of(const TuneOptions& o) {
     std::vector<Target> asked;

@@ -115,7 +115,7 @@ CLI::App* add_compare_command(CLI::App& app, CompareOptions& options) {
         ->capture_default_str()
         ->group(tried);
     command
-        ->add_option("--references,--reference-frames", options.references,
+        ->add_option("--references", options.references,
                      "Frames of each window that are also lit by every light point, in adjacent pairs where there are "
                      "several: they tell what light adds to the errors of all frames, and their pairs flicker")
         ->check(CLI::Range(1, 1000))

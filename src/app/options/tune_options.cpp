@@ -51,7 +51,7 @@ void add_tried(CLI::App& command, TuneOptions& options) {
         ->group(tried);
     command
         .add_option(
-            "--references,--reference-frames", options.references,
+            "--references", options.references,
             "Frames of each window that are also lit by every light point, which is dear: they tell what light adds "
             "to the errors of all frames. 0: quality is told against the pictures as they were lit (default: 1; "
             "with --target-bitrate and --max-size 0)")
