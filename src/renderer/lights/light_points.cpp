@@ -12,7 +12,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-LightPoint punctual_point(const scene::LightState& light, const scene::Animation& film) {
+LightPoint punctual_point(const scene::LightState& light) {
     LightPoint p;
     p.position = light.position;
     p.normal = light.direction;
@@ -122,7 +122,7 @@ std::vector<LightPoint> LightPoints::at(const PosedScene& posed_scene) const {
     points.reserve(emitters_.size() + sky_.size() + now.lights.size());
     if (punctual_) {
         for (const scene::LightState& light : now.lights) {
-            const LightPoint p = punctual_point(light, animation_);
+            const LightPoint p = punctual_point(light);
             if (shines(p)) points.push_back(p);
         }
     }

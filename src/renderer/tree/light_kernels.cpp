@@ -187,70 +187,88 @@ RENDER2MPEG_ALWAYS_INLINED float noticed(const Vec3Lanes& weight, int i, float r
     return inlined::max(luma, inlined::max(cr, cb));
 }
 
+/// A node as all lanes see it: its box, intensity, cone and what the clamp makes of its lights.
+struct LaneNode {
+    float cx, cy, cz, hx, hy, hz, red, green, blue;
+    float cone, range2, least_blur2, largest_blur2, clamp;
+    NodeFrame frame;
+};
+
+RENDER2MPEG_ALWAYS_INLINED LaneNode lane_node(const LightNode& node, const BoxGrid& grid, float scale) {
+    LaneNode n;
+    node.box.unpack(grid, n.cx, n.cy, n.cz, n.hx, n.hy, n.hz);
+    node.intensity.unpack(n.red, n.green, n.blue);
+    n.red *= outward;
+    n.green *= outward;
+    n.blue *= outward;
+    n.cone = node.cone.cosine();
+    n.range2 = node.disc2.largest();
+    n.least_blur2 = node.disc2.least() / scale;
+    n.largest_blur2 = node.disc2.largest() / scale;
+    n.clamp = largest_g(node.disc2.least(), scale);
+    n.frame = frame_of(node, n.hx, n.hy, n.hz);
+    return n;
+}
+
+template <LightType type, bool glossy>
+RENDER2MPEG_ALWAYS_INLINED float bound_lane(const GatherLanes& __restrict lanes, int i, const LaneNode& n) {
+    float x = n.cx, y = n.cy, z = n.cz, inverse2 = 1.0f, emit = 1.0f, spread2_low = 0.0f, spread2_high = 0.0f;
+    if constexpr (type != LightType::directional) {
+        x -= lanes.position.x[i];
+        y -= lanes.position.y[i];
+        z -= lanes.position.z[i];
+        const float nx = inlined::max(inlined::abs(x) - n.hx, 0.0f), ny = inlined::max(inlined::abs(y) - n.hy, 0.0f);
+        const float nz = inlined::max(inlined::abs(z) - n.hz, 0.0f);
+        const float near2 = nx * nx + ny * ny + nz * nz;
+        inverse2 = 1.0f / inlined::max(near2, lobe::tiny);
+        const NodeFrame& f = n.frame;
+        const float theta =
+            lobe::cosine_bound(-(f.ax * x + f.ay * y + f.az * z), f.along_axis, f.tx * x + f.ty * y + f.tz * z,
+                               f.along_tangent, f.bx * x + f.by * y + f.bz * z, f.along_bitangent);
+        emit = lobe::cone_bound(theta, n.cone);
+        if constexpr (type == LightType::punctual)
+            emit = near2 <= n.range2 && theta + (outward - 1.0f) >= n.cone ? 1.0f : 0.0f;
+        if constexpr (glossy && type == LightType::oriented) {
+            const float fx = inlined::abs(x) + n.hx, fy = inlined::abs(y) + n.hy, fz = inlined::abs(z) + n.hz;
+            spread2_low = n.least_blur2 / inlined::max(fx * fx + fy * fy + fz * fz, lobe::tiny);
+            spread2_high = n.largest_blur2 * inverse2;
+        }
+    } else {
+        spread2_low = n.least_blur2;
+        spread2_high = n.largest_blur2;
+    }
+    const FrameLanes& normal = lanes.normal;
+    const float cosine =
+        lobe::positive_cosine_bound(dot(normal.axis, i, x, y, z), dot_abs(normal.axis, i, n.hx, n.hy, n.hz),
+                                    dot(normal.tangent, i, x, y, z), dot_abs(normal.tangent, i, n.hx, n.hy, n.hz),
+                                    dot(normal.bitangent, i, x, y, z), dot_abs(normal.bitangent, i, n.hx, n.hy, n.hz));
+    const float reach = emit * inverse2;
+    float g = cosine * reach;
+    if constexpr (type == LightType::oriented) g = inlined::min(g, n.clamp);
+    float bound = g * noticed(lanes.diffuse_weight, i, n.red, n.green, n.blue);
+    if constexpr (glossy) {
+        const lobe::BoxCosines box{cosine, box_cosine(lanes.mirrored, i, x, y, z, n.hx, n.hy, n.hz),
+                                   box_cosine(lanes.outgoing, i, -x, -y, -z, n.hx, n.hy, n.hz)};
+        const float a2 = lanes.lobe_width[i];
+        const lobe::GlossyBound lobe_bound =
+            lobe::glossy_bound(box, lanes.cos_outgoing[i], inlined::min(a2 + widening * spread2_low, 1.0f),
+                               inlined::min(a2 + widening * spread2_high, 1.0f));
+        float lit = lobe_bound.cosine * reach;
+        if constexpr (type == LightType::oriented) lit = inlined::min(lit, lobe_bound.value * n.clamp);
+        lit = cosine > 0.0f ? lit : 0.0f;
+        // The lobe's colour lies between f0 and white; what is noticed of a mixture is no more than the mixture.
+        const float f0 = noticed(lanes.f0_weight, i, n.red, n.green, n.blue);
+        const float grazing = noticed(lanes.schlick_weight, i, n.red, n.green, n.blue);
+        bound += lit * (f0 + lobe_bound.schlick * inlined::max(grazing - f0, 0.0f));
+    }
+    return bound;
+}
+
 template <LightType type, bool glossy>
 RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes, const BoxGrid& grid,
                                             const LightNode& node, float scale, float* __restrict out) {
-    float cx, cy, cz, hx, hy, hz, red, green, blue;
-    node.box.unpack(grid, cx, cy, cz, hx, hy, hz);
-    node.intensity.unpack(red, green, blue);
-    red *= outward;
-    green *= outward;
-    blue *= outward;
-    const float cone = node.cone.cosine(), range2 = node.disc2.largest();
-    const float least_blur2 = node.disc2.least() / scale, largest_blur2 = node.disc2.largest() / scale;
-    const float clamp = largest_g(node.disc2.least(), scale);
-    const NodeFrame f = frame_of(node, hx, hy, hz);
-    for (int i = 0; i < lane_count; ++i) {
-        float x = cx, y = cy, z = cz, inverse2 = 1.0f, emit = 1.0f, spread2_low = 0.0f, spread2_high = 0.0f;
-        if constexpr (type != LightType::directional) {
-            x -= lanes.position.x[i];
-            y -= lanes.position.y[i];
-            z -= lanes.position.z[i];
-            const float nx = inlined::max(inlined::abs(x) - hx, 0.0f), ny = inlined::max(inlined::abs(y) - hy, 0.0f);
-            const float nz = inlined::max(inlined::abs(z) - hz, 0.0f);
-            const float near2 = nx * nx + ny * ny + nz * nz;
-            inverse2 = 1.0f / inlined::max(near2, lobe::tiny);
-            const float theta =
-                lobe::cosine_bound(-(f.ax * x + f.ay * y + f.az * z), f.along_axis, f.tx * x + f.ty * y + f.tz * z,
-                                   f.along_tangent, f.bx * x + f.by * y + f.bz * z, f.along_bitangent);
-            emit = lobe::cone_bound(theta, cone);
-            if constexpr (type == LightType::punctual)
-                emit = near2 <= range2 && theta + (outward - 1.0f) >= cone ? 1.0f : 0.0f;
-            if constexpr (glossy && type == LightType::oriented) {
-                const float fx = inlined::abs(x) + hx, fy = inlined::abs(y) + hy, fz = inlined::abs(z) + hz;
-                spread2_low = least_blur2 / inlined::max(fx * fx + fy * fy + fz * fz, lobe::tiny);
-                spread2_high = largest_blur2 * inverse2;
-            }
-        } else {
-            spread2_low = least_blur2;
-            spread2_high = largest_blur2;
-        }
-        const FrameLanes& normal = lanes.normal;
-        const float cosine =
-            lobe::positive_cosine_bound(dot(normal.axis, i, x, y, z), dot_abs(normal.axis, i, hx, hy, hz),
-                                        dot(normal.tangent, i, x, y, z), dot_abs(normal.tangent, i, hx, hy, hz),
-                                        dot(normal.bitangent, i, x, y, z), dot_abs(normal.bitangent, i, hx, hy, hz));
-        const float reach = emit * inverse2;
-        float g = cosine * reach;
-        if constexpr (type == LightType::oriented) g = inlined::min(g, clamp);
-        float bound = g * noticed(lanes.diffuse_weight, i, red, green, blue);
-        if constexpr (glossy) {
-            const lobe::BoxCosines box{cosine, box_cosine(lanes.mirrored, i, x, y, z, hx, hy, hz),
-                                       -1.0f * box_cosine(lanes.outgoing, i, -x, -y, -z, hx, hy, hz)};
-            const float a2 = lanes.lobe_width[i];
-            const lobe::GlossyBound lobe_bound = lobe::glossy_bound(
-                {box.normal, box.mirrored, -box.away}, lanes.cos_outgoing[i],
-                inlined::min(a2 + widening * spread2_low, 1.0f), inlined::min(a2 + widening * spread2_high, 1.0f));
-            float lit = lobe_bound.cosine * reach;
-            if constexpr (type == LightType::oriented) lit = inlined::min(lit, lobe_bound.value * clamp);
-            lit = cosine > 0.0f ? lit : 0.0f;
-            // The lobe's colour lies between f0 and white; what is noticed of a mixture is no more than the mixture.
-            const float f0 = noticed(lanes.f0_weight, i, red, green, blue);
-            const float grazing = noticed(lanes.schlick_weight, i, red, green, blue);
-            bound += lit * (f0 + lobe_bound.schlick * inlined::max(grazing - f0, 0.0f));
-        }
-        out[i] = bound;
-    }
+    const LaneNode n = lane_node(node, grid, scale);
+    for (int i = 0; i < lane_count; ++i) out[i] = bound_lane<type, glossy>(lanes, i, n);
 }
 
 }  // namespace
