@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string_view>
 
 namespace render2mpeg::checks {
@@ -32,6 +33,19 @@ bool ends_what_came_before(std::string_view line) {
            line.substr(begin).starts_with("template");
 }
 
+/// The line above that a line goes on with, if it does: a list that ends in a comma goes on below comments, whatever
+/// the indent of a wrapped element before.
+std::optional<std::size_t> continued_by(const std::vector<std::string_view>& lines, std::size_t line) {
+    if (line == 0) return std::nullopt;
+    std::size_t above = line - 1;
+    while (above > 0 && indent_of(lines[above]) == lines[above].size()) --above;
+    if (lines[above].ends_with(",")) return above;
+    const std::size_t indent = indent_of(lines[line]);
+    const bool continues = indent >= indent_of(lines[line - 1]) || lines[line].substr(indent).starts_with(": ");
+    if (!continues || ends_what_came_before(lines[line - 1])) return std::nullopt;
+    return line - 1;
+}
+
 }  // namespace
 
 std::vector<Finding> oversized_files(const std::vector<File>& files) {
@@ -54,11 +68,7 @@ std::vector<Function> functions_in(const File& file) {
         // head begins.
         if (!lines[i].ends_with("{")) continue;
         std::size_t first = i;
-        const auto continues = [&](std::size_t line) {
-            const std::size_t indent = indent_of(lines[line]);
-            return indent >= indent_of(lines[line - 1]) || lines[line].substr(indent).starts_with(": ");
-        };
-        while (first > 0 && continues(first) && !ends_what_came_before(lines[first - 1])) --first;
+        while (const std::optional<std::size_t> above = continued_by(lines, first)) first = *above;
         const std::size_t indent = indent_of(lines[first]);
         const std::string_view head = lines[first].substr(indent);
         if (!opens_function(head)) continue;

@@ -33,10 +33,13 @@ TEST(SizeCheck, FindsSourcesAndTestsThatAreTooLong) {
 }
 
 TEST(SizeCheck, FindsFunctionsThatAreTooLong) {
-    const std::string heads[] = {"int f(int a) {\n", "void Class::f(int a,\n             int b) const {\n",
-                                 "    int inline_member() {\n",
-                                 "C::C(int a)\n    : a_(a),\n      b_(f(a)),\n      c_(g(a)) {\n",
-                                 "    C(int a,\n      int b)\n        : a_(a),\n          b_(b) {\n"};
+    const std::string heads[] = {
+        "int f(int a) {\n",
+        "void Class::f(int a,\n             int b) const {\n",
+        "    int inline_member() {\n",
+        "C::C(int a)\n    : a_(a),\n      b_(f(a)),\n      c_(g(a)) {\n",
+        "C::C(int a)\n    : a_(a),\n      // why\n      b_(f(a,\n           a)),\n      c_(g(a)) {\n",
+        "    C(int a,\n      int b)\n        : a_(a),\n          b_(b) {\n"};
     for (const std::string& head : heads) {
         const std::string indent(head.find_first_not_of(' '), ' ');
         const int head_lines = static_cast<int>(lines_of(head).size());
