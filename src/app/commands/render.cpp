@@ -34,8 +34,8 @@
 namespace render2mpeg::app {
 namespace {
 
-/// What the scene lacks, and which options do nothing.
-void say_notes(const RenderJob& film, const RenderOptions& options) {
+/// Prints what the scene lacks, and which options do nothing.
+void print_notes(const RenderJob& film, const RenderOptions& options) {
     if (options.quiet) return;
     std::vector<std::string> notes = film.animation->notes;
     for (const std::string& line : unused_options(options, film.kind, film.tolerance)) notes.push_back(line);
@@ -124,7 +124,7 @@ std::unique_ptr<WorkFolder> open_outputs(const RenderOptions& options, const nlo
 }
 
 /// The statistics with what the renderer has done since it was made.
-RunStatistics told(const RunStatistics& statistics, const renderer::Renderer& renderer) {
+RunStatistics totals_of(const RunStatistics& statistics, const renderer::Renderer& renderer) {
     RunStatistics sum = statistics;
     sum.rendering = sum_of(statistics.rendering, renderer.statistics());
     for (std::size_t i = 0; i < sum.pass_seconds.size(); ++i)
@@ -146,10 +146,26 @@ class WallClock {
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Renders the chunks that are not in `files` yet and adds them, the last of them incomplete after an interruption.
-/// Returns whether the film is whole.
-bool render_chunks(const RenderJob& film, const RenderOptions& options, WorkFolder& work, LoopObserver& observer,
-                   const WallClock& clock, RunStatistics& statistics, std::vector<ChunkFile>& files) {
+/// A render whose film is settled and whose outputs are open.
+struct OpenRender {
+    const RenderJob& film;
+    const RenderOptions& options;
+    const nlohmann::json& identity;
+    const WallClock& clock;
+    WorkFolder& work;
+    HeatmapFilms& heatmaps;
+    const SampleFrameObserver& sample_frame;
+    RunStatistics& statistics;
+    std::vector<ChunkFile>& files;  ///< of the chunks that were begun
+};
+
+/// Renders the chunks that have no file yet, the last of them incompletely after an interruption. Returns whether the
+/// film is whole.
+bool render_chunks(const OpenRender& open, LoopObserver& observer) {
+    const RenderJob& film = open.film;
+    const RenderOptions& options = open.options;
+    RunStatistics& statistics = open.statistics;
+    std::vector<ChunkFile>& files = open.files;
     const std::vector<Chunk> chunks = chunks_of(film.frames, film.coding.gop);
     if (files.size() == chunks.size()) return true;
     renderer::Renderer renderer = renderer_of(film);
@@ -160,8 +176,8 @@ bool render_chunks(const RenderJob& film, const RenderOptions& options, WorkFold
     bool whole = true;
     while (files.size() < chunks.size()) {
         const Chunk& chunk = chunks[files.size()];
-        files.push_back(work.open(chunk));
-        const std::unique_ptr<Sink> sink = make_sink(film, frames_of(film, options, work, chunk));
+        files.push_back(open.work.open(chunk));
+        const std::unique_ptr<Sink> sink = make_sink(film, frames_of(film, options, open.work, chunk));
         ChunkWriter coded(files.back());
         LoopObservers products;
         if (film.kind == OutputKind::film) products.add(coded);
@@ -177,26 +193,27 @@ bool render_chunks(const RenderJob& film, const RenderOptions& options, WorkFold
             files.back().abandon();
             break;
         }
-        RunStatistics so_far = told(statistics, renderer);
-        so_far.earlier_wall = clock.seconds(statistics);
+        RunStatistics so_far = totals_of(statistics, renderer);
+        so_far.earlier_wall = open.clock.seconds(statistics);
         so_far.earlier_cpu += cpu_seconds();
-        files.back().finish(facts_of(film, options, work, chunk, so_far));
+        files.back().finish(facts_of(film, options, open.work, chunk, so_far));
         if (InterruptGuard::requested()) break;
     }
-    statistics = told(statistics, renderer);
+    statistics = totals_of(statistics, renderer);
     return whole && files.size() == chunks.size();
 }
 
 /// Gives the film its name, or what there is of it another.
-Published publish_frames(const RenderJob& film, const RenderOptions& options, WorkFolder& work,
-                         const std::vector<ChunkFile>& chunks, bool complete) {
-    if (film.kind == OutputKind::film) return publish(chunks, film.film(), work, options.output, complete);
+Published publish_frames(const OpenRender& open, bool complete) {
+    const RenderJob& film = open.film;
+    const RenderOptions& options = open.options;
+    if (film.kind == OutputKind::film) return publish(open.files, film.film(), open.work, options.output, complete);
     if (film.kind == OutputKind::y4m) {
         std::vector<std::filesystem::path> parts;
-        for (const ChunkFile& chunk : chunks) parts.push_back(frames_of(film, options, work, chunk.chunk()));
-        const std::filesystem::path file = work.begin("film.y4m");
+        for (const ChunkFile& chunk : open.files) parts.push_back(frames_of(film, options, open.work, chunk.chunk()));
+        const std::filesystem::path file = open.work.begin("film.y4m");
         join_y4m(film, parts, file);
-        return give_name(file, work, options.output, complete);
+        return give_name(file, open.work, options.output, complete);
     }
     // Images have their names already.
     return {options.output, 0};
@@ -210,44 +227,68 @@ std::size_t whole_of(const std::vector<ChunkFile>& chunks) {
     }));
 }
 
-/// As render_chunks(); a failure says what is not lost by it.
-bool render_or_tell(const RenderJob& film, const RenderOptions& options, WorkFolder& work, LoopObserver& observer,
-                    const WallClock& clock, RunStatistics& statistics, std::vector<ChunkFile>& files) {
+/// As render_chunks(); the message of a failure ends with what is not lost by it.
+bool render_or_explain(const OpenRender& open, LoopObserver& observer) {
     try {
-        return render_chunks(film, options, work, observer, clock, statistics, files);
+        return render_chunks(open, observer);
     } catch (const core::Error& error) {
-        const std::size_t whole = whole_of(files);
+        const std::size_t whole = whole_of(open.files);
         if (whole == 0) throw;
-        throw core::Error(std::string(error.what()) + "; " + resuming_text(film, whole));
+        throw core::Error(std::string(error.what()) + "; " + resuming_text(open.film, whole));
     }
 }
 
-/// Writes what is told of the film. Returns whether all was written.
-bool write_told(const RenderJob& film, const RenderOptions& options, const RunStatistics& statistics,
-                const RunFacts& facts, const SampleFrameObserver& sample_frame, ErrorCollector& errors) {
+/// Writes the statistics and the report where they are asked for. Returns whether all was written.
+bool write_about(const OpenRender& open, const RunFacts& facts, ErrorCollector& errors) {
+    const RenderOptions& options = open.options;
     bool stats = !options.stats, report = !options.report;
     if (!stats)
         errors.attempt([&] {
-            write_statistics(*options.stats, film, statistics, facts);
+            write_statistics(*options.stats, open.film, open.statistics, facts);
             stats = true;
         });
     if (!report)
         errors.attempt([&] {
-            write_report(*options.report, film, statistics, facts, sample_frame.figures());
+            write_report(*options.report, open.film, open.statistics, facts, open.sample_frame.figures());
             report = true;
         });
     return stats && report;
 }
 
 /// Marks what is whole, and removes what it was made of: to be called when nothing of that is needed any more.
-void clear_away(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity,
-                HeatmapFilms& heatmaps, WorkFolder& work) {
-    Products products = products_of(film, options);
+void clear_away(const OpenRender& open) {
+    Products products = products_of(open.film, open.options);
     // A heatmap that failed while it was made can only be made anew.
-    for (const std::filesystem::path& lost : heatmaps.lost()) std::erase(products.beside, lost);
-    mark_as_whole(products, identity);
-    heatmaps.clear_away();
-    work.clear_away();  // last, since it knows of the others
+    for (const std::filesystem::path& lost : open.heatmaps.lost()) std::erase(products.beside, lost);
+    mark_as_whole(products, open.identity);
+    open.heatmaps.clear_away();
+    open.work.clear_away();  // last, since it knows of the others
+}
+
+/// Publishes what is whole; leaves what is not beside the target. `facts` get what came of it. `again`: the command
+/// that goes on after an interruption. Whatever fails costs no more than itself; throws the first failure at the end.
+void publish_all(const OpenRender& open, bool complete, RunFacts& facts, const std::string& again) {
+    const bool quiet = open.options.quiet;
+    ErrorCollector errors;
+    bool published = false;
+    errors.attempt([&] {
+        const Published film_file = publish_frames(open, complete);
+        facts.bytes = film_file.bytes;
+        facts.output = film_file.name.string();
+        facts.complete = complete;
+        published = true;
+    });
+    bool all_written = complete && open.heatmaps.finish() && published;
+    errors.attempt([&] { open.heatmaps.rethrow(); });
+    open.statistics.wall = open.clock.seconds(open.statistics);
+    all_written = write_about(open, facts, errors) && all_written;
+    if (all_written) clear_away(open);
+    if (complete && !all_written && !quiet) print_line(resuming_text(open.film, open.files.size()));
+    if (!quiet && published) errors.attempt([&] { print(summary(open.film, open.statistics, facts)); });
+    if (!complete && !quiet)
+        print_line(fmt::format("interrupted after {} of {} frames; {}", open.statistics.frames.size(),
+                               open.film.frame_count(), resuming_text(open.film, whole_of(open.files), again)));
+    errors.rethrow();
 }
 
 }  // namespace
@@ -261,7 +302,7 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     RunStatistics statistics;
     RenderJob film = timed(statistics, Stage::load, [&] { return prepare_within_memory(options); });
     if (InterruptGuard::requested()) return interrupted_before_frames(options);
-    say_notes(film, options);
+    print_notes(film, options);
     check_outputs(film, options);
     const nlohmann::json identity = timed(statistics, Stage::load, [&] { return identity_of(film, options); });
     // `tune` looks at what it renders, and so renders.
@@ -278,7 +319,7 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     if (!options.quiet && !options.resume && !left.empty()) print_line(left);
     const std::unique_ptr<WorkFolder> work = open_outputs(options, identity);
     HeatmapFilms heatmaps(options, film, identity, *work);
-    std::vector<ChunkFile> chunks = take_up(
+    std::vector<ChunkFile> files = take_up(
         film, options, *work, [&](std::size_t kept) { heatmaps.take_up(kept); }, statistics);
     settle(film, options, *work, statistics);
     if (InterruptGuard::requested()) return interrupted_before_frames(options);
@@ -287,31 +328,11 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     LoopObservers observers;
     if (!heatmaps.empty()) observers.add(heatmaps);
     if (options.report) observers.add(sample_frame);
-    const bool complete = render_or_tell(film, options, *work, observers, clock, statistics, chunks);
+    const OpenRender open{film, options, identity, clock, *work, heatmaps, sample_frame, statistics, files};
+    const bool complete = render_or_explain(open, observers);
 
-    // Publish what is whole; leave what is not beside the target. Whatever fails costs no more than itself.
-    ErrorCollector errors;
     RunFacts facts{command, options.input.string(), options.output.string(), 0, false};
-    bool published = false;
-    errors.attempt([&] {
-        const Published film_file = publish_frames(film, options, *work, chunks, complete);
-        facts.bytes = film_file.bytes;
-        facts.output = film_file.name.string();
-        facts.complete = complete;
-        published = true;
-    });
-    bool all_written = complete && heatmaps.finish() && published;
-    errors.attempt([&] { heatmaps.rethrow(); });
-    statistics.wall = clock.seconds(statistics);
-    all_written = write_told(film, options, statistics, facts, sample_frame, errors) && all_written;
-    if (all_written) clear_away(film, options, identity, heatmaps, *work);
-    if (complete && !all_written && !options.quiet) print_line(resuming_text(film, chunks.size()));
-    if (!options.quiet && published) errors.attempt([&] { print(summary(film, statistics, facts)); });
-    if (!complete && !options.quiet)
-        print_line(fmt::format(
-            "interrupted after {} of {} frames; {}", statistics.frames.size(), film.frame_count(),
-            resuming_text(film, whole_of(chunks), rendered != nullptr ? "the command above" : "the same command")));
-    errors.rethrow();
+    publish_all(open, complete, facts, rendered != nullptr ? "the command above" : "the same command");
     if (rendered != nullptr) *rendered = {statistics, facts.output, facts.bytes};
     return complete ? 0 : InterruptGuard::status();
 } catch (const std::bad_alloc&) {
@@ -322,7 +343,7 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
 
 int plan(const PlanOptions& options) {
     const RenderJob film = prepare(options.render);
-    say_notes(film, options.render);
+    print_notes(film, options.render);
     print(plan_table(film, options.statistics.value_or("")));
     return 0;
 }

@@ -30,6 +30,24 @@ RenderJob plainly_coded(RenderJob film) {
     return film;
 }
 
+void set_coarseness(Trial& trial, const Coarseness& coarseness) {
+    trial.quantiser = coarseness.quantiser;
+    trial.quality = coarseness.quality;
+}
+
+/// Sets what the renderer has counted from `before` to `after`, per gather point.
+void set_counts(Trial& trial, const renderer::Statistics& before, const renderer::Statistics& after) {
+    trial.points = after.gather_points - before.gather_points;
+    const auto points = static_cast<double>(trial.points);
+    const auto per_point = [&](std::uint64_t count) {
+        return core::divide_or(static_cast<double>(count), points, 0.0);
+    };
+    trial.rays = per_point(after.shadow_rays - before.shadow_rays);
+    trial.cut =
+        per_point(after.direct_clusters + after.indirect_clusters - before.direct_clusters - before.indirect_clusters);
+    trial.capped = per_point(after.capped_points - before.capped_points);
+}
+
 }  // namespace
 
 std::vector<Chunk> windows_of(FrameRange film, const Sample& sample) {
@@ -185,8 +203,7 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
                                  const std::function<bool()>& frame_done, LitWindows* keep) {
     Trial trial;
     trial.tolerance = tolerance;
-    trial.quantiser = coarseness.quantiser;
-    trial.quality = coarseness.quality;
+    set_coarseness(trial, coarseness);
     trial.frames = frames();
     Judge judge(*this, trial, keep);
     RenderJob film = film_;
@@ -228,16 +245,7 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
     }
 
     const double clock = clock_seconds() - began, cpu = cpu_seconds() - cpu_began;
-    const renderer::Statistics& after = renderer_.statistics();
-    trial.points = after.gather_points - before.gather_points;
-    const auto points = static_cast<double>(trial.points);
-    const auto per_point = [&](std::uint64_t count) {
-        return core::divide_or(static_cast<double>(count), points, 0.0);
-    };
-    trial.rays = per_point(after.shadow_rays - before.shadow_rays);
-    trial.cut =
-        per_point(after.direct_clusters + after.indirect_clusters - before.direct_clusters - before.indirect_clusters);
-    trial.capped = per_point(after.capped_points - before.capped_points);
+    set_counts(trial, before, renderer_.statistics());
     trial.seconds = statistics.stage_seconds(Stage::shade) + statistics.stage_seconds(Stage::preview);
     if (tolerance.coupled) trial.seconds += statistics.stage_seconds(Stage::tolerate);
     once = std::clamp(once, 0.0, trial.seconds);
@@ -288,8 +296,7 @@ Trial Trials::coded_again(const LitWindows& lit, const Coarseness& coarseness) c
 
 Trial Trials::coded_by(const Codec& codec, const LitWindows& lit, const Coarseness& coarseness) const {
     Trial trial = lit.light;
-    trial.quantiser = coarseness.quantiser;
-    trial.quality = coarseness.quality;
+    set_coarseness(trial, coarseness);
     trial.decoded = trial.shown = trial.shown_there = {};
     trial.shown_masked = trial.shown_masked_there = 0;
     trial.masked_error = trial.bytes = trial.code_seconds = trial.flicker = 0;

@@ -15,27 +15,19 @@
 namespace render2mpeg::app {
 namespace {
 
-void add_run_options(CLI::App& command, RenderOptions& options) {
-    const std::string run = "Run";
-    command.add_option("--threads", options.threads, "Threads; 0: one per core. The film's bytes do not depend on it")
-        ->check(CLI::Range(0, 1024))
-        ->capture_default_str()
-        ->group(run);
-    command
-        .add_option("--isa", options.isa,
-                    "Instruction set (default: the best there is). Films differ in a few "
-                    "roundings between them")
-        ->type_name("sse2|sse4.2|avx|avx2|avx512")
-        ->group(run);
+constexpr const char* run_group = "Run";  ///< a group of options
+
+/// What is written beside the film.
+void add_product_options(CLI::App& command, RenderOptions& options) {
     command.add_option("--stats", options.stats, "Write statistics as JSON (docs/stats.md)")
         ->type_name("FILE.json")
-        ->group(run);
+        ->group(run_group);
     command
         .add_option("--report", options.report,
                     "Write a page about the render, with plots, for any browser, and its figures as JSON beside it "
                     "(docs/report.md)")
         ->type_name("FILE.html")
-        ->group(run);
+        ->group(run_group);
     command
         .add_option(
             "--audit", options.audit,
@@ -44,11 +36,11 @@ void add_run_options(CLI::App& command, RenderOptions& options) {
         ->type_name("N")
         ->check(CLI::Range(0, 1 << 20))
         ->capture_default_str()
-        ->group(run);
+        ->group(run_group);
     command
         .add_option("--aov", options.layers, "Write one multilayer OpenEXR per frame into this folder (docs/layers.md)")
         ->type_name("DIR")
-        ->group(run);
+        ->group(run_group);
     command
         .add_option(
             "--heatmap", options.heatmaps,
@@ -59,58 +51,89 @@ void add_run_options(CLI::App& command, RenderOptions& options) {
             "points that it was not gathered for; may be given several times")
         ->allow_extra_args(false)  // at a time: else it would take INPUT behind it for a third word
         ->type_name("tolerance|cut|error|quantiser|records|age|reuse OUT.mpg")
-        ->group(run);
+        ->group(run_group);
+}
+
+void add_run_options(CLI::App& command, RenderOptions& options) {
+    command.add_option("--threads", options.threads, "Threads; 0: one per core. The film's bytes do not depend on it")
+        ->check(CLI::Range(0, 1024))
+        ->capture_default_str()
+        ->group(run_group);
+    command
+        .add_option("--isa", options.isa,
+                    "Instruction set (default: the best there is). Films differ in a few "
+                    "roundings between them")
+        ->type_name("sse2|sse4.2|avx|avx2|avx512")
+        ->group(run_group);
+    add_product_options(command, options);
     command
         .add_option("--memory", options.memory,
                     "Most memory to take, e.g. 8G: refuse what would need more before it is begun, and never swap "
                     "(default: no limit)")
         ->type_name("SIZE")
         ->check(checked(memory_from, ""))
-        ->group(run);
+        ->group(run_group);
     command
         .add_flag("--resume", options.resume,
                   "Go on where a run of the same film was interrupted or killed, after its last whole chunk: the same "
                   "bytes as of one run. Begins the film where nothing was left of it (docs/resume.md)")
-        ->group(run);
+        ->group(run_group);
     command.add_flag("--dry-run", options.dry_run, "Read and check everything, say what would be done, write nothing")
-        ->group(run);
-    command.add_flag("--quiet", options.quiet, "Print nothing but errors")->group(run);
+        ->group(run_group);
+    command.add_flag("--quiet", options.quiet, "Print nothing but errors")->group(run_group);
+}
+
+CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
+    CLI::App* command = app.add_subcommand("render", "Render a film");
+    command->footer(
+        "The ending of OUT chooses what is written: .mpg and .vob (MPEG-2 program streams), .ts, .m2v, .mkv, .mp4; "
+        ".y4m; or numbered images, e.g. frames.%04d.exr or frames.%04d.png.\n"
+        "Example: render2mpeg render animations/cornell -o cornell.mpg --quantiser 6");
+    add_scene_options(*command, options);
+    command->add_option("-o,--output", options.output, "File to write; the ending chooses its kind")
+        ->type_name("OUT")
+        ->required();
+    add_picture_options(*command, options);
+    add_light_options(*command, options);
+    add_coding_options(*command, options.coding);
+    add_run_options(*command, options);
+    return command;
 }
 
 CLI::App* add_plan_command(CLI::App& app, PlanOptions& options) {
     CLI::App* command = app.add_subcommand("plan", "Show which passes a scene calls for, and why");
     command->footer("Example: render2mpeg plan scene.glb --stats stats.json");
     add_scene_options(*command, options.render);
-    const std::string run = "Plan for a render with this option";
+    const std::string planned = "Plan for a render with this option";
     command->add_option("-o,--output", options.render.output, "Only its ending counts (default: a film)")
         ->type_name("OUT")
-        ->group(run);
-    add_tolerance_option(*command, options.render, run);
+        ->group(planned);
+    add_tolerance_option(*command, options.render, planned);
     command->add_option("--bitrate", options.render.coding.bitrate, "Films of a rate have a first pass")
         ->type_name("RATE")
-        ->group(run);
+        ->group(planned);
     command->add_option("--passes", options.render.coding.passes, "With --bitrate: 1 or 2 (default: 2)")
         ->check(CLI::Range(1, 2))
-        ->group(run);
+        ->group(planned);
     command->add_option("--exposure", options.render.exposure, "EV, or `auto`: then it is measured")
         ->type_name("auto|EV")
         ->check(checked(check_exposure, ""))
         ->capture_default_str()
-        ->group(run);
+        ->group(planned);
     command->add_option("--cache", options.render.cache, "Light kept for other pixels and frames: on, off or auto")
         ->check(CLI::IsMember({"on", "off", "auto"}))
         ->capture_default_str()
-        ->group(run);
+        ->group(planned);
     command->add_option("--audit", options.render.audit, "Pixels of every frame")
         ->type_name("N")
         ->check(CLI::Range(0, 1 << 20))
-        ->group(run);
+        ->group(planned);
     command->add_option("--aov", options.render.layers, "Folder of multilayer OpenEXR files")
         ->type_name("DIR")
-        ->group(run);
+        ->group(planned);
     command->add_option("--stats", options.statistics, "Statistics of a render of this scene: adds what each pass cost")
         ->type_name("FILE.json")
-        ->group("Run");
+        ->group(run_group);
     return command;
 }
 
@@ -184,21 +207,7 @@ CommandLine parse(int argc, char** argv) {
         "shows a command's options.");
     app.formatter(help_format());
 
-    CLI::App* render = app.add_subcommand("render", "Render a film");
-    render->footer(
-        "The ending of OUT chooses what is written: .mpg and .vob (MPEG-2 program streams), .ts, .m2v, .mkv, .mp4; "
-        ".y4m; or "
-        "numbered images, e.g. frames.%04d.exr or frames.%04d.png.\n"
-        "Example: render2mpeg render animations/cornell -o cornell.mpg --quantiser 6");
-    add_scene_options(*render, line.render);
-    render->add_option("-o,--output", line.render.output, "File to write; the ending chooses its kind")
-        ->type_name("OUT")
-        ->required();
-    add_picture_options(*render, line.render);
-    add_light_options(*render, line.render);
-    add_coding_options(*render, line.render.coding);
-    add_run_options(*render, line.render);
-
+    const CLI::App* render = add_render_command(app, line.render);
     const CLI::App* encode = add_encode_command(app, line.encode);
     const CLI::App* plan = add_plan_command(app, line.plan);
     const CLI::App* info = add_info_command(app, line.info);
