@@ -93,14 +93,15 @@ function(render2mpeg_write_unity variable number folder)
 endfunction()
 
 # render2mpeg_library(NAME [PUBLIC libs...] [PRIVATE libs...] [EXCEPT files...] [HEADERS headers...] [HOT patterns...] [COLD rooms...]
-# [UNITY count]): every *.cpp of the current folder and of its rooms (folders one below; not module/, which is opened on demand) as a static
+# [IS_COLD] [UNITY count]): every *.cpp of the current folder and of its rooms (folders one below; not module/, which is opened on demand) as a static
 # library render2mpeg_NAME with our options.
 # HEADERS: what many of its sources read beside the common headers. UNITY: how many sources are compiled as one, if more than usual.
-# HOT: files, or patterns of them, with innermost loops: optimised in full in every build, and each compiled alone. With any, the library minds no floating-point exceptions,
-# for which nobody asks: a conditional may be computed on both sides, so that loops become vector code; no bit of any result changes.
-# COLD: rooms in which no frame spends its time: optimised little in a release, which takes a third of their compiling away.
+# HOT: files, or patterns of them, with innermost loops: optimised in full in every build, and each compiled alone. With any, the library
+# minds no floating-point exceptions, for which nobody asks: a conditional may be computed on both sides, so that loops become vector
+# code; no bit of any result changes.
+# COLD: rooms in which no frame spends its time: optimised little in a release, which takes a third of their compiling away; IS_COLD: all of it.
 function(render2mpeg_library name)
-  cmake_parse_arguments(ARG "" "UNITY" "PUBLIC;PRIVATE;EXCEPT;HEADERS;HOT;COLD" ${ARGN})
+  cmake_parse_arguments(ARG "IS_COLD" "UNITY" "PUBLIC;PRIVATE;EXCEPT;HEADERS;HOT;COLD" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp ${CMAKE_CURRENT_SOURCE_DIR}/*/*.cpp)
   list(FILTER sources EXCLUDE REGEX "/module/[^/]*$")
   foreach(file IN LISTS ARG_EXCEPT)
@@ -117,6 +118,10 @@ function(render2mpeg_library name)
       message(FATAL_ERROR "${CMAKE_CURRENT_SOURCE_DIR} has no ${pattern}")
     endif()
     set_source_files_properties(${hot} PROPERTIES COMPILE_OPTIONS -O3)
+    if(NOT CMAKE_BUILD_TYPE STREQUAL "Release")
+      # g++ 12 crashes on headers that were compiled with less.
+      set_source_files_properties(${hot} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+    endif()
   endforeach()
   set(count ${RENDER2MPEG_UNITY})
   if(ARG_UNITY)
@@ -126,10 +131,13 @@ function(render2mpeg_library name)
   foreach(room IN LISTS ARG_COLD)
     set(cold ${sources})
     list(FILTER cold INCLUDE REGEX "/unity/[0-9]+_${room}[.]cpp$|/${room}/[^/]*$")
-    set_source_files_properties(${cold} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O1>)
+    set_source_files_properties(${cold} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O1> SKIP_PRECOMPILE_HEADERS ON)
   endforeach()
   add_library(render2mpeg_${name} STATIC ${sources})
   target_link_libraries(render2mpeg_${name} PUBLIC $<BUILD_INTERFACE:render2mpeg_options> ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+  if(ARG_IS_COLD)
+    target_compile_options(render2mpeg_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  endif()
   if(ARG_HOT)
     target_compile_options(render2mpeg_${name} PRIVATE -fno-trapping-math)
   endif()

@@ -80,7 +80,8 @@ struct ImageProbe {
 void finish(std::unique_ptr<ImageProbe> probe, Sources* large) {
     while (probe) {
         scene::ProbeEnd end = probe->probe.end(InterruptGuard::requested);
-        const std::size_t done = end.text.size();
+        // A point for each image that was read, then what went wrong.
+        const std::size_t done = std::min(end.text.find_first_not_of('.'), end.text.size());
         if (end.how == scene::ProbeEnd::How::given_up || done >= probe->sources.size()) return;
         const scene::ImageSource* const last = probe->sources[done];
         try {
