@@ -49,7 +49,7 @@ std::string read_facts(const Words& words, const scene::TakeTurns& take_turns) {
         options.summary = options.summary || (&word != &words[0] && word == "summary");
     }
     take_turns(scene::Turn::parser);
-    return told_of(options, [&] { take_turns(scene::Turn::ours); });
+    return info_of(options, [&] { take_turns(scene::Turn::ours); });
 }
 
 }  // namespace

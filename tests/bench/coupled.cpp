@@ -16,6 +16,7 @@
 #include <optional>
 #include <sstream>
 
+#include "app/options/option_text.h"
 #include "app/options/options.h"
 #include "app/system/keep_memory.h"
 #include "core/error.h"

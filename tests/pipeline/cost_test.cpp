@@ -12,6 +12,7 @@
 #include "app/experiments/sweep.h"
 #include "app/experiments/trial.h"
 #include "app/experiments/trial_command.h"
+#include "app/options/option_text.h"
 #include "pipeline/foreign.h"
 
 /// `render2mpeg cost`: what accuracy costs, and what it buys.

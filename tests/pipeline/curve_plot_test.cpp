@@ -6,6 +6,8 @@
 #include <limits>
 #include <string>
 
+#include "app/report/curve_axis.h"
+
 /// Curves of reports.
 namespace render2mpeg::app {
 namespace {

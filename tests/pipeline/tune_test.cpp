@@ -13,6 +13,7 @@
 #include "app/experiments/target.h"
 #include "app/files/container_share.h"
 #include "app/options/command_words.h"
+#include "app/options/option_text.h"
 #include "perceptual/metrics.h"
 #include "pipeline/foreign.h"
 

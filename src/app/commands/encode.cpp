@@ -20,10 +20,12 @@
 #include "app/loop/picture_coder.h"
 #include "app/loop/statistics_recorder.h"
 #include "app/loop/vector_layers.h"
+#include "app/options/option_text.h"
 #include "app/options/output_kind.h"
 #include "app/options/rate_options.h"
 #include "app/options/unused_options.h"
 #include "app/report/statistics.h"
+#include "app/report/summary.h"
 #include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
@@ -230,8 +232,8 @@ std::vector<ChunkFile> encode_chunks(Job& job, const EncodeOptions& options, Wor
     return files;
 }
 
-/// What the film will lack, and which options do nothing.
-void say_notes(const Job& job, const EncodeOptions& options) {
+/// Prints what the film will lack, and which options do nothing.
+void print_notes(const Job& job, const EncodeOptions& options) {
     std::vector<std::string> notes = unused_options(options);
     notes.push_back(unused_keyframes(job.film.keyframes, job.film.frames));
     notes.push_back(keyframes_without_chapter(job.film));
@@ -252,7 +254,7 @@ int encode(const EncodeOptions& options, const std::string& command) {
     // Read and settle everything before anything is written.
     RunStatistics statistics;
     Job job = timed(statistics, Stage::load, [&] { return prepare(options); });
-    if (!options.quiet) say_notes(job, options);
+    if (!options.quiet) print_notes(job, options);
     check_writable(options.output);
     if (options.stats) check_writable(*options.stats);
     WorkFolder work(options.output, identity_of(job.film, command));

@@ -209,7 +209,7 @@ constexpr char end_of_damage = '\0';
 
 }  // namespace
 
-std::string told_of(const InfoOptions& options, const std::function<void()>& film_is_read) {
+std::string info_of(const InfoOptions& options, const std::function<void()>& film_is_read) {
     const std::string name = options.input.string();
     const av::Inspection film = av::inspect(options.input);
     film_is_read();
@@ -234,7 +234,7 @@ std::string probed(const InfoOptions& options) {
 }  // namespace
 
 int info(const InfoOptions& options) {
-    const std::string text = scene::Probe::is_possible() ? probed(options) : told_of(options, [] {});
+    const std::string text = scene::Probe::is_possible() ? probed(options) : info_of(options, [] {});
     const std::size_t end = text.find(end_of_damage);
     const std::string damage = text.substr(0, end);
     print(text.substr(end + 1));

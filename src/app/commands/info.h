@@ -11,8 +11,8 @@ namespace render2mpeg::app {
 /// are damaged. Throws core::Error where the file is no MPEG-2 film.
 int info(const InfoOptions& options);
 
-/// All that is told of a film: the damage (empty where there is none), '\0', and the tables or JSON. Calls
+/// What info() prints of a film: the damage (empty where there is none), '\0', and the tables or JSON. Calls
 /// `film_is_read` when other libraries have done their part. Throws core::Error.
-std::string told_of(const InfoOptions& options, const std::function<void()>& film_is_read);
+std::string info_of(const InfoOptions& options, const std::function<void()>& film_is_read);
 
 }  // namespace render2mpeg::app

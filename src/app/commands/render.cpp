@@ -18,9 +18,11 @@
 #include "app/loop/sink.h"
 #include "app/options/unused_options.h"
 #include "app/report/heatmap_film.h"
+#include "app/report/plan_table.h"
 #include "app/report/report.h"
 #include "app/report/sample_frame.h"
 #include "app/report/statistics.h"
+#include "app/report/summary.h"
 #include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "app/system/memory_limit.h"
@@ -196,7 +198,7 @@ bool render_chunks(const OpenRender& open, LoopObserver& observer) {
         RunStatistics so_far = totals_of(statistics, renderer);
         so_far.earlier_wall = open.clock.seconds(statistics);
         so_far.earlier_cpu += cpu_seconds();
-        files.back().finish(facts_of(film, options, open.work, chunk, so_far));
+        files.back().finish(chunk_record_of(film, options, open.work, chunk, so_far));
         if (InterruptGuard::requested()) break;
     }
     statistics = totals_of(statistics, renderer);

@@ -8,7 +8,7 @@
 #include "app/experiments/ffmpeg_program.h"
 #include "app/experiments/trial_command.h"
 #include "app/files/text_file.h"
-#include "app/report/statistics_json.h"
+#include "app/options/option_text.h"
 #include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
@@ -38,7 +38,7 @@ class Comparing {
     /// Takes a row of a way, or of what is known already its times.
     void add(std::size_t way, const Trial& trial);
     bool light_fixed();
-    void say(const std::string& text) const {
+    void log(const std::string& text) const {
         if (!options_.render.quiet) print(text);
     }
     std::string in_run(const std::string& name) const {
@@ -61,7 +61,7 @@ Comparing::Comparing(const CompareOptions& options, const RenderJob& film, const
     if (options.kept_references) trials_.keep_references_in(ReferenceCache(*options.kept_references));
     trials_.mask_all();
     found_.ffmpeg = ffmpeg;
-    tell_memory(trials_.bytes_held(true), options.render.quiet);
+    print_memory_note(trials_.bytes_held(true), options.render.quiet);
     const FfmpegWay usual = usual_ffmpeg(), strongest = strongest_ffmpeg(), free = strongest_free_ffmpeg();
     const auto by_ffmpeg = [](const FfmpegWay& way) { return "fixed 2 %, ffmpeg -c:v mpeg2video " + way.options; };
     found_.ways = {{"coupled", "--tolerance coupled", {}, {}},
@@ -78,7 +78,7 @@ bool Comparing::light_references() {
     found_.light_points = statistics.direct_points + statistics.indirect_points;
     found_.references = trials_.references();
     found_.reference_seconds = trials_.reference_seconds();
-    say(compare_heading(film(), found_));
+    log(compare_heading(film(), found_));
     return true;
 }
 
@@ -96,7 +96,7 @@ void Comparing::add(std::size_t index, const Trial& trial) {
     if (runs_ == 0) {
         way.rows.push_back(trial);
         way.times.emplace_back();
-        say(way_row(way.name, trial));
+        log(way_row(way.name, trial));
     }
     for (std::size_t i = 0; i < way.rows.size(); ++i)
         if (way.rows[i].quantiser == trial.quantiser) {
@@ -107,7 +107,7 @@ void Comparing::add(std::size_t index, const Trial& trial) {
 
 bool Comparing::run_all() {
     if (!light_fixed()) return false;
-    if (runs_ == 0) say(way_heading());
+    if (runs_ == 0) log(way_heading());
     for (const int quantiser : quantisers_) {
         const auto coupled = run_trial(trials_, {false, 0, true, {}}, quantiser,
                                        in_run(fmt::format("coupled, quantiser {}", quantiser)), options_.render.quiet);
@@ -138,8 +138,8 @@ void Comparing::conclude() {
             way.rows[i].code_seconds = median(way.times[i].code);
         }
     if (!found_.complete) return;
-    say(time_table(found_));
-    if (found_.foreign) say(foreign_lines(found_));
+    log(time_table(found_));
+    if (found_.foreign) log(foreign_lines(found_));
 }
 
 void Comparing::look_at_foreign_film() {

@@ -13,7 +13,6 @@
 #include "app/report/curve_plot.h"
 #include "app/report/frame_plot.h"
 #include "app/report/report.h"
-#include "app/report/statistics_json.h"
 #include "core/numeric.h"
 
 namespace render2mpeg::app {

@@ -8,7 +8,7 @@
 #include "app/experiments/cost_table.h"
 #include "app/experiments/trial_command.h"
 #include "app/files/text_file.h"
-#include "app/report/statistics_json.h"
+#include "app/options/option_text.h"
 #include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
@@ -26,7 +26,7 @@ class Cost {
           trials_(film, windows_of(film.frames, sample_from(options.sample))) {
         sweep_.windows = trials_.windows();
         if (options.kept_references) trials_.keep_references_in(ReferenceCache(*options.kept_references));
-        tell_memory(trials_.bytes_held(pairs_), options.render.quiet);
+        print_memory_note(trials_.bytes_held(pairs_), options.render.quiet);
     }
 
     /// Returns whether nobody interrupted.
@@ -40,7 +40,7 @@ class Cost {
 
   private:
     bool is_quiet() const { return options_.render.quiet; }
-    void say(const std::string& text) const {
+    void log(const std::string& text) const {
         if (!is_quiet()) print(text);
     }
     std::optional<Trial> run(const ToleranceRequest& tolerance, int quantiser, const std::string& name,
@@ -62,20 +62,20 @@ bool Cost::light_references() {
     sweep_.indirect_points = statistics.indirect_points;
     sweep_.references = trials_.references();
     sweep_.reference_seconds = trials_.reference_seconds();
-    say(cost_heading(film(), sweep_));
+    log(cost_heading(film(), sweep_));
     return true;
 }
 
 bool Cost::try_fixed() {
     const int quantiser = film().coding.quantiser;
-    say(fixed_heading(quantiser));
+    log(fixed_heading(quantiser));
     for (const float share : percents_from(options_.tolerances)) {
         const bool keep = share == 0.02f && pairs_;
         const auto trial =
             run({false, share, false, {}}, quantiser, "fixed " + tolerance_text(share), keep ? &usual_ : nullptr);
         if (!trial) return false;
         sweep_.fixed.push_back(*trial);
-        say(fixed_row(*trial));
+        log(fixed_row(*trial));
     }
     return true;
 }
@@ -83,13 +83,13 @@ bool Cost::try_fixed() {
 bool Cost::try_coupled() {
     if (!pairs_) return true;
     if (usual_.frames.empty() && !run({}, film().coding.quantiser, "fixed 2 %", &usual_)) return false;
-    say(pair_heading());
+    log(pair_heading());
     for (const int quantiser : quantisers_from(options_.quantisers)) {
         const auto coupled =
             run({false, 0, true, {}}, quantiser, fmt::format("coupled, quantiser {}", quantiser), nullptr);
         if (!coupled) return false;
         sweep_.pairs.push_back({*coupled, trials_.coded_again(usual_, quantiser)});
-        say(pair_rows(sweep_.pairs.back()));
+        log(pair_rows(sweep_.pairs.back()));
     }
     return true;
 }

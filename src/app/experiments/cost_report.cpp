@@ -13,7 +13,6 @@
 #include "app/report/figures.h"
 #include "app/report/frame_plot.h"
 #include "app/report/report.h"
-#include "app/report/statistics_json.h"
 
 namespace render2mpeg::app {
 namespace {

@@ -50,7 +50,7 @@ std::string memory_note(double bytes, double machine) {
     return bytes > 1e9 ? held + "; a smaller --sample takes less" : "";
 }
 
-void tell_memory(double bytes, bool quiet) {
+void print_memory_note(double bytes, bool quiet) {
     const double machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
     const std::string note = memory_note(bytes, machine);
     if (!quiet && !note.empty()) print_line(note);

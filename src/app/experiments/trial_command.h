@@ -17,20 +17,20 @@ void check_trial_outputs(const RenderJob& film, const RenderOptions& options,
                          const std::optional<std::filesystem::path>& json,
                          const std::optional<std::filesystem::path>& report);
 
-/// Reads and settles everything, the exposure included; tells the scene's notes. Not all of it where an interrupt was
+/// Reads and settles everything, the exposure included; prints the scene's notes. Not all of it where an interrupt was
 /// requested meanwhile.
 RenderJob prepare_trials(const RenderOptions& options);
 
 /// What to say of so many bytes of memory before any work: nothing where any machine has them. Throws core::Error where
 /// they are more than `machine` has.
 std::string memory_note(double bytes, double machine);
-/// Says it, of this machine.
-void tell_memory(double bytes, bool quiet);
+/// Prints it, of this machine.
+void print_memory_note(double bytes, bool quiet);
 
-/// Lights the references and tells how far that is. Returns whether nobody interrupted.
+/// Lights the references and prints how far that is. Returns whether nobody interrupted.
 bool light_references(Trials& trials, bool quiet);
 
-/// Lights and codes the windows, and tells how far that is on a terminal: a log has the rows themselves. None where
+/// Lights and codes the windows, and prints how far that is on a terminal: a log has the rows themselves. None where
 /// somebody interrupted.
 std::optional<Trial> run_trial(Trials& trials, const ToleranceRequest& tolerance, const Coarseness& coarseness,
                                const std::string& name, bool quiet, LitWindows* keep = nullptr);

@@ -9,13 +9,12 @@
 
 #include "app/experiments/trial_command.h"
 #include "app/experiments/tune_report.h"
-#include "app/experiments/tune_table.h"
 #include "app/files/container_share.h"
 #include "app/files/publish.h"
 #include "app/files/text_file.h"
 #include "app/options/command_words.h"
+#include "app/options/option_text.h"
 #include "app/options/rate_options.h"
-#include "app/report/statistics_json.h"
 #include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
@@ -102,10 +101,9 @@ class TuneCommand {
 
   private:
     bool quiet() const { return options_.render.quiet; }
-    void say(const std::string& text) const {
+    void log(const std::string& text) const {
         if (!quiet()) print(text);
     }
-    void find(const TellProbe& tell);
     void settle_options();
     void look_at_film(const Rendered& rendered);
 
@@ -132,18 +130,18 @@ bool TuneCommand::search() {
     const Sample sample = sample_from(options_.sample.value_or(target.kind == Kind::time ? "2x3" : whole_gops));
     trials_.emplace(film, windows_of(film.frames, sample), options_.references.value_or(target.is_rate() ? 0 : 1));
     if (options_.kept_references) trials_->keep_references_in(ReferenceCache(*options_.kept_references));
-    tell_memory(trials_->bytes_held(target.kind != Kind::time), quiet());
+    print_memory_note(trials_->bytes_held(target.kind != Kind::time), quiet());
     const double ready = clock_seconds();
     if (!light_references(*trials_, quiet())) return false;
     tuning_.windows = trials_->windows();
     tuning_.references = trials_->references();
     tuning_.reference_seconds = trials_->reference_seconds();
-    say(tune_heading(film, tuning_));
-    const TellProbe tell = [&](const Probe& probe) { say(probe_row(tuning_, probe, hertz())); };
+    log(tune_heading(film, tuning_));
+    const LogProbe log_probe = [&](const Probe& probe) { log(probe_row(tuning_, probe, hertz())); };
     if (target.kind == Kind::time)
-        tune_time(*trials_, options_.render, ready - began_, quiet(), tuning_, tell);
+        tune_time(*trials_, options_.render, ready - began_, quiet(), tuning_, log_probe);
     else
-        tune_coding(*trials_, searched(target, film, options_.render.output), quiet(), tuning_, tell);
+        tune_coding(*trials_, searched(target, film, options_.render.output), quiet(), tuning_, log_probe);
     if (tuning_.found == Found::stopped) return false;
     settle_options();
     return true;

@@ -8,13 +8,11 @@
 
 #include "app/experiments/sample_frame_view.h"
 #include "app/experiments/sweep.h"
-#include "app/experiments/tune_table.h"
 #include "app/files/text_file.h"
 #include "app/report/curve_plot.h"
 #include "app/report/figures.h"
 #include "app/report/frame_plot.h"
 #include "app/report/report.h"
-#include "app/report/statistics_json.h"
 #include "app/system/progress.h"
 
 namespace render2mpeg::app {
@@ -22,6 +20,79 @@ namespace {
 
 using nlohmann::json;
 using Kind = Target::Kind;
+
+Quality quality_of(const Tuning& tuning, const Trial& trial) {
+    return quality_of(trial, tuning.against_references());
+}
+
+std::string decibels(double psnr) {
+    return std::isfinite(psnr) ? fmt::format("{:.2f}", psnr) : "same";
+}
+
+double rate_of(const Trial& trial, double hertz) {
+    return 8 * trial.bytes * hertz;
+}
+
+/// "quality 63.4", or what else the setting is called.
+std::string name_of(const Tuning& tuning, const Probe& probe) {
+    return tuning.target.kind == Kind::time ? probe.setting : "quality " + probe.setting;
+}
+
+/// "41.97 dB PSNR-Y and 0.9834 SSIM"
+std::string quality_text(const Tuning& tuning, const Trial& trial) {
+    const Quality quality = quality_of(tuning, trial);
+    return fmt::format("{} dB PSNR-Y and {:.4f} SSIM", decibels(quality.psnr_y), quality.ssim_y);
+}
+
+std::string quality_sentence(const Tuning& tuning, double hertz) {
+    const Probe& probe = tuning.probes[*tuning.chosen];
+    const std::string asked = target_text(tuning.target), name = name_of(tuning, probe);
+    const std::string value = figure_text(tuning.target.kind, probe.value);
+    if (tuning.found == Found::beyond)
+        return fmt::format("{} is out of reach: {}, the {}, comes to {}.", asked, name,
+                           probe.value < tuning.target.value ? "finest" : "coarsest", value);
+    if (is_lossless(tuning.target, probe.value) && tuning.found == Found::between && *probe.trial.quality <= 0)
+        return fmt::format(
+            "Nothing is lost on the sample whatever the quality, where {} was asked for: {}, the "
+            "coarsest, is taken; {}, {} s of CPU per frame for light.",
+            asked, name, figure_text(Kind::bitrate, rate_of(probe.trial, hertz)), short_figure(probe.trial.seconds));
+    std::string text = fmt::format("{}{} comes to {} on the sample, where {} was asked for",
+                                   name.substr(0, 1) == "q" ? "Q" : name.substr(0, 1), name.substr(1), value, asked);
+    if (tuning.found == Found::between)
+        text += ": qualities rise in steps here, and none that was tried comes nearer" +
+                std::string(probe.value < tuning.target.value ? "" : " from above");
+    return text + fmt::format("; {}, {} s of CPU per frame for light.",
+                              figure_text(Kind::bitrate, rate_of(probe.trial, hertz)),
+                              short_figure(probe.trial.seconds));
+}
+
+std::string rate_sentence(const Tuning& tuning, double hertz) {
+    const Probe& probe = tuning.probes[*tuning.chosen];
+    const std::string asked = target_text(tuning.target), name = name_of(tuning, probe);
+    const std::string rate = figure_text(Kind::bitrate, rate_of(probe.trial, hertz));
+    if (tuning.found == Found::beyond && *probe.trial.quality > 50)
+        return fmt::format("{} is out of reach: even {} needs no more than {} on the sample.", asked, name, rate);
+    if (tuning.found == Found::beyond)
+        return fmt::format("{} is out of reach: even {} needs {} on the sample.", asked, name, rate);
+    // A file that even the finest film does not fill is small enough.
+    if (tuning.target.kind == Kind::size && tuning.found == Found::between && *probe.trial.quality >= 100)
+        return fmt::format("{} are more than the finest film needs on the sample: {} is {}: {}.", asked, name, rate,
+                           quality_text(tuning, probe.trial));
+    const std::string text = tuning.target.kind == Kind::size
+                                 ? fmt::format("{} leave {} kb/s for pictures, which is ", asked,
+                                               std::stol(tuning.options.front().second) / 1000)
+                                 : asked + " is ";
+    return text + fmt::format("{} on the sample ({}): {}.", name, rate, quality_text(tuning, probe.trial));
+}
+
+std::string time_sentence(const Tuning& tuning) {
+    const Probe& probe = tuning.probes[*tuning.chosen];
+    const std::string asked = clock_text(tuning.target.value), film = clock_text(probe.value);
+    if (tuning.found == Found::beyond)
+        return fmt::format("{} on the clock is out of reach: {} takes about {}.", asked, probe.setting, film);
+    return fmt::format("The film takes about {} of {} on the clock ({}): {} on the sample.", film, asked, probe.setting,
+                       quality_text(tuning, probe.trial));
+}
 
 json quality_json(const Quality& quality) {
     return {{"psnr_y", finite_or_null(quality.psnr_y)}, {"ssim_y", quality.ssim_y}};
@@ -106,6 +177,76 @@ std::string table(const Tuning& tuning, double hertz) {
 }
 
 }  // namespace
+
+std::string tune_heading(const RenderJob& film, const Tuning& tuning) {
+    std::int64_t frames = 0;
+    for (const Chunk& window : tuning.windows) frames += window.frames();
+    std::string text = fmt::format("{}: {} of {} frames of {}x{} in {} window{}\n", film.animation->source, frames,
+                                   film.frame_count(), film.format.width, film.format.height, tuning.windows.size(),
+                                   tuning.windows.size() == 1 ? "" : "s");
+    text +=
+        tuning.against_references()
+            ? fmt::format("quality by {} frame{} lit by every light point, {} s of CPU each for light\n",
+                          tuning.references, tuning.references == 1 ? "" : "s", short_figure(tuning.reference_seconds))
+            : "quality against these frames as they were lit\n";
+    text += "CPU seconds per frame for light" + std::string(tuning.target.kind == Kind::time ? "" : " and for coding");
+    return text +
+           (tuning.target.kind == Kind::time
+                ? fmt::format("; the whole film's time on the clock\n\n{:>8} {:>10} {:>7} {:>7} {:>9}  setting\n",
+                              "light", "kb/s", "PSNR-Y", "SSIM", "film")
+                : fmt::format("\n\n{:>8} {:>8} {:>8} {:>10} {:>7} {:>7}\n", "quality", "light", "coding", "kb/s",
+                              "PSNR-Y", "SSIM"));
+}
+
+std::string probe_row(const Tuning& tuning, const Probe& probe, double pictures_per_second) {
+    const Trial& t = probe.trial;
+    const Quality quality = quality_of(tuning, t);
+    const double rate = 1e-3 * rate_of(t, pictures_per_second);
+    const std::string kilobits = fmt::format("{:.{}f}", rate, rate < 100 ? 1 : 0);
+    if (tuning.target.kind == Kind::time)
+        return fmt::format("{:>8} {:>10} {:>7} {:>7.4f} {:>9}  {}\n", short_figure(t.seconds), kilobits,
+                           decibels(quality.psnr_y), quality.ssim_y, clock_text(probe.value), probe.setting);
+    return fmt::format("{:>8} {:>8} {:>8} {:>10} {:>7} {:>7.4f}{}\n", probe.setting,
+                       probe.lit ? short_figure(t.seconds) : "", short_figure(t.code_seconds), kilobits,
+                       decibels(quality.psnr_y), quality.ssim_y, probe.lit ? "" : "  the same light");
+}
+
+std::string sentence_of(const Tuning& tuning, double pictures_per_second) {
+    if (tuning.found == Found::stopped || !tuning.chosen) return {};
+    if (tuning.target.is_quality()) return quality_sentence(tuning, pictures_per_second);
+    return tuning.target.is_rate() ? rate_sentence(tuning, pictures_per_second) : time_sentence(tuning);
+}
+
+std::string film_sentence(const Tuning& tuning, double pictures_per_second) {
+    if (!tuning.film) return {};
+    const WholeFilm& film = *tuning.film;
+    const Trial& sample = tuning.probes[*tuning.chosen].trial;
+    std::string text = fmt::format(
+        "The whole film has {} ({}), the sample {}; decoded against its frames as lit {} dB PSNR-Y and {:.4f} SSIM, "
+        "the "
+        "sample {} and {:.4f}",
+        figure_text(Kind::bitrate, film.bit_rate), size_text(film.bytes),
+        figure_text(Kind::bitrate, rate_of(sample, pictures_per_second)), decibels(film.psnr_y), film.ssim_y,
+        decibels(sample.shown.psnr_y()), sample.shown.ssim_y());
+    if (film.references > 0)
+        text += fmt::format(
+            "; against light by every light point, as far as {} tell{}, {} and {:.4f}, the sample {} "
+            "and {:.4f}",
+            film.references == 1 ? "one frame" : fmt::format("{} frames", film.references),
+            film.references == 1 ? "s" : "", decibels(film.reference.psnr_y), film.reference.ssim_y,
+            decibels(quality_of(tuning, sample).psnr_y), quality_of(tuning, sample).ssim_y);
+    text += fmt::format("; it took {} on the clock.", clock_text(film.seconds));
+    if (!film_is_near(tuning)) text += " It missed the target: " + target_text(tuning.target) + " was asked for.";
+    return text;
+}
+
+bool film_is_near(const Tuning& tuning) {
+    if (!tuning.film || tuning.target.is_quality()) return true;
+    const WholeFilm& film = *tuning.film;
+    if (tuning.target.kind == Kind::size) return film.bytes <= tuning.target.value;
+    if (tuning.target.kind == Kind::time) return film.seconds <= tuning.target.value;
+    return is_near(tuning.target, film.bit_rate);
+}
 
 json tune_json(const RenderJob& film, const Tuning& tuning, const std::string& command) {
     const double hertz = film.rate.hertz.value();

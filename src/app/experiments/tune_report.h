@@ -1,5 +1,5 @@
 #pragma once
-// The JSON file and the page of `tune`.
+// What `tune` prints and writes: table, sentences, JSON file and page.
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -8,6 +8,18 @@
 #include "app/loop/render_job.h"
 
 namespace render2mpeg::app {
+
+/// Lines of at most 80 columns, each with its end.
+std::string tune_heading(const RenderJob& film, const Tuning& tuning);
+std::string probe_row(const Tuning& tuning, const Probe& probe, double pictures_per_second);
+
+/// What was found, in a sentence or two; empty after an interruption.
+std::string sentence_of(const Tuning& tuning, double pictures_per_second);
+/// What became of the whole film beside its sample; empty where none was made.
+std::string film_sentence(const Tuning& tuning, double pictures_per_second);
+/// Whether the film that was made has the rate, size or time that was asked for; true where a quality was, which is
+/// one of the sample.
+bool film_is_near(const Tuning& tuning);
 
 /// Everything that `tune` found out (docs/tune.md).
 nlohmann::json tune_json(const RenderJob& film, const Tuning& tuning, const std::string& command);

@@ -1,5 +1,5 @@
 #pragma once
-// What `tune` tries and finds.
+// What `tune` tries and finds: the search for a quality, a rate or a time.
 #include <functional>
 #include <optional>
 #include <string>
@@ -54,18 +54,18 @@ struct Tuning {
     bool against_references() const { return references > 0; }
 };
 
-/// Told of each probe as it comes.
-using TellProbe = std::function<void(const Probe&)>;
+/// Called with each probe as it comes.
+using LogProbe = std::function<void(const Probe&)>;
 
 /// Finds the quality for a PSNR, an SSIM or a bit rate (bits per second in `target`, which for a size is what its
 /// pictures may have). Light that is coupled to its coding is lit for a first guess, coded again and again until that
 /// meets the target, and lit anew for what was found: until one that was lit for its own coding meets it. Fills
 /// `tuning` but for its command.
-void tune_coding(Trials& trials, const Target& target, bool quiet, Tuning& tuning, const TellProbe& tell);
+void tune_coding(Trials& trials, const Target& target, bool quiet, Tuning& tuning, const LogProbe& log);
 
 /// Loosens tolerance, samples and light points step by step until the film takes no more than the target's seconds;
 /// `once` are those that it takes beside its frames. Quality is held against the references of the film as asked for.
 void tune_time(Trials& trials, const RenderOptions& asked, double once, bool quiet, Tuning& tuning,
-               const TellProbe& tell);
+               const LogProbe& log);
 
 }  // namespace render2mpeg::app

@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <charconv>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
@@ -95,6 +96,14 @@ void write_whole(const std::filesystem::path& file, const std::string& text) {
 
 std::string json_text(const nlohmann::json& value) {
     return value.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+void write_json(const std::filesystem::path& file, const nlohmann::json& value) {
+    write_whole(file, json_text(value));
+}
+
+nlohmann::json finite_or_null(double value) {
+    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
 }
 
 std::string as_json_keeps(const std::string& name) {

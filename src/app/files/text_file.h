@@ -13,6 +13,12 @@ void write_whole(const std::filesystem::path& file, const std::string& text);
 /// JSON as lines of text. Names of files are bytes, which JSON need not hold: what is no UTF-8 is replaced.
 std::string json_text(const nlohmann::json& value);
 
+/// Writes such text whole or not at all. Throws core::Error.
+void write_json(const std::filesystem::path& file, const nlohmann::json& value);
+
+/// JSON has neither infinity, the PSNR of a film that lost nothing, nor what is no number.
+nlohmann::json finite_or_null(double value);
+
 /// A name as it comes back out of such text.
 std::string as_json_keeps(const std::string& name);
 

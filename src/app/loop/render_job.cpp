@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "app/options/option_text.h"
 #include "app/options/rate_options.h"
 #include "core/color.h"
 #include "core/error.h"

@@ -96,7 +96,7 @@ std::vector<encoder::BitAllocation> kept_allocations(const RenderJob& film, cons
 }
 
 /// Heatmaps that an earlier run began and this one does not go on with; they go when the film is whole.
-void say_given_up(const RenderOptions& options, const WorkFolder& work) {
+void print_given_up(const RenderOptions& options, const WorkFolder& work) {
     for (const std::filesystem::path& file : work.companions()) {
         std::error_code error;
         const bool wanted = std::any_of(options.heatmaps.begin(), options.heatmaps.end(), [&](const auto& heatmap) {
@@ -143,8 +143,8 @@ bool is_done_already(const RenderJob& film, const RenderOptions& options, const 
     return true;
 }
 
-json facts_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work, const Chunk& chunk,
-              const RunStatistics& so_far) {
+json chunk_record_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work, const Chunk& chunk,
+                     const RunStatistics& so_far) {
     const std::size_t first = so_far.frames.size() - static_cast<std::size_t>(chunk.frames());
     const std::vector<std::filesystem::path> products = products_of(film, options, work, chunk);
     for (const std::filesystem::path& file : products) bring_to_disk(file);
@@ -165,7 +165,7 @@ std::vector<ChunkFile> take_up(const RenderJob& film, const RenderOptions& optio
     statistics = std::move(earlier);
     kept(chunks.size());
     work.drop_all_but(chunks);
-    say_given_up(options, work);
+    print_given_up(options, work);
     if (!options.quiet) {
         const std::string name = options.output.string();
         const std::string text =

@@ -24,8 +24,8 @@ std::filesystem::path frames_of(const RenderJob& film, const RenderOptions& opti
 
 /// What the record of a chunk says for who goes on after it: the statistics so far, and checksums of the files that
 /// came of its frames.
-nlohmann::json facts_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work, const Chunk& chunk,
-                        const RunStatistics& so_far);
+nlohmann::json chunk_record_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work,
+                               const Chunk& chunk, const RunStatistics& so_far);
 
 /// What the options ask a render to leave.
 Products products_of(const RenderJob& film, const RenderOptions& options);

@@ -28,8 +28,4 @@ void add_coding_options(CLI::App& command, CodingOptions& options);
 /// What shape pictures are shown in: likewise.
 void add_shape_options(CLI::App& command, CodingOptions& options);
 
-/// Commands that begin with frames or films instead of a scene.
-CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options);
-CLI::App* add_info_command(CLI::App& app, InfoOptions& options);
-
 }  // namespace render2mpeg::app

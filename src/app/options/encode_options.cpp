@@ -1,7 +1,9 @@
+#include "app/options/encode_options.h"
+
 #include "app/options/coding_options.h"
+#include "app/options/option_text.h"
 #include "core/rational.h"
 
-/// Options of the commands that begin with frames or films instead of a scene.
 namespace render2mpeg::app {
 
 CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {

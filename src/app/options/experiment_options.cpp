@@ -1,5 +1,7 @@
-// The options of `cost` and `compare`.
+#include "app/options/experiment_options.h"
+
 #include "app/options/coding_options.h"
+#include "app/options/option_text.h"
 #include "app/options/scene_options.h"
 
 namespace render2mpeg::app {

@@ -1,4 +1,5 @@
-// Parses options that have a grammar of their own: sizes, ranges, tolerances.
+#include "app/options/option_text.h"
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -7,10 +8,8 @@
 #include <functional>
 #include <utility>
 
-#include "app/options/options.h"
 #include "core/error.h"
 
-/// The parts of options that have a grammar of their own.
 namespace render2mpeg::app {
 namespace {
 

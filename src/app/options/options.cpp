@@ -5,8 +5,11 @@
 #include <algorithm>
 
 #include "app/options/coding_options.h"
+#include "app/options/encode_options.h"
+#include "app/options/experiment_options.h"
 #include "app/options/help_format.h"
 #include "app/options/scene_options.h"
+#include "app/options/tune_options.h"
 #include "app/system/memory_limit.h"
 #include "core/error.h"
 #include "core/rational.h"

@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "app/options/coding_options.h"
+#include "app/options/option_text.h"
 #include "core/error.h"
 #include "core/rational.h"
 

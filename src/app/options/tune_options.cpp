@@ -1,5 +1,8 @@
-// The options of `tune`.
+#include "app/options/tune_options.h"
+
 #include "app/options/coding_options.h"
+#include "app/options/experiment_options.h"
+#include "app/options/option_text.h"
 #include "app/options/rate_options.h"
 #include "app/options/scene_options.h"
 

@@ -1,8 +1,8 @@
-// The axes of plots of curves.
+#include "app/report/curve_axis.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "app/report/curve_plot.h"
 #include "app/report/frame_plot.h"
 
 namespace render2mpeg::app {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "app/report/curve_axis.h"
 #include "app/report/figures.h"
 #include "app/report/frame_plot.h"
 

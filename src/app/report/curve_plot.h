@@ -34,8 +34,4 @@ struct CurvePlot {
 /// phone's, of which the page shows one. Empty for a plot without points.
 std::string figure_of(const CurvePlot& plot);
 
-/// Values on an axis from `low` to `high` (low < high, 0 < low where it is logarithmic) that are round, ascending, two
-/// or more, and about `wanted`.
-std::vector<double> round_values(double low, double high, bool logarithmic, int wanted);
-
 }  // namespace render2mpeg::app

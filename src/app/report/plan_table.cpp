@@ -1,11 +1,11 @@
-// The table of passes in a report, with their reasons and costs.
+#include "app/report/plan_table.h"
+
 #include <fmt/format.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "app/report/statistics_json.h"
 #include "core/error.h"
 #include "core/numeric.h"
 

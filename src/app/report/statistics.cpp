@@ -7,7 +7,6 @@
 
 #include "app/files/text_file.h"
 #include "app/report/effects.h"
-#include "app/report/statistics_json.h"
 #include "core/numeric.h"
 #include "encoder/encoder.h"
 
@@ -193,14 +192,6 @@ json common_of(const Film& film, const RunStatistics& statistics, const RunFacts
 }
 
 }  // namespace
-
-json finite_or_null(double value) {
-    return std::isfinite(value) ? json(value) : json(nullptr);
-}
-
-void write_json(const std::filesystem::path& file, const json& value) {
-    write_whole(file, json_text(value));
-}
 
 double peak_memory_mib() {
     rusage usage{};

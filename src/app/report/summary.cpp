@@ -1,4 +1,5 @@
-// The summary that a render prints.
+#include "app/report/summary.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +9,6 @@
 
 #include "app/report/effects.h"
 #include "app/report/figures.h"
-#include "app/report/statistics.h"
 #include "app/system/progress.h"
 #include "core/numeric.h"
 #include "core/text.h"

@@ -1,0 +1,291 @@
+#include "app/experiments/tuning.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "app/experiments/quality_search.h"
+#include "app/experiments/trial_command.h"
+#include "app/system/interrupt.h"
+#include "perceptual/tolerance_fraction.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// chosen: light coupled to another quantiser errs by less than a probe's steps after the second time; more than four
+/// have not been seen (3..6).
+constexpr int most_lightings = 5;
+/// chosen: eight probes halve what is left to less than two roundings of quantisers (6..12).
+constexpr int most_codings = 10;
+/// Where the search begins: quantiser 4, which is the usual one.
+constexpr double first_quality = 60;
+/// chosen: what is coded again aims closer than what is asked for, so that light made for it may still differ
+/// (0.2..0.7).
+constexpr double close = 0.4;
+
+std::string setting_of(double quality) {
+    return fmt::format("{:.1f}", quality);
+}
+
+class CodingTuner {
+  public:
+    CodingTuner(Trials& trials, const Target& target, bool quiet, Tuning& tuning, const LogProbe& log)
+        : trials_(trials),
+          target_(target),
+          quiet_(quiet),
+          tuning_(tuning),
+          log_(log),
+          lit_(even_figure(target, target.value), even_slope(target)) {}
+
+    void settle();
+
+  private:
+    double figure(const Probe& probe) const { return even_figure(target_, probe.value); }
+    const Probe& add(double quality, Trial trial, bool lit);
+    /// Codes one light again until that meets the target, and returns the quality to be taken.
+    double coded_again(const LitWindows& light, QualitySearch search);
+    /// Takes what is known when no quality is left to be lit.
+    void conclude();
+
+    Trials& trials_;
+    const Target& target_;
+    bool quiet_;
+    Tuning& tuning_;
+    const LogProbe& log_;
+    QualitySearch lit_;  ///< what was lit for its own coding
+};
+
+const Probe& CodingTuner::add(double quality, Trial trial, bool lit) {
+    Probe probe{setting_of(quality), std::move(trial), 0, lit};
+    probe.value = value_of(target_, probe.trial, trials_.film().rate.hertz.value(), tuning_.against_references());
+    tuning_.probes.push_back(std::move(probe));
+    log_(tuning_.probes.back());
+    return tuning_.probes.back();
+}
+
+double CodingTuner::coded_again(const LitWindows& light, QualitySearch search) {
+    for (int i = 0; i < most_codings && !InterruptGuard::requested(); ++i) {
+        const std::optional<double> quality = search.next();
+        if (!quality) break;
+        const Probe& probe = add(*quality, trials_.coded_again(light, Coarseness::of_quality(*quality)), false);
+        search.add(*quality, figure(probe));
+        // After three tries a step of the quantisers is in the way: near enough is near.
+        if (is_near(target_, probe.value, i < 3 ? close : 0.8)) break;
+    }
+    // Between two steps: a rate is not exceeded, a quality is reached.
+    const QualitySearch::Known nearest = search.nearest();
+    const std::optional<QualitySearch::Known> side =
+        target_.is_rate() ? search.finest_below() : search.coarsest_above();
+    const bool steps = !search.next().has_value();
+    return steps && side ? side->quality : nearest.quality;
+}
+
+void CodingTuner::settle() {
+    const bool coupled = trials_.film().tolerance.coupled;
+    double quality = first_quality;
+    for (int i = 0; i < most_lightings; ++i) {
+        LitWindows light;
+        const auto trial = run_trial(trials_, trials_.film().tolerance, Coarseness::of_quality(quality),
+                                     "quality " + setting_of(quality), quiet_, &light);
+        if (!trial) return;
+        const Probe& probe = add(quality, *trial, true);
+        lit_.add(quality, figure(probe));
+        if (is_near(target_, probe.value)) break;
+
+        QualitySearch search =
+            coupled && i == 0 ? lit_ : QualitySearch(even_figure(target_, target_.value), even_slope(target_));
+        search.add(quality, figure(probe));
+        const double next = coded_again(light, search);
+        if (InterruptGuard::requested()) return;
+        if (!coupled) break;
+        // What was lit for its own coding already is not lit again: then by what such light came to.
+        bool known = false;
+        for (const QualitySearch::Known& k : lit_.known())
+            known = known || std::abs(k.quality - next) < 0.5 * QualitySearch::step;
+        const std::optional<double> instead = known ? lit_.next() : next;
+        if (!instead) break;
+        quality = *instead;
+    }
+    conclude();
+}
+
+void CodingTuner::conclude() {
+    // Of a fixed tolerance every coding has the light it would have.
+    const bool coupled = trials_.film().tolerance.coupled;
+    std::optional<std::size_t> nearest, side;
+    const auto distance = [&](std::size_t i) {
+        return std::abs(figure(tuning_.probes[i]) - even_figure(target_, target_.value));
+    };
+    for (std::size_t i = 0; i < tuning_.probes.size(); ++i) {
+        const Probe& probe = tuning_.probes[i];
+        if (coupled && !probe.lit) continue;
+        // Of several that are as near the last, which is nearest to the end that the search went to.
+        if (!nearest || distance(i) <= distance(*nearest)) nearest = i;
+        const bool right = target_.is_rate() ? probe.value <= target_.value : probe.value >= target_.value;
+        if (right && (!side || distance(i) <= distance(*side))) side = i;
+    }
+    const bool near = is_near(target_, tuning_.probes[*nearest].value);
+    tuning_.chosen = near || !side ? nearest : side;
+    // Beyond reach is only what the finest and the coarsest do not reach.
+    const double quality = *tuning_.probes[*tuning_.chosen].trial.quality;
+    const bool finer = figure(tuning_.probes[*tuning_.chosen]) < even_figure(target_, target_.value);
+    // Where even the coarsest loses nothing, as of a black film, there is nothing to be looked for.
+    const bool at_end =
+        finer ? quality >= 100 : quality <= 0 && !is_lossless(target_, tuning_.probes[*tuning_.chosen].value);
+    tuning_.found = near ? Found::near : at_end ? Found::beyond : Found::between;
+}
+
+/// One way to light the film: the less, the less it takes.
+struct Rung {
+    ToleranceRequest tolerance;
+    int samples = 0, vpls = 0;
+    std::vector<std::pair<std::string, std::string>> options;  ///< that differ from what was asked for
+    std::string name;
+};
+
+ToleranceRequest loosened(const ToleranceRequest& asked, float factor) {
+    ToleranceRequest tolerance = asked;
+    tolerance.reference = false;
+    // chosen: what is asked without clustering is first lit as films are; a pixel's luminance is the end of all shares.
+    if (asked.reference) tolerance.coupled = true;
+    if (tolerance.coupled)
+        tolerance.fraction = std::min(asked.fraction.value_or(perceptual::default_tolerance_fraction) * factor, 100.0f);
+    else
+        tolerance.relative = std::min(std::max(asked.relative, 0.0025f) * factor, 0.5f);
+    return tolerance;
+}
+
+std::string text_of(const ToleranceRequest& t) {
+    return t.coupled ? fmt::format("coupled={:.3g}", *t.fraction) : fmt::format("fixed={:.3g}%", 100 * t.relative);
+}
+
+/// From what was asked for to next to nothing.
+/// chosen: in this order steps cost least of the picture (docs/fits/coupled-share.md, "Steps of tune"): tolerances up
+/// to four times what hides, then edges, then light points, whose light is another one; four steps of each.
+std::vector<Rung> ladder_of(const ToleranceRequest& tolerance, int samples, int vpls) {
+    std::vector<Rung> rungs;
+    const auto add = [&](float factor, int fewer_samples, int fewer_points) {
+        Rung rung;
+        rung.tolerance = factor > 1 ? loosened(tolerance, factor) : tolerance;
+        rung.samples = std::max(1, samples / fewer_samples);
+        rung.vpls = vpls == 0 ? 0 : std::max(std::min(vpls, 64), vpls / fewer_points);
+        if (factor > 1) rung.options.emplace_back("--tolerance", text_of(rung.tolerance));
+        if (rung.samples != samples) rung.options.emplace_back("--samples", std::to_string(rung.samples));
+        if (rung.vpls != vpls) rung.options.emplace_back("--vpls", std::to_string(rung.vpls));
+        for (const auto& [name, value] : rung.options)
+            rung.name += (rung.name.empty() ? "" : ", ") + name.substr(2) + " " + value;
+        if (rung.name.empty()) rung.name = "as asked for";
+        if (rungs.empty() || rung.options != rungs.back().options) rungs.push_back(std::move(rung));
+    };
+    add(1, 1, 1);
+    add(2, 1, 1);
+    add(4, 1, 1);
+    add(4, 4, 1);
+    add(4, 4, 4);
+    add(8, 16, 16);
+    return rungs;
+}
+
+/// The film as a rung has it.
+RenderJob on_rung(const RenderJob& film, const Rung& rung) {
+    RenderJob changed = film;
+    changed.tolerance = rung.tolerance;
+    changed.rendering.samples = rung.samples;
+    changed.rendering.vpls = rung.vpls;
+    return changed;
+}
+
+class TimeTuner {
+  public:
+    TimeTuner(Trials& trials, const RenderOptions& asked, double once, bool quiet, Tuning& tuning, const LogProbe& log)
+        : trials_(trials),
+          once_(once),
+          quiet_(quiet),
+          tuning_(tuning),
+          log_(log),
+          rungs_(ladder_of(trials.film().tolerance, asked.samples, asked.vpls)) {
+        if (asked.coding.quality)
+            coarseness_ = Coarseness::of_quality(*asked.coding.quality);
+        else
+            coarseness_ = Coarseness(trials.film().coding.quantiser);
+    }
+
+    void settle();
+
+  private:
+    /// Whether the film would be done in time on that rung; none: interrupted.
+    std::optional<bool> fits(std::size_t index);
+
+    Trials& trials_;
+    double once_;
+    bool quiet_;
+    Tuning& tuning_;
+    const LogProbe& log_;
+    std::vector<Rung> rungs_;
+    Coarseness coarseness_;
+};
+
+std::optional<bool> TimeTuner::fits(std::size_t index) {
+    const Rung& rung = rungs_[index];
+    const RenderJob& film = trials_.film();
+    std::optional<Trials> other;
+    if (rung.samples != film.rendering.samples || rung.vpls != film.rendering.vpls) {
+        other.emplace(on_rung(film, rung), trials_.windows(), 0);
+        other->take_references(trials_);
+    }
+    const auto trial = run_trial(other ? *other : trials_, rung.tolerance, coarseness_, rung.name, quiet_);
+    if (!trial) return std::nullopt;
+    const double seconds = once_ + trial->clock * static_cast<double>(film.frame_count());
+    tuning_.probes.push_back({rung.name, *trial, seconds, true});
+    log_(tuning_.probes.back());
+
+    // Of those that are done in time, the best picture is taken.
+    const bool in_time = seconds <= tuning_.target.value;
+    const auto psnr = [&](std::size_t i) {
+        return quality_of(tuning_.probes[i].trial, tuning_.against_references()).psnr_y;
+    };
+    const std::size_t last = tuning_.probes.size() - 1;
+    const bool had_one = tuning_.chosen && tuning_.found == Found::near;
+    if (in_time ? !had_one || psnr(last) > psnr(*tuning_.chosen)
+                : !had_one && (!tuning_.chosen || seconds < tuning_.probes[*tuning_.chosen].value)) {
+        tuning_.chosen = last;
+        tuning_.options = rung.options;
+        tuning_.found = in_time ? Found::near : Found::stopped;
+    }
+    return in_time;
+}
+
+void TimeTuner::settle() {
+    const auto stopped = [&] { tuning_.found = Found::stopped; };
+    const std::optional<bool> whole = fits(0);
+    if (!whole) return stopped();
+    if (*whole) return;
+    const std::optional<bool> least = rungs_.size() > 1 ? fits(rungs_.size() - 1) : std::optional(false);
+    if (!least) return stopped();
+    if (!*least) {
+        tuning_.found = Found::beyond;
+        return;
+    }
+    std::size_t slow = 0, fast = rungs_.size() - 1;
+    while (fast - slow > 1) {
+        const std::size_t middle = (slow + fast) / 2;
+        const std::optional<bool> in_time = fits(middle);
+        if (!in_time) return stopped();
+        (*in_time ? fast : slow) = middle;
+    }
+}
+
+}  // namespace
+
+void tune_coding(Trials& trials, const Target& target, bool quiet, Tuning& tuning, const LogProbe& log) {
+    CodingTuner(trials, target, quiet, tuning, log).settle();
+}
+
+void tune_time(Trials& trials, const RenderOptions& asked, double once, bool quiet, Tuning& tuning,
+               const LogProbe& log) {
+    TimeTuner(trials, asked, once, quiet, tuning, log).settle();
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,17 @@
+#pragma once
+// The options of `cost` and `compare`, and those that all commands share that try a film instead of making it.
+#include <CLI/CLI.hpp>
+
+#include "app/options/options.h"
+
+namespace render2mpeg::app {
+
+CLI::App* add_cost_command(CLI::App& app, CostOptions& options);
+CLI::App* add_compare_command(CLI::App& app, CompareOptions& options);
+
+/// Threads, JSON, report, where references are kept, and silence of such a command (CostOptions, TuneOptions,
+/// CompareOptions).
+template <class Options>
+void add_trial_run_options(CLI::App& command, Options& options);
+
+}  // namespace render2mpeg::app

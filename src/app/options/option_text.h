@@ -1,0 +1,28 @@
+#pragma once
+// The parts of options that have a grammar of their own: sizes, ranges, tolerances.
+#include <string>
+#include <vector>
+
+#include "app/options/options.h"
+
+/// Each throws core::Error naming the option and what would be right.
+namespace render2mpeg::app {
+
+/// "WxH"
+Size size_from(const std::string& text);
+/// "A:B"
+FrameRange frames_from(const std::string& text);
+ToleranceRequest tolerance_from(const std::string& text);
+/// "2x3": windows by frames of each.
+Sample sample_from(const std::string& text);
+/// "4,2,0.5": shares of 1, from the largest to the least, each once.
+std::vector<float> percents_from(const std::string& text);
+/// "2,4,8", ascending, each once; "none": none.
+std::vector<int> quantisers_from(const std::string& text);
+
+/// Bytes: 700M, 4.7G, 25000k, 1234567. Throws core::Error.
+double size_in_bytes(const std::string& text);
+/// Seconds: 45s, 90m, 2h, 1h30m, 5400. Throws core::Error.
+double time_in_seconds(const std::string& text);
+
+}  // namespace render2mpeg::app
