@@ -116,9 +116,8 @@ class VisibilityModel {
 
     /// Tolerances of a frame that is going to be coded by `plan`: what `state` hides, times `fraction`, warped along
     /// `motion` (from the frame to the state's picture; null: nothing moves), never below 2 % of the pixel's luminance
-    /// nor below half a code value. Where nothing fits, what a quarter of the state's pixels stay below, as a share of
-    /// their luminance: pixels count by their luma, and those next to black, that may lose half their light, not at
-    /// all. fraction > 0.
+    /// nor below half a code value. Pixels without a match take the lower quartile of the state's relative tolerances,
+    /// weighted by luma; near-black pixels, which may lose half their light, do not count. fraction > 0.
     Tolerated tolerate(const core::Visible& visible, const CodingPlan& plan, const TemporalState& state,
                        const core::MotionField* motion, float fraction) const;
 

@@ -16,7 +16,7 @@ struct Tolerance {
     float allows(float luminance) const {
         return std::max(relative * luminance, std::max(least(), std::min(absolute, share() * luminance)));
     }
-    /// The absolute part over the pixel's luminance, where that is less than usual.
+    /// The absolute part over the pixel's luminance, where the pixel's is less than `usual`.
     float share() const { return usual > absolute * 1e-30f ? absolute / usual : 1e30f; }
     /// The absolute part of a pixel without light: what is that dark may change by more than by a share of itself.
     float least() const { return absolute * std::min(share(), 1.0f); }

@@ -164,8 +164,7 @@ struct Renderer::Impl {
         return {{settings.min_cut, settings.max_cut, 1.0f}, plan.runs(Pass::layers)};
     }
 
-    /// Before a frame is lit that resembles none before, or that may be off by so much more that what is known of the
-    /// others hardly says how far its coarser clusters err.
+    /// Calibrates before a frame after a cut, or whose tolerance is much larger than any calibrated so far.
     void calibrate(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance,
                    const ShadeSettings& s) {
         if (snapshot.cut_before) calibration.forget();
@@ -238,8 +237,8 @@ struct Renderer::Impl {
     bool started = false;
     std::int64_t first_frame = 0;  ///< of the chunk
     ErrorCalibration calibration;
-    std::optional<Sight> watched;  ///< the frame that error scale was told of last
-    float calibrated_share = 0;    ///< typical_share of the coarsest that error scale was learnt for
+    std::optional<Sight> watched;  ///< the frame that calibration saw last
+    float calibrated_share = 0;    ///< typical_share of the coarsest frame calibrated
     IrradianceCache cache;
     std::optional<float> given_error_scale;  ///< instead of it
     Statistics statistics;

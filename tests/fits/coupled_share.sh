@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # tests/fits/coupled_share.sh [SIZE [FRAMES]]
-# Fits k (perceptual/share.cpp): the share of what coding hides that lighting may use and still lose no more than 0.1 dB. Renders two films of
+# Fits k (perceptual/tolerance_fraction.h): the share of what coding hides that lighting may use and still lose no more than 0.1 dB. Renders two films of
 # animations/ by bench_coupled at several shares and quantisers, each with two draws of representatives; writes docs/fits/coupled-share-by-type.jsonl with all
 # films and docs/fits/coupled-share.md with the fit and its cross-validation. Default: 160x160 pixels, 12 frames each, some 4 minutes on one core.
 set -euo pipefail

@@ -5,7 +5,7 @@
 // First table: what pixels need at a range of error scales, one pixel of one 4x4 block in every tile. Second: how well
 // the error scale that a film learns from its own pixels keeps the promise, and what it costs against the law as it
 // stands and against the classic rule at the part of the tolerance that keeps the same promise in that very film. What
-// each pixel needs goes into OUT.csv.needs, for error scale_tail.py.
+// each pixel needs goes into OUT.csv.needs, for error_scale_tail.py.
 #include <fmt/format.h>
 
 #include <algorithm>

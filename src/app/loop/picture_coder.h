@@ -1,5 +1,5 @@
 #pragma once
-
+// Plans and codes the pictures of a chunk: the loop's way into the encoder.
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -53,8 +53,7 @@ struct PlanRow {
     const char* writes = "";
 };
 
-/// Which passes run: a pass runs if its cause is in the scene and its product is
-/// wanted.
+/// Which passes run: a pass runs if its cause is in the scene and its product is wanted.
 class Plan {
   public:
     explicit Plan(std::vector<PlanRow> rows) : rows_(std::move(rows)) {}

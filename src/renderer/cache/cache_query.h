@@ -1,5 +1,5 @@
 #pragma once
-// Interpolates light at a point from nearby records: the cache lookup.
+// Interpolates light at a point from nearby records.
 #include <optional>
 
 #include "renderer/cache/irradiance_record.h"

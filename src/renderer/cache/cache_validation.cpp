@@ -8,8 +8,8 @@ namespace {
 
 /// chosen: docs/fits/records.md, "Hold-out validation"; the share is below what is promised.
 constexpr double aimed_share = 0.007;
-/// Strictness goes in these steps, up to one at which hardly anything is served and down to where light is smoother
-/// than trust is made for. chosen: least 0.5 of 0.3, 0.5, 0.64 and 1 (docs/fits/records.md).
+/// The cache error scale goes in these steps, up to one at which hardly anything is served and down to one for light
+/// that is smoother than any fitted. chosen: least 0.5 of 0.3, 0.5, 0.64 and 1 (docs/fits/records.md).
 constexpr float step = 1.25f, least = 0.5f, most = 6.0f;
 /// By how many standard deviations more points must be off than is aimed at: few say little of a hundredth.
 constexpr double significance = 1.5;

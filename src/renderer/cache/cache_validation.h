@@ -13,9 +13,9 @@ struct HeldOutPoint {
     float share = 1;     ///< of its frame's points that records serve
 };
 
-/// How strictly records must agree where a film's light is as it is: learnt from points that they served and that were
-/// gathered as well. What a plane through neighbours cannot know is what lies between them: little in a nave, much
-/// in a room full of small things (docs/fits/records.md).
+/// How strictly a film's records must agree: learnt from points that they served and that were gathered as well.
+/// Interpolation misses detail between records: little in a nave, much in a room full of small things
+/// (docs/fits/records.md).
 class CacheValidation {
   public:
     /// Fewer say too little.
@@ -30,7 +30,7 @@ class CacheValidation {
         cache_error_scale_ = 1;
     }
 
-    /// Takes what was watched in one frame, or part of one. Of nothing it learns nothing.
+    /// Takes the held-out points of one frame, or of part of one. None change nothing.
     void learn(std::span<const HeldOutPoint> points);
 
     /// What multiplies disagreement, so that of all points at most the aimed share is served and off by more than

@@ -183,7 +183,7 @@ void gather_dynamic(FrameState& frame, const std::vector<std::vector<PointRef>>&
     for (const ShadeCounts& c : counts) frame.shade_counts.add(c);
 }
 
-/// Opens points of which so much is hidden that what was gathered is too rough for what is left; by tile.
+/// Reopens points whose hidden share makes the gathered estimate too coarse for what is left; by tile.
 std::vector<std::vector<PointRef>> reopen_hidden(FrameState& frame) {
     std::vector<std::vector<PointRef>> hidden(frame.tiles.size());
     parallel::for_each(frame.tiles.size(), [&](std::size_t t) {

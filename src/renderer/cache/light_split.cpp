@@ -9,7 +9,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Anchors on what moves, as a share of all. Where there are more, what things change is most of the light, and
+/// Largest share of anchors that may lie on moving objects. Beyond it, what they change is most of the light, and
 /// gathering that for every frame takes longer than gathering all of it afresh. chosen: 0.05; of the films that were
 /// tried 0.002 and 0.007 gain, and 0.18 would lose (docs/fits/records.md).
 constexpr double most_moving = 0.05;

@@ -14,11 +14,11 @@ namespace render2mpeg::renderer {
 /// mean, < 1, without those that may be off by all of it. 0: there are none.
 float typical_share(const Seen& seen, const core::ToleranceMap& tolerance);
 
-/// Where nothing is known, as with a frame that resembles none before: lights some hundreds of its pixels, with those
-/// they are gathered together with, and holds them against all light points; then once more with the error scale that
-/// this asks for. Where something is known already, only the latter, in addition to that: for a frame with other
-/// tolerances. Small frames, whose sample would cost too much of them, leave it as it is. Returns how many pixels were
-/// gathered again.
+/// Calibrates before a frame is lit. Where nothing is known (a first frame, or one after a cut): lights some hundreds
+/// of its pixels, with those they are gathered together with, and compares them with light by all light points; then
+/// once more with the error scale that this asks for. Where something is known already (a frame with other tolerances):
+/// only the second round, whose pixels are added. Small frames, whose sample would cost too much of them, leave it as
+/// it is. Returns how many pixels were gathered again.
 std::size_t calibrate(ErrorCalibration& calibration, const LightTrees& light_trees, const RayTracer& tracer,
                       const Seen& seen, glm::vec3 eye, const core::ToleranceMap& tolerance, ShadeSettings settings);
 

@@ -8,13 +8,13 @@
 
 namespace render2mpeg::renderer {
 
-/// How far a film's cuts err against what CutRule thinks: learnt from pixels that were gathered a second time without
-/// clustering. The law of CutRule is that of the worst scenes; rooms err by a third of it.
+/// How far a film's cuts err against what StoppingRule estimates: learnt from pixels that were gathered a second time
+/// without clustering. The law of StoppingRule is that of the worst scenes; rooms err by a third of it.
 ///
-/// What an audited pixel needs is the error scale with which its error would just have been its tolerance, since errors
-/// fall with error scale in proportion. The value is a high quantile of that over the newest pixels: what half the
-/// promised share exceeds if the largest twentieth thins out as an exponential's tail does [Pickands1975], and at least
-/// so much that a next pixel keeps its tolerance with the promised probability whatever the errors' distribution: split
+/// For each audited pixel we compute the error scale at which its error would equal its tolerance (errors are
+/// proportional to 1 / scale). The value is a high quantile of that over the newest pixels: what half the promised
+/// share exceeds if the largest twentieth thins out as an exponential's tail does [Pickands1975], and at least so much
+/// that a next pixel keeps its tolerance with the promised probability whatever the errors' distribution: split
 /// conformal prediction [Lei2018, 2.2].
 class ErrorCalibration {
   public:

@@ -33,8 +33,8 @@ class Cut {
     /// Whether some cluster may be split.
     bool can_refine() const { return !queue_.empty() && clusters_.size() < most_; }
 
-    /// Whether every lane's estimated error is below its tolerance. In doubt no: a look at all clusters takes as long
-    /// as some splits, and is taken only where it may say yes.
+    /// Whether every lane's estimated error is below its tolerance. Conservative: looking at all clusters takes as
+    /// long as some splits, and is done only where the answer may be yes.
     bool is_fine_enough();
 
     /// Splits the cluster of the highest priority, and traces shadow rays to the new one's representative.

@@ -15,7 +15,7 @@ namespace render2mpeg::renderer {
 /// (RayTracer::dynamic_objects), so that most lights need no ray to find that nothing moves before them.
 class GroupDynamicObjects {
   public:
-    /// Of many dynamic objects those that look largest from the group. chosen: 8, as of shields; not tuned.
+    /// Of many dynamic objects those that look largest from the group. chosen: 8, as of occluders; not tuned.
     static constexpr int most = 8;
 
     void choose(const GatherLanes& lanes, std::span<const MiddleBox> boxes);
