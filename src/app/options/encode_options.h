@@ -1,8 +1,6 @@
 #pragma once
 // Options of the commands that begin with frames or films instead of a scene.
-#include <CLI/CLI.hpp>
-
-#include "app/options/options.h"
+#include "app/options/coding_options.h"
 
 namespace render2mpeg::app {
 

@@ -1,8 +1,6 @@
 #pragma once
 // The options of `cost` and `compare`, and those that all commands share that try a film instead of making it.
-#include <CLI/CLI.hpp>
-
-#include "app/options/options.h"
+#include "app/options/coding_options.h"
 
 namespace render2mpeg::app {
 

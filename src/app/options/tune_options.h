@@ -1,8 +1,6 @@
 #pragma once
 // The options of `tune`.
-#include <CLI/CLI.hpp>
-
-#include "app/options/options.h"
+#include "app/options/coding_options.h"
 
 namespace render2mpeg::app {
 
