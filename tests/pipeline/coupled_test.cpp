@@ -12,6 +12,7 @@ namespace {
 using support::contents;
 using support::film;
 using support::Folder;
+using support::plain_film;
 using support::run;
 
 const std::string one_sample = " --size 48x32 --samples 1 --exposure 0 --quiet";
@@ -24,7 +25,7 @@ struct Made {
 Made make(const Folder& folder, const std::string& name, const std::string& options) {
     const auto output = folder / "film.m2v", stats = folder / "s.json";
     const auto outcome =
-        run(support::program() + " render " + film(name) + " -o " + output.string() + one_sample + " --stats " +
+        run(support::program() + " render " + name + " -o " + output.string() + one_sample + " --stats " +
             stats.string() + (options.find("--vpls") == std::string::npos ? " --vpls 128" : "") + options);
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     return {nlohmann::json::parse(contents(stats)), contents(output)};
@@ -43,7 +44,7 @@ TEST(Coupled, CoarserQuantisersMakeSmallerCuts) {
     double before = 1e9;
     for (const char* quantiser : {"1", "6", "31"}) {
         const double now = mean_cut(
-            make(folder, "cornell", " --frames 0:3 --tolerance coupled=0.5 --quantiser " + std::string(quantiser)));
+            make(folder, plain_film(), " --frames 0:3 --tolerance coupled=0.5 --quantiser " + std::string(quantiser)));
         EXPECT_LT(now, before) << quantiser;
         before = now;
     }
@@ -66,20 +67,20 @@ TEST(Coupled, ACutThatTheRateCannotAffordIsAPredictedPicture) {
 TEST(Coupled, TheShareOfWhatIsHiddenSteersTheCut) {
     const Folder folder;
     const std::string rest = " --frames 0:3 --quantiser 8 --tolerance coupled=";
-    EXPECT_LT(mean_cut(make(folder, "colonnade", rest + "1")), mean_cut(make(folder, "colonnade", rest + "0.1")));
+    EXPECT_LT(mean_cut(make(folder, plain_film(), rest + "1")), mean_cut(make(folder, plain_film(), rest + "0.1")));
 }
 
 TEST(Coupled, TheFilmDoesNotDependOnThreads) {
     const Folder folder;
     const std::string rest = " --frames 0:4 --gop 4 --tolerance coupled=0.5 --threads ";
-    EXPECT_EQ(make(folder, "character", rest + "1").bytes, make(folder, "character", rest + "4").bytes);
+    EXPECT_EQ(make(folder, film("character"), rest + "1").bytes, make(folder, film("character"), rest + "4").bytes);
 }
 
 TEST(Coupled, NoChunkDependsOnTheOneBefore) {
     // Chunks begin on a grid from the first frame; the second one of 60 + 60 is the first one of what begins there.
     const Folder folder;
     const std::string tiny = " --vpls 16 --b-pictures 0 --tolerance coupled --frames ";
-    const Made both = make(folder, "still_room", tiny + "0:62"), second = make(folder, "still_room", tiny + "60:62");
+    const Made both = make(folder, plain_film(), tiny + "0:62"), second = make(folder, plain_film(), tiny + "60:62");
     for (int i = 0; i < 3; ++i)
         EXPECT_EQ(both.statistics.at("per_frame").at(static_cast<std::size_t>(60 + i)).at("cut"),
                   second.statistics.at("per_frame").at(static_cast<std::size_t>(i)).at("cut"));
@@ -88,19 +89,19 @@ TEST(Coupled, NoChunkDependsOnTheOneBefore) {
 TEST(Coupled, CutsOfAStillFilmStayTheSame) {
     const Folder folder;
     // Intra pictures, since quantisers of predicted ones depend on how much of their group is left.
-    const Made made = make(folder, "still_room", " --frames 0:14 --gop 1 --tolerance coupled=0.5");
+    const Made made = make(folder, film("still_room"), " --frames 0:14 --gop 1 --tolerance coupled=0.5");
     const auto& frames = made.statistics.at("per_frame");
     for (std::size_t i = 11; i <= 14; ++i) EXPECT_NEAR(cut_of(frames.at(i)) / cut_of(frames.at(i - 1)), 1.0, 0.01) << i;
 }
 
 TEST(Coupled, OnlyFilmsHaveACodingToCoupleTo) {
     const Folder folder;
-    const auto outcome = run(support::program() + " render " + support::plain_film() + " -o " +
+    const auto outcome = run(support::program() + " render " + plain_film() + " -o " +
                              (folder / "f.%04d.png").string() + one_sample + " --frames 0:0 --tolerance coupled");
     EXPECT_EQ(outcome.status, 1);
     EXPECT_NE(outcome.output.find("fixed=P%"), std::string::npos) << outcome.output;
     for (const char* wrong : {"coupled=0", "coupled=-1", "coupled=x", "coupled=1e9", "coupled="})
-        EXPECT_NE(run(support::program() + " render " + support::plain_film() + " -o " + (folder / "a.mpg").string() +
+        EXPECT_NE(run(support::program() + " render " + plain_film() + " -o " + (folder / "a.mpg").string() +
                       " --tolerance " + wrong)
                       .status,
                   0)

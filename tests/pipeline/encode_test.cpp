@@ -47,7 +47,6 @@ TEST(Encode, FramesAndLayersOfARenderGiveNearlyTheFilmOfTheRenderItself) {
                   inside(folder, "direct.json"))
                   .status,
               0);
-    ASSERT_EQ(run(render + inside(folder, "film.y4m")).status, 0);
     ASSERT_EQ(run(render + inside(folder, "p.%04d.png")).status, 0);
     const auto direct = nlohmann::json::parse(contents(folder / "direct.json"));
     const double bytes = direct.at("bytes"), psnr = direct.at("psnr_y");

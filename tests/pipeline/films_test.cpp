@@ -61,34 +61,22 @@ std::string planes_by_mpeg2dec(const std::filesystem::path& file, std::size_t wi
     return planes;
 }
 
-/// Pictures that libmpeg2's own program writes.
-int frames_by_mpeg2dec(const std::filesystem::path& file, const std::string& demultiplex) {
-    const Folder pictures;
-    run("cd " + pictures.path().string() + " && mpeg2dec " + demultiplex + " -o pgm " + file.string());
-    return static_cast<int>(pictures.entries());
-}
-
 class EveryFilm : public testing::TestWithParam<const char*> {};
 
-TEST_P(EveryFilm, DecodesWholeEverywhereAndHasOnlyFiniteLight) {
+TEST_P(EveryFilm, DecodesWholeAndAlikeEverywhereAndHasOnlyFiniteLight) {
     const Folder folder;
     const auto output = folder / "film.mpg";
-    const auto outcome = run(
-        render(film(GetParam()), output, few_lights + " --frames 0:4 --gop 3 --stats " + (folder / "s.json").string()));
+    const auto outcome =
+        run(render(film(GetParam()), output, few_lights + " --frames 0:6 --stats " + (folder / "s.json").string()));
     ASSERT_EQ(outcome.status, 0) << outcome.output;
-    EXPECT_EQ(pictures_by_ffmpeg(output), 5);
-    EXPECT_EQ(frames_by_mpeg2dec(output, "-s"), 5);
     const auto statistics = nlohmann::json::parse(contents(folder / "s.json"));
     EXPECT_EQ(statistics.at("non_finite"), 0);
-    EXPECT_EQ(statistics.at("frames"), 5);
+    EXPECT_EQ(statistics.at("frames"), 7);
     EXPECT_GT(statistics.at("psnr_y").get<double>(), 25.0) << "quantiser 4 on a small picture";
     EXPECT_FALSE(std::filesystem::exists(folder / "film.mpg.partial"));
-}
 
-TEST_P(EveryFilm, IsTheSameInLibmpeg2ButForTheRoundingOfItsTransform) {
-    const Folder folder;
-    const auto output = folder / "film.mpg";
-    ASSERT_EQ(run(render(film(GetParam()), output, few_lights + " --frames 0:6")).status, 0);
+    // Both decoders show all pictures, and differ by the rounding of their transforms alone.
+    EXPECT_EQ(pictures_by_ffmpeg(output), 7);
     const std::string ours = planes_by_ffmpeg(output), theirs = planes_by_mpeg2dec(output, 64, 48);
     ASSERT_EQ(ours.size(), std::size_t{7} * 64 * 48 * 3 / 2);
     ASSERT_EQ(theirs.size(), ours.size());

@@ -18,7 +18,8 @@ using test::path;
 
 const std::string tiny = " --size 32x32 --samples 1 --vpls 16 --exposure 0 --frames 0:1 ";
 /// Never done before it is interrupted.
-const std::string endless = " --size 32x32 --samples 1 --vpls 16 --frames 0:9999 --exposure 0 --quiet ";
+const std::string endless =
+    " --size 32x32 --samples 1 --vpls 0 --tolerance fixed=90% --frames 0:9999 --exposure 0 --quiet ";
 
 /// Runs a render until `file` is there and not empty, then does `then`, then sends the signal and waits.
 support::Outcome interrupted(const std::string& render, const std::string& file, const std::string& signal,
@@ -94,7 +95,7 @@ TEST(Interruption, LeavesTheFirstFramesOfUncompressedFilmsUnderAnotherName) {
     const Folder folder;
     const auto outcome = interrupted(
         program() + " render " + plain_film() +
-            " --size 64x48 --vpls 16 --frames 0:9999 --exposure 0 --tolerance fixed=10% -o " + path(folder, "f.y4m"),
+            " --size 64x48 --vpls 0 --frames 0:9999 --exposure 0 --tolerance fixed=10% -o " + path(folder, "f.y4m"),
         path(folder, "f.y4m.partial/chunk_00000.y4m.tmp"), "INT");
     EXPECT_EQ(outcome.status, 130) << outcome.output;
     EXPECT_NE(outcome.output.find("f.partial.y4m: "), std::string::npos) << outcome.output;
