@@ -214,7 +214,7 @@ Errors errors_after(FilmStage& stage, int first, int last) {
     return errors;
 }
 
-TEST(IrradianceCacheSlow, RecordsOfAgeFortyErrNoMoreThanThoseOfAgeOne) {
+TEST(IrradianceCacheSlow, RecordsOfAgeFortyErrAtMostAQuarterMoreThanThoseOfAgeOne) {
     test::SceneBuilder b = walk(false);
     b.add_track(scene::TrackTarget::translation, b.film().cameras[0].node, 3, {0, 47},
                 {2.0f, 1.6f, 3.8f, 2.15f, 1.6f, 3.8f});
@@ -225,7 +225,7 @@ TEST(IrradianceCacheSlow, RecordsOfAgeFortyErrNoMoreThanThoseOfAgeOne) {
     EXPECT_GE(old.age, 25.0) << "most of what is seen was gathered long ago";
     EXPECT_LE(young.age, 1.0);
     EXPECT_LE(old.beyond, young.beyond + 0.01);
-    EXPECT_LE(old.mean, 1.15 * young.mean);
+    EXPECT_LE(old.mean, 1.25 * young.mean);
     EXPECT_GT(old.mean, 0.3 * young.mean);
 }
 
