@@ -70,6 +70,7 @@ int main(int argc, char** argv) {
     if (is_probe(argc, argv)) live_as_probe(argc, argv, {{"read", behave}, {"echo", echo}});
     // A program that begins an endless probe and ends without a destructor, as where it is killed.
     const Probe endless({std::uintmax_t{1} << 30, 0, 0}, {"read", "sleep"});
+    std::cout << getpid() << std::endl;
     sleep(1);
     _exit(0);
 }
