@@ -171,7 +171,8 @@ TEST(CostOptions, AreReadAndRefused) {
 }
 
 TEST(Cost, RisesAndErrorsFallAsTolerancesTighten) {
-    const json found = cost_of(plain_film(), brief + " --tolerances 0.001,2,40 --quantisers 4,31 --quantiser 4");
+    const json found =
+        cost_of(support::panel_film(), brief + " --tolerances 0.001,2,40 --quantisers 4,31 --quantiser 4");
     EXPECT_TRUE(found.at("complete").get<bool>());
     EXPECT_EQ(found.at("windows"), (json{{29, 30}}));
     EXPECT_EQ(found.at("reference").at("frames"), 1);
@@ -271,9 +272,9 @@ TEST(Cost, PrintsRowsThatFitATerminalAndAPageThatStandsAlone) {
     EXPECT_EQ(contents(folder / "other.html"), "mine");
 }
 
-app::RenderJob tiny_film() {
+app::RenderJob tiny_film(const std::string& input = plain_film()) {
     app::RenderOptions options;
-    options.input = plain_film();
+    options.input = input;
     options.size = "32x32";
     options.vpls = 16;
     options.samples = 1;
@@ -300,7 +301,7 @@ TEST(Trials, CountPicturesThatABufferHasNoRoomFor) {
 }
 
 TEST(Trials, GiveCoupledLightTheShareThatTheyAreAskedFor) {
-    const app::RenderJob film = tiny_film();
+    const app::RenderJob film = tiny_film(support::panel_film());
     app::Trials trials(film, app::windows_of(film.frames, {1, 2}), 0);
     ASSERT_TRUE(trials.light_references([](const app::ReferenceStanding&) { return true; }));
     EXPECT_EQ(trials.references(), 0);

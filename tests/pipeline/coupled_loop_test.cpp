@@ -84,7 +84,7 @@ double mean_absolute(const core::ToleranceMap& map) {
 }
 
 TEST(CoupledLoop, CutsShrinkByAHalfWhileTheDecodedFilmStaysAsNearToTheTruth) {
-    RenderOptions options = options_of(support::plain_film(), "0:4", "48x48");
+    RenderOptions options = options_of(support::panel_film(), "0:4", "48x48");
     options.coding.quantiser = 16;
     const Record truth = made(options, "reference"), fixed = made(options, "fixed=2%"),
                  coupled = made(options, "coupled");
@@ -106,7 +106,7 @@ TEST(CoupledLoop, CutsShrinkByAHalfWhileTheDecodedFilmStaysAsNearToTheTruth) {
 }
 
 TEST(CoupledLoop, HardlyAnyPixelExceedsItsTolerance) {
-    const RenderOptions options = options_of(support::plain_film(), "0:2", "48x48");
+    const RenderOptions options = options_of(support::panel_film(), "0:2", "48x48");
     const Record truth = made(options, "reference"), coupled = made(options, "coupled=1");
     double over = 0, pixels = 0, used = 0;
     for (const auto& [n, light] : coupled.light)

@@ -79,7 +79,7 @@ TEST(Coupled, TheFilmDoesNotDependOnThreads) {
 TEST(Coupled, NoChunkDependsOnTheOneBefore) {
     // Chunks begin on a grid from the first frame; the second one of 60 + 60 is the first one of what begins there.
     const Folder folder;
-    const std::string tiny = " --vpls 16 --b-pictures 0 --tolerance coupled --frames ";
+    const std::string tiny = " --vpls 16 --b-pictures 0 --tolerance coupled=1 --frames ";
     const Made both = make(folder, plain_film(), tiny + "0:62"), second = make(folder, plain_film(), tiny + "60:62");
     for (int i = 0; i < 3; ++i)
         EXPECT_EQ(both.statistics.at("per_frame").at(static_cast<std::size_t>(60 + i)).at("cut"),

@@ -73,10 +73,14 @@ inline std::string program_at_terminal() {
 inline std::string film(const std::string& name) {
     return (source_folder() / "animations" / name).string();
 }
-/// A box with light, colour and motion but no textures: for tests that need some film, this one starts in a third of
+/// A box with one lamp, colour and motion but no textures: for tests that need some film, this one is lit in a tenth of
 /// the time.
 inline std::string plain_film() {
     return (source_folder() / "tests/support/plain_box").string();
+}
+/// The same below a panel of a thousand light points, which direct light's cuts choose among.
+inline std::string panel_film() {
+    return (source_folder() / "tests/support/panel_box").string();
 }
 
 }  // namespace render2mpeg::support
