@@ -5,6 +5,7 @@
 #include <functional>
 #include <span>
 
+#include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "perceptual/signal_curve.h"
@@ -132,13 +133,21 @@ core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMat
     });
 }
 
-std::vector<std::uint8_t> Display::develop_rgb(const core::Radiance& radiance) const {
-    const SignalCurve& curve = SignalCurve::instance();
+core::Picture picture_of_srgb(const core::Plane<glm::vec3>& codes, ColorMatrix matrix) {
+    core::Plane<glm::vec3> signals = codes;
+    for (glm::vec3& pixel : signals.values())
+        for (int c = 0; c < 3; ++c)
+            pixel[c] = static_cast<float>(
+                opto_electronic(static_cast<double>(core::srgb_to_linear(std::clamp(pixel[c], 0.0f, 1.0f)))));
+    return picture_of_signals(signals, matrix);
+}
+
+std::vector<std::uint8_t> Display::develop_srgb(const core::Radiance& radiance) const {
     std::vector<std::uint8_t> codes;
     codes.reserve(3 * radiance.combined.size());
     for (const glm::vec3& c : radiance.combined.values()) {
         EXPECTS(core::is_finite(c));
-        for (int i = 0; i < 3; ++i) codes.push_back(code(255.0f * curve.signal(c[i] * gain_)));
+        for (int i = 0; i < 3; ++i) codes.push_back(code(255.0f * core::linear_to_srgb(tone_curve(c[i] * gain_))));
     }
     return codes;
 }

@@ -29,9 +29,8 @@ class Display {
     /// Scene-linear radiance to a picture. Non-finite input is a broken contract; negative light counts as none.
     core::Picture develop(const core::Radiance& radiance) const;
 
-    /// The same to full-range R'G'B' code values 0..255, 3 per pixel: what a screen shows for the film's own signal,
-    /// for PNGs that are to look like the film.
-    std::vector<std::uint8_t> develop_rgb(const core::Radiance& radiance) const;
+    /// The same to sRGB code values 0..255, 3 per pixel: the light that the film stands for, for still images.
+    std::vector<std::uint8_t> develop_srgb(const core::Radiance& radiance) const;
 
     /// The tone curve by itself: scene-linear, exposed, >= 0, to display-linear in [0, 1]; monotone; and its inverse,
     /// for values below `tone_curve(infinity)`.
@@ -56,10 +55,13 @@ class Display {
     ColorMatrix matrix_;
 };
 
-/// A picture of what a display shows already: full-range signals R', G', B', clamped to [0, 1] (as PNG files hold them,
-/// over 255), with BT.709's primaries. The matrix and chroma are those of Display::develop, so that a picture that went
-/// through develop_rgb comes back but for its rounding. Finite values.
+/// A picture of a film's own full-range signals R', G', B', clamped to [0, 1], with BT.709's primaries. The matrix and
+/// chroma are those of Display::develop. Finite values.
 core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMatrix matrix);
+
+/// A picture of the light that sRGB code values in [0, 1] stand for (as PNG files hold them, over 255), with BT.709's
+/// transfer function: one that went through develop_srgb comes back but for its rounding. Finite values.
+core::Picture picture_of_srgb(const core::Plane<glm::vec3>& codes, ColorMatrix matrix);
 
 /// The matrix for a picture of so many lines.
 inline ColorMatrix matrix_for(int height) {

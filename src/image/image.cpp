@@ -113,14 +113,16 @@ ExrChannels read_exr(const fs::path& path, const std::function<bool(const std::s
     return codec().decode_exr(bytes, wanted, name);
 }
 
-void write_exr(const fs::path& path, int width, int height, std::span<const Channel> channels, float pixel_aspect) {
-    EXPECTS(width > 0 && height > 0 && !channels.empty() && pixel_aspect > 0 && std::isfinite(pixel_aspect));
+void write_exr(const fs::path& path, int width, int height, std::span<const Channel> channels,
+               const FrameFacts& facts) {
+    EXPECTS(width > 0 && height > 0 && !channels.empty());
+    EXPECTS(facts.pixel_aspect > 0 && std::isfinite(facts.pixel_aspect));
     std::set<std::string> names;
     for (const Channel& channel : channels) {
         EXPECTS(!channel.name.empty() && names.insert(channel.name).second);
         EXPECTS(channel.values.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     }
-    replace_file(path, codec().encode_exr(width, height, channels, pixel_aspect, path.string()));
+    replace_file(path, codec().encode_exr(width, height, channels, facts, path.string()));
 }
 
 std::vector<unsigned char> png_bytes(int width, int height, std::span<const unsigned char> rgb,

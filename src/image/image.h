@@ -4,11 +4,13 @@
 #include <filesystem>
 #include <functional>
 #include <glm/glm.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "core/plane.h"
+#include "core/rational.h"
 
 namespace render2mpeg::image {
 
@@ -50,12 +52,21 @@ struct Channel {
     bool half = false;          ///< stored as 16-bit float
 };
 
-/// Writes an OpenEXR with these channels under a temporary name and renames it when whole. `pixel_aspect` is width over
-/// height of a pixel. Throws core::Error.
-void write_exr(const std::filesystem::path& path, int width, int height, std::span<const Channel> channels,
-               float pixel_aspect = 1);
+/// What the header of an OpenEXR says of a frame; what is missing is not said.
+struct FrameFacts {
+    float pixel_aspect = 1;              ///< width over height of a pixel
+    std::optional<float> exposure = {};  ///< EV that the display develops it with; not applied
+    std::optional<core::Rational> frames_per_second = {};
+    std::optional<glm::mat4> world_to_camera = {};  ///< x right, y up, z along the view [OpenEXRAttributes]
+    std::optional<glm::mat4> world_to_ndc = {};     ///< (0, 0) the picture's upper left corner, (1, 1) lower right
+};
 
-/// Writes an 8-bit RGB PNG likewise; `rgb` holds 3 code values per pixel.
+/// Writes an OpenEXR with these channels under a temporary name and renames it when whole. Colours have BT.709's
+/// primaries and white, and the header says so. Throws core::Error.
+void write_exr(const std::filesystem::path& path, int width, int height, std::span<const Channel> channels,
+               const FrameFacts& facts = {});
+
+/// Writes an 8-bit RGB PNG likewise; `rgb` holds 3 sRGB code values per pixel, which the file says.
 void write_png(const std::filesystem::path& path, int width, int height, std::span<const unsigned char> rgb,
                float pixel_aspect = 1);
 

@@ -8,7 +8,6 @@
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
-#include "image/image.h"
 
 namespace render2mpeg::image {
 namespace {
@@ -34,7 +33,14 @@ class Frame {
         if (plane.empty()) return;
         EXPECTS(plane.width() == width_ && plane.height() == height_);
         for (int c = 0; c < 3; ++c)
-            add(layer + "." + "RGB"[c], true, [&, c](std::size_t i) { return plane.values()[i][c]; });
+            add(layer.empty() ? std::string(1, "RGB"[c]) : layer + "." + "RGB"[c], true,
+                [&, c](std::size_t i) { return plane.values()[i][c]; });
+    }
+
+    /// Colour with alpha 1; `layer` may be empty: the plain names, which every viewer looks for.
+    void add_opaque(const std::string& layer, const core::Plane<glm::vec3>& plane) {
+        add_color(layer, plane);
+        add(layer.empty() ? "A" : layer + ".A", true, [](std::size_t) { return 1.0f; });
     }
 
     void add_normal(const std::string& layer, const core::Plane<core::PackedNormal>& plane,
@@ -47,8 +53,8 @@ class Frame {
             });
     }
 
-    void write(const std::filesystem::path& path, float pixel_aspect = 1) const {
-        write_exr(path, width_, height_, channels_, pixel_aspect);
+    void write(const std::filesystem::path& path, const FrameFacts& facts) const {
+        write_exr(path, width_, height_, channels_, facts);
     }
 
   private:
@@ -118,14 +124,14 @@ bool fits(const core::MotionField* field, const core::Visible& visible) {
 }  // namespace
 
 void write_layers(const std::filesystem::path& path, const core::Visible& visible, const core::Radiance& radiance,
-                  const core::MotionField* to_previous, const core::MotionField* to_next, float pixel_aspect,
+                  const core::MotionField* to_previous, const core::MotionField* to_next, const FrameFacts& facts,
                   const core::ToleranceMap* tolerance) {
     EXPECTS(visible.width() == radiance.combined.width() && visible.height() == radiance.combined.height());
     EXPECTS(fits(to_previous, visible) && fits(to_next, visible));
 
     Frame frame(visible.width(), visible.height());
-    frame.add_color("ViewLayer.Combined", radiance.combined);
-    frame.add("ViewLayer.Combined.A", true, [](std::size_t) { return 1.0f; });
+    frame.add_opaque("", radiance.combined);
+    frame.add_opaque("ViewLayer.Combined", radiance.combined);
     add_surfaces(frame, visible);
     add_motion(frame, to_previous, to_next);
 
@@ -152,14 +158,13 @@ void write_layers(const std::filesystem::path& path, const core::Visible& visibl
             return t.allows(core::luminance(radiance.combined.values()[i]));
         });
     }
-    frame.write(path, pixel_aspect);
+    frame.write(path, facts);
 }
 
-void write_frame(const std::filesystem::path& path, const core::Plane<glm::vec3>& radiance) {
+void write_frame(const std::filesystem::path& path, const core::Plane<glm::vec3>& radiance, const FrameFacts& facts) {
     Frame frame(radiance.width(), radiance.height());
-    for (int c = 0; c < 3; ++c)
-        frame.add(std::string(1, "RGB"[c]), true, [&, c](std::size_t i) { return radiance.values()[i][c]; });
-    frame.write(path);
+    frame.add_opaque("", radiance);
+    frame.write(path, facts);
 }
 
 }  // namespace render2mpeg::image

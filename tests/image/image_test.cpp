@@ -144,12 +144,29 @@ TEST(ReadImage, ReadsWhatItWrote) {
         EXPECT_EQ(std::lround(png.pixels.values()[i / 3][static_cast<int>(i % 3)] * 255), rgb[i]);
 }
 
+TEST(Image, APngSaysThatItsCodesAreSrgb) {
+    const Folder folder;
+    write_png(folder / "a.png", 2, 1, std::vector<unsigned char>(6, 39));
+    std::ifstream file(folder / "a.png", std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    // Chunk sRGB: a length of 1, its name, the rendering intent. It stands before the pixels. [PNG, 11.3.3.5]
+    const std::size_t at = bytes.find("sRGB");
+    ASSERT_NE(at, std::string::npos);
+    EXPECT_EQ(bytes.substr(at - 4, 4), std::string("\0\0\0\1", 4));
+    EXPECT_LE(bytes[at + 4], 3);
+    EXPECT_LT(at, bytes.find("IDAT"));
+    // gAMA says 1/2.2 in 100,000ths. [PNG, 11.3.3.2]
+    const std::size_t gamma = bytes.find("gAMA");
+    ASSERT_NE(gamma, std::string::npos);
+    EXPECT_EQ(bytes.substr(gamma + 4, 4), std::string("\0\0\xb1\x8f", 4));
+}
+
 TEST(PixelAspect, StandsInTheFilesThatAreWritten) {
     const Folder folder;
     const std::vector<Channel> channels{{"R", std::vector<float>(6, 1.0f), false}};
     const std::vector<unsigned char> rgb(18, 100);
     for (const float aspect : {1.0f, 64.0f / 45.0f, 8.0f / 9.0f}) {
-        write_exr(folder / "a.exr", 3, 2, channels, aspect);
+        write_exr(folder / "a.exr", 3, 2, channels, {aspect});
         EXPECT_EQ(read_exr(folder / "a.exr", [](const std::string&) { return true; }).pixel_aspect, aspect);
         EXPECT_EQ(read_image(folder / "a.exr", {}, "a.exr").pixel_aspect, aspect);
 

@@ -4,6 +4,7 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
+#include <ImfStandardAttributes.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -175,11 +176,50 @@ TEST(Layers, SizesMustAgree) {
     EXPECT_THROW(frame.written(), core::ContractViolation);
 }
 
-TEST(Layers, AFrameAloneIsThreeHalves) {
+TEST(Layers, TheRadianceStandsUnderPlainNamesToo) {
+    const auto layers = Frame().written();
+    for (const char c : {'R', 'G', 'B', 'A'})
+        EXPECT_EQ(layers.at(std::string(1, c)).values, layers.at(std::string("ViewLayer.Combined.") + c).values);
+    EXPECT_TRUE(layers.at("A").half);
+}
+
+TEST(Layers, TheHeaderTellsColoursExposureTimeAndCamera) {
+    const Frame frame;
+    glm::mat4 camera(2), ndc(3);
+    camera[3] = {4, 5, 6, 1};
+    const FrameFacts facts{1, -1.5f, core::Rational{30000, 1001}, camera, ndc};
+    const auto check = [&] {
+        const Imf::InputFile file(frame.path.c_str());
+        const Imf::Header& header = file.header();
+        ASSERT_TRUE(Imf::hasChromaticities(header));
+        const Imf::Chromaticities& colors = Imf::chromaticities(header);
+        EXPECT_EQ(colors.red, Imath::V2f(0.64f, 0.33f));
+        EXPECT_EQ(colors.green, Imath::V2f(0.3f, 0.6f));
+        EXPECT_EQ(colors.blue, Imath::V2f(0.15f, 0.06f));
+        EXPECT_EQ(colors.white, Imath::V2f(0.3127f, 0.329f));
+        EXPECT_EQ(header.typedAttribute<Imf::FloatAttribute>("exposure").value(), -1.5f);
+        EXPECT_EQ(Imf::framesPerSecond(header).n, 30000);
+        EXPECT_EQ(Imf::framesPerSecond(header).d, 1001u);
+        // A row times the matrix: what is moved stands in the last row.
+        EXPECT_EQ(Imf::worldToCamera(header)[3][1], 5);
+        EXPECT_EQ(Imf::worldToCamera(header)[1][1], 2);
+        EXPECT_EQ(Imf::worldToNDC(header)[3][3], 3);
+    };
+    write_layers(frame.path, frame.visible, frame.radiance, nullptr, nullptr, facts);
+    check();
+    write_frame(frame.path, frame.radiance.combined, facts);
+    check();
+    write_frame(frame.path, frame.radiance.combined);
+    EXPECT_EQ(Imf::InputFile(frame.path.c_str()).header().findTypedAttribute<Imf::FloatAttribute>("exposure"), nullptr)
+        << "what is not known is not said";
+}
+
+TEST(Layers, AFrameAloneIsFourHalves) {
     const Frame frame;
     write_frame(frame.path, frame.radiance.combined);
     const auto layers = read_layers(frame.path);
-    ASSERT_EQ(layers.size(), 3u);
+    ASSERT_EQ(layers.size(), 4u);
+    EXPECT_EQ(layers.at("A").values[5], 1);
     EXPECT_EQ(layers.at("R").values[5], 0.25f);
     EXPECT_EQ(layers.at("G").values[5], 0.5f);
     EXPECT_TRUE(layers.at("B").half);

@@ -147,7 +147,7 @@ TEST(Display, RefusesWhatIsNotFinite) {
         core::Radiance radiance = frame(5, 5, glm::vec3(0.2f));
         radiance.combined.at(4, 4).y = bad;
         EXPECT_THROW(Display(0, ColorMatrix::bt709).develop(radiance), core::ContractViolation);
-        EXPECT_THROW(Display(0, ColorMatrix::bt709).develop_rgb(radiance), core::ContractViolation);
+        EXPECT_THROW(Display(0, ColorMatrix::bt709).develop_srgb(radiance), core::ContractViolation);
         EXPECT_THROW(Display(bad, ColorMatrix::bt709), core::ContractViolation);
     }
     // Large is not infinite, not even after the exposure.
@@ -155,31 +155,32 @@ TEST(Display, RefusesWhatIsNotFinite) {
     EXPECT_EQ(Display(0, ColorMatrix::bt709).develop(frame(2, 2, glm::vec3(-1))).y.at(0, 0), 16);
 }
 
-TEST(Display, RgbIsTheFilmsOwnSignal) {
-    const Display display(0.5f, ColorMatrix::bt709);
+TEST(Display, StillImagesHaveTheCurveThatViewersExpect) {
+    const auto rgb = Display(0, ColorMatrix::bt709).develop_srgb(frame(2, 1, {0.02f, 0.18f, 0.002f}));
+    EXPECT_EQ(rgb, (std::vector<std::uint8_t>{39, 118, 7, 39, 118, 7})) << "sRGB of 0.02, 0.18 and 0.002";
     const glm::vec3 c{0.03f, 0.4f, 5.0f};
-    const auto rgb = display.develop_rgb(frame(2, 1, c));
-    ASSERT_EQ(rgb.size(), 6u);
-    for (int i = 0; i < 3; ++i)
-        EXPECT_NEAR(rgb[static_cast<std::size_t>(3 + i)],
-                    255 * opto_electronic(tone_curve(static_cast<double>(c[i]) * std::exp2(0.5))), 0.501);
+    const auto exposed = Display(0.5f, ColorMatrix::bt709).develop_srgb(frame(1, 1, c));
+    for (int i = 0; i < 3; ++i) {
+        const double light = tone_curve(static_cast<double>(c[i]) * std::exp2(0.5));
+        EXPECT_NEAR(exposed[static_cast<std::size_t>(i)], 255 * (1.055 * std::pow(light, 1 / 2.4) - 0.055), 0.501);
+    }
 }
 
-TEST(Display, SignalsBecomeThePictureThatTheLightBehindThemBecame) {
+TEST(Display, SrgbBecomesThePictureThatTheLightBehindItBecame) {
     core::Radiance radiance = frame(37, 21);
     for (std::size_t i = 0; i < radiance.combined.size(); ++i) radiance.combined.values()[i] = any_color(i);
     for (const ColorMatrix matrix : {ColorMatrix::bt601, ColorMatrix::bt709}) {
         const Display display(0.5f, matrix);
         const core::Picture developed = display.develop(radiance);
-        const std::vector<std::uint8_t> codes = display.develop_rgb(radiance);
+        const std::vector<std::uint8_t> codes = display.develop_srgb(radiance);
         core::Plane<glm::vec3> signals(37, 21);
         for (std::size_t i = 0; i < signals.size(); ++i)
             for (int c = 0; c < 3; ++c)
                 signals.values()[i][c] = static_cast<float>(codes[3 * i + static_cast<std::size_t>(c)]) / 255.0f;
-        const core::Picture back = picture_of_signals(signals, matrix);
-        // Half a step of 255 is 0.43 of 219: luma is off by no more, and its code by one at most.
+        const core::Picture back = picture_of_srgb(signals, matrix);
+        // Half a step of 255 is 0.43 of 219, and BT.709's curve is up to 1.15 times as steep as sRGB's.
         for (std::size_t i = 0; i < signals.size(); ++i) {
-            EXPECT_NEAR(back.luma.values()[i], developed.luma.values()[i], 0.432f);
+            EXPECT_NEAR(back.luma.values()[i], developed.luma.values()[i], 0.497f);
             EXPECT_NEAR(back.y.values()[i], developed.y.values()[i], 1);
         }
         for (std::size_t i = 0; i < back.cb.size(); ++i) {

@@ -152,5 +152,28 @@ TEST(Camera, DepthIsAlongItsAxisNotAlongTheRay) {
     EXPECT_NEAR(seen->depth, 10 * glm::dot(corner.direction, camera.forward()), 1e-5);
 }
 
+TEST(Camera, MatricesForOtherProgramsSeeWhatItSees) {
+    for (const CameraLens& seen_by : {lens(0.8), orthographic(3)}) {
+        CameraLens with_near = seen_by;
+        with_near.near = 0.5f;
+        const Camera camera(with_near, placed({1, -2, 3}, 0.7, -0.3), width, height, aspect);
+        for (int i = 0; i < 20; ++i) {
+            const Ray ray = camera.ray_through(random_position(i));
+            const glm::vec3 point = ray.origin + 4.0f * ray.direction;
+            const auto expected = camera.project(point);
+            ASSERT_TRUE(expected);
+            const glm::vec4 ndc = camera.world_to_ndc() * glm::vec4(point, 1);
+            EXPECT_NEAR(ndc.x / ndc.w * width, expected->position.x, 2e-2);
+            EXPECT_NEAR(ndc.y / ndc.w * height, expected->position.y, 2e-2);
+            const glm::vec4 near = camera.world_to_ndc() * glm::vec4(camera.position() + 0.5f * camera.forward(), 1);
+            EXPECT_NEAR(near.z / near.w, 0, 1e-5);
+            EXPECT_GT(ndc.z / ndc.w, 0);
+            const glm::vec4 local = camera.world_to_camera() * glm::vec4(point, 1);
+            EXPECT_NEAR(local.z, expected->depth, 1e-4) << "z is along the view";
+            EXPECT_EQ(local.y > 0, expected->position.y < height / 2.0f) << "y is up";
+        }
+    }
+}
+
 }  // namespace
 }  // namespace render2mpeg::scene

@@ -180,6 +180,7 @@ class Film {
         s.rate = rational(decoder_->framerate);
         s.pixel_aspect = rational(decoder_->sample_aspect_ratio);
         s.matrix_coefficients = decoder_->colorspace == AVCOL_SPC_UNSPECIFIED ? 0 : decoder_->colorspace;
+        s.transfer_characteristics = decoder_->color_trc == AVCOL_TRC_UNSPECIFIED ? 0 : decoder_->color_trc;
         s.bit_rate = decoder_->rc_max_rate;
         s.buffer_bits = decoder_->rc_buffer_size;
     }

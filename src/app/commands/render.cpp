@@ -174,7 +174,7 @@ bool render_chunks(const OpenRender& open, LoopObserver& observer) {
     Progress progress(film.frame_count(), options.quiet, "frame", Counted::frames, statistics.earlier_wall);
     if (!files.empty()) progress.advance_to(static_cast<std::int64_t>(statistics.frames.size()), film.frame_count());
     std::optional<LayersWriter> layers;
-    if (options.layers) layers.emplace(*options.layers, film.format.pixel_aspect, statistics);
+    if (options.layers) layers.emplace(*options.layers, film, statistics);
     bool whole = true;
     while (files.size() < chunks.size()) {
         const Chunk& chunk = chunks[files.size()];

@@ -52,6 +52,12 @@ std::optional<perceptual::ColorMatrix> matrix_of(const std::filesystem::path& fi
     }
 }
 
+/// Whether a film declares BT.709's transfer function. [H262, table 6-8] One that does not was made of its images' code
+/// values as they are, as ffmpeg does.
+bool is_bt709_curve(int declared) {
+    return declared == 1 || declared == 6;
+}
+
 }  // namespace
 
 std::filesystem::path image_sequence_in(const std::filesystem::path& place) {
@@ -91,7 +97,8 @@ ForeignFilm look_at_foreign(const std::filesystem::path& film, const std::filesy
     const av::Inspection inspection = av::inspect(film);
     const std::unique_ptr<FrameSource> frames =
         open_frames(pattern, linear ? std::optional(exposure) : std::nullopt, std::nullopt,
-                    matrix_of(film, inspection.stream.matrix_coefficients));
+                    {matrix_of(film, inspection.stream.matrix_coefficients),
+                     !is_bt709_curve(inspection.stream.transfer_characteristics)});
     ForeignFilm found;
     found.name = core::printable(film.filename().string());
     found.width = inspection.stream.width;

@@ -54,15 +54,18 @@ FrameRange frames_on_disk(const std::filesystem::path& pattern) {
 class ImageFrames : public FrameSource {
   public:
     ImageFrames(const std::filesystem::path& pattern, std::optional<float> exposure,
-                const std::optional<FrameRange>& wanted, std::optional<perceptual::ColorMatrix> matrix)
-        : pattern_(pattern), frames_(wanted ? *wanted : frames_on_disk(pattern)), exposure_(exposure.value_or(0.0f)) {
+                const std::optional<FrameRange>& wanted, const FilmSignals& film)
+        : pattern_(pattern),
+          frames_(wanted ? *wanted : frames_on_disk(pattern)),
+          exposure_(exposure.value_or(0.0f)),
+          keeps_codes_(film.keeps_codes) {
         // Look at the first frame for what all have in common; see that the others are there.
         for (std::int64_t n = frames_.first; n <= frames_.last; ++n)
             if (!std::filesystem::exists(numbered(pattern_, n)))
                 throw core::Error("reading", numbered(pattern_, n).string(), "no such file");
         const image::Image first = read_image(frames_.first);
         size_ = {first.pixels.width(), first.pixels.height()};
-        matrix_ = matrix.value_or(perceptual::matrix_for(size_.height));
+        matrix_ = film.matrix.value_or(perceptual::matrix_for(size_.height));
         if (first.pixel_aspect > 0.001f && first.pixel_aspect < 1000) pixel_aspect_ = first.pixel_aspect;
         if (exposure && !first.high_range)
             throw core::Error("exposure: the frames of " + pattern.string() +
@@ -90,7 +93,8 @@ class ImageFrames : public FrameSource {
             radiance.combined = colors;
             picture = perceptual::Display(exposure_, matrix_).develop(radiance);
         } else {
-            picture = perceptual::picture_of_signals(colors, matrix_);
+            picture = keeps_codes_ ? perceptual::picture_of_signals(colors, matrix_)
+                                   : perceptual::picture_of_srgb(colors, matrix_);
         }
         picture.number = frame;
         return picture;
@@ -116,6 +120,7 @@ class ImageFrames : public FrameSource {
     std::filesystem::path pattern_;
     FrameRange frames_;
     float exposure_;
+    bool keeps_codes_;
     Size size_;
     perceptual::ColorMatrix matrix_ = perceptual::ColorMatrix::bt709;
     float pixel_aspect_ = 1;
@@ -125,8 +130,7 @@ class ImageFrames : public FrameSource {
 }  // namespace
 
 std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std::optional<float> exposure,
-                                         const std::optional<FrameRange>& wanted,
-                                         std::optional<perceptual::ColorMatrix> matrix) {
+                                         const std::optional<FrameRange>& wanted, const FilmSignals& film) {
     const std::string ending = core::ending_of(input);
     if (ending == ".y4m") {
         if (exposure)
@@ -140,7 +144,7 @@ std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std
     if (!is_numbered(input))
         throw core::Error("reading", input.string(),
                           "numbered images need one frame number in their name, e.g. frames.%04d" + ending);
-    return std::make_unique<ImageFrames>(input, exposure, wanted, matrix);
+    return std::make_unique<ImageFrames>(input, exposure, wanted, film);
 }
 
 }  // namespace render2mpeg::app

@@ -31,12 +31,17 @@ class FrameSource {
     virtual std::uint64_t non_finite() const { return 0; }
 };
 
+/// How a film's signals come from images.
+struct FilmSignals {
+    std::optional<perceptual::ColorMatrix> matrix = {};  ///< none: by the pictures' height
+    bool keeps_codes = false;  ///< PNG's code values are the film's R'G'B' as they are, whatever curve they have
+};
+
 /// Opens FRAMES: `film.y4m`, `frames.%04d.exr` (scene-linear; developed with `exposure` EV, 0 where none is given) or
-/// `frames.%04d.png` (display-referred). `wanted`: only these frames need be there; else all from the first number to
-/// the last. `matrix`: of the pictures that images become; none: by their height. Throws core::Error, also for an
-/// exposure that frames have no use for.
+/// `frames.%04d.png` (display-referred sRGB). `wanted`: only these frames need be there; else all from the first number
+/// to the last. `film`: what pictures the images become. Throws core::Error, also for an exposure that frames have no
+/// use for.
 std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std::optional<float> exposure,
-                                         const std::optional<FrameRange>& wanted,
-                                         std::optional<perceptual::ColorMatrix> matrix = {});
+                                         const std::optional<FrameRange>& wanted, const FilmSignals& film = {});
 
 }  // namespace render2mpeg::app

@@ -15,42 +15,44 @@ class Y4mSink : public Sink {
   public:
     Y4mSink(const RenderJob& film, const std::filesystem::path& output)
         : writer_(output, film.format.width, film.format.height, film.rate, film.pixel_aspect) {}
-    void write(const core::Radiance&, const core::Picture& picture) override { writer_.write(picture); }
+    void lit(const LitFrame& frame) override { writer_.write(frame.picture); }
     void finish() override { writer_.finish(); }
 
   private:
     av::Y4mWriter writer_;
 };
 
+/// What the header of an OpenEXR says of a frame of this film.
+image::FrameFacts facts_of(const RenderJob& film, const LitFrame& frame) {
+    const scene::Camera& camera = frame.world.camera;
+    return {film.format.pixel_aspect, film.exposure.value_or(0), film.rate.hertz, camera.world_to_camera(),
+            camera.world_to_ndc()};
+}
+
 /// Scene-linear half floats, alpha 1: what compositors expect under the plain names R, G, B, A.
 class ExrSink : public Sink {
   public:
-    ExrSink(const RenderJob& film, const std::filesystem::path& pattern)
-        : pattern_(pattern), pixel_aspect_(film.format.pixel_aspect) {}
-    void write(const core::Radiance& radiance, const core::Picture& picture) override {
-        const auto& pixels = radiance.combined;
-        std::vector<image::Channel> channels{{"R", {}, true}, {"G", {}, true}, {"B", {}, true}};
-        for (int c = 0; c < 3; ++c)
-            for (const glm::vec3& pixel : pixels.values()) channels[c].values.push_back(pixel[c]);
-        channels.push_back({"A", std::vector<float>(pixels.size(), 1.0f), true});
-        image::write_exr(numbered(pattern_, picture.number), pixels.width(), pixels.height(), channels, pixel_aspect_);
+    ExrSink(const RenderJob& film, const std::filesystem::path& pattern) : film_(film), pattern_(pattern) {}
+    void lit(const LitFrame& frame) override {
+        image::write_frame(numbered(pattern_, frame.picture.number), frame.radiance.combined, facts_of(film_, frame));
     }
 
   private:
+    const RenderJob& film_;
     std::filesystem::path pattern_;
-    float pixel_aspect_;
 };
 
-/// Display-referred 8-bit RGB, as the film would be shown.
+/// 8-bit sRGB of the light that the film stands for.
 class PngSink : public Sink {
   public:
     PngSink(const RenderJob& film, const std::filesystem::path& pattern)
         : display_(film.exposure.value_or(0), perceptual::matrix_for(film.format.height)),
           pattern_(pattern),
           pixel_aspect_(film.format.pixel_aspect) {}
-    void write(const core::Radiance& radiance, const core::Picture& picture) override {
+    void lit(const LitFrame& frame) override {
+        const core::Picture& picture = frame.picture;
         image::write_png(numbered(pattern_, picture.number), picture.width(), picture.height(),
-                         display_.develop_rgb(radiance), pixel_aspect_);
+                         display_.develop_srgb(frame.radiance), pixel_aspect_);
     }
 
   private:
@@ -67,7 +69,7 @@ void LayersWriter::lit(const LitFrame& frame) {
     const core::MotionField& after = frame.motion.exact_to(n + 1);
     const StageTimer timer(statistics_, renderer::Pass::layers);
     image::write_layers(numbered(layers_in(folder_), n), frame.seen.visible, frame.radiance, &before, &after,
-                        pixel_aspect_, &frame.tolerance);
+                        facts_of(film_, frame), &frame.tolerance);
 }
 
 void join_y4m(const RenderJob& film, const std::vector<std::filesystem::path>& parts,

@@ -9,8 +9,6 @@
 #include "app/loop/observer.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
-#include "core/picture.h"
-#include "core/radiance.h"
 
 namespace render2mpeg::app {
 
@@ -18,8 +16,6 @@ namespace render2mpeg::app {
 /// before it is whole.
 class Sink : public LoopObserver {
   public:
-    void lit(const LitFrame& frame) final { write(frame.radiance, frame.picture); }
-    virtual void write(const core::Radiance& radiance, const core::Picture& picture) = 0;
     /// After the last frame.
     virtual void finish() {}
 };
@@ -37,17 +33,17 @@ class ChunkWriter : public LoopObserver {
 /// Writes every frame's layers into a folder.
 class LayersWriter : public LoopObserver {
   public:
-    LayersWriter(std::filesystem::path folder, float pixel_aspect, RunStatistics& statistics)
-        : folder_(std::move(folder)), pixel_aspect_(pixel_aspect), statistics_(statistics) {}
+    LayersWriter(std::filesystem::path folder, const RenderJob& film, RunStatistics& statistics)
+        : folder_(std::move(folder)), film_(film), statistics_(statistics) {}
     void lit(const LitFrame& frame) override;
 
   private:
     std::filesystem::path folder_;
-    float pixel_aspect_;
+    const RenderJob& film_;
     RunStatistics& statistics_;
 };
 
-/// The sink for an output that is not a film; null for one that is.
+/// The sink for an output that is not a film; null for one that is. `film` must outlive it.
 std::unique_ptr<Sink> make_sink(const RenderJob& film, const std::filesystem::path& output);
 
 /// Joins Y4M files that a sink wrote one after the other.

@@ -29,7 +29,7 @@ class Codec {
                                    const std::string& name) const = 0;
 
     virtual std::vector<unsigned char> encode_exr(int width, int height, std::span<const Channel> channels,
-                                                  float pixel_aspect, const std::string& name) const = 0;
+                                                  const FrameFacts& facts, const std::string& name) const = 0;
     virtual std::vector<unsigned char> encode_png(int width, int height, std::span<const unsigned char> rgb,
                                                   float pixel_aspect, const std::string& name) const = 0;
 };
@@ -39,7 +39,7 @@ void limit_exr_windows();
 
 /// In exr.cpp and exr_input.cpp, the only files that include OpenEXR.
 std::vector<unsigned char> encode_multilayer_exr(int width, int height, std::span<const Channel> channels,
-                                                 float pixel_aspect, const std::string& name);
+                                                 const FrameFacts& facts, const std::string& name);
 ExrChannels decode_multilayer_exr(std::span<const std::byte> bytes,
                                   const std::function<bool(const std::string&)>& wanted, const std::string& name);
 

@@ -4,6 +4,7 @@
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
 #include <half.h>
 
 #include <algorithm>
@@ -35,6 +36,27 @@ class MemoryStream final : public Imf::OStream {
     std::size_t at_ = 0;
 };
 
+/// OpenEXR multiplies row vectors, GLM columns: the numbers lie in memory alike.
+Imath::M44f matrix_of(const glm::mat4& matrix) {
+    Imath::M44f result;
+    for (int i = 0; i < 4; ++i)
+        for (int k = 0; k < 4; ++k) result[i][k] = matrix[i][k];
+    return result;
+}
+
+Imf::Header header_of(int width, int height, const FrameFacts& facts) {
+    Imf::Header header(width, height, facts.pixel_aspect);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    Imf::addChromaticities(header, Imf::Chromaticities());  // BT.709's
+    if (facts.exposure) header.insert("exposure", Imf::FloatAttribute(*facts.exposure));
+    if (facts.frames_per_second)
+        Imf::addFramesPerSecond(header, {static_cast<int>(facts.frames_per_second->num),
+                                         static_cast<unsigned int>(facts.frames_per_second->den)});
+    if (facts.world_to_camera) Imf::addWorldToCamera(header, matrix_of(*facts.world_to_camera));
+    if (facts.world_to_ndc) Imf::addWorldToNDC(header, matrix_of(*facts.world_to_ndc));
+    return header;
+}
+
 /// Finite values stay finite: what exceeds the largest half becomes it.
 std::vector<half> halves_of(const std::vector<float>& values) {
     std::vector<half> halves(values.size());
@@ -47,10 +69,9 @@ std::vector<half> halves_of(const std::vector<float>& values) {
 }  // namespace
 
 std::vector<unsigned char> encode_multilayer_exr(int width, int height, std::span<const Channel> channels,
-                                                 float pixel_aspect, const std::string& name) try {
+                                                 const FrameFacts& facts, const std::string& name) try {
     // Describe the channels. The library keeps them sorted by name, whatever our order.
-    Imf::Header header(width, height, pixel_aspect);
-    header.compression() = Imf::ZIP_COMPRESSION;
+    Imf::Header header = header_of(width, height, facts);
     for (const Channel& channel : channels)
         header.channels().insert(channel.name, Imf::Channel(channel.half ? Imf::HALF : Imf::FLOAT));
 

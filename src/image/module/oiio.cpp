@@ -140,9 +140,9 @@ class OiioCodec final : public Codec {
         return decode_multilayer_exr(bytes, wanted, name);
     }
 
-    std::vector<unsigned char> encode_exr(int width, int height, std::span<const Channel> channels, float pixel_aspect,
-                                          const std::string& name) const override {
-        return encode_multilayer_exr(width, height, channels, pixel_aspect, name);
+    std::vector<unsigned char> encode_exr(int width, int height, std::span<const Channel> channels,
+                                          const FrameFacts& facts, const std::string& name) const override {
+        return encode_multilayer_exr(width, height, channels, facts, name);
     }
 
     std::vector<unsigned char> encode_png(int width, int height, std::span<const unsigned char> rgb, float pixel_aspect,
@@ -152,6 +152,8 @@ class OiioCodec final : public Codec {
         const auto output = OIIO::ImageOutput::create("png", &writer);
         if (!output) throw core::Error("writing", name, one_line(OIIO::geterror()));
         OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
+        // Chunk sRGB, and gAMA and cHRM for readers that do not know it. [PNG, 11.3.3.5]
+        spec.attribute("oiio:ColorSpace", "sRGB");
         // PNG says pixels per unit along each axis; without a unit only their ratio counts. [PNG, 11.3.5.3: pHYs]
         if (pixel_aspect != 1) {
             spec.attribute("ResolutionUnit", "none");

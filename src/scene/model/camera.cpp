@@ -67,6 +67,22 @@ std::optional<ScreenPoint> Camera::on_picture(double right, double up, double sc
     return ScreenPoint{position, static_cast<float>(depth)};
 }
 
+glm::mat4 Camera::world_to_camera() const {
+    glm::dmat4 turned(to_world_);
+    turned[2] = -turned[2];
+    return glm::mat4(glm::inverse(turned));
+}
+
+glm::mat4 Camera::world_to_ndc() const {
+    const auto x = 0.5 / static_cast<double>(half_extent_.x), y = -0.5 / static_cast<double>(half_extent_.y);
+    const auto near = static_cast<double>(lens_.near);
+    // By columns: what right, up, depth and 1 are taken by.
+    const glm::dmat4 of_camera = lens_.perspective
+                                     ? glm::dmat4({x, 0, 0, 0}, {0, y, 0, 0}, {0.5, 0.5, 1, 1}, {0, 0, -near, 0})
+                                     : glm::dmat4({x, 0, 0, 0}, {0, y, 0, 0}, {0, 0, 1, 0}, {0.5, 0.5, -near, 1});
+    return glm::mat4(of_camera * glm::dmat4(world_to_camera()));
+}
+
 float Camera::pixel_size() const {
     return 2 * half_extent_.y / static_cast<float>(height_);
 }

@@ -56,6 +56,11 @@ class Camera {
     bool perspective() const { return lens_.perspective; }
     const CameraLens& lens() const { return lens_; }
     const glm::mat4& to_world() const { return to_world_; }
+    /// World points to OpenEXR's camera space: x right, y up, z along the view.
+    glm::mat4 world_to_camera() const;
+    /// World points, once divided by w, to (0, 0) at the picture's upper left corner, (1, 1) at its lower right one,
+    /// and a third coordinate that is 0 at CameraLens::near and rises with depth.
+    glm::mat4 world_to_ndc() const;
 
   private:
     /// From coordinates along the camera's axes, divided by `scale` where it is a perspective camera.
