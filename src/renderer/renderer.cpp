@@ -124,6 +124,8 @@ struct Renderer::Impl {
             const Stopwatch watch(row(Pass::photons));
             indirect = anchors->at(posed_scene, direct);
             statistics.photon_rays += indirect.rays;
+            statistics.photon_energy += indirect.landed;
+            statistics.photon_energy_lost += indirect.lost;
         }
         {
             const Stopwatch watch(row(Pass::direct_tree));

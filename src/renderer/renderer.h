@@ -33,7 +33,7 @@ struct Settings {
     int samples = 4;           ///< eye samples per pixel, >= 1
     int direct_points = 1024;  ///< light points for emissive surfaces and sky together
     int vpls = 4096;           ///< anchor lights, about: light points of indirect light; 0: none
-    int bounces = 8;           ///< longest photon path
+    int bounces = 0;           ///< longest photon path; 0: any
     int min_cut = 8;           ///< clusters per gather point, both trees together
     int max_cut = 1000;
     int specular_depth = 6;  ///< mirrors and glass after one another
@@ -61,6 +61,8 @@ struct Statistics {
     std::uint64_t calibrated_pixels = 0;  ///< gathered again for it; their rays count nowhere
     double calibration_seconds = 0;       ///< CPU, part of the time of shading
     double sky_seconds = 0;               ///< CPU, about, part of the time of seeing: looking at the sky
+    double photon_energy = 0;             ///< luminance flux that photons brought to surfaces, bounce by bounce
+    double photon_energy_lost = 0;        ///< of it, what ended since no surface counts as brighter than largest_albedo
     double layer_seconds = 0;             ///< likewise, of the time of shading: what translucent surfaces let through
     CacheCounts cache;                    ///< of the irradiance cache (Settings::cache)
 };

@@ -35,6 +35,8 @@ renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer:
     sum.calibration_seconds += earlier.calibration_seconds;
     sum.sky_seconds += earlier.sky_seconds;
     sum.layer_seconds += earlier.layer_seconds;
+    sum.photon_energy += earlier.photon_energy;
+    sum.photon_energy_lost += earlier.photon_energy_lost;
     sum.bands.add(earlier.bands);
     if (!earlier.first_non_finite.empty()) sum.first_non_finite = earlier.first_non_finite;
 

@@ -45,6 +45,8 @@ void each_count(Counts& s, Visit&& visit) {
     visit("band_clusters", s.bands.clusters);
     visit("clamped_energy", s.clamped_energy);
     visit("luminance", s.luminance);
+    visit("photon_energy", s.photon_energy);
+    visit("photon_energy_lost", s.photon_energy_lost);
     visit("direct_points", s.direct_points);
     visit("indirect_points", s.indirect_points);
     visit("least_error_scale", s.least_error_scale);

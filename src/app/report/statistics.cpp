@@ -224,6 +224,7 @@ json statistics_of(const RenderJob& film, const RunStatistics& statistics, const
         {"audit", audit_of(film, statistics.audit)},
         {"first_non_finite", r.first_non_finite},
         {"clamped_energy", r.clamped_energy},
+        {"photon_energy_lost", core::divide_or(r.photon_energy_lost, r.photon_energy, 0.0)},
     });
     if (coded) written["rate"] = rate_of(film.film(), statistics);
     written["quantisers"] = coded ? quantisers_of(statistics) : json(nullptr);

@@ -140,6 +140,10 @@ std::string light_lines(const RunStatistics& statistics) {
     if (r.clamped_energy > 0.0005)
         text +=
             fmt::format("             {} of the light was clamped near light points\n", percent_text(r.clamped_energy));
+    if (const double lost = core::divide_or(r.photon_energy_lost, r.photon_energy, 0.0); lost > 0.0005)
+        text += fmt::format(
+            "             {} of the photons' light ended on surfaces too bright to be real: none reflects over 99 %\n",
+            percent_text(lost));
     if (statistics.brightest_luma <= 16)
         text += "             every pixel is black: no light reaches what the camera sees\n";
     if (r.non_finite > 0)

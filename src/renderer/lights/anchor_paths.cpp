@@ -18,13 +18,17 @@ std::uint64_t photons_for(std::uint64_t anchors) {
 /// nothing. chosen: 64, twice what a scene takes whose paths leave one VPL each.
 constexpr std::uint64_t most_paths_per_anchor = 64;
 
+/// VPLs that one path leaves on the average at most (largest_albedo).
+constexpr std::uint64_t most_landings = 100;
+
 }  // namespace
 
 std::uint64_t paths_of_anchors(int anchors, std::uint64_t photons, int bounces, Landings seen) {
     const auto count = static_cast<std::uint64_t>(std::max(anchors, 1));
     const std::uint64_t most = std::max(most_paths_per_anchor * count, photons);
     if (photons == 0) photons = photons_for(count);
-    const std::uint64_t least = std::max<std::uint64_t>(photons / static_cast<std::uint64_t>(std::max(bounces, 1)), 1);
+    const std::uint64_t landings = bounces > 0 ? static_cast<std::uint64_t>(bounces) : most_landings;
+    const std::uint64_t least = std::max<std::uint64_t>(photons / landings, 1);
     // None seen to land is no reason to follow none: light may come later.
     const double per_landing =
         seen.landed == 0 ? 1.0 : static_cast<double>(seen.paths) / static_cast<double>(seen.landed);

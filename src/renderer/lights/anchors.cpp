@@ -309,6 +309,8 @@ Anchors::Lit Anchors::at(const PosedScene& posed_scene, std::span<const LightPoi
         const std::uint64_t count = std::min(batch, a.paths - done);
         const PhotonResult photons = trace_photons(posed_scene, lights, {1 + done, count, a.settings.bounces});
         lit.rays += photons.rays;
+        lit.landed += photons.landed / static_cast<double>(a.paths);
+        lit.lost += photons.lost / static_cast<double>(a.paths);
         const float part = static_cast<float>(static_cast<double>(count) / static_cast<double>(a.paths));
         const std::size_t before = hits.size();
         hits.resize(before + photons.vpls.size());

@@ -14,7 +14,7 @@ namespace render2mpeg::renderer {
 
 struct AnchorSettings {
     int count = 4096;  ///< anchors in all, about; at least one for every surface that moves
-    int bounces = 8;   ///< see PhotonSettings
+    int bounces = 0;   ///< see PhotonSettings
     std::uint64_t photons =
         0;  ///< VPLs that are splatted onto the anchors in a frame, about; 0: as many as `count` asks for
 };
@@ -50,6 +50,7 @@ class Anchors {
     struct Lit {
         std::vector<LightPoint> still, moving;  ///< by id; dark ones among them
         std::uint64_t rays = 0;
+        double landed = 0, lost = 0;  ///< see PhotonResult, of all photons
     };
     /// The anchors as `lights` let them shine at the posed instant. All light that photons leave on surfaces is in
     /// them. Does not depend on the number of threads.

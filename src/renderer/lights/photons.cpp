@@ -14,14 +14,11 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Of all events of a path (scattering, mirrors, layers passed), each takes three numbers after the first five, and the
-/// Halton sequence has 64.
+/// Of all events of a path (scattering, mirrors, layers passed), each takes three numbers after the first five.
 constexpr int first_event_dimension = 5;
-constexpr int most_events = (core::halton_dimensions - first_event_dimension) / 3;
 
-/// A path goes on with at most this probability, so that it ends whatever the albedo. chosen: 0.95; the rest is made
-/// good by weight.
-constexpr float most_survival = 0.95f;
+/// Against paths without end: largest_albedo leaves one path of 10^17 to so many events, layers of alpha not counted.
+constexpr int most_events = 4096;
 
 /// Paths traced to learn how many VPLs a path leaves, as a share of the VPLs wanted, and the most paths per VPL wanted
 /// at all.
@@ -66,6 +63,7 @@ struct Onward {
     glm::vec3 direction{0};
     glm::vec3 flux{0};
     bool straight = false;  ///< through the surface
+    float lost = 0;         ///< luminance that largest_albedo took
 };
 
 Onward scatter(const SurfacePoint& p, glm::vec3 flux, float choice, glm::vec2 u) {
@@ -77,34 +75,40 @@ Onward scatter(const SurfacePoint& p, glm::vec3 flux, float choice, glm::vec2 u)
     const auto kept = [&](glm::vec3 albedo) { return core::divide_or(glm::dot(flux, albedo), before, 0.0f); };
     float chance[4] = {kept(b.diffuse), kept(glossy), kept(b.mirror), kept(b.transmission)};
     const float sum = chance[0] + chance[1] + chance[2] + chance[3];
-    if (sum > most_survival)
-        for (float& c : chance) c *= most_survival / sum;
+    // What is brighter than any real surface is taken as the brightest: probabilities fall, weights do not rise.
+    const float lost = std::max(sum - largest_albedo, 0.0f) * core::luminance(flux);
+    const float kept_share = sum > largest_albedo ? largest_albedo / sum : 1.0f;
+    choice = core::divide_or(choice, kept_share, 1.0f);
     if (choice < chance[0])
-        return {core::sample_cosine_hemisphere(p.shading_normal, u), flux * b.diffuse / chance[0], false};
+        return {core::sample_cosine_hemisphere(p.shading_normal, u), flux * b.diffuse / chance[0], false, lost};
     choice -= chance[0];
     if (choice < chance[1]) {
         const LobeSample sample = sample_glossy(b, p.shading_normal, p.outgoing, u);
-        return {sample.direction, flux * sample.weight / chance[1], false};
+        return {sample.direction, flux * sample.weight / chance[1], false, lost};
     }
     choice -= chance[1];
     if (choice < chance[2]) {
         const float nv = glm::dot(p.shading_normal, p.outgoing);
         return {core::normalize_or(2.0f * nv * p.shading_normal - p.outgoing, p.shading_normal),
-                flux * b.mirror / chance[2], false};
+                flux * b.mirror / chance[2], false, lost};
     }
     choice -= chance[2];
-    if (choice < chance[3]) return {-p.outgoing, flux * b.transmission / chance[3], true};
-    return {};
+    if (choice < chance[3]) return {-p.outgoing, flux * b.transmission / chance[3], true, lost};
+    return {{}, {}, false, lost};
 }
 
 /// One path; appends its VPLs, not yet divided by the number of paths, and returns the rays it took.
 int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint64_t path, int bounces,
            PhotonResult& out) {
-    const auto number = [&](int dimension) { return core::halton(dimension, path); };
+    // Few paths are so long that the sequence has no more dimensions; they go on with random numbers.
+    const auto number = [&](int dimension) {
+        return dimension < core::halton_dimensions ? core::halton(dimension, path)
+                                                   : core::uniform(path, static_cast<std::uint64_t>(dimension));
+    };
     Photon photon = source.emit(number(0), {number(1), number(2)}, {number(3), number(4)});
     int rays = 0;
     int left = bounces;
-    for (int event = 0; event < most_events && left > 0; ++event) {
+    for (int event = 0; event < most_events && (bounces == 0 || left > 0); ++event) {
         if (!(core::luminance(photon.flux) > 0.0f)) break;
         ++rays;
         const Hit hit =
@@ -123,9 +127,11 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
         if (p.bsdf.has_diffuse() || p.bsdf.has_glossy()) {
             out.vpls.push_back(vpl_at(p, photon.flux));
             out.addresses.push_back(p.address);
+            out.landed += static_cast<double>(core::luminance(photon.flux));
             --left;
         }
         const Onward onward = scatter(p, photon.flux, choice, {number(dimension + 1), number(dimension + 2)});
+        out.lost += static_cast<double>(onward.lost);
         // A bounce below the horizon of the true surface would leak through it.
         if (!onward.straight && !(glm::dot(onward.direction, p.geometric_normal) > 0.0f)) break;
         photon = {offset_origin(p, onward.direction), onward.direction, onward.flux};
@@ -147,6 +153,8 @@ PhotonResult follow_all(const PosedScene& posed_scene, const PhotonSource& sourc
         result.vpls.insert(result.vpls.end(), p.vpls.begin(), p.vpls.end());
         result.addresses.insert(result.addresses.end(), p.addresses.begin(), p.addresses.end());
         result.rays += p.rays;
+        result.landed += p.landed;
+        result.lost += p.lost;
     }
     return result;
 }

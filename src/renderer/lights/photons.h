@@ -12,18 +12,26 @@ namespace render2mpeg::renderer {
 struct PhotonSettings {
     std::uint64_t first_path = 1;  ///< index into the Halton sequence; the same in every frame
     std::uint64_t paths = 0;
-    int bounces = 8;  ///< places where one path may leave a VPL
+    int bounces = 0;  ///< places where one path may leave a VPL; 0: any number
 };
 
 struct PhotonResult {
     std::vector<LightPoint> vpls;                 ///< in the order of paths and bounces
     std::vector<core::SurfaceAddress> addresses;  ///< where each lies
     std::uint64_t rays = 0;
+    double landed = 0;  ///< flux that met scattering surfaces, luminance, summed over bounces
+    double lost = 0;    ///< of it, what largest_albedo kept from going on
 };
+
+/// Photons take no surface for brighter than this, so that a closed room has a sum of light and every path an end.
+/// chosen: 0.99, above all real paints (0.97 for barium sulphate); a room of such walls holds 100 times its lamp's
+/// light.
+inline constexpr float largest_albedo = 0.99f;
 
 /// Follows `paths` photons from the lights through the posed scene and leaves a virtual point light wherever one meets
 /// a surface that scatters it: intensity rho / pi dPhi on the side that was hit [Render2MPEG, eq. 6.3]. Photon i takes
-/// the same numbers whatever the scene. Does not depend on the number of threads.
+/// the same numbers whatever the scene. Paths end by Russian roulette alone, which loses no light up to largest_albedo.
+/// Does not depend on the number of threads.
 PhotonResult trace_photons(const PosedScene& posed_scene, std::span<const LightPoint> lights,
                            const PhotonSettings& settings);
 
