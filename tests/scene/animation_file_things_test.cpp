@@ -76,6 +76,23 @@ void expect_normals_outwards(const Mesh& mesh, double least_cosine) {
     }
 }
 
+TEST(LampMesh, ShinesAsTheTrueSphereInEveryDirection) {
+    // Far away a lamp of radiance 1 gives what its shadow's area is.
+    const Mesh lamp = lamp_mesh(0.5);
+    EXPECT_NEAR(area(lamp), glm::pi<double>(), 1e-5);
+    for (int i = 0; i < 100; ++i) {
+        const glm::vec3 towards = core::sample_sphere(
+            {core::halton(0, static_cast<std::uint64_t>(i)), core::halton(1, static_cast<std::uint64_t>(i))});
+        double shadow = 0;
+        for (const glm::uvec3 t : lamp.triangles) {
+            const glm::vec3 a = lamp.positions[t.x],
+                            wound = glm::cross(lamp.positions[t.y] - a, lamp.positions[t.z] - a);
+            shadow += 0.5 * std::max(0.0f, glm::dot(wound, towards));
+        }
+        EXPECT_NEAR(shadow / (0.25 * glm::pi<double>()), 1.0, 1e-3) << i;
+    }
+}
+
 TEST(AnimationFileShapes, HaveTheVolumeAndAreaOfTheirSolids) {
     EXPECT_NEAR(volume(box_mesh({2, 3, 4}, TextureLayout::fit)), 24, 1e-5);
     EXPECT_NEAR(area(box_mesh({2, 3, 4}, TextureLayout::fit)), 52, 1e-5);
@@ -102,6 +119,7 @@ TEST(AnimationFileShapes, WindAndShadeOutwards) {
     expect_normals_outwards(plane_mesh({1, 2}, TextureLayout::fit), 0.999);
     expect_normals_outwards(quad_mesh({1, 2}, TextureLayout::fit), 0.999);
     expect_normals_outwards(sphere_mesh(1, 24, TextureLayout::fit), 0.9);
+    expect_normals_outwards(lamp_mesh(1), 0.99);
     expect_normals_outwards(cylinder_mesh(1, 0.5, 1, 24, TextureLayout::fit), 0.9);
     expect_normals_outwards(disc_mesh(1, 24, TextureLayout::fit), 0.999);
     expect_normals_outwards(torus_mesh(1, 0.3, 32, TextureLayout::fit), 0.9);

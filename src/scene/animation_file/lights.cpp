@@ -65,9 +65,7 @@ void Things::build_lamp(const JsonValue& value, const std::string& name, int nod
                 mesh.normals[i] = {0, 0, -1};
             }
         } else {
-            // chosen: 12 sides, 120 triangles: a lamp is too bright for its corners to show, and each triangle is a
-            // light.
-            mesh = sphere_mesh(size_or(value, "radius", 0.1), 12, TextureLayout::fit);
+            mesh = lamp_mesh(size_or(value, "radius", 0.1));
         }
         mesh.name = value.place();
         film_.meshes.push_back(std::move(mesh));

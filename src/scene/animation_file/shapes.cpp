@@ -1,8 +1,11 @@
 #include "scene/animation_file/shapes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <initializer_list>
+#include <utility>
 
 #include "core/error.h"
 #include "core/numeric.h"
@@ -137,6 +140,50 @@ Mesh sphere_mesh(double radius, int segments, TextureLayout layout) {
     Mesh mesh = lathe_mesh(outline, segments, 181, layout);
     for (std::size_t i = 0; i < mesh.positions.size(); ++i)
         mesh.normals[i] = core::normalize_or(mesh.positions[i], glm::vec3(0, 1, 0));
+    return mesh;
+}
+
+Mesh lamp_mesh(double radius) {
+    // An icosahedron, its triangles cut into four again and again: they stay alike, and together in the list.
+    constexpr int cuts = 3;
+    using Face = std::array<glm::dvec3, 3>;
+    const double g = glm::golden_ratio<double>();
+    const std::array<glm::dvec3, 12> corners{{{-1, g, 0},
+                                              {1, g, 0},
+                                              {-1, -g, 0},
+                                              {1, -g, 0},
+                                              {0, -1, g},
+                                              {0, 1, g},
+                                              {0, -1, -g},
+                                              {0, 1, -g},
+                                              {g, 0, -1},
+                                              {g, 0, 1},
+                                              {-g, 0, -1},
+                                              {-g, 0, 1}}};
+    std::vector<Face> faces;
+    for (const auto& [a, b, c] : std::initializer_list<std::array<std::size_t, 3>>{
+             {0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+             {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+             {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}})
+        faces.push_back({glm::normalize(corners[a]), glm::normalize(corners[b]), glm::normalize(corners[c])});
+    for (int cut = 0; cut < cuts; ++cut) {
+        std::vector<Face> finer;
+        for (const auto& [a, b, c] : faces) {
+            const glm::dvec3 ab = glm::normalize(a + b), bc = glm::normalize(b + c), ca = glm::normalize(c + a);
+            for (const Face& face : {Face{a, ab, ca}, Face{ab, b, bc}, Face{ca, bc, c}, Face{ab, bc, ca}})
+                finer.push_back(face);
+        }
+        faces = std::move(finer);
+    }
+    double area = 0;
+    for (const auto& [a, b, c] : faces) area += 0.5 * glm::length(glm::cross(b - a, c - a));
+    const double scale = radius * std::sqrt(2 * tau / area);
+    Mesh mesh;
+    for (const Face& face : faces) {
+        const auto first = static_cast<unsigned>(mesh.positions.size());
+        for (const glm::dvec3& p : face) add(mesh, {scale * p, p, {0, 0}});
+        add_triangle(mesh, first, first + 1, first + 2);
+    }
     return mesh;
 }
 

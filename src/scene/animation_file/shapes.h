@@ -30,6 +30,10 @@ Mesh lathe_mesh(const std::vector<glm::dvec2>& outline, int segments, double cre
 /// About the origin.
 Mesh sphere_mesh(double radius, int segments, TextureLayout layout);
 
+/// A sphere about the origin as a lamp is: 1,280 triangles with the area of the true sphere, whose shadow in every
+/// direction is a circle's area to 0.06 %, so that it lights as the sphere would.
+Mesh lamp_mesh(double radius);
+
 /// Stands on y = 0; closed above and below. `top_radius` 0 is a cone.
 Mesh cylinder_mesh(double radius, double top_radius, double height, int segments, TextureLayout layout);
 
