@@ -159,6 +159,27 @@ TEST(Rays, BeforeAnythingIsPosedMiss) {
     EXPECT_FALSE(tracer.nearest({0, 0, 5}, {0, 0, -1}, infinity).found());
 }
 
+TEST(CoplanarSurfaces, ShowAFrontBeforeABack) {
+    // A ball that is thinner than what counts as one plane: its underside has the same distance, and lower triangles.
+    SceneBuilder builder;
+    const int mesh = builder.add_mesh(SceneBuilder::sphere(1, 16));
+    builder.add_object(mesh, builder.add_material(), {0, 0, 0}, {1, 0, 0, 0}, {1, 1e-6, 1});
+    builder.add_object(mesh, builder.add_material(), {3, 0, 0}, {1, 0, 0, 0}, {1, -1e-6, 1});
+    const Stage stage(builder);
+    int hits = 0;
+    for (const float middle : {0.0f, 3.0f})
+        for (std::uint64_t i = 1; i <= 500; ++i) {
+            const glm::vec3 to{middle + 2 * core::halton(0, i) - 1, 0, 2 * core::halton(1, i) - 1};
+            const glm::vec3 from{middle, 0.5f, 4};
+            const Hit hit = stage.tracer().nearest(from, glm::normalize(to - from), infinity);
+            if (!hit.found()) continue;
+            ++hits;
+            const renderer::SurfacePoint point = stage.posed_scene().surface_at(hit.address, glm::normalize(from - to));
+            EXPECT_FALSE(point.back_side) << i;
+        }
+    EXPECT_GT(hits, 600);
+}
+
 TEST(CoplanarSurfaces, ShowTheLowestObjectWhateverTheirTriangles) {
     // Two sheets in one oblique plane, cut up differently; the object that comes second in the tree's order must not
     // win.

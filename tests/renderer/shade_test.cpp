@@ -38,6 +38,32 @@ SceneBuilder floor_and_lamp(float intensity) {
     return b;
 }
 
+TEST(Shade, LightsTheSeamsOfWalls) {
+    // Looked at from the middle of a room, the picture's diagonals run along the seams of its walls: each pixel there
+    // is about as bright as the brighter of its neighbours on the two walls, and none is black.
+    SceneBuilder b;
+    const int white = b.add_material(glm::vec3(0.5f));
+    b.add_quad({-1, -1, 1}, {2, 0, 0}, {0, 0, -2}, white);  // floor
+    b.add_quad({-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, white);   // ceiling
+    b.add_quad({-1, -1, -1}, {0, 2, 0}, {0, 0, 2}, white);  // left
+    b.add_quad({1, -1, 1}, {0, 2, 0}, {0, 0, -2}, white);   // right
+    b.add_quad({-1, -1, -1}, {2, 0, 0}, {0, 2, 0}, white);  // back
+    b.add_point_light({0.1f, 0.2f, 0.3f}, 1);
+    b.add_camera({0, 0, 2}, {0, 0, 0}, 2 * std::atan(1.0f));
+    constexpr int size = 24;
+    FilmStage stage(b);
+    const scene::Snapshot world = stage.at(0);
+    const Seen seen = stage.renderer().see(world);
+    const core::Radiance r = stage.renderer().shade(world, seen, core::ToleranceMap::reference());
+    for (int i = 1; i + 1 < size; ++i)
+        for (const int y : {i, size - 1 - i}) {
+            const float here = r.combined.at(i, y).x, left = r.combined.at(i - 1, y).x,
+                        right = r.combined.at(i + 1, y).x;
+            EXPECT_GT(here, 0.5f * std::min(left, right)) << i << " " << y;
+            EXPECT_LT(here, 1.5f * std::max(left, right)) << i << " " << y;
+        }
+}
+
 TEST(Shade, OfOnePointLightIsTheInverseSquareLaw) {
     FilmStage stage(floor_and_lamp(7));
     const scene::Snapshot world = stage.at(0);

@@ -80,6 +80,12 @@ class EmbreeScene {
         return is_instanced(object) ? placed_[object].wound_normal * normal : normal;
     }
 
+    /// Whether a ray along `direction` meets the back of a triangle, whose normal in Embree's sense is this.
+    bool is_back(std::uint32_t object, glm::vec3 normal, glm::vec3 direction) const {
+        const bool mirrored = glm::determinant(glm::mat3(placed_[object].to_world)) < 0.0f;
+        return (glm::dot(world_normal(object, normal), direction) > 0.0f) != mirrored;
+    }
+
   private:
     static constexpr unsigned no_instance = 0xffffffffu;
     struct ReleaseDevice {

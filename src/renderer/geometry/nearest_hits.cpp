@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "renderer/base/flush_denormals.h"
@@ -29,10 +30,17 @@ RTCRayHit unanswered(const RayQuery& query, float near, float far) {
 struct TieContext {
     RTCIntersectContext embree;
     const EmbreeScene* scene;
-    Hit* best;  ///< by the rays' ids
+    const RayQuery* queries;  ///< by the rays' ids
+    Hit* best;                ///< likewise
 };
 
-/// Remembers the lowest id among all surfaces that a ray meets, and refuses every hit so that all are seen.
+/// What wins is less: a front before a back, which a thin body has in one place with it; then the lowest id.
+auto rank(const EmbreeScene& scene, const Hit& hit, glm::vec3 direction) {
+    return std::tuple(scene.is_back(hit.address.object, hit.geometric_normal, direction), hit.address.object,
+                      hit.address.primitive);
+}
+
+/// Remembers which of all surfaces that a ray meets wins, and refuses every hit so that all are seen.
 void take_lowest(const RTCFilterFunctionNArguments* arguments) {
     const auto& context = *reinterpret_cast<const TieContext*>(arguments->context);
     const unsigned n = arguments->N;
@@ -40,21 +48,25 @@ void take_lowest(const RTCFilterFunctionNArguments* arguments) {
     for (unsigned i = 0; i < n; ++i) {
         if (arguments->valid[i] != -1) continue;
         arguments->valid[i] = 0;
-        Hit& best = context.best[RTCRayN_id(arguments->ray, n, i)];
+        const unsigned ray = RTCRayN_id(arguments->ray, n, i);
+        Hit& best = context.best[ray];
         const core::SurfaceAddress address =
             context.scene->address(RTCHitN_instID(hit, n, i, 0), RTCHitN_geomID(hit, n, i), RTCHitN_primID(hit, n, i),
                                    RTCHitN_u(hit, n, i), RTCHitN_v(hit, n, i));
-        if (std::pair(address.object, address.primitive) >= std::pair(best.address.object, best.address.primitive))
-            continue;
-        const glm::vec3 normal{RTCHitN_Ng_x(hit, n, i), RTCHitN_Ng_y(hit, n, i), RTCHitN_Ng_z(hit, n, i)};
-        best = {address, RTCRayN_tfar(arguments->ray, n, i), normal};
+        if (address.object == best.address.object && address.primitive == best.address.primitive) continue;
+        const Hit other{address,
+                        RTCRayN_tfar(arguments->ray, n, i),
+                        {RTCHitN_Ng_x(hit, n, i), RTCHitN_Ng_y(hit, n, i), RTCHitN_Ng_z(hit, n, i)}};
+        const glm::vec3 direction = context.queries[ray].direction;
+        if (rank(*context.scene, other, direction) < rank(*context.scene, best, direction)) best = other;
     }
 }
 
-void begin(TieContext& context, const EmbreeScene& scene, Hit* best) {
+void begin(TieContext& context, const EmbreeScene& scene, const RayQuery* queries, Hit* best) {
     rtcInitIntersectContext(&context.embree);
     context.embree.filter = &take_lowest;
     context.scene = &scene;
+    context.queries = queries;
     context.best = best;
 }
 
@@ -78,7 +90,7 @@ class HitPacket {
         for (std::size_t i = 0; i < queries_.size(); ++i) hits[i] = take(static_cast<int>(i));
 
         TieContext ties;
-        begin(ties, scene_, hits);
+        begin(ties, scene_, queries_.data(), hits);
         trace(ties.embree);
         for (std::size_t i = 0; i < queries_.size(); ++i) {
             if (!hits[i].found()) continue;
@@ -165,7 +177,7 @@ Hit nearest_hit(const EmbreeScene& scene, const RayQuery& query) {
             t,
             {found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z}};
     TieContext ties;
-    begin(ties, scene, &hit);
+    begin(ties, scene, &query, &hit);
     RTCRayHit again = unanswered(query, t * (1.0f - coplanar), std::min(query.far, t * (1.0f + coplanar)));
     rtcIntersect1(scene.root(), &ties.embree, &again);
     hit.geometric_normal = scene.world_normal(hit.address.object, hit.geometric_normal);

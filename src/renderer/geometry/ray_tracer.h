@@ -60,7 +60,8 @@ class RayTracer {
     void pose(const scene::Snapshot& snapshot);
 
     /// The nearest surface at a distance in (0, far), translucent ones included. Of surfaces that lie in one plane
-    /// (within 2^-19 of the distance) the one with the lowest object, then primitive wins, so that they do not flicker.
+    /// (within 2^-19 of the distance) a front wins over a back, then the lowest object, then primitive, so that they do
+    /// not flicker.
     Hit nearest(glm::vec3 origin, glm::vec3 direction, float far) const;
 
     /// The same for many rays, as many as `hits`; for less than half of the price where sixteen in a row are

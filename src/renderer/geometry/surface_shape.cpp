@@ -36,14 +36,20 @@ glm::vec2 to_barycentric(glm::dvec3 e1, glm::dvec3 e2, glm::dvec3 edge) {
             static_cast<float>(core::divide_or(a * q - b * p, determinant, 0.0))};
 }
 
+/// Interpolating corners, and intersecting them with rays from about here, each err by some ulp of the coordinates,
+/// axis by axis. chosen: 8 ulp; with 2^-22 no ray of 24 closed spheres (1e-4..1e6 in size, up to 1e4 radii away, still
+/// and instanced) meets the surface it leaves, with 2^-24 1 % do.
+constexpr float position_digits = 0x1p-20f;
+
+/// How far points lie from their triangle's edges at least, in units of their position's error. chosen: 4, which is
+/// beyond the error of the other wall of a seam, and of the ray that starts there.
+constexpr float edge_distance = 4.0f;
+
 /// How far the point may lie off the surface that rays meet, along its normal.
 float error_at(const SurfaceShape& shape, const scene::Triangle& triangle, const scene::ObjectState& state,
                bool instanced) {
-    // Interpolating corners, and intersecting them with rays from about here, each err by some ulp of the coordinates,
-    // axis by axis: in a plane x = const the error along the normal is that of x alone. chosen: 8 ulp; with 2^-22 no
-    // ray of 24 closed spheres (1e-4..1e6 in size, up to 1e4 radii away, still and instanced) meets the surface it
-    // leaves, with 2^-24 1 % do.
-    constexpr float relative = 0x1p-20f;
+    // In a plane x = const the error along the normal is that of x alone.
+    constexpr float relative = position_digits;
     const glm::vec3 extent = glm::max(glm::max(absolute(triangle.a), absolute(triangle.b)), absolute(triangle.c));
     // Where that is 0, on the floor y = 0, a ray still must not start in the plane: Embree takes distance 0 for a hit.
     const float own = relative * (glm::dot(absolute(shape.front_normal), extent) + relative * largest(extent));
@@ -54,6 +60,24 @@ float error_at(const SurfaceShape& shape, const scene::Triangle& triangle, const
     const glm::mat4& m = state.to_world;
     const float distortion = std::min(distortion_of(m), 1024.0f);
     return own + relative * distortion * (largest(shape.position) + largest(glm::vec3(m[3])));
+}
+
+/// Weights of the point of the triangle that lies at least `distance` from its edges, next to the one of these weights;
+/// they themselves where the triangle has no room for that. On the seam of two walls a point would lie in the plane of
+/// the other wall, and rounding would decide whether that hides all light from it.
+glm::vec3 off_edges(glm::vec3 weights, const SurfaceShape& shape, float distance) {
+    const float area = glm::length(glm::cross(shape.edge1, shape.edge2));  // twice the triangle's
+    // A weight is the distance from the edge opposite to its corner, over the triangle's height there.
+    const glm::vec3 least =
+        distance / area *
+        glm::vec3(glm::length(shape.edge2 - shape.edge1), glm::length(shape.edge2), glm::length(shape.edge1));
+    if (!(least.x + least.y + least.z < 0.5f)) return weights;
+    const glm::vec3 inside = glm::max(weights, least);
+    if (inside == weights) return weights;
+    // Take what was added from what is above its least.
+    const glm::vec3 above = inside - least;
+    const float sum = above.x + above.y + above.z, wanted = 1.0f - (least.x + least.y + least.z);
+    return least + above * (wanted / sum);
 }
 
 }  // namespace
@@ -96,6 +120,13 @@ SurfaceShape shape_at(const scene::Snapshot& snapshot, const core::SurfaceAddres
     shape.front_normal = core::normalize_or(mirrored ? -wound : wound, {0, 0, 1});
     shape.smooth_normal = smooth_normal_at(snapshot, address.object, shape, address.u, address.v);
     shape.position_error = error_at(shape, triangle, state, instanced);
+    const glm::vec3 inside =
+        off_edges(shape.weights, shape,
+                  edge_distance * std::max(shape.position_error, position_digits * largest(shape.position)));
+    if (inside != shape.weights) {
+        shape.weights = inside;
+        shape.position = inside.x * triangle.a + inside.y * triangle.b + inside.z * triangle.c;
+    }
     if (footprint.dx != glm::vec3{0.0f} || footprint.dy != glm::vec3{0.0f}) {
         shape.barycentric_dx = to_barycentric(shape.edge1, shape.edge2, footprint.dx);
         shape.barycentric_dy = to_barycentric(shape.edge1, shape.edge2, footprint.dy);
