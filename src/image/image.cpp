@@ -21,9 +21,17 @@ namespace fs = std::filesystem;
 /// Larger files are refused: 4 GiB holds the largest image at 16 bytes per pixel.
 constexpr std::uintmax_t max_file_bytes = std::uintmax_t{1} << 32;
 
-/// Opens the module at the first call, which costs half a second.
+/// Opens OpenEXR at the first call, which takes some milliseconds, and limits its windows.
+const ExrCodec& exr_codec() {
+    static const ExrCodec& opened = *core::module_function<const ExrCodec*()>("exr", "render2mpeg_exr_codec")();
+    return opened;
+}
+
+/// Opens OpenImageIO at the first call, which costs half a second. It reads OpenEXR files by the same library, which
+/// must have its limits before.
 const Codec& codec() {
-    static const Codec& opened = *core::module_function<const Codec*()>("image", "render2mpeg_image_codec")();
+    static const Codec& opened =
+        (exr_codec(), *core::module_function<const Codec*()>("image", "render2mpeg_image_codec")());
     return opened;
 }
 
@@ -110,7 +118,7 @@ ExrChannels read_exr(const fs::path& path, const std::function<bool(const std::s
     const std::vector<std::byte> bytes = bytes_of_file(path, name);
     if (format_of(bytes, name) != Format::exr) throw core::Error("reading", name, "not an OpenEXR file");
     check_exr_attributes(bytes, name);
-    return codec().decode_exr(bytes, wanted, name);
+    return exr_codec().decode(bytes, wanted, name);
 }
 
 void write_exr(const fs::path& path, int width, int height, std::span<const Channel> channels,
@@ -122,7 +130,7 @@ void write_exr(const fs::path& path, int width, int height, std::span<const Chan
         EXPECTS(!channel.name.empty() && names.insert(channel.name).second);
         EXPECTS(channel.values.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     }
-    replace_file(path, codec().encode_exr(width, height, channels, facts, path.string()));
+    replace_file(path, exr_codec().encode(width, height, channels, facts, path.string()));
 }
 
 std::vector<unsigned char> png_bytes(int width, int height, std::span<const unsigned char> rgb,

@@ -342,11 +342,18 @@ bool is_loaded(const std::string& library) {
 }
 
 TEST(Module, IsNotOpenedBeforeAnImageIs) {
-    // Each test runs in a process of its own under ctest; in one process, others may have been first.
+    // Each suite runs in a process of its own under ctest; in one process, others may have been first.
     if (is_loaded("libOpenImageIO")) GTEST_SKIP() << "another test has opened it";
     EXPECT_NE(refusal({1, 2, 3, 4}), "");
     EXPECT_NE(refusal({0xff, 0xd8, 0xff}), "");
     EXPECT_FALSE(is_loaded("libOpenImageIO"));
+    EXPECT_FALSE(is_loaded("render2mpeg_exr_module"));
+    const std::filesystem::path exr = std::filesystem::temp_directory_path() / "render2mpeg_module_test.exr";
+    write_exr(exr, 1, 1, std::vector<Channel>{{"Y", {1.0f}, false}});
+    read_exr(exr, [](const std::string&) { return true; });
+    std::filesystem::remove(exr);
+    EXPECT_TRUE(is_loaded("render2mpeg_exr_module"));
+    EXPECT_FALSE(is_loaded("libOpenImageIO")) << "OpenEXR does";
     EXPECT_FALSE(is_loaded("render2mpeg_image_module"));
     read(encoded::grey_jpeg());
     EXPECT_TRUE(is_loaded("libOpenImageIO"));

@@ -1,5 +1,5 @@
 #pragma once
-// What the image module offers to the light library in front of it.
+// What the modules of images offer to the light library in front of them.
 #include <cstddef>
 #include <functional>
 #include <span>
@@ -11,8 +11,8 @@
 
 namespace render2mpeg::image {
 
-/// What the module render2mpeg_image_module.so offers. It works on memory alone: files are the business of those who
-/// call it. All functions may be called from many threads at once and throw core::Error.
+/// What the module render2mpeg_image_module.so offers: OpenImageIO. It works on memory alone: files are the business of
+/// those who call it. All functions may be called from many threads at once and throw core::Error.
 class Codec {
   public:
     virtual ~Codec() = default;
@@ -23,15 +23,21 @@ class Codec {
     /// The same as far as its header goes.
     virtual ImageHeader header_of(std::span<const std::byte> bytes, Format format, const std::string& name) const = 0;
 
-    /// image::read_exr of what certainly begins as an OpenEXR file.
-    virtual ExrChannels decode_exr(std::span<const std::byte> bytes,
-                                   const std::function<bool(const std::string&)>& wanted,
-                                   const std::string& name) const = 0;
-
-    virtual std::vector<unsigned char> encode_exr(int width, int height, std::span<const Channel> channels,
-                                                  const FrameFacts& facts, const std::string& name) const = 0;
     virtual std::vector<unsigned char> encode_png(int width, int height, std::span<const unsigned char> rgb,
                                                   float pixel_aspect, const std::string& name) const = 0;
+};
+
+/// What the module render2mpeg_exr_module.so offers in the same way: OpenEXR, a hundredth of OpenImageIO's libraries.
+class ExrCodec {
+  public:
+    virtual ~ExrCodec() = default;
+
+    /// image::read_exr of what certainly begins as an OpenEXR file.
+    virtual ExrChannels decode(std::span<const std::byte> bytes, const std::function<bool(const std::string&)>& wanted,
+                               const std::string& name) const = 0;
+
+    virtual std::vector<unsigned char> encode(int width, int height, std::span<const Channel> channels,
+                                              const FrameFacts& facts, const std::string& name) const = 0;
 };
 
 /// Lets OpenEXR refuse windows that no image has before it makes room for their lines, whoever opens the file.

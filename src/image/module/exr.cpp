@@ -107,4 +107,27 @@ std::vector<unsigned char> encode_multilayer_exr(int width, int height, std::spa
     throw core::Error("writing", name, failure.what());
 }
 
+namespace {
+
+class OpenExrCodec final : public ExrCodec {
+  public:
+    OpenExrCodec() { limit_exr_windows(); }
+
+    ExrChannels decode(std::span<const std::byte> bytes, const std::function<bool(const std::string&)>& wanted,
+                       const std::string& name) const override {
+        return decode_multilayer_exr(bytes, wanted, name);
+    }
+
+    std::vector<unsigned char> encode(int width, int height, std::span<const Channel> channels, const FrameFacts& facts,
+                                      const std::string& name) const override {
+        return encode_multilayer_exr(width, height, channels, facts, name);
+    }
+};
+
+}  // namespace
 }  // namespace render2mpeg::image
+
+extern "C" const render2mpeg::image::ExrCodec* render2mpeg_exr_codec() {
+    static const render2mpeg::image::OpenExrCodec codec;
+    return &codec;
+}

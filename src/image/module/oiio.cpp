@@ -105,7 +105,6 @@ class OiioCodec final : public Codec {
         // Whoever reads many images does so in threads of his own.
         OIIO::attribute("threads", 1);
         OIIO::attribute("exr_threads", -1);
-        limit_exr_windows();
     }
 
     Image decode(std::span<const std::byte> bytes, Format format, const std::string& name) const override {
@@ -133,16 +132,6 @@ class OiioCodec final : public Codec {
             const Opened file(bytes, format, name);
             return ImageHeader{file.spec.width, file.spec.height, file.spec.format.size() == 1};
         });
-    }
-
-    ExrChannels decode_exr(std::span<const std::byte> bytes, const std::function<bool(const std::string&)>& wanted,
-                           const std::string& name) const override {
-        return decode_multilayer_exr(bytes, wanted, name);
-    }
-
-    std::vector<unsigned char> encode_exr(int width, int height, std::span<const Channel> channels,
-                                          const FrameFacts& facts, const std::string& name) const override {
-        return encode_multilayer_exr(width, height, channels, facts, name);
     }
 
     std::vector<unsigned char> encode_png(int width, int height, std::span<const unsigned char> rgb, float pixel_aspect,
