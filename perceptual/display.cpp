@@ -160,13 +160,6 @@ float Display::inverse_tone_curve(float display_linear) {
     return static_cast<float>(perceptual::inverse_tone_curve(static_cast<double>(display_linear)));
 }
 
-float Display::luma_of(glm::vec3 radiance) const {
-    const SignalCurve& curve = SignalCurve::instance();
-    const glm::vec3 weight = luma_weights(matrix_), c = radiance * gain_;
-    return 16.0f +
-           219.0f * (weight.x * curve.signal(c.x) + weight.y * curve.signal(c.y) + weight.z * curve.signal(c.z));
-}
-
 glm::vec3 Display::with_luma(glm::vec3 radiance, float luma) const {
     const SignalCurve& curve = SignalCurve::instance();
     const glm::vec3 weight = luma_weights(matrix_);

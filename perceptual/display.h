@@ -37,13 +37,11 @@ class Display {
     static float tone_curve(float exposed);
     static float inverse_tone_curve(float display_linear);
 
-    /// Unrounded luma in code values, 16..235, of one radiance.
-    float luma_of(glm::vec3 radiance) const;
     /// The radiance with the chromaticity of `radiance` whose luma is `luma`, clamped to 16..235
     /// (docs/model/display.md). Black has no chromaticity and is taken as grey. White lies at infinity, and the luma of
     /// a pure colour ends below white: there the largest component ends at SignalCurve::brightest, 2^18 times what the
-    /// exposure makes 1, so that the result is finite and luma_of(with_luma(c, l)) <= l + 1e-4 always. Elsewhere it is
-    /// l to 1e-4 code values.
+    /// exposure makes 1, so that the result is finite and its luma never above l + 1e-4. Elsewhere it is l to 1e-4 code
+    /// values.
     glm::vec3 with_luma(glm::vec3 radiance, float luma) const;
 
     float exposure() const { return exposure_; }

@@ -52,33 +52,17 @@ core::Plane<float> interpolated(int width, int height, const core::Plane<float>&
 
 }  // namespace
 
-core::Plane<float> distances(int width, int height, Spread spread, const BlockErrors& errors) {
-    const int columns = (width + side - 1) / side, rows = (height + side - 1) / side;
-    if (spread == Spread::block) {
-        core::Plane<float> blocks(columns, rows);
-        for (int row = 0; row < rows; ++row)
-            for (int column = 0; column < columns; ++column)
-                blocks.at(column, row) = root_mean_square(errors(column, row));
-        return interpolated(width, height, blocks);
-    }
-    core::Plane<float> plane(width, height);
-    for (int row = 0; row < rows; ++row)
-        for (int column = 0; column < columns; ++column) {
-            const core::Block8x8 samples = core::inverse_dct(errors(column, row));
-            const int wide = std::min(side, width - side * column), high = std::min(side, height - side * row);
-            for (int y = 0; y < high; ++y)
-                std::copy_n(&samples[static_cast<std::size_t>(side * y)], wide,
-                            plane.row(side * row + y) + side * column);
-        }
-    return plane;
+core::Plane<float> distances(int width, int height, const BlockErrors& errors) {
+    core::Plane<float> blocks((width + side - 1) / side, (height + side - 1) / side);
+    for (int row = 0; row < blocks.height(); ++row)
+        for (int column = 0; column < blocks.width(); ++column)
+            blocks.at(column, row) = root_mean_square(errors(column, row));
+    return interpolated(width, height, blocks);
 }
 
 void to_tolerances(core::Plane<float>& distances, const PixelLight& light, const InverseLuma& display) {
     EXPECTS(distances.width() == light.width() && distances.height() == light.height());
-    for (float& d : distances.values()) {
-        const float size = core::inlined::abs(d);
-        d = size < half_a_code_value ? half_a_code_value : size;
-    }
+    for (float& d : distances.values()) d = d < half_a_code_value ? half_a_code_value : d;
     for (int y = 0; y < distances.height(); ++y)
         display.differences(light.luma.row(y), light.luminance.row(y), light.exponent.row(y), least_relative,
                             distances.row(y), distances.width());

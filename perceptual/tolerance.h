@@ -1,6 +1,5 @@
 #pragma once
 // Tolerances of pixels from the errors of their blocks, in space and time: eqs. 7.4 and 7.5.
-#include <cstdint>
 #include <functional>
 
 #include "core/dct.h"
@@ -11,23 +10,17 @@
 /// From blocks' errors to tolerances of pixels' luminance [Render2MPEG, eq. 7.4 and 7.5].
 namespace render2mpeg::perceptual {
 
-/// How a block's error is given to its pixels (docs/decisions/0008).
-enum class Spread : std::uint8_t {
-    block,  ///< its root mean square to each, interpolated between blocks
-    pixel,  ///< the distorted block minus the block, sample by sample, as printed in [Render2MPEG, eq. 7.4]
-};
-
 /// Blocks' errors: coefficient by coefficient, with signs, for block (column, row).
 using BlockErrors = std::function<core::Block8x8(int column, int row)>;
 
-/// Distances of luma in code values for a picture of this size, from its blocks' errors. Signed and possibly 0 for
-/// Spread::pixel, else > 0.
-core::Plane<float> distances(int width, int height, Spread spread, const BlockErrors& errors);
+/// Distances of luma in code values, > 0, for a picture of this size: the root mean squares of its blocks' errors,
+/// interpolated between blocks (docs/decisions/0008).
+core::Plane<float> distances(int width, int height, const BlockErrors& errors);
 
 /// The share of its luminance that a pixel may be off where nothing else is known. [Render2MPEG, 4.2]
 inline constexpr float least_relative = 0.02f;
 
-/// Turns distances of luma, whatever their sign, into tolerances of luminance, in place: e = max(0.02 Y, |Y^ - Y|)
+/// Turns distances of luma into tolerances of luminance, in place: e = max(0.02 Y, |Y^ - Y|)
 /// [Render2MPEG, eq. 7.4] with a distance of at least half a code value, which no 8-bit film tells apart; in the dark
 /// that is more than 2 % of nearly nothing.
 void to_tolerances(core::Plane<float>& distances, const PixelLight& light, const InverseLuma& display);

@@ -103,8 +103,7 @@ bool CodingPlan::operator==(const CodingPlan& other) const {
            quantisation.inter == other.quantisation.inter && quantisation.dc_step == other.quantisation.dc_step;
 }
 
-VisibilityModel::VisibilityModel(const Display& display, const VisibilitySettings& settings)
-    : light_(display), settings_(settings) {}
+VisibilityModel::VisibilityModel(const Display& display, Strategy strategy) : light_(display), strategy_(strategy) {}
 
 Observation VisibilityModel::observe(const core::Picture& picture, const core::Radiance& radiance,
                                      std::shared_ptr<const core::Visible> visible, const MaskedErrors& warped) const {
@@ -136,7 +135,7 @@ TemporalState VisibilityModel::judge(Observation observation, const CodedFacts& 
         state.residual = transform(difference(observation.light.luma, coded.prediction));
     }
     // What masks.
-    if (settings_.strategy == Strategy::quantised) {
+    if (strategy_ == Strategy::quantised) {
         EXPECTS(coded.reconstruction.width() == width && coded.reconstruction.height() == height);
         core::Picture decoded;
         decoded.y = coded.reconstruction;
@@ -144,7 +143,7 @@ TemporalState VisibilityModel::judge(Observation observation, const CodedFacts& 
         observation.thresholds = mask(observation.coefficients, observation.number);
     }
     state.visible = std::move(observation.visible);
-    if (settings_.strategy == Strategy::warped) state.quads = quads_of(*state.visible);
+    if (strategy_ == Strategy::warped) state.quads = quads_of(*state.visible);
     state.coefficients = std::move(observation.coefficients);
     state.thresholds = std::move(observation.thresholds);
     state.light = std::move(observation.light);
@@ -167,7 +166,7 @@ TemporalState VisibilityModel::assume_coded(Observation observation, const Codin
                                             macroblocks(observation.light.height()), plan.intra ? 1 : 0);
     state.emphasis = core::Plane<float>(state.intra.width(), state.intra.height(), 1.0f);
     state.visible = std::move(observation.visible);
-    if (settings_.strategy == Strategy::warped) state.quads = quads_of(*state.visible);
+    if (strategy_ == Strategy::warped) state.quads = quads_of(*state.visible);
     state.coefficients = std::move(observation.coefficients);
     state.thresholds = std::move(observation.thresholds);
     state.light = std::move(observation.light);
@@ -186,7 +185,7 @@ core::Plane<float> VisibilityModel::errors(const TemporalState& state, const Cod
         return worst_errors(state.coefficients.at(column, row), state.thresholds.blocks.at(column, row),
                             plan.quantisation, coding);
     };
-    core::Plane<float> plane = distances(state.light.width(), state.light.height(), settings_.spread, of_block);
+    core::Plane<float> plane = distances(state.light.width(), state.light.height(), of_block);
     to_tolerances(plane, state.light, light_);
     return plane;
 }
@@ -222,7 +221,7 @@ Tolerated VisibilityModel::tolerate(const core::Visible& visible, const Requanti
     EXPECTS(fraction > 0.0f);
     EXPECTS(motion == nullptr || motion->reference == state.number);
     Tolerated tolerated;
-    tolerated.warped = settings_.strategy == Strategy::warped
+    tolerated.warped = strategy_ == Strategy::warped
                            ? warp(requantised.masked, *state.visible, state.quads, visible, motion)
                            : requantised.masked;
     tolerated.map.pixels = core::Plane<core::Tolerance>(visible.width(), visible.height());

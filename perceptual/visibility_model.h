@@ -26,11 +26,6 @@ enum class Strategy : std::uint8_t {
     quantised,  ///< masking by the picture as decoded, its coding errors included, place by place: for slow films
 };
 
-struct VisibilitySettings {
-    Strategy strategy = Strategy::warped;
-    Spread spread = Spread::block;
-};
-
 /// How a picture is going to be coded.
 struct CodingPlan {
     bool intra = true;    ///< picture type I; others are predicted
@@ -100,7 +95,7 @@ struct Tolerated {
 /// Immutable; what is remembered is handed in and out.
 class VisibilityModel {
   public:
-    VisibilityModel(const Display& display, const VisibilitySettings& settings);
+    VisibilityModel(const Display& display, Strategy strategy = Strategy::warped);
 
     /// Masking [Render2MPEG, eq. 7.1, 7.2] and what else is to be kept of a frame. `picture` was developed from
     /// `radiance` and has its unrounded luma. `warped`: as tolerate() said.
@@ -137,7 +132,7 @@ class VisibilityModel {
                     const CodingPlan& to) const;
 
     InverseLuma light_;
-    VisibilitySettings settings_;
+    Strategy strategy_;
 };
 
 }  // namespace render2mpeg::perceptual

@@ -49,10 +49,6 @@ Rational product(Rational a, Rational b) {
     return lowest_terms(a.num * b.num, a.den * b.den);
 }
 
-Rational quotient(Rational a, Rational b) {
-    return product(a, {b.den, b.num});
-}
-
 const std::vector<FrameRate>& mpeg2_frame_rates() {
     static const std::vector<FrameRate> rates = {
         {{24000, 1001}, 1, "23.976"}, {{24, 1}, 2, "24"}, {{25, 1}, 3, "25"},          {{30000, 1001}, 4, "29.97"},

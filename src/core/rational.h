@@ -19,9 +19,8 @@ struct Rational {
 /// lowest terms. Throws Error otherwise.
 Rational ratio_from(const std::string& text);
 
-/// Products and quotients in lowest terms; `b` of a quotient must not be 0.
+/// In lowest terms.
 Rational product(Rational a, Rational b);
-Rational quotient(Rational a, Rational b);
 
 /// One of MPEG-2's eight frame rates. [H262, table 6-4]
 struct FrameRate {

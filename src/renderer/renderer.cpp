@@ -242,7 +242,6 @@ struct Renderer::Impl {
     std::optional<Sight> watched;  ///< the frame that calibration saw last
     float calibrated_share = 0;    ///< typical_share of the coarsest frame calibrated
     IrradianceCache cache;
-    std::optional<float> given_error_scale;  ///< instead of it
     Statistics statistics;
     double gathered = 0, clamped = 0;
     std::array<double, static_cast<std::size_t>(Pass::count)> rows{};
@@ -275,9 +274,9 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     const double start = i.prepare(snapshot, seen);
     ShadeSettings settings = i.shade_settings();
     // learn how far cuts err,
-    const bool learns = i.settings.calibrate && !i.given_error_scale && !tolerance.is_reference();
+    const bool learns = i.settings.calibrate && !tolerance.is_reference();
     if (learns) i.calibrate(snapshot, seen, tolerance, settings);
-    settings.limits.error_scale = i.given_error_scale.value_or(learns ? i.calibration.value() : 1.0f);
+    settings.limits.error_scale = learns ? i.calibration.value() : 1.0f;
     // ask the cache, which gathers what it does not know,
     ShadeCounts counts;
     std::optional<FrameLight> cached;
@@ -321,10 +320,6 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
     const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
     const auto truth = gather_exactly(i.light_trees, i.posed_scene.tracer(), seen, pixels, moved);
     return compare(seen, pixels, truth, tolerance, radiance);
-}
-
-void Renderer::set_error_scale(float factor) {
-    impl_->given_error_scale = factor;
 }
 
 const RayTracer& Renderer::tracer() const {

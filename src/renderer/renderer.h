@@ -93,9 +93,6 @@ class Renderer {
     std::vector<AuditedPixel> audit(const scene::Snapshot& snapshot, const Seen& seen,
                                     const core::ToleranceMap& tolerance, const core::Radiance& radiance, int count);
 
-    /// Multiplies what the following cuts are thought to err by, whatever the film's light would decide: for fits.
-    void set_error_scale(float factor);
-
     const Statistics& statistics() const;
     /// What is posed as of the last frame, for measurements.
     const RayTracer& tracer() const;

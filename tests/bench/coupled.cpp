@@ -1,13 +1,13 @@
 // What the coupled loop saves and costs, against a fixed tolerance of 2 % at the same quantiser and stopping rule.
 //
 //   bench_coupled [--pairs N] [--quantisers 1,8,24] [--shares default,1,0.3] [--keep-references DIR] [--name NAME]
-//                 [--draws N] [--alike] [--always-intra] SCENE [render options]
+//                 [--draws N] SCENE [render options]
 //
 // One line of JSON per film. Quality is of the decoded film against frames lit without clustering and not coded: pairs
 // of adjacent frames, lit once and kept in the folder. `loss` is what the coupled film has less than the fixed one.
 // With several draws every film, the fixed one too, is made as often, each time with other representatives of the same
 // light points, and all figures are means; `_error` is the standard error of such a mean, of differences between films
-// of one draw. --alike gives all pictures one fraction, whatever is predicted from them.
+// of one draw.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -87,7 +87,6 @@ void print(const std::string& name, int quantiser, const std::string& tolerance,
 int run(int argc, char** argv) {
     // Take our own options out; the rest is a command line of `render`.
     int pairs = 2, draws = 1;
-    bool always_intra = false, alike = false;
     std::string quantisers = "2,8,16", shares = "default,1", references = "bench_references", name;
     std::vector<std::string> rest{"render2mpeg", "render"};
     for (int i = 1; i < argc; ++i) {
@@ -101,10 +100,6 @@ int run(int argc, char** argv) {
             pairs = std::max(1, std::atoi(argv[++i]));
         else if (word == "--draws" && i + 1 < argc)
             draws = std::max(1, std::atoi(argv[++i]));
-        else if (word == "--always-intra")
-            always_intra = true;
-        else if (word == "--alike")
-            alike = true;
         else if (value != nullptr && i + 1 < argc)
             *value = argv[++i];
         else
@@ -138,8 +133,6 @@ int run(int argc, char** argv) {
             loop.tolerance = app::tolerance_from(share == "default" ? "coupled" : "coupled=" + share);
             loop.coupling.fraction = loop.tolerance.fraction;
             loop.coding.quantiser = q;
-            loop.coupling.always_intra = always_intra;
-            loop.coupling.alike = alike;
             Draws coupled;
             for (int draw = 0; draw < draws; ++draw) {
                 loop.rendering.draw = static_cast<std::uint64_t>(draw);

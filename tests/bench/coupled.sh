@@ -2,7 +2,7 @@
 # tests/bench/coupled.sh [-s SCENES_FOLDER] [-d SIZE] [-f FRAMES] [-q QUANTISERS] [-k SHARES] [-p PAIRS] [-r REFERENCES] [-- OPTIONS]
 # What the coupled loop saves and costs against --tolerance fixed=2% at the same quantiser and stopping rule: films of animations/ and, where
 # SCENES_FOLDER has them, the walks through Sponza and Sibenik of tests/bench/real_scenes. One line of JSON per film, then the tables.
-# OPTIONS go to bench_coupled: --draws N makes every film with so many draws of representatives, --alike gives all pictures one share.
+# OPTIONS go to bench_coupled: --draws N makes every film with so many draws of representatives.
 # In full: tests/bench/coupled.sh -s SCENES -d 512x512 -f 48 -q 1,2,4,8,16,24,31 -p 6   (a day on one core; frames without clustering are kept in the folder REFERENCES)
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)

@@ -10,6 +10,7 @@
 #include "perceptual/flicker.h"
 #include "perceptual/hvs.h"
 #include "perceptual/metrics.h"
+#include "tests/perceptual/luma.h"
 
 namespace render2mpeg::bench {
 namespace {
@@ -40,8 +41,8 @@ class LightJudge {
             gathering_ += 1;
             if (!(y > 0)) continue;
             relative_ += static_cast<double>(std::min(allowed / y, 1.0f)), bright_ += 1;
-            const double codes =
-                static_cast<double>(display_.luma_of(light * (1 + allowed / y)) - display_.luma_of(light));
+            const double codes = static_cast<double>(perceptual::luma_of(display_, light * (1 + allowed / y)) -
+                                                     perceptual::luma_of(display_, light));
             luma_ += codes * codes;
         }
     }

@@ -54,7 +54,7 @@ core::MotionField drift() {
 
 struct Setting {
     Display display{0, ColorMatrix::bt709};
-    VisibilityModel model{display, {}};
+    VisibilityModel model{display};
     core::Radiance radiance = light();
     core::Picture picture = display.develop(radiance);
     std::shared_ptr<const core::Visible> visible = floor_seen();

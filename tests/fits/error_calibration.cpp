@@ -58,7 +58,7 @@ class Bench {
         for (int f = 0; f < frames_per_scene; ++f) {
             worlds_.push_back(
                 film_.snapshot(film_.frames.first + film_.frame_count() * (2 * f + 1) / (2 * frames_per_scene)));
-            told_.push_back(new_renderer());
+            told_.push_back(new_renderer(false));
             renderer::Renderer& renderer = *told_.back();
             renderer.start_chunk(worlds_.back());
             seen_.push_back(thinned(renderer.see(worlds_.back())));
@@ -73,22 +73,23 @@ class Bench {
         }
     }
 
-    /// Without `error_scale` each frame is a chunk that learns its own.
+    /// Without `error_scale` each frame is a chunk that learns its own; with one, errors count so many times, which is
+    /// to divide the tolerances.
     Outcome run(double tolerance, double part, std::optional<double> error_scale) const {
         Outcome sum;
-        const auto relative = static_cast<float>(tolerance), scale = static_cast<float>(1.0 / part);
+        const auto relative = static_cast<float>(tolerance),
+                   scale = static_cast<float>(1.0 / (part * error_scale.value_or(1.0)));
         const auto promised = core::ToleranceMap::uniform(picture_size, picture_size, {floor_, relative}),
                    map = core::ToleranceMap::uniform(picture_size, picture_size, {floor_ * scale, relative * scale});
         for (std::size_t f = 0; f < worlds_.size(); ++f) {
             std::unique_ptr<renderer::Renderer> learner;
             if (!error_scale) {
-                learner = new_renderer();
+                learner = new_renderer(true);
                 learner->start_chunk(worlds_[f]);
                 // So that trees are no part of the time.
                 learner->sketch(worlds_[f], renderer::Seen{seen_[f].visible, {}, seen_[f].emitted, {}}, map);
             }
             renderer::Renderer& renderer = error_scale ? *told_[f] : *learner;
-            if (error_scale) renderer.set_error_scale(static_cast<float>(*error_scale));
             const renderer::Statistics before = renderer.statistics();
             const double start = app::cpu_seconds();
             const core::Radiance cut = renderer.shade(worlds_[f], seen_[f], map);
@@ -96,7 +97,7 @@ class Bench {
             sum.seconds += app::cpu_seconds() - start - (after.calibration_seconds - before.calibration_seconds);
             sum.rays += static_cast<double>(after.shadow_rays - before.shadow_rays);
             sum.points += static_cast<double>(after.gather_points - before.gather_points);
-            sum.error_scale = after.mean_error_scale;
+            sum.error_scale = error_scale.value_or(after.mean_error_scale);
             for (const renderer::AuditedPixel& p : renderer::compare(seen_[f], pixels_[f], truth_[f], promised, cut))
                 sum.errors.push_back(p.noticed() / std::max(p.tolerance, 1e-30f));
         }
@@ -117,8 +118,10 @@ class Bench {
         return film;
     }
 
-    std::unique_ptr<renderer::Renderer> new_renderer() const {
-        return std::make_unique<renderer::Renderer>(*film_.animation, film_.rendering, film_.plan);
+    std::unique_ptr<renderer::Renderer> new_renderer(bool calibrate) const {
+        renderer::Settings settings = film_.rendering;
+        settings.calibrate = calibrate;
+        return std::make_unique<renderer::Renderer>(*film_.animation, settings, film_.plan);
     }
 
     /// The gather points of some pixels.
@@ -147,7 +150,7 @@ class Bench {
     float floor_ = 0;
     std::vector<scene::Snapshot> worlds_;
     std::vector<renderer::Seen> seen_;
-    std::vector<std::unique_ptr<renderer::Renderer>> told_;  ///< their error scale
+    std::vector<std::unique_ptr<renderer::Renderer>> told_;  ///< learn nothing
     std::vector<std::vector<renderer::LitPixel>> pixels_;    ///< that are held against
     std::vector<std::vector<glm::vec3>> truth_;
 };

@@ -90,14 +90,14 @@ class Bench {
         truth_ = colors(core::ToleranceMap::reference());
     }
 
-    /// Adds the shares, weighted by pixels, to `sum`. The rule is a setting of the renderer, hence two of them.
+    /// Adds the shares, weighted by pixels, to `sum`.
     void add(double tolerance, double factor, Measured& sum) {
-        renderer_->set_error_scale(static_cast<float>(factor));
         const renderer::Statistics before = renderer_->statistics();
         const double start = app::cpu_seconds();
-        const auto relative = static_cast<float>(tolerance);
+        // An error counts `factor` times.
+        const auto relative = static_cast<float>(tolerance / factor), floor = static_cast<float>(floor_ / factor);
         const std::vector<glm::dvec3> found =
-            colors(core::ToleranceMap::uniform(picture_size, picture_size, {floor_, relative}));
+            colors(core::ToleranceMap::uniform(picture_size, picture_size, {floor, relative}));
         const double seconds = app::cpu_seconds() - start;
         std::vector<double> errors, colours;
         for (std::size_t i = 0; i < found.size(); ++i) {
@@ -141,6 +141,7 @@ class Bench {
         options.vpls = vpls;
         app::RenderJob film = app::prepare(options);
         film.rendering.max_cut = 1 << 20;  // the rule alone is to be judged
+        film.rendering.calibrate = false;
         return film;
     }
 

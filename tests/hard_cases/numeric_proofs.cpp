@@ -54,7 +54,7 @@ std::vector<Proof> light_proofs() {
         {"an all black film",
          "thresholds are the quantiser's; a small film",
          {"no light at all"},
-         {"EverySpread.BlackAndWhitePicturesHaveFiniteTolerances"}},
+         {"WarpedMasking.BlackAndWhitePicturesHaveFiniteTolerances"}},
         {"an all white film",
          "finite tolerances from the side that is not clipped",
          {"a picture that is white all over"},
@@ -207,7 +207,7 @@ std::vector<Proof> film_proofs() {
          {},
          {"WorstErrors.OfCoefficientsThatVanishNeverExceedHalfTheirStep",
           "Tolerances.AreNeverBelowTwoPercentNorHalfACodeValue",
-          "EverySpread.AChangeOfQuantiserOrTypeIsNotAFrameLate"}},
+          "WarpedMasking.AChangeOfQuantiserOrTypeIsNotAFrameLate"}},
     };
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/color.h"
 #include "core/sampling.h"
+#include "tests/perceptual/luma.h"
 
 namespace render2mpeg::perceptual {
 namespace {
@@ -103,7 +104,7 @@ TEST(InverseLuma, HasNoStepNextToBlackAndNeverExceedsTheDistanceUpward) {
                     EXPECT_NEAR(now / before, 1.0f, 0.05f) << luma << " " << distance;
                 }
                 before = now;
-                EXPECT_LT(display.luma_of(colors[i] * (1.0f + now / luminance)), luma + 1.05f * distance + 0.3f)
+                EXPECT_LT(luma_of(display, colors[i] * (1.0f + now / luminance)), luma + 1.05f * distance + 0.3f)
                     << luma << " " << distance;
             }
         }

@@ -13,7 +13,7 @@ namespace {
 
 TEST(FeedbackOfCoding, QuantisersOtherThanPlannedDoNotAddUp) {
     // The encoder takes half the planned quantiser everywhere, picture after picture.
-    const VisibilityModel model(display, {});
+    const VisibilityModel model(display);
     const CodingPlan plan = plan_of(false, 8);
     CodedFacts facts = coded_as(0, plan);
     for (float& scale : facts.scale.values()) scale *= 0.5f;
@@ -30,7 +30,7 @@ TEST(FeedbackOfCoding, QuantisersOtherThanPlannedDoNotAddUp) {
 
 TEST(FeedbackOfCoding, CodingFinerThanPlannedPictureAfterPictureDoesNotAddUp) {
     // Lit for quantiser 2 and coded by 1, as rate control may: what is warped halves with it.
-    const VisibilityModel model(display, {});
+    const VisibilityModel model(display);
     const CodingPlan planned = plan_of(true, 2);
     CodedFacts facts = coded_as(0, plan_of(true, 1));
     facts.lit_for = planned;
@@ -104,7 +104,7 @@ struct Film {
 
 class Feedback : public testing::TestWithParam<Kind> {
   protected:
-    VisibilityModel model{display, {}};
+    VisibilityModel model{display};
 };
 INSTANTIATE_TEST_SUITE_P(Films, Feedback,
                          testing::Values(Kind{"Still", plan_of(true, 8), 1.0f, 0},

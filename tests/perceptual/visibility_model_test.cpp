@@ -13,13 +13,12 @@
 namespace render2mpeg::perceptual {
 namespace {
 
-class EverySpread : public testing::TestWithParam<Spread> {
+class WarpedMasking : public testing::Test {
   protected:
-    VisibilityModel model{display, {Strategy::warped, GetParam()}};
+    VisibilityModel model{display};
 };
-INSTANTIATE_TEST_SUITE_P(Spreads, EverySpread, testing::Values(Spread::block, Spread::pixel));
 
-TEST_P(EverySpread, TolerancesGrowWithTheQuantiser) {
+TEST_F(WarpedMasking, TolerancesGrowWithTheQuantiser) {
     double before = 0;
     for (const int quantiser : {1, 2, 4, 8, 16, 31}) {
         const CodingPlan plan = plan_of(true, quantiser);
@@ -29,7 +28,7 @@ TEST_P(EverySpread, TolerancesGrowWithTheQuantiser) {
     }
 }
 
-TEST_P(EverySpread, AChangeOfQuantiserOrTypeIsNotAFrameLate) {
+TEST_F(WarpedMasking, AChangeOfQuantiserOrTypeIsNotAFrameLate) {
     for (const CodingPlan& was : {plan_of(true, 4), plan_of(false, 6)})
         for (const CodingPlan& next : {plan_of(true, 16), plan_of(false, 24), plan_of(true, 2)}) {
             const TemporalState state = state_of(model, was);
@@ -40,7 +39,7 @@ TEST_P(EverySpread, AChangeOfQuantiserOrTypeIsNotAFrameLate) {
         }
 }
 
-TEST_P(EverySpread, TheShareScalesWhatIsHiddenDownToTheFloors) {
+TEST_F(WarpedMasking, TheShareScalesWhatIsHiddenDownToTheFloors) {
     const CodingPlan plan = plan_of(true, 16);
     const TemporalState state = state_of(model, plan);
     const core::ToleranceMap full = model.tolerate(*seen(), plan, state, nullptr, 1.0f).map,
@@ -52,7 +51,7 @@ TEST_P(EverySpread, TheShareScalesWhatIsHiddenDownToTheFloors) {
     }
 }
 
-TEST_P(EverySpread, WhatIsHiddenIsToldForTheLightThatHidIt) {
+TEST_F(WarpedMasking, WhatIsHiddenIsToldForTheLightThatHidIt) {
     const CodingPlan plan = plan_of(true, 16);
     const TemporalState state = state_of(model, plan);
     const core::ToleranceMap map = model.tolerate(*seen(), plan, state, nullptr, 0.5f).map;
@@ -73,7 +72,7 @@ TEST_P(EverySpread, WhatIsHiddenIsToldForTheLightThatHidIt) {
     EXPECT_GT(bound, static_cast<int>(map.pixels.size() / 10));
 }
 
-TEST_P(EverySpread, WhatIsCarriedToAPictureIsWhatItsLightHides) {
+TEST_F(WarpedMasking, WhatIsCarriedToAPictureIsWhatItsLightHides) {
     const CodingPlan plan = plan_of(true, 4);
     const TemporalState state = state_of(model, plan);
     const MaskedErrors warped = model.tolerate(*seen(), plan, state, nullptr, 1.0f).warped;
@@ -121,7 +120,7 @@ float unseen(const VisibilityModel& model, const TemporalState& state) {
     return model.tolerate(other, state.plan, state, nullptr, 1.0f).map.pixels.at(3, 3).relative;
 }
 
-TEST_P(EverySpread, WhatHasNoPartnerGetsALowShareOfThePicture) {
+TEST_F(WarpedMasking, WhatHasNoPartnerGetsALowShareOfThePicture) {
     const CodingPlan plan = plan_of(true, 16);
     const TemporalState state = state_of(model, plan);
     core::Visible other = *seen();
@@ -152,7 +151,7 @@ TemporalState stage_in_the_dark(const VisibilityModel& model, int quantiser, flo
     return model.judge(model.observe(display.develop(radiance), radiance, seen()), coded_as(0, plan));
 }
 
-TEST_P(EverySpread, TheDarkDoesNotTellWhatTheLightHides) {
+TEST_F(WarpedMasking, TheDarkDoesNotTellWhatTheLightHides) {
     constexpr int border = 56;  // blocks of both are kept apart; the dark has nearly 80 % of the picture
     for (const int quantiser : {4, 16, 31})
         for (const float dark : {0.0f, 1.0f, 4.0f}) {  // black, a code value or two above it, some more
@@ -165,7 +164,7 @@ TEST_P(EverySpread, TheDarkDoesNotTellWhatTheLightHides) {
         }
 }
 
-TEST_P(EverySpread, APictureNextToBlackTellsNothingOfWhatIsNotSeenInIt) {
+TEST_F(WarpedMasking, APictureNextToBlackTellsNothingOfWhatIsNotSeenInIt) {
     const float step = 2 * model.light().darkest_step();
     for (const int quantiser : {1, 4, 16, 31}) {
         EXPECT_EQ(unseen(model, stage_in_the_dark(model, quantiser, step, step, 0)), 0.02f) << quantiser;
@@ -176,7 +175,7 @@ TEST_P(EverySpread, APictureNextToBlackTellsNothingOfWhatIsNotSeenInIt) {
 
 TEST(Unseen, IsToldByNoPatternOfThePictureInStep) {
     // Bright columns at every `period`-th place, in a width that many a stride divides.
-    const VisibilityModel model(display, {});
+    const VisibilityModel model(display);
     constexpr int wide = 16 * 61, high = 68;
     const auto visible = std::make_shared<const core::Visible>(0, wide, high);
     for (const int period : {16, 61}) {
@@ -194,7 +193,7 @@ TEST(Unseen, IsToldByNoPatternOfThePictureInStep) {
     }
 }
 
-TEST_P(EverySpread, BlackAndWhitePicturesHaveFiniteTolerances) {
+TEST_F(WarpedMasking, BlackAndWhitePicturesHaveFiniteTolerances) {
     for (const float light : {0.0f, 1e-20f, 1e6f}) {
         core::Radiance radiance;
         radiance.combined = core::Plane<glm::vec3>(width, height, glm::vec3(light));
@@ -209,7 +208,7 @@ TEST_P(EverySpread, BlackAndWhitePicturesHaveFiniteTolerances) {
     }
 }
 
-TEST_P(EverySpread, MacroblocksThatWereIntraInAPredictedPictureStayIntra) {
+TEST_F(WarpedMasking, MacroblocksThatWereIntraInAPredictedPictureStayIntra) {
     const CodingPlan plan = plan_of(false, 31);
     const core::Radiance radiance = wall(0);
     CodedFacts facts = coded_as(0, plan);
@@ -227,7 +226,7 @@ TEST_P(EverySpread, MacroblocksThatWereIntraInAPredictedPictureStayIntra) {
     EXPECT_GE(different, 16 * 16 / 2);
 }
 
-TEST_P(EverySpread, WhatMacroblocksReallyGotIsWhatCounts) {
+TEST_F(WarpedMasking, WhatMacroblocksReallyGotIsWhatCounts) {
     const CodingPlan nominal = plan_of(true, 8);
     CodedFacts facts = coded_as(0, nominal);
     for (int x = 0; x < facts.scale.width(); ++x)
@@ -239,8 +238,8 @@ TEST_P(EverySpread, WhatMacroblocksReallyGotIsWhatCounts) {
     EXPECT_EQ(really.errors, coarser.errors);
 }
 
-TEST(VisibilityModel, MaskingByTheDecodedPictureSeesItsErrors) {
-    const VisibilityModel model(display, {Strategy::quantised, Spread::block});
+TEST(QuantisedMasking, SeesCodingErrors) {
+    const VisibilityModel model(display, Strategy::quantised);
     const CodingPlan plan = plan_of(true, 16);
     const core::Radiance radiance = wall(0);
     CodedFacts facts = coded_as(0, plan);

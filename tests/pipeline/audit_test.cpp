@@ -8,6 +8,7 @@
 #include "core/color.h"
 #include "perceptual/display.h"
 #include "support/program.h"
+#include "tests/perceptual/luma.h"
 
 /// What `--audit` says of a render.
 namespace render2mpeg::app {
@@ -105,7 +106,8 @@ TEST(FixedTolerance, LetsBlackBeOffByHalfACodeValue) {
     const core::Tolerance t = film.tolerance_map().pixels.at(3, 1);
     EXPECT_EQ(t.relative, 0.02f);
     const perceptual::Display display(1.5f, perceptual::matrix_for(2));
-    EXPECT_NEAR(display.luma_of(glm::vec3(t.absolute)) - display.luma_of(glm::vec3(0)), 0.5f, 1e-3f);
+    EXPECT_NEAR(perceptual::luma_of(display, glm::vec3(t.absolute)) - perceptual::luma_of(display, glm::vec3(0)), 0.5f,
+                1e-3f);
     film.tolerance.relative = 0;
     EXPECT_EQ(film.tolerance_map().pixels.at(0, 0).absolute, 0.0f);
 }

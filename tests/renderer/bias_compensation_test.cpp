@@ -22,6 +22,10 @@ GatherLanes lane_at(glm::vec3 position, glm::vec3 normal) {
     return lanes;
 }
 
+DiscLight first_of(const GatherLanes& lanes, const TreeLight& light) {
+    return disc_light(lanes, 1, light)[0];
+}
+
 TreeLight disc(glm::vec3 position, float radius) {
     TreeLight light;
     light.position = position;
@@ -59,31 +63,31 @@ TEST(NearLights, SendWhatAllPlacesOfTheirDiscsSend) {
     for (const glm::vec3 normal : normals)
         for (const glm::vec3 at : {glm::vec3{0.2f, 0.9f, 0.3f}, {-0.6f, 0.3f, -0.4f}, {0.1f, 0.1f, 0.2f}}) {
             const double truth = by_lattice(at, normal, light);
-            EXPECT_NEAR(disc_light(lane_at(at, normal), 0, light).irradiance / truth, 1.0, 0.01) << at.y;
+            EXPECT_NEAR(first_of(lane_at(at, normal), light).irradiance / truth, 1.0, 0.01) << at.y;
         }
 }
 
 TEST(NearLights, FillTheViewOfAPointThatTouchesThem) {
     // Irradiance pi L = I / r^2 by a disc that fills the view; the hexagon is wider and as much dimmer.
     const float r = 0.5f;
-    const DiscLight found = disc_light(lane_at({0.1f, 1e-4f, 0}, {0, -1, 0}), 0, disc({0, 0, 0}, r));
+    const DiscLight found = first_of(lane_at({0.1f, 1e-4f, 0}, {0, -1, 0}), disc({0, 0, 0}, r));
     EXPECT_EQ(found.share, 1.0f);
     EXPECT_NEAR(found.irradiance * r * r * 1.75f * 1.75f, 1.0f, 1e-3f);
 }
 
 TEST(NearLights, LoseNothingBehindTheSurfaceThatIsLit) {
     // A point at an edge sees half of the disc, which lights as the whole would: what lies beyond the edge is none.
-    const DiscLight edge = disc_light(lane_at({0, 0.01f, 0}, {1, 0, 0}), 0, disc({0.001f, 0, 0}, 0.5f));
-    const DiscLight inside = disc_light(lane_at({0, 0.01f, 0}, {1, 0, 0}), 0, disc({0.3f, 0, 0}, 0.5f));
+    const DiscLight edge = first_of(lane_at({0, 0.01f, 0}, {1, 0, 0}), disc({0.001f, 0, 0}, 0.5f));
+    const DiscLight inside = first_of(lane_at({0, 0.01f, 0}, {1, 0, 0}), disc({0.3f, 0, 0}, 0.5f));
     EXPECT_GT(edge.irradiance, inside.irradiance);
     EXPECT_LT(edge.irradiance, 2.0f * inside.irradiance);
 }
 
 TEST(NearLights, ArePointsFromThreeRadiiOn) {
     const GatherLanes lanes = lane_at({0, 1, 0}, {0, -1, 0});
-    EXPECT_EQ(disc_light(lanes, 0, disc({0, 0, 0}, 0.33f)).share, 0.0f);
-    EXPECT_NEAR(disc_light(lanes, 0, disc({0, 0, 0}, 0.4f)).share, 0.5f, 1e-4f);
-    EXPECT_EQ(disc_light(lanes, 0, disc({0, 0, 0}, 0.51f)).share, 1.0f);
+    EXPECT_EQ(first_of(lanes, disc({0, 0, 0}, 0.33f)).share, 0.0f);
+    EXPECT_NEAR(first_of(lanes, disc({0, 0, 0}, 0.4f)).share, 0.5f, 1e-4f);
+    EXPECT_EQ(first_of(lanes, disc({0, 0, 0}, 0.51f)).share, 1.0f);
 }
 
 /// A closed room whose walls all shine alike: indirect light is the same everywhere.

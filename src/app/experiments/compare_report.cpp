@@ -175,7 +175,7 @@ json compare_json(const RenderJob& film, const Comparison& found, const std::str
             {"gop", film.coding.gop},
             {"samples", film.rendering.samples},
             {"vpls", film.rendering.vpls},
-            {"masking", film.coupling.visibility.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"},
+            {"masking", film.coupling.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"},
             {"cache", cache_word(film.rendering)},
             {"light_points", found.light_points},
             {"windows", windows},

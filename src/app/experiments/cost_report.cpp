@@ -219,7 +219,7 @@ json cost_json(const RenderJob& film, const Sweep& sweep, const std::string& com
             {"exposure", film.exposure.value_or(0)},
             {"samples", film.rendering.samples},
             {"vpls", film.rendering.vpls},
-            {"masking", film.coupling.visibility.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"},
+            {"masking", film.coupling.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"},
             {"cache", cache_word(film.rendering)},
             {"light_points", {{"direct", sweep.direct_points}, {"indirect", sweep.indirect_points}}},
             {"quantiser", film.coding.quantiser},

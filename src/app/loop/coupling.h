@@ -12,17 +12,11 @@
 
 namespace render2mpeg::app {
 
-/// From which pictures the temporal state is made anew; others only inherit it along motion.
-enum class ErrorMaps { references, intra };
-
 /// What the coupled loop is set to.
 struct CouplingSettings {
-    perceptual::VisibilitySettings visibility;
-    ErrorMaps maps = ErrorMaps::references;
+    perceptual::Strategy strategy = perceptual::Strategy::warped;
     /// Of what coding masks, in pictures that nothing depends on; none: perceptual::default_tolerance_fraction.
     std::optional<float> fraction;
-    bool alike = false;         ///< the same fraction in all pictures, whatever depends on them: for comparison
-    bool always_intra = false;  ///< take every picture for an intra one, as [Render2MPEG] does: for comparison
 };
 
 /// What other pictures make of a picture.
@@ -47,13 +41,13 @@ struct JudgedPicture {
 };
 
 /// The way back of the loop, from what was coded to what the next frames may err by: the temporal state over one
-/// chunk. A frame's tolerances come from the newest I or P picture (or I picture, ErrorMaps::intra) that is coded,
+/// chunk. A frame's tolerances come from the newest I or P picture that is coded,
 /// which is a rule of numbers, not of timing: what has been coded when a frame is lit follows from the plans alone.
 /// Knows a codec only by PlannedPicture and JudgedPicture (coding_terms.h).
 class Coupling {
   public:
     Coupling(const perceptual::Display& display, const CouplingSettings& settings)
-        : model_(display, settings.visibility), settings_(settings) {}
+        : model_(display, settings.strategy), settings_(settings) {}
 
     /// Forgets everything: a chunk begins, or another shot.
     void forget();
@@ -76,9 +70,7 @@ class Coupling {
     void judge(JudgedPicture picture);
 
   private:
-    bool counts(PictureRole role) const;
     float fraction_for(const PlannedPicture& plan) const;
-    perceptual::CodingPlan seen_as(perceptual::CodingPlan steps) const;
 
     perceptual::VisibilityModel model_;
     CouplingSettings settings_;

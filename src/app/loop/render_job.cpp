@@ -55,11 +55,7 @@ renderer::Settings rendering_settings(const RenderOptions& options, const scene:
 
 CouplingSettings coupling_settings(const RenderOptions& options, const ToleranceRequest& tolerance) {
     CouplingSettings settings;
-    settings.visibility.strategy =
-        options.masking == "quantised" ? perceptual::Strategy::quantised : perceptual::Strategy::warped;
-    settings.visibility.spread =
-        options.error_spread == "pixel" ? perceptual::Spread::pixel : perceptual::Spread::block;
-    settings.maps = options.error_maps == "intra" ? ErrorMaps::intra : ErrorMaps::references;
+    settings.strategy = options.masking == "quantised" ? perceptual::Strategy::quantised : perceptual::Strategy::warped;
     settings.fraction = tolerance.fraction;
     return settings;
 }

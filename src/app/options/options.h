@@ -47,15 +47,13 @@ struct RenderOptions {
     CodingOptions coding;
     int samples = 4;
     int vpls = 4096;
-    std::optional<std::string> tolerance;   ///< none: "coupled" for films, else "fixed=2%"
-    std::string masking = "warped";         ///< "warped" or "quantised"
-    std::string error_maps = "references";  ///< "references" or "intra"
-    std::string error_spread = "block";     ///< "block" or "pixel"
-    int audit = 0;                          ///< pixels of every frame
-    std::string exposure = "auto";          ///< "auto" or a number of EV; the animation file's wins over "auto"
-    std::string clamp = "bounded";          ///< "bounded" or "none"
-    std::string cache = "auto";             ///< "on", "off" or "auto"
-    std::optional<std::string> sky;         ///< image file or "none"
+    std::optional<std::string> tolerance;  ///< none: "coupled" for films, else "fixed=2%"
+    std::string masking = "warped";        ///< "warped" or "quantised"
+    int audit = 0;                         ///< pixels of every frame
+    std::string exposure = "auto";         ///< "auto" or a number of EV; the animation file's wins over "auto"
+    std::string clamp = "bounded";         ///< "bounded" or "none"
+    std::string cache = "auto";            ///< "on", "off" or "auto"
+    std::optional<std::string> sky;        ///< image file or "none"
     std::optional<std::string> camera;
     std::optional<std::string> animation;
     int threads = 0;  ///< 0: all

@@ -72,13 +72,6 @@ void add_light_options(CLI::App& command, RenderOptions& options) {
         ->check(CLI::IsMember({"warped", "quantised"}))
         ->capture_default_str()
         ->group(light);
-    // For docs/decisions/0008 to be measured again; not for users.
-    command.add_option("--error-maps", options.error_maps, "Pictures judged: `references` (I and P) or `intra`")
-        ->check(CLI::IsMember({"references", "intra"}))
-        ->group("");
-    command.add_option("--error-spread", options.error_spread, "A block's error in its pixels: `block` or `pixel`")
-        ->check(CLI::IsMember({"block", "pixel"}))
-        ->group("");
     command
         .add_option("--clamp", options.clamp,
                     "Light points too near a surface: `bounded` limits them, `none` does not (bright dots)")

@@ -100,7 +100,6 @@ void add_coding(json& entry, const FrameEntry& frame) {
     entry["quantiser"] = frame.quantiser;
     entry["mean_quantiser"] = frame.mean_quantiser;
     entry["bytes"] = frame.bytes;
-    entry["exceeds_level"] = false;
     entry["planned_quantiser"] = frame.planned_quantiser;
     entry["tries"] = frame.tries;
     entry["minimal"] = frame.minimal;
@@ -160,7 +159,7 @@ json tolerance_of(const RenderJob& film) {
     if (!film.tolerance.coupled) return {{"mode", "fixed"}, {"relative", film.tolerance.relative}};
     return {{"mode", "coupled"},
             {"fraction", film.tolerance.fraction ? json(*film.tolerance.fraction) : json(nullptr)},
-            {"masking", film.coupling.visibility.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"}};
+            {"masking", film.coupling.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"}};
 }
 
 /// What is said of every run. Quality counts where the film was coded.

@@ -131,18 +131,12 @@ bool find_deficit(const GatherLanes& lanes, const TreeLight& light, GeometryClam
     evaluate_light(lanes, LightType::oriented, light, nullptr, clamp, point);
     // Most lights near a point lie in its own plane, but for rounding.
     const float least = least_share / light.disc2;
-    bool any = false;
-    for (int i = 0; i < lane_count; ++i) {
-        deficit[i] = 0.0f;
-        any = any || (point.diffuse[i] > least && i < lanes.count);
-    }
-    if (!any) return false;
-    const Hexagon hexagon(light);
-    for (int i = 0; i < lanes.count; ++i) {
-        if (!(point.diffuse[i] > least)) continue;
-        const DiscLight disc = hexagon.seen_by(lanes, i);
-        deficit[i] = disc.share * (disc.irradiance - point.diffuse[i]);
-    }
+    std::uint32_t lit = 0;
+    for (int i = 0; i < lanes.count; ++i) lit |= point.diffuse[i] > least ? 1u << i : 0u;
+    if (lit == 0) return false;
+    const auto discs = disc_light(lanes, lit, light);
+    for (std::size_t i = 0; i < lane_count; ++i)
+        deficit[i] = (lit >> i & 1u) != 0 ? discs[i].share * (discs[i].irradiance - point.diffuse[i]) : 0.0f;
     return true;
 }
 
@@ -232,8 +226,12 @@ void compensate(const TreeLight& light, const LightTrees& light_trees, const Gat
 
 }  // namespace
 
-DiscLight disc_light(const GatherLanes& lanes, int lane, const TreeLight& light) {
-    return Hexagon(light).seen_by(lanes, lane);
+std::array<DiscLight, lane_count> disc_light(const GatherLanes& lanes, std::uint32_t wanted, const TreeLight& light) {
+    const Hexagon hexagon(light);
+    std::array<DiscLight, lane_count> discs{};
+    for (std::size_t i = 0; i < lane_count; ++i)
+        if ((wanted >> i & 1u) != 0) discs[i] = hexagon.seen_by(lanes, static_cast<int>(i));
+    return discs;
 }
 
 void compensate_clamping_bias(const LightTrees& light_trees, const RayTracer& tracer, const GatherLanes& lanes,

@@ -1,5 +1,8 @@
 #pragma once
 // Light from surfaces very near a point: discs, and bias compensation.
+#include <array>
+#include <cstdint>
+
 #include "renderer/cut/gathered_light.h"
 #include "renderer/geometry/ray_tracer.h"
 #include "renderer/tree/light_kernels.h"
@@ -17,7 +20,8 @@ inline constexpr float near_radii = 2.0f, far_radii = 3.0f;
 struct DiscLight {
     float irradiance = 0, share = 0;
 };
-DiscLight disc_light(const GatherLanes& lanes, int lane, const TreeLight& light);
+/// By lane; 0 in those that `wanted` has no bit of.
+std::array<DiscLight, lane_count> disc_light(const GatherLanes& lanes, std::uint32_t wanted, const TreeLight& light);
 
 /// Adds to what was gathered, of all light points or by a cut, what indirect light points near the lanes send as discs
 /// beyond what they sent as points, clamped. Does nothing where nothing is clamped.

@@ -9,17 +9,6 @@
 #include "renderer/base/lobe.h"
 
 namespace render2mpeg::renderer {
-namespace {
-
-/// Cosine bound between a unit axis and the vectors of a box about `middle`.
-float box_cosine(glm::vec3 axis, glm::vec3 middle, glm::vec3 half) {
-    glm::vec3 t, b;
-    core::make_frame(axis, t, b);
-    return lobe::cosine_bound(glm::dot(axis, middle), glm::dot(glm::abs(axis), half), glm::dot(t, middle),
-                              glm::dot(glm::abs(t), half), glm::dot(b, middle), glm::dot(glm::abs(b), half));
-}
-
-}  // namespace
 
 glm::vec3 evaluate(const Bsdf& bsdf, glm::vec3 normal, glm::vec3 outgoing, glm::vec3 to_light) {
     const float nl = glm::dot(normal, to_light);
@@ -34,24 +23,6 @@ glm::vec3 evaluate(const Bsdf& bsdf, glm::vec3 normal, glm::vec3 outgoing, glm::
         f += lobe::distribution(std::min(nh * nh, 1.0f), a2) * lobe::masking(nl, nv, a2) * (bsdf.f0 * (1.0f - s) + s);
     }
     return f;
-}
-
-float upper_bound(const Bsdf& bsdf, glm::vec3 position, glm::vec3 normal, glm::vec3 outgoing, glm::vec3 low,
-                  glm::vec3 high) {
-    const glm::vec3 middle = 0.5f * (low + high) - position;
-    const glm::vec3 half = 0.5f * (high - low);
-    const float nl = std::max(box_cosine(normal, middle, half), 0.0f);
-    float bound = core::luminance(bsdf.diffuse) * lobe::inverse_pi * nl;
-    if (bsdf.has_glossy()) {
-        const float nv = glm::dot(normal, outgoing);
-        if (!(nv > 0.0f)) return 0.0f;
-        const glm::vec3 mirrored = core::normalize_or(2.0f * nv * normal - outgoing, normal);
-        const lobe::BoxCosines box{nl, box_cosine(mirrored, middle, half), box_cosine(-outgoing, middle, half)};
-        const float a2 = bsdf.alpha * bsdf.alpha;
-        const lobe::GlossyBound glossy = lobe::glossy_bound(box, nv, a2, a2);
-        bound += glossy.cosine * core::luminance(bsdf.f0 * (1.0f - glossy.schlick) + glossy.schlick);
-    }
-    return bound;
 }
 
 glm::vec3 glossy_albedo(const Bsdf& bsdf) {

@@ -22,11 +22,6 @@ struct Bsdf {
 /// behind the normal. All directions unit.
 glm::vec3 evaluate(const Bsdf& bsdf, glm::vec3 normal, glm::vec3 outgoing, glm::vec3 to_light);
 
-/// An upper bound of luminance(f_s) x cosine over all directions to points of the box [low, high] as seen from
-/// `position` [Walter2005, 5.1]. Conservative for both parts; > 0 unless the box lies wholly behind the surface.
-float upper_bound(const Bsdf& bsdf, glm::vec3 position, glm::vec3 normal, glm::vec3 outgoing, glm::vec3 low,
-                  glm::vec3 high);
-
 /// What the GGX lobe reflects of diffuse light, about: its Fresnel reflectance averaged over the hemisphere with the
 /// cosine, f0 + (1 - f0) / 21 by Schlick's formula (2 / (6 x 7) = 1 / 21). 0 without a lobe.
 glm::vec3 glossy_albedo(const Bsdf& bsdf);

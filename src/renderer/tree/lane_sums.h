@@ -23,13 +23,4 @@ RENDER2MPEG_ALWAYS_INLINED bool any_of(const std::uint32_t (&flags)[lane_count])
     return ((pairs[0] | pairs[1] | pairs[2] | pairs[3]) | (pairs[4] | pairs[5] | pairs[6] | pairs[7])) != 0;
 }
 
-/// None of them NaN.
-RENDER2MPEG_ALWAYS_INLINED float largest_of(Lanes& values) {
-    for (int i = 0; i < 8; ++i) values[i] = values[i] < values[i + 8] ? values[i + 8] : values[i];
-    for (int i = 0; i < 4; ++i) values[i] = values[i] < values[i + 4] ? values[i + 4] : values[i];
-    const float even = values[0] < values[2] ? values[2] : values[0];
-    const float odd = values[1] < values[3] ? values[3] : values[1];
-    return even < odd ? odd : even;
-}
-
 }  // namespace render2mpeg::renderer

@@ -130,7 +130,6 @@ LightTrees PersistentLightTrees::at(const LitPoints& now, bool may_rebuild) {
         if (cost_of(tree) <= most_cost * cost_of(fresh)) continue;
         tree = std::move(fresh);
         plans_[t] = std::move(other);
-        ++rebuilt_;
     }
     return light_trees;
 }

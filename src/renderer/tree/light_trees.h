@@ -69,9 +69,6 @@ class PersistentLightTrees {
     /// A tree over the anchors of still surfaces as `at` grows it, of other intensities.
     LightTree static_tree(std::span<const LightPoint> anchors) const;
 
-    /// Plans that were made anew since construction.
-    int rebuilt() const { return rebuilt_; }
-
     /// Bytes held between instants.
     std::size_t bytes() const;
 
@@ -79,7 +76,6 @@ class PersistentLightTrees {
     std::array<TreeTopology, LightTrees::tree_count> plans_;
     std::vector<std::uint32_t> exact_;  ///< ids, in order
     std::uint64_t seed_ = 0;
-    int rebuilt_ = 0;
 };
 
 }  // namespace render2mpeg::renderer
