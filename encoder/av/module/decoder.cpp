@@ -3,7 +3,7 @@
 #include "core/error.h"
 #include "encoder/av/module/decoder.h"
 #include "encoder/av/module/ffmpeg.h"
-#include "encoder/av/module/transport_stream.h"
+#include "encoder/av/module/input.h"
 
 namespace render2mpeg::av {
 namespace {
@@ -15,16 +15,15 @@ constexpr int strictness = AV_EF_EXPLODE | AV_EF_CRCCHECK | AV_EF_BUFFER;
 class Film {
   public:
     Film(const std::filesystem::path& file, const std::function<void(const core::Picture&)>& picture)
-        : file_(file.string()), picture_(picture) {
-        open_file();
+        : file_(file.string()), picture_(picture), film_(open_film(file_, strictness, messages_)) {
         open_decoder();
     }
 
     void decode() {
         int result = 0;
-        while ((result = av_read_frame(input_.get(), packet_.get())) >= 0) {
+        while ((result = av_read_frame(film_.input.get(), packet_.get())) >= 0) {
             if (packet_->flags & AV_PKT_FLAG_CORRUPT) fail("the container marks a picture as damaged");
-            if (packet_->stream_index == stream_) send(packet_.get());
+            if (packet_->stream_index == film_.stream->index) send(packet_.get());
             av_packet_unref(packet_.get());
         }
         if (result != AVERROR_EOF) fail(cause_of(result, messages_));
@@ -39,27 +38,12 @@ class Film {
         if (result < 0 || messages_.has_error()) fail(cause_of(result, messages_));
     }
 
-    void open_file() {
-        const auto refuse = [&](int result) { throw core::Error("reading", file_, cause_of(result, messages_)); };
-        AVFormatContext* input = avformat_alloc_context();
-        if (input == nullptr) refuse(AVERROR(ENOMEM));
-        input->error_recognition = strictness;
-        // The prefix keeps names with colons from being taken for network addresses. On failure `input` is freed.
-        const AVInputFormat* format = transport_stream_format(file_);
-        if (const int r = avformat_open_input(&input, ("file:" + file_).c_str(), format, nullptr); r < 0) refuse(r);
-        input_.reset(input);
-        if (const int r = avformat_find_stream_info(input, nullptr); r < 0) refuse(r);
-        stream_ = av_find_best_stream(input, AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
-        if (stream_ < 0) refuse(stream_);
-    }
-
     void open_decoder() {
-        const AVStream* stream = input_->streams[stream_];
-        const AVCodec* codec = avcodec_find_decoder(stream->codecpar->codec_id);
+        const AVCodec* codec = avcodec_find_decoder(film_.stream->codecpar->codec_id);
         if (codec == nullptr) fail("no decoder for this kind of stream");
         decoder_.reset(avcodec_alloc_context3(codec));
         if (!decoder_ || !packet_ || !frame_) fail(cause_of(AVERROR(ENOMEM), messages_));
-        check(avcodec_parameters_to_context(decoder_.get(), stream->codecpar));
+        check(avcodec_parameters_to_context(decoder_.get(), film_.stream->codecpar));
         decoder_->idct_algo = FF_IDCT_SIMPLE;
         decoder_->flags |= AV_CODEC_FLAG_BITEXACT;
         decoder_->err_recognition = strictness;
@@ -105,11 +89,10 @@ class Film {
     std::string file_;
     const std::function<void(const core::Picture&)>& picture_;
     Messages messages_;
-    Input input_;
+    OpenFilm film_;
     Decoder decoder_;
     Packet packet_{av_packet_alloc()};
     Frame frame_{av_frame_alloc()};
-    int stream_ = -1;
     std::int64_t number_ = 0;
 };
 

@@ -7,8 +7,8 @@
 
 #include "core/error.h"
 #include "encoder/av/module/ffmpeg.h"
+#include "encoder/av/module/input.h"
 #include "encoder/av/module/picture_facts.h"
-#include "encoder/av/module/transport_stream.h"
 
 namespace render2mpeg::av {
 namespace {
@@ -48,15 +48,14 @@ std::string without_prefix(const std::string& text) {
 /// One film being looked at.
 class Film {
   public:
-    explicit Film(const std::filesystem::path& file) : file_(file.string()) {
-        open_file();
+    explicit Film(const std::filesystem::path& file) : file_(file.string()), film_(open_film(file_, AV_EF_CRCCHECK, messages_)) {
         open_decoder();
     }
 
     Inspection inspect() {
         int result = 0;
-        while ((result = av_read_frame(input_.get(), packet_.get())) >= 0) {
-            if (packet_->stream_index == stream_) send(packet_.get());
+        while ((result = av_read_frame(film_.input.get(), packet_.get())) >= 0) {
+            if (packet_->stream_index == film_.stream->index) send(packet_.get());
             av_packet_unref(packet_.get());
         }
         if (result != AVERROR_EOF) result_.damage.push_back("reading ended early: " + cause_of(result, messages_));
@@ -76,31 +75,15 @@ class Film {
 
     [[noreturn]] void refuse(const std::string& cause) const { throw core::Error("reading", file_, cause); }
 
-    void open_file() {
-        AVFormatContext* input = avformat_alloc_context();
-        if (input == nullptr) refuse(cause_of(AVERROR(ENOMEM), messages_));
-        // Playlists may name what they like: nothing but files is opened.
-        AVDictionary* options = nullptr;
-        av_dict_set(&options, "protocol_whitelist", "file", 0);
-        const int opened =
-            avformat_open_input(&input, ("file:" + file_).c_str(), transport_stream_format(file_), &options);
-        av_dict_free(&options);
-        if (opened < 0) refuse(cause_of(opened, messages_));
-        input_.reset(input);
-        if (const int r = avformat_find_stream_info(input, nullptr); r < 0) refuse(cause_of(r, messages_));
-        stream_ = av_find_best_stream(input, AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
-        if (stream_ < 0) refuse("there is no video in it");
-        const AVCodecID codec = input->streams[stream_]->codecpar->codec_id;
-        if (codec != AV_CODEC_ID_MPEG2VIDEO)
-            refuse(std::string("its video is ") + avcodec_get_name(codec) + ", not mpeg2video");
-    }
-
     void open_decoder() {
+        const AVCodecID kind = film_.stream->codecpar->codec_id;
+        if (kind != AV_CODEC_ID_MPEG2VIDEO)
+            refuse(std::string("its video is ") + avcodec_get_name(kind) + ", not mpeg2video");
         const AVCodec* codec = avcodec_find_decoder(AV_CODEC_ID_MPEG2VIDEO);
         if (codec == nullptr) refuse("libavcodec has no decoder for MPEG-2");
         decoder_.reset(avcodec_alloc_context3(codec));
         if (!decoder_ || !packet_ || !frame_) refuse(cause_of(AVERROR(ENOMEM), messages_));
-        avcodec_parameters_to_context(decoder_.get(), input_->streams[stream_]->codecpar);
+        avcodec_parameters_to_context(decoder_.get(), film_.stream->codecpar);
         // Hand over every picture as soon as it is decoded: at the film's end libavcodec tells nothing of the last one.
         decoder_->flags |= AV_CODEC_FLAG_LOW_DELAY;
         decoder_->export_side_data = AV_CODEC_EXPORT_DATA_MVS | AV_CODEC_EXPORT_DATA_VIDEO_ENC_PARAMS;
@@ -168,11 +151,12 @@ class Film {
             if (!coded_[i].damage.empty())
                 result_.damage.push_back("coded picture " + std::to_string(i) + ": " + coded_[i].damage);
         }
-        const AVCodecParameters& parameters = *input_->streams[stream_]->codecpar;
+        const AVCodecParameters& parameters = *film_.stream->codecpar;
         const char* profile = avcodec_profile_name(AV_CODEC_ID_MPEG2VIDEO, decoder_->profile);
         StreamFacts& s = result_.stream;
-        s.container = input_->iformat->long_name != nullptr ? input_->iformat->long_name : input_->iformat->name;
-        s.streams = static_cast<int>(input_->nb_streams);
+        s.container =
+            film_.input->iformat->long_name != nullptr ? film_.input->iformat->long_name : film_.input->iformat->name;
+        s.streams = static_cast<int>(film_.input->nb_streams);
         s.profile = profile != nullptr ? profile : "";
         s.level = level_name(decoder_->level);
         s.width = decoder_->width > 0 ? decoder_->width : parameters.width;
@@ -187,11 +171,10 @@ class Film {
 
     std::string file_;
     Messages messages_;
-    Input input_;
+    OpenFilm film_;
     Decoder decoder_;
     Packet packet_{av_packet_alloc()};
     Frame frame_{av_frame_alloc()};
-    int stream_ = -1;
     std::vector<Coded> coded_;
     Inspection result_;
 };

@@ -51,6 +51,9 @@ bool is_empty(const LightTrees& light_trees) {
                        [](const LightTree& t) { return t.empty(); });
 }
 
+/// How alike points are between which dynamic light is interpolated.
+constexpr Likeness one_surface{0.9f, 0.02f, 0.2f};
+
 /// A point of this pixel on the same surface, whose dynamic light was gathered or may be taken for that.
 std::optional<PointRef> corner(const FrameState& frame, int x, int y, const GatherPoint& like) {
     const Seen& seen = frame.seen;
@@ -62,7 +65,7 @@ std::optional<PointRef> corner(const FrameState& frame, int x, int y, const Gath
         const GatherPoint& p = frame.point(found);
         const DynamicState known = tile.dynamic_state[found.index];
         if ((known == DynamicState::gathered || known == DynamicState::interpolated) && !p.point.bsdf.has_glossy() &&
-            !frame.moves(p) && share_surface(p, like, frame.camera.position()))
+            !frame.moves(p) && share_surface(p, like, frame.camera.position(), one_surface))
             return found;
     }
     return std::nullopt;

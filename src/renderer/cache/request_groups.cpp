@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 
 #include "renderer/cut/gather_groups.h"
 #include "renderer/tree/gather_lanes.h"
@@ -10,30 +9,11 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// How alike points of a group are: see gather_groups.cpp. Requests lie farther apart than the pixels of a
-/// block. chosen: against looser ones (docs/fits/records.md).
-struct Likeness {
-    float least_normal;
-    float largest_step, largest_gap;  ///< over the distance to the eye
-};
+/// Requests lie farther apart than the pixels of a block. chosen: against looser ones (docs/fits/records.md).
 constexpr Likeness first_pass{0.85f, 0.03f, 0.25f}, second_pass{0.5f, 0.1f, 0.4f};
 
 /// Groups that a point is offered to, the newest.
 constexpr std::size_t most_open = 48;
-
-bool belongs(const GatherPoint& first, const GatherPoint& other, glm::vec3 eye, const Likeness& likeness) {
-    const SurfacePoint& a = first.point;
-    const SurfacePoint& b = other.point;
-    if (first.reached_by_specular != other.reached_by_specular || a.bsdf.has_glossy() != b.bsdf.has_glossy())
-        return false;
-    if (!(glm::dot(a.shading_normal, b.shading_normal) > likeness.least_normal) ||
-        !(glm::dot(a.geometric_normal, b.geometric_normal) > likeness.least_normal))
-        return false;
-    const float distance = glm::length(a.position - eye);
-    const glm::vec3 between = b.position - a.position;
-    return std::abs(glm::dot(between, a.geometric_normal)) <= likeness.largest_step * distance &&
-           glm::dot(between, between) <= likeness.largest_gap * distance * likeness.largest_gap * distance;
-}
 
 class Grouping {
   public:
@@ -43,7 +23,8 @@ class Grouping {
     void add(const PointRef& p, int set) {
         for (std::size_t k = open_.size(); k-- > 0;) {
             RequestGroup& group = groups_[open_[k]];
-            if ((own_set_ && group.set != set) || !belongs(point(group.points.front()), point(p), eye_, likeness_))
+            if ((own_set_ && group.set != set) ||
+                !share_surface(point(group.points.front()), point(p), eye_, likeness_))
                 continue;
             group.points.push_back(p);
             if (group.points.size() == lane_count) open_.erase(open_.begin() + static_cast<std::ptrdiff_t>(k));

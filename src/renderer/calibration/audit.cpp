@@ -8,7 +8,7 @@
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
-#include "renderer/base/lobe.h"
+#include "renderer/cut/point_light.h"
 #include "renderer/cut/reference_gather.h"
 
 namespace render2mpeg::renderer {
@@ -19,16 +19,6 @@ constexpr std::uint64_t drawing_seed = 0xa0d17, spreading_seed = 0x5b3ead;
 
 /// By how much sums over all lights differ in another order, as a share. chosen: 1e-5; 1e-6 is usual.
 constexpr float rounding = 1e-5f;
-
-/// As in shade.cpp.
-glm::vec3 scattered(const GatherPoint& p, const GatheredLight& light, int lane) {
-    const Bsdf& bsdf = p.point.bsdf;
-    const glm::vec3 direct = light.direct.at(lane) * lobe::inverse_pi;
-    const glm::vec3 indirect = light.indirect.at(lane) * lobe::inverse_pi;
-    glm::vec3 glossy(0);
-    if (bsdf.has_glossy()) glossy = bsdf.f0 * light.f0.at(lane) + light.schlick.at(lane);
-    return p.weight * (bsdf.diffuse * (direct + indirect) + glossy);
-}
 
 const MovedPoint* find(const MovedPoints& moved, std::uint32_t tile, std::uint32_t index) {
     if (moved.empty()) return nullptr;
@@ -107,7 +97,7 @@ std::vector<glm::vec3> gather_exactly(const LightTrees& light_trees, const RayTr
     parallel::for_each(places.size(), [&](std::size_t i) {
         GatheredLight gathered;
         gather_all(light_trees, tracer, lit_at(*places[i].point, places[i].moved), *places[i].point, gathered);
-        light[i] = scattered(*places[i].point, gathered, 0);
+        light[i] = point_light(gathered, 0, *places[i].point).scattered(*places[i].point);
     });
 
     std::vector<glm::vec3> sums;

@@ -6,39 +6,17 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// How alike points of a group are.
-struct Likeness {
-    float least_normal;
-    float largest_step;  ///< off the plane of the first point, over its distance to the eye
-    float largest_gap;   ///< between points, likewise
-};
-
 /// Within a block. chosen: docs/fits/lightcut.md.
 constexpr Likeness within_block{0.9f, 0.02f, 0.1f};
 
 /// Of what blocks leave over. chosen: docs/fits/lightcut.md.
 constexpr Likeness left_over{0.5f, 0.05f, 0.2f};
 
-/// Groups of a tile that begin with one another's splits.
-constexpr Likeness within_tile{0.9f, 0.02f, 0.2f};
-
-bool belongs(const GatherPoint& first, const GatherPoint& other, glm::vec3 eye, const Likeness& likeness) {
-    const SurfacePoint& a = first.point;
-    const SurfacePoint& b = other.point;
-    if (first.reached_by_specular != other.reached_by_specular || a.bsdf.has_glossy() != b.bsdf.has_glossy())
-        return false;
-    if (!(glm::dot(a.shading_normal, b.shading_normal) > likeness.least_normal)) return false;
-    if (!(glm::dot(a.geometric_normal, b.geometric_normal) > likeness.least_normal)) return false;
-    const float distance = glm::length(a.position - eye);
-    const glm::vec3 between = b.position - a.position;
-    return std::abs(glm::dot(between, a.geometric_normal)) <= likeness.largest_step * distance &&
-           glm::dot(between, between) <= likeness.largest_gap * distance * likeness.largest_gap * distance;
-}
-
 /// Adds a point to the first group of its block that takes it, or to a new one.
 void assign(std::uint32_t index, int set, const GatherTile& tile, glm::vec3 eye, std::vector<GatherGroup>& groups) {
     for (GatherGroup& group : groups) {
-        if (group.points.size() >= lane_count || !belongs(tile[group.points.front()], tile[index], eye, within_block))
+        if (group.points.size() >= lane_count ||
+            !share_surface(tile[group.points.front()], tile[index], eye, within_block))
             continue;
         group.points.push_back(index);
         return;
@@ -69,7 +47,8 @@ class Merger {
     bool take(std::uint32_t index, int set) {
         for (std::size_t k = 0; k < open_.size(); ++k) {
             GatherGroup& group = groups_[open_[k]];
-            if ((own_set_ && group.set != set) || !belongs(tile_[group.points.front()], tile_[index], eye_, left_over))
+            if ((own_set_ && group.set != set) ||
+                !share_surface(tile_[group.points.front()], tile_[index], eye_, left_over))
                 continue;
             group.points.push_back(index);
             if (group.points.size() == lane_count) open_.erase(open_.begin() + static_cast<std::ptrdiff_t>(k));
@@ -100,8 +79,17 @@ struct Pattern {
 
 }  // namespace
 
-bool share_surface(const GatherPoint& a, const GatherPoint& b, glm::vec3 eye) {
-    return belongs(a, b, eye, within_tile);
+bool share_surface(const GatherPoint& first, const GatherPoint& other, glm::vec3 eye, const Likeness& likeness) {
+    const SurfacePoint& a = first.point;
+    const SurfacePoint& b = other.point;
+    if (first.reached_by_specular != other.reached_by_specular || a.bsdf.has_glossy() != b.bsdf.has_glossy())
+        return false;
+    if (!(glm::dot(a.shading_normal, b.shading_normal) > likeness.least_normal)) return false;
+    if (!(glm::dot(a.geometric_normal, b.geometric_normal) > likeness.least_normal)) return false;
+    const float distance = glm::length(a.position - eye);
+    const glm::vec3 between = b.position - a.position;
+    return std::abs(glm::dot(between, a.geometric_normal)) <= likeness.largest_step * distance &&
+           glm::dot(between, between) <= likeness.largest_gap * distance * likeness.largest_gap * distance;
 }
 
 int block_of(int pixel, int sets) {

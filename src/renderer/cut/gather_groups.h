@@ -26,8 +26,15 @@ struct GatherGroup {
 /// are judged from.
 std::vector<GatherGroup> group_points(const GatherTile& tile, glm::vec3 eye, int sets);
 
+/// How alike points of a group are.
+struct Likeness {
+    float least_normal;  ///< cosine between two normals
+    float largest_step;  ///< off the plane of the first point, over its distance to the eye
+    float largest_gap;   ///< between points, likewise
+};
+
 /// Whether two points lie on much the same surface, so that their cuts have much in common.
-bool share_surface(const GatherPoint& a, const GatherPoint& b, glm::vec3 eye);
+bool share_surface(const GatherPoint& first, const GatherPoint& other, glm::vec3 eye, const Likeness& likeness);
 
 /// The block that a pixel of a tile (GatherPoint::pixel) belongs to, 0..15: sixteen pixels that share a cut if they
 /// show one surface.
