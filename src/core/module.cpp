@@ -1,6 +1,7 @@
 #include "core/module.h"
 
 #include <dlfcn.h>
+#include <sys/auxv.h>
 
 #include <cstdlib>
 #include <map>
@@ -13,13 +14,6 @@ namespace render2mpeg::core {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Empty where the system does not tell (no /proc).
-fs::path folder_of_executable() {
-    std::error_code failure;
-    const fs::path executable = fs::read_symlink("/proc/self/exe", failure);
-    return failure ? fs::path() : executable.parent_path();
-}
 
 std::string loader_message() {
     const char* message = dlerror();
@@ -44,11 +38,19 @@ void* open_module(const std::string& file) {
 
 }  // namespace
 
+fs::path program_file(const fs::path& link) {
+    std::error_code failure;
+    const fs::path linked = fs::read_symlink(link, failure);
+    if (!failure) return linked;
+    const auto* started = reinterpret_cast<const char*>(getauxval(AT_EXECFN));
+    return started != nullptr ? fs::canonical(started, failure) : fs::path();
+}
+
 std::vector<fs::path> module_folders() {
     std::vector<fs::path> folders;
     if (const char* wanted = std::getenv("RENDER2MPEG_MODULES"); wanted != nullptr && *wanted != '\0')
         folders.emplace_back(wanted);
-    if (const fs::path here = folder_of_executable(); !here.empty()) {
+    if (const fs::path here = program_file().parent_path(); !here.empty()) {
         folders.push_back(here / "modules");
         folders.push_back((here / RENDER2MPEG_MODULES_FROM_BINARY).lexically_normal());
     }

@@ -10,6 +10,10 @@
 /// that hands out an interface.
 namespace render2mpeg::core {
 
+/// The file that this process runs, without links; empty where the system does not tell. `link` is the system's link to
+/// it; where that cannot be read (no /proc), the name that the process was started by counts, as seen from this folder.
+std::filesystem::path program_file(const std::filesystem::path& link = "/proc/self/exe");
+
 /// The folders that are searched for modules, in order: $RENDER2MPEG_MODULES if set, `modules` beside the executable
 /// (the build folder), the installed place relative to the executable, the installed place as configured.
 std::vector<std::filesystem::path> module_folders();

@@ -46,6 +46,12 @@ TEST(Modules, AreSoughtFirstWhereTheUserSaysThenBesideTheProgram) {
     for (const fs::path& each : folders) EXPECT_TRUE(each.is_absolute()) << each;
 }
 
+TEST(ProgramFile, IsFoundWithoutTheSystemsLink) {
+    const fs::path linked = program_file();
+    EXPECT_EQ(linked.parent_path(), support::binary_folder());
+    EXPECT_EQ(program_file("/nowhere/self/exe"), linked);
+}
+
 TEST(Module, ThatIsMissingNamesFileAndEveryFolderSearched) {
     const ModuleFolder folder("/nowhere");
     const std::string message = message_of("no_such_part");

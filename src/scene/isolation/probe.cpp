@@ -17,6 +17,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/module.h"
 #include "scene/isolation/probed.h"
 
 namespace render2mpeg::scene {
@@ -27,9 +28,9 @@ namespace fs = std::filesystem;
 /// Empty where there is none.
 fs::path program() {
     if (const char* named = std::getenv("RENDER2MPEG_PROGRAM"); named != nullptr && *named != '\0') return named;
+    const fs::path self = core::program_file();
+    if (self.empty()) return {};
     std::error_code failure;
-    const fs::path self = fs::read_symlink("/proc/self/exe", failure);
-    if (failure) return {};
     if (self.filename() == "render2mpeg") return self;
     for (const fs::path& folder : {self.parent_path(), self.parent_path().parent_path()})
         if (fs::is_regular_file(folder / "render2mpeg", failure)) return folder / "render2mpeg";
