@@ -1,11 +1,14 @@
-// Lights of an animation file.
+#include "scene/animation_file/lights.h"
+
 #include <algorithm>
 #include <array>
+#include <map>
+#include <string>
 
 #include "scene/animation_file/keys.h"
+#include "scene/animation_file/movement.h"
 #include "scene/animation_file/shapes.h"
 #include "scene/animation_file/sizes.h"
-#include "scene/animation_file/things.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -14,9 +17,24 @@ namespace keys = animation_file_keys;
 
 constexpr std::array<std::string_view, 5> kinds{"point", "spot", "sun", "panel", "sphere"};
 
-}  // namespace
+/// Builds the lights of one file.
+class Lights {
+  public:
+    Lights(Animation& film, const FilmClock& clock) : film_(film), clock_(clock) {}
 
-Curve Things::power_of(const JsonValue& value, std::size_t copy) {
+    void build(const JsonValue& value, std::size_t number);
+
+  private:
+    void build_punctual(const JsonValue& value, const std::string& name, int node, std::size_t copy);
+    void build_lamp(const JsonValue& value, const std::string& name, int node, std::size_t copy);
+    Curve power_of(const JsonValue& value, std::size_t copy);
+
+    Animation& film_;
+    const FilmClock& clock_;
+    std::map<std::string, int> mesh_at_, material_at_;  ///< by their place in the file: copies share them
+};
+
+Curve Lights::power_of(const JsonValue& value, std::size_t copy) {
     Curve power = curve_of(value, {"power", 1, 0, 1e6, true}, clock_, keys::light_key);
     const auto stagger = value.find("stagger");
     if (stagger && power.times.size() > 1)
@@ -24,7 +42,7 @@ Curve Things::power_of(const JsonValue& value, std::size_t copy) {
     return power;
 }
 
-void Things::build_punctual(const JsonValue& value, const std::string& name, int node, std::size_t copy) {
+void Lights::build_punctual(const JsonValue& value, const std::string& name, int node, std::size_t copy) {
     constexpr std::array<LightKind, 3> kind_of{LightKind::point, LightKind::spot, LightKind::directional};
     constexpr std::array<double, 3> usual{10, 10, 3};
     const std::size_t kind = value.need("kind").word(kinds);
@@ -52,7 +70,7 @@ void Things::build_punctual(const JsonValue& value, const std::string& name, int
     if (!power.empty()) film_.tracks.push_back(track_of(power, TrackTarget::light_intensity, index));
 }
 
-void Things::build_lamp(const JsonValue& value, const std::string& name, int node, std::size_t copy) {
+void Lights::build_lamp(const JsonValue& value, const std::string& name, int node, std::size_t copy) {
     const bool is_panel = value.need("kind").text() == "panel";
     if (mesh_at_.find(value.place()) == mesh_at_.end()) {
         Mesh mesh;
@@ -82,7 +100,7 @@ void Things::build_lamp(const JsonValue& value, const std::string& name, int nod
     }
     if (value.has("stagger")) variant = copy;
     const std::string place = value.place() + "/" + std::to_string(variant);
-    if (lamp_material_at_.find(place) == lamp_material_at_.end()) {
+    if (material_at_.find(place) == material_at_.end()) {
         Material material;
         material.name = name;
         material.base_color = glm::vec4(0, 0, 0, 1);
@@ -93,14 +111,14 @@ void Things::build_lamp(const JsonValue& value, const std::string& name, int nod
             color * static_cast<float>(value.has("intensity") ? value.need("intensity").number(0, 1e6) : 10);
         const int index = static_cast<int>(film_.materials.size());
         film_.materials.push_back(material);
-        lamp_material_at_[place] = index;
+        material_at_[place] = index;
         const Curve power = power_of(value, copy);
         if (!power.empty()) film_.tracks.push_back(track_of(power, TrackTarget::emission, index));
     }
-    add_object(name, node, mesh_at_[value.place()], lamp_material_at_[place]);
+    add_object(film_, name, node, mesh_at_[value.place()], material_at_[place]);
 }
 
-void Things::build_light(const JsonValue& value, std::size_t number) {
+void Lights::build(const JsonValue& value, std::size_t number) {
     value.allow_only(keys::light);
     const std::size_t kind = value.need("kind").word(kinds);
     const bool punctual = kind < 3;
@@ -144,9 +162,12 @@ void Things::build_light(const JsonValue& value, std::size_t number) {
     }
 }
 
-void Things::read_lights(const JsonValue& lights) {
+}  // namespace
+
+void read_lights(const JsonValue& lights, Animation& film, const FilmClock& clock) {
+    Lights all(film, clock);
     std::size_t number = 0;
-    for (const JsonValue& light : lights.list(0, 100000)) build_light(light, number++);
+    for (const JsonValue& light : lights.list(0, 100000)) all.build(light, number++);
 }
 
 }  // namespace render2mpeg::scene

@@ -12,8 +12,9 @@
 #include "scene/animation_file/cameras.h"
 #include "scene/animation_file/json.h"
 #include "scene/animation_file/keys.h"
+#include "scene/animation_file/lights.h"
 #include "scene/animation_file/looks.h"
-#include "scene/animation_file/things.h"
+#include "scene/animation_file/objects.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -118,12 +119,12 @@ Animation load_animation_file(const fs::path& given, const LoadOptions& options,
     const FilmClock clock = read_format(value, film);
     read_shape(value, film);
     Looks looks(film, folder, clock);
-    Things things(film, looks, clock);
+    Objects objects(film, looks, clock);
     read_cameras(value, film, clock);
     if (const auto v = value.find("materials")) looks.read_materials(*v);
-    if (const auto v = value.find("change")) things.read_changes(*v);
-    if (const auto v = value.find("objects")) things.read_objects(*v);
-    if (const auto v = value.find("lights")) things.read_lights(*v);
+    if (const auto v = value.find("change")) objects.read_changes(*v);
+    if (const auto v = value.find("objects")) objects.read(*v);
+    if (const auto v = value.find("lights")) read_lights(*v, film, clock);
     if (const auto v = value.find("sky")) looks.read_sky(*v);
     if (const auto v = value.find("shots")) read_shots(*v, film, clock);
     looks.refuse_unused();

@@ -152,6 +152,15 @@ int add_node(Animation& film, const std::string& name, int parent) {
     return static_cast<int>(film.nodes.size()) - 1;
 }
 
+void add_object(Animation& film, const std::string& name, int node, int mesh, int material) {
+    Object object;
+    object.name = name;
+    object.node = node;
+    object.mesh = mesh;
+    object.material = material;
+    film.objects.push_back(std::move(object));
+}
+
 void place(Animation& film, int node, const JsonValue& thing, const FilmClock& clock,
            std::span<const std::string_view> names) {
     separate(film.nodes[static_cast<std::size_t>(node)]);

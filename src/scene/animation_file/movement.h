@@ -45,6 +45,9 @@ void place(Animation& film, int node, const JsonValue& thing, const FilmClock& c
 /// One more node.
 int add_node(Animation& film, const std::string& name, int parent);
 
+/// One more object: a mesh at a node.
+void add_object(Animation& film, const std::string& name, int node, int mesh, int material);
+
 /// The copies that a thing's `repeat` asks for, as nodes without name or parent: one at the origin where there is none.
 std::vector<Node> copies_of(const JsonValue& thing);
 

@@ -1,11 +1,12 @@
-// Accessors: the only place that turns bytes of a glTF file into numbers. Nothing of a size that the file merely claims
-// is allocated: a count must be held by the buffer, or be known from elsewhere. [glTF2, 3.6.2]
+// Nothing of a size that the file merely claims is allocated: a count must be held by the buffer, or be known from
+// elsewhere. [glTF2, 3.6.2]
+#include "scene/gltf/accessor.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
-#include "scene/gltf/document.h"
 #include "scene/model/wording.h"
 
 namespace render2mpeg::scene::gltf {
@@ -180,10 +181,10 @@ Element named(const Document& document, int accessor, const std::string& user) {
 
 }  // namespace
 
-Floats Document::floats(int accessor, std::initializer_list<int> components, std::size_t expected_count,
-                        const std::string& user) const {
-    const Element element = named(*this, accessor, user);
-    const Shape shape = shape_of(*this, element, expected_count);
+Floats read_floats(const Document& document, int accessor, std::initializer_list<int> components,
+                   std::size_t expected_count, const std::string& user) {
+    const Element element = named(document, accessor, user);
+    const Shape shape = shape_of(document, element, expected_count);
     if (std::find(components.begin(), components.end(), shape.components) == components.end())
         element.refuse("is of type " + in_quotes(element.string("type", "")) + ", which does not fit here");
 
@@ -197,42 +198,40 @@ Floats Document::floats(int accessor, std::initializer_list<int> components, std
     };
     if (shape.run)
         for (std::size_t i = 0; i < shape.count; ++i) convert(i, shape.run->first + i * shape.run->stride);
-    for_each_sparse(*this, element, shape, convert);
+    for_each_sparse(document, element, shape, convert);
     return result;
 }
 
-Floats Document::finite_floats(int accessor, std::initializer_list<int> components, std::size_t expected_count,
-                               const std::string& user) const {
-    Floats result = floats(accessor, components, expected_count, user);
+Floats read_finite_floats(const Document& document, int accessor, std::initializer_list<int> components,
+                          std::size_t expected_count, const std::string& user) {
+    Floats result = read_floats(document, accessor, components, expected_count, user);
     for (std::size_t i = 0; i < result.values.size(); ++i)
         if (!std::isfinite(result.values[i]))
-            named(*this, accessor, user)
+            named(document, accessor, user)
                 .refuse("element " + std::to_string(i / static_cast<std::size_t>(result.components)) +
                         " is not finite");
     return result;
 }
 
-Document::Integers Document::integers(int accessor, int components, std::size_t expected_count,
-                                      const std::string& user) const {
-    const Element element = named(*this, accessor, user);
-    const Shape shape = shape_of(*this, element, expected_count);
+std::vector<std::uint32_t> read_integers(const Document& document, int accessor, int components,
+                                         std::size_t expected_count, const std::string& user) {
+    const Element element = named(document, accessor, user);
+    const Shape shape = shape_of(document, element, expected_count);
     if (shape.components != components)
         element.refuse("is of type " + in_quotes(element.string("type", "")) + ", which does not fit here");
     const bool is_unsigned = shape.component == Component::uint8 || shape.component == Component::uint16 ||
                              shape.component == Component::uint32;
     if (!is_unsigned || shape.normalized) element.refuse("must hold unsigned integers");
 
-    Integers result;
-    result.components = components;
+    std::vector<std::uint32_t> result;
     const std::size_t n = static_cast<std::size_t>(components), size = size_of(shape.component);
-    result.values.assign(shape.count * n, 0);
+    result.assign(shape.count * n, 0);
     const auto convert = [&](std::size_t index, const std::byte* bytes) {
-        for (std::size_t k = 0; k < n; ++k)
-            result.values[index * n + k] = integer_at(bytes + k * size, shape.component);
+        for (std::size_t k = 0; k < n; ++k) result[index * n + k] = integer_at(bytes + k * size, shape.component);
     };
     if (shape.run)
         for (std::size_t i = 0; i < shape.count; ++i) convert(i, shape.run->first + i * shape.run->stride);
-    for_each_sparse(*this, element, shape, convert);
+    for_each_sparse(document, element, shape, convert);
     return result;
 }
 

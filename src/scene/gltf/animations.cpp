@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "scene/gltf/accessor.h"
 #include "scene/gltf/parts.h"
 #include "scene/model/choice.h"
 #include "scene/model/wording.h"
@@ -78,14 +79,13 @@ class AnimationReader {
 
         const int input = sampler.required_index("input", "accessors"),
                   output = sampler.required_index("output", "accessors");
-        track.times = document_.finite_floats(input, {1}, 0, sampler.where() + ", input").values;
+        track.times = read_finite_floats(document_, input, {1}, 0, sampler.where() + ", input").values;
         const std::size_t per_key = track.interpolation == Interpolation::cubic_spline ? 3 : 1;
         const std::size_t width = what == TrackTarget::weights ? static_cast<std::size_t>(track.width) : 1;
         const int components = what == TrackTarget::weights ? 1 : track.width;
-        track.values =
-            document_
-                .finite_floats(output, {components}, track.times.size() * per_key * width, sampler.where() + ", output")
-                .values;
+        track.values = read_finite_floats(document_, output, {components}, track.times.size() * per_key * width,
+                                          sampler.where() + ", output")
+                           .values;
         animation_.tracks.push_back(std::move(track));
     }
 

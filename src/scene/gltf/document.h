@@ -1,73 +1,15 @@
 #pragma once
-// Reads the JSON part of glTF, every type and index checked.
+// A glTF file: its JSON and its buffers.
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
-#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
-/// Reading glTF: the JSON part with every type and index checked as it is read (docs/decisions/0006 says why
-/// there is no library between).
+#include "scene/gltf/element.h"
+
 namespace render2mpeg::scene::gltf {
-
-class Document;
-
-/// The word for one of a top-level array, for messages: "bufferViews" to "buffer view".
-std::string singular(const std::string& kind);
-
-/// A JSON object of the document that knows its name for messages. Every function throws core::Error if a property has
-/// the wrong type, is not finite or refers to what is not there.
-class Element {
-  public:
-    Element(const Document& document, const nlohmann::json& json, std::string where)
-        : document_(&document), json_(&json), where_(std::move(where)) {}
-
-    const std::string& where() const { return where_; }
-    /// The same element, named after what refers to it in messages: `mesh 3, POSITION (accessor 7)`.
-    Element seen_from(const std::string& user) const { return Element(*document_, *json_, user + " (" + where_ + ")"); }
-    bool has(const char* key) const { return json_->contains(key); }
-    [[noreturn]] void refuse(const std::string& cause) const;
-
-    double number(const char* key, double otherwise) const;
-    bool boolean(const char* key, bool otherwise) const;
-    std::string string(const char* key, const std::string& otherwise) const;
-    /// A count or offset: 0 <= value < 2^53.
-    std::size_t size(const char* key, std::size_t otherwise) const;
-    std::size_t required_size(const char* key) const;
-    /// An index into the top-level array `kind` ("meshes"); -1 where absent.
-    int index(const char* key, const char* kind) const;
-    int required_index(const char* key, const char* kind) const;
-    std::vector<int> indices(const char* key, const char* kind) const;
-    /// Exactly `count` numbers, or none at all where absent; count 0: any number of them.
-    std::vector<double> numbers(const char* key, std::size_t count) const;
-
-    std::optional<Element> object(const char* key) const;
-    std::vector<Element> objects(const char* key) const;  ///< an array of objects; empty where absent
-    /// The object of one extension of this one.
-    std::optional<Element> extension(const char* name) const;
-    /// Name and value of each property, in the order of their names, that is an index into `kind`.
-    std::vector<std::pair<std::string, int>> index_map(const char* key, const char* kind) const;
-
-  private:
-    const nlohmann::json* find(const char* key) const;
-    double number_of(const nlohmann::json& value, const std::string& what) const;
-    int index_of(const nlohmann::json& value, const std::string& what, const char* kind) const;
-
-    const Document* document_;
-    const nlohmann::json* json_;
-    std::string where_;
-};
-
-/// The numbers of an accessor, row by row.
-struct Floats {
-    int components = 1;
-    std::vector<float> values;
-    std::size_t count() const { return values.size() / static_cast<std::size_t>(components); }
-};
 
 /// A whole glTF file: its JSON, and the bytes of its buffers. [glTF2]
 class Document {
@@ -92,21 +34,6 @@ class Document {
         std::size_t stride = 0;  ///< 0: tightly packed
     };
     Bytes view(int buffer_view, const std::string& where) const;
-
-    /// An accessor as numbers: normalised integers mapped to [0, 1] or [-1, 1], others converted [glTF2, 3.6.2.2].
-    /// `components` lists what is allowed. `expected_count` is how many there must be; 0: any number. Values may be
-    /// non-finite.
-    Floats floats(int accessor, std::initializer_list<int> components, std::size_t expected_count,
-                  const std::string& user) const;
-    /// The same, but every number must be finite.
-    Floats finite_floats(int accessor, std::initializer_list<int> components, std::size_t expected_count,
-                         const std::string& user) const;
-    /// An accessor of unsigned integers.
-    struct Integers {
-        int components = 1;
-        std::vector<std::uint32_t> values;
-    };
-    Integers integers(int accessor, int components, std::size_t expected_count, const std::string& user) const;
 
     /// Every file that was read, itself first.
     const std::vector<std::filesystem::path>& files() const { return files_; }

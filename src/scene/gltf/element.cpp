@@ -1,4 +1,5 @@
-// Checked access to a glTF object's values.
+#include "scene/gltf/element.h"
+
 #include <cmath>
 
 #include "scene/gltf/document.h"

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "scene/gltf/accessor.h"
 #include "scene/gltf/parts.h"
 #include "scene/model/wording.h"
 
@@ -69,7 +70,7 @@ const Floats& MeshReader::floats(int accessor, std::initializer_list<int> compon
         if (fits) return known->second;
     }
     // What does not fit is read again for its message.
-    Floats floats = document_.floats(accessor, components, count, user);
+    Floats floats = read_floats(document_, accessor, components, count, user);
     return decoded_.insert_or_assign(accessor, std::move(floats)).first->second;
 }
 
@@ -80,7 +81,7 @@ std::vector<std::uint32_t> MeshReader::read_corners(const Element& primitive, st
         std::iota(corners.begin(), corners.end(), 0u);
         return corners;
     }
-    std::vector<std::uint32_t> corners = document_.integers(accessor, 1, 0, primitive.where() + ", indices").values;
+    std::vector<std::uint32_t> corners = read_integers(document_, accessor, 1, 0, primitive.where() + ", indices");
     for (std::size_t i = 0; i < corners.size(); ++i)
         if (corners[i] >= vertices)
             primitive.refuse("index " + std::to_string(corners[i]) + " at position " + std::to_string(i) +
@@ -98,8 +99,8 @@ void MeshReader::read_joints(const Element& primitive, const std::map<std::strin
         if (joints == attributes.end() || weights == attributes.end())
             primitive.refuse("has joints without weights, or weights without joints");
         const Floats& weight = floats(weights->second, {4}, 0, primitive.where() + ", " + weights->first);
-        const Document::Integers joint =
-            document_.integers(joints->second, 4, weight.count(), primitive.where() + ", " + joints->first);
+        const std::vector<std::uint32_t> joint =
+            read_integers(document_, joints->second, 4, weight.count(), primitive.where() + ", " + joints->first);
         mesh.joints.resize(used.size());
         for (std::size_t v = 0; v < used.size(); ++v)
             for (std::size_t k = 0; k < 4; ++k) {
@@ -108,9 +109,9 @@ void MeshReader::read_joints(const Element& primitive, const std::map<std::strin
                 if (from >= weight.values.size())
                     primitive.refuse(joints->first + " has fewer elements than there are vertices");
                 // Joints are 16 bits wide in every file that follows the specification.
-                if (joint.values[from] > 0xffff)
-                    primitive.refuse(joints->first + " refers to joint " + std::to_string(joint.values[from]));
-                mesh.joints[v].joint[to] = static_cast<std::uint16_t>(joint.values[from]);
+                if (joint[from] > 0xffff)
+                    primitive.refuse(joints->first + " refers to joint " + std::to_string(joint[from]));
+                mesh.joints[v].joint[to] = static_cast<std::uint16_t>(joint[from]);
                 mesh.joints[v].weight[to] = weight.values[from];
             }
     }

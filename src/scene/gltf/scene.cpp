@@ -4,6 +4,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "core/numeric.h"
+#include "scene/gltf/accessor.h"
 #include "scene/gltf/parts.h"
 #include "scene/model/wording.h"
 
@@ -203,7 +204,7 @@ class SceneReader {
         result.inverse_bind.assign(result.joints.size(), glm::dmat4(1.0));
         if (const int accessor = element.index("inverseBindMatrices", "accessors"); accessor >= 0) {
             const Floats matrices =
-                document_.finite_floats(accessor, {16}, 0, element.where() + ", inverseBindMatrices");
+                read_finite_floats(document_, accessor, {16}, 0, element.where() + ", inverseBindMatrices");
             if (matrices.count() < result.joints.size())
                 element.refuse("has " + std::to_string(matrices.count()) + " inverse bind matrices for " +
                                counted(result.joints.size(), "joint"));

@@ -1,4 +1,4 @@
-#include "scene/animation_file/things.h"
+#include "scene/animation_file/objects.h"
 
 #include <algorithm>
 #include <array>
@@ -84,7 +84,7 @@ Mesh arch_of(const JsonValue& value, int segments, TextureLayout layout) {
 
 }  // namespace
 
-int Things::mesh_of(const JsonValue& value) {
+int Objects::mesh_of(const JsonValue& value) {
     if (const auto known = mesh_at_.find(value.place()); known != mesh_at_.end()) return known->second;
     const auto shape = static_cast<Shape>(value.need("shape").word(shapes));
     constexpr std::array<std::string_view, 2> layouts{"fit", "units"};
@@ -138,16 +138,7 @@ int Things::mesh_of(const JsonValue& value) {
     return mesh_at_[value.place()] = static_cast<int>(film_.meshes.size()) - 1;
 }
 
-void Things::add_object(const std::string& name, int node, int mesh, int material) {
-    Object object;
-    object.name = name;
-    object.node = node;
-    object.mesh = mesh;
-    object.material = material;
-    film_.objects.push_back(std::move(object));
-}
-
-void Things::build_object(const JsonValue& value, int parent) {
+void Objects::build(const JsonValue& value, int parent) {
     value.allow_only(keys::object);
     const auto shape = static_cast<Shape>(value.need("shape").word(shapes));
     refuse_foreign_keys(value, shape);
@@ -178,28 +169,28 @@ void Things::build_object(const JsonValue& value, int parent) {
         if (film_.nodes.size() > most_objects)
             value.fail("makes more than " + std::to_string(most_objects) + " things");
         if (shape == group) {
-            for (const JsonValue& part : value.need("parts").list(1, 10000)) build_object(part, node);
+            for (const JsonValue& part : value.need("parts").list(1, 10000)) build(part, node);
         } else {
             const int painted =
                 colors.empty() ? own_material : looks_.recolored(own_material, colors[number % colors.size()]);
-            add_object(film_.nodes[static_cast<std::size_t>(node)].name, node, mesh_of(value), painted);
+            add_object(film_, film_.nodes[static_cast<std::size_t>(node)].name, node, mesh_of(value), painted);
         }
         ++number;
     }
 }
 
-void Things::read_objects(const JsonValue& objects) {
-    for (const JsonValue& object : objects.list(0, 100000)) build_object(object, -1);
+void Objects::read(const JsonValue& objects) {
+    for (const JsonValue& object : objects.list(0, 100000)) build(object, -1);
 }
 
-void Things::repaint(const JsonValue& material, const std::vector<int>& nodes, const std::string& name) {
+void Objects::repaint(const JsonValue& material, const std::vector<int>& nodes, const std::string& name) {
     for (Object& object : film_.objects) {
         const bool meant = object.name == name || std::find(nodes.begin(), nodes.end(), object.node) != nodes.end();
         if (meant) object.material = looks_.material_of(material, material.is_text() ? -1 : object.material);
     }
 }
 
-void Things::read_changes(const JsonValue& changes) {
+void Objects::read_changes(const JsonValue& changes) {
     const std::size_t node_count = film_.nodes.size();
     for (const auto& [name, value] : changes.members()) {
         value.allow_only(keys::change);

@@ -1,0 +1,36 @@
+#pragma once
+// Objects of an animation file, and what it changes in another scene.
+
+#include <map>
+#include <string>
+#include <utility>
+
+#include "scene/animation_file/json.h"
+#include "scene/animation_file/looks.h"
+#include "scene/animation_file/movement.h"
+#include "scene/model/animation.h"
+
+namespace render2mpeg::scene {
+
+/// What an animation file puts into the scene or changes in it: objects of built-in shapes.
+class Objects {
+  public:
+    Objects(Animation& film, Looks& looks, const FilmClock& clock) : film_(film), looks_(looks), clock_(clock) {}
+
+    void read(const JsonValue& objects);
+
+    /// Moves, hides or repaints what the scene file has: by the name of a node, else of an object.
+    void read_changes(const JsonValue& changes);
+
+  private:
+    void build(const JsonValue& value, int parent);
+    int mesh_of(const JsonValue& value);
+    void repaint(const JsonValue& material, const std::vector<int>& nodes, const std::string& name);
+
+    Animation& film_;
+    Looks& looks_;
+    const FilmClock& clock_;
+    std::map<std::string, int> mesh_at_;  ///< by the place of the shape in the file: copies share it
+};
+
+}  // namespace render2mpeg::scene
