@@ -1,10 +1,13 @@
 """Fits the default share k to the lines of bench_coupled: where a film loses what the eye or a metric would miss.
 
 For each film and quantiser it is only known between which two of the shares rendered the first limit is crossed, or that it lies beyond them. So
-log k is fitted to intervals, open ones included, by greatest likelihood under a normal scatter (interval regression, as a tobit). Prints
-docs/fits/coupled-share.md.
+log k is fitted to intervals, open ones included, by greatest likelihood under a normal scatter (interval regression, as a tobit).
+
+    coupled_share.py DATA.jsonl PAGE.md
+
+puts what it finds into the page, docs/fits/coupled-share.md, between the lines `<!-- fitted -->` and `<!-- end -->`.
 """
-import json, math, sys
+import io, json, math, sys
 
 LIMITS = {"loss_db": 0.1, "hvsm_loss": 0.1, "ssim_loss": 0.002}
 NAMES = {"loss_db": "PSNR-Y", "hvsm_loss": "PSNR-HVS-M", "ssim_loss": "SSIM"}
@@ -111,7 +114,7 @@ VARIABLES = {
     "log q, log of the coding error over q": [log_scale, lambda n, q: math.log(coding_rms(n, q) / q)],
     "log q, log of what is tolerated at k = 1 over q": [log_scale, lambda n, q: math.log(at(films[n][q], 1.0, "tol_luma") / q)],
     "log q, log of the coding error over what is tolerated": [log_scale, lambda n, q: math.log(coding_rms(n, q) / at(films[n][q], 1.0, "tol_luma"))],
-    "log q, log of the error_scale": [log_scale, lambda n, q: math.log(fixed[n, q]["error_scale"])],
+    "log q, log of the error scale": [log_scale, lambda n, q: math.log(fixed[n, q]["error_scale"])],
     "log q, log of bytes": [log_scale, lambda n, q: math.log(fixed[n, q]["kbytes"])],
 }
 names = list(films)
@@ -119,7 +122,7 @@ names = list(films)
 
 def table(limits):
     quantisers = sorted({q for f in films.values() for q in f})
-    print("| film | " + " | ".join(f"q = {q}" for q in quantisers) + " |\n|---|" + "---|" * len(quantisers))
+    say("| film | " + " | ".join(f"q = {q}" for q in quantisers) + " |\n|---|" + "---|" * len(quantisers))
     for n, by_q in films.items():
         cells = []
         for q in quantisers:
@@ -129,28 +132,8 @@ def table(limits):
             lo, hi, k = crossing(by_q[q], limits)
             mark = "<= " if lo is None else ">= " if hi is None else ""
             cells.append(f"{mark}{k:.2f} (x{at(by_q[q], k, 'speedup'):.1f}, x{at(by_q[q], k, 'ray_ratio'):.1f})")
-        print(f"| {n} | " + " | ".join(cells) + " |")
+        say(f"| {n} | " + " | ".join(cells) + " |")
 
-
-print("# The share of what coding hides\n")
-print("`tests/fits/coupled_share.sh`; every film rendered is a line of [coupled-share-by-type.jsonl](coupled-share-by-type.jsonl).\n")
-print("All against a fixed tolerance of 2 % at the same quantiser and stopping rule, both decoded and held against light without clustering. Share k, and there the factor in CPU time of gathering "
-      "(photons, first looks and what error_scale costs included: much of it in frames so small) and in shadow rays.\n")
-print("Where 0.1 dB of PSNR-Y are lost:\n")
-table({"loss_db": 0.1})
-print("\nWhere 0.1 dB of PSNR-Y, 0.1 dB of PSNR-HVS-M or 0.002 of SSIM are lost, whichever comes first:\n")
-table(LIMITS)
-
-print("\nThe latter, as intervals, explained by (scatter of log k; log likelihood; the same in films left out, in all):\n")
-print("| by | coefficients | scatter | likelihood | left out |\n|---|---|---|---|---|")
-for label, variables in VARIABLES.items():
-    c, sigma, top = fit(points_of(names, LIMITS, variables))
-    apart = 0.0
-    for n in names:
-        rest = [m for m in names if m != n]
-        c2, s2, _ = fit(points_of(rest, LIMITS, variables))
-        apart += likelihood(points_of([n], LIMITS, variables), c2, s2)
-    print(f"| {label} | " + ", ".join(f"{x:.3f}" for x in c) + f" | {sigma:.2f} | {top:.1f} | {apart:.1f} |")
 
 def smoothed(rows, k, key):
     """A loss at share k by the rising sequence nearest to what was measured, from 0 at share 0."""
@@ -168,22 +151,40 @@ def largest_share(of):
     return round(k, 2)
 
 
-chosen = largest_share(names)
-print(f"\nNo film loses more than the limits at any quantiser, by losses smoothed to rise with k, up to **k = {chosen:.2f}**.\n")
+out = io.StringIO()
 
-print("A share that falls with the quantiser, beside one that does not (mean over all films of loss in dB and of rays saved; "
-      "`within`: films and quantisers within 0.1 dB of PSNR-HVS-M; s = q / 8):\n")
-print("| k | PSNR-Y | PSNR-HVS-M, mean, largest, within | rays | bytes |\n|---|---|---|---|---|")
+
+def say(text=""):
+    print(text, file=out)
+
+
+say("$k$ at which a film first loses 0.1 dB of PSNR-Y, 0.1 dB of PSNR-HVS-M or 0.002 of SSIM (factor of CPU time of\ngathering, of rays):\n")
+table(LIMITS)
+alone = [crossing(rows, {"loss_db": 0.1}) for f in films.values() for rows in f.values()]
+say(f"\nPSNR-Y alone would allow {min(k for _, _, k in alone):.2f} and more. By losses smoothed to rise with $k$, no film loses more than these limits up\n"
+    f"to $k = {largest_share(names):.2f}$.\n")
+
+say("A fraction that falls with the quantiser gains nothing ($s = q / 8$; means over all films; *within*: films and\nquantisers within 0.1 dB of PSNR-HVS-M):\n")
+say("| k | PSNR-Y, dB | PSNR-HVS-M: mean, largest, within | rays |\n|---|---|---|---|")
 every = [(q, rows) for f in films.values() for q, rows in f.items()]
-for a, b in ((0.2, 0.0), (0.25, 0.0), (0.3, 0.0), (0.36, 0.0), (0.25, -0.18), (0.3, -0.18), (0.36, -0.18)):
+for a, b in ((0.2, 0.0), (0.25, 0.0), (0.3, 0.0), (0.36, 0.0), (0.25, -0.18), (0.3, -0.18)):
     of = lambda key: [at(rows, a * (q / 8) ** b, key) for q, rows in every]
     hvs, rays = of("hvsm_loss"), of("ray_ratio")
-    print(f"| {a:.2f}" + (f" s^{b}" if b else "") + f" | {sum(of('loss_db')) / len(every):.3f} | {sum(hvs) / len(hvs):.3f}, {max(hvs):.2f}, {sum(h <= 0.1 for h in hvs)} of {len(hvs)} "
-          f"| x{math.exp(sum(map(math.log, rays)) / len(rays)):.2f} | x{sum(of('bytes_ratio')) / len(every):.4f} |")
+    say(f"| {a:.2f}" + (f" s^{b}" if b else "") + f" | {sum(of('loss_db')) / len(every):.3f} | {sum(hvs) / len(hvs):.3f}, {max(hvs):.2f}, {sum(h <= 0.1 for h in hvs)} of {len(hvs)} "
+        f"| x{math.exp(sum(map(math.log, rays)) / len(rays)):.2f} |")
 
-print("\nWhat the largest such k of all *other* films comes to (loss of PSNR-Y and PSNR-HVS-M in dB, each with the larger of its standard errors at the shares on both sides, and of SSIM; factors in time and rays; bytes; share over "
-      "tolerance; flicker above the fixed film's):\n")
-print("| film | q | k | PSNR-Y | HVS-M | SSIM | time | rays | bytes | over | flicker |\n|---|---|---|---|---|---|---|---|---|---|---|")
+say("\nWhat explains $k$ (scatter of $\\log k$; log likelihood; that of films left out):\n")
+say("| by | scatter | likelihood | left out |\n|---|---|---|---|")
+for label, variables in VARIABLES.items():
+    _, sigma, top = fit(points_of(names, LIMITS, variables))
+    apart = 0.0
+    for n in names:
+        c, s, _ = fit(points_of([m for m in names if m != n], LIMITS, variables))
+        apart += likelihood(points_of([n], LIMITS, variables), c, s)
+    say(f"| {label} | {sigma:.2f} | {top:.1f} | {apart:.1f} |")
+
+say("\nWhat the largest $k$ of all *other* films comes to (losses with the larger of their standard errors):\n")
+say("| film | q | k | PSNR-Y, dB | PSNR-HVS-M, dB | SSIM | rays | beyond tolerance | flicker |\n|---|---|---|---|---|---|---|---|---|")
 sums = {key: [] for key in LIMITS}
 for n, by_q in films.items():
     k = largest_share([m for m in names if m != n])
@@ -193,29 +194,12 @@ for n, by_q in films.items():
         error = lambda key: max(d[key] for d in near)
         for key in LIMITS:
             sums[key].append(v(key))
-        print(f"| {n} | {q} | {k:.2f} | {v('loss_db'):.3f} ± {error('loss_error'):.3f} | {v('hvsm_loss'):.3f} ± {error('hvsm_error'):.3f} | {v('ssim_loss'):.4f} | x{v('speedup'):.2f} | x{v('ray_ratio'):.2f} "
-              f"| x{v('bytes_ratio'):.3f} | {100 * v('over'):.2f} % | {v('flicker') - v('fixed_flicker'):+.3f} |")
-print("\nMean, and how many of them are within their limit: " +
-      "; ".join(f"{NAMES[key]} {sum(x) / len(x):.4f}, {sum(y <= LIMITS[key] for y in x)} of {len(x)}" for key, x in sums.items()) + ".")
-print("""
-Films of 160x160 pixels, 12 frames, 1,000 light points for indirect light, 11 of 12 frames held against light without clustering, two draws of representatives (`--draws`). One film's loss scatters by 0.02 dB of PSNR-Y and 0.05 to 0.1 of PSNR-HVS-M from draw to draw, and
-stays what it is in all frames of a film that hardly moves, so that more frames do not help and more draws do. The k taken is 0.25, which differs from the fit's by less than that scatter; what other films make of it is in [the benchmark](../coupled-benchmark.md).
+        say(f"| {n} | {q} | {k:.2f} | {v('loss_db'):.3f} ± {error('loss_error'):.3f} | {v('hvsm_loss'):.3f} ± {error('hvsm_error'):.3f} | {v('ssim_loss'):.4f} "
+            f"| x{v('ray_ratio'):.2f} | {100 * v('over'):.2f} % | {v('flicker') - v('fixed_flicker'):+.3f} |")
+say("\nMean, and how many are within their limit: " +
+    "; ".join(f"{NAMES[key]} {sum(x) / len(x):.4f}, {sum(y <= LIMITS[key] for y in x)} of {len(x)}" for key, x in sums.items()) + ".")
 
-Before light was shared by type k was 0.3, from four films and five quantisers, one draw each ([coupled-share.jsonl](coupled-share.jsonl)): nine of ten lost less than the limits, 0.04 dB of PSNR-HVS-M in the mean, 0.18 at most.
-
-## By type
-
-k is that of pictures that nothing depends on; others have k (1 + n)^-g, n the pictures that depend on them (`perceptual::propagation_factor`). Where the loss came from: of the squared error of light 67 to 80 in 100 are in coefficients of the eight times eight DCT with u + v > 5, but 10 to 15 in the mean of a block (8 times
-what white noise has there), which nothing removes and PSNR-HVS-M does not mask; in `cornell` at 8 and 16 I pictures lost 3.3 and 2.2 % of it, the others 1.8 and 1.6 % (k = 0.3, 4 draws). Factors of k tried by hand in I, P and B pictures, quantiser 8, three draws, cornell, character and colonnade, with builds whose factors were set so (rays; loss of PSNR-Y; of
-PSNR-HVS-M; over; flicker above the fixed film's):
-
-| film, k | 1, 1, 1 | 0.5, 1, 1 | 0.5, 0.85, 1.07 | 0.5, 0.7, 1.3 |
-|---|---|---|---|---|
-| cornell, 0.5 | x3.09, 0.140 ± 0.011, 0.362 ± 0.020, 0.46 %, +0.014 | x3.10, 0.047 ± 0.010, 0.236 ± 0.021, 0.61 %, +0.010 | x3.03, 0.054 ± 0.006, 0.258 ± 0.042, 0.61 %, +0.012 | x3.00, 0.050 ± 0.014, 0.237 ± 0.014, 0.56 %, +0.017 |
-| character, 0.5 | x2.23, 0.044 ± 0.013, 0.242 ± 0.071, 0.23 %, +0.028 | x2.30, 0.023 ± 0.002, 0.144 ± 0.007, 1.00 %, +0.053 | x2.28, 0.016 ± 0.008, 0.107 ± 0.025, 0.96 %, +0.025 | x2.28, 0.017 ± 0.006, 0.164 ± 0.044, 1.00 %, +0.036 |
-| colonnade, 0.5 | x2.58, 0.041 ± 0.013, 0.164 ± 0.024, 0.32 %, +0.066 | x2.61, 0.041 ± 0.012, 0.145 ± 0.023, 0.59 %, +0.063 | x2.58, 0.028 ± 0.008, 0.105 ± 0.024, 0.56 %, +0.074 | x2.61, 0.038 ± 0.010, 0.163 ± 0.023, 0.55 %, +0.105 |
-
-Chosen on `cornell`; a factor of 1.4 in I pictures loses 0.199 and 0.404 dB there, 0.3, 0.7, 1.3 loses 0.051 and 0.207 at x2.99. In `many_lamps` at 0.45 (0.7, 0.8, 1.12) stands at x2.05, 0.034, 0.174 for x2.07, 0.034, 0.200 (0.08 either way); in `character` at 16, k = 0.35, no difference is beyond its error. Factors as
-exponents: 0.25 gives I pictures of 15 0.51, 0.1 gives P pictures 0.78 to 1. `bench_coupled --alike` gives all pictures one share. The price was pixels beyond their tolerance, 1 % in the last three columns: error_scale was learnt from the I picture, which needs less of it than coarser ones (0.65 for 0.76 in `character`). It is learnt of those as well, since.
-
-Tried without gain: the root mean square of a block's errors weighted by the eye's sensitivity to each coefficient, or over u + v < 3 alone (`cornell`, k = 0.5: x3.00 and 0.340 dB, x2.82 and 0.271, which is the loss of a smaller k).""")
+page = open(sys.argv[2]).read()
+before, rest = page.split("<!-- fitted -->\n")
+after = rest.split("<!-- end -->\n")[1]
+open(sys.argv[2], "w").write(before + "<!-- fitted -->\n" + out.getvalue() + "<!-- end -->\n" + after)
