@@ -48,7 +48,8 @@ std::string without_prefix(const std::string& text) {
 /// One film being looked at.
 class Film {
   public:
-    explicit Film(const std::filesystem::path& file) : file_(file.string()), film_(open_film(file_, AV_EF_CRCCHECK, messages_)) {
+    explicit Film(const std::filesystem::path& file)
+        : file_(file.string()), film_(open_film(file_, AV_EF_CRCCHECK, messages_)) {
         open_decoder();
     }
 
