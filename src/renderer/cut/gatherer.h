@@ -9,7 +9,7 @@
 
 namespace render2mpeg::renderer {
 
-/// Gathers the light of one group of points at a time. One per thread: it keeps memory between groups, no values.
+/// Gathers the light of one group of points at a time. One per task: it keeps memory between groups, no values.
 class Gatherer {
   public:
     Gatherer(const LightTrees& light_trees, const RayTracer& tracer)
