@@ -103,6 +103,13 @@ void open_decoders() {
     codec();
 }
 
+std::size_t count_non_finite(const Image& image) {
+    std::size_t count = 0;
+    for (const glm::vec4& p : image.pixels.values())
+        for (int c = 0; c < 3; ++c) count += std::isfinite(p[c]) ? 0 : 1;
+    return count;
+}
+
 Image read_image(const fs::path& path, std::span<const std::byte> bytes, const std::string& name) {
     const Encoded file(path, bytes, name);
     return codec().decode(file.bytes, file.format, name);

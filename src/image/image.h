@@ -24,6 +24,12 @@ struct Image {
     bool high_range = false;        ///< the file held floats (EXR, HDR): scene-linear already
 };
 
+/// The largest half float: what stands for a value that overflowed.
+inline constexpr float overflowed = 65504.0f;
+
+/// How many values of the image's colours are infinite or NaN.
+std::size_t count_non_finite(const Image& image);
+
 /// Reads a file, or `bytes` (if not empty) that came from one. `name` is for messages. Throws core::Error; sizes beyond
 /// `max_pixels` are refused before anything of that size is allocated.
 Image read_image(const std::filesystem::path& path, std::span<const std::byte> bytes, const std::string& name);

@@ -11,8 +11,6 @@
 namespace render2mpeg::image {
 namespace {
 
-/// The largest half float.
-constexpr float overflowed_sun = 65504.0f;
 /// chosen: sums over a whole map of them stay finite.
 constexpr float largest_radiance = 1e18f;
 /// Probes that a texture has for a long footprint; longer ones would be blurred across, too.
@@ -20,7 +18,7 @@ constexpr float longest_footprint = 16;
 
 float usable(float radiance) {
     if (!(radiance > 0)) return 0.0f;
-    return std::isinf(radiance) ? overflowed_sun : std::min(radiance, largest_radiance);
+    return std::isinf(radiance) ? overflowed : std::min(radiance, largest_radiance);
 }
 
 /// Evenly spread directions that stand for equal solid angles: a Fibonacci spiral. [Swinbank2006]

@@ -46,6 +46,7 @@ struct Tables {
 const Tables tables;
 
 float finite(float v) {
+    if (std::isinf(v)) return std::copysign(overflowed, v);
     return std::isnan(v) ? 0.0f : std::clamp(v, -largest_value, largest_value);
 }
 

@@ -25,7 +25,8 @@ enum class AlphaMeaning { value, coverage };
 
 /// An image with its mip pyramid, filtered anisotropically (docs/model/images.md). Values come linear and
 /// unassociated; alpha is never sRGB. Any finite or non-finite coordinate gives a finite value. Images whose values are
-/// all multiples of 1/255 are kept in 8 bits per channel, others as floats; NaN counts as 0 and magnitudes end at 1e18.
+/// all multiples of 1/255 are kept in 8 bits per channel, others as floats; NaN counts as 0, infinity as the
+/// largest half float; magnitudes end at 1e18.
 class Texture {
   public:
     /// White, without an image.

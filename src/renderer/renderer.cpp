@@ -67,7 +67,9 @@ bool same_light(const scene::Snapshot& a, const scene::Snapshot& b) {
 
 struct Renderer::Impl {
     Impl(const scene::Animation& film, const Settings& s, const Plan& p)
-        : settings(s), plan(p), posed_scene(film, s.isa, p), light_points(posed_scene, p, s.direct_points, s.seed) {}
+        : settings(s), plan(p), posed_scene(film, s.isa, p), light_points(posed_scene, p, s.direct_points, s.seed) {
+        statistics.image_notes = posed_scene.notes();
+    }
 
     double& row(Pass pass) { return rows[static_cast<std::size_t>(pass)]; }
 

@@ -52,6 +52,7 @@ struct Statistics {
     std::uint64_t direct_clusters = 0, indirect_clusters = 0;
     std::uint64_t non_finite = 0;                        ///< pixel values replaced by 0
     std::string first_non_finite;                        ///< where: "frame 3, pixel (10, 20)"
+    std::vector<std::string> image_notes;                ///< a line for each image with values that are not finite
     ToleranceBands bands;                                ///< of gather points
     double clamped_energy = 0;                           ///< share of gathered luminance that clamping removed, 0..1
     std::size_t direct_points = 0, indirect_points = 0;  ///< light points of the last frame

@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <string>
+#include <vector>
 
 #include "image/image.h"
 #include "renderer/surface/posed_scene.h"
@@ -306,6 +308,24 @@ TEST(Images, ThatCannotBeReadAreNamed) {
     } catch (const core::Error& error) {
         EXPECT_NE(std::string(error.what()).find("lost.png"), std::string::npos);
     }
+}
+
+TEST(Images, WithValuesThatAreNotFiniteAreTold) {
+    const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "lamp_with_a_hole.exr";
+    constexpr float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
+    const std::vector<image::Channel> channels{
+        {"R", {1, inf, 1, 1}, true}, {"G", {1, 1, nan, 1}, true}, {"B", {1, 1, 1, 1}, true}};
+    image::write_exr(file, 2, 2, channels);
+    SceneBuilder builder;
+    const int lamp = builder.add_emitter({1, 1, 1});
+    builder.film().images.push_back({"lamp.exr", file, {}});
+    builder.material(lamp).emission_texture.image = 0;
+    builder.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, lamp);
+    const Stage stage(builder);
+    ASSERT_EQ(stage.posed_scene().notes().size(), 1u);
+    EXPECT_EQ(stage.posed_scene().notes()[0], "lamp.exr: 2 values are not finite: NaN counts as 0, infinity as 65504");
+    EXPECT_NEAR(stage.posed_scene().mean_emission(0, 0).x, (65504.0f + 3) / 4, 1000);
+    std::filesystem::remove(file);
 }
 
 TEST(Images, ThatNobodyLooksAtAreNotRead) {

@@ -222,6 +222,7 @@ json statistics_of(const RenderJob& film, const RunStatistics& statistics, const
         {"records", records_of(film, r)},
         {"audit", audit_of(film, statistics.audit)},
         {"first_non_finite", r.first_non_finite},
+        {"image_notes", r.image_notes},
         {"clamped_energy", r.clamped_energy},
         {"photon_energy_lost", core::divide_or(r.photon_energy_lost, r.photon_energy, 0.0)},
     });

@@ -149,6 +149,7 @@ std::string light_lines(const RunStatistics& statistics) {
     if (r.non_finite > 0)
         text += fmt::format("             {} value{} not finite and became 0, the first in {}\n", r.non_finite,
                             r.non_finite == 1 ? " was" : "s were", r.first_non_finite);
+    for (const std::string& note : r.image_notes) text += "             " + core::printable(note) + "\n";
     return text;
 }
 

@@ -1,6 +1,7 @@
 #include "renderer/surface/material_textures.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <tuple>
 
@@ -58,6 +59,14 @@ bool is_looked_at(const scene::Material& material, TextureRole role, const Plan&
 
 }  // namespace
 
+std::string note_of(const image::Image& image, const std::string& name) {
+    if (!image.high_range) return {};
+    const std::size_t count = image::count_non_finite(image);
+    if (count == 0) return {};
+    return name + ": " + std::to_string(count) + (count == 1 ? " value is" : " values are") +
+           " not finite: NaN counts as 0, infinity as 65504";
+}
+
 const scene::TextureUse& use_of(const scene::Material& material, TextureRole role) {
     switch (role) {
         case TextureRole::alpha:
@@ -110,16 +119,20 @@ MaterialTextures::MaterialTextures(const scene::Animation& animation, const Plan
     for (std::size_t i = 0; i < keys.size(); ++i)
         if (i == 0 || keys[i].image != keys[i - 1].image) first_of_image.push_back(i);
     textures_.resize(keys.size());
+    std::vector<std::string> notes(first_of_image.size());
     parallel::for_each(first_of_image.size(), [&](std::size_t i) {
         const std::size_t first = first_of_image[i];
         const scene::ImageSource& source = animation.images[static_cast<std::size_t>(keys[first].image)];
         const image::Image decoded = image::read_image(source.path, source.bytes, source.name);
+        notes[i] = note_of(decoded, source.name);
         for (std::size_t k = first; k < keys.size() && keys[k].image == keys[first].image; ++k) {
             const image::Encoding encoding = decoded.high_range ? image::Encoding::linear : keys[k].encoding;
             textures_[k] =
                 image::Texture(decoded, encoding, keys[k].wrap_u, keys[k].wrap_v, keys[k].nearest, keys[k].alpha);
         }
     });
+    std::copy_if(notes.begin(), notes.end(), std::back_inserter(notes_),
+                 [](const std::string& n) { return !n.empty(); });
 }
 
 }  // namespace render2mpeg::renderer

@@ -2,13 +2,18 @@
 // A material's textures.
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
+#include "image/image.h"
 #include "image/texture.h"
 #include "renderer/base/plan.h"
 #include "scene/model/animation.h"
 
 namespace render2mpeg::renderer {
+
+/// What is to be said of an image's values that are not finite; empty where all are.
+std::string note_of(const image::Image& image, const std::string& name);
 
 /// The roles that an image can have in a material.
 enum class TextureRole {
@@ -40,8 +45,12 @@ class MaterialTextures {
 
     std::size_t size() const { return textures_.size(); }
 
+    /// A line for each image with values that are no numbers or infinite, and what they count as.
+    const std::vector<std::string>& notes() const { return notes_; }
+
   private:
     std::vector<image::Texture> textures_;
+    std::vector<std::string> notes_;
     std::vector<std::array<int, static_cast<std::size_t>(TextureRole::count)>> index_;  ///< by material; -1: none
 };
 

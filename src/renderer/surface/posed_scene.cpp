@@ -1,6 +1,8 @@
 #include "renderer/surface/posed_scene.h"
 
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
@@ -12,12 +14,15 @@
 namespace render2mpeg::renderer {
 namespace {
 
-std::optional<image::SkyMap> sky_of(const scene::Animation& animation, const Plan& plan) {
+std::optional<image::SkyMap> sky_of(const scene::Animation& animation, const Plan& plan,
+                                    std::vector<std::string>& notes) {
     if (!plan.runs(Pass::sky_background) && !plan.runs(Pass::sky_light)) return std::nullopt;
     const scene::Sky& sky = animation.sky;
     if (sky.image < 0) return image::SkyMap(sky.color);
     const scene::ImageSource& source = animation.images[static_cast<std::size_t>(sky.image)];
-    return image::SkyMap(image::read_image(source.path, source.bytes, source.name), sky.color, sky.rotation);
+    const image::Image image = image::read_image(source.path, source.bytes, source.name);
+    if (std::string note = note_of(image, source.name); !note.empty()) notes.push_back(std::move(note));
+    return image::SkyMap(image, sky.color, sky.rotation);
 }
 
 std::vector<bool> translucent_materials(const SurfaceMaterials& materials, std::size_t count) {
@@ -32,7 +37,8 @@ struct PosedScene::Impl {
     Impl(const scene::Animation& film, core::Isa isa, const Plan& plan)
         : animation(film),
           materials(film, plan),
-          sky(sky_of(film, plan)),
+          notes(materials.notes()),
+          sky(sky_of(film, plan, notes)),
           tracer(film, isa, translucent_materials(materials, film.materials.size()),
                  [this](const core::SurfaceAddress& address) {
                      return layer_clock.time([&] { return transmittance(address); });
@@ -58,6 +64,7 @@ struct PosedScene::Impl {
 
     const scene::Animation& animation;
     SurfaceMaterials materials;
+    std::vector<std::string> notes;
     std::optional<image::SkyMap> sky;
     SampledClock layer_clock;
     RayTracer tracer;
@@ -85,6 +92,9 @@ const RayTracer& PosedScene::tracer() const {
 }
 const scene::Animation& PosedScene::animation() const {
     return impl_->animation;
+}
+const std::vector<std::string>& PosedScene::notes() const {
+    return impl_->notes;
 }
 double PosedScene::layer_seconds() const {
     return impl_->layer_clock.seconds();

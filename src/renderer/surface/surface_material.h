@@ -26,6 +26,9 @@ class SurfaceMaterials {
     /// Whether surfaces of a material may let light through somewhere.
     bool is_translucent(std::uint32_t material) const;
 
+    /// See MaterialTextures.
+    const std::vector<std::string>& notes() const { return textures_.notes(); }
+
   private:
     glm::vec4 look_up(std::uint32_t material, TextureRole role, const SurfaceShape& shape) const;
     glm::vec4 base_color_at(std::uint32_t material, const SurfaceShape& shape) const;
