@@ -324,7 +324,7 @@ TEST(Images, WithValuesThatAreNotFiniteAreTold) {
     const Stage stage(builder);
     ASSERT_EQ(stage.posed_scene().notes().size(), 1u);
     EXPECT_EQ(stage.posed_scene().notes()[0], "lamp.exr: 2 values are not finite: NaN counts as 0, infinity as 65504");
-    EXPECT_NEAR(stage.posed_scene().mean_emission(0, 0).x, (65504.0f + 3) / 4, 1000);
+    EXPECT_LT(stage.posed_scene().mean_emission(0, 0).x, 65504.0f) << "a share of the triangle";
     std::filesystem::remove(file);
 }
 
