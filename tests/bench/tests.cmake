@@ -2,4 +2,4 @@
 if(NOT TARGET render2mpeg_encoder_rd)
   add_subdirectory(${CMAKE_CURRENT_LIST_DIR}/encoder_rd ${PROJECT_BINARY_DIR}/tests/bench/encoder_rd)
 endif()
-render2mpeg_test(bench LIBS render2mpeg_encoder_rd OPENS_MODULES)
+render2mpeg_test(bench NOT_SANITIZED LIBS render2mpeg_encoder_rd OPENS_MODULES)
