@@ -90,14 +90,19 @@ std::vector<HardCase> material_cases() {
              });
          },
          [](const Lit& film) { expect_like(film, floor_of([](scene::Material&) {}), 0.02); }},
-        {"forty sheets that are nearly transparent", "rays never reach an end", "an end of paths and a finite picture",
+        {"forty sheets that are nearly transparent",
+         "rays never reach an end",
+         "an end of paths and a finite picture",
          [] {
              return sheets(40, [](scene::Material& m) {
                  m.alpha_mode = scene::AlphaMode::blend;
                  m.base_color.w = 0.01f;
              });
          },
-         [](const Lit& film) { EXPECT_GT(film.mean(), 0.0); }, 1.0f},
+         [](const Lit& film) { EXPECT_GT(film.mean(), 0.0); },
+         1.0f,
+         {},
+         {16, 16}},
         {"sheets cut out at the threshold", "alpha equal to the cutoff flickers", "alpha at the cutoff is there",
          [] {
              return sheets(1, [](scene::Material& m) {

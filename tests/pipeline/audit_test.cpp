@@ -17,8 +17,8 @@ namespace {
 nlohmann::json statistics_of(const std::string& options) {
     const support::Folder folder;
     const std::string stats = (folder / "s.json").string();
-    const support::Outcome outcome = support::run(support::program() + " render " + support::film("cornell") +
-                                                  " --frames 0:1 --size 48x48 --samples 1 --vpls 1000 -o " +
+    const support::Outcome outcome = support::run(support::program() + " render " + support::panel_film() +
+                                                  " --frames 0:1 --size 32x32 --samples 1 --vpls 300 -o " +
                                                   (folder / "a.mpg").string() + " --stats " + stats + " " + options);
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     return nlohmann::json::parse(support::contents(stats));

@@ -11,7 +11,6 @@ namespace {
 
 using nlohmann::json;
 using support::contents;
-using support::film;
 using support::Folder;
 using support::program;
 using support::run;
@@ -35,7 +34,7 @@ std::string page(const char* name) {
 TEST(Documents, NameEveryKeyOfStatisticsReportsAndInformation) {
     const Folder folder;
     const std::string tiny = " --size 32x32 --samples 1 --vpls 16 --exposure 0 --frames 0:3 --quiet ";
-    ASSERT_EQ(run(program() + " render " + film("cornell") + tiny + "--audit 2 --bitrate 300k -o " +
+    ASSERT_EQ(run(program() + " render " + support::plain_film() + tiny + "--audit 2 --bitrate 300k -o " +
                   path(folder, "f.mpg") + " --report " + path(folder, "r.html"))
                   .status,
               0);

@@ -13,7 +13,6 @@ namespace render2mpeg {
 namespace {
 
 using support::contents;
-using support::film;
 using support::Folder;
 using support::program;
 using support::run;
@@ -41,7 +40,7 @@ nlohmann::json statistics(const Folder& folder, const std::string& arguments) {
 TEST(Encode, FramesAndLayersOfARenderGiveNearlyTheFilmOfTheRenderItself) {
     const Folder folder;
     const std::string render =
-        program() + " render " + film("cornell") +
+        program() + " render " + support::plain_film() +
         " --size 96x80 --samples 1 --vpls 16 --exposure 0.5 --tolerance fixed=10% --quiet --frames 4:9 -o ";
     ASSERT_EQ(run(render + inside(folder, "direct.m2v") + " --aov " + inside(folder, "aov") + " --stats " +
                   inside(folder, "direct.json"))

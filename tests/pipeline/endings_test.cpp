@@ -20,7 +20,7 @@ using test::path;
 support::Outcome render_kind(const Folder& folder, const std::string& output, const std::string& frames,
                              const std::string& more = "") {
     return run(program() + " render " + plain_film() +
-               " --size 32x32 --samples 1 --vpls 16 --exposure 0 --tolerance fixed=10% --quiet --frames " + frames +
+               " --size 32x32 --samples 1 --vpls 0 --exposure 0 --tolerance fixed=10% --quiet --frames " + frames +
                " -o " + path(folder, output) + more);
 }
 

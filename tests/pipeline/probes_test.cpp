@@ -18,8 +18,8 @@ using app::ImageProbes;
 using app::probe_images;
 
 constexpr std::uintmax_t mib = std::uintmax_t{1} << 20;
-/// An image of 4096 x 3072 pixels takes 192 MiB when it is read, and more on the way.
-constexpr int wide = 4096, tall = 3072;
+/// An image of 2048 x 1536 pixels takes 48 MiB when it is read, and more on the way.
+constexpr int wide = 2048, tall = 1536;
 constexpr ImageProbes little{2, 8 * mib, 8 * mib}, little_each{2, 8 * mib, 512 * mib}, enough{2, 512 * mib, 512 * mib};
 
 /// A scene whose sky and only surface show two images.

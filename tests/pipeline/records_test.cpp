@@ -128,7 +128,7 @@ TEST(Records, ThePlanSaysWhyTheyAreKept) {
 
 TEST(Records, AreNoneWhereWhatMovesHoldsMuchOfTheLight) {
     const Folder folder;
-    const std::string cornell = support::program() + " render " + support::film("cornell") +
+    const std::string cornell = support::program() + " render " + plain_film() +
                                 " --size 160x160 --samples 1 --vpls 64 --exposure 0 --frames 3:4 --tolerance "
                                 "fixed=20% --quiet --stats " +
                                 (folder / "s.json").string();

@@ -36,9 +36,9 @@ bool has_attributes(const Folder& folder) {
 TEST(WholeFilm, IsNotRenderedAnewByResume) {
     const Folder folder;
     if (!has_attributes(folder)) GTEST_SKIP() << "this file system keeps no attributes";
-    for (const std::string output : {"f.mpg", "f.y4m", "f.%03d.png"}) {
+    for (const std::string output : {"f.mpg", "f.y4m", "f.%03d.exr"}) {
         const std::string start = render_whole(folder, output, "--frames 0:1 --stats " + path(folder, "s.json"));
-        const auto first = folder / (output == "f.%03d.png" ? "f.000.png" : output);
+        const auto first = folder / (output == "f.%03d.exr" ? "f.000.exr" : output);
         ASSERT_EQ(run(start + " --quiet").status, 0);
         const auto written = std::filesystem::last_write_time(first);
         const auto resumed = [&](const std::string& more) { return run(start + " --resume " + more); };

@@ -8,7 +8,7 @@ namespace {
 TEST(Clamping, LosesLittleAndLessWithMoreLightPoints) {
     double lost[2];
     for (const int more : {0, 1}) {
-        Settings settings = test::small_frame();
+        Settings settings = test::small_frame(16, 16);
         settings.vpls = more != 0 ? 8000 : 500;
         settings.direct_points = more != 0 ? 2048 : 128;
         test::FilmStage stage(test::furnished_room(), settings);

@@ -41,7 +41,7 @@ core::Radiance FilmStage::cut(float relative, int second) {
 
 double FilmStage::share_beyond(const core::Radiance& frame, float relative, int second) {
     const scene::Snapshot world = at(second);
-    const auto pixels = static_cast<int>(frame.combined.size());
+    const auto pixels = std::min(1024, static_cast<int>(frame.combined.size()));
     const auto audited = renderer_->audit(world, renderer_->see(world), uniform(relative), frame, pixels);
     const auto over =
         std::count_if(audited.begin(), audited.end(), [](const auto& p) { return p.error > p.tolerance; });

@@ -24,7 +24,7 @@ class FilmStage {
     core::Radiance reference(int second = 0) { return shade(second, core::ToleranceMap::reference()); }
     core::Radiance cut(float relative, int second = 0);
     /// Share of pixels of the frame lit last, by `cut`, whose luminance is off by more than that share of what every
-    /// light point sends to where they were lit (share_over: to where they were seen).
+    /// light point sends to where they were lit (share_over: to where they were seen). Of large frames, of a thousand.
     double share_beyond(const core::Radiance& frame, float relative, int second);
     renderer::Renderer& renderer() { return *renderer_; }
     const renderer::Statistics& statistics() const { return renderer_->statistics(); }

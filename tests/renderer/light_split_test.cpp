@@ -17,7 +17,7 @@ constexpr int parts_size = 48;
 Settings parts_settings(bool cache) {
     Settings s = test::small_frame(parts_size, parts_size);
     s.cache = cache ? CacheUse::on : CacheUse::off;
-    s.vpls = 2000;
+    s.vpls = 800;
     return s;
 }
 

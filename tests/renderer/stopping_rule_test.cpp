@@ -25,6 +25,16 @@ Settings stop_settings() {
     return settings;
 }
 
+/// One for all tests of a process that only light frames of it: settling it and lighting its truth take longest.
+FilmStage& shared_stage() {
+    static FilmStage stage(furnished_room(), stop_settings());
+    return stage;
+}
+const core::Radiance& shared_truth() {
+    static const core::Radiance truth = shared_stage().reference();
+    return truth;
+}
+
 /// Errors of all pixels in units of their tolerance, sorted.
 std::vector<double> shares(const core::Radiance& truth, const core::Radiance& cut, const core::ToleranceMap& map) {
     std::vector<double> e;
@@ -43,8 +53,8 @@ double share_over(const std::vector<double>& e) {
 }
 
 TEST(StoppingRule, KeepsItsToleranceInNinetyNineOfAHundredPixels) {
-    FilmStage stage(furnished_room(), stop_settings());
-    const core::Radiance truth = stage.reference();
+    FilmStage& stage = shared_stage();
+    const core::Radiance& truth = shared_truth();
     for (const float tolerance : {0.01f, 0.02f, 0.04f, 0.08f, 0.26f}) {
         const auto map = core::ToleranceMap::uniform(48, 48, {0.0f, tolerance});
         const std::vector<double> e = shares(truth, stage.shade(0, map), map);
@@ -58,14 +68,13 @@ TEST(StoppingRule, KeepsItsToleranceInNinetyNineOfAHundredPixels) {
 
 TEST(StoppingRule, KeepsEveryPixelsOwnTolerance) {
     // Fine and coarse pixels alternate, so that every group holds both.
-    FilmStage stage(furnished_room(), stop_settings());
-    const core::Radiance truth = stage.reference();
+    const core::Radiance& truth = shared_truth();
     core::ToleranceMap map = core::ToleranceMap::uniform(48, 48, {0.0f, 0.3f});
     for (int y = 0; y < 48; ++y)
         for (int x = 0; x < 48; ++x)
             if ((x + y) % 2 == 0)
                 map.pixels.at(x, y) = {0.02f * core::luminance(truth.combined.at(x, y)) + 1e-6f, 0.0f};
-    const core::Radiance cut = stage.shade(0, map);
+    const core::Radiance cut = shared_stage().shade(0, map);
     std::vector<double> fine;
     for (int y = 0; y < 48; ++y) {
         for (int x = y % 2; x < 48; x += 2) {
@@ -78,7 +87,7 @@ TEST(StoppingRule, KeepsEveryPixelsOwnTolerance) {
 }
 
 TEST(StoppingRule, RefinesLessWhereMoreIsTolerated) {
-    FilmStage stage(furnished_room(), stop_settings());
+    FilmStage& stage = shared_stage();
     std::uint64_t last = std::numeric_limits<std::uint64_t>::max();
     for (const float tolerance : {0.01f, 0.02f, 0.05f, 0.1f, 0.2f, 0.4f}) {
         const std::uint64_t before = stage.statistics().shadow_rays;
