@@ -113,13 +113,14 @@ std::vector<Items> chunks_of(Items items, std::span<const FirstPassPicture> film
     return chunks;
 }
 
-struct Settled {
+/// What a group of chunks that share their bits comes to.
+struct Solution {
     double base;        ///< quantiser of I and P pictures
     double affordable;  ///< BitAllocation::affordable
 };
 
 /// Solves for the quantiser of a group of chunks that share their bits, and fixes underflows until there are none.
-Settled settle(Items group, std::span<const Items> chunks, const mpeg2::Channel& channel, bool film_ends) {
+Solution solve(Items group, std::span<const Items> chunks, const mpeg2::Channel& channel, bool film_ends) {
     double seconds = 0;
     for (const Item& item : group) seconds += item.seconds;
     const double wanted = static_cast<double>(channel.average_rate) * seconds;
@@ -170,11 +171,11 @@ std::vector<BitAllocation> allocate_bits(const Settings& settings, std::span<con
 
     // A constant rate gives every chunk its own share; else all have one.
     std::vector<BitAllocation> allocated(items.size());
-    const Settled common = channel.constant || items.empty() ? Settled{} : settle(items, chunks, channel, true);
+    const Solution common = channel.constant || items.empty() ? Solution{} : solve(items, chunks, channel, true);
     for (std::size_t c = 0; c < chunks.size(); ++c) {
         const Items chunk = chunks[c];
         const auto [base, affordable] =
-            channel.constant ? settle(chunk, {&chunks[c], 1}, channel, c + 1 == chunks.size()) : common;
+            channel.constant ? solve(chunk, {&chunks[c], 1}, channel, c + 1 == chunks.size()) : common;
         double left = 0;
         std::array<double, 3> left_by_type{};
         std::vector<const Item*> shown;

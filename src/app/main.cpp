@@ -15,7 +15,7 @@
 #include "app/experiments/tune.h"
 #include "app/options/options.h"
 #include "app/probe.h"
-#include "app/system/keep_memory.h"
+#include "app/system/allocator.h"
 #include "app/system/terminal.h"
 #include "scene/isolation/probed.h"
 
@@ -46,7 +46,7 @@ int main(int argc, char** argv) {
     // However this program was started, it wants to know how its probes end.
     std::signal(SIGCHLD, SIG_DFL);
     if (render2mpeg::scene::is_probe(argc, argv)) probe(argc, argv);
-    keep_memory();
+    keep_freed_memory();
     std::set_terminate(end_in_one_line);
     try {
         const CommandLine line = parse(argc, argv);

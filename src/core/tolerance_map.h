@@ -7,19 +7,19 @@
 namespace render2mpeg::core {
 
 /// How far a pixel's luminance may be from the truth: the larger of an absolute part, in proportion less where the
-/// pixel gets less light than it was told for, and a part of its own luminance.
+/// pixel gets less light than the background that it was found for, and a part of its own luminance.
 struct Tolerance {
-    float absolute = 0;  ///< scene-linear luminance, >= 0
-    float relative = 0;  ///< share of the pixel's own luminance, >= 0
-    float usual = 0;     ///< luminance that `absolute` was told for; 0: whatever the pixel gets
+    float absolute = 0;    ///< scene-linear luminance, >= 0
+    float relative = 0;    ///< share of the pixel's own luminance, >= 0
+    float background = 0;  ///< luminance that `absolute` was found for; 0: whatever the pixel gets
 
     float allows(float luminance) const {
-        return std::max(relative * luminance, std::max(least(), std::min(absolute, share() * luminance)));
+        return std::max(relative * luminance, std::max(least(), std::min(absolute, weber_fraction() * luminance)));
     }
-    /// The absolute part over the pixel's luminance, where the pixel's is less than `usual`.
-    float share() const { return usual > absolute * 1e-30f ? absolute / usual : 1e30f; }
+    /// The absolute part over its background: what holds where the pixel's own luminance is less than that.
+    float weber_fraction() const { return background > absolute * 1e-30f ? absolute / background : 1e30f; }
     /// The absolute part of a pixel without light: what is that dark may change by more than by a share of itself.
-    float least() const { return absolute * std::min(share(), 1.0f); }
+    float least() const { return absolute * std::min(weber_fraction(), 1.0f); }
 
     bool operator==(const Tolerance&) const = default;
 };

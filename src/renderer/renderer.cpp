@@ -74,7 +74,7 @@ struct Renderer::Impl {
     double& row(Pass pass) { return rows[static_cast<std::size_t>(pass)]; }
 
     void pose(const scene::Snapshot& snapshot) {
-        const Stopwatch watch(row(Pass::pose));
+        const Stopwatch timer(row(Pass::pose));
         posed_scene.pose(snapshot);
     }
 
@@ -82,16 +82,16 @@ struct Renderer::Impl {
         first_frame = first.frame;
         pose(first);
         if (!anchors && plan.runs(Pass::photons) && settings.vpls > 0) {
-            const Stopwatch watch(row(Pass::photons));
+            const Stopwatch timer(row(Pass::photons));
             anchors.emplace(posed_scene, light_points, AnchorSettings{settings.vpls, settings.bounces});
             statistics.photon_rays += anchors->rays();
         }
         {
-            const Stopwatch watch(row(Pass::emissive_lights));
+            const Stopwatch timer(row(Pass::emissive_lights));
             light_points.place(posed_scene, first);
         }
         {
-            const Stopwatch watch(row(Pass::direct_tree));
+            const Stopwatch timer(row(Pass::direct_tree));
             const std::vector<LightPoint> none;
             const std::vector<LightPoint> still = anchors ? anchors->average_still() : none,
                                           moving = anchors ? anchors->average_moving() : none;
@@ -105,7 +105,7 @@ struct Renderer::Impl {
             split.forget();
         }
         lit.reset();
-        watched.reset();
+        last_seen.reset();
         cache.forget();
         calibration.forget();
         started = true;
@@ -118,19 +118,19 @@ struct Renderer::Impl {
         if (lit && !splits) cache.invalidate();
         std::vector<LightPoint> direct;
         {
-            const Stopwatch watch(row(Pass::emissive_lights));
+            const Stopwatch timer(row(Pass::emissive_lights));
             direct = light_points.at(posed_scene);
         }
         Anchors::Lit indirect;
         if (anchors) {
-            const Stopwatch watch(row(Pass::photons));
+            const Stopwatch timer(row(Pass::photons));
             indirect = anchors->at(posed_scene, direct);
             statistics.photon_rays += indirect.rays;
             statistics.photon_energy += indirect.landed;
             statistics.photon_energy_lost += indirect.lost;
         }
         {
-            const Stopwatch watch(row(Pass::direct_tree));
+            const Stopwatch timer(row(Pass::direct_tree));
             light_trees = {};  // before the next one grows: many light points take as much memory
             light_trees = lasting.at({direct, indirect.still, indirect.moving},
                                      (snapshot.frame - first_frame) % rebuild_interval == 0);
@@ -174,12 +174,12 @@ struct Renderer::Impl {
         if (snapshot.cut_before) calibration.forget();
         const float share = typical_share(seen, tolerance);
         if (calibration.knows() && share <= coarser * calibrated_share) return;
-        const Stopwatch watch(statistics.calibration_seconds);
+        const Stopwatch timer(statistics.calibration_seconds);
         const std::size_t pixels = renderer::calibrate(calibration, light_trees, posed_scene.tracer(), seen,
                                                        snapshot.camera.position(), tolerance, s);
         if (pixels > 0) calibrated_share = share;
         statistics.calibrated_pixels += pixels;
-        watched = sight_of(snapshot, tolerance);
+        last_seen = sight_of(snapshot, tolerance);
     }
 
     Sight sight_of(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance) const {
@@ -190,15 +190,15 @@ struct Renderer::Impl {
 
     /// Learns from a frame that was lit. One that repeats the frame before teaches nothing, so that still films stay as
     /// they are to the last bit.
-    void watch(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance,
+    void learn(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance,
                const ShadeSettings& s, const core::Radiance& radiance, const ShadeCounts& counts,
                const FrameLight* known) {
-        const Stopwatch watch(statistics.calibration_seconds);
+        const Stopwatch timer(statistics.calibration_seconds);
         Sight sight = sight_of(snapshot, tolerance);
-        if (watched != sight)
+        if (last_seen != sight)
             statistics.calibrated_pixels += renderer::recalibrate(calibration, light_trees, posed_scene.tracer(), seen,
                                                                   tolerance, s, radiance, counts.shadow_rays, known);
-        watched = std::move(sight);
+        last_seen = std::move(sight);
         const double value = s.limits.error_scale;
         std::uint64_t& frames = statistics.frames_calibrated;
         statistics.least_error_scale = frames == 0 ? value : std::min(statistics.least_error_scale, value);
@@ -241,8 +241,8 @@ struct Renderer::Impl {
     bool started = false;
     std::int64_t first_frame = 0;  ///< of the chunk
     ErrorCalibration calibration;
-    std::optional<Sight> watched;  ///< the frame that calibration saw last
-    float calibrated_share = 0;    ///< typical_share of the coarsest frame calibrated
+    std::optional<Sight> last_seen;  ///< by calibration
+    float calibrated_share = 0;      ///< typical_share of the coarsest frame calibrated
     IrradianceCache cache;
     Statistics statistics;
     double gathered = 0, clamped = 0;
@@ -259,7 +259,7 @@ void Renderer::start_chunk(const scene::Snapshot& first) {
 
 Seen Renderer::see(const scene::Snapshot& snapshot) {
     impl_->pose(snapshot);
-    const Stopwatch watch(impl_->row(Pass::see));
+    const Stopwatch timer(impl_->row(Pass::see));
     SeeCounts counts;
     Seen seen = renderer::see(impl_->posed_scene,
                               {impl_->settings.format, impl_->settings.samples, impl_->settings.specular_depth},
@@ -292,7 +292,7 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     if (cached && settings.layers) radiance.record_density = i.cache.density(snapshot.camera, i.settings.format);
     // and learn from the frame.
     i.count(counts, seen.visible);
-    if (learns) i.watch(snapshot, seen, tolerance, settings, radiance, counts, known);
+    if (learns) i.learn(snapshot, seen, tolerance, settings, radiance, counts, known);
     i.share_time(cpu_seconds() - start, counts);
     i.statistics.layer_seconds = i.posed_scene.layer_seconds();
     return radiance;

@@ -18,7 +18,7 @@
 
 #include "app/options/option_text.h"
 #include "app/options/options.h"
-#include "app/system/keep_memory.h"
+#include "app/system/allocator.h"
 #include "core/error.h"
 #include "parallel/loops.h"
 #include "tests/bench/coupled_films.h"
@@ -148,7 +148,7 @@ int run(int argc, char** argv) {
 }  // namespace render2mpeg::bench
 
 int main(int argc, char** argv) {
-    render2mpeg::app::keep_memory();  // as the program does
+    render2mpeg::app::keep_freed_memory();  // as the program does
     try {
         return render2mpeg::bench::run(argc, argv);
     } catch (const render2mpeg::core::Error& error) {

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "app/system/keep_memory.h"
+#include "app/system/allocator.h"
 #include "core/sampling.h"
 #include "perceptual/masking.h"
 #include "perceptual/visibility_model.h"
@@ -130,7 +130,7 @@ BENCHMARK(Warp)->Unit(benchmark::kMillisecond);
 }  // namespace render2mpeg::perceptual
 
 int main(int argc, char** argv) {
-    render2mpeg::app::keep_memory();  // as the program does
+    render2mpeg::app::keep_freed_memory();  // as the program does
     benchmark::Initialize(&argc, argv);
     benchmark::RunSpecifiedBenchmarks();
     return 0;

@@ -59,13 +59,13 @@ TEST_F(WarpedMasking, WhatIsHiddenIsToldForTheLightThatHidIt) {
     int bound = 0;
     for (std::size_t i = 0; i < map.pixels.size(); ++i) {
         const core::Tolerance& t = map.pixels.values()[i];
-        const float usual = state.light.luminance.values()[i];
-        EXPECT_LE(t.usual, usual);
+        const float background = state.light.luminance.values()[i];
+        EXPECT_LE(t.background, background);
         // As much light as it had: all of it. Next to none: at least half a code value.
-        EXPECT_FLOAT_EQ(t.allows(usual), std::max(t.absolute, t.relative * usual));
+        EXPECT_FLOAT_EQ(t.allows(background), std::max(t.absolute, t.relative * background));
         EXPECT_GE(t.allows(0), 0.999f * floor);
-        if (t.absolute > 4 * floor && t.usual == usual && usual > 4 * t.absolute) {
-            EXPECT_FLOAT_EQ(t.allows(0.5f * usual), 0.5f * t.absolute);
+        if (t.absolute > 4 * floor && t.background == background && background > 4 * t.absolute) {
+            EXPECT_FLOAT_EQ(t.allows(0.5f * background), 0.5f * t.absolute);
             ++bound;
         }
     }

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "app/loop/records_choice.h"
+#include "app/loop/cache_choice.h"
 #include "support/program.h"
 
 /// --cache on, and what it shows of itself.

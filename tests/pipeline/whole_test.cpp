@@ -4,7 +4,7 @@
 #include <fstream>
 #include <string>
 
-#include "app/files/whole_mark.h"
+#include "app/files/completion_marker.h"
 #include "pipeline/foreign.h"
 
 /// What becomes of a film between its last frame and its last file, and of a film that is whole already.

@@ -62,7 +62,7 @@ TEST_F(Wall, RecordsAlongALineSayNothingOfLobesOfASurfaceThatBends) {
 }
 
 TEST_F(Wall, LobesOfRoughnessTwoTenthsAndMoreTakeRecords) {
-    const GlossyTrials untried;
+    const GlossyPayoff untried;
     GatherPoint p = point_at(12, 12);
     EXPECT_TRUE(uses_cache(p, untried));
     p.point.bsdf = {glm::vec3(0.5f), glm::vec3(0.04f), 0.2f * 0.2f};
@@ -75,7 +75,7 @@ TEST_F(Wall, LobesOfRoughnessTwoTenthsAndMoreTakeRecords) {
 }
 
 TEST_F(Wall, LobesOfAMaterialThatIsNotServedTakeNoRecords) {
-    GlossyTrials trials;
+    GlossyPayoff trials;
     for (int frame = 0; frame < 2; ++frame) {
         trials.note(3, 100, 5);
         trials.judge();

@@ -80,7 +80,7 @@ class HoldOutFrames : public ::testing::Test {
     Seen seen_;
     core::ToleranceMap tolerance_;
     RecordStore records_;
-    GlossyTrials trials_;
+    GlossyPayoff trials_;
     CacheValidation validation_;
     FrameHistory history_;
     float risen_ = 1;  ///< the error scale of cuts over that of the last frame

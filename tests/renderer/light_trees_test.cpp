@@ -36,7 +36,7 @@ std::vector<std::uint32_t> order_of(const LightTrees& light_trees) {
     return order;
 }
 
-/// Lets `lasting` plan its trees anew; whether it did.
+/// Lets `lasting` rebuild its trees; whether it did.
 bool rebuilds(PersistentLightTrees& lasting, const LitPoints& now) {
     const auto before = order_of(lasting.at(now));
     return order_of(lasting.at(now, true)) != before;
@@ -219,7 +219,7 @@ TEST(PersistentLightTreesSlow, NeedsHardlyMoreClustersIn200FramesWithThingsThatM
     }
     EXPECT_LE(updated_clusters / fresh_clusters, 1.1);
     EXPECT_GE(updated_clusters / fresh_clusters, 0.85);
-    // Balls that part ways may fit their plan badly once or twice, not all the time.
+    // Balls that part ways may fit their tree badly once or twice, not all the time.
     EXPECT_LE(rebuilt, 2);
 }
 
@@ -257,7 +257,7 @@ std::vector<LightPoint> two_things(float distance) {
 }
 
 TEST(PersistentLightTrees, DoesNotLetWhatIsHiddenWidenItsBounds) {
-    // The tree is planned with a thing a kilometre away, which then is hidden.
+    // The tree is built with a thing a kilometre away, which then is hidden.
     const auto usual = two_things(1000.0f);
     auto now = usual;
     now.erase(now.begin() + 200, now.end());

@@ -58,7 +58,7 @@ std::string behave(const Words& words, const TakeTurns& take_turns) {
 std::string echo(const Words& words, const TakeTurns& take_turns) {
     take_turns(Turn::parser);
     std::cout << "what libraries print is not told";
-    say_in_probe(words.at(0));
+    write_from_probe(words.at(0));
     return {std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>()};
 }
 

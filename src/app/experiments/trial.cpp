@@ -9,9 +9,9 @@
 #include <set>
 #include <utility>
 
+#include "app/loop/cache_choice.h"
 #include "app/loop/picture_coder.h"
 #include "app/loop/pipeline.h"
-#include "app/loop/records_choice.h"
 #include "app/loop/run_statistics.h"
 #include "app/report/frame_view.h"
 #include "core/color.h"

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "app/loop/cache_choice.h"
 #include "app/loop/coupling.h"
-#include "app/loop/records_choice.h"
 #include "app/options/film.h"
 #include "app/options/options.h"
 #include "app/options/output_kind.h"

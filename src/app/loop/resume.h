@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "app/files/chunk_file.h"
-#include "app/files/whole_mark.h"
+#include "app/files/completion_marker.h"
 #include "app/files/work_folder.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
@@ -30,8 +30,8 @@ nlohmann::json chunk_record_of(const RenderJob& film, const RenderOptions& optio
 /// What the options ask a render to leave.
 Products products_of(const RenderJob& film, const RenderOptions& options);
 
-/// Whether the film of --resume is whole already, with all that is asked for beside it (whole_mark.h). Says so, and
-/// removes what a run that was killed at its very end may have left.
+/// Whether the film of --resume is whole already, with all that is asked for beside it (completion_marker.h). Says so,
+/// and removes what a run that was killed at its very end may have left.
 bool is_done_already(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity);
 
 /// The whole chunks of an earlier run, whose statistics are taken in; what else there was is removed, after `kept`

@@ -141,7 +141,7 @@ std::string read_probed_images(const scene::TakeTurns& take_turns) {
         } catch (const core::Error&) {
             if (errno == ENOMEM) throw;
         }
-        scene::say_in_probe(".");
+        scene::write_from_probe(".");
     }
     return {};
 }

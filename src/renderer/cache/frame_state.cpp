@@ -11,7 +11,7 @@ float TileState::allowed(const GatherPoint& p, std::size_t i) const {
 }
 
 FrameState::FrameState(const LightingContext& context, const scene::Snapshot& instant, const CutLimits& cut_limits,
-                       const CacheErrorModel& error_model, const GlossyTrials& glossy_trials, RecordStore& store,
+                       const CacheErrorModel& error_model, const GlossyPayoff& glossy_payoff, RecordStore& store,
                        const LightSplit* parts)
     : light_trees(context.light_trees),
       split(parts),
@@ -22,7 +22,7 @@ FrameState::FrameState(const LightingContext& context, const scene::Snapshot& in
       camera(instant.camera),
       limits(cut_limits),
       errors(error_model),
-      trials(glossy_trials),
+      payoff(glossy_payoff),
       records(store),
       grid(seen.visible.width(), seen.visible.height()),
       tiles(seen.tiles.size()) {

@@ -21,7 +21,7 @@ void gather_requests_of(const FrameState& frame, const RequestGroup& group, Gath
         tolerance.set(static_cast<int>(i), frame.tiles[ref.tile].tolerance[ref.index]);
         if (i >= group.points.size()) continue;
         pointers[i] = &frame.point(ref);
-        if (!uses_cache(*pointers[i], frame.trials)) continue;
+        if (!uses_cache(*pointers[i], frame.payoff)) continue;
         receivers[i] = plain_receiver(*pointers[i]);
         pointers[i] = &receivers[i];
     }
@@ -77,10 +77,10 @@ std::vector<GatheredRequests> gather(FrameState& frame, const std::vector<std::v
     std::vector<GatheredRequests> found(of_area.size());
     parallel::for_each(of_area.size(), [&](std::size_t a) {
         std::vector<PointRef>& list = of_area[a];
-        const auto on_movers = std::stable_partition(list.begin(), list.end(),
-                                                     [&](const PointRef& r) { return !frame.moves(frame.point(r)); });
-        const std::vector<PointRef> moving(on_movers, list.end());
-        list.erase(on_movers, list.end());
+        const auto first_moving = std::stable_partition(
+            list.begin(), list.end(), [&](const PointRef& r) { return !frame.moves(frame.point(r)); });
+        const std::vector<PointRef> moving(first_moving, list.end());
+        list.erase(first_moving, list.end());
         gather_area(frame, frame.cached, list, found[a]);
         gather_area(frame, frame.light_trees, moving, found[a]);
     });

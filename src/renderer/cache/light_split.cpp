@@ -25,13 +25,13 @@ bool LightSplit::may_suit(const scene::Animation& film, const Plan& plan) {
     if (traits.lights_change || plan.runs(Pass::alpha) || plan.runs(Pass::glass) ||
         !(traits.objects_move || traits.objects_deform))
         return false;
-    int movers = 0;
+    int dynamic_objects = 0;
     for (const scene::Object& object : film.objects) {
         if (object.mobility == scene::Mobility::still) continue;
         if (film.materials[static_cast<std::size_t>(object.material)].emits()) return false;
-        ++movers;
+        ++dynamic_objects;
     }
-    return movers <= GroupDynamicObjects::most;
+    return dynamic_objects <= GroupDynamicObjects::most;
 }
 
 bool LightSplit::suit(const PosedScene& posed_scene, const Plan& plan, std::size_t still_anchors,

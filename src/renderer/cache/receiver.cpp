@@ -18,10 +18,10 @@ constexpr float least_alpha = 0.04f;
 
 }  // namespace
 
-bool uses_cache(const GatherPoint& p, const GlossyTrials& trials) {
+bool uses_cache(const GatherPoint& p, const GlossyPayoff& payoff) {
     const Bsdf& bsdf = p.point.bsdf;
     return !p.reached_by_specular &&
-           (!bsdf.has_glossy() || (bsdf.alpha >= least_alpha && trials.uses_cache(p.point.material)));
+           (!bsdf.has_glossy() || (bsdf.alpha >= least_alpha && payoff.uses_cache(p.point.material)));
 }
 
 float receives(const GatherPoint& p) {

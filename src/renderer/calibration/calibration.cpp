@@ -14,8 +14,8 @@ namespace {
 constexpr std::size_t most_rounds = 2;
 constexpr std::size_t largest_sample = 1024 / most_rounds;  ///< of a round
 constexpr std::size_t blocks_per_sample = 4;  ///< so that lighting a sample costs a fourth of a frame at most
-constexpr double watched_share = 0.02;        ///< of a frame's rays
-constexpr std::size_t least_watched = 8, most_watched = 64;
+constexpr double audited_share = 0.02;        ///< of a frame's rays
+constexpr std::size_t least_audited = 8, most_audited = 64;
 
 /// What is left of a frame when only the blocks of some pixels are of interest.
 Seen blocks_of(const Seen& seen, const std::vector<LitPixel>& pixels) {
@@ -44,12 +44,12 @@ std::size_t light_count(const LightTrees& light_trees) {
 /// Pixels that a frame can afford to have gathered again.
 std::size_t affordable(const LightTrees& light_trees, std::uint64_t rays) {
     const double lights = std::max(static_cast<double>(light_count(light_trees)), 1.0);
-    const auto count = static_cast<std::size_t>(watched_share * static_cast<double>(rays) / lights);
-    return std::clamp(count, least_watched, most_watched);
+    const auto count = static_cast<std::size_t>(audited_share * static_cast<double>(rays) / lights);
+    return std::clamp(count, least_audited, most_audited);
 }
 
 /// Whether a pixel's light is no single cut's: records had a part in it, or would have had one if it had not been
-/// watched, or things that move.
+/// held out, or things that move.
 bool is_served(const LitPixel& p, const FrameLight& known) {
     const auto& tile = known[p.tile];
     return std::any_of(tile.begin() + p.first, tile.begin() + p.last,
@@ -65,7 +65,7 @@ float typical_share(const Seen& seen, const core::ToleranceMap& tolerance) {
     for (std::size_t i = 0; i < lit.size(); i += every) {
         const glm::ivec2 at = place_of(seen, lit[i]);
         const core::Tolerance& t = tolerance.pixels.at(at.x, at.y);
-        const float share = t.usual > 0.0f ? std::max(t.relative, t.share()) : t.relative;
+        const float share = t.background > 0.0f ? std::max(t.relative, t.weber_fraction()) : t.relative;
         // What is all that a dark pixel shows has no share.
         if (!(share > 0.0f && share < 1.0f)) continue;
         logs += std::log(share);

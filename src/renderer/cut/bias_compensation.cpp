@@ -200,7 +200,7 @@ void keep_to_surfaces(const GatherLanes& lanes, const TreeLight& light, const Ra
 }
 
 /// Whether anything that moves is so near to the points.
-bool has_mover(const Box& points, const RayTracer& tracer, float distance2) {
+bool has_dynamic_object(const Box& points, const RayTracer& tracer, float distance2) {
     const auto near = [&](const MiddleBox& m) { return points.distance2(m.middle, m.half) < distance2; };
     return std::any_of(tracer.dynamic_objects().begin(), tracer.dynamic_objects().end(), near);
 }
@@ -251,7 +251,7 @@ void compensate_clamping_bias(const LightTrees& light_trees, const RayTracer& tr
                 if (light.disc2 > 0.0f && core::luminance(light.intensity) > 0.0f &&
                     box.distance2(light.position, glm::vec3(0)) < far_radii * far_radii * light.disc2 &&
                     (light_trees.shadows != Shadows::hidden_by_dynamic ||
-                     has_mover(box, tracer, far_radii * far_radii * light.disc2)))
+                     has_dynamic_object(box, tracer, far_radii * far_radii * light.disc2)))
                     compensate(light, light_trees, lanes, tracer, out);
                 continue;
             }

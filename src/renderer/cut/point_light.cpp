@@ -37,7 +37,7 @@ std::vector<PointTolerance> point_tolerances(const Seen& seen, std::size_t tile,
         const int x = tile_x + p.pixel % tile_size, y = tile_y + p.pixel / tile_size;
         const core::Tolerance& t = tolerance.pixels.at(x, y);
         const float part = core::divide_or(core::luminance(p.weight), weight[p.pixel], 1.0f);
-        parts.push_back({{std::max(t.absolute, 0.0f) * part, std::max(t.relative, 0.0f), t.usual * part},
+        parts.push_back({{std::max(t.absolute, 0.0f) * part, std::max(t.relative, 0.0f), t.background * part},
                          std::max(core::luminance(seen.emitted.at(x, y)), 0.0f) * part});
     }
     return parts;

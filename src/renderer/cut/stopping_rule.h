@@ -14,11 +14,11 @@ namespace render2mpeg::renderer {
 
 /// Tolerances of a group's lanes, in luminance of their pixels.
 struct alignas(64) GroupTolerance {
-    Lanes absolute, relative, usual, base;
+    Lanes absolute, relative, background, base;
     void set(int lane, const PointTolerance& t) {
         absolute[lane] = t.part.absolute;
         relative[lane] = t.part.relative;
-        usual[lane] = t.part.usual;
+        background[lane] = t.part.background;
         base[lane] = t.base;
     }
 };
@@ -42,10 +42,10 @@ class StoppingRule {
     void start(float error_scale, const GroupTolerance& tolerance) {
         error_scale_ = error_scale;
         for (int i = 0; i < lane_count; ++i) {
-            const core::Tolerance t{tolerance.absolute[i], tolerance.relative[i], tolerance.usual[i]};
+            const core::Tolerance t{tolerance.absolute[i], tolerance.relative[i], tolerance.background[i]};
             absolute_[i] = t.absolute;
             relative_[i] = t.relative;
-            share_[i] = t.share();
+            weber_[i] = t.weber_fraction();
             least_[i] = t.least();
             base_[i] = tolerance.base[i];
         }
@@ -66,8 +66,8 @@ class StoppingRule {
         alignas(64) Lanes square;
         for (int i = 0; i < lane_count; ++i) {
             const float of_tolerance = bound[i] * inverse_[i];
-            const float share = of_tolerance < largest_share ? of_tolerance : largest_share;
-            square[i] = share * share;
+            const float ratio = of_tolerance < largest_ratio ? of_tolerance : largest_ratio;
+            square[i] = ratio * ratio;
         }
         return sum_of(square);
     }
@@ -112,7 +112,7 @@ class StoppingRule {
         return std::min(summed, error_scale_ * safe_part * largest);
     }
 
-    /// k of a lane. fit: docs/fits/honest-stop. It falls as the relative tolerance t = T over the light grows, since
+    /// k of a lane. fit: docs/fits/stopping-rule. It falls as the relative tolerance t = T over the light grows, since
     /// the bounds of coarse clusters are looser: coarse + (fine - coarse) / (1 + (t / t0)^2).
     float scale(int lane) const {
         float t = tolerance_[lane] > 0.0f ? loosest : 0.0f;
@@ -123,7 +123,7 @@ class StoppingRule {
   private:
     /// core::Tolerance::allows.
     RENDER2MPEG_ALWAYS_INLINED float allowed(int lane, float light) const {
-        const float absolute = inlined::max(least_[lane], inlined::min(absolute_[lane], share_[lane] * light));
+        const float absolute = inlined::max(least_[lane], inlined::min(absolute_[lane], weber_[lane] * light));
         return inlined::max(relative_[lane] * light, absolute);
     }
     bool exceeds(double sum_of_squares, int lane) const {
@@ -134,15 +134,15 @@ class StoppingRule {
     /// Stands for no tolerance at all; any bound that matters is larger.
     static constexpr float least_tolerance = 1e-30f;
     /// Keeps squares of what is beyond any measure finite.
-    static constexpr float largest_share = 1e15f;
-    /// q. fit: docs/fits/honest-stop, "classic": 7.24 over its scenes, with one light per cluster.
+    static constexpr float largest_ratio = 1e15f;
+    /// q. fit: docs/fits/stopping-rule, "classic": 7.24 over its scenes, with one light per cluster.
     static constexpr float safe_part = 7.0f;
     static constexpr float fine_scale = 0.62f, coarse_scale = 0.36f, turn2 = 0.08f * 0.08f;
     static constexpr float loosest = 1e6f;
 
     float error_scale_ = 1;
     int strictest_ = 0;
-    alignas(64) Lanes absolute_{}, relative_{}, share_{}, least_{}, base_{}, light_{}, tolerance_{}, inverse_{};
+    alignas(64) Lanes absolute_{}, relative_{}, weber_{}, least_{}, base_{}, light_{}, tolerance_{}, inverse_{};
 };
 
 }  // namespace render2mpeg::renderer

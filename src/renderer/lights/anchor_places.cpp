@@ -45,9 +45,9 @@ int facing(glm::vec3 normal) {
     return 2 * axis + (normal[axis] < 0.0f ? 1 : 0);
 }
 
-class Chooser {
+class StratifiedSampler {
   public:
-    Chooser(const std::vector<AnchorCandidate>& candidates, std::vector<double> measure)
+    StratifiedSampler(const std::vector<AnchorCandidate>& candidates, std::vector<double> measure)
         : candidates_(candidates), measure_(std::move(measure)) {}
 
     /// Parts [first, last) into `count` strata of equal measure and takes the middle of each.
@@ -222,11 +222,11 @@ std::vector<AnchorPlace> choose_places(const std::vector<AnchorCandidate>& candi
     }
     allot(parts, count);
 
-    const Chooser chooser(candidates, measure);
+    const StratifiedSampler sampler(candidates, measure);
     std::vector<AnchorPlace> places;
     for (auto& [key, part] : parts) {
         std::vector<std::uint32_t> chosen;
-        chooser.choose(part.candidates.data(), part.candidates.data() + part.candidates.size(), part.count, chosen);
+        sampler.choose(part.candidates.data(), part.candidates.data() + part.candidates.size(), part.count, chosen);
         for (const std::uint32_t i : chosen) {
             const AnchorCandidate& c = candidates[i];
             places.push_back({c.address, c.front, c.rest, c.group, 0.0f});

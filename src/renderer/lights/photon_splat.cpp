@@ -196,7 +196,7 @@ std::size_t PhotonSplatter::bytes() const {
 
 /// The nearest still anchor that sees the place, past what moves where that counts, and facing alike if there is one;
 /// where none of many does, one that nothing still hides, or the nearest of all.
-std::uint32_t PhotonSplatter::nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, bool past_movers,
+std::uint32_t PhotonSplatter::nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, bool past_dynamic,
                                                int& rays) const {
     const PointTree& tree = groups_.front().tree;
     std::array<Neighbour, asked.back()> found;
@@ -211,7 +211,7 @@ std::uint32_t PhotonSplatter::nearest_in_sight(const OrientedPoint& at, const Ra
             const Way way(at, tree[anchor], lift_radii * std::sqrt(disc2_[anchor]));
             ++rays;
             if (!way.is_open(scene)) continue;
-            if (!past_movers || way.is_free(scene)) return anchor;
+            if (!past_dynamic || way.is_free(scene)) return anchor;
             if (!hidden) hidden = anchor;
         }
         if (count < most) break;
@@ -219,7 +219,7 @@ std::uint32_t PhotonSplatter::nearest_in_sight(const OrientedPoint& at, const Ra
 
     // In a small room that something shuts there may be none that faces alike: rather one that does not, than outside.
     const std::uint32_t nearest = found[0].point;
-    const int count = past_movers && hidden ? tree.nearest(at, -2.0f, found) : 0;
+    const int count = past_dynamic && hidden ? tree.nearest(at, -2.0f, found) : 0;
     for (const Neighbour& other : std::span(found.data(), static_cast<std::size_t>(count))) {
         const Way way(at, tree[other.point], lift_radii * std::sqrt(disc2_[other.point]));
         ++rays;

@@ -99,7 +99,7 @@ class PhotonSplatter {
     void look_about(const RayTracer& scene, std::size_t listed);
     float lift_between(std::uint32_t a, std::uint32_t b) const;
     Neighbours neighbours(std::uint32_t anchor) const;
-    std::uint32_t nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, bool past_movers, int& rays) const;
+    std::uint32_t nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, bool past_dynamic, int& rays) const;
     SplatWeights share_among_alike(std::uint32_t group, const OrientedPoint& at) const;
     SplatWeights share_among(const Neighbours& neighbours, std::uint32_t hidden, const OrientedPoint& at) const;
     /// The place of a photon in `photons`, and the nearest anchor that sees it where it is one of what is still.

@@ -134,10 +134,10 @@ RENDER2MPEG_ALWAYS_INLINED void evaluate_each(const GatherLanes& __restrict lane
 }
 
 template <LightType type>
-RENDER2MPEG_ALWAYS_INLINED void add_lanes(const GatherLanes& __restrict lanes, const Representative& stand_in,
+RENDER2MPEG_ALWAYS_INLINED void add_lanes(const GatherLanes& __restrict lanes, const Representative& representative,
                                           float scale, RgbLanes& __restrict out) {
-    const float red = stand_in.intensity.x, green = stand_in.intensity.y, blue = stand_in.intensity.z;
-    const LaneLight l = lane_light(*stand_in.light, stand_in.spot, scale);
+    const float red = representative.intensity.x, green = representative.intensity.y, blue = representative.intensity.z;
+    const LaneLight l = lane_light(*representative.light, representative.spot, scale);
     LightLanes unit;
     for (int i = 0; i < lane_count; ++i) {
         evaluate_lane<type, false>(lanes, i, l, unit);

@@ -150,8 +150,8 @@ void put_in_order(const std::vector<LightPair>& pairs, LightTree& tree) {
     lights.reserve(tree.lights.size());
     ids.reserve(tree.lights.size());
     tree.nodes.resize(pairs.size());
-    TreeTopology plan;
-    plan.leaves.reserve(2 * pairs.size());
+    TreeTopology topology;
+    topology.leaves.reserve(2 * pairs.size());
     std::vector<LightRef> stack{pairs.empty() ? LightRef::leaf(0)
                                               : LightRef::inner(static_cast<std::uint32_t>(pairs.size() - 1))};
     while (!stack.empty()) {
@@ -164,15 +164,15 @@ void put_in_order(const std::vector<LightPair>& pairs, LightTree& tree) {
             continue;
         }
         const LightPair& pair = pairs[from.index()];
-        plan.leaves.push_back(pair[0].is_leaf());
-        plan.leaves.push_back(pair[1].is_leaf());
+        topology.leaves.push_back(pair[0].is_leaf());
+        topology.leaves.push_back(pair[1].is_leaf());
         stack.push_back(pair[1]);
         stack.push_back(pair[0]);
     }
     tree.lights = std::move(lights);
     tree.spots = std::move(spots);
     tree.ids = std::make_shared<const std::vector<std::uint32_t>>(std::move(ids));
-    set_children(plan.leaves, tree);
+    set_children(topology.leaves, tree);
 }
 
 }  // namespace
@@ -295,24 +295,24 @@ std::size_t TreeTopology::bytes() const {
 }
 
 TreeTopology topology_of(const LightTree& tree) {
-    TreeTopology plan;
-    plan.type = tree.type;
-    plan.ids = tree.ids;
-    plan.leaves.reserve(2 * tree.nodes.size());
+    TreeTopology topology;
+    topology.type = tree.type;
+    topology.ids = tree.ids;
+    topology.leaves.reserve(2 * tree.nodes.size());
     for (std::uint32_t i = 0; i < tree.nodes.size(); ++i)
-        for (const int side : {0, 1}) plan.leaves.push_back(tree.child(i, side).is_leaf());
-    return plan;
+        for (const int side : {0, 1}) topology.leaves.push_back(tree.child(i, side).is_leaf());
+    return topology;
 }
 
-LightTree build_from_topology(const TreeTopology& plan, std::span<const LightPoint> points, std::uint64_t seed) {
+LightTree build_from_topology(const TreeTopology& topology, std::span<const LightPoint> points, std::uint64_t seed) {
     LightTree tree;
-    tree.type = plan.type;
-    tree.ids = plan.ids;
-    tree.nodes.resize(plan.leaves.size() / 2);
-    tree.lights.resize(plan.lights());
-    if (plan.type == LightType::punctual) tree.spots.resize(plan.lights());
+    tree.type = topology.type;
+    tree.ids = topology.ids;
+    tree.nodes.resize(topology.leaves.size() / 2);
+    tree.lights.resize(topology.lights());
+    if (topology.type == LightType::punctual) tree.spots.resize(topology.lights());
     if (tree.empty()) return tree;
-    set_children(plan.leaves, tree);
+    set_children(topology.leaves, tree);
     update_light_tree(tree, points, seed);
     return tree;
 }

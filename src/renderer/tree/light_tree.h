@@ -128,7 +128,7 @@ struct LightTree {
     std::vector<LightNode> nodes;   ///< in depth-first order, parents before children
     std::vector<TreeLight> lights;  ///< in the same
     std::vector<Spot> spots;        ///< of punctual lights; else none
-    /// LightPoint::id of each light; a plan's, where the tree grew from one.
+    /// LightPoint::id of each light; its topology's, where it was built from one.
     std::shared_ptr<const std::vector<std::uint32_t>> ids;
     BoxGrid grid;   ///< of the nodes' boxes
     LightRef root;  ///< meaningless where there are no lights
@@ -204,13 +204,13 @@ struct TreeTopology {
 };
 TreeTopology topology_of(const LightTree& tree);
 
-/// The lasting tree of a plan, updated by these points (`update_light_tree`).
-LightTree build_from_topology(const TreeTopology& plan, std::span<const LightPoint> points, std::uint64_t seed);
+/// The persistent tree of a topology, updated by these points (`update_light_tree`).
+LightTree build_from_topology(const TreeTopology& topology, std::span<const LightPoint> points, std::uint64_t seed);
 
-/// Gives the lights of a lasting tree places and intensities of `points` with the same ids, none of either where there
-/// is no such point, and every node its bounds, sum and representative (docs/model/light-tree.md). Who is whose child
-/// stays; a function of that, the points and the seed, whatever was updated before. O(n log n), a tenth of the time of
-/// building.
+/// Gives the lights of a persistent tree places and intensities of `points` with the same ids, none of either where
+/// there is no such point, and every node its bounds, sum and representative (docs/model/light-tree.md). Who is whose
+/// child stays; a function of that, the points and the seed, whatever was updated before. O(n log n), a tenth of the
+/// time of building.
 void update_light_tree(LightTree& tree, std::span<const LightPoint> points, std::uint64_t seed);
 
 }  // namespace render2mpeg::renderer

@@ -9,13 +9,13 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// How much more an updated tree may cost than one planned for the instant before it is. chosen: 1.5, which a lamp on
+/// How much more an updated tree may cost than one built for the instant before it is. chosen: 1.5, which a lamp on
 /// its way through a room does not reach (cuts of at most 1.1 times the fresh tree's; test), and things that change
 /// places do.
 constexpr double most_cost = 1.5;
 
-/// What every light counts with at least, of their mean, when a tree is planned anew: it may be lit later.
-constexpr float least_planned = 0.01f;
+/// What every light counts with at least, of their mean, when a tree is rebuilt: it may be lit later.
+constexpr float least_counted = 0.01f;
 
 /// What is punctual: a true point or beam, not a sample of something larger.
 bool is_punctual(const LightPoint& p) {
@@ -35,8 +35,9 @@ std::uint64_t seed_of(int tree, std::uint64_t seed) {
     return LightTrees::is_direct(tree) ? seed : seed + 1;
 }
 
-/// All lights of a plan as they lie now, to plan by; those that are absent lie with their neighbours in the tree.
-std::vector<LightPoint> with_absent(const TreeTopology& plan, std::span<const LightPoint> now) {
+/// All lights of a topology as they lie now, to rebuild it by; those that are absent lie with their neighbours in the
+/// tree.
+std::vector<LightPoint> with_absent(const TreeTopology& topology, std::span<const LightPoint> now) {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> by_id;
     glm::dvec3 sum(0);
     for (std::uint32_t i = 0; i < now.size(); ++i) {
@@ -47,10 +48,10 @@ std::vector<LightPoint> with_absent(const TreeTopology& plan, std::span<const Li
     std::vector<LightPoint> all;
     if (by_id.empty()) return all;
     std::sort(by_id.begin(), by_id.end());
-    const auto least = glm::vec3(sum * (least_planned / static_cast<double>(plan.lights()))) + glm::vec3(1e-20f);
+    const auto least = glm::vec3(sum * (least_counted / static_cast<double>(topology.lights()))) + glm::vec3(1e-20f);
     const LightPoint* last = &now[by_id.front().second];
-    all.reserve(plan.lights());
-    for (const std::uint32_t id : *plan.ids) {
+    all.reserve(topology.lights());
+    for (const std::uint32_t id : *topology.ids) {
         const auto found = std::lower_bound(by_id.begin(), by_id.end(), std::pair{id, 0u});
         const bool there = found != by_id.end() && found->first == id;
         if (there) last = &now[found->second];
@@ -81,10 +82,10 @@ LightTrees build_light_trees(std::span<const LightPoint> direct, std::span<const
     return light_trees;
 }
 
-PersistentLightTrees::PersistentLightTrees(const LitPoints& usual, std::uint64_t seed) : seed_(seed) {
-    const auto punctual = std::count_if(usual.direct.begin(), usual.direct.end(), is_punctual);
+PersistentLightTrees::PersistentLightTrees(const LitPoints& average, std::uint64_t seed) : seed_(seed) {
+    const auto punctual = std::count_if(average.direct.begin(), average.direct.end(), is_punctual);
     PointsByType types;
-    for (const LightPoint& p : usual.direct) {
+    for (const LightPoint& p : average.direct) {
         if (is_punctual(p) && static_cast<std::size_t>(punctual) <= most_exact_lights)
             exact_.push_back(p.id);
         else
@@ -94,10 +95,10 @@ PersistentLightTrees::PersistentLightTrees(const LitPoints& usual, std::uint64_t
     for (int t = 0; t < LightTrees::tree_count; ++t) {
         const bool direct = LightTrees::is_direct(t);
         const auto points = direct                         ? std::span<const LightPoint>(types[t])
-                            : t == LightTrees::static_tree ? usual.still
-                                                           : usual.moving;
+                            : t == LightTrees::static_tree ? average.still
+                                                           : average.moving;
         const LightType type = direct ? static_cast<LightType>(t) : LightType::oriented;
-        plans_[t] = topology_of(build_persistent_tree(type, points, seed_of(t, seed)));
+        topologies_[t] = topology_of(build_persistent_tree(type, points, seed_of(t, seed)));
     }
 }
 
@@ -115,38 +116,38 @@ LightTrees PersistentLightTrees::at(const LitPoints& now, bool may_rebuild) {
                             : t == LightTrees::static_tree ? now.still
                                                            : now.moving;
         LightTree& tree = light_trees.trees[t];
-        tree = build_from_topology(plans_[t], points, seed_of(t, seed_));
+        tree = build_from_topology(topologies_[t], points, seed_of(t, seed_));
         if (tree.empty()) continue;
         // A dark tree would be asked about for nothing.
         if (!(core::luminance(tree.intensity(tree.root)) > 0.0f)) {
             tree = {};
-            tree.type = plans_[t].type;
+            tree.type = topologies_[t].type;
             continue;
         }
         if (!may_rebuild) continue;
         TreeTopology other =
-            topology_of(build_persistent_tree(tree.type, with_absent(plans_[t], points), seed_of(t, seed_)));
+            topology_of(build_persistent_tree(tree.type, with_absent(topologies_[t], points), seed_of(t, seed_)));
         LightTree fresh = build_from_topology(other, points, seed_of(t, seed_));
         if (cost_of(tree) <= most_cost * cost_of(fresh)) continue;
         tree = std::move(fresh);
-        plans_[t] = std::move(other);
+        topologies_[t] = std::move(other);
     }
     return light_trees;
 }
 
 LightTree PersistentLightTrees::static_tree(std::span<const LightPoint> anchors) const {
     constexpr int t = LightTrees::static_tree;
-    LightTree tree = build_from_topology(plans_[t], anchors, seed_of(t, seed_));
+    LightTree tree = build_from_topology(topologies_[t], anchors, seed_of(t, seed_));
     if (!tree.empty() && !(core::luminance(tree.intensity(tree.root)) > 0.0f)) {
         tree = {};
-        tree.type = plans_[t].type;
+        tree.type = topologies_[t].type;
     }
     return tree;
 }
 
 std::size_t PersistentLightTrees::bytes() const {
     std::size_t sum = exact_.capacity() * sizeof(std::uint32_t);
-    for (const TreeTopology& plan : plans_) sum += plan.bytes();
+    for (const TreeTopology& topology : topologies_) sum += topology.bytes();
     return sum;
 }
 

@@ -54,16 +54,17 @@ struct LitPoints {
 };
 
 /// Light trees that follow their lights from instant to instant: who is whose neighbour in its trees was settled once,
-/// from lights at their usual strength, so that what changes smoothly is gathered smoothly (docs/model/light-tree.md).
+/// from lights at their time-averaged strength, so that what changes smoothly is gathered smoothly
+/// (docs/model/light-tree.md).
 class PersistentLightTrees {
   public:
     PersistentLightTrees() = default;
-    /// `usual` holds every light point that will ever shine.
-    PersistentLightTrees(const LitPoints& usual, std::uint64_t seed);
+    /// `average` holds every light point that will ever shine, as bright as it is in the mean.
+    PersistentLightTrees(const LitPoints& average, std::uint64_t seed);
 
-    /// The light trees of an instant: a function of these lights, and of the plans alone. Where `may_rebuild` says so,
-    /// a tree whose plan fits these lights badly is planned anew by them first, for this instant and all later ones: to
-    /// be said at instants that only the chunk decides, among them its first.
+    /// The light trees of an instant: a function of these lights, and of the topologies alone. Where `may_rebuild`
+    /// says so, a tree whose topology fits these lights badly is rebuilt by them first, for this instant and all later
+    /// ones: to be said at instants that only the chunk decides, among them its first.
     LightTrees at(const LitPoints& now, bool may_rebuild = false);
 
     /// A tree over the anchors of still surfaces as `at` grows it, of other intensities.
@@ -73,7 +74,7 @@ class PersistentLightTrees {
     std::size_t bytes() const;
 
   private:
-    std::array<TreeTopology, LightTrees::tree_count> plans_;
+    std::array<TreeTopology, LightTrees::tree_count> topologies_;
     std::vector<std::uint32_t> exact_;  ///< ids, in order
     std::uint64_t seed_ = 0;
 };

@@ -85,7 +85,7 @@ std::vector<std::string> probe_words(const ProbeLimits& limits) {
             std::to_string(limits.clock_seconds)};
 }
 
-void say_in_probe(const std::string& text) {
+void write_from_probe(const std::string& text) {
     if (!write_all(text)) _exit(probe_crashed);
 }
 

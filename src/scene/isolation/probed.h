@@ -19,7 +19,7 @@ using ProbedReading = std::function<std::string(const std::vector<std::string>& 
 bool is_probe(int argc, char** argv);
 
 /// Tells a part of the text at once, so that it is known whatever becomes of the probe.
-void say_in_probe(const std::string& text);
+void write_from_probe(const std::string& text);
 
 /// The program's whole life then: calls the reading of the kind that is asked for, and never returns.
 [[noreturn]] void live_as_probe(int argc, char** argv, const std::map<std::string, ProbedReading>& readings);

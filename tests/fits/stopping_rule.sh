@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# tests/fits/honest_stop.sh [SCENES_FOLDER] > tables.md
-# The fit of the honest stopping rule (docs/fits/honest-stop.md): measures our animations and, where SCENES_FOLDER (as for
-# tests/bench/real_scenes.sh) is given, real scenes; writes docs/fits/honest-stop.csv and prints the tables. Build first:
-# cmake --preset release -DRENDER2MPEG_BENCH=ON && cmake --build build/release --target fit_honest_stop
+# tests/fits/stopping_rule.sh [SCENES_FOLDER] > tables.md
+# The fit of the stopping rule (docs/fits/stopping-rule.md): measures our animations and, where SCENES_FOLDER (as for
+# tests/bench/real_scenes.sh) is given, real scenes; writes docs/fits/stopping-rule.csv and prints the tables. Build first:
+# cmake --preset release -DRENDER2MPEG_BENCH=ON && cmake --build build/release --target fit_stopping_rule
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 root=$here/../..
 . "$root/tests/bench/real_scenes/lay_out_film.sh"
-program=${FIT_HONEST_STOP:-$root/build/release/fit_honest_stop}
+program=${FIT_STOPPING_RULE:-$root/build/release/fit_stopping_rule}
 subjects=()
 for name in cornell colonnade still_room; do subjects+=("$name=$root/animations/$name"); done
 if [ $# -ge 1 ]; then
@@ -22,4 +22,4 @@ if [ $# -ge 1 ]; then
     subjects+=("cornell_box=$1/cornell/gltf/CornellBox.glb:apart")
 fi
 for name in many_lamps character mirror_and_glass flash_cut; do subjects+=("$name=$root/animations/$name:apart"); done
-"$program" "$root/docs/fits/honest-stop.csv" "${subjects[@]}"
+"$program" "$root/docs/fits/stopping-rule.csv" "${subjects[@]}"

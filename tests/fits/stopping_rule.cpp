@@ -1,7 +1,7 @@
-// The fit of the stopping rule (docs/fits/honest-stop.md): how many pixels of real pictures err by more than
+// The fit of the stopping rule (docs/fits/stopping-rule.md): how many pixels of real pictures err by more than
 // their tolerance, at a range of factors on what a cut is thought to err by, against the sum over all light points.
 //
-//   honest_stop OUT.csv NAME=SCENE[:apart]...
+//   stopping_rule OUT.csv NAME=SCENE[:apart]...
 //
 // writes what was measured and prints the tables of the document. Scenes marked `apart` take no part in the fit.
 #include <fmt/format.h>
@@ -30,7 +30,7 @@ constexpr int picture_size = 512, vpls = 9000, frames_per_scene = 2;
 constexpr int tile_step = 16;
 constexpr double promise = 0.01;  ///< share of pixels that may exceed their tolerance
 const std::vector<double> tolerances{0.01, 0.02, 0.04, 0.08, 0.26};
-const std::vector<double> honest_factors{0.35, 0.5, 0.7, 1.0, 1.4};
+const std::vector<double> tried_factors{0.35, 0.5, 0.7, 1.0, 1.4};
 
 struct Subject {
     std::string name, path;
@@ -166,7 +166,7 @@ void measure(const Subject& subject, Results& results) {
     for (int frame = 0; frame < frames_per_scene; ++frame) {
         Bench bench(subject, frame);
         for (const double tolerance : tolerances)
-            for (const double factor : honest_factors)
+            for (const double factor : tried_factors)
                 bench.add(tolerance, factor, results[{subject.name, tolerance, factor}]);
     }
 }
@@ -206,7 +206,7 @@ void print_shares(const std::vector<Subject>& subjects, const Results& results) 
             const Measured& m = results.at({s.name, t, 1.0});
             fmt::print("| {}{} | {:g} % | {:.2f} % | {:.2f} / {:.2f} / {:.2f}; {:.2f} | {:.0f} | {:.0f} | {:.2f} |\n",
                        s.name, s.apart ? " (apart)" : "", 100 * t, 100 * m.over, m.p50, m.p95, m.p99, m.colour99,
-                       m.clusters, m.rays, needed(results, {s.name, t, 0}, honest_factors));
+                       m.clusters, m.rays, needed(results, {s.name, t, 0}, tried_factors));
         }
     }
 }
@@ -223,8 +223,8 @@ void print_cross_validation(const std::vector<Subject>& subjects, const Results&
             double worst = 0;
             for (const Subject& other : subjects)
                 if (!other.apart && other.name != left.name)
-                    worst = std::max(worst, needed(results, {other.name, t, 0}, honest_factors));
-            fmt::print(" {:.2f}", 100 * at_factor(results, {left.name, t, 0}, honest_factors, worst,
+                    worst = std::max(worst, needed(results, {other.name, t, 0}, tried_factors));
+            fmt::print(" {:.2f}", 100 * at_factor(results, {left.name, t, 0}, tried_factors, worst,
                                                   [](const Measured& m) { return m.over; }));
         }
         fmt::print(" |\n");
@@ -237,7 +237,7 @@ void print_needs(const std::vector<Subject>& subjects, const Results& results) {
         double worst[2] = {};
         for (const Subject& s : subjects) {
             double& w = worst[static_cast<int>(s.apart)];
-            w = std::max(w, needed(results, {s.name, t, 0}, honest_factors));
+            w = std::max(w, needed(results, {s.name, t, 0}, tried_factors));
         }
         fmt::print("| {:g} % | {:.2f} | {:.2f} |\n", 100 * t, worst[0], worst[1]);
     }
@@ -254,7 +254,7 @@ void write_csv(const std::string& file, const Results& results) {
 }
 
 int run(int argc, char** argv) {
-    if (argc < 3) throw core::Error("usage: honest_stop OUT.csv NAME=SCENE[:apart]...");
+    if (argc < 3) throw core::Error("usage: stopping_rule OUT.csv NAME=SCENE[:apart]...");
     std::vector<Subject> subjects;
     for (int i = 2; i < argc; ++i) {
         std::string text = argv[i];

@@ -1,4 +1,4 @@
-#include "app/loop/records_choice.h"
+#include "app/loop/cache_choice.h"
 
 namespace render2mpeg::app {
 namespace {

@@ -1,4 +1,4 @@
-#include "renderer/cache/glossy_trials.h"
+#include "renderer/cache/glossy_payoff.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -7,20 +7,20 @@ namespace {
 /// its time. chosen: 0.3, where both take the same time (docs/fits/records.md).
 constexpr double least_served = 0.3;
 
-/// Frames for which a material that was served too seldom takes no records. chosen: 14, so that trials, of two frames,
-/// cost an eighth of what they show to be too much; not tuned.
+/// Frames for which a material that was served too seldom takes no records. chosen: 14, so that its trials, of two
+/// frames, cost an eighth of what they show to be too much; not tuned.
 constexpr int rest = 14;
 
 }  // namespace
 
-void GlossyTrials::note(std::uint32_t material, std::uint64_t asked, std::uint64_t served) {
-    if (material >= trials_.size()) trials_.resize(material + std::size_t{1});
-    trials_[material].asked_now += asked;
-    trials_[material].served_now += served;
+void GlossyPayoff::note(std::uint32_t material, std::uint64_t asked, std::uint64_t served) {
+    if (material >= payoffs_.size()) payoffs_.resize(material + std::size_t{1});
+    payoffs_[material].asked_now += asked;
+    payoffs_[material].served_now += served;
 }
 
-void GlossyTrials::judge() {
-    for (Trial& t : trials_) {
+void GlossyPayoff::judge() {
+    for (Payoff& t : payoffs_) {
         if (t.rests > 0) {
             --t.rests;
             continue;

@@ -1,4 +1,4 @@
-#include "app/system/keep_memory.h"
+#include "app/system/allocator.h"
 
 #include <cstdlib>
 
@@ -8,7 +8,7 @@
 
 namespace render2mpeg::app {
 
-void keep_memory() {
+void keep_freed_memory() {
 #ifdef __GLIBC__
     // From the heap whatever its size, and kept there. chosen: 1 GB, more than any picture takes.
     mallopt(M_MMAP_THRESHOLD, 1 << 30);

@@ -1,4 +1,4 @@
-#include "app/files/whole_mark.h"
+#include "app/files/completion_marker.h"
 
 #include <fmt/format.h>
 #include <sys/xattr.h>
