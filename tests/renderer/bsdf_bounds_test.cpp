@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/color.h"
+#include "core/numeric.h"
 #include "core/sampling.h"
 #include "renderer/base/lobe.h"
 #include "renderer/surface/bsdf.h"
