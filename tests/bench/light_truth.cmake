@@ -1,7 +1,8 @@
 find_package(fmt REQUIRED)
 
 if(NOT TARGET render2mpeg_path_tracer)
-  add_library(render2mpeg_path_tracer STATIC ${PROJECT_SOURCE_DIR}/tests/reference/path_tracer.cpp)
+  add_library(render2mpeg_path_tracer STATIC ${PROJECT_SOURCE_DIR}/tests/reference/path_tracer.cpp
+                                              ${PROJECT_SOURCE_DIR}/tests/reference/scattering.cpp)
   target_link_libraries(render2mpeg_path_tracer PUBLIC render2mpeg_renderer)
 endif()
 if(NOT TARGET render2mpeg_mover_scenes)

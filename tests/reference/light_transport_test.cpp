@@ -124,6 +124,29 @@ TEST(LightTransportSlow, OfAGlossyFloorUnderAPanelIsTheRenderingEquations) {
     expect_same(points, reference::scattered_light(stage.posed_scene(), point.point, 0, 400000, 5), 0.02);
 }
 
+/// A floor of rough dielectric or metal, seen at a low angle under a sun, a lamp, a sky, and in light that two such
+/// walls scatter.
+class RoughFloorSlow : public testing::TestWithParam<float> {};
+
+TEST_P(RoughFloorSlow, UnderSunLampSkyAndBouncesIsTheRenderingEquations) {
+    SceneBuilder b = room(false);
+    b.film().objects.erase(b.film().objects.begin() + 1);  // no ceiling
+    for (scene::Material& m : b.film().materials) {
+        m.ior = 1.5f;
+        m.metallic = GetParam();
+        m.roughness = 0.8f;
+    }
+    b.add_sun({0.3f, -1, -0.2f}, 1.0f);
+    b.film().sky.color = {0.5f, 0.7f, 1.0f};
+    LitStage stage(b);
+    const GatherPoint point = stage.point_at(0, 0, {0.25f, 0.25f}, glm::vec3(1.5f, 0.4f, -3.0f));
+    const auto points = mean_of_sets(stage, point, {2000, 3000, 2}, 16);
+    const auto paths = reference::scattered_light(stage.posed_scene(), point.point, 2, 200000, 6);
+    // Walls scatter as if they were dull (photons.cpp), which is off by more where they are metal.
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(points.mean[k] / paths.mean[k], 1.0, GetParam() > 0 ? 0.05 : 0.02) << k;
+}
+INSTANTIATE_TEST_SUITE_P(Metals, RoughFloorSlow, testing::Values(0.0f, 1.0f));
+
 /// A closed room whose walls all emit 1 and reflect r: everything is 1 + r + r^2 + ... bright, seen or gathered
 /// anywhere.
 TEST(FurnaceSlow, IsAsBrightAsTheGeometricSeries) {

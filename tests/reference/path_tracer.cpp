@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/sampling.h"
-#include "renderer/surface/bsdf.h"
+#include "tests/reference/scattering.h"
 
 namespace render2mpeg::reference {
 namespace {
@@ -15,6 +15,7 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 /// Radiance scattered at p by punctual lights.
 glm::dvec3 from_punctual(const renderer::PosedScene& posed_scene, const renderer::SurfacePoint& p) {
     glm::dvec3 sum(0);
+    const Scattering scattering = scattering_of(posed_scene.animation(), p);
     for (const scene::LightState& light : posed_scene.posed().lights) {
         glm::dvec3 to_light = -glm::dvec3(light.direction), received(light.intensity);
         float far = infinity;
@@ -34,10 +35,9 @@ glm::dvec3 from_punctual(const renderer::PosedScene& posed_scene, const renderer
             }
         }
         const glm::vec3 l(to_light);
-        const double cosine = glm::dot(p.shading_normal, l);
-        if (!(cosine > 0.0) || !(glm::dot(p.geometric_normal, l) > 0.0f)) continue;
+        if (!(glm::dot(p.shading_normal, l) > 0.0f) || !(glm::dot(p.geometric_normal, l) > 0.0f)) continue;
         const glm::dvec3 passes(posed_scene.tracer().passes(normal_side, l, far));
-        sum += glm::dvec3(renderer::evaluate(p.bsdf, p.shading_normal, p.outgoing, l)) * cosine * received * passes;
+        sum += scattering.times_cosine(p.shading_normal, p.outgoing, to_light) * received * passes;
     }
     return sum;
 }
@@ -52,8 +52,11 @@ glm::dvec3 follow(const renderer::PosedScene& posed_scene, renderer::SurfacePoin
         const auto key = static_cast<std::uint64_t>(2 * bounce);
         const glm::vec3 d = core::sample_cosine_hemisphere(
             p.shading_normal, {core::uniform(seed, path, key), core::uniform(seed, path, key + 1)});
-        if (!(glm::dot(d, p.geometric_normal) > 0.0f)) break;
-        throughput *= glm::dvec3(renderer::evaluate(p.bsdf, p.shading_normal, p.outgoing, d)) * std::numbers::pi;
+        if (!(glm::dot(d, p.geometric_normal) > 0.0f) || !(glm::dot(d, p.shading_normal) > 1e-6f)) break;
+        const glm::dvec3 to_light = glm::normalize(glm::dvec3(d));
+        const double density = glm::dot(glm::dvec3(p.shading_normal), to_light) / std::numbers::pi;
+        throughput *=
+            scattering_of(posed_scene.animation(), p).times_cosine(p.shading_normal, p.outgoing, to_light) / density;
         const renderer::Hit hit = posed_scene.tracer().nearest(renderer::offset_origin(p, d), d, infinity);
         if (!hit.found()) {
             if (counts && posed_scene.sky() != nullptr)

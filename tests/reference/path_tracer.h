@@ -16,7 +16,8 @@ struct Estimate {
 /// Light that a surface point scatters to its `outgoing`, by plain path tracing: slow, and as near to the rendering
 /// equation as code can be. Directions follow the cosine, light is found by meeting what emits (surfaces, sky); only
 /// punctual lights, which cannot be met, are connected to. No roulette, no clamps, sums in double. Uses the renderer's
-/// rays and surfaces, none of its lights, trees or kernels. `bounces` is how often light may scatter before it reaches
+/// rays and surfaces, none of its lights, trees, kernels or
+/// scattering functions. `bounces` is how often light may scatter before it reaches
 /// the point: 0 is direct light alone; what scattered less than `least_bounces` times is left out.
 Estimate scattered_light(const renderer::PosedScene& posed_scene, const renderer::SurfacePoint& point, int bounces,
                          std::uint64_t samples, std::uint64_t seed, int least_bounces = 0);

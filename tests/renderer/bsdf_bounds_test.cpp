@@ -33,6 +33,7 @@ Bsdf random_bsdf(Dice& dice, int kind) {
     if (kind != 0) {
         b.f0 = dice() < 0.5f ? glm::vec3(0.04f) : dice.color();
         b.alpha = std::pow(10.0f, dice.between(-2, 0));
+        b.f90 = glm::vec3(1) + dice.between(0, 2) * b.f0;  // as multiple scattering does
     }
     return b;
 }
@@ -61,7 +62,7 @@ float upper_bound(const Bsdf& bsdf, glm::vec3 position, glm::vec3 normal, glm::v
         const lobe::BoxCosines box{nl, box_cosine(mirrored, middle, half), box_cosine(-outgoing, middle, half)};
         const float a2 = bsdf.alpha * bsdf.alpha;
         const lobe::GlossyBound glossy = lobe::glossy_bound(box, nv, a2, a2);
-        bound += glossy.cosine * core::luminance(bsdf.f0 * (1.0f - glossy.schlick) + glossy.schlick);
+        bound += glossy.cosine * core::luminance(bsdf.f0 * (1.0f - glossy.schlick) + bsdf.f90 * glossy.schlick);
     }
     return bound;
 }

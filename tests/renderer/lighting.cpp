@@ -54,7 +54,7 @@ Scattered gather_all(const LitStage& stage, const renderer::LightTrees& light_tr
     const renderer::Bsdf& b = point.point.bsdf;
     const glm::vec3 dull = b.diffuse / 3.14159265f;
     Scattered s{glm::dvec3(dull * light.direct.at(0)), glm::dvec3(dull * light.indirect.at(0)), glm::dvec3(0)};
-    if (b.has_glossy()) s.glossy = glm::dvec3(b.f0 * light.f0.at(0) + light.schlick.at(0));
+    if (b.has_glossy()) s.glossy = glm::dvec3(b.f0 * light.f0.at(0) + b.f90 * light.schlick.at(0));
     return s;
 }
 

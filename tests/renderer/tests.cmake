@@ -1,1 +1,1 @@
-render2mpeg_test(renderer LIBS render2mpeg_renderer render2mpeg_test_stages)
+render2mpeg_test(renderer LIBS render2mpeg_renderer render2mpeg_path_tracer render2mpeg_test_stages)

@@ -38,7 +38,7 @@ void add(Checksum& sum, const renderer::GatherPoint& p) {
     const renderer::Bsdf& bsdf = p.point.bsdf;
     for (const glm::vec3& v :
          {p.weight, p.point.position, p.point.geometric_normal, p.point.shading_normal, p.point.outgoing,
-          p.point.emission, bsdf.diffuse, bsdf.f0, bsdf.mirror, bsdf.transmission})
+          p.point.emission, bsdf.diffuse, bsdf.f0, bsdf.f90, bsdf.mirror, bsdf.transmission})
         add(sum, v);
     add(sum, bsdf.alpha);
     add(sum, p.pixel);

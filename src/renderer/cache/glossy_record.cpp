@@ -43,7 +43,7 @@ glm::vec3 seen_from(const GlossyRecord& lobe, glm::vec3 normal, glm::vec3 outgoi
     const float here = std::max(glm::dot(normal, outgoing), least),
                 there = std::max(glm::dot(normal, lobe.outgoing), least);
     const float ratio = lobe::masking(typical, here, a2) / lobe::masking(typical, there, a2);
-    return ratio * (bsdf.f0 * lobe.f0 + lobe.schlick);
+    return ratio * (bsdf.f0 * lobe.f0 + bsdf.f90 * lobe.schlick);
 }
 
 }  // namespace render2mpeg::renderer

@@ -26,7 +26,8 @@ bool uses_cache(const GatherPoint& p, const GlossyPayoff& payoff) {
 
 float receives(const GatherPoint& p) {
     const Bsdf& bsdf = p.point.bsdf;
-    const float glossy = bsdf.has_glossy() ? core::luminance(glossy_albedo(bsdf)) : 0.0f;
+    const float cosine = glm::dot(p.point.shading_normal, p.point.outgoing);
+    const float glossy = bsdf.has_glossy() ? core::luminance(glossy_albedo(bsdf, cosine)) : 0.0f;
     return core::luminance(p.weight) * (std::max(core::luminance(bsdf.diffuse), least_albedo) + glossy);
 }
 

@@ -238,6 +238,9 @@ void compensate_clamping_bias(const LightTrees& light_trees, const RayTracer& tr
                               GatheredLight& out) {
     if (!(light_trees.indirect_clamp.scale < GeometryClamp::none().scale)) return;
     const Box box(lanes);
+    // Discs are Lambert surfaces seen by Lambert surfaces: what a lobe takes of so little light is left out.
+    GatherLanes plain = lanes;
+    plain.glossy = false;
     std::vector<LightRef> left;
     for (const int t : {LightTrees::static_tree, LightTrees::dynamic_tree}) {
         const LightTree& tree = light_trees.trees[static_cast<std::size_t>(t)];
@@ -252,7 +255,7 @@ void compensate_clamping_bias(const LightTrees& light_trees, const RayTracer& tr
                     box.distance2(light.position, glm::vec3(0)) < far_radii * far_radii * light.disc2 &&
                     (light_trees.shadows != Shadows::hidden_by_dynamic ||
                      has_dynamic_object(box, tracer, far_radii * far_radii * light.disc2)))
-                    compensate(light, light_trees, lanes, tracer, out);
+                    compensate(light, light_trees, plain, tracer, out);
                 continue;
             }
             const LightNode& node = tree.nodes[ref.index()];

@@ -15,7 +15,7 @@ PointLight point_light(const GatheredLight& gathered, int lane, const GatherPoin
     light.direct = gathered.direct.at(lane) * lobe::inverse_pi;
     light.indirect = gathered.indirect.at(lane) * lobe::inverse_pi;
     if (point.point.bsdf.has_glossy())
-        light.glossy = point.point.bsdf.f0 * gathered.f0.at(lane) + gathered.schlick.at(lane);
+        light.glossy = point.point.bsdf.f0 * gathered.f0.at(lane) + point.point.bsdf.f90 * gathered.schlick.at(lane);
     light.direct_cut = static_cast<float>(gathered.direct_clusters);
     light.indirect_cut = static_cast<float>(gathered.indirect_clusters);
     light.error = gathered.error[lane];

@@ -52,8 +52,9 @@ LightPoint vpl_at(const SurfacePoint& p, glm::vec3 flux) {
     vpl.kind = LightPointKind::oriented;
     vpl.normal = p.geometric_normal;
     vpl.position = offset_origin(p, p.geometric_normal);
+    const float cosine = glm::dot(p.shading_normal, p.outgoing);
     // What the lobe reflects leaves as if it were dull: right in power, too wide in direction.
-    vpl.intensity = flux * (p.bsdf.diffuse + glossy_albedo(p.bsdf)) * lobe::inverse_pi;
+    vpl.intensity = flux * (diffuse_albedo(p.bsdf, cosine) + glossy_albedo(p.bsdf, cosine)) * lobe::inverse_pi;
     vpl.object = p.address.object;
     return vpl;
 }
@@ -68,19 +69,22 @@ struct Onward {
 
 Onward scatter(const SurfacePoint& p, glm::vec3 flux, float choice, glm::vec2 u) {
     const Bsdf& b = p.bsdf;
-    const glm::vec3 glossy = glossy_albedo(b);
+    const float cosine = glm::dot(p.shading_normal, p.outgoing);
+    const glm::vec3 diffuse = diffuse_albedo(b, cosine), glossy = glossy_albedo(b, cosine);
     // By the flux that each would carry on, colours alike: light that a surface swallows ends there, whatever it would
     // do to other light. [Szecsi2003]
     const float before = flux.x + flux.y + flux.z;
     const auto kept = [&](glm::vec3 albedo) { return core::divide_or(glm::dot(flux, albedo), before, 0.0f); };
-    float chance[4] = {kept(b.diffuse), kept(glossy), kept(b.mirror), kept(b.transmission)};
+    float chance[4] = {kept(diffuse), kept(glossy), kept(b.mirror), kept(b.transmission)};
     const float sum = chance[0] + chance[1] + chance[2] + chance[3];
     // What is brighter than any real surface is taken as the brightest: probabilities fall, weights do not rise.
     const float lost = std::max(sum - largest_albedo, 0.0f) * core::luminance(flux);
     const float kept_share = sum > largest_albedo ? largest_albedo / sum : 1.0f;
     choice = core::divide_or(choice, kept_share, 1.0f);
-    if (choice < chance[0])
-        return {core::sample_cosine_hemisphere(p.shading_normal, u), flux * b.diffuse / chance[0], false, lost};
+    if (choice < chance[0]) {
+        const glm::vec3 direction = core::sample_cosine_hemisphere(p.shading_normal, u);
+        return {direction, flux * diffuse_weight(b, p.outgoing, direction) / chance[0], false, lost};
+    }
     choice -= chance[0];
     if (choice < chance[1]) {
         const LobeSample sample = sample_glossy(b, p.shading_normal, p.outgoing, u);

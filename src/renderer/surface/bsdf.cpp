@@ -7,27 +7,40 @@
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "renderer/base/lobe.h"
+#include "renderer/surface/lobe_albedo.h"
 
 namespace render2mpeg::renderer {
+
+glm::vec3 diffuse_weight(const Bsdf& bsdf, glm::vec3 outgoing, glm::vec3 to_light) {
+    if (!bsdf.has_glossy()) return bsdf.diffuse;
+    const float vh = core::sqrt_or_zero(0.5f * (1.0f + glm::dot(outgoing, to_light)));
+    return bsdf.diffuse * (1.0f - lobe::schlick(vh));
+}
 
 glm::vec3 evaluate(const Bsdf& bsdf, glm::vec3 normal, glm::vec3 outgoing, glm::vec3 to_light) {
     const float nl = glm::dot(normal, to_light);
     const float nv = glm::dot(normal, outgoing);
     if (!(nl > 0.0f) || !(nv > 0.0f)) return glm::vec3(0);
-    glm::vec3 f = bsdf.diffuse * lobe::inverse_pi;
+    glm::vec3 f = diffuse_weight(bsdf, outgoing, to_light) * lobe::inverse_pi;
     if (bsdf.has_glossy()) {
         const glm::vec3 h = core::normalize_or(to_light + outgoing, normal);
         const float nh = glm::dot(normal, h);
         const float a2 = bsdf.alpha * bsdf.alpha;
         const float s = lobe::schlick(glm::dot(outgoing, h));
-        f += lobe::distribution(std::min(nh * nh, 1.0f), a2) * lobe::masking(nl, nv, a2) * (bsdf.f0 * (1.0f - s) + s);
+        f += lobe::distribution(std::min(nh * nh, 1.0f), a2) * lobe::masking(nl, nv, a2) *
+             (bsdf.f0 * (1.0f - s) + bsdf.f90 * s);
     }
     return f;
 }
 
-glm::vec3 glossy_albedo(const Bsdf& bsdf) {
+glm::vec3 diffuse_albedo(const Bsdf& bsdf, float cosine) {
+    return bsdf.has_glossy() ? bsdf.diffuse * (1.0f - mean_schlick(cosine)) : bsdf.diffuse;
+}
+
+glm::vec3 glossy_albedo(const Bsdf& bsdf, float cosine) {
     if (!bsdf.has_glossy()) return glm::vec3(0);
-    return bsdf.f0 + (1.0f - bsdf.f0) / 21.0f;
+    const LobeAlbedo albedo = lobe_albedo(cosine, bsdf.alpha);
+    return albedo.f0 * bsdf.f0 + albedo.f90 * bsdf.f90;
 }
 
 LobeSample sample_glossy(const Bsdf& bsdf, glm::vec3 normal, glm::vec3 outgoing, glm::vec2 u) {
@@ -47,7 +60,7 @@ LobeSample sample_glossy(const Bsdf& bsdf, glm::vec3 normal, glm::vec3 outgoing,
     if (!(nl > 0.0f) || !(nv > 0.0f) || !(vh > 0.0f)) return sample;
     const float s = lobe::schlick(vh);
     const float scale = core::divide_or(lobe::masking(nl, nv, a2) * 4.0f * nl * vh, cosine, 0.0f);
-    sample.weight = scale * (bsdf.f0 * (1.0f - s) + s);
+    sample.weight = scale * (bsdf.f0 * (1.0f - s) + bsdf.f90 * s);
     return sample;
 }
 

@@ -4,15 +4,18 @@
 
 namespace render2mpeg::renderer {
 
-/// How a point scatters light: Lambert plus one GGX lobe, in glTF 2.0's mixing [glTF2, appendix B], plus what only a
-/// traced ray can follow. All reflectances are per channel, 0..1.
+/// How a point scatters light: a Lambert part below one GGX lobe, in glTF 2.0's mixing [glTF2, appendix B], plus what
+/// only a traced ray can follow. Reflectances are per channel. With s Schlick's fifth power of the angle between light
+/// and half vector,
+///     f_s = diffuse / pi x (1 - s where there is a lobe) + D V (f0 (1 - s) + f90 s).
 struct Bsdf {
-    glm::vec3 diffuse{0};       ///< Lambert reflectance, Fresnel loss included
+    glm::vec3 diffuse{0};       ///< Lambert reflectance, 0..1; the lobe's s takes its part, all other losses are in it
     glm::vec3 f0{0};            ///< reflectance of the GGX lobe at normal incidence; 0: no lobe
     float alpha = 1;            ///< GGX width, roughness squared, >= mirror_roughness squared
     glm::vec3 mirror{0};        ///< share of light from the mirrored direction (smooth surfaces); 0: none
     glm::vec3 transmission{0};  ///< share that passes (glass), tinted
     float ior = 1.5f;           ///< inside over outside, for glass
+    glm::vec3 f90{1};           ///< reflectance of the GGX lobe at grazing incidence; as f0 above 1 on rough metals
 
     bool has_glossy() const { return f0.x > 0 || f0.y > 0 || f0.z > 0; }
     bool has_diffuse() const { return diffuse.x > 0 || diffuse.y > 0 || diffuse.z > 0; }
@@ -22,9 +25,12 @@ struct Bsdf {
 /// behind the normal. All directions unit.
 glm::vec3 evaluate(const Bsdf& bsdf, glm::vec3 normal, glm::vec3 outgoing, glm::vec3 to_light);
 
-/// What the GGX lobe reflects of diffuse light, about: its Fresnel reflectance averaged over the hemisphere with the
-/// cosine, f0 + (1 - f0) / 21 by Schlick's formula (2 / (6 x 7) = 1 / 21). 0 without a lobe.
-glm::vec3 glossy_albedo(const Bsdf& bsdf);
+/// Lambert reflectance for a pair of unit directions: `diffuse`, less what the lobe above it takes.
+glm::vec3 diffuse_weight(const Bsdf& bsdf, glm::vec3 outgoing, glm::vec3 to_light);
+
+/// What the two parts reflect of even light, seen from a direction with this cosine to the normal.
+glm::vec3 diffuse_albedo(const Bsdf& bsdf, float cosine);
+glm::vec3 glossy_albedo(const Bsdf& bsdf, float cosine);
 
 /// A direction that the GGX lobe may scatter to, chosen by its distribution of half vectors, and what it reflects over
 /// the density of choosing it; 0 where the direction falls below the surface. [Walter2007, eqs. 35, 38, 41]

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/numeric.h"
+#include "renderer/surface/lobe_albedo.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::renderer {
@@ -37,11 +38,34 @@ float mean_fresnel(float f0) {
     return f0 > 0.0f ? f0 + (1.0f - f0) / 21.0f : 0.0f;
 }
 
-/// What a coat with reflectance f0 leaves for the part below, seen from this angle: together they never exceed 1. Light
-/// that enters at another angle loses a little more or less, which is neglected, so that what lies below stays a
-/// Lambert surface.
-float below_coat(glm::vec3 f0, float cosine) {
-    return 1.0f - fresnel(glm::vec3{largest(f0)}, cosine).x;
+/// A surface whose share `metal` reflects `metal_f0` at normal incidence and has nothing below; `coat`: what the
+/// interface of the rest reflects.
+struct Interface {
+    float coat = 0, metal = 0;
+    glm::vec3 metal_f0{0};
+};
+
+/// Makes the GGX lobe of `bsdf.f0` whole and lays the Lambert part below it [glTF2, appendix B].
+void lay_below_lobe(Bsdf& bsdf, const Interface& surface, float cosine) {
+    // What facets shadow of one another's light leaves metal after more reflections [Turquin2019]; elsewhere most of it
+    // goes below. chosen: no more than a hundredth of that, so that glTF's formula is kept so exactly.
+    constexpr float most_regain = 1.01f;
+    const LobeAlbedo lobe = lobe_albedo(cosine, bsdf.alpha);
+    const glm::vec3 regained = surface.metal * (core::divide_or(1.0f, lobe.whole(), 1.0f) - 1.0f) * surface.metal_f0;
+    bsdf.f90 = 1.0f + regained;
+    bsdf.f0 += surface.metal_f0 * regained;
+    const float passes = 1.0f - mean_schlick(cosine);
+    const float below = core::divide_or(1.0f - surface.coat * lobe.f0 - lobe.f90, (1.0f - surface.coat) * passes, 1.0f);
+    // glTF's mixing alone reflects more than it receives of bright colours at grazing angles.
+    const glm::vec3 rest = 1.0f - lobe.f0 * bsdf.f0 - lobe.f90 * bsdf.f90 - bsdf.transmission;
+    bsdf.diffuse = glm::min((1.0f - surface.coat) * std::clamp(below, 1.0f, most_regain) * bsdf.diffuse,
+                            glm::max(rest, glm::vec3{0.0f}) / passes);
+}
+
+/// Lays the Lambert part below a mirror: as below a lobe, but for even light only, so that it stays a Lambert part.
+void lay_below_mirror(Bsdf& bsdf, float coat, float cosine) {
+    const float passes = (1.0f - coat) * (1.0f - mean_schlick(cosine));
+    bsdf.diffuse = glm::min(passes * bsdf.diffuse, glm::max(1.0f - bsdf.mirror - bsdf.transmission, glm::vec3{0.0f}));
 }
 
 /// A shading normal that `outgoing` and the geometric normal both see: below the horizon it would be black.
@@ -169,33 +193,40 @@ Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape
     const scene::Material& m = animation_.materials[material];
     Bsdf bsdf;
     float roughness = 1.0f;
+    Interface surface;
     bsdf.ior = m.ior;
     if (m.specular_glossiness) {
         const glm::vec4 texel = look_up(material, TextureRole::specular_glossiness, shape);
         bsdf.f0 = unit_range(m.specular * glm::vec3(texel));
         roughness = 1.0f - std::clamp(m.glossiness * texel.a, 0.0f, 1.0f);
-        bsdf.diffuse = base_color * below_coat(bsdf.f0, cos_outgoing);
+        bsdf.diffuse = base_color;
+        surface = {largest(bsdf.f0), 1.0f - largest(base_color), bsdf.f0};
     } else {
         // Mix metal and dielectric; transmission takes the place of the dielectric's diffuse part
         // [KHR_materials_transmission].
         const glm::vec4 texel = look_up(material, TextureRole::metallic_roughness, shape);
         const float metallic = std::clamp(m.metallic * texel.b, 0.0f, 1.0f);
         const float transmission = transmission_at(material, shape);
-        const glm::vec3 coat{f0_of(m.ior)};
+        surface = {f0_of(m.ior), metallic, base_color};
         roughness = std::clamp(m.roughness * texel.g, 0.0f, 1.0f);
-        bsdf.f0 = glm::mix(coat, base_color, metallic);
-        bsdf.diffuse = base_color * ((1.0f - metallic) * (1.0f - transmission) * below_coat(coat, cos_outgoing));
-        bsdf.transmission = base_color * ((1.0f - metallic) * transmission) * (1.0f - fresnel(coat, cos_outgoing));
+        bsdf.f0 = glm::mix(glm::vec3{surface.coat}, base_color, metallic);
+        bsdf.diffuse = base_color * ((1.0f - metallic) * (1.0f - transmission));
+        bsdf.transmission =
+            base_color * ((1.0f - metallic) * transmission) * (1.0f - fresnel(glm::vec3{surface.coat}, cos_outgoing));
     }
-
-    // Give the reflection to a traced ray or to the lobe.
-    if (mirrors_ && roughness < scene::mirror_roughness) {
-        bsdf.mirror = fresnel(bsdf.f0, cos_outgoing);
-        bsdf.f0 = glm::vec3{0.0f};
-    }
-    if (!glossy_) bsdf.f0 = glm::vec3{0.0f};
     const float alpha = std::pow(std::max(roughness, scene::mirror_roughness), 2.0f);
     bsdf.alpha = std::min(std::sqrt(alpha * alpha + 2.0f * normal_variance), 1.0f);
+    if (!bsdf.has_glossy()) return bsdf;
+
+    // Give the reflection to a traced ray or to the lobe.
+    const bool smooth = mirrors_ && roughness < scene::mirror_roughness;
+    if (glossy_ && !smooth) {
+        lay_below_lobe(bsdf, surface, cos_outgoing);
+        return bsdf;
+    }
+    if (smooth) bsdf.mirror = fresnel(bsdf.f0, cos_outgoing);
+    bsdf.f0 = glm::vec3{0.0f};
+    lay_below_mirror(bsdf, surface.coat, cos_outgoing);
     return bsdf;
 }
 

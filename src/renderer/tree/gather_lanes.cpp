@@ -32,10 +32,11 @@ void fill_lobe(GatherLanes& lanes, int lane, const SurfacePoint& p, glm::vec3 lu
     const bool has_lobe = p.bsdf.has_glossy();
     const float nv = glm::dot(p.shading_normal, p.outgoing);
     set(lanes.f0_weight, lane, has_lobe ? luminance_share * p.bsdf.f0 : glm::vec3(0));
-    set(lanes.schlick_weight, lane, has_lobe ? luminance_share : glm::vec3(0));
+    set(lanes.schlick_weight, lane, has_lobe ? luminance_share * p.bsdf.f90 : glm::vec3(0));
     set_frame(lanes.outgoing, lane, p.outgoing);
     set_frame(lanes.mirrored, lane, core::normalize_or(2.0f * nv * p.shading_normal - p.outgoing, p.shading_normal));
     lanes.cos_outgoing[lane] = std::max(nv, least_cosine);
+    lanes.coat[lane] = has_lobe ? 1.0f : 0.0f;
     lanes.lobe_width[lane] = has_lobe ? p.bsdf.alpha * p.bsdf.alpha : 1.0f;
 }
 

@@ -40,18 +40,20 @@ struct alignas(64) GatherLanes {
     FrameLanes normal;         ///< shading normal
     Vec3Lanes diffuse_weight;  ///< luminance that one unit of irradiance gives the pixel: luminance weights x share x
                                ///< diffuse / pi
-    Vec3Lanes f0_weight;       ///< the same for the lobe's two parts, f0 (1 - s) and s
+    Vec3Lanes f0_weight;       ///< the same for the lobe's two parts, f0 (1 - s) and f90 s
     Vec3Lanes schlick_weight;
     FrameLanes outgoing, mirrored;  ///< to the eye; and that direction mirrored about the normal
     Lanes cos_outgoing;             ///< > 0
     Lanes lobe_width;               ///< alpha squared
+    Lanes coat;                     ///< 1: the diffuse part lies under the lobe and gets 1 - s of light; 0: all of it
 };
 
 /// Fills `lanes` from 1..16 points.
 void fill(GatherLanes& lanes, std::span<const GatherPoint* const> points);
 
-/// What a light of unit intensity sends to each lane, visible or not: `diffuse` is irradiance; `f0` and `schlick` are
-/// the radiance of the GGX lobe, to be multiplied by f0 and by 1. Filled only for glossy lanes but for `diffuse`.
+/// What a light of unit intensity sends to each lane, visible or not: `diffuse` is irradiance, under a lobe what passes
+/// it; `f0` and `schlick` are the radiance of the GGX lobe, to be multiplied by f0 and by f90. Filled only for glossy
+/// lanes but for `diffuse`.
 struct alignas(64) LightLanes {
     Lanes diffuse, f0, schlick;
     bool any_clamped = false;  ///< some lane was nearer than the clamping distance

@@ -29,7 +29,7 @@ RENDER2MPEG_ALWAYS_INLINED float dot_abs(const Vec3Lanes& a, int i, float x, flo
     return inlined::abs(a.x[i]) * x + inlined::abs(a.y[i]) * y + inlined::abs(a.z[i]) * z;
 }
 
-/// The GGX lobe's radiance per unit of `irradiance` from direction (x, y, z), unit.
+/// The GGX lobe's radiance per unit of `irradiance` from direction (x, y, z), unit; and the irradiance that passes it.
 RENDER2MPEG_ALWAYS_INLINED void glossy_value(const GatherLanes& lanes, int i, float x, float y, float z, float spread2,
                                              float irradiance, LightLanes& out) {
     const float nl = dot(lanes.normal.axis, i, x, y, z);
@@ -41,6 +41,7 @@ RENDER2MPEG_ALWAYS_INLINED void glossy_value(const GatherLanes& lanes, int i, fl
     const float vh = inlined::sqrt(inlined::max(0.5f * (1.0f + lv), 0.0f));
     const float s = lobe::schlick(vh);
     const float dv = lobe::distribution(nh2, a2) * lobe::masking(inlined::max(nl, 0.0f), nv, a2) * irradiance;
+    out.diffuse[i] = irradiance * (1.0f - lanes.coat[i] * s);
     out.f0[i] = dv * (1.0f - s);
     out.schlick[i] = dv * s;
 }
@@ -97,7 +98,7 @@ RENDER2MPEG_ALWAYS_INLINED float evaluate_lane(const GatherLanes& lanes, int i, 
     float g = plain ? cosine * inverse2 * emit : cosine * emit;
     const float unclamped = g;
     if constexpr (type == LightType::oriented) g = inlined::min(g, l.clamp);
-    out.diffuse[i] = g;
+    if constexpr (!glossy) out.diffuse[i] = g;
     if constexpr (glossy)
         glossy_value(lanes, i, x, y, z, type == LightType::punctual ? 0.0f : l.blur2 * inverse2, g, out);
     return unclamped;
@@ -256,7 +257,7 @@ RENDER2MPEG_ALWAYS_INLINED float bound_lane(const GatherLanes& __restrict lanes,
         float lit = lobe_bound.cosine * reach;
         if constexpr (type == LightType::oriented) lit = inlined::min(lit, lobe_bound.value * n.clamp);
         lit = cosine > 0.0f ? lit : 0.0f;
-        // The lobe's colour lies between f0 and white; what is noticed of a mixture is no more than the mixture.
+        // The lobe's colour lies between f0 and f90; what is noticed of a mixture is no more than the mixture.
         const float f0 = noticed(lanes.f0_weight, i, n.red, n.green, n.blue);
         const float grazing = noticed(lanes.schlick_weight, i, n.red, n.green, n.blue);
         bound += lit * (f0 + lobe_bound.schlick * inlined::max(grazing - f0, 0.0f));

@@ -40,6 +40,7 @@ void merge(GatherPoint& a, const Fragment& b, glm::vec3 weight) {
     bsdf.alpha = core::divide_or(heavy * bsdf.alpha + light * b.point.bsdf.alpha, heavy + light, bsdf.alpha);
     bsdf.diffuse = mean(bsdf.diffuse, b.point.bsdf.diffuse);
     bsdf.f0 = mean(bsdf.f0, b.point.bsdf.f0);
+    bsdf.f90 = mean(bsdf.f90, b.point.bsdf.f90);
     a.weight = sum;
 }
 
