@@ -36,6 +36,18 @@ SurfaceShape shape_at(const scene::Snapshot& snapshot, const core::SurfaceAddres
 glm::vec3 smooth_normal_at(const scene::Snapshot& snapshot, std::uint32_t object, const SurfaceShape& shape, float u,
                            float v);
 
+/// The smooth surface that a mesh with interpolated normals stands for, as seen from a point of its triangle. Shadow
+/// rays start there and light reaches what lies before it, so that shadows of a surface on itself end where its shading
+/// does, not at edges of triangles. Both 0 on flat surfaces; nothing is lifted in hollows.
+struct SmoothSurface {
+    glm::vec3 lift{0};  ///< to it from the point, world
+    glm::vec3 tilt{0};  ///< to its unit normal from the triangle's
+};
+
+/// `back_side`: as seen from behind the triangle's front.
+SmoothSurface smooth_surface_at(const scene::Snapshot& snapshot, std::uint32_t object, const SurfaceShape& shape,
+                                bool back_side);
+
 /// Where and how widely a texture is looked up.
 struct TextureSite {
     glm::vec2 uv{0};

@@ -114,6 +114,7 @@ SurfacePoint PosedScene::surface_at(const core::SurfaceAddress& address, glm::ve
     point.outgoing = outgoing;
     point.back_side = glm::dot(shape.front_normal, outgoing) < 0.0f;
     point.geometric_normal = point.back_side ? -shape.front_normal : shape.front_normal;
+    point.smooth = smooth_surface_at(*impl_->snapshot, address.object, shape, point.back_side);
     impl_->materials.fill(point, shape, *impl_->snapshot);
     return point;
 }

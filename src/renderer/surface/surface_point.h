@@ -4,6 +4,7 @@
 
 #include "core/surface_address.h"
 #include "renderer/geometry/surface_footprint.h"
+#include "renderer/geometry/surface_shape.h"
 #include "renderer/surface/bsdf.h"
 
 namespace render2mpeg::renderer {
@@ -16,6 +17,7 @@ struct SurfacePoint {
     glm::vec3 geometric_normal{0};  ///< unit, on the side of `outgoing`
     glm::vec3 shading_normal{0};    ///< unit, on the side of `geometric_normal`, normal map applied
     glm::vec3 outgoing{0};          ///< unit, to the eye or to where the path came from
+    SmoothSurface smooth;           ///< on the side of `outgoing`
     float position_error = 0;  ///< how far `position` may lie off the surface that rays meet, by rounding; scene units
     Bsdf bsdf;
     glm::vec3 emission{0};   ///< radiance towards `outgoing`

@@ -54,8 +54,8 @@ void fill(GatherLanes& lanes, std::span<const GatherPoint* const> points) {
         const SurfacePoint& p = point.point;
         const glm::vec3 share = used ? core::luminance_weights * point.weight : glm::vec3(0);
         set(lanes.position, i, p.position);
-        set(lanes.origin, i, offset_origin(p, p.geometric_normal));
-        set(lanes.geometric, i, used ? p.geometric_normal : glm::vec3(0));
+        set(lanes.origin, i, offset_origin(p, p.geometric_normal) + p.smooth.lift);
+        set(lanes.geometric, i, used ? p.geometric_normal + p.smooth.tilt : glm::vec3(0));
         set_frame(lanes.normal, i, p.shading_normal);
         if (!used) set(lanes.normal.axis, i, glm::vec3(0));
         set(lanes.diffuse_weight, i, share * p.bsdf.diffuse * lobe::inverse_pi);

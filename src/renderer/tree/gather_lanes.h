@@ -35,8 +35,8 @@ struct alignas(64) GatherLanes {
     int set = 0;               ///< of representatives, 0..representative_sets - 1; `fill` leaves it alone
     bool glossy = false;       ///< any lane has a GGX lobe; without, everything below `schlick_weight` is unset
     Vec3Lanes position;        ///< world
-    Vec3Lanes origin;          ///< of shadow rays: moved off the surface along its geometric normal
-    Vec3Lanes geometric;       ///< geometric normal: light from behind it is none
+    Vec3Lanes origin;          ///< of shadow rays: on the smooth surface, moved off it along the geometric normal
+    Vec3Lanes geometric;       ///< the smooth surface's normal: light from behind it is none
     FrameLanes normal;         ///< shading normal
     Vec3Lanes diffuse_weight;  ///< luminance that one unit of irradiance gives the pixel: luminance weights x share x
                                ///< diffuse / pi
