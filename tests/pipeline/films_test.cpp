@@ -74,8 +74,9 @@ class EveryFilm : public testing::TestWithParam<const char*> {};
 TEST_P(EveryFilm, DecodesWholeAndAlikeEverywhereAndHasOnlyFiniteLight) {
     const Folder folder;
     const auto output = folder / "film.mpg";
-    const auto outcome =
-        run(render(film(GetParam()), output, few_lights + " --frames 0:6 --stats " + (folder / "s.json").string()));
+    const auto outcome = run(render(film(GetParam()), output,
+                                    " --size 48x32 --samples 1 --vpls 64 --exposure 0 --quiet --frames 0:6 --stats " +
+                                        (folder / "s.json").string()));
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     const auto statistics = nlohmann::json::parse(contents(folder / "s.json"));
     EXPECT_EQ(statistics.at("non_finite"), 0);
@@ -85,8 +86,8 @@ TEST_P(EveryFilm, DecodesWholeAndAlikeEverywhereAndHasOnlyFiniteLight) {
 
     // Both decoders show all pictures, and differ by the rounding of their transforms alone.
     EXPECT_EQ(pictures_by_ffmpeg(output), 7);
-    const std::string ours = planes_by_ffmpeg(output), theirs = planes_by_mpeg2dec(output, 64, 48);
-    ASSERT_EQ(ours.size(), std::size_t{7} * 64 * 48 * 3 / 2);
+    const std::string ours = planes_by_ffmpeg(output), theirs = planes_by_mpeg2dec(output, 48, 32);
+    ASSERT_EQ(ours.size(), std::size_t{7} * 48 * 32 * 3 / 2);
     ASSERT_EQ(theirs.size(), ours.size());
     int largest = 0;
     double sum = 0;

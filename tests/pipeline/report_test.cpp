@@ -17,7 +17,6 @@ using app::round_up;
 using app::svg_of;
 using nlohmann::json;
 using support::contents;
-using support::film;
 using support::Folder;
 using support::plain_film;
 using support::program;
@@ -108,9 +107,9 @@ TEST(Report, IsOnePageThatStandsAloneAndItsFiguresAreTheStatistics) {
 
 TEST(Report, OfFramesThatAreNotCodedSpeaksOfLightAlone) {
     const Folder folder;
-    ASSERT_EQ(run(program() + " render " + film("still_room") +
+    ASSERT_EQ(run(program() + " render " + plain_film() +
                   " --size 32x32 --samples 1 --vpls 16 --exposure 0 --frames 0:1 --quiet -o " +
-                  path(folder, "f.%d.png") + " --report " + path(folder, "r.html"))
+                  path(folder, "f.%d.exr") + " --report " + path(folder, "r.html"))
                   .status,
               0);
     const std::string html = contents(folder / "r.html");
