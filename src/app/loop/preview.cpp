@@ -33,9 +33,11 @@ core::Plane<glm::vec3> reflectances(const renderer::Seen& seen) {
     for (std::size_t t = 0; t < seen.tiles.size(); ++t) {
         const int across = seen.tiles_across(), index = static_cast<int>(t);
         const int left = index % across * renderer::tile_size, top = index / across * renderer::tile_size;
-        for (const renderer::GatherPoint& p : seen.tiles[t])
+        for (const renderer::GatherPoint& p : seen.tiles[t]) {
+            const float cosine = glm::dot(p.point.shading_normal, p.point.outgoing);
             plane.at(left + p.pixel % renderer::tile_size, top + p.pixel / renderer::tile_size) +=
-                p.weight * (p.point.bsdf.diffuse + p.point.bsdf.f0);
+                p.weight * (diffuse_albedo(p.point.bsdf, cosine) + glossy_albedo(p.point.bsdf, cosine));
+        }
     }
     return plane;
 }
