@@ -119,6 +119,10 @@ struct PictureFacts {
     /// Non-uniformity of the motion from the picture before (encoder/motion_nonuniformity.h). The larger, the fewer B
     /// pictures are planned in a row. None: Settings::b_pictures.
     std::optional<double> motion_nonuniformity = {};
+    /// Code values per picture by which the light of places as large as a macroblock changes along motion, mean over
+    /// the picture, as the pictures before tell. B pictures show the mean of their references: the larger,
+    /// the fewer are planned in a row. None: 0.
+    std::optional<double> light_change = {};
     std::optional<BitAllocation> allocation = {};  ///< none: one pass
 };
 

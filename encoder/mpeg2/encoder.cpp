@@ -2,6 +2,7 @@
 #include "encoder/encoder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "encoder/mpeg2/checks.h"
 #include "encoder/mpeg2/kernels/frame.h"
 #include "encoder/mpeg2/macroblock/intra_refresh.h"
+#include "encoder/mpeg2/macroblock/macroblock_tree.h"
 #include "encoder/mpeg2/macroblock/overrides.h"
 #include "encoder/mpeg2/macroblock/weighting_matrices.h"
 #include "encoder/mpeg2/motion/candidates.h"
@@ -97,9 +99,12 @@ struct Encoder::Impl {
     // Where push() stands.
     std::optional<Reference> earlier, later;  ///< the newest two I and P pictures
     std::vector<DelayedB> delayed;            ///< for the one after `later`
+    core::Plane<float> means;                 ///< of macroblocks of the picture pushed last; empty: none
     std::int64_t gop_start = 0;
     std::int64_t coding_order = 0;
 
+    /// By how much the means of macroblocks differ from those of the picture before; 0 where the session has none.
+    core::Plane<float> light_change(const mpeg2::Frame& picture, std::int64_t number);
     void enter(std::int64_t number, const PictureFacts& facts, bool first_of_chunk);
     Session& session_of(std::int64_t number);
     void write_headers(mpeg2::BitWriter& out, const PicturePlan& plan) const;
@@ -113,6 +118,17 @@ struct Encoder::Impl {
     void keep(const PicturePlan& plan, mpeg2::PictureResult result, CodedPicture& coded);
     void code_delayed(std::vector<CodedPicture>& complete);
 };
+
+core::Plane<float> Encoder::Impl::light_change(const mpeg2::Frame& picture, std::int64_t number) {
+    const bool begins =
+        std::any_of(sessions.begin(), sessions.end(), [&](const Session& s) { return s.first == number; });
+    core::Plane<float> now = mpeg2::macroblock_means(picture), change(now.width(), now.height(), 0.0f);
+    if (!begins && !means.empty())
+        std::transform(now.values().begin(), now.values().end(), means.values().begin(), change.values().begin(),
+                       [](float a, float b) { return std::abs(a - b); });
+    means = std::move(now);
+    return change;
+}
 
 /// Finds the session that a picture to be planned belongs to, or begins one.
 void Encoder::Impl::enter(std::int64_t number, const PictureFacts& facts, bool first_of_chunk) {
@@ -163,7 +179,7 @@ mpeg2::PictureTask Encoder::Impl::task_for(const mpeg2::Frame& picture, const Pi
                             settings.effort,
                             fields_of(settings, plan.number)};
     task.quantisers = &quantisers;
-    task.weights = mpeg2::weights_for(settings.tune);
+    task.weights = mpeg2::weights_for(settings.tune, plan.type);
     if (plan.type == PictureType::predicted) task.intra_due = &refresh.due();
     if (!overrides.quantiser_factors.empty()) task.quantiser_factors = &overrides.quantiser_factors;
     if (!overrides.forced.empty()) task.forced = &overrides.forced;
@@ -297,15 +313,18 @@ std::vector<CodedPicture> Encoder::push(const core::Picture& picture, const Pict
     for (const core::MotionField& field : motion)
         exact.push_back(mpeg2::exact_candidates(field, m.source.columns(), m.source.rows(), m.level.horizontal_f_code));
 
-    mpeg2::MacroblockOverrides overrides = mpeg2::overrides_from(hints, m.source.columns(), m.source.rows());
+    const bool delays = plan.type == PictureType::bidirectional;
+    mpeg2::Frame waiting = delays ? mpeg2::Frame(m.source.columns(), m.source.rows()) : mpeg2::Frame();
+    mpeg2::Frame& padded = delays ? waiting : m.source;
+    mpeg2::pad(picture, padded);
+    const core::Plane<float> light_change = m.light_change(padded, plan.number);
+    mpeg2::MacroblockOverrides overrides =
+        mpeg2::overrides_from(hints, m.source.columns(), m.source.rows(), &light_change);
     std::vector<CodedPicture> complete;
-    if (plan.type == PictureType::bidirectional) {
-        DelayedB& delayed = m.delayed.emplace_back(
-            DelayedB{plan, mpeg2::Frame(m.source.columns(), m.source.rows()), std::move(exact), std::move(overrides)});
-        mpeg2::pad(picture, delayed.source);
+    if (delays) {
+        m.delayed.push_back(DelayedB{plan, std::move(waiting), std::move(exact), std::move(overrides)});
         return complete;
     }
-    mpeg2::pad(picture, m.source);
     complete.push_back(m.code(m.source, plan, exact, overrides));
     m.code_delayed(complete);
     return complete;

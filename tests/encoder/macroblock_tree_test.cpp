@@ -28,6 +28,72 @@ TEST(MacroblockTree, OnlyMacroblocksThatStandStillThroughoutAreFinerThanTheirPic
             EXPECT_NEAR(factors.at(column, row), expected[row][column], 1e-6f) << column << ", " << row;
 }
 
+TEST(MacroblockTree, WhatStandsStillInLightThatChangesIsLessFine) {
+    core::MotionField onward = uniform_motion(64, 16, 3, {0, 0});
+    onward.reference = 10;
+    core::Plane<float> light_change(4, 1, 0.0f);
+    light_change.at(1, 0) = 0.2f;
+    light_change.at(2, 0) = 1.0f;
+    light_change.at(3, 0) = 40.0f;
+    const core::Plane<float> factors = mpeg2::quantiser_factors(onward, 4, 1, &light_change);
+    const auto whole = static_cast<float>(mpeg2::propagation_strength);
+    const float still = std::pow(8.0f, whole - mpeg2::static_propagation_strength),
+                lit = std::pow(8.0f, whole - mpeg2::lit_propagation_strength);
+    EXPECT_NEAR(factors.at(0, 0), still, 1e-6f);
+    EXPECT_NEAR(factors.at(1, 0), still, 1e-6f);
+    EXPECT_NEAR(factors.at(2, 0), lit, 1e-6f);
+    EXPECT_NEAR(factors.at(3, 0), still, 1e-6f) << "the first picture of another scene";
+}
+
+/// How much the mean errors of macroblocks change from picture to picture, root mean square.
+double pumping_of(const std::vector<CodedPicture>& coded, const std::vector<core::Picture>& film) {
+    std::vector<core::Plane<float>> errors(film.size());
+    for (const CodedPicture& c : coded) {
+        const auto n = static_cast<std::size_t>(c.plan.number);
+        mpeg2::Frame decoded(4, 4), source(4, 4);
+        mpeg2::pad(c.reconstruction, decoded);
+        mpeg2::pad(film[n], source);
+        errors[n] = mpeg2::macroblock_means(decoded);
+        const core::Plane<float> means = mpeg2::macroblock_means(source);
+        for (std::size_t i = 0; i < means.size(); ++i) errors[n].values()[i] -= means.values()[i];
+    }
+    double sum = 0, count = 0;
+    for (std::size_t n = 1; n < film.size(); ++n)
+        for (std::size_t i = 0; i < errors[n].size(); ++i, ++count)
+            sum += std::pow(static_cast<double>(errors[n].values()[i] - errors[n - 1].values()[i]), 2);
+    return std::sqrt(sum / count);
+}
+
+TEST(MacroblockTree, LightThatRisesEvenlyIsNoStair) {
+    // Each macroblock rises by its own 0.8 to 1.2 code values per picture.
+    const Settings s = settings(64, 64, 4, 15, 3, 3);
+    std::vector<core::Picture> film;
+    for (int n = 0; n < 15; ++n)
+        film.push_back(paint(64, 64, n, [&](int plane, double x, double y) {
+            const double light = 0.6 + (0.008 + 0.001 * std::floor(x / 16)) * n;
+            return plane == 0 ? 16 + light * (texture(0, x, y) - 16) : 128.0;
+        }));
+    Encoder encoder(s);
+    std::vector<CodedPicture> coded;
+    for (int n = 0; n < 15; ++n) {
+        const PicturePlan plan = encoder.plan(n, {.frames_left = 14 - n, .light_change = 0.9}, n == 0);
+        std::vector<core::MotionField> motion;
+        for (const std::int64_t reference : plan.references) {
+            motion.push_back(uniform_motion(64, 64, n, {0, 0}));
+            motion.back().reference = reference;
+        }
+        core::MotionField onward = uniform_motion(64, 64, n, {0, 0});
+        if (plan.horizon) onward.reference = *plan.horizon;
+        for (CodedPicture& c :
+             encoder.push(film[static_cast<std::size_t>(n)], plan, motion, {plan.horizon ? &onward : nullptr}))
+            coded.push_back(std::move(c));
+    }
+    for (CodedPicture& c : encoder.flush()) coded.push_back(std::move(c));
+    ASSERT_EQ(coded.size(), film.size());
+    EXPECT_LT(pumping_of(coded, film), 0.4)
+        << "0.9 with three B pictures in a row and errors of means that count as others";
+}
+
 TEST(MacroblockTree, WhatLeavesThePictureIsCoarserThanWhatStays) {
     core::MotionField onward = uniform_motion(64, 16, 0, {-24, 0});
     onward.reference = 4;

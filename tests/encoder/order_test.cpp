@@ -65,6 +65,18 @@ TEST(Plan, WhereMotionIsUnevenFewerBPicturesLieInARow) {
     EXPECT_EQ(types(50, 0), "IPPPPPPPPPPPP");
 }
 
+TEST(Plan, WhereLightChangesBPicturesStandAlone) {
+    const auto types = [](double light_change, int b_pictures) {
+        Encoder encoder(settings(32, 32, 4, 13, 3, b_pictures));
+        return types_of(
+            encoder, 13, [&](int n) { return PictureFacts{.frames_left = 12 - n, .light_change = light_change}; },
+            [](int n) { return n == 0; });
+    };
+    EXPECT_EQ(types(0.2, 3), "IBBBPBBBPBBBP");
+    EXPECT_EQ(types(0.3, 3), "IBPBPBPBPBPBP");
+    EXPECT_EQ(types(0.3, 0), "IPPPPPPPPPPPP");
+}
+
 TEST(Plan, WhatMoreFollowsFromIsFiner) {
     Encoder encoder(settings(32, 32, 16, 15, 3, 0));
     int before = 0;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "encoder/mpeg2/bitstream/tuning.h"
 #include "film.h"
 
 namespace render2mpeg::encoder::testing {
@@ -68,13 +69,19 @@ TEST(WeightingMatrices, ErrorsMoveToFrequenciesThatTheEyeSeesLessOf) {
 
 TEST(WeightingMatrices, MatricesAndWeightsFallTogether) {
     const mpeg2::Matrices matrices = mpeg2::matrices_for(Tune::perceptual);
-    const float* weights = mpeg2::weights_for(Tune::perceptual)->of;
+    const float* weights = mpeg2::weights_for(Tune::perceptual, PictureType::intra)->of;
     EXPECT_EQ(matrices.intra[0], 8);
     EXPECT_GT(matrices.intra[63], 5 * matrices.intra[1]);
     EXPECT_GT(matrices.non_intra[63], 1.5 * matrices.non_intra[1]);
     EXPECT_LT(weights[63], 0.15f * weights[1]);
     EXPECT_TRUE(mpeg2::matrices_for(Tune::psnr) == mpeg2::Matrices{});
-    EXPECT_EQ(mpeg2::weights_for(Tune::psnr), nullptr);
+    EXPECT_EQ(mpeg2::weights_for(Tune::psnr, PictureType::intra), nullptr);
+    for (const PictureType type : {PictureType::predicted, PictureType::bidirectional}) {
+        EXPECT_EQ(mpeg2::weights_for(Tune::psnr, type)->of[0], mpeg2::mean_weight);
+        EXPECT_EQ(mpeg2::weights_for(Tune::psnr, type)->of[1], 1);
+        EXPECT_EQ(mpeg2::weights_for(Tune::perceptual, type)->of[0], mpeg2::mean_weight * weights[0]);
+        EXPECT_EQ(mpeg2::weights_for(Tune::perceptual, type)->of[63], weights[63]);
+    }
 }
 
 TEST(Precision, SmoothShadesKeepTheirMeansAtTheFinestQuantisers) {

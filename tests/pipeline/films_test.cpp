@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -196,6 +197,15 @@ TEST(Quality, StatisticsAgreeWithTheFiltersOfFfmpegToFourDigits) {
     const auto statistics = nlohmann::json::parse(contents(stats));
     EXPECT_NEAR(statistics.at("psnr_y").get<double>(), value_after("PSNR y:", 0), 5e-4) << filters.output;
     EXPECT_NEAR(statistics.at("ssim_y").get<double>(), value_after("SSIM Y:", 0), 5e-5) << filters.output;
+
+    // The film's pumping is that of its pictures after the first.
+    double squares = 0;
+    for (const auto& frame : statistics.at("per_frame")) {
+        EXPECT_EQ(frame.at("pumping").is_null(), frame.at("frame") == 0);
+        if (frame.at("pumping").is_number()) squares += std::pow(frame.at("pumping").get<double>(), 2);
+    }
+    EXPECT_GT(squares, 0);
+    EXPECT_NEAR(statistics.at("pumping").get<double>(), std::sqrt(squares / 4), 1e-9);
 }
 
 }  // namespace

@@ -15,6 +15,15 @@ inline constexpr double quantiser_ratio_bidirectional = 1.5;
 /// distance of P pictures, in pixels. chosen: 1.8, which takes the best of distances 2 to 4 for each clip.
 inline constexpr double nonuniform_reach = 1.8;
 
+/// Light that changes by more than this has one B picture between two others, and its macroblocks are no longer as fine
+/// as what is copied unchanged: code values per picture. chosen: 0.25: a lamp that crosses a room has 1, ordinary films
+/// less than 0.2.
+inline constexpr double steady_light = 0.25;
+
+/// Weight of an error of a block's mean in P and B pictures: that of luma as a whole is seen to step.
+/// chosen: 4 of 1 to 6.
+inline constexpr float mean_weight = 4;
+
 /// Exponent of the quantisers of I and P pictures: (1 + n)^-propagation_strength where n pictures depend on one.
 /// chosen: 0.08 of 0 to 0.1.
 inline constexpr double propagation_strength = 0.08;
@@ -26,6 +35,10 @@ inline constexpr std::int64_t most_followers = 24;
 /// Exponent of the quantiser of what later pictures copy unchanged (macroblock_tree.h).
 /// chosen: 0.26 of 0 to 0.5.
 inline constexpr float static_propagation_strength = 0.26f;
+
+/// The same of what stands still in light that changes: later pictures copy its detail, not its brightness.
+/// chosen: 0.16 of 0.08 to 0.26.
+inline constexpr float lit_propagation_strength = 0.16f;
 
 /// Lagrangian of modes and levels in predicted pictures: squared code values per bit = lambda_predicted * q^2.
 /// chosen: 0.85 of 0.6 to 0.9. (High-rate theory gives 0.46.)

@@ -13,6 +13,9 @@ namespace {
 /// precision adds to zero.
 constexpr float standstill = 0.125f;
 
+/// chosen: 8 code values per picture: a lamp that comes on in a third of a second changes its room by less.
+constexpr float another_scene = 8;
+
 /// Share of the macroblock's pixels, every fourth of every fourth row, that are still in the picture at the end.
 float staying_share(const core::MotionField& onward, int column, int row) {
     constexpr int step = 4;
@@ -46,18 +49,23 @@ bool stands_still(const core::MotionField& onward, int column, int row) {
 
 }  // namespace
 
-core::Plane<float> quantiser_factors(const core::MotionField& onward, int columns, int rows) {
+core::Plane<float> quantiser_factors(const core::MotionField& onward, int columns, int rows,
+                                     const core::Plane<float>* light_change) {
     EXPECTS(onward.reference > onward.picture);
     core::Plane<float> factors(columns, rows, 1.0f);
     const std::int64_t all = onward.reference - onward.picture;
     const auto following = static_cast<float>(std::min(all, most_followers));
     constexpr auto propagation = static_cast<float>(propagation_strength);
-    const float finer = std::pow(1.0f + following, propagation) *
-                        std::pow(1.0f + static_cast<float>(all), -static_propagation_strength);
+    const auto finer_by = [&](float strength) {
+        return std::pow(1.0f + following, propagation) * std::pow(1.0f + static_cast<float>(all), -strength);
+    };
+    const float finer = finer_by(static_propagation_strength), finer_in_light = finer_by(lit_propagation_strength);
     parallel::for_each(static_cast<std::size_t>(rows), [&](std::size_t row) {
         for (int column = 0; column < columns; ++column)
             if (stands_still(onward, column, static_cast<int>(row))) {
-                factors.at(column, static_cast<int>(row)) = finer;
+                const float change = light_change ? light_change->at(column, static_cast<int>(row)) : 0.0f;
+                const bool lit = change > static_cast<float>(steady_light) && change < another_scene;
+                factors.at(column, static_cast<int>(row)) = lit ? finer_in_light : finer;
             } else {
                 const float staying = following * staying_share(onward, column, static_cast<int>(row));
                 factors.at(column, static_cast<int>(row)) =
@@ -65,6 +73,20 @@ core::Plane<float> quantiser_factors(const core::MotionField& onward, int column
             }
     });
     return factors;
+}
+
+core::Plane<float> macroblock_means(const Frame& picture) {
+    core::Plane<float> means(picture.columns(), picture.rows());
+    for (int row = 0; row < picture.rows(); ++row)
+        for (int column = 0; column < picture.columns(); ++column) {
+            int sum = 0;
+            for (int y = 0; y < 16; ++y) {
+                const std::uint8_t* samples = picture.y.row(16 * row + y) + 16 * column;
+                for (int x = 0; x < 16; ++x) sum += samples[x];
+            }
+            means.at(column, row) = static_cast<float>(sum) / 256;
+        }
+    return means;
 }
 
 }  // namespace render2mpeg::encoder::mpeg2

@@ -13,7 +13,8 @@ struct MacroblockOverrides {
 };
 
 /// Takes what follows from onward motion (macroblock_tree.h) together with what the caller wants. Rows and columns that
-/// only pad the picture are treated like the last one.
-MacroblockOverrides overrides_from(const Hints& hints, int columns, int rows);
+/// only pad the picture are treated like the last one. `light_change`: by macroblock, or null (macroblock_tree.h).
+MacroblockOverrides overrides_from(const Hints& hints, int columns, int rows,
+                                   const core::Plane<float>* light_change = nullptr);
 
 }  // namespace render2mpeg::encoder::mpeg2

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "encoder/mpeg2/bitstream/tuning.h"
+
 // What the eye sees of an error falls with its frequency. Both matrices and the weights of distortion follow powers of
 // tables that were made for the eye: MPEG-2's intra matrix and JPEG's luminance steps. docs/fits/encoder.md tells how
 // the powers were chosen.
@@ -57,6 +59,17 @@ Weights make_weights() {
     return weights;
 }
 
+Weights even_weights() {
+    Weights weights;
+    std::fill_n(weights.of, 64, 1.0f);
+    return weights;
+}
+
+Weights with_mean(Weights weights) {
+    weights.of[0] *= mean_weight;
+    return weights;
+}
+
 }  // namespace
 
 Matrices matrices_for(Tune tune) {
@@ -64,9 +77,11 @@ Matrices matrices_for(Tune tune) {
     return tune == Tune::perceptual ? perceptual : Matrices{};
 }
 
-const Weights* weights_for(Tune tune) {
+const Weights* weights_for(Tune tune, PictureType type) {
     static const Weights perceptual = make_weights();
-    return tune == Tune::perceptual ? &perceptual : nullptr;
+    static const Weights perceptual_predicted = with_mean(perceptual), predicted = with_mean(even_weights());
+    if (type == PictureType::intra) return tune == Tune::perceptual ? &perceptual : nullptr;
+    return tune == Tune::perceptual ? &perceptual_predicted : &predicted;
 }
 
 }  // namespace render2mpeg::encoder::mpeg2

@@ -10,7 +10,8 @@ namespace render2mpeg::encoder::mpeg2 {
 /// The matrices that a film is coded with: the default ones for Tune::psnr.
 Matrices matrices_for(Tune tune);
 
-/// Weights of errors of luma, the same in every block; null: all 1.
-const Weights* weights_for(Tune tune);
+/// Weights of errors of luma, the same in every block; null: all 1. In P and B pictures that of a block's mean is
+/// mean_weight times as much.
+const Weights* weights_for(Tune tune, PictureType type);
 
 }  // namespace render2mpeg::encoder::mpeg2

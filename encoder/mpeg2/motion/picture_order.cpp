@@ -8,13 +8,16 @@
 
 namespace render2mpeg::encoder::mpeg2 {
 
-std::int64_t next_reference_after(std::int64_t rest, int most_b, std::optional<double> motion_nonuniformity) {
+std::int64_t next_reference_after(std::int64_t rest, int most_b, const PictureFacts& facts) {
     EXPECTS(rest >= 1 && most_b >= 0);
     // Refer no further than vectors hold, but spare no B picture altogether: half of a distance of two is one.
     std::int64_t furthest = most_b + 1;
-    if (motion_nonuniformity && *motion_nonuniformity * static_cast<double>(furthest) > nonuniform_reach)
-        furthest = std::clamp<std::int64_t>(static_cast<std::int64_t>(nonuniform_reach / *motion_nonuniformity),
-                                            std::min<std::int64_t>(2, furthest), furthest);
+    const double nonuniformity = facts.motion_nonuniformity.value_or(0);
+    const std::int64_t least = std::min<std::int64_t>(2, furthest);
+    if (nonuniformity * static_cast<double>(furthest) > nonuniform_reach)
+        furthest = std::clamp(static_cast<std::int64_t>(nonuniform_reach / nonuniformity), least, furthest);
+    // The mean of two references is right in the middle between them alone.
+    if (facts.light_change.value_or(0) > steady_light) furthest = least;
     const std::int64_t runs = (rest + furthest - 1) / furthest;
     return (rest + runs - 1) / runs;
 }
@@ -32,7 +35,7 @@ PicturePlan PictureOrder::plan(std::int64_t number, const PictureFacts& facts, b
         if (number > later_) {
             const std::int64_t left = std::min(facts.frames_left, gop_start_ + gop_ - 1 - number);
             earlier_ = later_;
-            later_ = number - 1 + next_reference_after(left + 1, b_pictures_, facts.motion_nonuniformity);
+            later_ = number - 1 + next_reference_after(left + 1, b_pictures_, facts);
         }
         plan.type = number < later_ ? PictureType::bidirectional : PictureType::predicted;
         plan.references = {earlier_};

@@ -130,7 +130,7 @@ class FileMotion : public Motion {
 
 /// What happens to a chunk's frames and pictures while it is coded.
 struct Steps {
-    std::function<void(const core::Picture&)> read;
+    std::function<void(const core::Picture&, const core::MotionField*)> read;  ///< motion to the frame before, or null
     std::function<void(const encoder::CodedPicture&)> coded;
     std::function<void()> frame_done;
 };
@@ -149,7 +149,7 @@ bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, RunStatistics&
             const core::Picture picture = timed(statistics, Stage::develop, [&] { return job.frames->read(n); });
             FileMotion motion(job, n, statistics);
             const encoder::PicturePlan coding = coder.plan(n, false, motion);
-            steps.read(picture);
+            steps.read(picture, n > chunk.first ? motion.to(n - 1) : nullptr);
             take(coder.code(picture, coding, motion));
         }
         steps.frame_done();
@@ -172,7 +172,7 @@ std::vector<encoder::FirstPassPicture> code_roughly(Job& job, int quantiser, boo
     for (const Chunk& chunk : chunks_of(job.film.frames, fast.coding.gop)) {
         bool starts_chunk = true;
         encode_chunk(job, fast, chunk, statistics,
-                     {[](const core::Picture&) {},
+                     {[](const core::Picture&, const core::MotionField*) {},
                       [&](const encoder::CodedPicture& coded) {
                           film.push_back(encoder::first_pass_picture(coded, starts_chunk));
                           starts_chunk = false;
@@ -216,13 +216,14 @@ std::vector<ChunkFile> encode_chunks(Job& job, const EncodeOptions& options, Wor
     for (const Chunk& chunk : chunks_of(job.film.frames, job.film.coding.gop)) {
         files.push_back(work.open(chunk));
         StatisticsRecorder recorder(statistics, true);
-        const bool whole = encode_chunk(job, job.film, chunk, statistics,
-                                        {[&](const core::Picture& picture) { recorder.read(picture); },
-                                         [&](const encoder::CodedPicture& coded) {
-                                             recorder.coded(coded);
-                                             files.back().append(coded);
-                                         },
-                                         [&] { progress.advance(); }});
+        const bool whole = encode_chunk(
+            job, job.film, chunk, statistics,
+            {[&](const core::Picture& picture, const core::MotionField* motion) { recorder.read(picture, motion); },
+             [&](const encoder::CodedPicture& coded) {
+                 recorder.coded(coded);
+                 files.back().append(coded);
+             },
+             [&] { progress.advance(); }});
         if (whole)
             files.back().finish({});
         else

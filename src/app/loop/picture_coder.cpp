@@ -5,6 +5,7 @@
 
 #include "encoder/motion_nonuniformity.h"
 #include "perceptual/motion_sensitivity.h"
+#include "perceptual/pumping.h"
 
 namespace render2mpeg::app {
 
@@ -43,7 +44,9 @@ encoder::PictureFacts PictureCoder::facts_of(std::int64_t number, bool cut_befor
 
 encoder::PicturePlan PictureCoder::plan(std::int64_t number, bool cut_before, Motion& motion) {
     const bool first = number == chunk_.first;
-    const core::MotionField* moved = first || cut_before ? nullptr : motion.to(number - 1);
+    continues_ = !first && !cut_before;
+    if (!continues_) light_change_.reset();
+    const core::MotionField* moved = continues_ ? motion.to(number - 1) : nullptr;
     const StageTimer timer(statistics_, Stage::encode);
     encoder::PictureFacts facts = facts_of(number, cut_before);
     if (moved != nullptr) {
@@ -51,11 +54,22 @@ encoder::PicturePlan PictureCoder::plan(std::int64_t number, bool cut_before, Mo
         if (film_.coding.rate_control.mode == encoder::RateMode::constant_quality)
             facts.sensitivity = perceptual::motion_sensitivity(*moved, film_.coding.rate.hertz.value());
     }
+    // Nothing is known of a chunk's or a shot's first pictures: one B picture shows no stair, and costs little.
+    constexpr double not_known = 1.0;
+    facts.light_change = light_change_.value_or(not_known);
     return encoder_.plan(number, facts, first);
+}
+
+void PictureCoder::watch_light(const core::Picture& picture, Motion& motion) {
+    const core::MotionField* moved = continues_ ? motion.to(picture.number - 1) : nullptr;
+    const StageTimer timer(statistics_, Stage::encode);
+    if (continues_) light_change_ = perceptual::light_change(moved, picture.y, last_luma_);
+    last_luma_ = picture.y;
 }
 
 std::vector<encoder::CodedPicture> PictureCoder::code(const core::Picture& picture, const encoder::PicturePlan& plan,
                                                       Motion& motion) {
+    watch_light(picture, motion);
     const std::vector<core::MotionField> fields = motion.take(plan.references);
     const core::MotionField* onward = plan.horizon ? motion.onward(*plan.horizon) : nullptr;
     const StageTimer timer(statistics_, Stage::encode);

@@ -1,6 +1,7 @@
 #pragma once
 // Plans and codes the pictures of a chunk: the loop's way into the encoder.
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "app/options/chunk.h"
 #include "app/options/film.h"
 #include "core/picture.h"
+#include "core/plane.h"
 #include "encoder/encoder.h"
 #include "scene/model/animation.h"
 
@@ -37,6 +39,8 @@ class PictureCoder {
   private:
     /// Pictures after this one before another shot begins, a keyframe comes or the chunk ends.
     std::int64_t frames_left(std::int64_t number) const;
+    /// Measures how much light has changed since the picture before.
+    void watch_light(const core::Picture& picture, Motion& motion);
     encoder::PictureFacts facts_of(std::int64_t number, bool cut_before) const;
 
     Film film_;
@@ -45,6 +49,9 @@ class PictureCoder {
     std::vector<std::int64_t> shots_;
     RunStatistics& statistics_;
     encoder::Encoder encoder_;
+    bool continues_ = false;               ///< the picture planned last goes on from the one before
+    core::Plane<std::uint8_t> last_luma_;  ///< of the picture coded last; empty: none in this chunk
+    std::optional<double> light_change_;   ///< from the picture before that; none: not known
 };
 
 }  // namespace render2mpeg::app

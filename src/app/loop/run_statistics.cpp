@@ -79,6 +79,17 @@ double RunStatistics::ssim_y() const {
     return core::divide_or(sum, static_cast<double>(frames.size()), 1.0);
 }
 
+std::optional<double> RunStatistics::pumping() const {
+    double squares = 0, pictures = 0;
+    for (const FrameEntry& entry : frames)
+        if (entry.pumping >= 0) {
+            squares += entry.pumping * entry.pumping;
+            ++pictures;
+        }
+    if (pictures == 0) return std::nullopt;
+    return std::sqrt(squares / pictures);
+}
+
 RateOutcome RunStatistics::rate_outcome() const {
     RateOutcome outcome;
     for (const FrameEntry& entry : frames) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,6 +42,7 @@ struct FrameEntry {
     std::uint64_t stuffing = 0;  ///< bytes
     std::int64_t fullness_before = 0, fullness_after = 0;  ///< of the buffer, bits
     double mse_y = 0, ssim_y = 1;                          ///< of the decoded picture against the rendered one
+    double pumping = -1;  ///< from the decoded picture before (perceptual/pumping.h), code values; below 0: not known
     std::uint64_t shadow_rays = 0;
     double direct_cut = 0, indirect_cut = 0;  ///< clusters per gather point
     RecordsEntry records;
@@ -92,6 +94,8 @@ struct RunStatistics {
     /// Means over the film. PSNR from the mean squared error of all frames; +infinity when nothing was lost.
     double psnr_y() const;
     double ssim_y() const;
+    /// Root mean square over the pictures of which it is known; none where it is of none.
+    std::optional<double> pumping() const;
     RateOutcome rate_outcome() const;
     QuantiserRange quantisers() const;
     double mean_direct_cut() const;

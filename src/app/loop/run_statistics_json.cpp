@@ -23,6 +23,7 @@ void each_member(Entry& e, Visit&& visit) {
     visit("fullness_after", e.fullness_after);
     visit("mse_y", e.mse_y);
     visit("ssim_y", e.ssim_y);
+    visit("pumping", e.pumping);
     visit("shadow_rays", e.shadow_rays);
     visit("direct_cut", e.direct_cut);
     visit("indirect_cut", e.indirect_cut);

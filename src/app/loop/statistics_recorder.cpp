@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "perceptual/metrics.h"
+#include "perceptual/pumping.h"
 
 namespace render2mpeg::app {
 
@@ -19,17 +20,44 @@ void StatisticsRecorder::lit(const LitFrame& frame) {
     entry.indirect_cut = static_cast<double>(after.indirect_clusters - before.indirect_clusters) / points;
     entry.records = {after.cache.created - before.cache.created, after.cache.live,
                      static_cast<double>(after.cache.served - before.cache.served) / points};
+    const bool first = statistics_.frames.size() == first_;
     statistics_.frames.push_back(entry);
     for (const std::uint8_t luma : frame.picture.y.values())
         statistics_.brightest_luma = std::max<int>(statistics_.brightest_luma, luma);
-    if (coded_) waiting_.emplace(frame.picture.number, frame.picture);
+    if (!coded_) return;
+    const bool continues = !first && !frame.world.cut_before;
+    keep(frame.picture, continues, continues ? frame.motion.to(entry.frame - 1) : nullptr);
 }
 
-void StatisticsRecorder::read(const core::Picture& picture) {
+void StatisticsRecorder::read(const core::Picture& picture, const core::MotionField* motion) {
     FrameEntry entry;
     entry.frame = picture.number;
     statistics_.frames.push_back(entry);
+    keep(picture, motion != nullptr, motion);
+}
+
+void StatisticsRecorder::keep(const core::Picture& picture, bool known, const core::MotionField* motion) {
     waiting_.emplace(picture.number, picture);
+    Step& step = steps_[picture.number];
+    step.known = known;
+    if (known && motion) step.motion = {motion->picture, motion->reference, motion->vector, {}, motion->kind};
+}
+
+FrameEntry& StatisticsRecorder::entry_of(std::int64_t number) {
+    return statistics_.frames[first_ + static_cast<std::size_t>(number - statistics_.frames[first_].frame)];
+}
+
+void StatisticsRecorder::measure_pumping(std::int64_t number) {
+    const auto now = steps_.find(number), before = steps_.find(number - 1);
+    if (now == steps_.end() || before == steps_.end()) return;
+    if (now->second.error.empty() || before->second.error.empty()) return;
+    if (now->second.known) {
+        const Step& step = now->second;
+        entry_of(number).pumping =
+            perceptual::pumping(step.motion ? &*step.motion : nullptr, step.error, before->second.error).value_or(-1);
+    }
+    now->second.motion.reset();
+    steps_.erase(before);
 }
 
 void Auditor::lit(const LitFrame& frame) {
@@ -46,8 +74,7 @@ void Auditor::lit(const LitFrame& frame) {
 void StatisticsRecorder::coded(const encoder::CodedPicture& coded) {
     const auto original = waiting_.find(coded.plan.number);
     EXPECTS(original != waiting_.end());
-    FrameEntry& entry =
-        statistics_.frames[first_ + static_cast<std::size_t>(coded.plan.number - statistics_.frames[first_].frame)];
+    FrameEntry& entry = entry_of(coded.plan.number);
     entry.type = "-IPB"[static_cast<int>(coded.plan.type)];
     entry.quantiser = coded.quantiser;
     double sum = 0;
@@ -62,7 +89,10 @@ void StatisticsRecorder::coded(const encoder::CodedPicture& coded) {
     entry.fullness_after = coded.fullness_after;
     entry.mse_y = perceptual::mean_squared_error(original->second.y, coded.reconstruction.y);
     entry.ssim_y = perceptual::ssim(original->second.y, coded.reconstruction.y);
+    steps_[coded.plan.number].error = perceptual::luma_error(coded.reconstruction.y, original->second.y);
     waiting_.erase(original);
+    measure_pumping(coded.plan.number);
+    measure_pumping(coded.plan.number + 1);
 }
 
 }  // namespace render2mpeg::app

@@ -2,10 +2,13 @@
 // Records the statistics of pictures between their making and their coding.
 #include <cstdint>
 #include <map>
+#include <optional>
 
 #include "app/loop/observer.h"
 #include "app/loop/run_statistics.h"
+#include "core/motion_field.h"
 #include "core/picture.h"
+#include "core/plane.h"
 #include "encoder/types.h"
 #include "renderer/renderer.h"
 
@@ -22,14 +25,28 @@ class StatisticsRecorder : public LoopObserver {
     void lit(const LitFrame& frame) override;
     /// Completes the entry of a picture that was coded.
     void coded(const encoder::CodedPicture& coded) override;
-    /// Opens the entry of a frame that came from a file.
-    void read(const core::Picture& picture);
+    /// Opens the entry of a frame that came from a file. `motion` leads to the frame before; null: not known.
+    void read(const core::Picture& picture, const core::MotionField* motion);
 
   private:
+    /// A picture that is coded, and the one before it.
+    struct Step {
+        bool known = false;                       ///< there is one before, and how it moved from there
+        std::optional<core::MotionField> motion;  ///< to the one before; none: nothing moves
+        core::Plane<std::int16_t> error;          ///< of luma; empty: not coded yet
+    };
+
+    FrameEntry& entry_of(std::int64_t number);
+    /// Keeps the motion that the picture came by; it is the encoder's later.
+    void keep(const core::Picture& picture, bool known, const core::MotionField* motion);
+    /// Measures the picture's pumping where it and the one before are coded.
+    void measure_pumping(std::int64_t number);
+
     RunStatistics& statistics_;
     std::size_t first_;
     bool coded_;
     std::map<std::int64_t, core::Picture> waiting_;
+    std::map<std::int64_t, Step> steps_;  ///< of pictures whose pumping, or that of the next, is still to be measured
 };
 
 /// Gathers some pixels of every frame again without clustering, and adds their errors to the statistics.

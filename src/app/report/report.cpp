@@ -77,6 +77,8 @@ std::string cards(const json& s) {
         if (s.at("psnr_y").is_number())
             all.emplace_back("PSNR-Y", fmt::format("{:.2f} dB", s.at("psnr_y").get<double>()));
         all.emplace_back("SSIM-Y", fmt::format("{:.4f}", s.at("ssim_y").get<double>()));
+        if (s.at("pumping").is_number())
+            all.emplace_back("Pumping", fmt::format("{:.2f}", s.at("pumping").get<double>()));
     }
     std::string text = "<dl class=\"cards\">\n";
     for (const auto& [name, value] : all)

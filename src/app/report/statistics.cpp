@@ -107,6 +107,7 @@ void add_coding(json& entry, const FrameEntry& frame) {
     entry["vbv"] = {frame.fullness_before, frame.fullness_after};
     entry["mse_y"] = frame.mse_y;
     entry["ssim_y"] = frame.ssim_y;
+    entry["pumping"] = frame.pumping < 0 ? json(nullptr) : json(frame.pumping);
 }
 
 json entry_of(const FrameEntry& frame, bool coded, bool by_records) {
@@ -187,6 +188,7 @@ json common_of(const Film& film, const RunStatistics& statistics, const RunFacts
             {"non_finite", statistics.rendering.non_finite},
             {"psnr_y", finite_or_null(statistics.psnr_y())},
             {"ssim_y", statistics.ssim_y()},
+            {"pumping", statistics.pumping() ? json(*statistics.pumping()) : json(nullptr)},
             {"per_frame", json::array()}};
 }
 
@@ -229,7 +231,7 @@ json statistics_of(const RenderJob& film, const RunStatistics& statistics, const
     if (coded) written["rate"] = rate_of(film.film(), statistics);
     written["quantisers"] = coded ? quantisers_of(statistics) : json(nullptr);
     if (!coded)
-        for (const char* key : {"psnr_y", "ssim_y", "quantiser", "gop"}) written[key] = nullptr;
+        for (const char* key : {"psnr_y", "ssim_y", "pumping", "quantiser", "gop"}) written[key] = nullptr;
     const bool by_records = kept_records(film.rendering, statistics.rendering);
     for (const FrameEntry& frame : statistics.frames)
         written["per_frame"].push_back(entry_of(frame, coded, by_records));

@@ -121,8 +121,9 @@ std::string quantiser_lines(const Film& film, const RunStatistics& statistics) {
 /// How a coded film came out. `made`: what was done to its pictures before they were coded.
 std::string closing_lines(const Film& film, const RunStatistics& statistics, const char* made) {
     return rate_lines(film, statistics) + quantiser_lines(film, statistics) +
-           fmt::format("  quality    decoded against {}: PSNR-Y {:.2f} dB, SSIM-Y {:.4f}\n", made, statistics.psnr_y(),
-                       statistics.ssim_y());
+           fmt::format("  quality    decoded against {}: PSNR-Y {:.2f} dB, SSIM-Y {:.4f}{}\n", made,
+                       statistics.psnr_y(), statistics.ssim_y(),
+                       statistics.pumping() ? fmt::format(", pumping {:.2f}", *statistics.pumping()) : "");
 }
 
 /// What gathering light took.

@@ -1,0 +1,28 @@
+#pragma once
+// Measures pumping: brightness that coding moves from picture to picture.
+#include <cstdint>
+#include <optional>
+
+#include "core/motion_field.h"
+#include "core/plane.h"
+
+/// Measures how coding errors of brightness change over time.
+namespace render2mpeg::perceptual {
+
+/// What coding did to luma: decoded minus source, code values.
+core::Plane<std::int16_t> luma_error(const core::Plane<std::uint8_t>& decoded, const core::Plane<std::uint8_t>& source);
+
+/// How much the mean errors of 16x16 blocks change along motion from the picture before: root mean square over the
+/// blocks of `now`, code values (docs/model/metrics.md). Brightness that rises evenly and is shown as a stair has some,
+/// as has an I picture that shows what stands still in other code values than the pictures before. `motion` leads from
+/// `now` to `before`; null: nothing moves. Blocks of which less than half has a place there do not count; none where no
+/// block counts.
+std::optional<double> pumping(const core::MotionField* motion, const core::Plane<std::int16_t>& now,
+                              const core::Plane<std::int16_t>& before);
+
+/// How much light changes from the picture before: by how much the means of such blocks of luma do along motion, mean
+/// over the blocks, code values. A block that changes by more than 8 shows something else and does not count.
+std::optional<double> light_change(const core::MotionField* motion, const core::Plane<std::uint8_t>& now,
+                                   const core::Plane<std::uint8_t>& before);
+
+}  // namespace render2mpeg::perceptual
