@@ -57,7 +57,7 @@ TEST(Coupled, ACutThatTheRateCannotAffordIsAPredictedPicture) {
     const auto outcome =
         run(support::program() + " render " + film("flash_cut") + " -o " + (folder / "f.m2v").string() + " --stats " +
             stats.string() + " --size 160x128 --samples 1 --vpls 0 --exposure 0 --frames 28:38 --quiet --gop 100" +
-            " --b-pictures 0 --bitrate 22k --maxrate 22k --vbv 17k --passes 1");
+            " --b-pictures 0 --bitrate 20k --maxrate 20k --vbv 17k --passes 1");
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     const auto frames = nlohmann::json::parse(contents(stats)).at("per_frame");
     ASSERT_EQ(frames.size(), 11u);

@@ -39,6 +39,7 @@ RenderJob small(const RenderJob& film) {
     pass.rendering.calibrate = false;  // nothing is promised of its light
     // chosen: textures, edges and motion make most of the bits, not the last light points (64..4096).
     pass.rendering.vpls = std::min(film.rendering.vpls, 256);
+    pass.rough = true;
     pass.tolerance = {};
     pass.tolerance.relative = 0.2f;
     pass.coding.width = pass.format.width;

@@ -16,12 +16,13 @@ std::vector<std::int64_t> shots_of(const scene::Animation& animation) {
 }
 
 PictureCoder::PictureCoder(const Film& film, const Chunk& chunk, std::span<const encoder::BitAllocation> allocations,
-                           std::vector<std::int64_t> shots, RunStatistics& statistics)
+                           std::vector<std::int64_t> shots, RunStatistics& statistics, bool watches_light)
     : film_(film),
       chunk_(chunk),
       allocations_(allocations),
       shots_(std::move(shots)),
       statistics_(statistics),
+      watches_light_(watches_light),
       encoder_(film.coding) {}
 
 std::int64_t PictureCoder::frames_left(std::int64_t number) const {
@@ -61,6 +62,8 @@ encoder::PicturePlan PictureCoder::plan(std::int64_t number, bool cut_before, Mo
 }
 
 void PictureCoder::watch_light(const core::Picture& picture, Motion& motion) {
+    if (continues_ && !watches_light_) light_change_ = 0;
+    if (!watches_light_) return;
     const core::MotionField* moved = continues_ ? motion.to(picture.number - 1) : nullptr;
     const StageTimer timer(statistics_, Stage::encode);
     if (continues_) light_change_ = perceptual::light_change(moved, picture.y, last_luma_);

@@ -23,10 +23,10 @@ std::vector<std::int64_t> shots_of(const scene::Animation& animation);
 /// encoding.
 class PictureCoder {
   public:
-    /// `allocations`: one per frame of the film, or none. `shots`: frames with which shots begin. Throws as
-    /// encoder::check() does.
+    /// `allocations`: one per frame of the film, or none. `shots`: frames with which shots begin. `watches_light`: how
+    /// much it changes is measured; not where pictures are too rough to tell. Throws as encoder::check() does.
     PictureCoder(const Film& film, const Chunk& chunk, std::span<const encoder::BitAllocation> allocations,
-                 std::vector<std::int64_t> shots, RunStatistics& statistics);
+                 std::vector<std::int64_t> shots, RunStatistics& statistics, bool watches_light = true);
 
     /// How the next picture in display order will be coded.
     encoder::PicturePlan plan(std::int64_t number, bool cut_before, Motion& motion);
@@ -48,6 +48,7 @@ class PictureCoder {
     std::span<const encoder::BitAllocation> allocations_;
     std::vector<std::int64_t> shots_;
     RunStatistics& statistics_;
+    bool watches_light_;
     encoder::Encoder encoder_;
     bool continues_ = false;               ///< the picture planned last goes on from the one before
     core::Plane<std::uint8_t> last_luma_;  ///< of the picture coded last; empty: none in this chunk

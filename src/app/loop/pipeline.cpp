@@ -68,7 +68,7 @@ ChunkLoop::ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const C
       terms_(job.coding.tune) {
     renderer.start_chunk(*posed_.at(chunk.first));
     if (job.kind == OutputKind::film)
-        coder_.emplace(job.film(), chunk, job.allocations, shots_of(*job.animation), statistics);
+        coder_.emplace(job.film(), chunk, job.allocations, shots_of(*job.animation), statistics, !job.rough);
     if (job.tolerance.coupled && coder_)
         coupling_.emplace(display_, job.coupling);
     else

@@ -39,9 +39,10 @@ struct RenderJob {
     ToleranceRequest tolerance;
     CouplingSettings coupling;  ///< where the tolerance is coupled
     OutputKind kind = OutputKind::film;
-    std::optional<float> exposure;                    ///< EV; none: to be measured
-    bool measures_exposure = false;                   ///< nobody says it
-    bool two_passes = false;                          ///< the first one finds `allocations`
+    std::optional<float> exposure;   ///< EV; none: to be measured
+    bool measures_exposure = false;  ///< nobody says it
+    bool rough = false;              ///< a first pass: its light is too rough to tell whether it changes
+    bool two_passes = false;         ///< the first one finds `allocations`
     std::vector<encoder::BitAllocation> allocations;  ///< one per frame, or none
     bool images_in_turn = false;                      ///< decode one at a time: memory is short
     int audit = 0;  ///< pixels of every frame that are gathered again without clustering
