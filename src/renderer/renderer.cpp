@@ -262,7 +262,8 @@ Seen Renderer::see(const scene::Snapshot& snapshot) {
     const Stopwatch timer(impl_->row(Pass::see));
     SeeCounts counts;
     Seen seen = renderer::see(impl_->posed_scene,
-                              {impl_->settings.format, impl_->settings.samples, impl_->settings.specular_depth},
+                              {impl_->settings.format, impl_->settings.samples, impl_->settings.specular_depth,
+                               impl_->light_points.sky_part()},
                               impl_->plan, counts);
     impl_->statistics.primary_rays += counts.primary_rays;
     impl_->statistics.specular_rays += counts.specular_rays;

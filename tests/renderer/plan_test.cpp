@@ -20,7 +20,7 @@ using scene::Traits;
 Traits all_traits() {
     Traits t;
     t.has_surfaces = t.has_punctual_lights = t.has_emissive_surfaces = t.has_shining_sky = true;
-    t.has_diffuse_surfaces = t.has_glossy_surfaces = t.has_mirrors = t.has_glass = true;
+    t.has_diffuse_surfaces = t.has_glossy_surfaces = t.has_narrow_lobes = t.has_mirrors = t.has_glass = true;
     t.has_alpha_mask = t.has_alpha_blend = t.has_normal_maps = t.has_textures = true;
     t.camera_moves = t.objects_move = t.objects_deform = t.lights_change = t.has_cuts = true;
     return t;
@@ -112,10 +112,12 @@ TEST(Plan, FollowsEachCauseAlone) {
     using Names = std::set<std::string>;
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_glass = on; }), (Names{"glass"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_mirrors = on; }), (Names{"mirrors"}));
+    EXPECT_EQ(changes([](Traits& t, bool on) { t.has_narrow_lobes = on; }), (Names{"lobe rays"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_textures = on; }), (Names{"textures"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_normal_maps = on; }), (Names{"normal maps"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_alpha_mask = t.has_alpha_blend = on; }), (Names{"alpha"}));
-    EXPECT_EQ(changes([](Traits& t, bool on) { t.has_shining_sky = on; }), (Names{"sky background", "sky light"}));
+    EXPECT_EQ(changes([](Traits& t, bool on) { t.has_shining_sky = on; }),
+              (Names{"sky background", "sky light", "lobe rays"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_punctual_lights = on; }), (Names{"punctual lights"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_emissive_surfaces = on; }), (Names{"emissive surfaces"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_glossy_surfaces = on; }), (Names{"glossy lobes"}));

@@ -89,6 +89,7 @@ std::uint64_t ReferenceCache::key_of(const RenderJob& film, renderer::Renderer& 
     }
     add_plane(sum, seen.emitted);
     add_plane(sum, seen.emitted_specular);
+    add_plane(sum, seen.emitted_glossy);
     core::Radiance nothing;
     nothing.frame = world.frame;
     nothing.combined = core::Plane<glm::vec3>(s.format.width, s.format.height, glm::vec3(0));

@@ -1,6 +1,7 @@
 #include "app/report/effects.h"
 
 #include <algorithm>
+#include <initializer_list>
 #include <utility>
 
 #include "core/numeric.h"
@@ -10,12 +11,16 @@ namespace {
 
 using renderer::Pass;
 
-/// "lamps, shining shapes and the sky", as far as the scene has them.
-std::string sources_of(const renderer::Plan& plan) {
+struct Named {
+    Pass pass;
+    const char* name;
+};
+
+/// "lamps, shining shapes and the sky", as far as these passes run.
+std::string list_of(const renderer::Plan& plan, std::initializer_list<Named> passes) {
     std::vector<std::string> names;
-    if (plan.runs(Pass::punctual_lights)) names.emplace_back("lamps");
-    if (plan.runs(Pass::emissive_lights)) names.emplace_back("shining surfaces");
-    if (plan.runs(Pass::sky_light)) names.emplace_back("the sky");
+    for (const Named& named : passes)
+        if (plan.runs(named.pass)) names.emplace_back(named.name);
     std::string text;
     for (std::size_t i = 0; i < names.size(); ++i)
         text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
@@ -34,19 +39,21 @@ std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& stati
     effects.push_back({"seeing", see - sky, r.primary_rays, {}, ""});
     if (plan.runs(Pass::sky_background))
         effects.push_back({"the sky seen", sky, {}, {}, "about; what it lights is in direct light"});
-    if (plan.runs(Pass::mirrors) || plan.runs(Pass::glass)) {
-        const char* name = !plan.runs(Pass::glass)     ? "mirrors"
-                           : !plan.runs(Pass::mirrors) ? "glass"
-                                                       : "mirrors and glass";
-        effects.push_back({name, {}, r.specular_rays, {}, "time in seeing, and in the light of what is seen there"});
-    }
+    const std::string specular =
+        list_of(plan, {{Pass::lobe_rays, "narrow lobes"}, {Pass::mirrors, "mirrors"}, {Pass::glass, "glass"}});
+    if (!specular.empty())
+        effects.push_back(
+            {specular, {}, r.specular_rays, {}, "time in seeing, and in the light of what is seen there"});
     // Layers are met by shadow rays to all lights alike.
     const bool photons = plan.runs(Pass::photons);
     const double direct = pass(Pass::punctual_lights) + pass(Pass::emissive_lights) + pass(Pass::direct_tree);
     const double bounced = photons ? pass(Pass::indirect_tree) : 0.0;
     const double layers = std::min(r.layer_seconds, direct + bounced);
     const double rest = core::divide_or(direct + bounced - layers, direct + bounced, 1.0);
-    if (const std::string sources = sources_of(plan); !sources.empty())
+    if (const std::string sources = list_of(plan, {{Pass::punctual_lights, "lamps"},
+                                                   {Pass::emissive_lights, "shining surfaces"},
+                                                   {Pass::sky_light, "the sky"}});
+        !sources.empty())
         effects.push_back({"direct light", rest * direct, {}, r.direct_clusters, sources});
     if (photons) {
         effects.push_back({"photons", pass(Pass::photons), r.photon_rays, {}, "that carry light to where it bounces"});

@@ -15,6 +15,7 @@ enum class Pass {
     normal_maps,
     alpha,
     mirrors,
+    lobe_rays,
     glass,
     sky_background,
     see,

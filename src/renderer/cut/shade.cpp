@@ -121,7 +121,7 @@ void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size
     radiance_.albedo.at(x, y) = albedo;
     radiance_.direct_irradiance.at(x, y) = mean(direct, albedo, plain_direct, share);
     radiance_.indirect_irradiance.at(x, y) = mean(indirect, albedo, plain_indirect, share);
-    radiance_.glossy.at(x, y) = glossy;
+    radiance_.glossy.at(x, y) += glossy;
     const auto count = static_cast<float>(std::max<std::size_t>(last - first, 1));
     radiance_.direct_cut.at(x, y) = direct_cut / count;
     radiance_.indirect_cut.at(x, y) = indirect_cut / count;
@@ -198,7 +198,9 @@ ShadeCounts TileShader::shade(std::size_t tile_index) {
             radiance_.combined.at(x, y) = all;
             if (!settings_.layers) continue;
             const glm::vec3 specular = seen_.emitted_specular.empty() ? glm::vec3(0) : seen_.emitted_specular.at(x, y);
-            radiance_.emission.at(x, y) = glm::max(all - specular, glm::vec3(0));
+            const glm::vec3 glossy = seen_.emitted_glossy.empty() ? glm::vec3(0) : seen_.emitted_glossy.at(x, y);
+            radiance_.emission.at(x, y) = glm::max(all - specular - glossy, glm::vec3(0));
+            radiance_.glossy.at(x, y) = glossy;
             radiance_.specular.at(x, y) = specular;
         }
     }

@@ -64,6 +64,10 @@ LightPoints::LightPoints(const PosedScene& posed_scene, const Plan& plan, int co
         p.object = core::no_id;
         if (shines(p)) sky_.push_back(p);
     }
+    std::vector<float> parts;
+    for (const LightPoint& p : sky_) parts.push_back(core::luminance(p.intensity));
+    std::sort(parts.begin(), parts.end());
+    if (!parts.empty()) sky_part_ = parts[parts.size() / 2];
 }
 
 void LightPoints::place(PosedScene& posed_scene, const scene::Snapshot& first) {

@@ -1,5 +1,6 @@
 #pragma once
 // Turns lamps, shining surfaces and the sky into light points.
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -39,6 +40,9 @@ class LightPoints {
     /// surface by its rounding error, so that a ray that ends there does not meet it.
     std::vector<LightPoint> at(const PosedScene& posed_scene) const;
 
+    /// Luminance of the irradiance of a usual point of the sky: of half of them more; infinite without any.
+    float sky_part() const { return sky_part_; }
+
   private:
     LightPoint emitter_point(const PosedScene& posed_scene, std::size_t index) const;
 
@@ -48,6 +52,7 @@ class LightPoints {
     std::uint64_t seed_;
     std::vector<EmitterPoint> emitters_;
     std::vector<LightPoint> sky_;  ///< never changes
+    float sky_part_ = std::numeric_limits<float>::infinity();
     std::vector<LightPoint> average_;
 };
 

@@ -2,7 +2,12 @@
 
 #include <glm/glm.hpp>
 
+#include "scene/preparation/traits.h"
+
 namespace render2mpeg::renderer {
+
+/// GGX width below which a lobe counts as narrow.
+inline constexpr float narrow_alpha = scene::narrow_roughness * scene::narrow_roughness;
 
 /// How a point scatters light: a Lambert part below one GGX lobe, in glTF 2.0's mixing [glTF2, appendix B], plus what
 /// only a traced ray can follow. Reflectances are per channel. With s Schlick's fifth power of the angle between light
@@ -18,6 +23,8 @@ struct Bsdf {
     glm::vec3 f90{1};           ///< reflectance of the GGX lobe at grazing incidence; as f0 above 1 on rough metals
 
     bool has_glossy() const { return f0.x > 0 || f0.y > 0 || f0.z > 0; }
+    /// Whether rays look along the lobe (lobe_rays.h).
+    bool has_narrow_lobe() const { return has_glossy() && alpha < narrow_alpha; }
     bool has_diffuse() const { return diffuse.x > 0 || diffuse.y > 0 || diffuse.z > 0; }
 };
 

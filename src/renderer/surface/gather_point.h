@@ -21,7 +21,8 @@ struct GatherPoint {
     SurfacePoint point;
     std::uint16_t pixel = 0;  ///< within its tile: y * tile_size + x
     bool reached_by_specular = false;
-    glm::vec3 weight{1};  ///< share of the pixel x what mirrors, glass and translucent layers let through
+    bool has_lobe_rays = false;  ///< what rays found along its lobe is in Seen::emitted, and no part of light trees
+    glm::vec3 weight{1};         ///< share of the pixel x what mirrors, glass and translucent layers let through
 };
 
 /// A gather point that was lit at another place of its pixel, on the same surface.
@@ -43,6 +44,7 @@ struct Seen {
     std::vector<GatherTile> tiles;            ///< row by row, (width + 15) / 16 per row
     core::Plane<glm::vec3> emitted;           ///< radiance that needs no gathering: emission, sky, unlit surfaces
     core::Plane<glm::vec3> emitted_specular;  ///< the part of `emitted` seen by mirrors or glass; empty without them
+    core::Plane<glm::vec3> emitted_glossy{};  ///< the rest that lobe rays brought; empty without them
     int tiles_across() const { return (visible.width() + tile_size - 1) / tile_size; }
 };
 

@@ -59,7 +59,9 @@ void fill(GatherLanes& lanes, std::span<const GatherPoint* const> points) {
         set_frame(lanes.normal, i, p.shading_normal);
         if (!used) set(lanes.normal.axis, i, glm::vec3(0));
         set(lanes.diffuse_weight, i, share * p.bsdf.diffuse * lobe::inverse_pi);
-        if (lanes.glossy) fill_lobe(lanes, i, p, share);
+        if (!lanes.glossy) continue;
+        fill_lobe(lanes, i, p, share);
+        lanes.rays_see[i] = point.has_lobe_rays ? 1.0f / lobe::lobe_rays_disc2 : 0.0f;
     }
 }
 

@@ -45,6 +45,7 @@ struct alignas(64) GatherLanes {
     FrameLanes outgoing, mirrored;  ///< to the eye; and that direction mirrored about the normal
     Lanes cos_outgoing;             ///< > 0
     Lanes lobe_width;               ///< alpha squared
+    Lanes rays_see;                 ///< what of the sky lobe rays see; 0: no rays. See `by_trees`
     Lanes coat;                     ///< 1: the diffuse part lies under the lobe and gets 1 - s of light; 0: all of it
 };
 

@@ -20,7 +20,7 @@ namespace {
 constexpr float widening = 0.125f;
 
 /// Covers the rounding of bounds. chosen: 1e-4, some thousand roundings' worth; costs nothing measurable.
-constexpr float outward = 1.0001f;
+constexpr float outward = 1.0001f, inward = 1.0f / outward;
 
 RENDER2MPEG_ALWAYS_INLINED float dot(const Vec3Lanes& a, int i, float x, float y, float z) {
     return a.x[i] * x + a.y[i] * y + a.z[i] * z;
@@ -54,8 +54,8 @@ RENDER2MPEG_ALWAYS_INLINED float largest_g(float disc2, float scale) {
 /// A light as one lane sees it.
 struct LaneLight {
     float x, y, z, nx, ny, nz;
-    float blur2, clamp;  ///< GeometryClamp
-    float range2, spot_scale, spot_offset;
+    float blur2, clamp;                     ///< GeometryClamp
+    float range2, spot_scale, spot_offset;  ///< `range2`: LightPoint::disc2, where lights have no range
 };
 
 RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(float x, float y, float z, float nx, float ny, float nz, float disc2,
@@ -101,6 +101,11 @@ RENDER2MPEG_ALWAYS_INLINED float evaluate_lane(const GatherLanes& lanes, int i, 
     if constexpr (!glossy) out.diffuse[i] = g;
     if constexpr (glossy)
         glossy_value(lanes, i, x, y, z, type == LightType::punctual ? 0.0f : l.blur2 * inverse2, g, out);
+    if constexpr (glossy && type == LightType::directional) {
+        const float share = lobe::by_trees(l.range2, lanes.rays_see[i]);
+        out.f0[i] *= share;
+        out.schlick[i] *= share;
+    }
     return unclamped;
 }
 
@@ -191,7 +196,7 @@ RENDER2MPEG_ALWAYS_INLINED float noticed(const Vec3Lanes& weight, int i, float r
 /// A node as all lanes see it: its box, intensity, cone and what the clamp makes of its lights.
 struct LaneNode {
     float cx, cy, cz, hx, hy, hz, red, green, blue;
-    float cone, range2, least_blur2, largest_blur2, clamp;
+    float cone, range2, least_disc2, least_blur2, largest_blur2, clamp;
     NodeFrame frame;
 };
 
@@ -204,6 +209,7 @@ RENDER2MPEG_ALWAYS_INLINED LaneNode lane_node(const LightNode& node, const BoxGr
     n.blue *= outward;
     n.cone = node.cone.cosine();
     n.range2 = node.disc2.largest();
+    n.least_disc2 = node.disc2.least();
     n.least_blur2 = node.disc2.least() / scale;
     n.largest_blur2 = node.disc2.largest() / scale;
     n.clamp = largest_g(node.disc2.least(), scale);
@@ -257,6 +263,7 @@ RENDER2MPEG_ALWAYS_INLINED float bound_lane(const GatherLanes& __restrict lanes,
         float lit = lobe_bound.cosine * reach;
         if constexpr (type == LightType::oriented) lit = inlined::min(lit, lobe_bound.value * n.clamp);
         lit = cosine > 0.0f ? lit : 0.0f;
+        if constexpr (type == LightType::directional) lit *= lobe::by_trees(n.least_disc2 * inward, lanes.rays_see[i]);
         // The lobe's colour lies between f0 and f90; what is noticed of a mixture is no more than the mixture.
         const float f0 = noticed(lanes.f0_weight, i, n.red, n.green, n.blue);
         const float grazing = noticed(lanes.schlick_weight, i, n.red, n.green, n.blue);

@@ -8,6 +8,7 @@
 #include "core/numeric.h"
 #include "parallel/loops.h"
 #include "renderer/view/eye_path.h"
+#include "renderer/view/lobe_rays.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -114,7 +115,7 @@ void see_pixel(const Looking& looking, int x, int y, const FirstLook& look, std:
                 continue;
             }
             const auto pixel = static_cast<std::uint16_t>((y % tile_size) * tile_size + x % tile_size);
-            tile.push_back({fragment.point, pixel, fragment.specular, weight});
+            tile.push_back({fragment.point, pixel, fragment.specular, false, weight});
         }
     }
     seen.emitted.at(x, y) = share * emitted;
@@ -153,11 +154,13 @@ Seen see(const PosedScene& posed_scene, const SeeSettings& settings, const Plan&
     seen.emitted = core::Plane<glm::vec3>(width, height, glm::vec3{0.0f});
     if (plan.runs(Pass::mirrors) || plan.runs(Pass::glass))
         seen.emitted_specular = core::Plane<glm::vec3>(width, height, glm::vec3{0.0f});
+    if (plan.runs(Pass::lobe_rays)) seen.emitted_glossy = core::Plane<glm::vec3>(width, height, glm::vec3{0.0f});
     const int across = seen.tiles_across(), down = (height + tile_size - 1) / tile_size;
     seen.tiles.resize(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
 
     // Look tile by tile; counts are summed in the tiles' order.
     const EyePaths paths(posed_scene, settings, plan);
+    const LobeRays lobes(posed_scene, settings, plan);
     const std::vector<glm::vec2> pattern = sample_pattern(settings.samples);
     const Looking looking{posed_scene.tracer(), paths, snapshot.camera, pattern,
                           1.0f / std::sqrt(static_cast<float>(settings.samples))};
@@ -179,6 +182,7 @@ Seen see(const PosedScene& posed_scene, const SeeSettings& settings, const Plan&
             }
         }
         seen.tiles[t] = GatherTile(tile);
+        if (lobes.trace_rays()) tile_counts[t].specular_rays += lobes.light(t, seen);
     });
     for (const SeeCounts& c : tile_counts) {
         counts.primary_rays += c.primary_rays;

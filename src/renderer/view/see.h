@@ -2,6 +2,7 @@
 // Primary visibility: what every pixel sees.
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <limits>
 #include <vector>
 
 #include "renderer/surface/gather_point.h"
@@ -12,14 +13,15 @@ namespace render2mpeg::renderer {
 /// What `see` needs of the settings.
 struct SeeSettings {
     scene::PictureFormat format;
-    int samples = 4;         ///< eye samples per pixel, >= 1
-    int specular_depth = 6;  ///< mirrors after one another; 0: none
+    int samples = 4;                                          ///< eye samples per pixel, >= 1
+    int specular_depth = 6;                                   ///< mirrors after one another; 0: none
+    float sky_part = std::numeric_limits<float>::infinity();  ///< LightPoints::sky_part
 };
 
 /// Rays that `see` shot, for the statistics.
 struct SeeCounts {
     std::uint64_t primary_rays = 0;   ///< from the eye, and on through layers
-    std::uint64_t specular_rays = 0;  ///< from mirrors
+    std::uint64_t specular_rays = 0;  ///< from mirrors, and along lobes
     double sky_seconds = 0;           ///< CPU, about: looking at the sky
 };
 

@@ -24,6 +24,8 @@ void add_material(const Material& material, Traits& traits) {
     if (!material.unlit) {
         if (has_base && !all_metal && !all_glass) traits.has_diffuse_surfaces = true;
         if (reflects && largest_roughness >= mirror_roughness) traits.has_glossy_surfaces = true;
+        if (reflects && largest_roughness >= mirror_roughness && smallest_roughness < narrow_roughness)
+            traits.has_narrow_lobes = true;
         if (reflects && smallest_roughness < mirror_roughness) traits.has_mirrors = true;
         if (material.transmission > 0 && !all_metal) traits.has_glass = true;
         if (material.normal_texture.present()) traits.has_normal_maps = true;

@@ -13,6 +13,7 @@ struct Traits {
     bool has_shining_sky = false;
     bool has_diffuse_surfaces = false;  ///< any surface that light can bounce off diffusely
     bool has_glossy_surfaces = false;   ///< reflects in a lobe that light points can fill
+    bool has_narrow_lobes = false;      ///< of them, in one so narrow that rays look along it
     bool has_mirrors = false;           ///< smooth enough that only a traced ray shows its reflection
     bool has_glass = false;             ///< transmission > 0
     bool has_alpha_mask = false;
@@ -34,5 +35,9 @@ Traits traits_of(const Animation& animation);
 /// Below this perceptual roughness a lobe counts as a mirror: light points would show as dots in it.
 /// chosen: GGX alpha 0.01; tried 0.05..0.2, see docs/model/materials.md.
 inline constexpr float mirror_roughness = 0.1f;
+
+/// Below this perceptual roughness a lobe counts as narrow: light points stand too far apart in it, and rays look along
+/// it (lobe_rays.h). chosen: 0.35, where half the lobe spans some 14 degrees; not tuned.
+inline constexpr float narrow_roughness = 0.35f;
 
 }  // namespace render2mpeg::scene

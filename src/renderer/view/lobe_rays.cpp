@@ -1,0 +1,175 @@
+#include "renderer/view/lobe_rays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "core/sampling.h"
+#include "renderer/base/lobe.h"
+#include "renderer/surface/lobe_albedo.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Rays that are traced at once; twice as many tell whether more are wanted; and the most of a point. chosen: 16, a
+/// packet; 64, which leave an edge of the sky in steps of a 64th.
+constexpr std::uint32_t rays_at_once = 16, most_lobe_rays = 64;
+
+/// Rays of a point that differ by more than this share of their mean, half against half, call for more. chosen: 0.01, a
+/// quarter of what pictures are usually allowed to be off by.
+constexpr float alike_halves = 0.01f;
+
+/// Element `index` of Sobol's first two dimensions, its digits flipped by `scramble`: any 16, 32 or 64 in a row from a
+/// multiple of that lie one in each cell of all nets of that size.
+glm::vec2 net_point(std::uint32_t index, glm::uvec2 scramble) {
+    glm::uvec2 bits = scramble;
+    std::uint32_t first = 1u << 31, second = 1u << 31;
+    for (; index != 0; index >>= 1, first >>= 1, second ^= second >> 1) {
+        if ((index & 1u) == 0) continue;
+        bits.x ^= first;
+        bits.y ^= second;
+    }
+    // The upper 24 bits, so that it never rounds to 1.
+    return glm::vec2(bits >> 8u) * 0x1p-24f;
+}
+
+/// A half vector in proportion to what is seen of its facets from `outgoing`; z is along the normal.
+/// [Heitz2018, listing 1]
+glm::vec3 visible_normal(glm::vec3 outgoing, float alpha, glm::vec2 u) {
+    const glm::vec3 v = glm::normalize(glm::vec3(alpha * outgoing.x, alpha * outgoing.y, outgoing.z));
+    const float across2 = v.x * v.x + v.y * v.y;
+    const glm::vec3 t1 = across2 > 0.0f ? glm::vec3(-v.y, v.x, 0) / std::sqrt(across2) : glm::vec3(1, 0, 0);
+    const glm::vec3 t2 = glm::cross(v, t1);
+    const float r = std::sqrt(u.x), phi = 2.0f * std::numbers::pi_v<float> * u.y;
+    const float a = r * std::cos(phi), s = 0.5f * (1.0f + v.z);
+    const float b = std::lerp(core::sqrt_or_zero(1.0f - a * a), r * std::sin(phi), s);
+    const glm::vec3 n = a * t1 + b * t2 + core::sqrt_or_zero(1.0f - a * a - b * b) * v;
+    return glm::normalize(glm::vec3(alpha * n.x, alpha * n.y, std::max(n.z, 1e-6f)));
+}
+
+}  // namespace
+
+/// Sums over the rays of a point, of the lobe's two parts.
+struct LobeRays::Sums {
+    glm::vec3 f0{0}, f90{0};  ///< weight x radiance
+    float f0_weight = 0, f90_weight = 0;
+    std::uint64_t rays = 0;
+
+    /// Radiance of the lobe [Karis2013].
+    glm::vec3 radiance(const Bsdf& bsdf, LobeAlbedo albedo) const {
+        glm::vec3 sum(0);
+        for (int k = 0; k < 3; ++k)
+            sum[k] = bsdf.f0[k] * albedo.f0 * core::divide_or(f0[k], f0_weight, 0.0f) +
+                     bsdf.f90[k] * albedo.f90 * core::divide_or(f90[k], f90_weight, 0.0f);
+        return sum;
+    }
+};
+
+LobeRays::LobeRays(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan)
+    : posed_scene_(posed_scene),
+      traces_(plan.runs(Pass::lobe_rays) && posed_scene.sky() != nullptr),
+      translucent_(plan.runs(Pass::alpha) || plan.runs(Pass::glass)),
+      brightest_(settings.sky_part / (std::numbers::pi_v<float> * lobe::lobe_rays_disc2)),
+      pixel_extent_(2.0f * std::tan(0.5f * posed_scene.posed().camera.lens().vertical_fov) /
+                    static_cast<float>(settings.format.height)) {}
+
+/// Light trees have the rest: of a part of the sky with this radiance as much as it is too narrow (lobe::by_trees).
+glm::vec3 LobeRays::sky(glm::vec3 direction, float solid_angle) const {
+    const glm::vec3 radiance = posed_scene_.sky()->radiance(direction, solid_angle);
+    return radiance * std::min(core::divide_or(brightest_, core::luminance(radiance), 1.0f), 1.0f);
+}
+
+/// A pattern of its own for every cell of a surface, about as large as a pixel, that stays on it as it moves.
+glm::uvec2 LobeRays::scramble_of(const SurfacePoint& p) const {
+    const scene::Snapshot& now = posed_scene_.posed();
+    const scene::Triangle t = scene::triangle_of(now, p.address.object, p.address.primitive);
+    const float edge = std::max(glm::distance(t.a, t.b), glm::distance(t.a, t.c));
+    const float pixel = pixel_extent_ * glm::distance(p.position, now.camera.position());
+    const float cells =
+        std::exp2(std::floor(std::log2(std::clamp(core::divide_or(edge, pixel, 1.0f), 1.0f, 65536.0f))));
+    const auto cell = [&](float u) { return static_cast<std::uint64_t>(std::clamp(u, 0.0f, 1.0f) * cells); };
+    const std::uint64_t triangle = core::mix(std::uint64_t{p.address.object} << 32 | p.address.primitive);
+    const std::uint64_t bits = core::mix(triangle ^ (cell(p.address.u) << 32 | cell(p.address.v)));
+    return {static_cast<std::uint32_t>(bits), static_cast<std::uint32_t>(bits >> 32)};
+}
+
+/// Sixteen rays, from number `first` of the point's pattern.
+void LobeRays::trace(const GatherPoint& point, std::uint32_t first, glm::uvec2 scramble, Sums& sums) const {
+    const SurfacePoint& p = point.point;
+    const glm::vec3 n = p.shading_normal, smooth = p.geometric_normal + p.smooth.tilt;
+    glm::vec3 t, b;
+    core::make_frame(n, t, b);
+    const float nv = std::max(glm::dot(n, p.outgoing), 1e-3f), a2 = p.bsdf.alpha * p.bsdf.alpha;
+    const glm::vec3 outgoing = glm::normalize(glm::vec3(glm::dot(t, p.outgoing), glm::dot(b, p.outgoing), nv));
+    const glm::vec3 origin = offset_origin(p, p.geometric_normal) + p.smooth.lift;
+
+    ShadowPacket packet;
+    float weight[rays_at_once], fresnel[rays_at_once], solid_angle[rays_at_once];
+    glm::vec3 direction[rays_at_once], passes[rays_at_once];
+    for (std::uint32_t i = 0; i < rays_at_once; ++i) {
+        const glm::vec3 h = visible_normal(outgoing, p.bsdf.alpha, net_point(first + i, scramble));
+        const float vh = std::max(glm::dot(outgoing, h), 0.0f);
+        const glm::vec3 l = 2.0f * vh * h - outgoing;
+        direction[i] = core::normalize_or(l.x * t + l.y * b + l.z * n, n);
+        fresnel[i] = lobe::schlick(vh);
+        // G2 / G1, but for what is the same for all of them.
+        weight[i] = l.z > 0.0f ? lobe::masking(l.z, outgoing.z, a2) * l.z : 0.0f;
+        const float g1 = 2.0f / (outgoing.z + std::sqrt(a2 + (1.0f - a2) * outgoing.z * outgoing.z));
+        const float pdf = 0.25f * g1 * lobe::distribution(std::min(h.z * h.z, 1.0f), a2);
+        solid_angle[i] = core::divide_or(1.0f / static_cast<float>(most_lobe_rays), pdf, 0.0f);
+        passes[i] = glm::vec3(1);
+        packet.origin_x[i] = origin.x, packet.origin_y[i] = origin.y, packet.origin_z[i] = origin.z;
+        packet.direction_x[i] = direction[i].x, packet.direction_y[i] = direction[i].y,
+        packet.direction_z[i] = direction[i].z;
+        packet.far[i] = std::numeric_limits<float>::infinity();
+        if (weight[i] > 0.0f && glm::dot(smooth, direction[i]) > 0.0f) packet.active |= 1u << i;
+    }
+    const std::uint32_t blocked =
+        packet.active != 0 ? posed_scene_.tracer().occluded(packet, translucent_ ? passes : nullptr) : 0;
+    sums.rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
+    for (std::uint32_t i = 0; i < rays_at_once; ++i) {
+        const float f0 = weight[i] * (1.0f - fresnel[i]), f90 = weight[i] * fresnel[i];
+        sums.f0_weight += f0;
+        sums.f90_weight += f90;
+        if ((packet.active & ~blocked & 1u << i) == 0) continue;
+        const glm::vec3 light = passes[i] * sky(direction[i], solid_angle[i]);
+        sums.f0 += f0 * light;
+        sums.f90 += f90 * light;
+    }
+}
+
+glm::vec3 LobeRays::radiance(const GatherPoint& p, std::uint64_t& rays) const {
+    const Bsdf& bsdf = p.point.bsdf;
+    const LobeAlbedo albedo = lobe_albedo(glm::dot(p.point.shading_normal, p.point.outgoing), bsdf.alpha);
+    const glm::uvec2 scramble = scramble_of(p.point);
+    Sums sums;
+    trace(p, 0, scramble, sums);
+    const float some = core::luminance(sums.radiance(bsdf, albedo));
+    trace(p, rays_at_once, scramble, sums);
+    const float more = core::luminance(sums.radiance(bsdf, albedo));
+    if (std::abs(some - more) > alike_halves * more)
+        for (std::uint32_t first = 2 * rays_at_once; first < most_lobe_rays; first += rays_at_once)
+            trace(p, first, scramble, sums);
+    rays += sums.rays;
+    return sums.radiance(bsdf, albedo);
+}
+
+std::uint64_t LobeRays::light(std::size_t tile, Seen& seen) const {
+    const auto across = static_cast<std::size_t>(seen.tiles_across());
+    std::uint64_t rays = 0;
+    for (GatherPoint& p : seen.tiles[tile]) {
+        if (!p.point.bsdf.has_narrow_lobe()) continue;
+        p.has_lobe_rays = true;
+        const int x = static_cast<int>(tile % across) * tile_size + p.pixel % tile_size;
+        const int y = static_cast<int>(tile / across) * tile_size + p.pixel / tile_size;
+        const glm::vec3 light = p.weight * radiance(p, rays);
+        seen.emitted.at(x, y) += light;
+        (p.reached_by_specular ? seen.emitted_specular : seen.emitted_glossy).at(x, y) += light;
+    }
+    return rays;
+}
+
+}  // namespace render2mpeg::renderer

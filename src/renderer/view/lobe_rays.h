@@ -1,0 +1,39 @@
+#pragma once
+// Looks along narrow glossy lobes at the sky.
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#include "renderer/surface/posed_scene.h"
+#include "renderer/view/see.h"
+
+namespace render2mpeg::renderer {
+
+/// The sky as narrow lobes reflect it (Bsdf::has_narrow_lobe), by rays along their visible normals [Heitz2018]. The
+/// lobe's radiance is its albedo times the mean over these rays of the sky's radiance, or 0 where a surface blocks it,
+/// by their weights: exact under an even sky. Points of light would stand too far apart there
+/// (docs/model/visibility.md).
+class LobeRays {
+  public:
+    LobeRays(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan);
+
+    /// Whether there are any.
+    bool trace_rays() const { return traces_; }
+
+    /// Marks the points of a tile whose lobes have rays, and adds what these bring to `emitted` and to the part of it
+    /// that it belongs to. Returns the rays. Reads and writes nothing of other tiles.
+    std::uint64_t light(std::size_t tile, Seen& seen) const;
+
+  private:
+    struct Sums;
+    void trace(const GatherPoint& p, std::uint32_t first, glm::uvec2 scramble, Sums& sums) const;
+    glm::vec3 sky(glm::vec3 direction, float solid_angle) const;
+    glm::vec3 radiance(const GatherPoint& p, std::uint64_t& rays) const;
+    glm::uvec2 scramble_of(const SurfacePoint& p) const;
+
+    const PosedScene& posed_scene_;
+    bool traces_, translucent_;
+    float brightest_;     ///< luminance of the sky; light trees have what is beyond
+    float pixel_extent_;  ///< of a pixel at distance 1
+};
+
+}  // namespace render2mpeg::renderer
