@@ -13,6 +13,7 @@
 #include "renderer/cut/shade.h"
 #include "renderer/lights/anchors.h"
 #include "renderer/lights/light_points.h"
+#include "renderer/lights/whole_lamps.h"
 #include "renderer/tree/light_trees.h"
 #include "renderer/view/see.h"
 #include "scene/preparation/traits.h"
@@ -52,7 +53,7 @@ bool same_light(const scene::Snapshot& a, const scene::Snapshot& b) {
     const auto same_lamp = [](const scene::LightState& x, const scene::LightState& y) {
         return x.kind == y.kind && x.position == y.position && x.direction == y.direction &&
                x.intensity == y.intensity && x.range == y.range && x.cos_inner == y.cos_inner &&
-               x.cos_outer == y.cos_outer && x.id == y.id;
+               x.cos_outer == y.cos_outer && x.angle == y.angle && x.id == y.id;
     };
     const auto same_shape = [](const scene::DeformedMesh& x, const scene::DeformedMesh& y) {
         return x.positions == y.positions && x.normals == y.normals;
@@ -96,7 +97,9 @@ struct Renderer::Impl {
             const std::vector<LightPoint> still = anchors ? anchors->average_still() : none,
                                           moving = anchors ? anchors->average_moving() : none;
             // Light trees takes two seeds, one for direct light and the next for indirect light.
-            lasting = PersistentLightTrees({light_points.average(), still, moving}, settings.seed + 2 * settings.draw);
+            if (plan.runs(Pass::whole_lamps)) lamps = WholeLamps(posed_scene, light_points.average());
+            const std::vector<LightPoint> direct = lamps.without(light_points.average());
+            lasting = PersistentLightTrees({direct, still, moving}, settings.seed + 2 * settings.draw);
             splits =
                 settings.cache != CacheUse::off && LightSplit::suit(posed_scene, plan, still.size(), moving.size());
             caches = settings.cache == CacheUse::on ||
@@ -132,8 +135,10 @@ struct Renderer::Impl {
         {
             const Stopwatch timer(row(Pass::direct_tree));
             light_trees = {};  // before the next one grows: many light points take as much memory
-            light_trees = lasting.at({direct, indirect.still, indirect.moving},
+            const std::vector<LightPoint> clustered = lamps.without(direct);
+            light_trees = lasting.at({clustered, indirect.still, indirect.moving},
                                      (snapshot.frame - first_frame) % rebuild_interval == 0);
+            light_trees.lamps = lamps.at(posed_scene);
         }
         const bool bounded = settings.clamp == Clamp::bounded;
         light_trees.direct_clamp = bounded ? emitter_clamp : GeometryClamp::none();
@@ -232,6 +237,7 @@ struct Renderer::Impl {
     PosedScene posed_scene;
     LightPoints light_points;
     std::optional<Anchors> anchors;  ///< of the film
+    WholeLamps lamps;                ///< of the chunk
     PersistentLightTrees lasting;    ///< of the chunk
     LightTrees light_trees;
     bool caches = false;  ///< light

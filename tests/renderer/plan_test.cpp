@@ -20,6 +20,7 @@ using scene::Traits;
 Traits all_traits() {
     Traits t;
     t.has_surfaces = t.has_punctual_lights = t.has_emissive_surfaces = t.has_shining_sky = true;
+    t.has_even_lamps = true;
     t.has_diffuse_surfaces = t.has_glossy_surfaces = t.has_narrow_lobes = t.has_mirrors = t.has_glass = true;
     t.has_alpha_mask = t.has_alpha_blend = t.has_normal_maps = t.has_textures = true;
     t.camera_moves = t.objects_move = t.objects_deform = t.lights_change = t.has_cuts = true;

@@ -234,7 +234,8 @@ TEST(Shade, CountsPointsWhoseToleranceTheLargestCutMissed) {
     stage.cut(0.0f);
     EXPECT_GT(stage.statistics().capped_points, stage.statistics().gather_points * 8 / 10);
     EXPECT_LE(stage.statistics().direct_clusters + stage.statistics().indirect_clusters,
-              6 * stage.statistics().gather_points);
+              (6 + 1) * stage.statistics().gather_points)
+        << "the cut, and the panel that is lit by as a whole";
 }
 
 TEST(Shade, StopsAtAnAbsoluteToleranceInTheDark) {
@@ -244,7 +245,7 @@ TEST(Shade, StopsAtAnAbsoluteToleranceInTheDark) {
     const std::uint64_t few = stage.statistics().direct_clusters + stage.statistics().indirect_clusters;
     stage.shade(0, core::ToleranceMap::uniform(24, 24, {0.0f, 0.02f}));
     const std::uint64_t many = stage.statistics().direct_clusters + stage.statistics().indirect_clusters - few;
-    EXPECT_LE(few, 8 * stage.statistics().gather_points / 2);
+    EXPECT_LE(few, (8 + 1) * stage.statistics().gather_points / 2) << "and the panel";
     EXPECT_GT(many, 4 * few);
 }
 

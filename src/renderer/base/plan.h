@@ -23,6 +23,7 @@ enum class Pass {
     punctual_lights,
     emissive_lights,
     sky_light,
+    whole_lamps,
     direct_tree,
     photons,
     indirect_tree,

@@ -1,6 +1,7 @@
 #include "renderer/cache/light_split.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "core/color.h"
 #include "renderer/cut/dynamic_objects.h"
@@ -64,9 +65,12 @@ bool LightSplit::update(const LightTrees& light_trees, std::span<const LightPoin
     constexpr int static_tree = LightTrees::static_tree, dynamic_tree = LightTrees::dynamic_tree;
     moving = bare;
     moving.exact = light_trees.exact;
+    const auto is_sharp = [](const WholeLamp& lamp) { return lamp.sharp; };
+    std::copy_if(light_trees.lamps.begin(), light_trees.lamps.end(), std::back_inserter(moving.lamps), is_sharp);
     moving.trees[dynamic_tree] = light_trees.trees[dynamic_tree];
     occluded = light_trees;
     occluded.exact.clear();
+    std::erase_if(occluded.lamps, is_sharp);
     occluded.trees[dynamic_tree] = {};
     occluded.shadows = Shadows::hidden_by_dynamic;
     gained = lost = bare;

@@ -138,7 +138,7 @@ void start(FrameState& frame, const core::ToleranceMap& tolerance, const FrameHi
         tile.tolerance = point_tolerances(frame.seen, t, tolerance);
         const bool knows = reuse(frame, t, history, moved);
         if (!knows && frame.split != nullptr) tile.exact.assign(points.size(), {});
-        if (!knows && !frame.light_trees.exact.empty()) gather_exact(frame, t, tile.exact, of_tile[t]);
+        if (!knows && frame.light_trees.has_exact()) gather_exact(frame, t, tile.exact, of_tile[t]);
         tile.dynamic_state.assign(points.size(), knows ? DynamicState::reused : DynamicState::open);
         for (std::size_t i = 0; i < points.size(); ++i)
             tile.tolerance[i].base += known_luminance(tile.exact[i], points[i]);

@@ -35,8 +35,11 @@ Seen blocks_of(const Seen& seen, const std::vector<LitPixel>& pixels) {
     return thin;
 }
 
+/// Rays that a whole lamp takes where it is seen in part.
+constexpr std::size_t samples_of_lamp = 256;
+
 std::size_t light_count(const LightTrees& light_trees) {
-    std::size_t count = light_trees.exact.size();
+    std::size_t count = light_trees.exact.size() + samples_of_lamp * light_trees.lamps.size();
     for (const LightTree& tree : light_trees.trees) count += tree.lights.size();
     return count;
 }

@@ -19,7 +19,10 @@ void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance,
 
     // Gather the lights that are not clustered, each by itself.
     alignas(64) Lanes exact_luminance{};
+    const LampAccuracy accuracy{&tolerance, &exact_luminance};
     if (limits.exact) add_exact(lanes, sums, exact_luminance, out);
+    if (limits.exact) add_lamps(lanes, true, accuracy, sums, exact_luminance, out);
+    add_lamps(lanes, false, accuracy, sums, exact_luminance, out);
 
     // Start with the root of every tree, its representative tested by shadow rays.
     cut_.start(lanes, tolerance, limits, exact_luminance, shadows_);
@@ -49,6 +52,22 @@ void Gatherer::add_exact(const GatherLanes& lanes, CutSums& sums, Lanes& luminan
     }
 }
 
+/// Of the lamps that are lit by as a whole, the sharp ones or the others.
+void Gatherer::add_lamps(const GatherLanes& lanes, bool sharp, LampAccuracy accuracy, CutSums& sums, Lanes& luminance,
+                         GatheredLight& out) {
+    for (const WholeLamp& lamp : light_trees_.lamps) {
+        if (lamp.sharp != sharp) continue;
+        if (light_trees_.shadows == Shadows::hidden_by_dynamic && !shadows_.may_be_hidden(type_of(lamp), lamp.box))
+            continue;
+        LampLight light;
+        gather_lamp(lamp, lanes, light_trees_.translucent, accuracy, shadows_, light);
+        const UnitLight unit = light.visible(lanes, light_trees_.translucent);
+        add_luminance(lanes, unit, lamp.radiance, luminance);
+        sums.add(unit, lamp.radiance, true);
+        ++out.direct_clusters;
+    }
+}
+
 void Gatherer::gather_exact(const GatherLanes& lanes, GatheredLight& out) {
     const FlushDenormals flushed;
     out.clear_counts();
@@ -56,6 +75,18 @@ void Gatherer::gather_exact(const GatherLanes& lanes, GatheredLight& out) {
     CutSums sums(lanes);
     Lanes luminance{};
     add_exact(lanes, sums, luminance, out);
+    add_lamps(lanes, true, {nullptr, &luminance}, sums, luminance, out);
+    sums.store(out);
+    out.shadow_rays = shadows_.rays();
+}
+
+void Gatherer::gather_lamps(const GatherLanes& lanes, GatheredLight& out) {
+    const FlushDenormals flushed;
+    out.clear_counts();
+    shadows_.start(lanes);
+    CutSums sums(lanes);
+    Lanes luminance{};
+    add_lamps(lanes, false, {nullptr, &luminance, true}, sums, luminance, out);
     sums.store(out);
     out.shadow_rays = shadows_.rays();
 }
@@ -67,6 +98,7 @@ void Gatherer::gather_all(const GatherLanes& lanes, GatheredLight& out) {
     CutSums sums(lanes);
     Lanes luminance{};
     add_exact(lanes, sums, luminance, out);
+    for (const bool sharp : {true, false}) add_lamps(lanes, sharp, {nullptr, &luminance, true}, sums, luminance, out);
     // Lanes that no ray of a packet is traced for keep what they had.
     LightContribution contribution = LightContribution::unknown_in(0);
     for (int t = 0; t < LightTrees::tree_count; ++t) {

@@ -3,6 +3,7 @@
 #include "renderer/cut/cut.h"
 #include "renderer/cut/cut_sums.h"
 #include "renderer/cut/gathered_light.h"
+#include "renderer/cut/lamp_light.h"
 #include "renderer/cut/shadow_tester.h"
 #include "renderer/geometry/ray_tracer.h"
 #include "renderer/tree/light_trees.h"
@@ -21,11 +22,16 @@ class Gatherer {
     /// Only the lights that are not clustered, each by itself.
     void gather_exact(const GatherLanes& lanes, GatheredLight& out);
 
+    /// Only the lamps that are lit by as a whole and are no part of gather_exact, by all samples.
+    void gather_lamps(const GatherLanes& lanes, GatheredLight& out);
+
     /// Every light point by itself, in the order of the trees: what all cuts are held against.
     void gather_all(const GatherLanes& lanes, GatheredLight& out);
 
   private:
     void add_exact(const GatherLanes& lanes, CutSums& sums, Lanes& luminance, GatheredLight& out);
+    void add_lamps(const GatherLanes& lanes, bool sharp, LampAccuracy accuracy, CutSums& sums, Lanes& luminance,
+                   GatheredLight& out);
 
     const LightTrees& light_trees_;
     const RayTracer& tracer_;

@@ -62,6 +62,8 @@ void gather_all(const LightTrees& light_trees, const RayTracer& tracer, const Ga
     fill(alone, exactly);
     Gatherer(light_trees, tracer).gather_exact(alone, exact);
     fill(alone, std::span(copies).first(1));
+    GatheredLight lamps;
+    Gatherer(light_trees, tracer).gather_lamps(alone, lamps);
 
     CutSums sums(lanes);
     LightPacket lights;
@@ -89,12 +91,12 @@ void gather_all(const LightTrees& light_trees, const RayTracer& tracer, const Ga
         }
     }
     sums.store(out);
-    set_first(out.direct, exact.direct.at(0) + total(out.direct));
+    set_first(out.direct, exact.direct.at(0) + lamps.direct.at(0) + total(out.direct));
     set_first(out.indirect, exact.indirect.at(0) + total(out.indirect));
     compensate_clamping_bias(light_trees, tracer, alone, out);
     if (!lanes.glossy) return;
-    set_first(out.f0, exact.f0.at(0) + total(out.f0));
-    set_first(out.schlick, exact.schlick.at(0) + total(out.schlick));
+    set_first(out.f0, exact.f0.at(0) + lamps.f0.at(0) + total(out.f0));
+    set_first(out.schlick, exact.schlick.at(0) + lamps.schlick.at(0) + total(out.schlick));
 }
 
 }  // namespace render2mpeg::renderer

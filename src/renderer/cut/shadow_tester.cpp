@@ -48,10 +48,9 @@ void ShadowTester::trace(LightType type, const TreeLight& light, const Spot* spo
     if (light_trees_.translucent) {
         glm::vec3 passes[lane_count];
         std::fill(std::begin(passes), std::end(passes), glm::vec3(1));
-        hidden = tracer_.occluded(packet, passes);
+        hidden = blocked(packet, passes);
         for (int i = 0; i < lane_count; ++i)
             for (int k = 0; k < 3 && (packet.active >> i & 1u) != 0; ++k) contribution.tint.passes[i][k] = passes[i][k];
-        count(packet.active);
     } else {
         hidden = blocked(packet);
     }
@@ -69,11 +68,10 @@ void ShadowTester::trace(LightType type, const TreeLight& light, const Spot* spo
     }
 }
 
-/// Bit i: ray i of the packet carries no light of these trees.
-std::uint32_t ShadowTester::blocked(const ShadowPacket& packet) {
+std::uint32_t ShadowTester::blocked(const ShadowPacket& packet, glm::vec3* passes) {
     if (light_trees_.shadows != Shadows::hidden_by_dynamic) {
         count(packet.active);
-        return light_trees_.shadows == Shadows::of_everything ? tracer_.occluded(packet, nullptr)
+        return light_trees_.shadows == Shadows::of_everything ? tracer_.occluded(packet, passes)
                                                               : tracer_.occluded_by_static(packet, nullptr);
     }
     // A dynamic object hides the light, and nothing static does.

@@ -60,8 +60,11 @@ class ShadowTester {
 
     std::uint64_t rays() const { return rays_; }
 
+    /// Bit i: ray i of the packet carries no light of these trees. `passes`, of sixteen, where something is
+    /// translucent: what it lets through of the others.
+    std::uint32_t blocked(const ShadowPacket& packet, glm::vec3* passes = nullptr);
+
   private:
-    std::uint32_t blocked(const ShadowPacket& packet);
     void count(std::uint32_t active) { rays_ += static_cast<std::uint64_t>(__builtin_popcount(active)); }
 
     const LightTrees& light_trees_;

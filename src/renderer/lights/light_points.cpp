@@ -22,6 +22,7 @@ LightPoint punctual_point(const scene::LightState& light) {
     p.object = core::no_id;
     if (light.kind == scene::LightKind::directional) {
         p.kind = LightPointKind::directional;
+        p.disc2 = std::sin(light.angle) * std::sin(light.angle);
     } else if (light.kind == scene::LightKind::spot) {
         // Falloff between the cones: scale = 1 / (cos inner - cos outer), offset = -cos outer x scale.
         // [KHR_lights_punctual]

@@ -1,9 +1,11 @@
 #pragma once
 // The light trees of a film: built once a chunk, refitted in every frame.
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
 
+#include "renderer/base/whole_lamp.h"
 #include "renderer/tree/light_kernels.h"
 #include "renderer/tree/light_tree.h"
 
@@ -33,9 +35,16 @@ struct LightTrees {
     static constexpr int tree_count = direct_trees + 2;
     std::array<LightTree, tree_count> trees;
     std::vector<ExactLight> exact;
+    std::vector<WholeLamp> lamps;  ///< not in the trees either
     GeometryClamp direct_clamp, indirect_clamp;
     bool translucent = false;                  ///< shadow rays may meet surfaces that let light through
     Shadows shadows = Shadows::of_everything;  ///< else nothing is translucent
+
+    /// Whether some light is gathered for every point by itself, not interpolated.
+    bool has_exact() const {
+        return !exact.empty() ||
+               std::any_of(lamps.begin(), lamps.end(), [](const WholeLamp& lamp) { return lamp.sharp; });
+    }
 
     static bool is_direct(int tree) { return tree < direct_trees; }
     GeometryClamp clamp(int tree) const { return is_direct(tree) ? direct_clamp : indirect_clamp; }

@@ -57,6 +57,8 @@ void Lights::build_punctual(const JsonValue& value, const std::string& name, int
         light.color = colors[copy % colors.size()].color(1);
     }
     if (const auto v = value.find("range")) light.range = static_cast<float>(v->number(0, 1e7));
+    if (light.kind == LightKind::directional && value.has("angle"))
+        light.angle = static_cast<float>(glm::radians(value.need("angle").number(0, 180) / 2));
     if (light.kind == LightKind::spot) {
         const double angle = value.has("angle") ? value.need("angle").number(0.1, 180) : 60;
         const double softness = value.has("softness") ? value.need("softness").number(0, 1) : 0.3;
@@ -126,7 +128,8 @@ void Lights::build(const JsonValue& value, std::size_t number) {
         if (value.has(key) && std::find(allowed.begin(), allowed.end(), kind) == allowed.end())
             value.need(key).fail("a " + std::string(kinds[kind]) + " light has no such key");
     };
-    for (const std::string_view key : {"angle", "softness"}) only_for(key, {1});
+    only_for("angle", {1, 2});
+    only_for("softness", {1});
     for (const std::string_view key : {"elevation", "azimuth"}) only_for(key, {2});
     only_for("range", {0, 1});
     only_for("size", {3});

@@ -18,6 +18,7 @@ struct Light {
     float intensity = 1;  ///< point, spot: radiant intensity (W/sr or cd); directional: irradiance across the beam (lx)
     float range = 0;      ///< beyond it there is no light, faded as the extension says; 0: infinite
     float inner_cone = 0;          ///< spot: half angle of full light, radians
+    float angle = 0;               ///< directional: half the angle that its disc spans, radians, 0..pi/2; 0: a point
     float outer_cone = 0.785398f;  ///< spot: half angle where the light ends, radians, > inner_cone
 };
 

@@ -84,11 +84,15 @@ Traits traits_of(const Animation& animation) {
         const bool by_node = object.node >= 0 && moves[static_cast<std::size_t>(object.node)] && object.skin < 0;
         if (by_node) traits.objects_move = true;
         if (deforms(animation, object, moves)) traits.objects_deform = true;
+        if (material.emits() && !material.unlit && !material.emission_texture.present() &&
+            object.mobility != Mobility::deforming)
+            traits.has_even_lamps = true;
         if (material.emits() && (by_node || deforms(animation, object, moves))) traits.lights_change = true;
     }
     for (const Light& light : animation.lights) {
         if (light.intensity <= 0 || light.color == glm::vec3(0)) continue;
         traits.has_punctual_lights = true;
+        if (light.angle > 0) traits.has_even_lamps = true;
         if (light.node >= 0 && moves[static_cast<std::size_t>(light.node)]) traits.lights_change = true;
     }
     for (const Track& track : animation.tracks)

@@ -10,6 +10,7 @@ struct Traits {
     bool has_surfaces = false;
     bool has_punctual_lights = false;
     bool has_emissive_surfaces = false;
+    bool has_even_lamps = false;  ///< surfaces that keep their shape and shine evenly, or suns with a size
     bool has_shining_sky = false;
     bool has_diffuse_surfaces = false;  ///< any surface that light can bounce off diffusely
     bool has_glossy_surfaces = false;   ///< reflects in a lobe that light points can fill

@@ -123,6 +123,8 @@ void validate_lights(Animation& animation) {
         if (!core::is_finite(light.color * light.intensity)) refuse(animation, name, "its intensity is too large");
         if (!(light.range >= 0)) refuse(animation, name, "its range must not be negative");
         if (std::isinf(light.range)) light.range = 0;
+        if (!(light.angle >= 0 && light.angle <= 1.5707964f))
+            refuse(animation, name, "its angle must be 0 <= angle <= pi/2");
         if (light.kind != LightKind::spot) continue;
         // pi / 2 in single precision is above pi / 2 by 4e-8.
         if (!(light.inner_cone >= 0 && light.inner_cone < light.outer_cone && light.outer_cone <= 1.5707964f))

@@ -1,0 +1,40 @@
+#pragma once
+// Light of whole lamps: closed form times the share of the lamp that shadow rays see.
+#include "renderer/base/whole_lamp.h"
+#include "renderer/cut/shadow_tester.h"
+#include "renderer/cut/stopping_rule.h"
+
+namespace render2mpeg::renderer {
+
+/// What a lamp of unit radiance sends to the lanes, visibility included.
+struct LampLight {
+    LightLanes unit;
+    LayerTint tint;  ///< unset where nothing is translucent
+
+    UnitLight visible(const GatherLanes& lanes, bool translucent) const {
+        UnitLight light = unit_light(lanes, unit);
+        if (translucent) light.passes = tint.passes;
+        return light;
+    }
+};
+
+/// As what kind of light its samples count.
+inline LightType type_of(const WholeLamp& lamp) {
+    return lamp.kind == WholeLamp::Kind::sun ? LightType::directional : LightType::oriented;
+}
+
+/// How well a lamp must be sampled.
+struct LampAccuracy {
+    const GroupTolerance* tolerance = nullptr;  ///< null: as many as may change anything
+    const Lanes* luminance = nullptr;           ///< of the lanes so far
+    bool reference = false;                     ///< all samples everywhere
+};
+
+/// A lamp's light in the lanes of a group [Szecsi2004]: J, the irradiance without occlusion, times the share of
+/// samples' weight that is visible, and the lobes' response to the samples in the same way. Each lane begins with four
+/// stratified samples of its own, so that sixteen lanes probe sixty-four places of the lamp, and takes four times as
+/// many, up to 1,024, as long as the share may still be off by more than a part of the lane's tolerance.
+void gather_lamp(const WholeLamp& lamp, const GatherLanes& lanes, bool translucent, const LampAccuracy& accuracy,
+                 ShadowTester& shadows, LampLight& out);
+
+}  // namespace render2mpeg::renderer

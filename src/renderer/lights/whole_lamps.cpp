@@ -1,0 +1,251 @@
+#include "renderer/lights/whole_lamps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <tuple>
+#include <utility>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "renderer/base/lobe.h"
+#include "renderer/lights/light_points.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+constexpr std::size_t most_outline_corners = 8;
+
+/// Of a mesh's size: how far a corner may lie off the plane, or from the sphere.
+constexpr float shape_error = 1e-3f;
+
+/// Fewer triangles are a body with corners, not a sphere.
+constexpr std::size_t least_sphere_triangles = 200;
+
+/// Suns whose half angle is less throw shadows that are too sharp to be interpolated. chosen: 1 degree.
+constexpr float sharp_sun = 0.01745f;
+
+/// A lamp of less than this share of the power of all surfaces keeps its light points. chosen: an eighth; at a
+/// sixty-fourth many_lamps took 14 % more rays, since clusters of many lamps are cheaper than each by itself.
+constexpr double least_share = 1.0 / 8;
+
+/// What one triangle's edges leave open: for each corner where the outline goes from there.
+std::map<std::uint32_t, std::uint32_t> outline_of(const scene::Mesh& mesh, const std::vector<std::uint32_t>& welded,
+                                                  bool& simple) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+    for (const glm::uvec3 t : mesh.triangles)
+        for (int k = 0; k < 3; ++k) ++edges[{welded[t[k]], welded[t[(k + 1) % 3]]}];
+    std::map<std::uint32_t, std::uint32_t> next;
+    simple = true;
+    for (const auto& [edge, count] : edges) {
+        if (count > 1) simple = false;
+        if (edges.contains({edge.second, edge.first})) continue;
+        if (!next.emplace(edge.first, edge.second).second) simple = false;
+    }
+    return next;
+}
+
+/// For each vertex the first one at its place.
+std::vector<std::uint32_t> weld(const scene::Mesh& mesh) {
+    const auto less = [](const glm::vec3& a, const glm::vec3& b) {
+        return std::tuple(a.x, a.y, a.z) < std::tuple(b.x, b.y, b.z);
+    };
+    std::map<glm::vec3, std::uint32_t, decltype(less)> first(less);
+    std::vector<std::uint32_t> welded;
+    for (std::uint32_t i = 0; i < mesh.positions.size(); ++i)
+        welded.push_back(first.emplace(mesh.positions[i], i).first->second);
+    return welded;
+}
+
+glm::vec3 wound_normal(const scene::Mesh& mesh, glm::uvec3 t) {
+    const glm::vec3 a = mesh.positions[t.x];
+    return glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
+}
+
+bool is_flat(const scene::Mesh& mesh, glm::vec3 normal, float size) {
+    for (const glm::uvec3 t : mesh.triangles) {
+        if (!(glm::dot(wound_normal(mesh, t), normal) > 0)) return false;
+        for (int k = 0; k < 3; ++k) {
+            const glm::vec3 off = mesh.positions[t[k]] - mesh.positions[mesh.triangles.front().x];
+            if (std::abs(glm::dot(off, normal)) > 0.01f * shape_error * size) return false;
+        }
+    }
+    return true;
+}
+
+float size_of(const scene::Mesh& mesh) {
+    glm::vec3 low(mesh.positions.front()), high(low);
+    for (const glm::vec3& p : mesh.positions) low = glm::min(low, p), high = glm::max(high, p);
+    return glm::length(high - low);
+}
+
+/// The largest over the smallest factor by which a matrix scales.
+bool scales_evenly(const glm::mat4& m) {
+    const float a = glm::length(glm::vec3(m[0])), b = glm::length(glm::vec3(m[1])), c = glm::length(glm::vec3(m[2]));
+    return std::max({a, b, c}) <= (1 + shape_error) * std::min({a, b, c}) && a > 0;
+}
+
+}  // namespace
+
+std::vector<glm::vec3> convex_outline(const scene::Mesh& mesh) {
+    if (mesh.triangles.empty() || mesh.triangles.size() > 4096) return {};
+    const float size = size_of(mesh);
+    const glm::vec3 normal = core::normalize_or(wound_normal(mesh, mesh.triangles.front()), glm::vec3(0));
+    if (normal == glm::vec3(0) || !is_flat(mesh, normal, size)) return {};
+    const std::vector<std::uint32_t> welded = weld(mesh);
+    bool simple = true;
+    const auto next = outline_of(mesh, welded, simple);
+    if (!simple || next.empty()) return {};
+    // One loop, which takes in all open edges.
+    std::vector<glm::vec3> loop;
+    std::uint32_t at = next.begin()->first;
+    do {
+        loop.push_back(mesh.positions[at]);
+        const auto found = next.find(at);
+        if (found == next.end()) return {};
+        at = found->second;
+    } while (at != next.begin()->first && loop.size() <= next.size());
+    if (loop.size() != next.size()) return {};
+    // Corners turn left; what lies on a straight edge is none.
+    std::vector<glm::vec3> corners;
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+        const glm::vec3 in = loop[i] - loop[(i + loop.size() - 1) % loop.size()],
+                        out = loop[(i + 1) % loop.size()] - loop[i];
+        const float turn = glm::dot(glm::cross(in, out), normal), straight = 1e-4f * glm::length(in) * glm::length(out);
+        if (turn < -straight) return {};
+        if (turn > straight) corners.push_back(loop[i]);
+    }
+    return corners.size() >= 3 && corners.size() <= most_outline_corners ? corners : std::vector<glm::vec3>{};
+}
+
+bool WholeLamps::find_shape(const PosedScene& posed_scene, std::uint32_t object, Surface& surface) {
+    const scene::Animation& film = posed_scene.animation();
+    const scene::Object& o = film.objects[object];
+    const scene::Material& material = film.materials[static_cast<std::size_t>(o.material)];
+    if (o.mobility == scene::Mobility::deforming || material.emission_texture.present() || material.unlit ||
+        material.alpha_mode != scene::AlphaMode::opaque)
+        return false;
+    const scene::Mesh& mesh = film.meshes[static_cast<std::size_t>(o.mesh)];
+    surface.object = object;
+    surface.corners = convex_outline(mesh);
+    if (!surface.corners.empty()) return true;
+    if (mesh.triangles.size() < least_sphere_triangles || !scales_evenly(posed_scene.posed().objects[object].to_world))
+        return false;
+    glm::vec3 low(mesh.positions.front()), high(low);
+    for (const glm::vec3& p : mesh.positions) low = glm::min(low, p), high = glm::max(high, p);
+    surface.centre = 0.5f * (low + high);
+    double area = 0;
+    float nearest = glm::length(high - low);
+    for (const glm::uvec3 t : mesh.triangles) {
+        const glm::vec3 normal = wound_normal(mesh, t);
+        if (!(glm::dot(normal, mesh.positions[t.x] - surface.centre) > 0)) return false;
+        area += 0.5 * glm::length(normal);
+        for (int k = 0; k < 3; ++k) {
+            const float r = glm::length(mesh.positions[t[k]] - surface.centre);
+            nearest = std::min(nearest, r);
+            surface.outer = std::max(surface.outer, r);
+        }
+    }
+    surface.radius = static_cast<float>(std::sqrt(area / (4 * std::numbers::pi)));
+    return surface.outer - nearest <= shape_error * surface.outer && surface.radius > 0.98f * surface.outer;
+}
+
+WholeLamps::WholeLamps(const PosedScene& posed_scene, std::span<const LightPoint> points) {
+    std::map<std::uint32_t, double> power;
+    double all = 0;
+    for (const LightPoint& p : points) {
+        if (p.kind == LightPointKind::directional && p.id >= first_punctual_id && p.disc2 > 0.0f &&
+            suns_.size() < most_whole_lamps)
+            suns_.push_back(p.id);
+        if (p.kind != LightPointKind::oriented) continue;
+        power[p.object] += core::luminance(p.intensity);
+        all += core::luminance(p.intensity);
+    }
+    std::sort(suns_.begin(), suns_.end());
+    std::vector<std::pair<double, std::uint32_t>> by_power;
+    for (const auto& [object, own] : power)
+        if (own >= least_share * all) by_power.emplace_back(-own, object);
+    std::sort(by_power.begin(), by_power.end());
+    for (const auto& [own, object] : by_power) {
+        Surface surface;
+        if (suns_.size() + surfaces_.size() >= most_whole_lamps) break;
+        if (find_shape(posed_scene, object, surface)) surfaces_.push_back(std::move(surface));
+    }
+    std::sort(surfaces_.begin(), surfaces_.end(),
+              [](const Surface& a, const Surface& b) { return a.object < b.object; });
+}
+
+std::vector<LightPoint> WholeLamps::without(std::span<const LightPoint> points) const {
+    std::vector<LightPoint> left;
+    for (const LightPoint& p : points) {
+        const auto is_its = [&](const Surface& s) { return s.object == p.object; };
+        if (p.kind == LightPointKind::oriented && std::any_of(surfaces_.begin(), surfaces_.end(), is_its)) continue;
+        if (std::binary_search(suns_.begin(), suns_.end(), p.id)) continue;
+        left.push_back(p);
+    }
+    return left;
+}
+
+WholeLamp WholeLamps::lamp_of(const PosedScene& posed_scene, const Surface& surface) const {
+    const scene::Snapshot& now = posed_scene.posed();
+    const glm::mat4& to_world = now.objects[surface.object].to_world;
+    const auto placed = [&](glm::vec3 p) { return glm::vec3(to_world * glm::vec4(p, 1)); };
+    WholeLamp lamp;
+    lamp.object = surface.object;
+    lamp.radiance = posed_scene.mean_emission(surface.object, 0);
+    lamp.normal = posed_scene.front_normal(surface.object, 0);
+    const SurfacePoint point = posed_scene.surface_at({surface.object, 0, 1.0f / 3, 1.0f / 3}, lamp.normal);
+    lamp.clearance = 2 * point.position_error;
+    if (!surface.corners.empty()) {
+        const scene::Animation& film = posed_scene.animation();
+        const auto material = static_cast<std::size_t>(film.objects[surface.object].material);
+        lamp.two_sided = film.materials[material].double_sided;
+        for (const glm::vec3& corner : surface.corners) lamp.corners.push_back(placed(corner));
+        glm::vec3 across(0);
+        for (std::size_t i = 2; i < lamp.corners.size(); ++i)
+            across += glm::cross(lamp.corners[i - 1] - lamp.corners[0], lamp.corners[i] - lamp.corners[0]);
+        lamp.area = 0.5f * glm::length(across);
+        glm::vec3 low(lamp.corners.front()), high(low);
+        for (const glm::vec3& c : lamp.corners) low = glm::min(low, c), high = glm::max(high, c);
+        lamp.box = {0.5f * (low + high), 0.5f * (high - low) + glm::vec3(lamp.clearance)};
+        return lamp;
+    }
+    lamp.kind = WholeLamp::Kind::sphere;
+    lamp.position = placed(surface.centre);
+    const float scale = std::cbrt(std::abs(glm::determinant(glm::mat3(to_world))));
+    lamp.radius = scale * surface.radius;
+    lamp.clearance += scale * (1 + shape_error) * surface.outer - lamp.radius;
+    lamp.area = 4 * std::numbers::pi_v<float> * lamp.radius * lamp.radius;
+    lamp.box = {lamp.position, glm::vec3(lamp.radius + lamp.clearance)};
+    return lamp;
+}
+
+std::vector<WholeLamp> WholeLamps::at(const PosedScene& posed_scene) const {
+    const scene::Snapshot& now = posed_scene.posed();
+    const auto shines = [](const WholeLamp& lamp) {
+        return core::is_finite(lamp.radiance) && core::luminance(lamp.radiance) > 0.0f;
+    };
+    std::vector<WholeLamp> lamps;
+    for (const scene::LightState& light : now.lights) {
+        if (!std::binary_search(suns_.begin(), suns_.end(), first_punctual_id + light.id)) continue;
+        WholeLamp lamp;
+        lamp.kind = WholeLamp::Kind::sun;
+        lamp.object = core::no_id;
+        lamp.position = -light.direction;
+        lamp.radius = std::sin(light.angle);
+        lamp.sharp = light.angle < sharp_sun;
+        lamp.radiance = light.intensity * (lobe::inverse_pi / (lamp.radius * lamp.radius));
+        // No direction of the disc is farther from the middle than the chord of its angle.
+        lamp.box = {lamp.position, glm::vec3(2 * std::sin(0.5f * light.angle))};
+        if (shines(lamp)) lamps.push_back(lamp);
+    }
+    for (const Surface& surface : surfaces_) {
+        if (!now.objects[surface.object].present) continue;
+        WholeLamp lamp = lamp_of(posed_scene, surface);
+        if (shines(lamp) && lamp.area > 0 && std::isfinite(lamp.area)) lamps.push_back(std::move(lamp));
+    }
+    return lamps;
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,49 @@
+#pragma once
+// Chooses the lamps that are lit by as a whole, and says where they are.
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "renderer/base/light_point.h"
+#include "renderer/base/whole_lamp.h"
+#include "renderer/surface/posed_scene.h"
+
+namespace render2mpeg::renderer {
+
+/// At most as many lamps are lit by as a whole; a point takes four rays to each at least.
+inline constexpr std::size_t most_whole_lamps = 16;
+
+/// The lamps of a chunk whose unoccluded light has a closed form: suns with a size, and objects of one convex polygon
+/// or one sphere that keep their shape and shine evenly (docs/model/lamps.md). They take the place of their light
+/// points in the light trees; photons still start from the points.
+class WholeLamps {
+  public:
+    WholeLamps() = default;
+    /// Chooses among what `points` (the film's average light) belong to: suns first, then the most powerful surfaces.
+    WholeLamps(const PosedScene& posed_scene, std::span<const LightPoint> points);
+
+    /// The points that are not of these lamps.
+    std::vector<LightPoint> without(std::span<const LightPoint> points) const;
+
+    /// The lamps of the posed instant that shine.
+    std::vector<WholeLamp> at(const PosedScene& posed_scene) const;
+
+  private:
+    /// A surface that shines, in its mesh's space.
+    struct Surface {
+        std::uint32_t object = 0;
+        std::vector<glm::vec3> corners;  ///< empty: a sphere
+        glm::vec3 centre{0};
+        float radius = 0, outer = 0;  ///< sphere: of the true one, and of the farthest corner of its mesh
+    };
+    static bool find_shape(const PosedScene& posed_scene, std::uint32_t object, Surface& surface);
+    WholeLamp lamp_of(const PosedScene& posed_scene, const Surface& surface) const;
+
+    std::vector<std::uint32_t> suns_;  ///< ids of light points, rising
+    std::vector<Surface> surfaces_;    ///< by object
+};
+
+/// The corners of a mesh that is one flat convex polygon with at most 8 of them, in order; empty for others.
+std::vector<glm::vec3> convex_outline(const scene::Mesh& mesh);
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,233 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "core/color.h"
+#include "core/sampling.h"
+#include "renderer/cut/lamp_irradiance.h"
+#include "renderer/lights/whole_lamps.h"
+#include "tests/renderer/film_stage.h"
+#include "tests/renderer/lighting.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+using test::FilmStage;
+using test::LitStage;
+using test::SceneBuilder;
+
+constexpr double pi = std::numbers::pi;
+
+/// Irradiance of a parallelogram of radiance 1, by the midpoints of n x n cells.
+double by_quadrature(glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v, glm::dvec3 place, glm::dvec3 normal, int n) {
+    const glm::dvec3 across = glm::cross(u, v), lamp_normal = glm::normalize(across);
+    double sum = 0;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+            const glm::dvec3 d = corner + (i + 0.5) / n * u + (j + 0.5) / n * v - place;
+            const double cosine = glm::dot(d, normal), at_lamp = std::abs(glm::dot(d, lamp_normal));
+            if (cosine > 0) sum += cosine * at_lamp / (glm::dot(d, d) * glm::dot(d, d));
+        }
+    return sum * glm::length(across) / (n * n);
+}
+
+TEST(PolygonIrradiance, IsTheIntegralOverThePolygon) {
+    const glm::vec3 corner{-0.4f, 1, -0.3f}, u{0.9f, 0.1f, 0}, v{0.1f, 0, 0.8f};
+    const std::vector<glm::vec3> corners{corner, corner + u, corner + u + v, corner + v};
+    const glm::vec3 places[] = {{0, 0, 0}, {2, 0.5f, -1}, {0.1f, 0.9f, 0.2f}, {-3, -1, 4}};
+    const glm::vec3 normals[] = {{0, 1, 0}, {1, 0, 0}, {-0.6f, 0.8f, 0}, {0.3f, 0.2f, -0.9327379f}};
+    for (const glm::vec3& place : places)
+        for (const glm::vec3& normal : normals) {
+            const double expected = by_quadrature(corner, u, v, place, normal, 1000);
+            EXPECT_NEAR(polygon_irradiance(corners, place, normal), expected, 1e-4 * expected + 2e-6);
+        }
+}
+
+TEST(PolygonIrradiance, HasNoneFromBelowNorInItsPlaneAndAtMostAWholeSkys) {
+    const std::vector<glm::vec3> corners{{-1, 1, -1}, {1, 1, -1}, {1, 1, 1}, {-1, 1, 1}};
+    EXPECT_EQ(polygon_irradiance(corners, {0, 0, 0}, {0, -1, 0}), 0.0);
+    EXPECT_NEAR(polygon_irradiance(corners, {3, 1, 0}, {0, 1, 0}), 0.0, 1e-12);
+    EXPECT_NEAR(polygon_irradiance(corners, {0, 1 - 1e-6f, 0}, {0, 1, 0}), pi, 1e-5);
+    EXPECT_LE(polygon_irradiance(corners, {1, 1, 1}, {0, 1, 0}), pi);
+    EXPECT_TRUE(std::isfinite(polygon_irradiance(corners, {1, 1, 1}, {0, 1, 0})));
+    const std::vector<glm::vec3> needle{{0, 1, 0}, {1, 1, 0}, {0.5f, 1, 0}};
+    EXPECT_NEAR(polygon_irradiance(needle, {0, 0, 0}, {0, 1, 0}), 0.0, 1e-9);
+}
+
+TEST(ConeIrradiance, IsTheIntegralOverTheConeAboveTheHorizon) {
+    for (const double sigma : {0.01, 0.3, 1.0, pi / 2})
+        for (const double theta : {0.0, 0.5, 1.2, pi / 2, 1.8, 2.5}) {
+            // Midpoints of rings and sectors about the axis, at theta from the normal.
+            constexpr int rings = 400, sectors = 400;
+            double sum = 0;
+            for (int r = 0; r < rings; ++r)
+                for (int s = 0; s < sectors; ++s) {
+                    const double low = 1 - std::cos(sigma), cosine = 1 - low * (r + 0.5) / rings;
+                    const double sine = std::sqrt(1 - cosine * cosine), turn = 2 * pi * (s + 0.5) / sectors;
+                    sum += std::max(0.0, cosine * std::cos(theta) + sine * std::cos(turn) * std::sin(theta)) * 2 * pi *
+                           low / (rings * sectors);
+                }
+            const double sine = std::sin(sigma);
+            EXPECT_NEAR(cone_irradiance(std::cos(theta), sine * sine), sum, 1e-4 * sum + 1e-5) << sigma << " " << theta;
+        }
+}
+
+TEST(ConvexOutline, IsFoundInFlatConvexMeshesAlone) {
+    EXPECT_EQ(convex_outline(SceneBuilder::quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0})).size(), 4u);
+    // Two quads side by side are one: the seam's corners lie on straight edges.
+    scene::Mesh two = SceneBuilder::quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    SceneBuilder::append(two, SceneBuilder::quad({1, 0, 0}, {1, 0, 0}, {0, 1, 0}));
+    EXPECT_EQ(convex_outline(two).size(), 4u);
+    // An L, a box, two sheets apart, and a sheet that is bent.
+    scene::Mesh corner = two;
+    SceneBuilder::append(corner, SceneBuilder::quad({0, 1, 0}, {1, 0, 0}, {0, 1, 0}));
+    EXPECT_TRUE(convex_outline(corner).empty());
+    EXPECT_TRUE(convex_outline(SceneBuilder::box({0, 0, 0}, {1, 1, 1}, false)).empty());
+    scene::Mesh apart = SceneBuilder::quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    SceneBuilder::append(apart, SceneBuilder::quad({3, 0, 0}, {1, 0, 0}, {0, 1, 0}));
+    EXPECT_TRUE(convex_outline(apart).empty());
+    scene::Mesh bent = SceneBuilder::quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    SceneBuilder::append(bent, SceneBuilder::quad({1, 0, 0}, {1, 0, 0.1f}, {0, 1, 0}));
+    EXPECT_TRUE(convex_outline(bent).empty());
+}
+
+/// A floor at y = 0 with a reflectance of 0.5, seen from above; no bounce.
+SceneBuilder floor_of(float side = 10) {
+    SceneBuilder b;
+    b.add_quad({-side / 2, 0, side / 2}, {side, 0, 0}, {0, 0, -side}, b.add_material(glm::vec3(0.5f)));
+    b.add_camera({0, 8, 0.01f}, {0, 0, 0}, 0.5f);
+    return b;
+}
+
+/// How bright the pixels of a floor are over what `irradiance` says at their places, at least and at most.
+template <class Irradiance>
+std::pair<double, double> against(FilmStage& stage, const core::ToleranceMap& tolerance, const Irradiance& irradiance) {
+    const scene::Snapshot world = stage.at(0);
+    const Seen seen = stage.renderer().see(world);
+    const core::Radiance r = stage.renderer().shade(world, seen, tolerance);
+    double low = 1e9, high = 0;
+    for (int y = 0; y < r.combined.height(); ++y)
+        for (int x = 0; x < r.combined.width(); ++x) {
+            const auto p = scene::carry(seen.visible.address.at(x, y), world);
+            if (!p || p->y != 0 || seen.visible.address.at(x, y).object != 0) continue;
+            const double share = r.combined.at(x, y).x / (0.5 / pi * irradiance(glm::dvec3(*p)));
+            low = std::min(low, share);
+            high = std::max(high, share);
+        }
+    return {low, high};
+}
+
+Settings without_bounces() {
+    Settings settings = test::small_frame();
+    settings.vpls = 0;
+    return settings;
+}
+
+TEST(WholeLamps, AreExactWhereNothingIsInTheWay) {
+    const glm::vec3 corner{-0.5f, 1, -0.25f}, u{1, 0, 0}, v{0, 0, 0.5f};
+    for (const auto& tolerance : {core::ToleranceMap::reference(), core::ToleranceMap::uniform(24, 24, {0, 0.02f})}) {
+        SceneBuilder panel = floor_of();
+        panel.add_quad(corner, u, v, panel.add_emitter(glm::vec3(3)));
+        FilmStage of_panel(panel, without_bounces());
+        const auto flat = against(of_panel, tolerance, [&](glm::dvec3 p) {
+            return 3 * by_quadrature(corner, u, v, p, {0, 1, 0}, 200);
+        });
+        EXPECT_NEAR(flat.first, 1, 2e-4);
+        EXPECT_NEAR(flat.second, 1, 2e-4);
+
+        SceneBuilder ball = floor_of();
+        ball.add_sphere({0.2f, 1, 0}, 0.3f, ball.add_emitter(glm::vec3(2)), 24);
+        FilmStage of_ball(ball, without_bounces());
+        // The mesh is inscribed: as bright as a sphere of its area.
+        const auto round = against(of_ball, tolerance, [](glm::dvec3 p) {
+            const glm::dvec3 d = glm::dvec3(0.2, 1, 0) - p;
+            return 2 * pi * 0.09 / glm::dot(d, d) * d.y / glm::length(d);
+        });
+        EXPECT_GT(round.first, 0.99);
+        EXPECT_LT(round.second, 1.0);
+        EXPECT_LT(round.second - round.first, 1e-4) << "no noise";
+    }
+}
+
+TEST(SoftSun, HasThePenumbraOfADiscBehindAnEdge) {
+    // Straight above a half plane at this height whose edge runs along z through x = 0: a disc cut by a straight line.
+    constexpr double half_angle = 0.1, height = 2;
+    SceneBuilder b = floor_of();
+    b.film().cameras.clear();
+    b.add_camera({0.9f, 1.2f, 0.01f}, {0, 0, 0}, 0.9f);
+    b.add_quad({-50, height, 50}, {50, 0, 0}, {0, 0, -100}, b.add_material(glm::vec3(0)));
+    b.add_sun({0, -1, 0}, 2);
+    b.film().lights.back().angle = half_angle;
+    FilmStage stage(b, without_bounces());
+    const scene::Snapshot world = stage.at(0);
+    const Seen seen = stage.renderer().see(world);
+    for (const auto& tolerance : {core::ToleranceMap::reference(), core::ToleranceMap::uniform(24, 24, {0, 0.02f})}) {
+        const core::Radiance r = stage.renderer().shade(world, seen, tolerance);
+        int in_part = 0;
+        for (int y = 0; y < 24; ++y)
+            for (int x = 0; x < 24; ++x) {
+                const auto p = scene::carry(seen.visible.address.at(x, y), world);
+                if (!p || seen.visible.address.at(x, y).object != 0) continue;
+                const double u = std::clamp(p->x / height / std::tan(half_angle), -1.0, 1.0);
+                const double visible = (std::acos(-u) + u * std::sqrt(1 - u * u)) / pi;
+                EXPECT_NEAR(r.combined.at(x, y).x / (2 * 0.5 / pi), visible, tolerance.is_reference() ? 0.01 : 0.02)
+                    << p->x;
+                in_part += visible > 0.05 && visible < 0.95 ? 1 : 0;
+            }
+        EXPECT_GT(in_part, 20);
+    }
+}
+
+TEST(SoftSun, IsAsBrightAsAPointWhereNothingIsInTheWay) {
+    double bright[2];
+    for (const bool soft : {false, true}) {
+        SceneBuilder b = floor_of();
+        b.add_sun({0.3f, -1, 0.2f}, 2);
+        if (soft) b.film().lights.back().angle = 0.2f;
+        FilmStage stage(b, without_bounces());
+        const scene::Snapshot world = stage.at(0);
+        const Seen seen = stage.renderer().see(world);
+        const core::Radiance r = stage.renderer().shade(world, seen, core::ToleranceMap::reference());
+        bright[soft ? 1 : 0] = r.combined.at(12, 12).x;
+    }
+    EXPECT_NEAR(bright[1] / bright[0], 1, 1e-5);
+}
+
+TEST(WholeLamps, AreThoseThatShineEvenlyAndCarryMuchOfTheLight) {
+    SceneBuilder b = floor_of();
+    const int panel = b.add_quad({-0.5f, 1, -0.25f}, {1, 0, 0}, {0, 0, 0.5f}, b.add_emitter(glm::vec3(3)));
+    const int ball = b.add_sphere({3, 1, 0}, 0.3f, b.add_emitter(glm::vec3(2)), 24);
+    const int box = b.add_box({-3, 1, 0}, {-2.5f, 1.5f, 0.5f}, b.add_emitter(glm::vec3(2)));
+    const int dim = b.add_quad({-0.5f, 2, -0.25f}, {0.1f, 0, 0}, {0, 0, 0.05f}, b.add_emitter(glm::vec3(3)));
+    LitStage stage(b);
+    const auto points = stage.direct_points(256, 1);
+    const WholeLamps lamps(stage.posed_scene(), points);
+    std::vector<int> whole;
+    for (const WholeLamp& lamp : lamps.at(stage.posed_scene())) whole.push_back(static_cast<int>(lamp.object));
+    EXPECT_EQ(whole, (std::vector<int>{panel, ball}));
+    for (const LightPoint& p : lamps.without(points))
+        EXPECT_TRUE(static_cast<int>(p.object) == box || static_cast<int>(p.object) == dim);
+    EXPECT_FALSE(lamps.without(points).empty());
+}
+
+TEST(WholeLamps, OfAnExtremeSceneAreFinite) {
+    // A lamp that covers the sky, one inside a wall, one that touches the floor, a hundred panels.
+    SceneBuilder b = floor_of();
+    b.add_quad({-1e6f, 5, -1e6f}, {2e6f, 0, 0}, {0, 0, 2e6f}, b.add_emitter(glm::vec3(1e-3f)));
+    b.add_quad({-1, 0, 0}, {2, 0, 0}, {0, 2, 0}, b.add_emitter(glm::vec3(1e9f)));
+    for (int i = 0; i < 100; ++i)
+        b.add_quad({0.01f * static_cast<float>(i), -1, 0}, {1, 0, 0}, {0, 1e-6f, 0}, b.add_emitter(glm::vec3(1e12f)));
+    FilmStage stage(b, without_bounces());
+    const scene::Snapshot world = stage.at(0);
+    const Seen seen = stage.renderer().see(world);
+    for (const auto& tolerance : {core::ToleranceMap::reference(), core::ToleranceMap::uniform(24, 24, {0, 0.02f})}) {
+        const core::Radiance r = stage.renderer().shade(world, seen, tolerance);
+        for (const glm::vec3& p : r.combined.values()) EXPECT_TRUE(std::isfinite(p.x) && p.x >= 0);
+    }
+    EXPECT_EQ(stage.statistics().non_finite, 0u);
+}
+
+}  // namespace
+}  // namespace render2mpeg::renderer
