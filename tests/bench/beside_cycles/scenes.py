@@ -1,0 +1,203 @@
+#!/usr/bin/env python3
+"""scenes.py [--models SCENES_FOLDER] OUT_FOLDER [NAME...]
+
+Writes scenes as animation files, OUT_FOLDER/NAME/film.json, which render2mpeg and cycles.py both read: one description for
+both. Scenes whose names begin with "check_" are a matt plane under one lamp, with the closed form of its radiance in
+OUT_FOLDER/NAME/closed_form. Models become matt: each material keeps its colour factor, loses textures and highlights, and
+shows both sides, so that the comparison is of light and not of material conventions.
+"""
+import argparse
+import json
+import math
+import os
+import struct
+import zlib
+
+ALBEDO = 0.8
+
+
+def matt(*colour):
+    return {"base_color": list(colour) if len(colour) > 1 else colour[0]}
+
+
+def ball(x, z, material, radius=0.5):
+    return {"shape": "sphere", "radius": radius, "segments": 128, "position": [x, radius, z], "material": material}
+
+
+def panel(position, rotate, size, intensity, colour=(1, 1, 1)):
+    return {"kind": "panel", "position": position, "rotate": rotate, "size": size, "intensity": intensity, "color": list(colour)}
+
+
+def room(width, height, depth, walls, left=None, right=None, front=False):
+    """Walls that face inwards, about the origin; the front is open unless `front`."""
+    parts = [
+        {"shape": "plane", "size": [width, depth], "material": walls},
+        {"shape": "plane", "size": [width, depth], "position": [0, height, 0], "rotate": [180, 0, 0], "material": walls},
+        {"shape": "quad", "size": [width, height], "position": [0, height / 2, -depth / 2], "material": walls},
+        {"shape": "quad", "size": [depth, height], "position": [-width / 2, height / 2, 0], "rotate": 90, "material": left or walls},
+        {"shape": "quad", "size": [depth, height], "position": [width / 2, height / 2, 0], "rotate": -90, "material": right or walls},
+    ]
+    if front:
+        parts.append({"shape": "quad", "size": [width, height], "position": [0, height / 2, depth / 2], "rotate": 180, "material": walls})
+    return parts
+
+
+def checks():
+    """One lamp above a matt plane; the camera sees a spot of it at the origin, 2 units below the lamp."""
+    height, half, radius, radiance = 2.0, 0.5, 0.25, 3.0
+    # A square above the origin [Lambert1760]: four times the configuration factor of a quarter, seen from below its corner.
+    a = half / height
+    form = 4 / (2 * math.pi) * 2 * a / math.sqrt(1 + a * a) * math.atan(a / math.sqrt(1 + a * a))
+    lamps = {
+        "sun": ({"kind": "sun", "elevation": 50, "azimuth": 30, "intensity": 4}, 4 * math.sin(math.radians(50)) / math.pi),
+        "point": ({"kind": "point", "position": [0, height, 0], "intensity": 10}, 10 / height**2 / math.pi),
+        "panel": (panel([0, height, 0], [-90, 0, 0], [2 * half, 2 * half], radiance), radiance * form),
+        "sphere": ({"kind": "sphere", "position": [0, height, 0], "radius": radius, "intensity": radiance},
+                   radiance * radius**2 / height**2),
+        "sky": (None, 1.5),
+    }
+    for name, (lamp, radiance_of_white) in lamps.items():
+        film = {"camera": {"position": [3, 1.5, 0], "look_at": [0, 0, 0], "fov": 0.5},
+                "objects": [{"shape": "plane", "size": [200, 200], "material": "white"}],
+                "materials": {"white": matt(ALBEDO)}, "size": [16, 16]}
+        film.update({"lights": [lamp]} if lamp else {"sky": 1.5})
+        yield "check_" + name, film, {"closed_form": ALBEDO * radiance_of_white}
+
+
+def ball_row(kind, base):
+    roughness = [0.1, 0.2, 0.35, 0.6, 1.0]
+    materials = {"floor": matt(0.5)}
+    objects = [{"shape": "plane", "size": [40, 40], "material": "floor"}]
+    for i, r in enumerate(roughness):
+        materials[f"{kind}{i}"] = {"base_color": base, "metallic": 1 if kind == "metal" else 0, "roughness": r}
+        objects.append(ball(1.15 * (i - 2), 0, f"{kind}{i}"))
+    return {"camera": {"position": [0, 2.2, 7], "look_at": [0, 0.45, 0], "fov": 30}, "sky": [0.5, 0.6, 0.8],
+            "lights": [panel([-2, 3.5, 2.5], [-50, -30, 0], [1.5, 1.5], 12, (1, 0.9, 0.75))],
+            "objects": objects, "materials": materials}
+
+
+def own():
+    floor = {"shape": "plane", "size": [40, 40], "material": "floor"}
+    yield "floor_and_ball", {
+        "camera": {"position": [0, 1.6, 5], "look_at": [0, 0.5, 0], "fov": 35}, "sky": [0.4, 0.6, 1.0],
+        "lights": [{"kind": "sun", "elevation": 45, "azimuth": 60, "intensity": 4, "color": [1, 0.95, 0.85]}],
+        "objects": [floor, ball(0, 0, "ball"), {"shape": "box", "size": [0.6, 1.2, 0.6], "position": [-1.3, 0, -0.6], "rotate": 25,
+                                                "material": "box"}],
+        "materials": {"floor": matt(0.5), "ball": matt(0.8, 0.3, 0.2), "box": matt(0.2, 0.4, 0.7)}}, {}
+    yield "cornell", {
+        "camera": {"position": [0, 1, 3.9], "look_at": [0, 1, 0], "fov": 39.3},
+        "lights": [panel([0, 1.98, 0], [-90, 0, 0], [0.5, 0.5], 18, (1, 0.85, 0.6))],
+        "objects": room(2, 2, 2, "white", "red", "green") + [
+            {"shape": "box", "size": [0.6, 1.2, 0.6], "position": [-0.35, 0, -0.3], "rotate": 20, "material": "white"},
+            {"shape": "box", "size": [0.6, 0.6, 0.6], "position": [0.35, 0, 0.3], "rotate": -18, "material": "white"}],
+        "materials": {"white": matt(0.73), "red": matt(0.65, 0.05, 0.05), "green": matt(0.12, 0.45, 0.15)}}, {}
+    yield "metal_balls", ball_row("metal", [0.9, 0.75, 0.5]), {}
+    yield "dielectric_balls", ball_row("plastic", [0.6, 0.2, 0.15]), {}
+    yield "dielectric_balls_mixed", ball_row("plastic", [0.6, 0.2, 0.15]), {"dielectric": "mix"}
+    yield "sphere_lamp_room", {
+        "camera": {"position": [0, 1.3, 3.4], "look_at": [0, 1.1, 0], "fov": 50},
+        "lights": [{"kind": "sphere", "position": [0.4, 1.9, -0.3], "radius": 0.25, "intensity": 15, "color": [1, 0.9, 0.8]}],
+        "objects": room(4, 2.6, 4, "white", "red") + [ball(-0.8, 0, "blue"), {
+            "shape": "box", "size": [0.7, 0.9, 0.7], "position": [1, 0, -0.8], "rotate": 30, "material": "white"}],
+        "materials": {"white": matt(0.7), "red": matt(0.6, 0.15, 0.1), "blue": matt(0.2, 0.3, 0.7)}}, {}
+    yield "white_room", {
+        "camera": {"position": [0, 1.3, 1.9], "look_at": [0, 1.1, 0], "fov": 65},
+        "lights": [panel([0, 2.58, 0], [-90, 0, 0], [0.6, 0.6], 5)],
+        "objects": room(4, 2.6, 4, "white", front=True) + [ball(-0.8, -0.4, "white"), {
+            "shape": "box", "size": [0.7, 0.9, 0.7], "position": [1, 0, -0.8], "rotate": 30, "material": "white"}],
+        "materials": {"white": matt(0.9)}}, {}
+    yield "soft_sun", {
+        "camera": {"position": [0.5, 2.2, 5], "look_at": [0, 0.6, 0], "fov": 38}, "sky": [0.15, 0.2, 0.3],
+        "lights": [{"kind": "sun", "elevation": 35, "azimuth": 70, "intensity": 5, "angle": 6}],
+        "objects": [floor, {"shape": "box", "size": [0.3, 2, 0.3], "material": "post"}, ball(0.9, 0.6, "post", 0.35)],
+        "materials": {"floor": matt(0.5), "post": matt(0.7, 0.5, 0.3)}}, {}
+    yield "point_lamps", {
+        "camera": {"position": [0, 1.3, 3.4], "look_at": [0, 1.0, 0], "fov": 50},
+        "lights": [{"kind": "point", "position": p, "intensity": 3, "color": c} for p, c in
+                   (([-1.2, 1.6, 0.8], [1, 0.4, 0.3]), ([1.2, 1.2, 0.2], [0.3, 1, 0.4]), ([0, 2.1, -1.2], [0.4, 0.5, 1]))],
+        "objects": room(4, 2.6, 4, "white") + [ball(-0.6, 0, "white"), {
+            "shape": "cylinder", "radius": 0.3, "height": 1.2, "segments": 128, "position": [0.8, 0, -0.6], "material": "white"}],
+        "materials": {"white": matt(0.7)}}, {}
+
+
+MODELS = {  # name: file, parts to leave out (materials), film
+    "sponza": ("sponza_dabrovic/sponza.glb", [], {
+        "camera": {"position": [-11, 1.2, 0.6], "look_at": [0, 3.2, -0.6], "fov": 55}, "sky": [0.5, 0.7, 1.0],
+        "lights": [{"kind": "sun", "elevation": 62, "azimuth": 28, "color": [1, 0.94, 0.82], "intensity": 12}]}),
+    "sibenik": ("sibenik/sibenik.glb", ["glas", "staklo_zeleno", "staklo_crveno", "staklo_plavo", "staklo_zuto"], {
+        "camera": {"position": [-60, 58, 6], "look_at": [300, 150, 0], "fov": 60}, "sky": [0.3, 0.35, 0.45],
+        "lights": [panel([x, 380, 0], [-90, 0, 0], [40, 40], 90, (1, 0.85, 0.65)) for x in (-100, 120, 340)]}),
+    "bathroom": ("bathroom/bathroom.glb", ["BulbGlass"], {
+        "camera": {"position": [0.00724, 0.9124, -0.2276], "look_at": [-0.7447, 0.9279, -0.8867], "fov": 55},
+        "sky": 0.2, "lights": [panel([-0.7, 2.1, -1.2], [-90, 0, 0], [0.5, 0.5], 20, (1, 0.92, 0.8))]}),
+    "gltf_room": ("godot_gi/room.glb", [], {
+        "camera": {"position": [0.6, 1.7, 4], "look_at": [0, 1.6, -2], "fov": 70}, "sky": [0.6, 0.8, 1],
+        "lights": [{"kind": "sun", "elevation": 50, "azimuth": 30, "intensity": 5}]}),
+    "gltf_cornell": ("cornell/gltf/CornellBox.glb", [], {
+        "camera": {"position": [-278, 273, 800], "look_at": [-278, 273, 0], "fov": 39.3}}),
+}
+
+
+def matt_model(source, left_out):
+    """The bytes of a .glb with positions and normals only, and matt materials."""
+    data = open(source, "rb").read()
+    length = struct.unpack("<I", data[12:16])[0]
+    document, binary = json.loads(data[20:20 + length]), data[20 + length:]
+    names = [m.get("name") for m in document["materials"]]
+    for material in document["materials"]:
+        factor = material.get("pbrMetallicRoughness", {}).get("baseColorFactor", [0.6, 0.5, 0.4, 1])
+        extensions = {"KHR_materials_ior": {"ior": 1}}
+        if "KHR_materials_emissive_strength" in material.get("extensions", {}):
+            extensions["KHR_materials_emissive_strength"] = material["extensions"]["KHR_materials_emissive_strength"]
+        emission = material.get("emissiveFactor", [0, 0, 0])
+        name = material.get("name")
+        material.clear()
+        material.update({"name": name, "doubleSided": True, "emissiveFactor": emission, "extensions": extensions,
+                         "pbrMetallicRoughness": {"baseColorFactor": factor[:3] + [1], "metallicFactor": 0, "roughnessFactor": 1}})
+    for mesh in document["meshes"]:
+        for part in mesh["primitives"]:
+            part["attributes"] = {k: v for k, v in part["attributes"].items() if k in ("POSITION", "NORMAL")}
+        mesh["primitives"] = [p for p in mesh["primitives"] if names[p["material"]] not in left_out]
+    for node in document["nodes"]:
+        node.pop("camera", None)
+        if "mesh" in node and not document["meshes"][node["mesh"]]["primitives"]:
+            del node["mesh"]
+    kept = [i for i, mesh in enumerate(document["meshes"]) if mesh["primitives"]]
+    document["meshes"] = [document["meshes"][i] for i in kept]
+    for node in document["nodes"]:
+        if "mesh" in node:
+            node["mesh"] = kept.index(node["mesh"])
+    for key in ("textures", "images", "samplers", "cameras", "animations", "extensions"):
+        document.pop(key, None)
+    document["extensionsUsed"] = ["KHR_materials_ior", "KHR_materials_emissive_strength"]
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    return struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(binary), len(text), b"JSON") + text + binary
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("out")
+    parser.add_argument("--models")
+    parser.add_argument("names", nargs="*")
+    arguments = parser.parse_args()
+    scenes = list(checks()) + list(own())
+    if arguments.models:
+        scenes += [(name, film, {"model": file, "left_out": out}) for name, (file, out, film) in MODELS.items()]
+    for name, film, side in scenes:
+        if arguments.names and name not in arguments.names:
+            continue
+        folder = os.path.join(arguments.out, name)
+        os.makedirs(folder, exist_ok=True)
+        film = {"size": [192, 128], "frames": 1, "frame_rate": 25, "exposure": 0, **film}
+        if "model" in side:
+            film["scene"] = "model.glb"
+            with open(os.path.join(folder, "model.glb"), "wb") as file:
+                file.write(matt_model(os.path.join(arguments.models, side["model"]), side["left_out"]))
+        side["seed"] = zlib.crc32(name.encode()) % 1000
+        json.dump(film, open(os.path.join(folder, "film.json"), "w"), indent=1)
+        json.dump(side, open(os.path.join(folder, "side.json"), "w"))
+        print(name)
+
+
+main()
