@@ -108,10 +108,36 @@ struct Renderer::Impl {
             split.forget();
         }
         lit.reset();
+        anchors_lit_at.reset();
         last_seen.reset();
         cache.forget();
         calibration.forget();
         started = true;
+    }
+
+    /// The anchors' light of the posed snapshot; none where there are none.
+    const Anchors::Lit& light_anchors(const scene::Snapshot& snapshot) {
+        if (!anchors || (anchors_lit_at && same_light(*anchors_lit_at, snapshot))) return lit_anchors;
+        const Stopwatch timer(row(Pass::photons));
+        lit_anchors = anchors->at(posed_scene, light_points.at(posed_scene), plan.runs(Pass::lobe_rays));
+        anchors_lit_at = snapshot;
+        statistics.photon_rays += lit_anchors.rays;
+        statistics.photon_energy += lit_anchors.landed;
+        statistics.photon_energy_lost += lit_anchors.lost;
+        return lit_anchors;
+    }
+
+    /// What `see` needs; lights the anchors that lobe rays meet.
+    SeeSettings see_settings(const scene::Snapshot& snapshot) {
+        SeeSettings s{settings.format, settings.samples, settings.specular_depth, light_points.sky_part(), {}};
+        if (!plan.runs(Pass::lobe_rays)) return s;
+        if (!started) start_chunk(snapshot);
+        light_anchors(snapshot);
+        if (anchors)
+            s.irradiance = [this](const SurfacePoint& p, int& rays) {
+                return anchors->irradiance_at(posed_scene, lit_anchors, p, rays);
+            };
+        return s;
     }
 
     /// The lights of the posed snapshot; nothing is done where nothing that light touches has changed since the last
@@ -124,14 +150,7 @@ struct Renderer::Impl {
             const Stopwatch timer(row(Pass::emissive_lights));
             direct = light_points.at(posed_scene);
         }
-        Anchors::Lit indirect;
-        if (anchors) {
-            const Stopwatch timer(row(Pass::photons));
-            indirect = anchors->at(posed_scene, direct);
-            statistics.photon_rays += indirect.rays;
-            statistics.photon_energy += indirect.landed;
-            statistics.photon_energy_lost += indirect.lost;
-        }
+        const Anchors::Lit& indirect = light_anchors(snapshot);
         {
             const Stopwatch timer(row(Pass::direct_tree));
             light_trees = {};  // before the next one grows: many light points take as much memory
@@ -143,6 +162,7 @@ struct Renderer::Impl {
         const bool bounded = settings.clamp == Clamp::bounded;
         light_trees.direct_clamp = bounded ? emitter_clamp : GeometryClamp::none();
         light_trees.indirect_clamp = bounded ? anchor_clamp : GeometryClamp::none();
+        light_trees.indirect_clamp.by_rays = plan.runs(Pass::lobe_rays);
         light_trees.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass);
         if (splits) cache.move(split.update(light_trees, indirect.still, lasting));
         statistics.direct_points = direct.size();
@@ -244,6 +264,8 @@ struct Renderer::Impl {
     bool splits = false;  ///< what is cached is only the static part of it
     LightSplit split;
     std::optional<scene::Snapshot> lit;  ///< the instant that `light_trees` shows
+    Anchors::Lit lit_anchors;
+    std::optional<scene::Snapshot> anchors_lit_at;  ///< the instant that `lit_anchors` is of
     bool started = false;
     std::int64_t first_frame = 0;  ///< of the chunk
     ErrorCalibration calibration;
@@ -265,12 +287,10 @@ void Renderer::start_chunk(const scene::Snapshot& first) {
 
 Seen Renderer::see(const scene::Snapshot& snapshot) {
     impl_->pose(snapshot);
+    const SeeSettings settings = impl_->see_settings(snapshot);
     const Stopwatch timer(impl_->row(Pass::see));
     SeeCounts counts;
-    Seen seen = renderer::see(impl_->posed_scene,
-                              {impl_->settings.format, impl_->settings.samples, impl_->settings.specular_depth,
-                               impl_->light_points.sky_part()},
-                              impl_->plan, counts);
+    Seen seen = renderer::see(impl_->posed_scene, settings, impl_->plan, counts);
     impl_->statistics.primary_rays += counts.primary_rays;
     impl_->statistics.specular_rays += counts.specular_rays;
     impl_->statistics.sky_seconds += counts.sky_seconds;

@@ -117,8 +117,7 @@ TEST(Plan, FollowsEachCauseAlone) {
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_textures = on; }), (Names{"textures"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_normal_maps = on; }), (Names{"normal maps"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_alpha_mask = t.has_alpha_blend = on; }), (Names{"alpha"}));
-    EXPECT_EQ(changes([](Traits& t, bool on) { t.has_shining_sky = on; }),
-              (Names{"sky background", "sky light", "lobe rays"}));
+    EXPECT_EQ(changes([](Traits& t, bool on) { t.has_shining_sky = on; }), (Names{"sky background", "sky light"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_punctual_lights = on; }), (Names{"punctual lights"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_emissive_surfaces = on; }), (Names{"emissive surfaces"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_glossy_surfaces = on; }), (Names{"glossy lobes"}));

@@ -78,9 +78,10 @@ void CutSums::add(const UnitLight& unit, const Vec3Lanes& intensity, bool direct
     if (++in_part_ == part_length) flush();
 }
 
-void CutSums::add_clamped(const TreeLight& light, const UnitLight& visible, const glm::vec3& intensity) {
+void CutSums::add_clamped(const TreeLight& light, const UnitLight& visible, const glm::vec3& intensity,
+                          GeometryClamp clamp) {
     LightLanes full;
-    evaluate_light(lanes_, LightType::oriented, light, nullptr, GeometryClamp{1.0f}, full);
+    evaluate_light(lanes_, LightType::oriented, light, nullptr, GeometryClamp{1.0f, clamp.by_rays}, full);
     for (int i = 0; i < lane_count; ++i) {
         const bool lit = visible.diffuse[i] > 0.0f;
         full.diffuse[i] = lit ? std::max(full.diffuse[i] - visible.diffuse[i], 0.0f) : 0.0f;

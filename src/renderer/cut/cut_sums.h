@@ -22,7 +22,7 @@ class CutSums {
 
     /// Counts what the clamp took from a cluster: the difference to what its light sends when only the form factor of a
     /// whole sky bounds it, G <= 1 / disc2; the unclamped sum has no finite variance to be measured.
-    void add_clamped(const TreeLight& light, const UnitLight& visible, const glm::vec3& intensity);
+    void add_clamped(const TreeLight& light, const UnitLight& visible, const glm::vec3& intensity, GeometryClamp clamp);
 
     void store(GatheredLight& out);
 

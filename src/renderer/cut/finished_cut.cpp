@@ -122,7 +122,7 @@ void sum_clusters(const LightTrees& light_trees, const GatherLanes& lanes, const
         else if (cluster.lit != 0)
             add_parts(tree, lanes, clamp, cluster, clusters.unit(c), parts, direct, sums);
         if (cluster.any_clamped)
-            sums.add_clamped(tree.lights[cluster.representative], clusters.unit(c), cluster.intensity);
+            sums.add_clamped(tree.lights[cluster.representative], clusters.unit(c), cluster.intensity, clamp);
         ++(direct ? out.direct_clusters : out.indirect_clusters);
     }
 }

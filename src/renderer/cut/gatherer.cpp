@@ -109,7 +109,7 @@ void Gatherer::gather_all(const GatherLanes& lanes, GatheredLight& out) {
             shadows_.trace(tree.type, light, tree.spot(i), light_trees_.clamp(t), contribution);
             const UnitLight unit = contribution.visible(lanes, light_trees_.translucent);
             sums.add(unit, light.intensity, LightTrees::is_direct(t));
-            if (contribution.unit.any_clamped) sums.add_clamped(light, unit, light.intensity);
+            if (contribution.unit.any_clamped) sums.add_clamped(light, unit, light.intensity, light_trees_.clamp(t));
         }
         (LightTrees::is_direct(t) ? out.direct_clusters : out.indirect_clusters) +=
             static_cast<int>(tree.lights.size());

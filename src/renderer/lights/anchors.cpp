@@ -12,6 +12,7 @@
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
+#include "renderer/base/lobe.h"
 #include "renderer/lights/anchor_importance.h"
 #include "renderer/lights/anchor_paths.h"
 #include "renderer/lights/anchor_places.h"
@@ -48,6 +49,10 @@ constexpr std::uint64_t batch = 1u << 15;
 
 /// Photons that are shared out at once, about: they take 40 bytes each until then, and less time the more there are.
 constexpr std::size_t most_hits = 1u << 20;
+
+/// Areas of anchors, found by their neighbours, come out so much too large, since strata keep these apart. chosen: a
+/// lit wall with 1000, 4000 and 16,000 anchors came to 0.959, 0.962 and 0.964 of its irradiance without it.
+constexpr float area_excess = 1.035f;
 
 /// Every anchor counts with at least this share of the mean light when trees are planned: it may be lit one day.
 constexpr float least_average = 0.01f;
@@ -99,8 +104,7 @@ struct Anchors::Impl {
     void add_unlit();
     void average_light(const RayTracer& tracer);
     LightPoint moving_light(const PosedScene& posed_scene, std::uint32_t place) const;
-    PhotonHit hit_of(const PosedScene& posed_scene, const LightPoint& vpl, const core::SurfaceAddress& address,
-                     float part) const;
+    PhotonHit hit_of(const PosedScene& posed_scene, const PhotonResult& photons, std::size_t i, float part) const;
 
     const scene::Animation& film;
     AnchorSettings settings;
@@ -220,10 +224,12 @@ LightPoint Anchors::Impl::moving_light(const PosedScene& posed_scene, std::uint3
 }
 
 /// What a photon leaves, as a part of those of all batches.
-PhotonHit Anchors::Impl::hit_of(const PosedScene& posed_scene, const LightPoint& vpl,
-                                const core::SurfaceAddress& address, float part) const {
+PhotonHit Anchors::Impl::hit_of(const PosedScene& posed_scene, const PhotonResult& photons, std::size_t i,
+                                float part) const {
+    const LightPoint& vpl = photons.vpls[i];
+    const core::SurfaceAddress& address = photons.addresses[i];
     const bool at_front = glm::dot(posed_scene.front_normal(address.object, address.primitive), vpl.normal) >= 0.0f;
-    return {group_of(address.object), rest_of(vpl, address, at_front), part * vpl.intensity};
+    return {group_of(address.object), rest_of(vpl, address, at_front), part * vpl.intensity, part * photons.fluxes[i]};
 }
 
 /// Time-averaged light of each anchor: splats the candidates' own.
@@ -231,7 +237,8 @@ void Anchors::Impl::average_light(const RayTracer& tracer) {
     std::vector<glm::dvec3> light(anchors.size(), glm::dvec3(0));
     std::vector<PhotonHit> hits;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
-        if (candidates[i].flux > 0.0f) hits.push_back({candidates[i].group, candidates[i].rest, candidate_light[i]});
+        if (candidates[i].flux > 0.0f)
+            hits.push_back({candidates[i].group, candidates[i].rest, candidate_light[i], {}});
         if (hits.size() < most_hits && i + 1 < candidates.size()) continue;
         rays += anchors.splat(hits, tracer, nullptr, light);
         hits.clear();
@@ -298,12 +305,13 @@ std::size_t Anchors::bytes() const {
     return impl_->average.capacity() * sizeof(float) + impl_->anchors.bytes();
 }
 
-Anchors::Lit Anchors::at(const PosedScene& posed_scene, std::span<const LightPoint> lights) const {
+Anchors::Lit Anchors::at(const PosedScene& posed_scene, std::span<const LightPoint> lights, bool irradiance) const {
     const Impl& a = *impl_;
     std::vector<glm::dvec3> light(a.anchors.size(), glm::dvec3(0));
+    std::vector<glm::dvec3> flux(irradiance ? a.anchors.size() : 0, glm::dvec3(0));
     Lit lit;
-    const OccludedNeighbours occluded = a.anchors.occluded_neighbours(posed_scene.tracer());
-    lit.rays += occluded.rays;
+    lit.occluded = a.anchors.occluded_neighbours(posed_scene.tracer());
+    lit.rays += lit.occluded.rays;
     std::vector<PhotonHit> hits;
     for (std::uint64_t done = 0; done < a.paths; done += batch) {
         const std::uint64_t count = std::min(batch, a.paths - done);
@@ -315,11 +323,10 @@ Anchors::Lit Anchors::at(const PosedScene& posed_scene, std::span<const LightPoi
         const std::size_t before = hits.size();
         hits.resize(before + photons.vpls.size());
         parallel::for_ranges(photons.vpls.size(), 256, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i)
-                hits[before + i] = a.hit_of(posed_scene, photons.vpls[i], photons.addresses[i], part);
+            for (std::size_t i = first; i < last; ++i) hits[before + i] = a.hit_of(posed_scene, photons, i, part);
         });
         if (hits.size() < most_hits && done + count < a.paths) continue;
-        lit.rays += a.anchors.splat(hits, posed_scene.tracer(), &occluded, light);
+        lit.rays += a.anchors.splat(hits, posed_scene.tracer(), &lit.occluded, light, flux);
         hits.clear();
     }
     const std::uint32_t still = a.anchors.still_count();
@@ -327,12 +334,31 @@ Anchors::Lit Anchors::at(const PosedScene& posed_scene, std::span<const LightPoi
     lit.moving.reserve(a.anchors.size() - still);
     for (std::uint32_t i = 0; i < a.anchors.size(); ++i) {
         const bool moving = i >= still;
+        if (irradiance) lit.irradiance.emplace_back(0);
         if (moving && !posed_scene.posed().objects[a.anchors.mount(i).address.object].present) continue;
         LightPoint p = moving ? a.moving_light(posed_scene, i) : still_light(a.anchors, i);
         p.intensity = glm::vec3(light[i]);
+        if (irradiance)
+            lit.irradiance.back() =
+                glm::vec3(flux[i]) * core::divide_or(area_excess * lobe::inverse_pi * lobe::inverse_pi, p.disc2, 0.0f);
         (moving ? lit.moving : lit.still).push_back(p);
     }
     return lit;
+}
+
+glm::vec3 Anchors::irradiance_at(const PosedScene& posed_scene, const Lit& lit, const SurfacePoint& p,
+                                 int& rays) const {
+    const Impl& a = *impl_;
+    LightPoint place;
+    place.position = offset_origin(p, p.geometric_normal);
+    place.normal = p.geometric_normal;
+    const SplatWeights shares =
+        a.anchors.shares_at(a.group_of(p.address.object), a.rest_of(place, p.address, !p.back_side),
+                            posed_scene.tracer(), &lit.occluded, rays);
+    glm::vec3 sum(0);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(shares.count); ++k)
+        sum += shares.weight[k] * lit.irradiance[shares.anchor[k]];
+    return sum;
 }
 
 }  // namespace render2mpeg::renderer

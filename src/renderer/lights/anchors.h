@@ -7,6 +7,7 @@
 
 #include "renderer/base/light_point.h"
 #include "renderer/lights/light_points.h"
+#include "renderer/lights/photon_splat.h"
 #include "renderer/lights/photons.h"
 #include "renderer/surface/posed_scene.h"
 
@@ -51,10 +52,17 @@ class Anchors {
         std::vector<LightPoint> still, moving;  ///< by id; dark ones among them
         std::uint64_t rays = 0;
         double landed = 0, lost = 0;  ///< see PhotonResult, of all photons
+        OccludedNeighbours occluded;
+        std::vector<glm::vec3> irradiance;  ///< of each anchor, still ones first, over pi; empty unless asked for
     };
     /// The anchors as `lights` let them shine at the posed instant. All light that photons leave on surfaces is in
     /// them. Does not depend on the number of threads.
-    Lit at(const PosedScene& posed_scene, std::span<const LightPoint> lights) const;
+    Lit at(const PosedScene& posed_scene, std::span<const LightPoint> lights, bool irradiance = false) const;
+
+    /// Irradiance over pi at a place on a surface, all light of `lit` included that photons brought to the anchors
+    /// about it: those that a photon there would be shared among, by their shares. The scene is posed as it was for
+    /// `lit`. `rays` counts those it takes.
+    glm::vec3 irradiance_at(const PosedScene& posed_scene, const Lit& lit, const SurfacePoint& p, int& rays) const;
 
   private:
     struct Impl;

@@ -54,13 +54,19 @@ RENDER2MPEG_ALWAYS_INLINED float largest_g(float disc2, float scale) {
 /// A light as one lane sees it.
 struct LaneLight {
     float x, y, z, nx, ny, nz;
-    float blur2, clamp;                     ///< GeometryClamp
-    float range2, spot_scale, spot_offset;  ///< `range2`: LightPoint::disc2, where lights have no range
+    float blur2, clamp;  ///< GeometryClamp
+    float range2, spot_scale, spot_offset;
+    float rays;  ///< what `lobe::by_trees` takes for its disc2
 };
 
+/// See `lobe::by_trees`: of suns and the sky disc2; of other lights, if rays see them at all, all of it.
+RENDER2MPEG_ALWAYS_INLINED float seen_by_rays(LightType type, float disc2, GeometryClamp clamp) {
+    return type == LightType::directional ? disc2 : clamp.by_rays ? 1.0f : 0.0f;
+}
+
 RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(float x, float y, float z, float nx, float ny, float nz, float disc2,
-                                                float spot_scale, float spot_offset, float scale) {
-    return {x, y, z, nx, ny, nz, disc2 / scale, largest_g(disc2, scale), disc2, spot_scale, spot_offset};
+                                                float spot_scale, float spot_offset, float scale, float rays) {
+    return {x, y, z, nx, ny, nz, disc2 / scale, largest_g(disc2, scale), disc2, spot_scale, spot_offset, rays};
 }
 
 /// Writes lane i of `out`; returns G before the clamp.
@@ -101,25 +107,27 @@ RENDER2MPEG_ALWAYS_INLINED float evaluate_lane(const GatherLanes& lanes, int i, 
     if constexpr (!glossy) out.diffuse[i] = g;
     if constexpr (glossy)
         glossy_value(lanes, i, x, y, z, type == LightType::punctual ? 0.0f : l.blur2 * inverse2, g, out);
-    if constexpr (glossy && type == LightType::directional) {
-        const float share = lobe::by_trees(l.range2, lanes.rays_see[i]);
+    if constexpr (glossy && type != LightType::punctual) {
+        const float share = lobe::by_trees(l.rays, lanes.rays_see[i]);
         out.f0[i] *= share;
         out.schlick[i] *= share;
     }
     return unclamped;
 }
 
-RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(const TreeLight& light, const Spot* spot, float scale) {
+RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(LightType type, const TreeLight& light, const Spot* spot,
+                                                GeometryClamp clamp) {
     float nx = 0, ny = 0, nz = 0;
     unpack_normal(light.axis, nx, ny, nz);
     return lane_light(light.position.x, light.position.y, light.position.z, nx, ny, nz, light.disc2,
-                      spot != nullptr ? spot->scale : 0.0f, spot != nullptr ? spot->offset : 1.0f, scale);
+                      spot != nullptr ? spot->scale : 0.0f, spot != nullptr ? spot->offset : 1.0f, clamp.scale,
+                      seen_by_rays(type, light.disc2, clamp));
 }
 
 template <LightType type, bool glossy>
 RENDER2MPEG_ALWAYS_INLINED void evaluate_lanes(const GatherLanes& __restrict lanes, const TreeLight& light,
-                                               const Spot* spot, float scale, LightLanes& __restrict out) {
-    const LaneLight l = lane_light(light, spot, scale);
+                                               const Spot* spot, GeometryClamp clamp, LightLanes& __restrict out) {
+    const LaneLight l = lane_light(type, light, spot, clamp);
     Lanes unclamped;
     for (int i = 0; i < lane_count; ++i) unclamped[i] = evaluate_lane<type, glossy>(lanes, i, l, out);
     int clamped = 0;
@@ -130,10 +138,11 @@ RENDER2MPEG_ALWAYS_INLINED void evaluate_lanes(const GatherLanes& __restrict lan
 
 template <LightType type, bool glossy>
 RENDER2MPEG_ALWAYS_INLINED void evaluate_each(const GatherLanes& __restrict lanes, const LightPacket& __restrict p,
-                                              float scale, LightLanes& __restrict out) {
+                                              GeometryClamp clamp, LightLanes& __restrict out) {
     for (int i = 0; i < lane_count; ++i) {
         const LaneLight l = lane_light(p.position.x[i], p.position.y[i], p.position.z[i], p.normal.x[i], p.normal.y[i],
-                                       p.normal.z[i], p.disc2[i], p.spot_scale[i], p.spot_offset[i], scale);
+                                       p.normal.z[i], p.disc2[i], p.spot_scale[i], p.spot_offset[i], clamp.scale,
+                                       seen_by_rays(type, p.disc2[i], clamp));
         evaluate_lane<type, glossy>(lanes, i, l, out);
     }
     out.any_clamped = false;
@@ -141,9 +150,9 @@ RENDER2MPEG_ALWAYS_INLINED void evaluate_each(const GatherLanes& __restrict lane
 
 template <LightType type>
 RENDER2MPEG_ALWAYS_INLINED void add_lanes(const GatherLanes& __restrict lanes, const Representative& representative,
-                                          float scale, RgbLanes& __restrict out) {
+                                          GeometryClamp clamp, RgbLanes& __restrict out) {
     const float red = representative.intensity.x, green = representative.intensity.y, blue = representative.intensity.z;
-    const LaneLight l = lane_light(*representative.light, representative.spot, scale);
+    const LaneLight l = lane_light(type, *representative.light, representative.spot, clamp);
     LightLanes unit;
     for (int i = 0; i < lane_count; ++i) {
         evaluate_lane<type, false>(lanes, i, l, unit);
@@ -196,11 +205,12 @@ RENDER2MPEG_ALWAYS_INLINED float noticed(const Vec3Lanes& weight, int i, float r
 /// A node as all lanes see it: its box, intensity, cone and what the clamp makes of its lights.
 struct LaneNode {
     float cx, cy, cz, hx, hy, hz, red, green, blue;
-    float cone, range2, least_disc2, least_blur2, largest_blur2, clamp;
+    float cone, range2, rays, least_blur2, largest_blur2, clamp;
     NodeFrame frame;
 };
 
-RENDER2MPEG_ALWAYS_INLINED LaneNode lane_node(const LightNode& node, const BoxGrid& grid, float scale) {
+RENDER2MPEG_ALWAYS_INLINED LaneNode lane_node(LightType type, const LightNode& node, const BoxGrid& grid,
+                                              GeometryClamp clamp) {
     LaneNode n;
     node.box.unpack(grid, n.cx, n.cy, n.cz, n.hx, n.hy, n.hz);
     node.intensity.unpack(n.red, n.green, n.blue);
@@ -209,7 +219,8 @@ RENDER2MPEG_ALWAYS_INLINED LaneNode lane_node(const LightNode& node, const BoxGr
     n.blue *= outward;
     n.cone = node.cone.cosine();
     n.range2 = node.disc2.largest();
-    n.least_disc2 = node.disc2.least();
+    n.rays = inward * seen_by_rays(type, node.disc2.least(), clamp);
+    const float scale = clamp.scale;
     n.least_blur2 = node.disc2.least() / scale;
     n.largest_blur2 = node.disc2.largest() / scale;
     n.clamp = largest_g(node.disc2.least(), scale);
@@ -263,7 +274,7 @@ RENDER2MPEG_ALWAYS_INLINED float bound_lane(const GatherLanes& __restrict lanes,
         float lit = lobe_bound.cosine * reach;
         if constexpr (type == LightType::oriented) lit = inlined::min(lit, lobe_bound.value * n.clamp);
         lit = cosine > 0.0f ? lit : 0.0f;
-        if constexpr (type == LightType::directional) lit *= lobe::by_trees(n.least_disc2 * inward, lanes.rays_see[i]);
+        if constexpr (type != LightType::punctual) lit *= lobe::by_trees(n.rays, lanes.rays_see[i]);
         // The lobe's colour lies between f0 and f90; what is noticed of a mixture is no more than the mixture.
         const float f0 = noticed(lanes.f0_weight, i, n.red, n.green, n.blue);
         const float grazing = noticed(lanes.schlick_weight, i, n.red, n.green, n.blue);
@@ -274,8 +285,8 @@ RENDER2MPEG_ALWAYS_INLINED float bound_lane(const GatherLanes& __restrict lanes,
 
 template <LightType type, bool glossy>
 RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes, const BoxGrid& grid,
-                                            const LightNode& node, float scale, float* __restrict out) {
-    const LaneNode n = lane_node(node, grid, scale);
+                                            const LightNode& node, GeometryClamp clamp, float* __restrict out) {
+    const LaneNode n = lane_node(type, node, grid, clamp);
     for (int i = 0; i < lane_count; ++i) out[i] = bound_lane<type, glossy>(lanes, i, n);
 }
 
@@ -285,14 +296,14 @@ RENDER2MPEG_CLONES
 void evaluate_light(const GatherLanes& lanes, LightType type, const TreeLight& light, const Spot* spot,
                     GeometryClamp clamp, LightLanes& out) {
     if (type == LightType::oriented) {
-        lanes.glossy ? evaluate_lanes<LightType::oriented, true>(lanes, light, spot, clamp.scale, out)
-                     : evaluate_lanes<LightType::oriented, false>(lanes, light, spot, clamp.scale, out);
+        lanes.glossy ? evaluate_lanes<LightType::oriented, true>(lanes, light, spot, clamp, out)
+                     : evaluate_lanes<LightType::oriented, false>(lanes, light, spot, clamp, out);
     } else if (type == LightType::punctual) {
-        lanes.glossy ? evaluate_lanes<LightType::punctual, true>(lanes, light, spot, clamp.scale, out)
-                     : evaluate_lanes<LightType::punctual, false>(lanes, light, spot, clamp.scale, out);
+        lanes.glossy ? evaluate_lanes<LightType::punctual, true>(lanes, light, spot, clamp, out)
+                     : evaluate_lanes<LightType::punctual, false>(lanes, light, spot, clamp, out);
     } else {
-        lanes.glossy ? evaluate_lanes<LightType::directional, true>(lanes, light, spot, clamp.scale, out)
-                     : evaluate_lanes<LightType::directional, false>(lanes, light, spot, clamp.scale, out);
+        lanes.glossy ? evaluate_lanes<LightType::directional, true>(lanes, light, spot, clamp, out)
+                     : evaluate_lanes<LightType::directional, false>(lanes, light, spot, clamp, out);
     }
 }
 
@@ -300,14 +311,14 @@ RENDER2MPEG_CLONES
 void evaluate_lights(const GatherLanes& lanes, LightType type, const LightPacket& lights, GeometryClamp clamp,
                      LightLanes& out) {
     if (type == LightType::oriented) {
-        lanes.glossy ? evaluate_each<LightType::oriented, true>(lanes, lights, clamp.scale, out)
-                     : evaluate_each<LightType::oriented, false>(lanes, lights, clamp.scale, out);
+        lanes.glossy ? evaluate_each<LightType::oriented, true>(lanes, lights, clamp, out)
+                     : evaluate_each<LightType::oriented, false>(lanes, lights, clamp, out);
     } else if (type == LightType::punctual) {
-        lanes.glossy ? evaluate_each<LightType::punctual, true>(lanes, lights, clamp.scale, out)
-                     : evaluate_each<LightType::punctual, false>(lanes, lights, clamp.scale, out);
+        lanes.glossy ? evaluate_each<LightType::punctual, true>(lanes, lights, clamp, out)
+                     : evaluate_each<LightType::punctual, false>(lanes, lights, clamp, out);
     } else {
-        lanes.glossy ? evaluate_each<LightType::directional, true>(lanes, lights, clamp.scale, out)
-                     : evaluate_each<LightType::directional, false>(lanes, lights, clamp.scale, out);
+        lanes.glossy ? evaluate_each<LightType::directional, true>(lanes, lights, clamp, out)
+                     : evaluate_each<LightType::directional, false>(lanes, lights, clamp, out);
     }
 }
 
@@ -317,11 +328,11 @@ void add_irradiance(const GatherLanes& lanes, LightType type, const Representati
     for (int k = 0; k < count; ++k) {
         const Representative& light = lights[k];
         if (type == LightType::oriented)
-            add_lanes<LightType::oriented>(lanes, light, clamp.scale, out);
+            add_lanes<LightType::oriented>(lanes, light, clamp, out);
         else if (type == LightType::punctual)
-            add_lanes<LightType::punctual>(lanes, light, clamp.scale, out);
+            add_lanes<LightType::punctual>(lanes, light, clamp, out);
         else
-            add_lanes<LightType::directional>(lanes, light, clamp.scale, out);
+            add_lanes<LightType::directional>(lanes, light, clamp, out);
     }
 }
 
@@ -351,14 +362,14 @@ void bound_node(const GatherLanes& lanes, const LightTree& tree, std::uint32_t i
     const BoxGrid& grid = tree.grid;
     const LightNode& node = tree.nodes.data()[index];
     if (type == LightType::oriented) {
-        lanes.glossy ? bound_lanes<LightType::oriented, true>(lanes, grid, node, clamp.scale, out)
-                     : bound_lanes<LightType::oriented, false>(lanes, grid, node, clamp.scale, out);
+        lanes.glossy ? bound_lanes<LightType::oriented, true>(lanes, grid, node, clamp, out)
+                     : bound_lanes<LightType::oriented, false>(lanes, grid, node, clamp, out);
     } else if (type == LightType::punctual) {
-        lanes.glossy ? bound_lanes<LightType::punctual, true>(lanes, grid, node, clamp.scale, out)
-                     : bound_lanes<LightType::punctual, false>(lanes, grid, node, clamp.scale, out);
+        lanes.glossy ? bound_lanes<LightType::punctual, true>(lanes, grid, node, clamp, out)
+                     : bound_lanes<LightType::punctual, false>(lanes, grid, node, clamp, out);
     } else {
-        lanes.glossy ? bound_lanes<LightType::directional, true>(lanes, grid, node, clamp.scale, out)
-                     : bound_lanes<LightType::directional, false>(lanes, grid, node, clamp.scale, out);
+        lanes.glossy ? bound_lanes<LightType::directional, true>(lanes, grid, node, clamp, out)
+                     : bound_lanes<LightType::directional, false>(lanes, grid, node, clamp, out);
     }
 }
 

@@ -18,6 +18,10 @@ namespace {
 /// packet; 64, which leave an edge of the sky in steps of a 64th.
 constexpr std::uint32_t rays_at_once = 16, most_lobe_rays = 64;
 
+/// Surfaces that a ray passes or mirrors one after another, and the share of it below which it ends. chosen: 6, 0.02.
+constexpr int most_surfaces = 6;
+constexpr float least_passing = 0.02f;
+
 /// Rays of a point that differ by more than this share of their mean, half against half, call for more. chosen: 0.01, a
 /// quarter of what pictures are usually allowed to be off by.
 constexpr float alike_halves = 0.01f;
@@ -70,14 +74,15 @@ struct LobeRays::Sums {
 
 LobeRays::LobeRays(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan)
     : posed_scene_(posed_scene),
-      traces_(plan.runs(Pass::lobe_rays) && posed_scene.sky() != nullptr),
-      translucent_(plan.runs(Pass::alpha) || plan.runs(Pass::glass)),
+      irradiance_(settings.irradiance),
+      traces_(plan.runs(Pass::lobe_rays)),
       brightest_(settings.sky_part / (std::numbers::pi_v<float> * lobe::lobe_rays_disc2)),
       pixel_extent_(2.0f * std::tan(0.5f * posed_scene.posed().camera.lens().vertical_fov) /
                     static_cast<float>(settings.format.height)) {}
 
 /// Light trees have the rest: of a part of the sky with this radiance as much as it is too narrow (lobe::by_trees).
 glm::vec3 LobeRays::sky(glm::vec3 direction, float solid_angle) const {
+    if (posed_scene_.sky() == nullptr) return glm::vec3(0);
     const glm::vec3 radiance = posed_scene_.sky()->radiance(direction, solid_angle);
     return radiance * std::min(core::divide_or(brightest_, core::luminance(radiance), 1.0f), 1.0f);
 }
@@ -106,39 +111,72 @@ void LobeRays::trace(const GatherPoint& point, std::uint32_t first, glm::uvec2 s
     const glm::vec3 outgoing = glm::normalize(glm::vec3(glm::dot(t, p.outgoing), glm::dot(b, p.outgoing), nv));
     const glm::vec3 origin = offset_origin(p, p.geometric_normal) + p.smooth.lift;
 
-    ShadowPacket packet;
+    RayQuery queries[rays_at_once];
+    Hit hits[rays_at_once];
+    std::uint32_t asked[rays_at_once], count = 0;
     float weight[rays_at_once], fresnel[rays_at_once], solid_angle[rays_at_once];
-    glm::vec3 direction[rays_at_once], passes[rays_at_once];
     for (std::uint32_t i = 0; i < rays_at_once; ++i) {
         const glm::vec3 h = visible_normal(outgoing, p.bsdf.alpha, net_point(first + i, scramble));
         const float vh = std::max(glm::dot(outgoing, h), 0.0f);
         const glm::vec3 l = 2.0f * vh * h - outgoing;
-        direction[i] = core::normalize_or(l.x * t + l.y * b + l.z * n, n);
+        const glm::vec3 direction = core::normalize_or(l.x * t + l.y * b + l.z * n, n);
         fresnel[i] = lobe::schlick(vh);
         // G2 / G1, but for what is the same for all of them.
         weight[i] = l.z > 0.0f ? lobe::masking(l.z, outgoing.z, a2) * l.z : 0.0f;
         const float g1 = 2.0f / (outgoing.z + std::sqrt(a2 + (1.0f - a2) * outgoing.z * outgoing.z));
         const float pdf = 0.25f * g1 * lobe::distribution(std::min(h.z * h.z, 1.0f), a2);
         solid_angle[i] = core::divide_or(1.0f / static_cast<float>(most_lobe_rays), pdf, 0.0f);
-        passes[i] = glm::vec3(1);
-        packet.origin_x[i] = origin.x, packet.origin_y[i] = origin.y, packet.origin_z[i] = origin.z;
-        packet.direction_x[i] = direction[i].x, packet.direction_y[i] = direction[i].y,
-        packet.direction_z[i] = direction[i].z;
-        packet.far[i] = std::numeric_limits<float>::infinity();
-        if (weight[i] > 0.0f && glm::dot(smooth, direction[i]) > 0.0f) packet.active |= 1u << i;
-    }
-    const std::uint32_t blocked =
-        packet.active != 0 ? posed_scene_.tracer().occluded(packet, translucent_ ? passes : nullptr) : 0;
-    sums.rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
-    for (std::uint32_t i = 0; i < rays_at_once; ++i) {
         const float f0 = weight[i] * (1.0f - fresnel[i]), f90 = weight[i] * fresnel[i];
         sums.f0_weight += f0;
         sums.f90_weight += f90;
-        if ((packet.active & ~blocked & 1u << i) == 0) continue;
-        const glm::vec3 light = passes[i] * sky(direction[i], solid_angle[i]);
-        sums.f0 += f0 * light;
-        sums.f90 += f90 * light;
+        if (!(weight[i] > 0.0f) || !(glm::dot(smooth, direction) > 0.0f)) continue;
+        asked[count] = i;
+        queries[count++] = {origin, direction, std::numeric_limits<float>::infinity()};
     }
+    posed_scene_.tracer().nearest(std::span<const RayQuery>(queries, count), std::span<Hit>(hits, count));
+    sums.rays += count;
+    for (std::uint32_t k = 0; k < count; ++k) {
+        const std::uint32_t i = asked[k];
+        const glm::vec3 light = radiance_along(queries[k], hits[k], solid_angle[i], sums.rays);
+        sums.f0 += weight[i] * (1.0f - fresnel[i]) * light;
+        sums.f90 += weight[i] * fresnel[i] * light;
+    }
+}
+
+/// What comes along a ray that stands for a cone: of surfaces what they scatter of the light at anchors, of layers and
+/// mirrors what is behind and in them, some deep. What shines and is a lamp is none of it, since light trees have it.
+glm::vec3 LobeRays::radiance_along(RayQuery ray, Hit hit, float solid_angle, std::uint64_t& rays) const {
+    const float spread = std::sqrt(solid_angle * lobe::inverse_pi);
+    glm::vec3 sum(0), passing(1), t, b;
+    float distance = 0;
+    for (int step = 0; step < most_surfaces; ++step) {
+        if (step > 0) {
+            hit = posed_scene_.tracer().nearest(ray.origin, ray.direction, ray.far);
+            ++rays;
+        }
+        if (!hit.found()) return sum + passing * sky(ray.direction, solid_angle);
+        distance += hit.distance;
+        core::make_frame(ray.direction, t, b);
+        const SurfacePoint p = posed_scene_.surface_at(hit.address, -ray.direction,
+                                                       {2.0f * spread * distance * t, 2.0f * spread * distance * b});
+        const Bsdf& bsdf = p.bsdf;
+        const float cosine = glm::dot(p.shading_normal, p.outgoing);
+        const glm::vec3 shown = passing * p.alpha;
+        if (p.unlit) sum += shown * p.emission;
+        if (irradiance_ && p.alpha > 0.0f && (bsdf.has_diffuse() || bsdf.has_glossy())) {
+            int more = 0;
+            sum += shown * (diffuse_albedo(bsdf, cosine) + glossy_albedo(bsdf, cosine)) * irradiance_(p, more);
+            rays += static_cast<std::uint64_t>(more);
+        }
+        passing = passing * (1.0f - p.alpha) + shown * bsdf.transmission;
+        if (!(core::luminance(passing) > least_passing)) {
+            passing = shown * bsdf.mirror;
+            if (!(core::luminance(passing) > least_passing)) break;
+            ray.direction = core::normalize_or(2.0f * cosine * p.shading_normal - p.outgoing, p.geometric_normal);
+        }
+        ray.origin = offset_origin(p, ray.direction);
+    }
+    return sum;
 }
 
 glm::vec3 LobeRays::radiance(const GatherPoint& p, std::uint64_t& rays) const {

@@ -1,5 +1,5 @@
 #pragma once
-// Looks along narrow glossy lobes at the sky.
+// Looks along narrow glossy lobes.
 #include <cstdint>
 #include <glm/glm.hpp>
 
@@ -8,10 +8,9 @@
 
 namespace render2mpeg::renderer {
 
-/// The sky as narrow lobes reflect it (Bsdf::has_narrow_lobe), by rays along their visible normals [Heitz2018]. The
-/// lobe's radiance is its albedo times the mean over these rays of the sky's radiance, or 0 where a surface blocks it,
-/// by their weights: exact under an even sky. Points of light would stand too far apart there
-/// (docs/model/visibility.md).
+/// The sky, and what surfaces scatter, as narrow lobes reflect it (Bsdf::has_narrow_lobe): by rays along their visible
+/// normals [Heitz2018]. The lobe's radiance is its albedo times the mean of what these rays meet, by their weights:
+/// exact under an even sky. Light points would stand too far apart there (docs/model/visibility.md).
 class LobeRays {
   public:
     LobeRays(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan);
@@ -26,12 +25,14 @@ class LobeRays {
   private:
     struct Sums;
     void trace(const GatherPoint& p, std::uint32_t first, glm::uvec2 scramble, Sums& sums) const;
+    glm::vec3 radiance_along(RayQuery ray, Hit hit, float solid_angle, std::uint64_t& rays) const;
     glm::vec3 sky(glm::vec3 direction, float solid_angle) const;
     glm::vec3 radiance(const GatherPoint& p, std::uint64_t& rays) const;
     glm::uvec2 scramble_of(const SurfacePoint& p) const;
 
     const PosedScene& posed_scene_;
-    bool traces_, translucent_;
+    std::function<glm::vec3(const SurfacePoint&, int& rays)> irradiance_;
+    bool traces_;
     float brightest_;     ///< luminance of the sky; light trees have what is beyond
     float pixel_extent_;  ///< of a pixel at distance 1
 };

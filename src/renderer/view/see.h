@@ -1,6 +1,7 @@
 #pragma once
 // Primary visibility: what every pixel sees.
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <limits>
 #include <vector>
@@ -16,6 +17,8 @@ struct SeeSettings {
     int samples = 4;                                          ///< eye samples per pixel, >= 1
     int specular_depth = 6;                                   ///< mirrors after one another; 0: none
     float sky_part = std::numeric_limits<float>::infinity();  ///< LightPoints::sky_part
+    /// Irradiance over pi of a surface that lobe rays meet; adds the rays it takes. Any thread. Empty: all are dark.
+    std::function<glm::vec3(const SurfacePoint&, int& rays)> irradiance;
 };
 
 /// Rays that `see` shot, for the statistics.
