@@ -162,7 +162,7 @@ struct Renderer::Impl {
         const bool bounded = settings.clamp == Clamp::bounded;
         light_trees.direct_clamp = bounded ? emitter_clamp : GeometryClamp::none();
         light_trees.indirect_clamp = bounded ? anchor_clamp : GeometryClamp::none();
-        light_trees.indirect_clamp.by_rays = plan.runs(Pass::lobe_rays);
+        light_trees.lobe_rays = plan.runs(Pass::lobe_rays);
         light_trees.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass);
         if (splits) cache.move(split.update(light_trees, indirect.still, lasting));
         statistics.direct_points = direct.size();

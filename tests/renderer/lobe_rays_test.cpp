@@ -155,6 +155,29 @@ TEST(LobeRays, OfAFloorShowTheLightOfAWall) {
     EXPECT_LT(std::sqrt(squares / compared), 0.08);
 }
 
+TEST(LobeRays, LeaveSoftSunsToLamps) {
+    SceneBuilder b;
+    b.add_quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, add_metal(b, 0.3f));
+    const glm::vec3 to_sun = glm::normalize(glm::vec3(0, 2, -3));
+    const int sun = b.add_sun(-to_sun, 1);
+    b.film().lights[static_cast<std::size_t>(sun)].angle = 0.02f;
+    b.add_camera({0, 2, 3}, {0, 0, 0}, 0.1f);
+    Settings settings = without_bounces(8, 8);
+    settings.samples = 1;
+    FilmStage stage(b, settings);
+    const Seen seen = stage.renderer().see(stage.at(0));
+    const core::Radiance frame = stage.reference();
+    int compared = 0;
+    for (const GatherPoint& p : seen.tiles[0]) {
+        ASSERT_TRUE(p.has_lobe_rays);
+        const SurfacePoint& s = p.point;
+        const float expected = (evaluate(s.bsdf, s.shading_normal, s.outgoing, to_sun) * to_sun.y).y;
+        EXPECT_NEAR(frame.combined.at(p.pixel % tile_size, p.pixel / tile_size).y, expected, 0.05f * expected);
+        ++compared;
+    }
+    EXPECT_EQ(compared, 64);
+}
+
 TEST(LobeRays, AreTheSameForAnyNumberOfThreads) {
     test::Stage stage(floor_by_a_wall(), 48, 48);
     std::optional<Seen> one;

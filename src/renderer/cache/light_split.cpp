@@ -62,6 +62,7 @@ bool LightSplit::update(const LightTrees& light_trees, std::span<const LightPoin
     LightTrees bare;
     bare.direct_clamp = light_trees.direct_clamp;
     bare.indirect_clamp = light_trees.indirect_clamp;
+    bare.lobe_rays = light_trees.lobe_rays;
     constexpr int static_tree = LightTrees::static_tree, dynamic_tree = LightTrees::dynamic_tree;
     moving = bare;
     moving.exact = light_trees.exact;

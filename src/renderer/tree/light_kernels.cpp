@@ -59,9 +59,11 @@ struct LaneLight {
     float rays;  ///< what `lobe::by_trees` takes for its disc2
 };
 
-/// See `lobe::by_trees`: of suns and the sky disc2; of other lights, if rays see them at all, all of it.
+/// What `lobe::by_trees` takes for a light's disc2: its own of the sky; of lights on surfaces, if rays see them, all of
+/// it.
 RENDER2MPEG_ALWAYS_INLINED float seen_by_rays(LightType type, float disc2, GeometryClamp clamp) {
-    return type == LightType::directional ? disc2 : clamp.by_rays ? 1.0f : 0.0f;
+    if (!clamp.by_rays) return 0.0f;
+    return type == LightType::directional ? disc2 : 1.0f;
 }
 
 RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(float x, float y, float z, float nx, float ny, float nz, float disc2,

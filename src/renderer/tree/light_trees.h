@@ -37,7 +37,8 @@ struct LightTrees {
     std::vector<ExactLight> exact;
     std::vector<WholeLamp> lamps;  ///< not in the trees either
     GeometryClamp direct_clamp, indirect_clamp;
-    bool translucent = false;                  ///< shadow rays may meet surfaces that let light through
+    bool lobe_rays = false;    ///< the sky and indirect light are seen by the rays of lobes that have them
+    bool translucent = false;  ///< shadow rays may meet surfaces that let light through
     Shadows shadows = Shadows::of_everything;  ///< else nothing is translucent
 
     /// Whether some light is gathered for every point by itself, not interpolated.
@@ -47,7 +48,13 @@ struct LightTrees {
     }
 
     static bool is_direct(int tree) { return tree < direct_trees; }
-    GeometryClamp clamp(int tree) const { return is_direct(tree) ? direct_clamp : indirect_clamp; }
+    /// Suns and lamps are lights of themselves or whole lamps; in the trees directions are the sky's.
+    GeometryClamp clamp(int tree) const {
+        GeometryClamp clamp = is_direct(tree) ? direct_clamp : indirect_clamp;
+        const bool is_sky = trees[static_cast<std::size_t>(tree)].type == LightType::directional;
+        clamp.by_rays = lobe_rays && (is_sky || !is_direct(tree));
+        return clamp;
+    }
 };
 
 /// As many punctual lights as this, in all, are gathered exactly instead of being clustered. chosen: 16, below which a
