@@ -67,6 +67,7 @@ float error_at(const SurfaceShape& shape, const scene::Triangle& triangle, const
 /// the other wall, and rounding would decide whether that hides all light from it.
 glm::vec3 off_edges(glm::vec3 weights, const SurfaceShape& shape, float distance) {
     const float area = glm::length(glm::cross(shape.edge1, shape.edge2));  // twice the triangle's
+    if (!(area > 0.0f)) return weights;
     // A weight is the distance from the edge opposite to its corner, over the triangle's height there.
     const glm::vec3 least =
         distance / area *
