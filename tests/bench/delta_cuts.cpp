@@ -196,7 +196,7 @@ void Trial::part(std::int64_t frame, float relative) {
                         core::luminance(renderer::point_light(light, k, *pointers[k]).scattered(*pointers[k]));
                 }
             };
-            whole.gather_exact(group.lanes, light);
+            whole.gather_exact(group.lanes, renderer::Shadow::sharp, nullptr, light);
             add();
             renderer::GroupTolerance tolerance;
             for (int i = 0; i < renderer::lane_count; ++i) tolerance.set(i, {{half_code, relative, 0}, group.light[i]});

@@ -195,6 +195,20 @@ TEST(SoftSun, IsAsBrightAsAPointWhereNothingIsInTheWay) {
     EXPECT_NEAR(bright[1] / bright[0], 1, 1e-5);
 }
 
+TEST(SoftSun, OfTheRealSunsSizeTakesFewRaysBesideRecords) {
+    // Its light is gathered for every point, as far as its tolerance asks, and not by all samples.
+    SceneBuilder b = floor_of();
+    b.add_box({-0.5f, 0, -0.5f}, {0.5f, 0.5f, 0.5f}, b.add_material(glm::vec3(0.5f)));
+    b.add_sun({0.3f, -1, 0.2f}, 2);
+    b.film().lights.back().angle = 0.0046f;
+    Settings settings = without_bounces();
+    settings.cache = CacheUse::on;
+    FilmStage stage(b, settings);
+    stage.cut(0.02f);
+    EXPECT_GT(stage.statistics().gather_points, 400u);
+    EXPECT_LT(stage.statistics().shadow_rays, 100 * stage.statistics().gather_points);
+}
+
 TEST(WholeLamps, AreThoseThatShineEvenlyAndCarryMuchOfTheLight) {
     SceneBuilder b = floor_of();
     const int panel = b.add_quad({-0.5f, 1, -0.25f}, {1, 0, 0}, {0, 0, 0.5f}, b.add_emitter(glm::vec3(3)));

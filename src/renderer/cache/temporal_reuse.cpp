@@ -36,13 +36,16 @@ void gather_exact(const FrameState& frame, std::size_t t, std::vector<PointLight
     const GatherTile& points = frame.seen.tiles[t];
     Gatherer gatherer(frame.split != nullptr ? frame.split->moving : frame.cached, frame.tracer);
     GatherLanes lanes;
+    GroupTolerance tolerance;
     GatheredLight gathered;
     for (const GatherGroup& group : group_points(points, frame.camera.position(), 1)) {
         const GatherPoint* pointers[lane_count];
         for (std::size_t i = 0; i < group.points.size(); ++i) pointers[i] = &points[group.points[i]];
         fill(lanes, std::span<const GatherPoint* const>(pointers, group.points.size()));
         lanes.set = 0;
-        gatherer.gather_exact(lanes, gathered);
+        for (std::size_t i = 0; i < group.points.size(); ++i)
+            tolerance.set(static_cast<int>(i), frame.tiles[t].tolerance[group.points[i]]);
+        gatherer.gather_exact(lanes, Shadow::sharp, &tolerance, gathered);
         counts.shadow_rays += gathered.shadow_rays;
         counts.direct_clusters += group.points.size() * static_cast<std::uint64_t>(gathered.direct_clusters);
         for (std::size_t i = 0; i < group.points.size(); ++i)

@@ -1,6 +1,7 @@
 #include "renderer/cut/gatherer.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/color.h"
 #include "renderer/base/flush_denormals.h"
@@ -8,6 +9,12 @@
 #include "renderer/cut/finished_cut.h"
 
 namespace render2mpeg::renderer {
+namespace {
+
+/// Standard errors that one point in a hundred exceeds: what a cut's error means.
+constexpr float one_in_hundred = 2.6f;
+
+}  // namespace
 
 void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance, const CutLimits& limits,
                       GatheredLight& out) {
@@ -19,10 +26,10 @@ void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance,
 
     // Gather the lights that are not clustered, each by itself.
     alignas(64) Lanes exact_luminance{};
-    const LampAccuracy accuracy{&tolerance, &exact_luminance};
+    alignas(64) Lanes lamp_variance{};
     if (limits.exact) add_exact(lanes, sums, exact_luminance, out);
-    if (limits.exact) add_lamps(lanes, true, accuracy, sums, exact_luminance, out);
-    add_lamps(lanes, false, accuracy, sums, exact_luminance, out);
+    if (limits.exact) add_lamps(lanes, Shadow::sharp, &tolerance, sums, exact_luminance, lamp_variance, out);
+    add_lamps(lanes, Shadow::smooth, &tolerance, sums, exact_luminance, lamp_variance, out);
 
     // Start with the root of every tree, its representative tested by shadow rays.
     cut_.start(lanes, tolerance, limits, exact_luminance, shadows_);
@@ -31,6 +38,8 @@ void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance,
     // refinement tests the visibility of one more representative.
     while (cut_.can_refine() && !cut_.is_fine_enough()) cut_.refine();
     cut_.estimate_errors(out);
+    for (int i = 0; i < lane_count; ++i)
+        out.error[i] = std::sqrt(out.error[i] * out.error[i] + one_in_hundred * one_in_hundred * lamp_variance[i]);
 
     // Sum what the clusters send, with the visibility of their representatives.
     sum_clusters(light_trees_, lanes, cut_.clusters(), sums, out);
@@ -52,41 +61,33 @@ void Gatherer::add_exact(const GatherLanes& lanes, CutSums& sums, Lanes& luminan
     }
 }
 
-/// Of the lamps that are lit by as a whole, the sharp ones or the others.
-void Gatherer::add_lamps(const GatherLanes& lanes, bool sharp, LampAccuracy accuracy, CutSums& sums, Lanes& luminance,
-                         GatheredLight& out) {
+/// `variance`: of the luminance, since lamps are sampled.
+void Gatherer::add_lamps(const GatherLanes& lanes, Shadow shadow, const GroupTolerance* tolerance, CutSums& sums,
+                         Lanes& luminance, Lanes& variance, GatheredLight& out) {
     for (const WholeLamp& lamp : light_trees_.lamps) {
-        if (lamp.sharp != sharp) continue;
+        if (lamp.sharp != (shadow == Shadow::sharp)) continue;
         if (light_trees_.shadows == Shadows::hidden_by_dynamic && !shadows_.may_be_hidden(type_of(lamp), lamp.box))
             continue;
         LampLight light;
-        gather_lamp(lamp, lanes, light_trees_.translucent, accuracy, shadows_, light);
+        gather_lamp(lamp, lanes, light_trees_.translucent, {tolerance, &luminance}, shadows_, light);
         const UnitLight unit = light.visible(lanes, light_trees_.translucent);
         add_luminance(lanes, unit, lamp.radiance, luminance);
         sums.add(unit, lamp.radiance, true);
+        for (int i = 0; i < lane_count; ++i) variance[i] += light.error[i] * light.error[i];
         ++out.direct_clusters;
     }
 }
 
-void Gatherer::gather_exact(const GatherLanes& lanes, GatheredLight& out) {
+void Gatherer::gather_exact(const GatherLanes& lanes, Shadow shadow, const GroupTolerance* tolerance,
+                            GatheredLight& out) {
     const FlushDenormals flushed;
     out.clear_counts();
     shadows_.start(lanes);
+    if (tolerance != nullptr && !light_trees_.lamps.empty()) shadows_.choose_occluders();
     CutSums sums(lanes);
-    Lanes luminance{};
-    add_exact(lanes, sums, luminance, out);
-    add_lamps(lanes, true, {nullptr, &luminance}, sums, luminance, out);
-    sums.store(out);
-    out.shadow_rays = shadows_.rays();
-}
-
-void Gatherer::gather_lamps(const GatherLanes& lanes, GatheredLight& out) {
-    const FlushDenormals flushed;
-    out.clear_counts();
-    shadows_.start(lanes);
-    CutSums sums(lanes);
-    Lanes luminance{};
-    add_lamps(lanes, false, {nullptr, &luminance, true}, sums, luminance, out);
+    alignas(64) Lanes luminance{}, variance{};
+    if (shadow == Shadow::sharp) add_exact(lanes, sums, luminance, out);
+    add_lamps(lanes, shadow, tolerance, sums, luminance, variance, out);
     sums.store(out);
     out.shadow_rays = shadows_.rays();
 }
@@ -96,9 +97,10 @@ void Gatherer::gather_all(const GatherLanes& lanes, GatheredLight& out) {
     out.clear_counts();
     shadows_.start(lanes);
     CutSums sums(lanes);
-    Lanes luminance{};
+    alignas(64) Lanes luminance{}, variance{};
     add_exact(lanes, sums, luminance, out);
-    for (const bool sharp : {true, false}) add_lamps(lanes, sharp, {nullptr, &luminance, true}, sums, luminance, out);
+    for (const Shadow shadow : {Shadow::sharp, Shadow::smooth})
+        add_lamps(lanes, shadow, nullptr, sums, luminance, variance, out);
     // Lanes that no ray of a packet is traced for keep what they had.
     LightContribution contribution = LightContribution::unknown_in(0);
     for (int t = 0; t < LightTrees::tree_count; ++t) {

@@ -10,6 +10,9 @@
 
 namespace render2mpeg::renderer {
 
+/// Whether a light's shadows may be interpolated between places.
+enum class Shadow { sharp, smooth };
+
 /// Gathers the light of one group of points at a time. One per task: it keeps memory between groups, no values.
 class Gatherer {
   public:
@@ -19,19 +22,18 @@ class Gatherer {
     /// By a cut through all trees at once that every lane's tolerance accepts [Walter2005, 4].
     void gather(const GatherLanes& lanes, const GroupTolerance& tolerance, const CutLimits& limits, GatheredLight& out);
 
-    /// Only the lights that are not clustered, each by itself.
-    void gather_exact(const GatherLanes& lanes, GatheredLight& out);
-
-    /// Only the lamps that are lit by as a whole and are no part of gather_exact, by all samples.
-    void gather_lamps(const GatherLanes& lanes, GatheredLight& out);
+    /// Only lights that are not clustered, each by itself: those whose shadows are too sharp to be interpolated
+    /// (punctual lights, small suns), or the other lamps that are lit by as a whole. Lamps by as many samples as
+    /// `tolerance` asks for; null: by all.
+    void gather_exact(const GatherLanes& lanes, Shadow shadow, const GroupTolerance* tolerance, GatheredLight& out);
 
     /// Every light point by itself, in the order of the trees: what all cuts are held against.
     void gather_all(const GatherLanes& lanes, GatheredLight& out);
 
   private:
     void add_exact(const GatherLanes& lanes, CutSums& sums, Lanes& luminance, GatheredLight& out);
-    void add_lamps(const GatherLanes& lanes, bool sharp, LampAccuracy accuracy, CutSums& sums, Lanes& luminance,
-                   GatheredLight& out);
+    void add_lamps(const GatherLanes& lanes, Shadow shadow, const GroupTolerance* tolerance, CutSums& sums,
+                   Lanes& luminance, Lanes& variance, GatheredLight& out);
 
     const LightTrees& light_trees_;
     const RayTracer& tracer_;

@@ -261,7 +261,7 @@ float visible_share(const SampleSums& sums, int lane) {
 /// 0.6 sqrt(v (1 - v)) n^(-3/4). Where all lanes see all of the lamp, or nothing, their samples count together, and a
 /// share of one sample may have been missed.
 std::uint32_t too_rough(const SampleSums& sums, std::uint32_t reached, int count, const Lanes& luminance,
-                        const LampAccuracy& accuracy) {
+                        const LampAccuracy& accuracy, Lanes& errors) {
     std::uint32_t lit = 0, dark = 0;
     for (int i = 0; i < lane_count; ++i) {
         if ((reached >> i & 1u) == 0) continue;
@@ -276,14 +276,11 @@ std::uint32_t too_rough(const SampleSums& sums, std::uint32_t reached, int count
     for (int i = 0; i < lane_count; ++i) {
         if ((reached >> i & 1u) == 0) continue;
         const float share = visible_share(sums, i), inside = std::clamp(share, 1 / n, 1 - 1 / n);
-        const float error = luminance[i] * digits * std::sqrt(inside * (1 - inside));
-        float allowed = 0;
-        if (accuracy.tolerance != nullptr) {
-            const GroupTolerance& t = *accuracy.tolerance;
-            const float light = t.base[i] + (*accuracy.luminance)[i] + share * luminance[i];
-            allowed = part_of_tolerance * core::Tolerance{t.absolute[i], t.relative[i], t.background[i]}.allows(light);
-        }
-        lanes |= error > allowed ? 1u << i : 0u;
+        errors[i] = luminance[i] * digits * std::sqrt(inside * (1 - inside));
+        const GroupTolerance& t = *accuracy.tolerance;
+        const float light = t.base[i] + (*accuracy.luminance)[i] + share * luminance[i];
+        const float allowed = core::Tolerance{t.absolute[i], t.relative[i], t.background[i]}.allows(light);
+        lanes |= errors[i] > part_of_tolerance * allowed ? 1u << i : 0u;
     }
     return lanes;
 }
@@ -292,7 +289,8 @@ std::uint32_t too_rough(const SampleSums& sums, std::uint32_t reached, int count
 /// their irradiance without occlusion.
 template <class Trace>
 void trace_as_needed(const WholeLamp& lamp, const GatherLanes& lanes, const Lanes& whole, std::uint32_t reached,
-                     const LampAccuracy& accuracy, ShadowTester& shadows, const Trace& trace, const SampleSums& sums) {
+                     const LampAccuracy& accuracy, ShadowTester& shadows, const Trace& trace, const SampleSums& sums,
+                     Lanes& errors) {
     LightLanes unshadowed{};
     std::copy(std::begin(whole), std::end(whole), std::begin(unshadowed.diffuse));
     alignas(64) Lanes luminance{};
@@ -300,11 +298,13 @@ void trace_as_needed(const WholeLamp& lamp, const GatherLanes& lanes, const Lane
     std::uint32_t asked = reached;
     for (std::size_t s = 0; s < steps.size() && asked != 0; ++s) {
         trace(asked, s == 0 ? 0 : steps[s - 1], steps[s]);
-        asked = too_rough(sums, asked, steps[s], luminance, accuracy);
+        asked = too_rough(sums, asked, steps[s], luminance, accuracy, errors);
         // What seems dark may be so for certain.
-        if (s == 0 && asked == reached && accuracy.tolerance != nullptr && sums.is_dark(reached)) {
+        if (s == 0 && asked == reached && sums.is_dark(reached)) {
             std::uint16_t viable = GroupOccluders::all;
-            if (shadows.is_occluded(type_of(lamp), lamp.box, viable)) return;
+            if (!shadows.is_occluded(type_of(lamp), lamp.box, viable)) continue;
+            std::fill(std::begin(errors), std::end(errors), 0.0f);
+            return;
         }
     }
 }
@@ -322,6 +322,7 @@ void gather_lamp(const WholeLamp& lamp, const GatherLanes& lanes, bool transluce
     }
     for (Lanes* part : {&out.unit.diffuse, &out.unit.f0, &out.unit.schlick}) std::fill(*part, *part + lane_count, 0.0f);
     out.unit.any_clamped = false;
+    std::fill(&out.tint.passes[0][0], &out.tint.passes[0][0] + lane_count * 3, 1.0f);
     if (reached == 0) return;
 
     // and the share of the lamp that is seen, by more samples where its edge or a shadow's is.
@@ -330,10 +331,10 @@ void gather_lamp(const WholeLamp& lamp, const GatherLanes& lanes, bool transluce
         for (int k = first; asked != 0 && k < end; ++k)
             trace_samples(lamp, lanes, translucent, asked, k, shadows, sums);
     };
-    if (accuracy.reference)
+    if (accuracy.tolerance == nullptr)
         trace(reached, 0, all);
     else
-        trace_as_needed(lamp, lanes, whole, reached, accuracy, shadows, trace, sums);
+        trace_as_needed(lamp, lanes, whole, reached, accuracy, shadows, trace, sums, out.error);
 
     if (lanes.glossy) add_whole(lamp, lanes, sums);
     for (int i = 0; i < lane_count; ++i) {

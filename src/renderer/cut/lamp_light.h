@@ -9,7 +9,8 @@ namespace render2mpeg::renderer {
 /// What a lamp of unit radiance sends to the lanes, visibility included.
 struct LampLight {
     LightLanes unit;
-    LayerTint tint;  ///< unset where nothing is translucent
+    LayerTint tint;             ///< unset where nothing is translucent
+    alignas(64) Lanes error{};  ///< standard error, luminance of the lanes' pixels; 0 where all samples were asked for
 
     UnitLight visible(const GatherLanes& lanes, bool translucent) const {
         UnitLight light = unit_light(lanes, unit);
@@ -25,9 +26,8 @@ inline LightType type_of(const WholeLamp& lamp) {
 
 /// How well a lamp must be sampled.
 struct LampAccuracy {
-    const GroupTolerance* tolerance = nullptr;  ///< null: as many as may change anything
+    const GroupTolerance* tolerance = nullptr;  ///< null: by all samples
     const Lanes* luminance = nullptr;           ///< of the lanes so far
-    bool reference = false;                     ///< all samples everywhere
 };
 
 /// A lamp's light in the lanes of a group [Szecsi2004]: J, the irradiance without occlusion, times the share of

@@ -60,10 +60,10 @@ void gather_all(const LightTrees& light_trees, const RayTracer& tracer, const Ga
     GatheredLight exact;
     const GatherPoint* const exactly[] = {&exact_at};
     fill(alone, exactly);
-    Gatherer(light_trees, tracer).gather_exact(alone, exact);
+    Gatherer(light_trees, tracer).gather_exact(alone, Shadow::sharp, nullptr, exact);
     fill(alone, std::span(copies).first(1));
     GatheredLight lamps;
-    Gatherer(light_trees, tracer).gather_lamps(alone, lamps);
+    Gatherer(light_trees, tracer).gather_exact(alone, Shadow::smooth, nullptr, lamps);
 
     CutSums sums(lanes);
     LightPacket lights;

@@ -80,7 +80,7 @@ float size_of(const scene::Mesh& mesh) {
     return glm::length(high - low);
 }
 
-/// The largest over the smallest factor by which a matrix scales.
+/// Whether a matrix scales alike along all axes.
 bool scales_evenly(const glm::mat4& m) {
     const float a = glm::length(glm::vec3(m[0])), b = glm::length(glm::vec3(m[1])), c = glm::length(glm::vec3(m[2]));
     return std::max({a, b, c}) <= (1 + shape_error) * std::min({a, b, c}) && a > 0;

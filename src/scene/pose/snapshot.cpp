@@ -74,7 +74,8 @@ LightState pose_light(const Animation& animation, std::size_t index, const Pose&
     // chosen: 1e30, far above any real light, so that sums of light points stay in single precision.
     state.intensity = glm::min(light.color * (light.intensity * factor), glm::vec3(1e30f));
     state.range = light.range;
-    state.angle = light.kind == LightKind::directional ? light.angle : 0.0f;
+    // Below a fiftieth of the real sun's, a disc is a point, and its radiance stays finite.
+    state.angle = light.kind == LightKind::directional && light.angle >= 1e-4f ? light.angle : 0.0f;
     if (light.kind == LightKind::spot) {
         state.cos_inner = std::cos(light.inner_cone);
         state.cos_outer = std::cos(light.outer_cone);
