@@ -4,6 +4,7 @@
 #include <numeric>
 #include <optional>
 
+#include "core/color.h"
 #include "core/error.h"
 #include "renderer/base/stopwatch.h"
 #include "renderer/cache/irradiance_cache.h"
@@ -15,6 +16,7 @@
 #include "renderer/lights/light_points.h"
 #include "renderer/lights/whole_lamps.h"
 #include "renderer/tree/light_trees.h"
+#include "renderer/truth/pixel_truth.h"
 #include "renderer/view/see.h"
 #include "scene/preparation/traits.h"
 
@@ -189,6 +191,14 @@ struct Renderer::Impl {
         return cpu_seconds();
     }
 
+    /// Poses and lights the snapshot for measurements, which count nowhere.
+    void light_unseen(const scene::Snapshot& snapshot) {
+        pose(snapshot);
+        const Statistics before = statistics;
+        update_light(snapshot);
+        statistics = before;
+    }
+
     ShadeSettings shade_settings() const {
         return {{settings.min_cut, settings.max_cut, 1.0f}, plan.runs(Pass::layers)};
     }
@@ -341,14 +351,42 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
     EXPECTS(seen.visible.frame == snapshot.frame && radiance.frame == snapshot.frame);
     if (count <= 0) return {};
     Impl& i = *impl_;
-    i.pose(snapshot);
-    const Statistics before = i.statistics;
-    i.update_light(snapshot);
-    i.statistics = before;
+    i.light_unseen(snapshot);
     const std::vector<LitPixel> pixels = drawn(lit_pixels(seen), static_cast<std::size_t>(count), seen.visible.frame);
     const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
     const auto truth = gather_exactly(i.light_trees, i.posed_scene.tracer(), seen, pixels, moved);
     return compare(seen, pixels, truth, tolerance, radiance);
+}
+
+std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const Seen& seen,
+                                         const core::ToleranceMap& tolerance, const core::Radiance& radiance,
+                                         std::span<const AuditedPixel> audited) {
+    EXPECTS(seen.visible.frame == snapshot.frame && radiance.frame == snapshot.frame);
+    Impl& i = *impl_;
+    i.light_unseen(snapshot);
+    const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
+    std::vector<JudgedPixel> judged;
+    std::vector<TruthRequest> requests;
+    for (const AuditedPixel& a : audited) {
+        const LitPixel pixel = pixel_at(seen, {a.x, a.y});
+        JudgedPixel& p = judged.emplace_back();
+        p.shown = static_cast<double>(core::luminance(radiance.combined.at(a.x, a.y)));
+        p.where_lit = p.at_points = static_cast<double>(a.luminance);
+        if (!tolerance.is_reference()) p.least = static_cast<double>(tolerance.pixels.at(a.x, a.y).absolute);
+        if (any_moved(moved, pixel))
+            p.at_points = static_cast<double>(
+                core::luminance(gather_exactly(i.light_trees, i.posed_scene.tracer(), seen, {pixel}).front()));
+        const std::span<const GatherPoint> points(seen.tiles[pixel.tile]);
+        requests.push_back(
+            {{a.x, a.y}, points.subspan(pixel.first, pixel.last - pixel.first), static_cast<float>(p.luminance())});
+    }
+    SeeSettings see;
+    see.format = i.settings.format;
+    see.samples = i.settings.samples;
+    see.specular_depth = i.settings.specular_depth;
+    const std::vector<PixelTruth> truth = pixel_truth(i.posed_scene, see, i.plan, requests);
+    for (std::size_t k = 0; k < truth.size(); ++k) judged[k].truth = truth[k];
+    return judged;
 }
 
 const RayTracer& Renderer::tracer() const {

@@ -2,6 +2,7 @@
 // The renderer's façade: see, shade, audit.
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "renderer/calibration/audited_pixel.h"
 #include "renderer/geometry/ray_tracer.h"
 #include "renderer/surface/gather_point.h"
+#include "renderer/truth/error_split.h"
 #include "scene/pose/snapshot.h"
 
 namespace render2mpeg::renderer {
@@ -93,6 +95,12 @@ class Renderer {
     /// tolerances were kept (audit.h). Counts nowhere in the statistics.
     std::vector<AuditedPixel> audit(const scene::Snapshot& snapshot, const Seen& seen,
                                     const core::ToleranceMap& tolerance, const core::Radiance& radiance, int count);
+
+    /// Holds audited pixels of the frame shaded last against the truth, by paths (pixel_truth.h). Counts nowhere in the
+    /// statistics.
+    std::vector<JudgedPixel> judge(const scene::Snapshot& snapshot, const Seen& seen,
+                                   const core::ToleranceMap& tolerance, const core::Radiance& radiance,
+                                   std::span<const AuditedPixel> audited);
 
     const Statistics& statistics() const;
     /// What is posed as of the last frame, for measurements.

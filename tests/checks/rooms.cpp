@@ -40,6 +40,7 @@ const std::vector<Building>& buildings() {
           {"lights", {"surface", "geometry", "base"}, {"core", "scene", "image", "parallel"}},
           {"tree", {"surface", "base"}, {"core", "parallel"}},
           {"view", {"surface", "base"}, {"core", "parallel"}},
+          {"truth", {"lights", "view", "surface", "geometry", "base"}, {"core", "scene", "image", "parallel"}},
           {"cut", {"tree", "surface", "geometry", "base"}, {"core", "scene", "parallel"}},
           {"calibration", {"cut", "tree", "surface", "geometry", "base"}, {"core", "parallel"}},
           {"cache", {"cut", "tree", "surface", "base"}, {"core", "scene", "parallel"}}}},

@@ -1,10 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
+#include "app/loop/run_statistics_json.h"
 #include "core/color.h"
 #include "perceptual/display.h"
 #include "support/program.h"
@@ -25,9 +28,9 @@ nlohmann::json statistics_of(const std::string& options) {
 }
 
 TEST(Audit, SaysHowWellTolerancesWereKept) {
-    const nlohmann::json audited = statistics_of("--tolerance fixed=4% --audit 300");
+    const nlohmann::json audited = statistics_of("--tolerance fixed=4% --audit 100");
     const nlohmann::json& audit = audited.at("audit");
-    EXPECT_EQ(audit.at("pixels"), 600);
+    EXPECT_EQ(audit.at("pixels"), 200);
     EXPECT_LE(audit.at("over_tolerance").get<double>(), 0.01);
     EXPECT_GT(audit.at("error_p50").get<double>(), 0.0);
     EXPECT_LE(audit.at("error_p50").get<double>(), audit.at("error_p95").get<double>());
@@ -53,6 +56,61 @@ TEST(Audit, SaysHowWellTolerancesWereKept) {
     EXPECT_EQ(plain.at("tolerance_bands")[3].at("below").get<float>(), 0.08f);
     EXPECT_GT(plain.at("tolerance_bands")[3].at("points").get<double>(), 0.9);
     for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(plain.at("tolerance_bands")[i].at("points"), 0.0);
+}
+
+TEST(Audit, SplitsTheErrorByCause) {
+    const nlohmann::json audit = statistics_of("--tolerance fixed=4% --audit 20").at("audit"),
+                         truth = audit.at("truth");
+    EXPECT_EQ(audit.at("pixels"), 40);
+    EXPECT_GE(truth.at("paths").get<double>(), 512.0);
+    double bias = 0, dark = 0;
+    const auto value = [&](const char* cause, const char* key) {
+        return truth.at(cause).at(key).at("value").get<double>();
+    };
+    for (const char* cause : {"gathering", "moved_points", "light_points", "eye_samples"}) {
+        bias += value(cause, "bias");
+        dark += value(cause, "dark_bias");
+        EXPECT_GE(truth.at(cause).at("rms").get<double>(), 0.0);
+    }
+    EXPECT_NEAR(value("total", "bias"), bias, 1e-9);
+    EXPECT_NEAR(value("total", "dark_bias"), dark, 1e-9);
+    // What was audited against light points is the first cause.
+    EXPECT_LE(truth.at("gathering").at("relative_rms").get<double>(), 0.04);
+    EXPECT_GT(truth.at("total").at("rms").get<double>(), 0.0);
+    EXPECT_LT(std::abs(value("total", "bias")), 0.2);
+}
+
+TEST(Audit, AddsUpOverRuns) {
+    renderer::JudgedPixel p;
+    p.shown = 3;
+    p.where_lit = 2.5;
+    p.at_points = 2;
+    for (const std::size_t half : {0u, 1u}) {
+        p.truth.at_points.halves[half] = glm::dvec3(1.75);
+        p.truth.whole.halves[half] = glm::dvec3(1);
+    }
+    p.truth.paths = 700;
+    const std::vector<renderer::JudgedPixel> frame(4, p);
+    RunStatistics earlier, later, whole;
+    earlier.audit.split.add(frame);
+    earlier.audit.errors.add(1);
+    whole.audit.split.add(frame);
+    whole.audit.split.add(frame);
+    restore(later, json_of(earlier, 0));
+    later.audit.split.add(frame);
+    EXPECT_EQ(later.audit.split.pixels(), 8u);
+    EXPECT_EQ(later.audit.split.sums().paths, 5600u);
+    for (std::size_t c = 0; c < renderer::cause_count; ++c) {
+        const auto cause = static_cast<renderer::ErrorCause>(c);
+        EXPECT_EQ(later.audit.split.mean_square(cause).value, whole.audit.split.mean_square(cause).value);
+        EXPECT_EQ(later.audit.split.relative_mean_square(cause).value,
+                  whole.audit.split.relative_mean_square(cause).value);
+        EXPECT_EQ(later.audit.split.bias(cause).value, whole.audit.split.bias(cause).value);
+        EXPECT_GT(later.audit.split.rms(cause), 0.0);
+    }
+    // Statistics of runs without an audit hold none.
+    restore(later, json_of(RunStatistics(), 0));
+    EXPECT_FALSE(json_of(RunStatistics(), 0).contains("audit_split"));
 }
 
 TEST(Audit, OfNoPixelsIsOfNoError) {

@@ -66,13 +66,14 @@ struct QuantiserRange {
     int coarsest = 0;      ///< and how many 31
 };
 
-/// How well tolerances were kept, from pixels that were gathered again without clustering.
+/// How well tolerances were kept, from pixels that were gathered again without clustering, and how true these are.
 struct Audit {
     /// Of pixels: luminance's error over the luminance it should have, or over its absolute tolerance where that is
     /// larger.
     ErrorHistogram errors;
     std::uint64_t over = 0;  ///< pixels whose error exceeds their tolerance
-    double seconds = 0;      ///< CPU
+    renderer::ErrorSplit split;
+    double seconds = 0;  ///< CPU
 
     double share_over() const;
 };

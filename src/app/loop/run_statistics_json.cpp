@@ -1,6 +1,7 @@
 #include "app/loop/run_statistics_json.h"
 
 #include <nlohmann/json.hpp>
+#include <string>
 
 namespace render2mpeg::app {
 namespace {
@@ -79,6 +80,30 @@ void each_sum(Sums& l, Visit&& visit) {
     visit("audit_seconds", l.audit.seconds);
 }
 
+/// Errors against the truth, by cause.
+template <class Sums, class Visit>
+void each_split_sum(Sums& s, Visit&& visit) {
+    visit("pixels", s.pixels);
+    visit("dark_pixels", s.dark_pixels);
+    visit("paths", s.paths);
+    visit("light", s.light);
+    visit("dark_light", s.dark_light);
+    for (std::size_t c = 0; c < s.causes.size(); ++c) {
+        auto& cause = s.causes[c];
+        const auto sum = [&](const char* name, auto& value) {
+            visit((std::string(renderer::cause_names[c]) + "_" + name).c_str(), value);
+        };
+        sum("difference", cause.difference);
+        sum("difference_squares", cause.difference_squares);
+        sum("dark_difference", cause.dark_difference);
+        sum("dark_difference_squares", cause.dark_difference_squares);
+        sum("squares", cause.squares);
+        sum("square_squares", cause.square_squares);
+        sum("relative_squares", cause.relative_squares);
+        sum("relative_square_squares", cause.relative_square_squares);
+    }
+}
+
 /// Writes each member that it is shown.
 struct Writer {
     json& to;
@@ -102,7 +127,10 @@ struct Reader {
 json json_of(const RunStatistics& statistics, std::size_t first_frame) {
     json written, rendering, frames = json::array();
     each_sum(statistics, Writer{written});
-    if (statistics.audit.errors.count() > 0) written["audit_errors"] = statistics.audit.errors.counts();
+    if (statistics.audit.errors.count() > 0) {
+        written["audit_errors"] = statistics.audit.errors.counts();
+        each_split_sum(statistics.audit.split.sums(), Writer{written["audit_split"]});
+    }
     each_count(statistics.rendering, Writer{rendering});
     written["rendering"] = rendering;
     for (std::size_t i = first_frame; i < statistics.frames.size(); ++i) {
@@ -117,6 +145,8 @@ json json_of(const RunStatistics& statistics, std::size_t first_frame) {
 void restore(RunStatistics& statistics, const json& written) {
     each_sum(statistics, Reader{written});
     statistics.audit.errors.restore(written.value("audit_errors", std::vector<std::uint64_t>()));
+    if (written.contains("audit_split"))
+        each_split_sum(statistics.audit.split.sums(), Reader{written.at("audit_split")});
     each_count(statistics.rendering, Reader{written.at("rendering")});
     for (const json& frame : written.at("frames")) each_member(statistics.frames.emplace_back(), Reader{frame});
 }

@@ -61,14 +61,17 @@ void StatisticsRecorder::measure_pumping(std::int64_t number) {
 }
 
 void Auditor::lit(const LitFrame& frame) {
-    const std::vector<renderer::AuditedPixel> pixels = timed(statistics_.audit.seconds, [&] {
-        return renderer_.audit(frame.world, frame.seen, frame.tolerance, frame.radiance, pixels_);
+    Audit& audit = statistics_.audit;
+    timed(audit.seconds, [&] {
+        const std::vector<renderer::AuditedPixel> pixels =
+            renderer_.audit(frame.world, frame.seen, frame.tolerance, frame.radiance, pixels_);
+        for (const renderer::AuditedPixel& p : pixels) {
+            const float absolute = frame.tolerance.is_reference() ? 0.0f : frame.tolerance.pixels.at(p.x, p.y).absolute;
+            audit.errors.add(core::divide_or(p.error, std::max(p.luminance, absolute), 0.0f));
+            audit.over += p.over() ? 1 : 0;
+        }
+        audit.split.add(renderer_.judge(frame.world, frame.seen, frame.tolerance, frame.radiance, pixels));
     });
-    for (const renderer::AuditedPixel& p : pixels) {
-        const float absolute = frame.tolerance.is_reference() ? 0.0f : frame.tolerance.pixels.at(p.x, p.y).absolute;
-        statistics_.audit.errors.add(core::divide_or(p.error, std::max(p.luminance, absolute), 0.0f));
-        statistics_.audit.over += p.over() ? 1 : 0;
-    }
 }
 
 void StatisticsRecorder::coded(const encoder::CodedPicture& coded) {

@@ -49,7 +49,8 @@ class StatisticsRecorder : public LoopObserver {
     std::map<std::int64_t, Step> steps_;  ///< of pictures whose pumping, or that of the next, is still to be measured
 };
 
-/// Gathers some pixels of every frame again without clustering, and adds their errors to the statistics.
+/// Gathers some pixels of every frame again without clustering, finds their truth by paths, and adds their errors to
+/// the statistics.
 class Auditor : public LoopObserver {
   public:
     /// `pixels` of each frame.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -33,6 +34,23 @@ double number(const json& s, const char* object, const char* key) {
     return s.at(object).at(key).get<double>();
 }
 
+/// What audited pixels say; statistics of earlier versions know no truth.
+std::string audit_text(const json& audit) {
+    std::string text =
+        fmt::format(" Of {} pixels gathered again from every light point, {:.2f} % are beyond their tolerance.",
+                    audit.at("pixels").get<std::int64_t>(), 100 * audit.at("over_tolerance").get<double>());
+    if (!audit.contains("truth")) return text;
+    const auto percent = [&](const char* cause) {
+        return 100 * audit.at("truth").at(cause).at("relative_rms").get<double>();
+    };
+    return text +
+           fmt::format(
+               " Against unbiased paths of light they are off by {:.2f} % (root mean square): {:.2f} % by gathering "
+               "and records, {:.2f} % by light points, {:.2f} % by eye samples.",
+               percent("total"), std::hypot(percent("gathering"), percent("moved_points")), percent("light_points"),
+               percent("eye_samples"));
+}
+
 /// The render in one or two sentences, as a reader would be told it.
 std::string sentence_of(const json& s) {
     const double cpu = number(s, "seconds", "cpu"), light = number(s, "seconds", "shade");
@@ -51,9 +69,7 @@ std::string sentence_of(const json& s) {
                                   s.at("psnr_y").get<double>(), s.at("ssim_y").get<double>())
                     : "; decoding it gives exactly what was rendered.";
     }
-    if (s.at("audit").is_object())
-        text += fmt::format(" Of {} pixels gathered again from every light point, {:.2f} % are beyond their tolerance.",
-                            s.at("audit").at("pixels").get<std::int64_t>(), 100 * number(s, "audit", "over_tolerance"));
+    if (s.at("audit").is_object()) text += audit_text(s.at("audit"));
     if (!s.at("complete").get<bool>()) text = "Interrupted: this is a part of the film. " + text;
     return text;
 }

@@ -44,6 +44,23 @@ json effects_json(const RenderJob& film, const RunStatistics& statistics) {
     return all;
 }
 
+/// Errors against the truth, by cause.
+json truth_of(const renderer::ErrorSplit& split) {
+    json truth{
+        {"paths", core::divide_or(static_cast<double>(split.sums().paths), static_cast<double>(split.pixels()), 0.0)}};
+    const auto with_error = [](renderer::MeanError m) { return json{{"value", m.value}, {"error", m.error}}; };
+    for (std::size_t c = 0; c < renderer::cause_count; ++c) {
+        const auto cause = static_cast<renderer::ErrorCause>(c);
+        truth[renderer::cause_names[c]] = {{"rms", split.rms(cause)},
+                                           {"relative_rms", split.relative_rms(cause)},
+                                           {"mean_square", with_error(split.mean_square(cause))},
+                                           {"relative_mean_square", with_error(split.relative_mean_square(cause))},
+                                           {"bias", with_error(split.bias(cause))},
+                                           {"dark_bias", with_error(split.dark_bias(cause))}};
+    }
+    return truth;
+}
+
 json audit_of(const RenderJob& film, const Audit& audit) {
     if (film.audit == 0) return nullptr;
     return {{"pixels", audit.errors.count()},
@@ -51,6 +68,7 @@ json audit_of(const RenderJob& film, const Audit& audit) {
             {"error_p50", finite_or_null(audit.errors.quantile(0.5))},
             {"error_p95", finite_or_null(audit.errors.quantile(0.95))},
             {"error_p99", finite_or_null(audit.errors.quantile(0.99))},
+            {"truth", truth_of(audit.split)},
             {"seconds", audit.seconds}};
 }
 

@@ -45,6 +45,25 @@ glm::ivec2 place_of(const Seen& seen, const LitPixel& p) {
             static_cast<int>(p.tile) / across * tile_size + pixel / tile_size};
 }
 
+LitPixel pixel_at(const Seen& seen, glm::ivec2 place) {
+    LitPixel p;
+    p.tile = static_cast<std::uint32_t>(place.y / tile_size * seen.tiles_across() + place.x / tile_size);
+    const int within = place.y % tile_size * tile_size + place.x % tile_size;
+    const GatherTile& tile = seen.tiles[p.tile];
+    const auto before = [](const GatherPoint& a, int b) { return a.pixel < b; };
+    const auto first = std::lower_bound(tile.begin(), tile.end(), within, before),
+               last = std::lower_bound(first, tile.end(), within + 1, before);
+    p.first = static_cast<std::uint32_t>(first - tile.begin());
+    p.last = static_cast<std::uint32_t>(last - tile.begin());
+    return p;
+}
+
+bool any_moved(const MovedPoints& moved, const LitPixel& pixel) {
+    for (std::uint32_t i = pixel.first; i < pixel.last; ++i)
+        if (find(moved, pixel.tile, i) != nullptr) return true;
+    return false;
+}
+
 std::vector<LitPixel> lit_pixels(const Seen& seen) {
     std::vector<LitPixel> pixels;
     for (std::uint32_t t = 0; t < seen.tiles.size(); ++t) {

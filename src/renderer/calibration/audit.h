@@ -22,6 +22,12 @@ struct LitPixel {
 /// Where in the frame it is.
 glm::ivec2 place_of(const Seen& seen, const LitPixel& pixel);
 
+/// What is gathered for the pixel there; no points: nothing.
+LitPixel pixel_at(const Seen& seen, glm::ivec2 place);
+
+/// Whether some of its points were lit at another place of the pixel.
+bool any_moved(const MovedPoints& moved, const LitPixel& pixel);
+
 /// In order of their tiles, then of their rows.
 std::vector<LitPixel> lit_pixels(const Seen& seen);
 

@@ -47,4 +47,8 @@ struct LobeSample {
 };
 LobeSample sample_glossy(const Bsdf& bsdf, glm::vec3 normal, glm::vec3 outgoing, glm::vec2 u);
 
+/// A half vector in proportion to what is seen of facets of width `alpha` from `outgoing` (unit); z is along the
+/// normal. [Heitz2018, listing 1]
+glm::vec3 visible_normal(glm::vec3 outgoing, float alpha, glm::vec2 u);
+
 }  // namespace render2mpeg::renderer

@@ -119,6 +119,10 @@ SurfacePoint PosedScene::surface_at(const core::SurfaceAddress& address, glm::ve
     return point;
 }
 
+glm::vec3 PosedScene::transmittance_at(const core::SurfaceAddress& address) const {
+    return impl_->transmittance(address);
+}
+
 glm::vec3 PosedScene::front_normal(std::uint32_t object, std::uint32_t primitive) const {
     return impl_->shape({object, primitive, 0.0f, 0.0f}, {}).front_normal;
 }

@@ -40,20 +40,6 @@ glm::vec2 net_point(std::uint32_t index, glm::uvec2 scramble) {
     return glm::vec2(bits >> 8u) * 0x1p-24f;
 }
 
-/// A half vector in proportion to what is seen of its facets from `outgoing`; z is along the normal.
-/// [Heitz2018, listing 1]
-glm::vec3 visible_normal(glm::vec3 outgoing, float alpha, glm::vec2 u) {
-    const glm::vec3 v = glm::normalize(glm::vec3(alpha * outgoing.x, alpha * outgoing.y, outgoing.z));
-    const float across2 = v.x * v.x + v.y * v.y;
-    const glm::vec3 t1 = across2 > 0.0f ? glm::vec3(-v.y, v.x, 0) / std::sqrt(across2) : glm::vec3(1, 0, 0);
-    const glm::vec3 t2 = glm::cross(v, t1);
-    const float r = std::sqrt(u.x), phi = 2.0f * std::numbers::pi_v<float> * u.y;
-    const float a = r * std::cos(phi), s = 0.5f * (1.0f + v.z);
-    const float b = std::lerp(core::sqrt_or_zero(1.0f - a * a), r * std::sin(phi), s);
-    const glm::vec3 n = a * t1 + b * t2 + core::sqrt_or_zero(1.0f - a * a - b * b) * v;
-    return glm::normalize(glm::vec3(alpha * n.x, alpha * n.y, std::max(n.z, 1e-6f)));
-}
-
 }  // namespace
 
 /// Sums over the rays of a point, of the lobe's two parts.

@@ -1,0 +1,79 @@
+#pragma once
+// Splits the error of pixels by what causes it.
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "renderer/truth/pixel_truth.h"
+
+namespace render2mpeg::renderer {
+
+/// What makes a pixel differ from the truth (docs/model/truth.md). The first four add up to the last.
+enum class ErrorCause : std::uint8_t {
+    gathering,     ///< cuts and records, against every light point at the places where light was gathered
+    moved_points,  ///< places of records, against the pixel's own gather points
+    light_points,  ///< places and number of light points, photons, clamps, lobe rays, against paths
+    eye_samples,   ///< the gather points, against the whole area of the pixel
+    total,
+    count
+};
+inline constexpr std::size_t cause_count = static_cast<std::size_t>(ErrorCause::count);
+inline constexpr std::array cause_names{"gathering", "moved_points", "light_points", "eye_samples", "total"};
+
+/// A pixel beside its truth. Luminances.
+struct JudgedPixel {
+    double shown = 0;      ///< of the picture
+    double where_lit = 0;  ///< by every light point, where light was gathered
+    double at_points = 0;  ///< by every light point, at its gather points
+    double least = 0;      ///< what counts as its luminance at least where errors are shares of it
+    PixelTruth truth;
+
+    double luminance() const;
+};
+
+/// Sums over pixels of one cause. `squares`: the truth's variance is not in them, so they may come out below 0.
+struct CauseSums {
+    double difference = 0, difference_squares = 0;            ///< signed
+    double dark_difference = 0, dark_difference_squares = 0;  ///< of dark pixels
+    double squares = 0, square_squares = 0;
+    double relative_squares = 0, relative_square_squares = 0;
+};
+
+/// A mean and its standard error.
+struct MeanError {
+    double value = 0, error = 0;
+};
+
+/// The error of many pixels by cause: sums that add up over frames and runs.
+class ErrorSplit {
+  public:
+    /// Adds pixels of one frame; the darker half of them counts as dark.
+    void add(std::span<const JudgedPixel> pixels);
+
+    std::uint64_t pixels() const { return sums_.pixels; }
+    /// Mean square of errors in luminance, and of errors over each pixel's luminance (JudgedPixel::luminance).
+    MeanError mean_square(ErrorCause cause) const;
+    MeanError relative_mean_square(ErrorCause cause) const;
+    /// Roots of these; 0 where chance hides them.
+    double rms(ErrorCause cause) const;
+    double relative_rms(ErrorCause cause) const;
+    /// Light too much (too little: < 0) over all light, of all pixels and of the darker half.
+    MeanError bias(ErrorCause cause) const;
+    MeanError dark_bias(ErrorCause cause) const;
+
+    /// All that is to be kept between runs.
+    struct Sums {
+        std::uint64_t pixels = 0, dark_pixels = 0, paths = 0;
+        double light = 0, dark_light = 0;  ///< of the truth
+        std::array<CauseSums, cause_count> causes{};
+    };
+    Sums& sums() { return sums_; }
+    const Sums& sums() const { return sums_; }
+
+  private:
+    const CauseSums& of(ErrorCause cause) const { return sums_.causes[static_cast<std::size_t>(cause)]; }
+
+    Sums sums_;
+};
+
+}  // namespace render2mpeg::renderer

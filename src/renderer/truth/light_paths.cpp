@@ -1,0 +1,248 @@
+#include "renderer/truth/light_paths.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "core/sampling.h"
+#include "renderer/base/flush_denormals.h"
+#include "renderer/base/lobe.h"
+#include "renderer/lights/photons.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Against a ray that never leaves: roulette leaves one path of 10^17 to so many events on one ray.
+constexpr int most_events = 4096;
+
+float mean(glm::vec3 v) {
+    return (v.x + v.y + v.z) / 3.0f;
+}
+
+glm::vec3 whole_albedo(const SurfacePoint& p) {
+    const float cosine = glm::dot(p.shading_normal, p.outgoing);
+    return diffuse_albedo(p.bsdf, cosine) + glossy_albedo(p.bsdf, cosine);
+}
+
+/// The chance to choose a direction by the lobe. chosen: by what it reflects, a tenth at least, so that no part of f_s
+/// is much larger than its density.
+float lobe_chance(const SurfacePoint& p) {
+    if (!p.bsdf.has_glossy()) return 0.0f;
+    if (!p.bsdf.has_diffuse()) return 1.0f;
+    const float cosine = glm::dot(p.shading_normal, p.outgoing);
+    const float diffuse = mean(diffuse_albedo(p.bsdf, cosine)), glossy = mean(glossy_albedo(p.bsdf, cosine));
+    return std::clamp(core::divide_or(glossy, diffuse + glossy, 0.5f), 0.1f, 0.9f);
+}
+
+/// Density of directions, per steradian: cosine and visible normals mixed by that chance.
+float direction_density(const SurfacePoint& p, float chance, glm::vec3 direction) {
+    const float nl = glm::dot(p.shading_normal, direction), nv = glm::dot(p.shading_normal, p.outgoing);
+    if (!(nl > 0.0f) || !(nv > 0.0f)) return 0.0f;
+    float density = (1.0f - chance) * nl * lobe::inverse_pi;
+    if (chance > 0.0f) {
+        const float nh = glm::dot(p.shading_normal, core::normalize_or(direction + p.outgoing, p.shading_normal));
+        const float a2 = p.bsdf.alpha * p.bsdf.alpha;
+        const float seen = 2.0f / (nv + std::sqrt(a2 + (1.0f - a2) * nv * nv));  // [Heitz2018, eq. 17], over 4 nv
+        density += chance * 0.25f * seen * lobe::distribution(std::min(nh * nh, 1.0f), a2);
+    }
+    return density;
+}
+
+glm::vec3 chosen_direction(const SurfacePoint& p, bool by_lobe, glm::vec2 u) {
+    if (!by_lobe) return core::sample_cosine_hemisphere(p.shading_normal, u);
+    glm::vec3 t, b;
+    core::make_frame(p.shading_normal, t, b);
+    const glm::vec3 v(glm::dot(t, p.outgoing), glm::dot(b, p.outgoing), glm::dot(p.shading_normal, p.outgoing));
+    const glm::vec3 h = visible_normal(v, p.bsdf.alpha, u);
+    const glm::vec3 l = 2.0f * std::max(glm::dot(v, h), 0.0f) * h - v;
+    return core::normalize_or(l.x * t + l.y * b + l.z * p.shading_normal, p.shading_normal);
+}
+
+/// Share of f_s that is the lobe's, per channel.
+glm::vec3 share_of_lobe(const SurfacePoint& p, glm::vec3 direction) {
+    Bsdf lobe = p.bsdf;
+    lobe.diffuse = glm::vec3(0);
+    const glm::vec3 part = evaluate(lobe, p.shading_normal, p.outgoing, direction),
+                    whole = evaluate(p.bsdf, p.shading_normal, p.outgoing, direction);
+    glm::vec3 share;
+    for (int c = 0; c < 3; ++c) share[c] = core::divide_or(part[c], whole[c], 0.0f);
+    return share;
+}
+
+}  // namespace
+
+/// What a surface on a ray does: the path is over, the ray goes on, the path scatters there.
+enum class LightPaths::Event : std::uint8_t { ends, passes, lands };
+
+/// A path on its way.
+struct LightPaths::Way {
+    SurfacePoint point;       ///< the last surface that scattered
+    LightQuery query;         ///< of it
+    glm::vec3 throughput{1};  ///< until there; after `leave`, of what comes along the ray
+    float chance = 0;         ///< lobe_chance
+    glm::vec3 origin{0}, direction{0};
+    float density = 0;          ///< of the direction
+    bool first = true;          ///< `point` is where the path began
+    bool mirrored = false;      ///< a mirror lies between `point` and the ray
+    glm::vec3 seen_in_lobe{0};  ///< share of a narrow lobe, on the ray from the first point; 0: it is not narrow
+
+    void stand_on(const SurfacePoint& p) {
+        point = p;
+        query.position = p.position;
+        query.origin = offset_origin(p, p.geometric_normal) + p.smooth.lift;
+        query.normal = p.geometric_normal + p.smooth.tilt;
+        chance = lobe_chance(p);
+        mirrored = false;
+    }
+    /// Of light that was met by a direction that `other` chooses as well. [Veach1995, balance heuristic]
+    float weight(float other) const { return mirrored ? 1.0f : density / (density + other); }
+};
+
+LightPaths::LightPaths(const PosedScene& posed_scene, const Plan& plan)
+    : posed_scene_(posed_scene),
+      sky_light_(plan.runs(Pass::sky_light) && posed_scene.sky() != nullptr),
+      lights_(posed_scene, plan) {}
+
+glm::vec3 LightPaths::scattered(const SurfacePoint& point, PathNumbers& numbers) const {
+    const FlushDenormals flushed;
+    Way way;
+    way.stand_on(point);
+    glm::vec3 light(0);
+    do light += asked(way, numbers);
+    while (leave(way, numbers) && meet(way, numbers, light));
+    return core::is_finite(light) ? light : glm::vec3(0);
+}
+
+/// What lights send straight to the point.
+glm::vec3 LightPaths::asked(const Way& way, PathNumbers& numbers) const {
+    const auto number = [&](FirstNumber which) { return way.first ? numbers.first(which) : numbers.next(); };
+    // One by one: the order in which arguments are evaluated is not told.
+    struct Three {
+        float choice, u, v;
+    };
+    const auto three = [&](FirstNumber choice, FirstNumber u, FirstNumber v) {
+        return Three{number(choice), number(u), number(v)};
+    };
+    glm::vec3 sum(0);
+    if (lights_.has_lamps()) {
+        const Three n = three(FirstNumber::lamp, FirstNumber::lamp_u, FirstNumber::lamp_v);
+        sum += answer(way, lights_.to_lamp(way.query, n.choice, {n.u, n.v}));
+    }
+    if (lights_.has_surfaces()) {
+        const Three n = three(FirstNumber::surface, FirstNumber::surface_u, FirstNumber::surface_v);
+        sum += answer(way, lights_.to_surface(way.query, n.choice, {n.u, n.v}));
+    }
+    if (lights_.has_sky()) {
+        const Three n = three(FirstNumber::sky, FirstNumber::sky_u, FirstNumber::sky_v);
+        sum += answer(way, lights_.to_sky(n.choice, {n.u, n.v}));
+    }
+    return way.throughput * sum;
+}
+
+glm::vec3 LightPaths::answer(const Way& way, const LightSample& sample) const {
+    const SurfacePoint& p = way.point;
+    if (!(core::luminance(sample.light) > 0.0f) || !(glm::dot(sample.direction, way.query.normal) > 0.0f))
+        return glm::vec3(0);
+    glm::vec3 share = evaluate(p.bsdf, p.shading_normal, p.outgoing, sample.direction) *
+                      (glm::dot(p.shading_normal, sample.direction) * sample.light);
+    if (!(mean(share) > 0.0f)) return glm::vec3(0);
+    if (sample.density > 0.0f)
+        share *= sample.density / (sample.density + direction_density(p, way.chance, sample.direction));
+    return share * posed_scene_.tracer().passes(way.query.origin, sample.ray, sample.far);
+}
+
+/// Chooses where the path goes on from its point.
+bool LightPaths::leave(Way& way, PathNumbers& numbers) const {
+    const SurfacePoint& p = way.point;
+    const auto number = [&](FirstNumber which) { return way.first ? numbers.first(which) : numbers.next(); };
+    const float choice = number(FirstNumber::lobe), u = number(FirstNumber::direction_u);
+    way.direction = chosen_direction(p, choice < way.chance, {u, number(FirstNumber::direction_v)});
+    way.density = direction_density(p, way.chance, way.direction);
+    if (!(way.density > 0.0f) || !(glm::dot(way.direction, way.query.normal) > 0.0f)) return false;
+    way.throughput *= evaluate(p.bsdf, p.shading_normal, p.outgoing, way.direction) *
+                      (glm::dot(p.shading_normal, way.direction) / way.density);
+    if (!(mean(way.throughput) > 0.0f) || !core::is_finite(way.throughput)) return false;
+    way.origin = way.query.origin;
+    way.seen_in_lobe = way.first && p.bsdf.has_narrow_lobe() ? share_of_lobe(p, way.direction) : glm::vec3(0);
+    return true;
+}
+
+/// Goes along the ray until the next surface that scatters; adds what shines on the way.
+bool LightPaths::meet(Way& way, PathNumbers& numbers, glm::vec3& light) const {
+    for (int event = 0; event < most_events; ++event) {
+        const Hit hit =
+            posed_scene_.tracer().nearest(way.origin, way.direction, std::numeric_limits<float>::infinity());
+        if (!hit.found()) {
+            light += way.throughput * escaped(way);
+            return false;
+        }
+        const SurfacePoint met = posed_scene_.surface_at(hit.address, -way.direction);
+        light += way.throughput * emitted(way, met);
+        const float choice = way.first && event == 0 ? numbers.first(FirstNumber::event) : numbers.next();
+        const Event what = go_on(way, met, choice);
+        if (what != Event::passes) return what == Event::lands;
+    }
+    return false;
+}
+
+/// Radiance from where the ray leaves the scene.
+glm::vec3 LightPaths::escaped(const Way& way) const {
+    glm::vec3 sum(0);
+    if (sky_light_)
+        sum = posed_scene_.sky()->radiance(way.direction, 0.0f) * way.weight(lights_.sky_density(way.direction));
+    if (way.first && way.mirrored) return sum;
+    return sum + lights_.suns(way.query, way.direction, [&](float other) { return way.weight(other); });
+}
+
+/// Radiance that a surface on the ray sends back along it.
+glm::vec3 LightPaths::emitted(const Way& way, const SurfacePoint& met) const {
+    const glm::vec3 emission = met.alpha * met.emission;
+    if (!(mean(emission) > 0.0f)) return glm::vec3(0);
+    // Unlit surfaces are a picture's, no lamps: only lobes that rays look along show them.
+    if (met.unlit) return way.first ? way.seen_in_lobe * emission : glm::vec3(0);
+    if (way.first && way.mirrored) return glm::vec3(0);
+    return emission * way.weight(lights_.surface_density(way.query, met.address));
+}
+
+/// What becomes of the path at a surface. Roulette by what each event would carry on, as photons have it.
+LightPaths::Event LightPaths::go_on(Way& way, const SurfacePoint& met, float choice) const {
+    const float before = mean(way.throughput);
+    const auto kept = [&](glm::vec3 share) { return core::divide_or(mean(way.throughput * share), before, 0.0f); };
+    const glm::vec3 albedo = whole_albedo(met);
+    const float whole = kept(albedo + met.bsdf.mirror + met.bsdf.transmission);
+    const float cut = met.alpha * (whole > largest_albedo ? largest_albedo / whole : 1.0f);
+    const bool translucent = met.alpha < 1.0f || mean(met.bsdf.transmission) > 0.0f;
+    const glm::vec3 through = translucent ? posed_scene_.transmittance_at(met.address) : glm::vec3(0);
+    // No caustic on the first surface; its narrow lobe alone looks into mirrors.
+    const glm::vec3 mirror = cut * met.bsdf.mirror * (way.first ? way.seen_in_lobe : glm::vec3(1));
+
+    float chances[3] = {kept(through), kept(mirror), cut * kept(albedo)};
+    const float sum = chances[0] + chances[1] + chances[2];
+    if (sum > 1.0f)
+        for (float& c : chances) c /= sum;
+    if (choice < chances[0]) {
+        way.throughput *= through / chances[0];
+        way.origin = offset_origin(met, way.direction);
+        return Event::passes;
+    }
+    choice -= chances[0];
+    if (choice < chances[1]) {
+        way.direction = core::normalize_or(
+            2.0f * glm::dot(met.shading_normal, met.outgoing) * met.shading_normal - met.outgoing, met.shading_normal);
+        if (!(glm::dot(way.direction, met.geometric_normal) > 0.0f)) return Event::ends;
+        way.throughput *= mirror / chances[1];
+        way.origin = offset_origin(met, way.direction);
+        way.mirrored = true;
+        if (way.first) way.seen_in_lobe = glm::vec3(1);
+        return Event::passes;
+    }
+    if (!(choice - chances[1] < chances[2])) return Event::ends;
+    way.throughput *= cut / chances[2];
+    way.first = false;
+    way.stand_on(met);
+    return Event::lands;
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,39 @@
+#pragma once
+// Follows paths from surfaces that the eye sees to the lights.
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#include "renderer/surface/posed_scene.h"
+#include "renderer/truth/light_sources.h"
+#include "renderer/truth/path_numbers.h"
+
+namespace render2mpeg::renderer {
+
+/// What surface points scatter of all light, by unbiased paths: the rendering equation of the product's own surfaces
+/// and lights, without its light points (docs/model/truth.md). Any thread.
+class LightPaths {
+  public:
+    LightPaths(const PosedScene& posed_scene, const Plan& plan);
+
+    /// Radiance that the point scatters to its `outgoing`, along one path: right in the mean over `numbers`, finite.
+    /// What mirrors throw on the point itself is not in it, but for what a narrow lobe sees in them
+    /// (docs/model/lights.md).
+    glm::vec3 scattered(const SurfacePoint& point, PathNumbers& numbers) const;
+
+  private:
+    struct Way;
+    enum class Event : std::uint8_t;
+    glm::vec3 asked(const Way& way, PathNumbers& numbers) const;
+    glm::vec3 answer(const Way& way, const LightSample& sample) const;
+    bool leave(Way& way, PathNumbers& numbers) const;
+    bool meet(Way& way, PathNumbers& numbers, glm::vec3& light) const;
+    glm::vec3 escaped(const Way& way) const;
+    glm::vec3 emitted(const Way& way, const SurfacePoint& met) const;
+    Event go_on(Way& way, const SurfacePoint& met, float choice) const;
+
+    const PosedScene& posed_scene_;
+    bool sky_light_;
+    LightSources lights_;
+};
+
+}  // namespace render2mpeg::renderer
