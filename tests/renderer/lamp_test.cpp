@@ -195,6 +195,31 @@ TEST(SoftSun, IsAsBrightAsAPointWhereNothingIsInTheWay) {
     EXPECT_NEAR(bright[1] / bright[0], 1, 1e-5);
 }
 
+TEST(SoftSun, ShinesNotThroughTheSurfaceThatItStandsHalfBehind) {
+    // Shading normals lean towards it, the surface itself does not.
+    constexpr double half_angle = 0.15;
+    scene::Mesh mesh = SceneBuilder::quad({-5, 0, 5}, {10, 0, 0}, {0, 0, -10});
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(1, 1, 0));
+    mesh.normals.assign(mesh.positions.size(), glm::vec3(normal));
+    SceneBuilder b;
+    b.add_object(b.add_mesh(mesh), b.add_material(glm::vec3(0.5f)));
+    b.add_camera({0, 8, 0.01f}, {0, 0, 0}, 0.5f);
+    b.add_sun({-1, 0, 0}, 2);
+    b.film().lights.back().angle = half_angle;
+    double visible = 0;
+    constexpr int n = 400;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+            const double low = 1 - std::cos(half_angle), x = 1 - low * (i + 0.5) / n, turn = 2 * pi * (j + 0.5) / n;
+            const double y = std::sqrt(1 - x * x) * std::sin(turn);
+            visible += y > 0 ? (x + y) * std::sqrt(0.5) * 2 * pi * low / (n * n) : 0;
+        }
+    visible *= 2 / (pi * std::sin(half_angle) * std::sin(half_angle));
+    FilmStage stage(b, without_bounces());
+    EXPECT_NEAR(stage.reference().combined.at(12, 12).x / (0.5 / pi * visible), 1, 0.005);
+    EXPECT_NEAR(stage.cut(0.02f).combined.at(12, 12).x / (0.5 / pi * visible), 1, 0.02);
+}
+
 TEST(SoftSun, OfTheRealSunsSizeTakesFewRaysBesideRecords) {
     // Its light is gathered for every point, as far as its tolerance asks, and not by all samples.
     SceneBuilder b = floor_of();

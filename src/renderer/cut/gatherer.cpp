@@ -28,8 +28,9 @@ void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance,
     alignas(64) Lanes exact_luminance{};
     alignas(64) Lanes lamp_variance{};
     if (limits.exact) add_exact(lanes, sums, exact_luminance, out);
-    if (limits.exact) add_lamps(lanes, Shadow::sharp, &tolerance, sums, exact_luminance, lamp_variance, out);
-    add_lamps(lanes, Shadow::smooth, &tolerance, sums, exact_luminance, lamp_variance, out);
+    const LampAccuracy accuracy{.tolerance = &tolerance};
+    if (limits.exact) add_lamps(lanes, Shadow::sharp, accuracy, sums, exact_luminance, lamp_variance, out);
+    add_lamps(lanes, Shadow::smooth, accuracy, sums, exact_luminance, lamp_variance, out);
 
     // Start with the root of every tree, its representative tested by shadow rays.
     cut_.start(lanes, tolerance, limits, exact_luminance, shadows_);
@@ -62,14 +63,15 @@ void Gatherer::add_exact(const GatherLanes& lanes, CutSums& sums, Lanes& luminan
 }
 
 /// `variance`: of the luminance, since lamps are sampled.
-void Gatherer::add_lamps(const GatherLanes& lanes, Shadow shadow, const GroupTolerance* tolerance, CutSums& sums,
+void Gatherer::add_lamps(const GatherLanes& lanes, Shadow shadow, LampAccuracy accuracy, CutSums& sums,
                          Lanes& luminance, Lanes& variance, GatheredLight& out) {
+    accuracy.luminance = &luminance;
     for (const WholeLamp& lamp : light_trees_.lamps) {
         if (lamp.sharp != (shadow == Shadow::sharp)) continue;
         if (light_trees_.shadows == Shadows::hidden_by_dynamic && !shadows_.may_be_hidden(type_of(lamp), lamp.box))
             continue;
         LampLight light;
-        gather_lamp(lamp, lanes, light_trees_.translucent, {tolerance, &luminance}, shadows_, light);
+        gather_lamp(lamp, lanes, light_trees_.translucent, accuracy, shadows_, light);
         const UnitLight unit = light.visible(lanes, light_trees_.translucent);
         add_luminance(lanes, unit, lamp.radiance, luminance);
         sums.add(unit, lamp.radiance, true);
@@ -87,7 +89,8 @@ void Gatherer::gather_exact(const GatherLanes& lanes, Shadow shadow, const Group
     CutSums sums(lanes);
     alignas(64) Lanes luminance{}, variance{};
     if (shadow == Shadow::sharp) add_exact(lanes, sums, luminance, out);
-    add_lamps(lanes, shadow, tolerance, sums, luminance, variance, out);
+    const LampAccuracy accuracy{.tolerance = tolerance, .one_point = tolerance == nullptr};
+    add_lamps(lanes, shadow, accuracy, sums, luminance, variance, out);
     sums.store(out);
     out.shadow_rays = shadows_.rays();
 }
@@ -100,7 +103,7 @@ void Gatherer::gather_all(const GatherLanes& lanes, GatheredLight& out) {
     alignas(64) Lanes luminance{}, variance{};
     add_exact(lanes, sums, luminance, out);
     for (const Shadow shadow : {Shadow::sharp, Shadow::smooth})
-        add_lamps(lanes, shadow, nullptr, sums, luminance, variance, out);
+        add_lamps(lanes, shadow, LampAccuracy{}, sums, luminance, variance, out);
     // Lanes that no ray of a packet is traced for keep what they had.
     LightContribution contribution = LightContribution::unknown_in(0);
     for (int t = 0; t < LightTrees::tree_count; ++t) {

@@ -24,7 +24,7 @@ class Gatherer {
 
     /// Only lights that are not clustered, each by itself: those whose shadows are too sharp to be interpolated
     /// (punctual lights, small suns), or the other lamps that are lit by as a whole. Lamps by as many samples as
-    /// `tolerance` asks for; null: by all.
+    /// `tolerance` asks for; null: by all, and all lanes are copies of one point.
     void gather_exact(const GatherLanes& lanes, Shadow shadow, const GroupTolerance* tolerance, GatheredLight& out);
 
     /// Every light point by itself, in the order of the trees: what all cuts are held against.
@@ -32,8 +32,8 @@ class Gatherer {
 
   private:
     void add_exact(const GatherLanes& lanes, CutSums& sums, Lanes& luminance, GatheredLight& out);
-    void add_lamps(const GatherLanes& lanes, Shadow shadow, const GroupTolerance* tolerance, CutSums& sums,
-                   Lanes& luminance, Lanes& variance, GatheredLight& out);
+    void add_lamps(const GatherLanes& lanes, Shadow shadow, LampAccuracy accuracy, CutSums& sums, Lanes& luminance,
+                   Lanes& variance, GatheredLight& out);
 
     const LightTrees& light_trees_;
     const RayTracer& tracer_;

@@ -3,309 +3,292 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
+#include <optional>
 
 #include "core/numeric.h"
-#include "core/sampling.h"
-#include "renderer/base/lobe.h"
 #include "renderer/cut/lamp_irradiance.h"
+#include "renderer/cut/lamp_lobe.h"
+#include "renderer/cut/lamp_samples.h"
 #include "renderer/cut/shadow_rays.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
 /// Samples of a lane, step by step; the last are all that there are.
-constexpr std::array<int, 5> steps{4, 16, 64, 256, 1024};
-constexpr int all = steps.back();
+constexpr std::array<int, 5> steps{4, 16, 64, 256, most_lamp_samples};
 
 /// Of its tolerance, the standard error that a lane's light may have since its lamp is sampled. chosen: 1/8 of 1/16 to
 /// 1/2; what errs most decides how finely all the rest is gathered (cornell at 2 %: 22 million rays at 1/8, 23 at 1/16,
 /// 28 at 1/4).
 constexpr float part_of_tolerance = 0.125f;
 
-/// Samples that lobes see where no ray is traced to each; they stand for discs of so many parts of the lamp. chosen: 16
-/// of 16 and 64.
-constexpr int of_lobes = 16;
+/// Likewise of lobes, without rays: quarters of the samples tell it, which err more than a quarter of them does.
+constexpr float part_of_lobes = 0.25f;
 
-/// Element `i` of the (0, 2)-sequence of Sobol: aligned runs of 4, 16 and 64 are stratified in both dimensions and
-/// jointly [Sobol1967].
-glm::vec2 sobol(std::uint32_t i) {
-    std::uint32_t x = 0, y = 0, first = 0x80000000u, second = 0x80000000u;
-    for (; i != 0; i >>= 1, first >>= 1, second ^= second >> 1) {
-        if ((i & 1u) == 0) continue;
-        x ^= first;
-        y ^= second;
+/// How much of what its samples weigh a lane sees.
+struct alignas(64) SeenShare {
+    Lanes weight{}, seen{};
+    Lanes squares{};  ///< of weights: few of them may count for most
+
+    void add(int i, float sample, bool visible) {
+        weight[i] += sample;
+        squares[i] += sample * sample;
+        seen[i] += visible ? sample : 0.0f;
     }
-    return {(static_cast<float>(x >> 8) + 0.5f) * 0x1p-24f, (static_cast<float>(y >> 8) + 0.5f) * 0x1p-24f};
-}
-
-/// All samples.
-const std::array<glm::vec2, all> pattern = [] {
-    std::array<glm::vec2, all> p;
-    for (std::uint32_t i = 0; i < p.size(); ++i) p[i] = sobol(i);
-    return p;
-}();
-
-/// Which sample a lane of a group takes as its k-th: the aligned runs of 4, 16, 64, 256 about a place of its own. The
-/// sixty-fours of sixteen lanes are all samples, and their fours lie in all parts of the lamp. Groups of other sets of
-/// representatives begin elsewhere.
-std::size_t sample_index(int set, int lane, int k) {
-    const int turned = (lane + 4 * set) & (lane_count - 1);
-    const int own = 64 * turned + 4 * ((turned * 5 + turned / 4) & (lane_count - 1));
-    return static_cast<std::size_t>(own ^ k);
-}
-
-/// A disc of radius 1, evenly, so that strata stay compact [Shirley1997].
-glm::vec2 disc(glm::vec2 u) {
-    const glm::vec2 p = 2.0f * u - 1.0f;
-    if (p == glm::vec2(0)) return p;
-    constexpr float quarter = std::numbers::pi_v<float> / 4;
-    const bool wide = std::abs(p.x) > std::abs(p.y);
-    const float r = wide ? p.x : p.y, turn = wide ? quarter * (p.y / p.x) : 2 * quarter - quarter * (p.x / p.y);
-    return r * glm::vec2(std::cos(turn), std::sin(turn));
-}
-
-/// A place on a convex polygon, evenly: parallelograms keep the strata.
-glm::vec3 on_polygon(const std::vector<glm::vec3>& c, glm::vec2 u) {
-    if (c.size() == 4 && glm::length(c[0] + c[2] - c[1] - c[3]) <= 1e-4f * glm::length(c[2] - c[0]))
-        return c[0] + u.x * (c[1] - c[0]) + u.y * (c[3] - c[0]);
-    float area = 0;
-    for (std::size_t i = 2; i < c.size(); ++i) area += glm::length(glm::cross(c[i - 1] - c[0], c[i] - c[0]));
-    float left = u.x * area;
-    for (std::size_t i = 2; i < c.size(); ++i) {
-        const glm::vec3 a = c[i - 1] - c[0], b = c[i] - c[0];
-        const float part = glm::length(glm::cross(a, b));
-        if (left > part && i + 1 < c.size()) {
-            left -= part;
-            continue;
-        }
-        const glm::vec2 uv = core::sample_triangle({core::divide_or(std::min(left, part), part, 0.0f), u.y});
-        return c[0] + uv.x * a + uv.y * b;
+    void share_samples() {
+        for (Lanes* sum : {&weight, &seen, &squares}) share_among_lanes(*sum);
     }
-    return c[0];
-}
-
-glm::vec3 at(const Vec3Lanes& lanes, int i) {
-    return {lanes.x[i], lanes.y[i], lanes.z[i]};
-}
-
-void set(Vec3Lanes& lanes, int i, glm::vec3 v) {
-    lanes.x[i] = v.x;
-    lanes.y[i] = v.y;
-    lanes.z[i] = v.z;
-}
-
-/// A sample of the lamp for each lane, as lights, and where their shadow rays end.
-struct Samples {
-    LightPacket lights;
-    Vec3Lanes targets;
-
-    void take_polygon(const WholeLamp& lamp, const GatherLanes& lanes, int lane, glm::vec2 u) {
-        const glm::vec3 place = on_polygon(lamp.corners, u);
-        const bool behind = lamp.two_sided && glm::dot(at(lanes.position, lane) - place, lamp.normal) < 0;
-        const glm::vec3 normal = behind ? -lamp.normal : lamp.normal;
-        set(lights.position, lane, place + lamp.clearance * normal);
-        set(lights.normal, lane, normal);
-        set(targets, lane, place + lamp.clearance * normal);
-        lights.disc2[lane] = lamp.area / static_cast<float>(of_lobes) * lobe::inverse_pi;
-    }
-
-    /// The disc that the cone from the lane touches the sphere in; rays end where they enter the sphere.
-    void take_sphere(const WholeLamp& lamp, const GatherLanes& lanes, int lane, glm::vec2 u) {
-        const glm::vec3 origin = at(lanes.origin, lane), to_lamp = lamp.position - origin;
-        const float distance = std::max(glm::length(to_lamp), lamp.radius * 1.0001f), sine = lamp.radius / distance;
-        const glm::vec3 axis = core::normalize_or(to_lamp, {0, 0, 1});
-        glm::vec3 tangent, bitangent;
-        core::make_frame(axis, tangent, bitangent);
-        const float half = lamp.radius * core::sqrt_or_zero(1 - sine * sine);
-        const glm::vec2 q = half * disc(u);
-        const glm::vec3 place = origin + axis * (distance * (1 - sine * sine)) + q.x * tangent + q.y * bitangent;
-        set(lights.position, lane, place);
-        set(lights.normal, lane, -axis);
-        lights.disc2[lane] = half * half / static_cast<float>(of_lobes);
-        const glm::vec3 direction = core::normalize_or(place - origin, axis);
-        const float outer = lamp.radius + lamp.clearance, along = glm::dot(to_lamp, direction);
-        const float enters =
-            along - core::sqrt_or_zero(outer * outer - std::max(distance * distance - along * along, 0.0f));
-        set(targets, lane, origin + std::max(enters, 0.0f) * direction);
-    }
-
-    void take_sun(const WholeLamp& lamp, int lane, glm::vec2 u) {
-        glm::vec3 tangent, bitangent;
-        core::make_frame(lamp.position, tangent, bitangent);
-        // Evenly by solid angle: 1 - cos grows as the disc's squared radius.
-        const float cosine = core::sqrt_or_zero(1 - lamp.radius * lamp.radius);
-        const float most = lamp.radius * lamp.radius / (1 + cosine);  // 1 - cos
-        const glm::vec2 p = disc(u);
-        const float lowered = most * glm::dot(p, p), scale = core::sqrt_or_zero(most * (2 - lowered));
-        const glm::vec3 direction = (1 - lowered) * lamp.position + scale * (p.x * tangent + p.y * bitangent);
-        set(lights.position, lane, direction);
-        set(lights.normal, lane, -direction);
-        set(targets, lane, direction);
-        lights.disc2[lane] = 2 * most / static_cast<float>(of_lobes);  // solid angle over pi
-    }
-
-    void take(const WholeLamp& lamp, const GatherLanes& lanes, int k) {
-        for (int i = 0; i < lane_count; ++i) {
-            const glm::vec2 u = pattern[sample_index(lanes.set, i, k)];
-            switch (lamp.kind) {
-                case WholeLamp::Kind::polygon:
-                    take_polygon(lamp, lanes, i, u);
-                    break;
-                case WholeLamp::Kind::sphere:
-                    take_sphere(lamp, lanes, i, u);
-                    break;
-                case WholeLamp::Kind::sun:
-                    take_sun(lamp, i, u);
-                    break;
-            }
-            lights.spot_scale[i] = lights.spot_offset[i] = 0.0f;
-        }
-    }
+    float share(int i) const { return std::min(core::divide_or(seen[i], weight[i], 0.0f), 1.0f); }
+    /// So many samples of one weight would tell as much.
+    float count(int i) const { return core::divide_or(weight[i] * weight[i], squares[i], 0.0f); }
 };
 
-/// Sums over samples, lane by lane.
-struct alignas(64) SampleSums {
-    Lanes weight{}, seen{};  ///< of G, all and visible
-    LightLanes lit{};        ///< what visible samples send
-    Lanes whole_weight{};    ///< of samples without rays, for lobes
-    LightLanes whole{};      ///< likewise
-    Lanes passed[3]{};       ///< of visible G, times what translucent surfaces let through
-    int traced[lane_count]{};
+/// Traced samples, lane by lane.
+struct alignas(64) TracedSamples {
+    SeenShare lamp;     ///< of irradiance
+    SeenShare lobe;     ///< of what the lobe sends
+    Lanes passed[3]{};  ///< of visible irradiance, times what translucent surfaces let through
 
     bool is_dark(std::uint32_t asked) const {
         for (int i = 0; i < lane_count; ++i)
-            if ((asked >> i & 1u) != 0 && seen[i] > 0) return false;
+            if ((asked >> i & 1u) != 0 && (lamp.seen[i] > 0 || lobe.seen[i] > 0)) return false;
         return true;
     }
 };
 
-/// What samples send to the lanes, and their geometry terms alone.
-void evaluate(const WholeLamp& lamp, const GatherLanes& lanes, const Samples& samples, LightLanes& unit, Lanes& g) {
-    const LightPacket& p = samples.lights;
-    evaluate_lights(lanes, type_of(lamp), p, GeometryClamp::none(), unit);
-    if (!lanes.glossy) {
-        std::copy(std::begin(unit.diffuse), std::end(unit.diffuse), std::begin(g));
-        return;
+/// One lamp, gathered for one group of points.
+class LampGatherer {
+  public:
+    LampGatherer(const WholeLamp& lamp, const GatherLanes& lanes, bool translucent, const LampAccuracy& accuracy,
+                 ShadowTester& shadows)
+        : lamp_(lamp), lanes_(lanes), translucent_(translucent), accuracy_(accuracy), shadows_(shadows) {}
+
+    void gather(LampLight& out);
+
+  private:
+    void measure();
+    void trace_all();
+    void trace_as_needed();
+    void trace(std::uint32_t asked, int first, int end);
+    void trace_sample(const LampSamples& samples, const LampResponse& response, std::uint32_t asked, bool along_lobe);
+    std::uint32_t too_rough(std::uint32_t reached, int count);
+    void add_errors(const SeenShare& seen, const Lanes& luminance, std::uint32_t reached, float least_count);
+    void refine_lobes();
+    float lobe_share(int lane) const;
+    float allowed(int lane, float light) const;
+    void store(LampLight& out) const;
+
+    const WholeLamp& lamp_;
+    const GatherLanes& lanes_;
+    bool translucent_;
+    LampAccuracy accuracy_;
+    ShadowTester& shadows_;
+    std::optional<LampSampler> sampler_;
+    std::optional<LobeIntegral> lobes_;     ///< where some lane is glossy
+    std::uint32_t reached_ = 0;             ///< lanes that the lamp is above the horizon of
+    std::uint32_t along_lobes_ = 0;         ///< lanes that trace rays along their lobes
+    std::uint32_t by_lobe_ = 0;             ///< lanes whose samples tell which share of their lobe is seen
+    alignas(64) Lanes whole_{};             ///< irradiance without occlusion
+    alignas(64) Lanes diffuse_{}, lobe_{};  ///< luminance without occlusion, of radiance as it is
+    alignas(64) Lanes errors_{};            ///< standard errors, luminance
+    TracedSamples traced_;
+};
+
+void LampGatherer::gather(LampLight& out) {
+    for (Lanes* part : {&out.unit.diffuse, &out.unit.f0, &out.unit.schlick}) std::fill(*part, *part + lane_count, 0.0f);
+    out.unit.any_clamped = false;
+    std::fill(&out.tint.passes[0][0], &out.tint.passes[0][0] + lane_count * 3, 1.0f);
+    // What arrives if nothing is in the way,
+    for (int i = 0; i < lanes_.count; ++i) {
+        whole_[i] = unoccluded_irradiance(lamp_, lanes_.position.at(i), lanes_.normal.axis.at(i));
+        reached_ |= whole_[i] > 0.0f ? 1u << i : 0u;
     }
-    // A lobe takes its part of what it covers.
+    if (reached_ == 0) return;
+    sampler_.emplace(lamp_, lanes_);
+    if (lanes_.glossy) lobes_.emplace(lamp_, lanes_, *sampler_, whole_);
+    measure();
+    // and the share of it that is seen, by more samples where a shadow's edge is.
+    if (accuracy_.tolerance == nullptr) {
+        trace_all();
+    } else {
+        trace_as_needed();
+        refine_lobes();
+    }
+    store(out);
+}
+
+float LampGatherer::allowed(int lane, float light) const {
+    const GroupTolerance& t = *accuracy_.tolerance;
+    return core::Tolerance{t.absolute[lane], t.relative[lane], t.background[lane]}.allows(
+        t.base[lane] + (*accuracy_.luminance)[lane] + light);
+}
+
+/// Luminance without occlusion, and which lobes are worth rays: those whose light matters.
+void LampGatherer::measure() {
+    LightLanes part{};
+    std::copy(std::begin(whole_), std::end(whole_), std::begin(part.diffuse));
+    if (lobes_)
+        std::copy(std::begin(lobes_->unit().diffuse), std::end(lobes_->unit().diffuse), std::begin(part.diffuse));
+    add_luminance(lanes_, unit_light(lanes_, part), lamp_.radiance, diffuse_);
+    if (!lobes_) return;
+    part = lobes_->unit();
+    std::fill(std::begin(part.diffuse), std::end(part.diffuse), 0.0f);
+    add_luminance(lanes_, unit_light(lanes_, part), lamp_.radiance, lobe_);
     for (int i = 0; i < lane_count; ++i) {
-        glm::vec3 to_light = at(p.position, i);
-        float emitted = 1;
-        if (type_of(lamp) == LightType::oriented) {
-            to_light -= at(lanes.position, i);
-            const float inverse = 1 / std::sqrt(std::max(glm::dot(to_light, to_light), lobe::tiny));
-            to_light *= inverse;
-            emitted = std::max(-glm::dot(at(p.normal, i), to_light), 0.0f) * inverse * inverse;
+        if ((reached_ >> i & 1u) == 0 || lanes_.coat[i] == 0.0f) continue;
+        if (!(lobes_->peaks()[i] > 0.0f)) {
+            by_lobe_ |= 1u << i;
+            continue;
         }
-        const bool in_front = glm::dot(at(lanes.geometric, i), to_light) > 0;
-        g[i] = in_front ? std::max(glm::dot(at(lanes.normal.axis, i), to_light), 0.0f) * emitted : 0.0f;
+        const bool matters =
+            accuracy_.tolerance == nullptr || 0.5f * lobe_[i] > part_of_tolerance * allowed(i, diffuse_[i] + lobe_[i]);
+        along_lobes_ |= matters ? 1u << i : 0u;
+    }
+    by_lobe_ |= along_lobes_;
+}
+
+/// The sixty-fours of all lanes are all samples.
+void LampGatherer::trace_all() {
+    const int samples = accuracy_.one_point ? most_lamp_samples / lane_count : most_lamp_samples;
+    while (lobes_ && lobes_->samples() < samples) lobes_->refine();
+    trace(reached_, 0, samples);
+    if (!accuracy_.one_point) return;
+    if (lobes_) lobes_->share_samples();
+    traced_.lamp.share_samples();
+    traced_.lobe.share_samples();
+    for (Lanes& passed : traced_.passed) share_among_lanes(passed);
+}
+
+/// Looks at these samples of the lanes in `asked`.
+void LampGatherer::trace(std::uint32_t asked, int first, int end) {
+    LampSamples samples;
+    LampResponse response;
+    alignas(64) const Lanes none{};
+    for (int k = first; asked != 0 && k < end; ++k) {
+        sampler_->take(k, samples);
+        respond(lanes_, samples, lobes_ ? lobes_->peaks() : none, response);
+        trace_sample(samples, response, asked, false);
+        if ((asked & along_lobes_) == 0) continue;
+        sampler_->take_lobe(k, samples);
+        respond(lanes_, samples, lobes_->peaks(), response);
+        trace_sample(samples, response, asked & along_lobes_, true);
     }
 }
 
-void add_lanes(const LightLanes& unit, const Lanes& share, bool glossy, LightLanes& sum) {
-    for (int i = 0; i < lane_count; ++i) {
-        sum.diffuse[i] += share[i] * unit.diffuse[i];
-        if (!glossy) continue;
-        sum.f0[i] += share[i] * unit.f0[i];
-        sum.schlick[i] += share[i] * unit.schlick[i];
-    }
-}
-
-/// Looks at samples k of the lanes in `asked`.
-void trace_samples(const WholeLamp& lamp, const GatherLanes& lanes, bool translucent, std::uint32_t asked, int k,
-                   ShadowTester& shadows, SampleSums& sums) {
-    Samples samples;
-    samples.take(lamp, lanes, k);
-    LightLanes unit;
-    alignas(64) Lanes g, visible{};
-    evaluate(lamp, lanes, samples, unit, g);
+/// What lies behind the surface itself is not seen, and needs no ray.
+void LampGatherer::trace_sample(const LampSamples& samples, const LampResponse& response, std::uint32_t asked,
+                                bool along_lobe) {
     ShadowPacket packet;
-    aim<Aimed::at_each>(lanes, type_of(lamp), samples.targets.x, samples.targets.y, samples.targets.z, packet);
+    const LightType type = type_of(lamp_);
+    Vec3Lanes targets;
+    sampler_->aim(samples, targets);
+    aim<Aimed::at_each>(lanes_, type, targets.x, targets.y, targets.z, packet);
     packet.active = 0;
-    for (int i = 0; i < lane_count; ++i) packet.active |= (asked >> i & 1u) != 0 && g[i] > 0.0f ? 1u << i : 0u;
+    for (int i = 0; i < lane_count; ++i) {
+        const bool in_front = glm::dot(lanes_.geometric.at(i), samples.direction.at(i)) > 0.0f;
+        packet.active |= (asked >> i & 1u) != 0 && in_front && response.plain[i] > 0.0f ? 1u << i : 0u;
+    }
     glm::vec3 passes[lane_count];
     std::fill(std::begin(passes), std::end(passes), glm::vec3(1));
-    const std::uint32_t hidden = packet.active == 0 ? 0 : shadows.blocked(packet, translucent ? passes : nullptr);
+    const std::uint32_t hidden = packet.active == 0 ? 0 : shadows_.blocked(packet, translucent_ ? passes : nullptr);
+    const std::uint32_t visible = packet.active & ~hidden;
     for (int i = 0; i < lane_count; ++i) {
         if ((asked >> i & 1u) == 0) continue;
-        ++sums.traced[i];
-        visible[i] = (hidden >> i & 1u) != 0 ? 0.0f : 1.0f;
-        sums.weight[i] += g[i];
-        sums.seen[i] += visible[i] * g[i];
-        for (int c = 0; c < 3; ++c) sums.passed[c][i] += visible[i] * g[i] * passes[i][c];
-    }
-    add_lanes(unit, visible, lanes.glossy, sums.lit);
-}
-
-/// What lobes see of the whole lamp, without rays.
-void add_whole(const WholeLamp& lamp, const GatherLanes& lanes, SampleSums& sums) {
-    Samples samples;
-    LightLanes unit;
-    alignas(64) Lanes g, every;
-    std::fill(std::begin(every), std::end(every), 1.0f);
-    for (int k = 0; k < of_lobes; ++k) {
-        samples.take(lamp, lanes, k);
-        evaluate(lamp, lanes, samples, unit, g);
-        for (int i = 0; i < lane_count; ++i) sums.whole_weight[i] += g[i];
-        add_lanes(unit, every, true, sums.whole);
+        const bool seen = (visible >> i & 1u) != 0;
+        if (!along_lobe) {
+            traced_.lamp.add(i, response.plain[i], seen);
+            for (int c = 0; seen && c < 3; ++c) traced_.passed[c][i] += response.plain[i] * passes[i][c];
+        }
+        if (lanes_.glossy) traced_.lobe.add(i, response.f0[i] + response.schlick[i], seen);
     }
 }
 
-float visible_share(const SampleSums& sums, int lane) {
-    return std::min(core::divide_or(sums.seen[lane], sums.weight[lane], 0.0f), 1.0f);
-}
-
-/// Of these lanes, which took `count` samples each: those whose light may still be off by too much. What errs are the
-/// strata that a shadow's edge crosses, sqrt(n) of n, so that the visible share v is known to
-/// 0.6 sqrt(v (1 - v)) n^(-3/4). Where all lanes see all of the lamp, or nothing, their samples count together, and a
-/// share of one sample may have been missed.
-std::uint32_t too_rough(const SampleSums& sums, std::uint32_t reached, int count, const Lanes& luminance,
-                        const LampAccuracy& accuracy, Lanes& errors) {
-    std::uint32_t lit = 0, dark = 0;
+/// Adds what the share that is seen leaves open. What errs are the strata that a shadow's edge crosses, sqrt(n) of n,
+/// so that the visible share v is known to 0.6 sqrt(v (1 - v)) n^(-3/4). Where all lanes see all of the lamp, or
+/// nothing, their samples count together, and a share of one sample may have been missed.
+void LampGatherer::add_errors(const SeenShare& seen, const Lanes& luminance, std::uint32_t reached, float least_count) {
+    bool lit = false, dark = false;
+    float together = 0;
+    for (int i = 0; i < lane_count; ++i) {
+        if ((reached >> i & 1u) == 0 || !(seen.weight[i] > 0.0f)) continue;
+        lit = lit || seen.share(i) > 0;
+        dark = dark || seen.share(i) < 1;
+        together += std::max(seen.count(i), least_count);
+    }
+    const bool agree = !lit || !dark;
     for (int i = 0; i < lane_count; ++i) {
         if ((reached >> i & 1u) == 0) continue;
-        const float share = visible_share(sums, i);
-        lit |= share > 0 ? 1u << i : 0u;
-        dark |= share < 1 ? 1u << i : 0u;
+        const float n = std::max(agree ? together : std::max(seen.count(i), least_count), 2.0f);
+        const float inside = std::clamp(seen.share(i), 1 / n, 1 - 1 / n);
+        errors_[i] += luminance[i] * 0.6f / (std::sqrt(n) * std::sqrt(std::sqrt(n))) * std::sqrt(inside * (1 - inside));
     }
-    const bool agree = lit == 0 || dark == 0;
-    const auto n = static_cast<float>(agree ? count * __builtin_popcount(reached) : count);
-    const float digits = 0.6f / (std::sqrt(n) * std::sqrt(std::sqrt(n)));
+}
+
+/// Of these lanes, which took `count` samples each: those whose light may still be off by too much.
+std::uint32_t LampGatherer::too_rough(std::uint32_t reached, int count) {
+    for (int i = 0; i < lane_count; ++i)
+        if ((reached >> i & 1u) != 0) errors_[i] = 0;
+    add_errors(traced_.lamp, diffuse_, reached, static_cast<float>(count));
+    if (by_lobe_ != 0) add_errors(traced_.lobe, lobe_, reached & by_lobe_, 1);
     std::uint32_t lanes = 0;
     for (int i = 0; i < lane_count; ++i) {
         if ((reached >> i & 1u) == 0) continue;
-        const float share = visible_share(sums, i), inside = std::clamp(share, 1 / n, 1 - 1 / n);
-        errors[i] = luminance[i] * digits * std::sqrt(inside * (1 - inside));
-        const GroupTolerance& t = *accuracy.tolerance;
-        const float light = t.base[i] + (*accuracy.luminance)[i] + share * luminance[i];
-        const float allowed = core::Tolerance{t.absolute[i], t.relative[i], t.background[i]}.allows(light);
-        lanes |= errors[i] > part_of_tolerance * allowed ? 1u << i : 0u;
+        const float light = traced_.lamp.share(i) * diffuse_[i] + lobe_share(i) * lobe_[i];
+        lanes |= errors_[i] > part_of_tolerance * allowed(i, light) ? 1u << i : 0u;
     }
     return lanes;
 }
 
-/// Traces as many samples of the lanes in `reached` as their tolerances ask for, by trace(lanes, first, end). `whole`:
-/// their irradiance without occlusion.
-template <class Trace>
-void trace_as_needed(const WholeLamp& lamp, const GatherLanes& lanes, const Lanes& whole, std::uint32_t reached,
-                     const LampAccuracy& accuracy, ShadowTester& shadows, const Trace& trace, const SampleSums& sums,
-                     Lanes& errors) {
-    LightLanes unshadowed{};
-    std::copy(std::begin(whole), std::end(whole), std::begin(unshadowed.diffuse));
-    alignas(64) Lanes luminance{};
-    add_luminance(lanes, unit_light(lanes, unshadowed), lamp.radiance, luminance);
-    std::uint32_t asked = reached;
+/// Traces as many samples of the lanes as their tolerances ask for.
+void LampGatherer::trace_as_needed() {
+    std::uint32_t asked = reached_;
     for (std::size_t s = 0; s < steps.size() && asked != 0; ++s) {
         trace(asked, s == 0 ? 0 : steps[s - 1], steps[s]);
-        asked = too_rough(sums, asked, steps[s], luminance, accuracy, errors);
+        asked = too_rough(asked, steps[s]);
         // What seems dark may be so for certain.
-        if (s == 0 && asked == reached && sums.is_dark(reached)) {
+        if (s == 0 && asked == reached_ && traced_.is_dark(reached_)) {
             std::uint16_t viable = GroupOccluders::all;
-            if (!shadows.is_occluded(type_of(lamp), lamp.box, viable)) continue;
-            std::fill(std::begin(errors), std::end(errors), 0.0f);
+            if (!shadows_.is_occluded(type_of(lamp_), lamp_.box, viable)) continue;
+            std::fill(std::begin(errors_), std::end(errors_), 0.0f);
             return;
         }
+    }
+}
+
+/// Samples lobes more finely, without rays, until what is seen of them is known well enough.
+void LampGatherer::refine_lobes() {
+    if (!lobes_) return;
+    alignas(64) Lanes of_lobe{};
+    for (bool more = true; more;) {
+        more = false;
+        for (int i = 0; i < lane_count; ++i) {
+            if ((reached_ >> i & 1u) == 0) continue;
+            const float share = lobe_share(i), light = traced_.lamp.share(i) * diffuse_[i] + share * lobe_[i];
+            of_lobe[i] = share * lobes_->error()[i];
+            more = more || of_lobe[i] > part_of_lobes * allowed(i, light);
+        }
+        more = more && lobes_->refine();
+    }
+    for (int i = 0; i < lane_count; ++i) errors_[i] = std::hypot(errors_[i], of_lobe[i]);
+}
+
+/// Of what the lobe sends; that of irradiance, where the lobe's own is not known.
+float LampGatherer::lobe_share(int lane) const {
+    const bool known = (by_lobe_ >> lane & 1u) != 0 && traced_.lobe.weight[lane] > 0.0f;
+    return known ? traced_.lobe.share(lane) : traced_.lamp.share(lane);
+}
+
+void LampGatherer::store(LampLight& out) const {
+    std::copy(std::begin(errors_), std::end(errors_), std::begin(out.error));
+    for (int i = 0; i < lane_count; ++i) {
+        if ((reached_ >> i & 1u) == 0) continue;
+        const float share = traced_.lamp.share(i);
+        out.unit.diffuse[i] = share * (lobes_ ? lobes_->unit().diffuse[i] : whole_[i]);
+        for (int c = 0; translucent_ && c < 3; ++c)
+            out.tint.passes[i][c] = core::divide_or(traced_.passed[c][i], traced_.lamp.seen[i], 1.0f);
+        if (!lobes_) continue;
+        out.unit.f0[i] = lobe_share(i) * lobes_->unit().f0[i];
+        out.unit.schlick[i] = lobe_share(i) * lobes_->unit().schlick[i];
     }
 }
 
@@ -313,45 +296,7 @@ void trace_as_needed(const WholeLamp& lamp, const GatherLanes& lanes, const Lane
 
 void gather_lamp(const WholeLamp& lamp, const GatherLanes& lanes, bool translucent, const LampAccuracy& accuracy,
                  ShadowTester& shadows, LampLight& out) {
-    // What arrives if nothing is in the way,
-    alignas(64) Lanes whole{};
-    std::uint32_t reached = 0;
-    for (int i = 0; i < lanes.count; ++i) {
-        whole[i] = unoccluded_irradiance(lamp, at(lanes.position, i), at(lanes.normal.axis, i));
-        reached |= whole[i] > 0.0f ? 1u << i : 0u;
-    }
-    for (Lanes* part : {&out.unit.diffuse, &out.unit.f0, &out.unit.schlick}) std::fill(*part, *part + lane_count, 0.0f);
-    out.unit.any_clamped = false;
-    std::fill(&out.tint.passes[0][0], &out.tint.passes[0][0] + lane_count * 3, 1.0f);
-    if (reached == 0) return;
-
-    // and the share of the lamp that is seen, by more samples where its edge or a shadow's is.
-    SampleSums sums;
-    const auto trace = [&](std::uint32_t asked, int first, int end) {
-        for (int k = first; asked != 0 && k < end; ++k)
-            trace_samples(lamp, lanes, translucent, asked, k, shadows, sums);
-    };
-    if (accuracy.tolerance == nullptr)
-        trace(reached, 0, all);
-    else
-        trace_as_needed(lamp, lanes, whole, reached, accuracy, shadows, trace, sums, out.error);
-
-    if (lanes.glossy) add_whole(lamp, lanes, sums);
-    for (int i = 0; i < lane_count; ++i) {
-        if ((reached >> i & 1u) == 0) continue;
-        const float share = visible_share(sums, i);
-        out.unit.diffuse[i] = whole[i] * share;
-        for (int c = 0; translucent && c < 3; ++c)
-            out.tint.passes[i][c] = core::divide_or(sums.passed[c][i], sums.seen[i], 1.0f);
-        if (!lanes.glossy) continue;
-        const bool by_rays = sums.traced[i] >= of_lobes;
-        const LightLanes& sent = by_rays ? sums.lit : sums.whole;
-        const float scale = by_rays ? core::divide_or(whole[i], sums.weight[i], 0.0f)
-                                    : share * core::divide_or(whole[i], sums.whole_weight[i], 0.0f);
-        out.unit.diffuse[i] = scale * sent.diffuse[i];
-        out.unit.f0[i] = scale * sent.f0[i];
-        out.unit.schlick[i] = scale * sent.schlick[i];
-    }
+    LampGatherer(lamp, lanes, translucent, accuracy, shadows).gather(out);
 }
 
 }  // namespace render2mpeg::renderer

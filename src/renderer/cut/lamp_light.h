@@ -28,6 +28,7 @@ inline LightType type_of(const WholeLamp& lamp) {
 struct LampAccuracy {
     const GroupTolerance* tolerance = nullptr;  ///< null: by all samples
     const Lanes* luminance = nullptr;           ///< of the lanes so far
+    bool one_point = false;                     ///< by all samples; all lanes are one point, and share them
 };
 
 /// A lamp's light in the lanes of a group [Szecsi2004]: J, the irradiance without occlusion, times the share of

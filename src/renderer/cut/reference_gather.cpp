@@ -58,12 +58,13 @@ void gather_all(const LightTrees& light_trees, const RayTracer& tracer, const Ga
     GatherLanes lanes, alone;
     fill(lanes, copies);
     GatheredLight exact;
-    const GatherPoint* const exactly[] = {&exact_at};
+    const GatherPoint* exactly[lane_count];
+    std::fill(std::begin(exactly), std::end(exactly), &exact_at);
     fill(alone, exactly);
     Gatherer(light_trees, tracer).gather_exact(alone, Shadow::sharp, nullptr, exact);
-    fill(alone, std::span(copies).first(1));
     GatheredLight lamps;
-    Gatherer(light_trees, tracer).gather_exact(alone, Shadow::smooth, nullptr, lamps);
+    Gatherer(light_trees, tracer).gather_exact(lanes, Shadow::smooth, nullptr, lamps);
+    fill(alone, std::span(copies).first(1));
 
     CutSums sums(lanes);
     LightPacket lights;

@@ -15,6 +15,7 @@ using Lanes = float[lane_count];
 
 struct alignas(64) Vec3Lanes {
     Lanes x, y, z;
+    glm::vec3 at(int lane) const { return {x[lane], y[lane], z[lane]}; }
 };
 
 /// One colour per lane.
