@@ -267,7 +267,7 @@ struct Renderer::Impl {
     PosedScene posed_scene;
     LightPoints light_points;
     std::optional<Anchors> anchors;  ///< of the film
-    WholeLamps lamps;                ///< of the chunk
+    WholeLamps lamps;                ///< of the film
     PersistentLightTrees lasting;    ///< of the chunk
     LightTrees light_trees;
     bool caches = false;  ///< light

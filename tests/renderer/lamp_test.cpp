@@ -251,6 +251,85 @@ TEST(WholeLamps, AreThoseThatShineEvenlyAndCarryMuchOfTheLight) {
     EXPECT_FALSE(lamps.without(points).empty());
 }
 
+/// The objects and, as -1, suns that are lit by as a whole, as the film is at second 0.
+std::vector<int> whole_in(const SceneBuilder& b) {
+    LitStage stage(b);
+    std::vector<int> whole;
+    for (const WholeLamp& lamp : WholeLamps(stage.posed_scene(), stage.direct_points(256, 1)).at(stage.posed_scene()))
+        whole.push_back(lamp.kind == WholeLamp::Kind::sun ? -1 : static_cast<int>(lamp.object));
+    return whole;
+}
+
+TEST(WholeLamps, AreNoBallsThatAreEverAnythingButRound) {
+    SceneBuilder b = floor_of();
+    const int ball = b.add_sphere({0, 1, 0}, 0.3f, b.add_emitter(glm::vec3(2)), 24);
+    const int node = b.film().objects[static_cast<std::size_t>(ball)].node;
+    SceneBuilder flattened = b;
+    flattened.add_track(scene::TrackTarget::scale, node, 3, {0, 5}, {1, 1, 1, 1, 0.05f, 1});
+    EXPECT_TRUE(whole_in(flattened).empty());
+    SceneBuilder swollen = b;
+    swollen.add_track(scene::TrackTarget::scale, node, 3, {0, 5}, {1, 1, 1, 2, 2, 2});
+    EXPECT_EQ(whole_in(swollen), std::vector<int>{ball});
+    // Hidden at first, when it lies nowhere.
+    SceneBuilder hidden = flattened;
+    hidden.film().tracks.back().values = {2, 0.3f, 2, 2, 0.3f, 2};
+    hidden.add_track(scene::TrackTarget::visibility, node, 1, {0, 1}, {0, 1});
+    hidden.film().tracks.back().interpolation = scene::Interpolation::step;
+    double mean[2];
+    for (const bool from_the_first : {false, true}) {
+        FilmStage stage(hidden, without_bounces());
+        if (from_the_first) stage.cut(0.02f, 0);
+        double sum = 0;
+        for (const glm::vec3& v : stage.cut(0.02f, 2).combined.values()) sum += v.y;
+        mean[from_the_first ? 1 : 0] = sum;
+    }
+    EXPECT_NEAR(mean[1] / mean[0], 1, 0.03);
+}
+
+TEST(WholeLamps, AreNoBallsThatShineInwards) {
+    SceneBuilder b = floor_of();
+    const int glow = b.add_emitter(glm::vec3(2));
+    const int ball = b.add_sphere({0, 1, 0}, 30, glow, 24);
+    EXPECT_EQ(whole_in(b), std::vector<int>{ball});
+    b.material(glow).double_sided = true;
+    EXPECT_TRUE(whole_in(b).empty());
+}
+
+TEST(WholeLamps, AreNoBallsWithHolesNorDoubledOnes) {
+    SceneBuilder b = floor_of();
+    const int ball = b.add_sphere({0, 1, 0}, 0.3f, b.add_emitter(glm::vec3(2)), 48);
+    EXPECT_EQ(whole_in(b), std::vector<int>{ball});
+    scene::Mesh& mesh =
+        b.film().meshes[static_cast<std::size_t>(b.film().objects[static_cast<std::size_t>(ball)].mesh)];
+    const std::vector<glm::uvec3> once = mesh.triangles;
+    mesh.triangles.resize(once.size() - 300);
+    EXPECT_TRUE(whole_in(b).empty());
+    mesh.triangles = once;
+    mesh.triangles.insert(mesh.triangles.end(), once.begin(), once.end());
+    EXPECT_TRUE(whole_in(b).empty());
+}
+
+TEST(WholeLamps, AreAllSoftSuns) {
+    SceneBuilder b = floor_of();
+    for (int i = 0; i < 17; ++i) {
+        b.add_sun({0.3f, -1, 0.2f}, 0.1f);
+        b.film().lights.back().angle = 0.1f;
+    }
+    EXPECT_EQ(whole_in(b), std::vector<int>(17, -1));
+}
+
+TEST(WholeLamps, AreChosenByHowLargeThingsAreWhileTheyAreSeen) {
+    // A hidden ball whose mesh is huge, and which the film never shows so.
+    SceneBuilder b = floor_of();
+    const int panel = b.add_quad({-0.5f, 1, -0.25f}, {1, 0, 0}, {0, 0, 0.5f}, b.add_emitter(glm::vec3(3)));
+    const int ball = b.add_sphere({3, 1, 0}, 20, b.add_emitter(glm::vec3(2)), 24);
+    const int node = b.film().objects[static_cast<std::size_t>(ball)].node;
+    b.add_track(scene::TrackTarget::scale, node, 3, {0, 1}, {0.002f, 0.002f, 0.002f, 0.002f, 0.002f, 0.003f});
+    b.add_track(scene::TrackTarget::visibility, node, 1, {0, 1}, {0, 1});
+    b.film().tracks.back().interpolation = scene::Interpolation::step;
+    EXPECT_EQ(whole_in(b), std::vector<int>{panel});
+}
+
 TEST(WholeLamps, OfAnExtremeSceneAreFinite) {
     // A lamp that covers the sky, one inside a wall, one that touches the floor, a hundred panels.
     SceneBuilder b = floor_of();

@@ -96,7 +96,7 @@ constexpr Rule rules[] = {
      "sky (film)", "light points (film)"},
     {whole_lamps, "whole lamps", "lamps shine evenly", "no lamp has a size and shines evenly",
      [](const Traits& t) { return t.has_surfaces && t.has_even_lamps; }, set_of({shade}), never,
-     "lamps (n), choice (chunk)", "lamps in closed form (n)"},
+     "lamps (n), choice (film)", "lamps in closed form (n)"},
     {direct_tree, "direct light tree", "there are lights to cluster", "there is no light to cluster",
      [](const Traits& t) { return t.has_surfaces && has_light(t); }, set_of({shade}), never,
      "light points (n), topology (chunk)", "direct light tree (n)"},

@@ -11,6 +11,7 @@
 #include "core/numeric.h"
 #include "renderer/base/lobe.h"
 #include "renderer/lights/light_points.h"
+#include "scene/pose/pose.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -80,10 +81,105 @@ float size_of(const scene::Mesh& mesh) {
     return glm::length(high - low);
 }
 
-/// Whether a matrix scales alike along all axes.
-bool scales_evenly(const glm::mat4& m) {
-    const float a = glm::length(glm::vec3(m[0])), b = glm::length(glm::vec3(m[1])), c = glm::length(glm::vec3(m[2]));
-    return std::max({a, b, c}) <= (1 + shape_error) * std::min({a, b, c}) && a > 0;
+/// Whether a matrix scales alike along all axes, and shears nothing.
+bool scales_evenly(const glm::dmat3& m) {
+    const glm::dmat3 squares = glm::transpose(m) * m;
+    const double mean = (squares[0][0] + squares[1][1] + squares[2][2]) / 3;
+    double off = 0;
+    for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < 3; ++r) off = std::max(off, std::abs(squares[c][r] - (c == r ? mean : 0)));
+    return mean > 0 && off <= 2 * shape_error * mean;
+}
+
+/// By how much a matrix multiplies areas, about; exact where it scales evenly.
+double area_scale(const glm::dmat3& m) {
+    return std::pow(std::abs(glm::determinant(m)), 2.0 / 3);
+}
+
+/// How an object lies in all instants in which it is there.
+struct Poses {
+    bool round = true;   ///< scaled evenly in all of them
+    double largest = 0;  ///< area_scale
+};
+
+/// Instants of a film that are looked at: so many, evenly, and about so many keys of scales and of what shows. chosen:
+/// 64, and 1,024, since some films have a key in every frame.
+constexpr int film_instants = 64;
+constexpr std::size_t most_keys = 1024;
+
+std::vector<double> instants_of(const scene::Animation& film) {
+    std::vector<double> keys;
+    for (const scene::Track& track : film.tracks)
+        if (track.target == scene::TrackTarget::scale || track.target == scene::TrackTarget::visibility)
+            keys.insert(keys.end(), track.times.begin(), track.times.end());
+    std::sort(keys.begin(), keys.end());
+    keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+    std::vector<double> instants;
+    const std::size_t step = keys.size() / most_keys + 1;
+    for (std::size_t i = 0; i < keys.size(); i += step) instants.push_back(keys[i]);
+    for (int i = 0; i < film_instants; ++i) instants.push_back(film.duration * (i + 0.5) / film_instants);
+    return instants;
+}
+
+/// Of these objects, over the whole film. Where they are hidden, they lie nowhere.
+std::map<std::uint32_t, Poses> poses_of(const scene::Animation& film, const std::vector<std::uint32_t>& objects) {
+    const bool moves = std::any_of(objects.begin(), objects.end(), [&](std::uint32_t object) {
+        return film.objects[object].mobility != scene::Mobility::still;
+    });
+    std::map<std::uint32_t, Poses> poses;
+    for (const double instant : moves ? instants_of(film) : std::vector<double>{0}) {
+        const scene::Pose pose = scene::pose_at(film, instant);
+        for (const std::uint32_t object : objects) {
+            const int node = film.objects[object].node;
+            const glm::dmat3 m(pose.world_of(node));
+            Poses& p = poses[object];
+            if ((moves && !pose.is_visible(node)) || !scene::normal_matrix(m).finite) continue;
+            p.round = p.round && scales_evenly(m);
+            p.largest = std::max(p.largest, area_scale(m));
+        }
+    }
+    return poses;
+}
+
+/// The same radiance everywhere and in all directions, from places that no texture makes holes in.
+bool shines_evenly(const scene::Animation& film, std::uint32_t object) {
+    const scene::Object& o = film.objects[object];
+    const scene::Material& material = film.materials[static_cast<std::size_t>(o.material)];
+    return o.mobility != scene::Mobility::deforming && !material.emission_texture.present() && !material.unlit &&
+           material.alpha_mode == scene::AlphaMode::opaque;
+}
+
+/// What a triangle spans as seen from `centre` [VanOosterom1983].
+double solid_angle(const scene::Mesh& mesh, glm::uvec3 t, glm::vec3 centre) {
+    const glm::dvec3 a(mesh.positions[t.x] - centre), b(mesh.positions[t.y] - centre), c(mesh.positions[t.z] - centre);
+    const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
+    return 2 * std::atan2(glm::dot(a, glm::cross(b, c)),
+                          la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
+}
+
+/// Whether a mesh is one sphere, whole and once.
+bool find_sphere(const scene::Mesh& mesh, glm::vec3& centre, float& radius, float& outer) {
+    if (mesh.triangles.size() < least_sphere_triangles) return false;
+    glm::vec3 low(mesh.positions.front()), high(low);
+    for (const glm::vec3& p : mesh.positions) low = glm::min(low, p), high = glm::max(high, p);
+    centre = 0.5f * (low + high);
+    double area = 0, spanned = 0;
+    float nearest = glm::length(high - low);
+    outer = 0;
+    for (const glm::uvec3 t : mesh.triangles) {
+        const glm::vec3 normal = wound_normal(mesh, t);
+        if (!(glm::dot(normal, mesh.positions[t.x] - centre) > 0)) return false;
+        area += 0.5 * glm::length(normal);
+        spanned += solid_angle(mesh, t, centre);
+        for (int k = 0; k < 3; ++k) {
+            const float r = glm::length(mesh.positions[t[k]] - centre);
+            nearest = std::min(nearest, r);
+            outer = std::max(outer, r);
+        }
+    }
+    radius = static_cast<float>(std::sqrt(area / (4 * std::numbers::pi)));
+    return outer - nearest <= shape_error * outer && radius > 0.98f * outer && radius <= outer &&
+           std::abs(spanned - 4 * std::numbers::pi) < 1e-4 * 4 * std::numbers::pi;
 }
 
 }  // namespace
@@ -119,61 +215,40 @@ std::vector<glm::vec3> convex_outline(const scene::Mesh& mesh) {
     return corners.size() >= 3 && corners.size() <= most_outline_corners ? corners : std::vector<glm::vec3>{};
 }
 
-bool WholeLamps::find_shape(const PosedScene& posed_scene, std::uint32_t object, Surface& surface) {
-    const scene::Animation& film = posed_scene.animation();
-    const scene::Object& o = film.objects[object];
-    const scene::Material& material = film.materials[static_cast<std::size_t>(o.material)];
-    if (o.mobility == scene::Mobility::deforming || material.emission_texture.present() || material.unlit ||
-        material.alpha_mode != scene::AlphaMode::opaque)
-        return false;
-    const scene::Mesh& mesh = film.meshes[static_cast<std::size_t>(o.mesh)];
-    surface.object = object;
-    surface.corners = convex_outline(mesh);
-    if (!surface.corners.empty()) return true;
-    if (mesh.triangles.size() < least_sphere_triangles || !scales_evenly(posed_scene.posed().objects[object].to_world))
-        return false;
-    glm::vec3 low(mesh.positions.front()), high(low);
-    for (const glm::vec3& p : mesh.positions) low = glm::min(low, p), high = glm::max(high, p);
-    surface.centre = 0.5f * (low + high);
-    double area = 0;
-    float nearest = glm::length(high - low);
-    for (const glm::uvec3 t : mesh.triangles) {
-        const glm::vec3 normal = wound_normal(mesh, t);
-        if (!(glm::dot(normal, mesh.positions[t.x] - surface.centre) > 0)) return false;
-        area += 0.5 * glm::length(normal);
-        for (int k = 0; k < 3; ++k) {
-            const float r = glm::length(mesh.positions[t[k]] - surface.centre);
-            nearest = std::min(nearest, r);
-            surface.outer = std::max(surface.outer, r);
-        }
-    }
-    surface.radius = static_cast<float>(std::sqrt(area / (4 * std::numbers::pi)));
-    return surface.outer - nearest <= shape_error * surface.outer && surface.radius > 0.98f * surface.outer;
-}
-
 WholeLamps::WholeLamps(const PosedScene& posed_scene, std::span<const LightPoint> points) {
+    const scene::Animation& film = posed_scene.animation();
     std::map<std::uint32_t, double> power;
-    double all = 0;
     for (const LightPoint& p : points) {
-        if (p.kind == LightPointKind::directional && p.id >= first_punctual_id && p.disc2 > 0.0f &&
-            suns_.size() < most_whole_lamps)
-            suns_.push_back(p.id);
-        if (p.kind != LightPointKind::oriented) continue;
-        power[p.object] += core::luminance(p.intensity);
-        all += core::luminance(p.intensity);
+        if (p.kind == LightPointKind::directional && p.id >= first_punctual_id && p.disc2 > 0.0f) suns_.push_back(p.id);
+        if (p.kind == LightPointKind::oriented) power[p.object] += core::luminance(p.intensity);
     }
     std::sort(suns_.begin(), suns_.end());
-    std::vector<std::pair<double, std::uint32_t>> by_power;
+
+    // The points show things as large as they are now. What counts is how large they ever are.
+    std::vector<std::uint32_t> objects;
     for (const auto& [object, own] : power)
-        if (own >= least_share * all) by_power.emplace_back(-own, object);
-    std::sort(by_power.begin(), by_power.end());
-    for (const auto& [own, object] : by_power) {
-        Surface surface;
-        if (suns_.size() + surfaces_.size() >= most_whole_lamps) break;
-        if (find_shape(posed_scene, object, surface)) surfaces_.push_back(std::move(surface));
+        if (film.objects[object].mobility != scene::Mobility::deforming) objects.push_back(object);
+    const std::map<std::uint32_t, Poses> poses = poses_of(film, objects);
+    double all = 0;
+    for (auto& [object, own] : power) {
+        const auto found = poses.find(object);
+        const double now = area_scale(glm::dmat3(posed_scene.posed().objects[object].to_world));
+        if (found != poses.end()) own *= core::divide_or(found->second.largest, now, 1.0);
+        all += own;
     }
-    std::sort(surfaces_.begin(), surfaces_.end(),
-              [](const Surface& a, const Surface& b) { return a.object < b.object; });
+    for (const auto& [object, own] : power) {
+        Surface surface;
+        if (!(own >= least_share * all) || !shines_evenly(film, object)) continue;
+        const scene::Object& o = film.objects[object];
+        const scene::Mesh& mesh = film.meshes[static_cast<std::size_t>(o.mesh)];
+        surface.object = object;
+        surface.corners = convex_outline(mesh);
+        // Within a sphere that shines to both sides nothing is hidden from it: no lamp with an outline.
+        const bool one_sided = !film.materials[static_cast<std::size_t>(o.material)].double_sided;
+        if (!surface.corners.empty() ||
+            (one_sided && poses.at(object).round && find_sphere(mesh, surface.centre, surface.radius, surface.outer)))
+            surfaces_.push_back(std::move(surface));
+    }
 }
 
 std::vector<LightPoint> WholeLamps::without(std::span<const LightPoint> points) const {

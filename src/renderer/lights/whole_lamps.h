@@ -1,6 +1,7 @@
 #pragma once
 // Chooses the lamps that are lit by as a whole, and says where they are.
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 #include <vector>
 
@@ -10,16 +11,14 @@
 
 namespace render2mpeg::renderer {
 
-/// At most as many lamps are lit by as a whole; a point takes four rays to each at least.
-inline constexpr std::size_t most_whole_lamps = 16;
-
-/// The lamps of a chunk whose unoccluded light has a closed form: suns with a size, and objects of one convex polygon
-/// or one sphere that keep their shape and shine evenly (docs/model/lamps.md). They take the place of their light
+/// The lamps of a film whose unoccluded light has a closed form: suns with a size, and objects that shine evenly and
+/// are one convex polygon, or one sphere that stays round (docs/model/lamps.md). They take the place of their light
 /// points in the light trees; photons still start from the points.
 class WholeLamps {
   public:
     WholeLamps() = default;
-    /// Chooses among what `points` (the film's average light) belong to: suns first, then the most powerful surfaces.
+    /// Chooses all suns with a size, and of the surfaces that `points` (the film's average light, as the posed instant
+    /// shows it) belong to those that ever give much of the light. What it chooses is the same at every instant.
     WholeLamps(const PosedScene& posed_scene, std::span<const LightPoint> points);
 
     /// The points that are not of these lamps.
@@ -36,7 +35,6 @@ class WholeLamps {
         glm::vec3 centre{0};
         float radius = 0, outer = 0;  ///< sphere: of the true one, and of the farthest corner of its mesh
     };
-    static bool find_shape(const PosedScene& posed_scene, std::uint32_t object, Surface& surface);
     WholeLamp lamp_of(const PosedScene& posed_scene, const Surface& surface) const;
 
     std::vector<std::uint32_t> suns_;  ///< ids of light points, rising

@@ -48,7 +48,7 @@ struct LightTrees {
     }
 
     static bool is_direct(int tree) { return tree < direct_trees; }
-    /// Suns and lamps are lights of themselves or whole lamps; in the trees directions are the sky's.
+    /// Directions whose lights have a size are the sky's: suns with one are whole lamps.
     GeometryClamp clamp(int tree) const {
         GeometryClamp clamp = is_direct(tree) ? direct_clamp : indirect_clamp;
         const bool is_sky = trees[static_cast<std::size_t>(tree)].type == LightType::directional;
