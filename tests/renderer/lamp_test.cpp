@@ -330,6 +330,25 @@ TEST(WholeLamps, AreChosenByHowLargeThingsAreWhileTheyAreSeen) {
     EXPECT_EQ(whole_in(b), std::vector<int>{panel});
 }
 
+TEST(WholeLamps, ThrowShadowsOfThingsThatMoveBesideRecords) {
+    SceneBuilder b = floor_of();
+    b.film().cameras.clear();
+    b.add_camera({0, 3, 4}, {0, 0, 0}, 0.8f);
+    b.add_quad({-0.2f, 2, -0.2f}, {0.4f, 0, 0}, {0, 0, 0.4f}, b.add_emitter(glm::vec3(30)));
+    const int box = b.add_box({-0.3f, 0.3f, -0.3f}, {0.3f, 0.9f, 0.3f}, b.add_material(glm::vec3(0.5f)));
+    b.move_object(box, {{-0.5f, 0, 0}, {0.5f, 0, 0}});
+    double mean[2];
+    for (const bool caches : {false, true}) {
+        Settings settings = without_bounces();
+        settings.cache = caches ? CacheUse::on : CacheUse::off;
+        FilmStage stage(b, settings);
+        double sum = 0;
+        for (const glm::vec3& v : stage.cut(0.02f).combined.values()) sum += v.y;
+        mean[caches ? 1 : 0] = sum;
+    }
+    EXPECT_NEAR(mean[1] / mean[0], 1, 0.02);
+}
+
 TEST(WholeLamps, OfAnExtremeSceneAreFinite) {
     // A lamp that covers the sky, one inside a wall, one that touches the floor, a hundred panels.
     SceneBuilder b = floor_of();

@@ -46,8 +46,11 @@ void add(PointLight& sum, const PointLight& part, float sign) {
     sum.capped = sum.capped || part.capped;
 }
 
+/// Nothing to gather but what every point gathers by itself.
 bool is_empty(const LightTrees& light_trees) {
-    return std::all_of(light_trees.trees.begin(), light_trees.trees.end(),
+    return std::all_of(light_trees.lamps.begin(), light_trees.lamps.end(),
+                       [](const WholeLamp& l) { return l.sharp; }) &&
+           std::all_of(light_trees.trees.begin(), light_trees.trees.end(),
                        [](const LightTree& t) { return t.empty(); });
 }
 
