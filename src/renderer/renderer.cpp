@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "core/color.h"
 #include "core/error.h"
@@ -109,24 +110,30 @@ struct Renderer::Impl {
                       (splits || !scene::traits_of(posed_scene.animation()).changes_light()));
             split.forget();
         }
-        lit.reset();
-        anchors_lit_at.reset();
+        shone_at.reset();
+        lit_frame.reset();
         last_seen.reset();
         cache.forget();
         calibration.forget();
         started = true;
     }
 
-    /// The anchors' light of the posed snapshot; none where there are none.
-    const Anchors::Lit& light_anchors(const scene::Snapshot& snapshot) {
-        if (!anchors || (anchors_lit_at && same_light(*anchors_lit_at, snapshot))) return lit_anchors;
+    /// Lets the lights of the posed snapshot shine, and what light bounces off with them; nothing is done where nothing
+    /// that light touches has changed since the last time.
+    void shine(const scene::Snapshot& snapshot) {
+        if (shone_at && same_light(*shone_at, snapshot)) return;
+        {
+            const Stopwatch timer(row(Pass::emissive_lights));
+            shining = light_points.at(posed_scene);
+        }
+        shone_at = snapshot;
+        has_trees = false;
+        if (!anchors) return;
         const Stopwatch timer(row(Pass::photons));
-        lit_anchors = anchors->at(posed_scene, light_points.at(posed_scene), plan.runs(Pass::lobe_rays));
-        anchors_lit_at = snapshot;
+        lit_anchors = anchors->at(posed_scene, shining, plan.runs(Pass::lobe_rays));
         statistics.photon_rays += lit_anchors.rays;
         statistics.photon_energy += lit_anchors.landed;
         statistics.photon_energy_lost += lit_anchors.lost;
-        return lit_anchors;
     }
 
     /// What `see` needs; lights the anchors that lobe rays meet.
@@ -134,7 +141,7 @@ struct Renderer::Impl {
         SeeSettings s{settings.format, settings.samples, settings.specular_depth, light_points.sky_part(), {}};
         if (!plan.runs(Pass::lobe_rays)) return s;
         if (!started) start_chunk(snapshot);
-        light_anchors(snapshot);
+        shine(snapshot);
         if (anchors)
             s.irradiance = [this](const SurfacePoint& p, int& rays) {
                 return anchors->irradiance_at(posed_scene, lit_anchors, p, rays);
@@ -142,22 +149,18 @@ struct Renderer::Impl {
         return s;
     }
 
-    /// The lights of the posed snapshot; nothing is done where nothing that light touches has changed since the last
-    /// frame.
+    /// Light trees of the posed snapshot.
     void update_light(const scene::Snapshot& snapshot) {
-        if (lit && same_light(*lit, snapshot)) return;
-        if (lit && !splits) cache.invalidate();
-        std::vector<LightPoint> direct;
-        {
-            const Stopwatch timer(row(Pass::emissive_lights));
-            direct = light_points.at(posed_scene);
-        }
-        const Anchors::Lit& indirect = light_anchors(snapshot);
+        shine(snapshot);
+        if (has_trees) return;
+        if (lit_frame && !splits) cache.invalidate();
+        statistics.direct_points = shining.size();
+        statistics.indirect_points = lit_anchors.still.size() + lit_anchors.moving.size();
         {
             const Stopwatch timer(row(Pass::direct_tree));
             light_trees = {};  // before the next one grows: many light points take as much memory
-            const std::vector<LightPoint> clustered = lamps.without(direct);
-            light_trees = lasting.at({clustered, indirect.still, indirect.moving},
+            const std::vector<LightPoint> clustered = lamps.without(std::exchange(shining, {}));
+            light_trees = lasting.at({clustered, lit_anchors.still, lit_anchors.moving},
                                      (snapshot.frame - first_frame) % rebuild_interval == 0);
             light_trees.lamps = lamps.at(posed_scene);
         }
@@ -166,10 +169,9 @@ struct Renderer::Impl {
         light_trees.indirect_clamp = bounded ? anchor_clamp : GeometryClamp::none();
         light_trees.lobe_rays = plan.runs(Pass::lobe_rays);
         light_trees.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass);
-        if (splits) cache.move(split.update(light_trees, indirect.still, lasting));
-        statistics.direct_points = direct.size();
-        statistics.indirect_points = indirect.still.size() + indirect.moving.size();
-        lit = snapshot;
+        if (splits) cache.move(split.update(light_trees, lit_anchors.still, lasting));
+        lit_frame = snapshot.frame;
+        has_trees = true;
     }
 
     /// Parts the time of gathering among the rows of the plan that it serves, by clusters.
@@ -219,7 +221,7 @@ struct Renderer::Impl {
 
     Sight sight_of(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance) const {
         const scene::Camera& camera = snapshot.camera;
-        return {camera.to_world(), camera.lens().vertical_fov, camera.lens().y_magnification, lit->frame,
+        return {camera.to_world(), camera.lens().vertical_fov, camera.lens().y_magnification, *lit_frame,
                 tolerance.pixels};
     }
 
@@ -273,9 +275,11 @@ struct Renderer::Impl {
     bool caches = false;  ///< light
     bool splits = false;  ///< what is cached is only the static part of it
     LightSplit split;
-    std::optional<scene::Snapshot> lit;  ///< the instant that `light_trees` shows
+    std::optional<scene::Snapshot> shone_at;  ///< the instant that the following are of
+    std::vector<LightPoint> shining;          ///< direct light points, until trees take them
     Anchors::Lit lit_anchors;
-    std::optional<scene::Snapshot> anchors_lit_at;  ///< the instant that `lit_anchors` is of
+    bool has_trees = false;                 ///< `light_trees` are of that instant, too
+    std::optional<std::int64_t> lit_frame;  ///< the first frame that `light_trees` are of
     bool started = false;
     std::int64_t first_frame = 0;  ///< of the chunk
     ErrorCalibration calibration;

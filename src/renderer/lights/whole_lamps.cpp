@@ -251,15 +251,14 @@ WholeLamps::WholeLamps(const PosedScene& posed_scene, std::span<const LightPoint
     }
 }
 
-std::vector<LightPoint> WholeLamps::without(std::span<const LightPoint> points) const {
-    std::vector<LightPoint> left;
-    for (const LightPoint& p : points) {
+std::vector<LightPoint> WholeLamps::without(std::vector<LightPoint> points) const {
+    if (surfaces_.empty() && suns_.empty()) return points;
+    std::erase_if(points, [&](const LightPoint& p) {
         const auto is_its = [&](const Surface& s) { return s.object == p.object; };
-        if (p.kind == LightPointKind::oriented && std::any_of(surfaces_.begin(), surfaces_.end(), is_its)) continue;
-        if (std::binary_search(suns_.begin(), suns_.end(), p.id)) continue;
-        left.push_back(p);
-    }
-    return left;
+        return (p.kind == LightPointKind::oriented && std::any_of(surfaces_.begin(), surfaces_.end(), is_its)) ||
+               std::binary_search(suns_.begin(), suns_.end(), p.id);
+    });
+    return points;
 }
 
 WholeLamp WholeLamps::lamp_of(const PosedScene& posed_scene, const Surface& surface) const {

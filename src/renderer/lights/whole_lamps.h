@@ -22,7 +22,7 @@ class WholeLamps {
     WholeLamps(const PosedScene& posed_scene, std::span<const LightPoint> points);
 
     /// The points that are not of these lamps.
-    std::vector<LightPoint> without(std::span<const LightPoint> points) const;
+    std::vector<LightPoint> without(std::vector<LightPoint> points) const;
 
     /// The lamps of the posed instant that shine.
     std::vector<WholeLamp> at(const PosedScene& posed_scene) const;
