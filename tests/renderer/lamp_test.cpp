@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -232,6 +233,25 @@ TEST(SoftSun, OfTheRealSunsSizeTakesFewRaysBesideRecords) {
     stage.cut(0.02f);
     EXPECT_GT(stage.statistics().gather_points, 400u);
     EXPECT_LT(stage.statistics().shadow_rays, 100 * stage.statistics().gather_points);
+}
+
+TEST(SoftSun, OfTheRealSunsSizeIsSampledAnewForFinerTolerances) {
+    SceneBuilder b = floor_of();
+    b.film().cameras.clear();
+    b.add_camera({0.9f, 1.2f, 0.01f}, {0, 0, 0}, 0.9f);
+    b.add_quad({-50, 20, 50}, {50, 0, 0}, {0, 0, -100}, b.add_material(glm::vec3(0)));
+    b.add_sun({0, -1, 0}, 2);
+    b.film().lights.back().angle = 0.017f;
+    Settings settings = without_bounces();
+    settings.cache = CacheUse::on;
+    FilmStage stage(b, settings);
+    stage.restart(true);
+    const core::Radiance rough = stage.cut(0.5f);
+    ASSERT_FALSE(rough.error.values().empty());
+    EXPECT_GT(*std::max_element(rough.error.values().begin(), rough.error.values().end()), 0.0f);
+    const std::uint64_t before = stage.statistics().shadow_rays;
+    stage.cut(0.005f);
+    EXPECT_GT(stage.statistics().shadow_rays, before + 1000);
 }
 
 TEST(WholeLamps, AreThoseThatShineEvenlyAndCarryMuchOfTheLight) {

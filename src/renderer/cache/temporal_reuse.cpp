@@ -62,12 +62,20 @@ bool is_good_enough(const LitPoint& before, const PointTolerance& now, const Gat
     return !(error_factor * before.trees.error > now.allows(core::luminance(before.trees.scattered(p))));
 }
 
+/// Likewise light of suns with a size, which errs as far as they are sampled.
+bool are_suns_good_enough(const LitPoint& before, const PointTolerance& now, const GatherPoint& p) {
+    return now.part == before.tolerance.part ||
+           !(before.exact.error > now.allows(core::luminance(before.exact.scattered(p))));
+}
+
 /// Reuses the light of a tile's points that are the very same as in the last frame. Whether all exact light is known by
 /// that, and what moving objects change.
 bool reuse(FrameState& frame, std::size_t t, const FrameHistory& history, bool moved) {
     const GatherTile& points = frame.seen.tiles[t];
     if (history.tiles.size() != frame.tiles.size() || history.tiles[t].size() != points.size()) return false;
     TileState& tile = frame.tiles[t];
+    const std::vector<WholeLamp>& lamps = frame.light_trees.lamps;
+    const bool has_suns = std::any_of(lamps.begin(), lamps.end(), [](const WholeLamp& lamp) { return lamp.sharp; });
     bool all = !moved;
     auto moved_point = history.moved_points[t].begin();
     const auto moved_end = history.moved_points[t].end();
@@ -79,8 +87,9 @@ bool reuse(FrameState& frame, std::size_t t, const FrameHistory& history, bool m
             all = false;
             continue;
         }
-        tile.exact[i] = before.exact;
         PointTolerance now = tile.tolerance[i];
+        all = all && (!has_suns || are_suns_good_enough(before, now, p));
+        tile.exact[i] = before.exact;
         now.base += known_luminance(before.exact, p);
         if (!is_good_enough(before, now, p, frame.errors.reused)) continue;
         PointLight& light = tile.light[i];
@@ -112,9 +121,9 @@ void add_up(FrameState& frame, std::size_t t, std::size_t i) {
     light.direct_cut += known.direct_cut;
     light.indirect_cut += known.indirect_cut;
     light.clamped += known.clamped;
-    if (frame.split == nullptr) return;
     // Two gatherings err each for itself.
-    light.error = std::hypot(light.error, known.error);
+    if (known.error > 0.0f) light.error = std::hypot(light.error, known.error);
+    if (frame.split == nullptr) return;
     light.capped = light.capped || known.capped;
     light.split = tile.dynamic[i].scattered(frame.seen.tiles[t][i]) != glm::vec3(0);
     light.direct = glm::max(light.direct, glm::vec3(0));

@@ -91,6 +91,7 @@ void Gatherer::gather_exact(const GatherLanes& lanes, Shadow shadow, const Group
     if (shadow == Shadow::sharp) add_exact(lanes, sums, luminance, out);
     const LampAccuracy accuracy{.tolerance = tolerance, .one_point = tolerance == nullptr};
     add_lamps(lanes, shadow, accuracy, sums, luminance, variance, out);
+    for (int i = 0; i < lane_count; ++i) out.error[i] = one_in_hundred * std::sqrt(variance[i]);
     sums.store(out);
     out.shadow_rays = shadows_.rays();
 }
