@@ -215,10 +215,12 @@ TEST(Glass, TintsWhatIsBehindItAndMirrorsALittle) {
     // The pixel moves like what is seen through it.
     EXPECT_EQ(seen.visible.kind.at(8, 8), PixelClass::surface);
     EXPECT_NEAR(seen.visible.depth.at(8, 8), 6.0f, 1e-4f);
-    // Shadow rays lose what the tint and the mean Fresnel reflection take.
+    // Shadow rays lose what the tint and the Fresnel reflection at their own angle take, whatever their length.
     const glm::vec3 light = stage.tracer().passes({0, 0, 0}, {0, 0, -1}, 5.0f);
-    EXPECT_NEAR(light.x, 0.5f * (1 - 0.04f - 0.96f / 21), 1e-4f);
-    EXPECT_NEAR(light.z, 1 - 0.04f - 0.96f / 21, 1e-4f);
+    EXPECT_NEAR(light.x, 0.5f * 0.96f, 1e-4f);
+    EXPECT_NEAR(light.z, 0.96f, 1e-4f);
+    const float reflected = 0.04f + 0.96f * std::pow(1 - 0.28f, 5.0f);
+    EXPECT_NEAR(stage.tracer().passes({0, 0, 0}, {9.6f, 0, -2.8f}, 1.0f).z, 1 - reflected, 1e-4f);
 }
 
 TEST(Energy, OfAPixelsWeightsNeverExceedsOne) {

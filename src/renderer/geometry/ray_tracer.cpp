@@ -90,10 +90,13 @@ struct RayTracer::Impl {
     struct ShadowContext {
         RTCIntersectContext embree;
         const Impl* self;
+        const float* direction[3];    ///< of the rays, in world space: x, y, z
         std::uint32_t met;            ///< bit i: ray i met a layer
         int layers[16];               ///< so far
         Layer layer[16][max_layers];  ///< the first of them
         std::int64_t depth[16][3];    ///< optical depth so far, per channel
+
+        glm::vec3 direction_of(unsigned ray) const { return {direction[0][ray], direction[1][ray], direction[2][ray]}; }
 
         /// Counts a layer, unless it takes nothing (foliage has many holes) or is known: a ray through an edge meets
         /// both its triangles, and Embree asks several times for one hit where the rays of a coherent packet lie in
@@ -111,13 +114,18 @@ struct RayTracer::Impl {
             return true;
         }
     };
-    /// Prepares `context` for rays that may meet layers; costs nothing where there are none.
-    void begin(ShadowContext& context, RTCIntersectContextFlags flags) const {
+    /// Prepares `context` for rays that may meet layers; costs nothing where there are none. `x`, `y`, `z`: their
+    /// directions, which outlive it.
+    void begin(ShadowContext& context, RTCIntersectContextFlags flags, const float* x, const float* y,
+               const float* z) const {
         rtcInitIntersectContext(&context.embree);
         context.embree.flags = flags;
         context.met = 0;
         if (!scene.any_translucent()) return;
         context.self = this;
+        context.direction[0] = x;
+        context.direction[1] = y;
+        context.direction[2] = z;
         std::fill_n(context.layers, 16, 0);
         std::fill_n(&context.depth[0][0], 48, std::int64_t{0});
     }
@@ -146,7 +154,7 @@ void RayTracer::Impl::filter_shadow(const RTCFilterFunctionNArguments* arguments
         const core::SurfaceAddress address =
             context.self->scene.address(RTCHitN_instID(hit, n, i, 0), RTCHitN_geomID(hit, n, i),
                                         RTCHitN_primID(hit, n, i), RTCHitN_u(hit, n, i), RTCHitN_v(hit, n, i));
-        const glm::vec3 passing = context.self->transmittance(address);
+        const glm::vec3 passing = context.self->transmittance(address, context.direction_of(ray));
         if (!(passing.x > 0 || passing.y > 0 || passing.z > 0)) continue;
         if (!context.is_new_layer(ray, address.object, RTCRayN_tfar(arguments->ray, n, i), passing)) {
             arguments->valid[i] = 0;
@@ -169,7 +177,7 @@ std::uint32_t RayTracer::Impl::occluded(const ShadowPacket& packet, unsigned ins
     if (!load(packet, rays, valid)) return 0;
 
     ShadowContext context;
-    begin(context, RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+    begin(context, RTC_INTERSECT_CONTEXT_FLAG_COHERENT, packet.direction_x, packet.direction_y, packet.direction_z);
     rtcOccluded16(valid, scene.baked(), &context.embree, &rays);
     std::uint32_t blocked = take_blocked(rays, valid);
     const bool all_blocked = std::all_of(valid, valid + 16, [](int v) { return v == 0; });
@@ -259,7 +267,8 @@ std::uint32_t RayTracer::occluded_by_dynamic(const ShadowPacket& packet) const {
     if (!load(packet, rays, valid)) return 0;
     std::fill(std::begin(rays.mask), std::end(rays.mask), EmbreeScene::dynamic_mask);
     Impl::ShadowContext context;
-    impl_->begin(context, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+    impl_->begin(context, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT, packet.direction_x, packet.direction_y,
+                 packet.direction_z);
     rtcOccluded16(valid, impl_->scene.root(), &context.embree, &rays);
     return take_blocked(rays, valid);
 }
@@ -269,7 +278,8 @@ glm::vec3 RayTracer::passes(glm::vec3 origin, glm::vec3 direction, float far) co
     if (!is_traceable(query)) return glm::vec3{1.0f};
     const FlushDenormals flushed;
     Impl::ShadowContext context;
-    impl_->begin(context, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+    impl_->begin(context, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT, &query.direction.x, &query.direction.y,
+                 &query.direction.z);
     RTCRay ray = ray_of(query, 0.0f, far);
     rtcOccluded1(impl_->scene.root(), &context.embree, &ray);
     if (ray.tfar < 0.0f) return glm::vec3{0.0f};

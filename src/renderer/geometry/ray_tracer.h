@@ -44,8 +44,8 @@ struct alignas(64) ShadowPacket {
 class RayTracer {
   public:
     /// Share of light, per channel, that a surface lets through at a point met by a shadow or eye ray: 0 opaque, 1
-    /// invisible. Called from many threads.
-    using Transmittance = std::function<glm::vec3(const core::SurfaceAddress&)>;
+    /// invisible. `direction`: the ray's, of any length. Called from many threads.
+    using Transmittance = std::function<glm::vec3(const core::SurfaceAddress&, glm::vec3 direction)>;
 
     /// `translucent[m]`: surfaces of material m let some light through and are asked `transmittance`; all others are
     /// opaque. The animation is complete and outlives this. Throws core::Error where Embree cannot start or runs out of

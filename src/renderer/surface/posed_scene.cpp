@@ -1,11 +1,14 @@
 #include "renderer/surface/posed_scene.h"
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/error.h"
+#include "core/numeric.h"
 #include "image/image.h"
 #include "renderer/base/sampled_clock.h"
 #include "renderer/geometry/surface_shape.h"
@@ -40,8 +43,8 @@ struct PosedScene::Impl {
           notes(materials.notes()),
           sky(sky_of(film, plan, notes)),
           tracer(film, isa, translucent_materials(materials, film.materials.size()),
-                 [this](const core::SurfaceAddress& address) {
-                     return layer_clock.time([&] { return transmittance(address); });
+                 [this](const core::SurfaceAddress& address, glm::vec3 direction) {
+                     return layer_clock.time([&] { return transmittance(address, direction); });
                  }) {}
 
     std::uint32_t material_of(std::uint32_t object) const {
@@ -53,13 +56,33 @@ struct PosedScene::Impl {
         return shape_at(*snapshot, address, footprint, tracer.is_instanced(address.object));
     }
 
-    /// Textures and vertex colours need the mesh and the weights, but not where the triangle is.
-    glm::vec3 transmittance(const core::SurfaceAddress& address) const {
+    /// Between a ray and the normal that is interpolated, whatever its side; 1 where there is none.
+    float cosine_at(const core::SurfaceAddress& address, const SurfaceShape& shape, glm::vec3 direction) const {
+        const scene::ObjectState& state = snapshot->objects[address.object];
+        const std::vector<glm::vec3>& normals =
+            state.deformed >= 0 ? snapshot->deformed[static_cast<std::size_t>(state.deformed)].normals
+                                : shape.mesh->normals;
+        glm::vec3 normal{0.0f};
+        if (!normals.empty()) {
+            for (int k = 0; k < 3; ++k) normal += shape.weights[k] * normals[shape.corners[k]];
+            if (state.deformed < 0) normal = state.normal_to_world * normal;
+        } else {
+            const scene::Triangle t = scene::triangle_of(*snapshot, address.object, address.primitive);
+            normal = glm::cross(t.b - t.a, t.c - t.a);
+        }
+        const float lengths = glm::length(normal) * glm::length(direction);
+        return std::min(core::divide_or(std::abs(glm::dot(normal, direction)), lengths, 1.0f), 1.0f);
+    }
+
+    glm::vec3 transmittance(const core::SurfaceAddress& address, glm::vec3 direction) const {
+        const std::uint32_t material = material_of(address.object);
+        // Textures and vertex colours need the mesh and the weights, but not where the triangle is.
         SurfaceShape shape;
         shape.mesh = &animation.meshes[static_cast<std::size_t>(animation.objects[address.object].mesh)];
         shape.corners = shape.mesh->triangles[address.primitive];
         shape.weights = {1.0f - address.u - address.v, address.u, address.v};
-        return materials.transmittance_at(material_of(address.object), shape);
+        const bool is_glass = animation.materials[material].transmission > 0.0f;
+        return materials.transmittance_at(material, shape, is_glass ? cosine_at(address, shape, direction) : 1.0f);
     }
 
     const scene::Animation& animation;
@@ -119,8 +142,8 @@ SurfacePoint PosedScene::surface_at(const core::SurfaceAddress& address, glm::ve
     return point;
 }
 
-glm::vec3 PosedScene::transmittance_at(const core::SurfaceAddress& address) const {
-    return impl_->transmittance(address);
+glm::vec3 PosedScene::transmittance_at(const core::SurfaceAddress& address, glm::vec3 direction) const {
+    return impl_->transmittance(address, direction);
 }
 
 glm::vec3 PosedScene::front_normal(std::uint32_t object, std::uint32_t primitive) const {

@@ -42,8 +42,9 @@ class PosedScene {
     SurfacePoint surface_at(const core::SurfaceAddress& address, glm::vec3 outgoing,
                             const SurfaceFootprint& footprint = {}) const;
 
-    /// Share of light that goes straight through a surface, as shadow rays have it (RayTracer::Transmittance).
-    glm::vec3 transmittance_at(const core::SurfaceAddress& address) const;
+    /// Share of light that goes straight through a surface, as shadow rays of that direction have it
+    /// (RayTracer::Transmittance).
+    glm::vec3 transmittance_at(const core::SurfaceAddress& address, glm::vec3 direction) const;
 
     /// Unit normal of the triangle's front at the posed instant; (0, 0, 1) for a triangle that has shrunk to nothing.
     glm::vec3 front_normal(std::uint32_t object, std::uint32_t primitive) const;

@@ -33,9 +33,13 @@ glm::vec3 fresnel(glm::vec3 f0, float cosine) {
     return f;
 }
 
-/// The same averaged over the hemisphere with the cosine: the integral of 2 c (1 - c)^5 over c is 1 / 21.
-float mean_fresnel(float f0) {
-    return f0 > 0.0f ? f0 + (1.0f - f0) / 21.0f : 0.0f;
+float metallic_of(const scene::Material& m, glm::vec4 texel) {
+    return std::clamp(m.metallic * texel.b, 0.0f, 1.0f);
+}
+
+/// Share of light that passes glass which it meets with this cosine [KHR_materials_transmission].
+glm::vec3 passing_glass(glm::vec3 base_color, float metallic, float transmission, float f0, float cosine) {
+    return base_color * ((1.0f - metallic) * transmission) * (1.0f - fresnel(glm::vec3{f0}, cosine));
 }
 
 /// A surface whose share `metal` reflects `metal_f0` at normal incidence and has nothing below; `coat`: what the
@@ -136,18 +140,16 @@ glm::vec3 SurfaceMaterials::emission_at(std::uint32_t material, const SurfaceSha
     return m.emission * glm::vec3(look_up(material, TextureRole::emission, shape));
 }
 
-glm::vec3 SurfaceMaterials::transmittance_at(std::uint32_t material, const SurfaceShape& shape) const {
+glm::vec3 SurfaceMaterials::transmittance_at(std::uint32_t material, const SurfaceShape& shape, float cosine) const {
     const scene::Material& m = animation_.materials[material];
     const glm::vec4 base = base_color_at(material, shape);
     const float covered = coverage(material, shape, base.a);
     const glm::vec3 holes{1.0f - covered};
     if (m.unlit || covered <= 0.0f) return holes;
     const float transmission = transmission_at(material, shape);
-    if (!(transmission > 0.0f)) return holes;
-    const Bsdf bsdf = bsdf_at(material, shape, unit_range(glm::vec3(base)), 1.0f, 0.0f);
-    const float f0 = f0_of(m.ior);
-    const float mean = core::divide_or(1.0f - mean_fresnel(f0), 1.0f - f0, 1.0f);
-    return holes + covered * bsdf.transmission * mean;
+    if (!(transmission > 0.0f) || m.specular_glossiness) return holes;
+    const float metallic = metallic_of(m, look_up(material, TextureRole::metallic_roughness, shape));
+    return holes + covered * passing_glass(unit_range(glm::vec3(base)), metallic, transmission, f0_of(m.ior), cosine);
 }
 
 void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot) const {
@@ -205,14 +207,13 @@ Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape
         // Mix metal and dielectric; transmission takes the place of the dielectric's diffuse part
         // [KHR_materials_transmission].
         const glm::vec4 texel = look_up(material, TextureRole::metallic_roughness, shape);
-        const float metallic = std::clamp(m.metallic * texel.b, 0.0f, 1.0f);
+        const float metallic = metallic_of(m, texel);
         const float transmission = transmission_at(material, shape);
         surface = {f0_of(m.ior), metallic, base_color};
         roughness = std::clamp(m.roughness * texel.g, 0.0f, 1.0f);
         bsdf.f0 = glm::mix(glm::vec3{surface.coat}, base_color, metallic);
         bsdf.diffuse = base_color * ((1.0f - metallic) * (1.0f - transmission));
-        bsdf.transmission =
-            base_color * ((1.0f - metallic) * transmission) * (1.0f - fresnel(glm::vec3{surface.coat}, cos_outgoing));
+        bsdf.transmission = passing_glass(base_color, metallic, transmission, surface.coat, cos_outgoing);
     }
     const float alpha = std::pow(std::max(roughness, scene::mirror_roughness), 2.0f);
     bsdf.alpha = std::min(std::sqrt(alpha * alpha + 2.0f * normal_variance), 1.0f);

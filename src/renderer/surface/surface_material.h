@@ -19,9 +19,9 @@ class SurfaceMaterials {
     /// Light of the front, textured, without the animated factor; 0 for unlit materials.
     glm::vec3 emission_at(std::uint32_t material, const SurfaceShape& shape) const;
 
-    /// Share of light that goes straight through at a point, for shadow rays: holes, and glass by its mean Fresnel
-    /// transmittance.
-    glm::vec3 transmittance_at(std::uint32_t material, const SurfaceShape& shape) const;
+    /// Share of light that goes straight through at a point, for shadow rays: holes, and glass that the ray meets with
+    /// this cosine to the normal, > 0.
+    glm::vec3 transmittance_at(std::uint32_t material, const SurfaceShape& shape, float cosine) const;
 
     /// Whether surfaces of a material may let light through somewhere.
     bool is_translucent(std::uint32_t material) const;

@@ -214,7 +214,7 @@ LightPaths::Event LightPaths::go_on(Way& way, const SurfacePoint& met, float cho
     const float whole = kept(albedo + met.bsdf.mirror + met.bsdf.transmission);
     const float cut = met.alpha * (whole > largest_albedo ? largest_albedo / whole : 1.0f);
     const bool translucent = met.alpha < 1.0f || mean(met.bsdf.transmission) > 0.0f;
-    const glm::vec3 through = translucent ? posed_scene_.transmittance_at(met.address) : glm::vec3(0);
+    const glm::vec3 through = translucent ? posed_scene_.transmittance_at(met.address, way.direction) : glm::vec3(0);
     // No caustic on the first surface; its narrow lobe alone looks into mirrors.
     const glm::vec3 mirror = cut * met.bsdf.mirror * (way.first ? way.seen_in_lobe : glm::vec3(1));
 
