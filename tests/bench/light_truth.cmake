@@ -1,10 +1,6 @@
 find_package(fmt REQUIRED)
 
-if(NOT TARGET render2mpeg_path_tracer)
-  add_library(render2mpeg_path_tracer STATIC ${PROJECT_SOURCE_DIR}/tests/reference/path_tracer.cpp
-                                              ${PROJECT_SOURCE_DIR}/tests/reference/scattering.cpp)
-  target_link_libraries(render2mpeg_path_tracer PUBLIC render2mpeg_renderer)
-endif()
+include(${PROJECT_SOURCE_DIR}/tests/reference/path_tracer.cmake)
 if(NOT TARGET render2mpeg_mover_scenes)
   add_library(render2mpeg_mover_scenes STATIC ${CMAKE_CURRENT_LIST_DIR}/mover_scenes.cpp)
   target_link_libraries(render2mpeg_mover_scenes PUBLIC render2mpeg_test_scenes)

@@ -1,10 +1,11 @@
 #include "tests/reference/path_tracer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
-#include "core/sampling.h"
+#include "parallel/loops.h"
+#include "tests/reference/random.h"
 #include "tests/reference/scattering.h"
 
 namespace render2mpeg::reference {
@@ -12,79 +13,219 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-/// Radiance scattered at p by punctual lights.
-glm::dvec3 from_punctual(const renderer::PosedScene& posed_scene, const renderer::SurfacePoint& p) {
-    glm::dvec3 sum(0);
-    const Scattering scattering = scattering_of(posed_scene.animation(), p);
-    for (const scene::LightState& light : posed_scene.posed().lights) {
-        glm::dvec3 to_light = -glm::dvec3(light.direction), received(light.intensity);
-        float far = infinity;
-        const glm::vec3 normal_side = renderer::offset_origin(p, p.geometric_normal);
-        if (light.kind != scene::LightKind::directional) {
-            const glm::dvec3 d = glm::dvec3(light.position) - glm::dvec3(p.position);
-            const double distance = glm::length(d);
-            to_light = d / distance;
-            received /= distance * distance;
-            far = glm::length(light.position - normal_side);
-            if (light.range > 0) received *= std::max(0.0, std::min(1.0, 1.0 - std::pow(distance / light.range, 4.0)));
-            if (light.kind == scene::LightKind::spot) {
-                const double cosine = glm::dot(-to_light, glm::dvec3(light.direction));
-                const double scale = 1.0 / std::max(1e-3, static_cast<double>(light.cos_inner) - light.cos_outer);
-                const double falloff = std::min(1.0, std::max(0.0, (cosine - light.cos_outer) * scale));
-                received *= falloff * falloff;
-            }
-        }
-        const glm::vec3 l(to_light);
-        if (!(glm::dot(p.shading_normal, l) > 0.0f) || !(glm::dot(p.geometric_normal, l) > 0.0f)) continue;
-        const glm::dvec3 passes(posed_scene.tracer().passes(normal_side, l, far));
-        sum += scattering.times_cosine(p.shading_normal, p.outgoing, to_light) * received * passes;
-    }
-    return sum;
+/// Roulette begins after so many surfaces, so that short paths have none of its noise.
+constexpr int safe_surfaces = 4;
+
+/// Shadow rays end this share before a lamp's surface.
+constexpr double before_lamp = 1e-5;
+
+double largest(glm::dvec3 v) {
+    return std::max({v.x, v.y, v.z});
 }
 
-/// One path that starts at p: what it brings back to p's `outgoing`.
-glm::dvec3 follow(const renderer::PosedScene& posed_scene, renderer::SurfacePoint p, int bounces, int least_bounces,
-                  std::uint64_t seed, std::uint64_t path) {
-    glm::dvec3 light(0), throughput(1);
-    for (int bounce = 0; bounce <= bounces; ++bounce) {
-        const bool counts = bounce >= least_bounces;
-        if (counts) light += throughput * from_punctual(posed_scene, p);
-        const auto key = static_cast<std::uint64_t>(2 * bounce);
-        const glm::vec3 d = core::sample_cosine_hemisphere(
-            p.shading_normal, {core::uniform(seed, path, key), core::uniform(seed, path, key + 1)});
-        if (!(glm::dot(d, p.geometric_normal) > 0.0f) || !(glm::dot(d, p.shading_normal) > 1e-6f)) break;
-        const glm::dvec3 to_light = glm::normalize(glm::dvec3(d));
-        const double density = glm::dot(glm::dvec3(p.shading_normal), to_light) / std::numbers::pi;
-        throughput *=
-            scattering_of(posed_scene.animation(), p).times_cosine(p.shading_normal, p.outgoing, to_light) / density;
-        const renderer::Hit hit = posed_scene.tracer().nearest(renderer::offset_origin(p, d), d, infinity);
-        if (!hit.found()) {
-            if (counts && posed_scene.sky() != nullptr)
-                light += throughput * glm::dvec3(posed_scene.sky()->radiance(d, 0.0f));
-            break;
-        }
-        p = posed_scene.surface_at(hit.address, -d);
-        if (counts) light += throughput * glm::dvec3(p.emission);
+class Sum {
+  public:
+    void add(glm::dvec3 value) {
+        sum_ += value;
+        squares_ += value * value;
+        count_ += 1;
     }
-    return light;
-}
+    Estimate estimate() const {
+        Estimate e;
+        e.mean = sum_ / count_;
+        for (int k = 0; k < 3; ++k)
+            e.error[k] = std::sqrt(std::max(0.0, squares_[k] / count_ - e.mean[k] * e.mean[k]) / count_);
+        return e;
+    }
+
+  private:
+    glm::dvec3 sum_{0}, squares_{0};
+    double count_ = 0;
+};
 
 }  // namespace
 
-Estimate scattered_light(const renderer::PosedScene& posed_scene, const renderer::SurfacePoint& point, int bounces,
-                         std::uint64_t samples, std::uint64_t seed, int least_bounces) {
-    glm::dvec3 sum(0), squares(0);
-    for (std::uint64_t i = 0; i < samples; ++i) {
-        const glm::dvec3 l = follow(posed_scene, point, bounces, least_bounces, seed, i);
-        sum += l;
-        squares += l * l;
+/// One path, backwards from where light arrives.
+class PathTracer::Path {
+  public:
+    Path(const PathTracer& tracer, const PathSettings& settings, std::uint64_t seed, std::uint64_t path)
+        : t_(tracer), settings_(settings), random_(seed, path) {}
+
+    /// Follows a ray through all that it meets.
+    glm::dvec3 from_ray(glm::vec3 origin, glm::dvec3 direction) {
+        origin_ = origin;
+        direction_ = direction;
+        return go_on();
     }
-    const auto n = static_cast<double>(samples);
-    Estimate estimate;
-    estimate.mean = sum / n;
-    for (int k = 0; k < 3; ++k)
-        estimate.error[k] = std::sqrt(std::max(0.0, squares[k] / n - estimate.mean[k] * estimate.mean[k]) / n);
-    return estimate;
+
+    /// Scatters at a surface first.
+    glm::dvec3 from_surface(const Surface& surface) {
+        const Scattering f = scattering_of(surface.look, glm::dot(surface.normal, surface.outgoing));
+        return scatter(surface, f) ? go_on() : light_;
+    }
+
+  private:
+    glm::dvec3 go_on() {
+        for (int surfaces = 0;; ++surfaces) {
+            const renderer::Hit hit = t_.posed_scene_.tracer().nearest(origin_, glm::vec3(direction_), infinity);
+            if (!hit.found()) {
+                meet_sky();
+                return light_;
+            }
+            if (!meet(t_.surfaces_.at(hit.address, -direction_))) return light_;
+            if (surfaces < safe_surfaces) continue;
+            const double lasts = std::min(1.0, largest(throughput_));
+            if (!(random_.one() < lasts)) return light_;
+            throughput_ /= lasts;
+        }
+    }
+
+    /// Whether light that is met now, after the last scattering, counts.
+    bool counts() const {
+        if (connected_) return false;
+        if (scatterings_ == 0) return settings_.least_bounces == 0;
+        return is_within_bounces();
+    }
+    bool is_within_bounces() const {
+        return scatterings_ - 1 >= settings_.least_bounces && scatterings_ - 1 <= settings_.bounces;
+    }
+
+    void meet_sky() {
+        if (!counts()) return;
+        light_ += throughput_ * t_.lamps_.sky(direction_);
+        if (scatterings_ > 0) light_ += throughput_ * t_.lamps_.suns(direction_);
+    }
+
+    /// What a surface sends, and where the path goes on; false: nowhere.
+    bool meet(const Surface& s) {
+        if (s.look.coverage < 1 && !(random_.one() < s.look.coverage)) {
+            origin_ = s.origin(direction_);
+            return true;
+        }
+        if (s.look.unlit) {
+            if (scatterings_ == 0) light_ += throughput_ * s.look.emission;
+            return false;
+        }
+        if (counts()) light_ += throughput_ * s.look.emission;
+
+        // Choose what light did here: mirrored, passed or scattered.
+        const double cosine = glm::dot(s.normal, s.outgoing);
+        const Scattering f = scattering_of(s.look, cosine);
+        const double mirrored = largest(f.mirror), passed = largest(f.transmission);
+        const double scattered = f.has_lobe() ? 1.0 : largest(f.diffuse), all = mirrored + passed + scattered;
+        if (!(all > 0)) return false;
+        const double u = random_.one() * all;
+        if (u < mirrored) {
+            if (scatterings_ == 1 && !settings_.caustics) return false;
+            throughput_ *= f.mirror * (all / mirrored);
+            direction_ = glm::normalize(2 * cosine * s.normal - s.outgoing);
+            origin_ = s.origin(direction_);
+            connected_ = false;
+            return glm::dot(direction_, s.front) > 0;
+        }
+        if (u < mirrored + passed) {
+            throughput_ *= f.transmission * (all / passed);
+            origin_ = s.origin(direction_);
+            return true;
+        }
+        throughput_ *= all / scattered;
+        return scatter(s, f);
+    }
+
+    bool scatter(const Surface& s, const Scattering& f) {
+        ++scatterings_;
+        if (scatterings_ - 1 > settings_.bounces) return false;
+        if (is_within_bounces()) {
+            connect(s, f, t_.lamps_.punctual(s.position));
+            if (settings_.finding == Finding::by_connection)
+                connect(s, f, t_.lamps_.extended(s.position, s.normal, random_));
+        }
+        connected_ = settings_.finding == Finding::by_connection;
+        direction_ = f.sample(s.normal, s.outgoing, random_.three());
+        if (!(glm::dot(direction_, s.front) > 0) || !(glm::dot(direction_, s.normal) > 0)) return false;
+        throughput_ *= f.times_cosine(s.normal, s.outgoing, direction_) / f.density(s.normal, s.outgoing, direction_);
+        origin_ = s.origin(direction_);
+        return largest(throughput_) > 0;
+    }
+
+    void connect(const Surface& s, const Scattering& f, const std::vector<Connection>& connections) {
+        for (const Connection& c : connections) {
+            if (!(glm::dot(c.to_light, s.front) > 0)) continue;
+            const glm::dvec3 weight = throughput_ * f.times_cosine(s.normal, s.outgoing, c.to_light) * c.light;
+            if (largest(weight) > 0) light_ += weight * passing(s, c);
+        }
+    }
+
+    /// Share of light that passes layers and glass on a straight way.
+    glm::dvec3 passing(const Surface& from, const Connection& c) const {
+        glm::dvec3 share(1), direction = c.to_light;
+        glm::vec3 origin = from.origin(direction);
+        double left = c.distance;
+        if (std::isfinite(c.distance)) {
+            // From where the ray begins: else it would meet a lamp seen from the side before its end.
+            const glm::dvec3 d = from.position + c.distance * c.to_light - glm::dvec3(origin);
+            left = glm::length(d) * (1 - before_lamp);
+            direction = glm::normalize(d);
+        }
+        while (largest(share) > 0) {
+            const renderer::Hit hit =
+                t_.posed_scene_.tracer().nearest(origin, glm::vec3(direction), static_cast<float>(left));
+            if (!hit.found()) return share;
+            const Surface s = t_.surfaces_.at(hit.address, -direction);
+            const Scattering f = scattering_of(s.look, glm::dot(s.normal, s.outgoing));
+            share *= 1 - s.look.coverage + s.look.coverage * f.transmission;
+            origin = s.origin(direction);
+            left -= hit.distance;
+        }
+        return glm::dvec3(0);
+    }
+
+    const PathTracer& t_;
+    const PathSettings& settings_;
+    Random random_;
+    glm::vec3 origin_{0};
+    glm::dvec3 direction_{0}, light_{0}, throughput_{1};
+    int scatterings_ = 0;
+    bool connected_ = false;  ///< lamps that are met next have been connected to
+};
+
+PathTracer::PathTracer(const renderer::PosedScene& posed_scene)
+    : posed_scene_(posed_scene), surfaces_(posed_scene), lamps_(surfaces_) {}
+
+Estimate PathTracer::radiance(glm::vec3 origin, glm::vec3 direction, const PathSettings& settings, std::uint64_t paths,
+                              std::uint64_t seed) const {
+    Sum sum;
+    for (std::uint64_t i = 0; i < paths; ++i)
+        sum.add(Path(*this, settings, seed, i).from_ray(origin, glm::normalize(glm::dvec3(direction))));
+    return sum.estimate();
+}
+
+Estimate PathTracer::scattered(const core::SurfaceAddress& address, glm::vec3 outgoing, const PathSettings& settings,
+                               std::uint64_t paths, std::uint64_t seed) const {
+    const Surface surface = surfaces_.at(address, glm::normalize(glm::dvec3(outgoing)));
+    Sum sum;
+    for (std::uint64_t i = 0; i < paths; ++i) sum.add(Path(*this, settings, seed, i).from_surface(surface));
+    return sum.estimate();
+}
+
+std::vector<Estimate> PathTracer::picture(int width, int height, const PathSettings& settings,
+                                          std::uint64_t paths_per_pixel, std::uint64_t seed) const {
+    std::vector<Estimate> pixels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    const scene::Camera& camera = posed_scene_.posed().camera;
+    parallel::for_each(pixels.size(), [&](std::size_t i) {
+        const int x = static_cast<int>(i) % width, y = static_cast<int>(i) / width;
+        const scene::Ray ray = camera.ray_through({static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
+        pixels[i] = radiance(ray.origin, ray.direction, settings, paths_per_pixel, core::mix(seed) + i);
+    });
+    return pixels;
+}
+
+Estimate scattered_light(const renderer::PosedScene& posed_scene, const renderer::SurfacePoint& point, int bounces,
+                         std::uint64_t paths, std::uint64_t seed, int least_bounces) {
+    PathSettings settings;
+    settings.bounces = bounces;
+    settings.least_bounces = least_bounces;
+    return PathTracer(posed_scene).scattered(point.address, point.outgoing, settings, paths, seed);
 }
 
 }  // namespace render2mpeg::reference

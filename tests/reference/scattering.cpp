@@ -6,8 +6,6 @@
 #include <map>
 #include <numbers>
 
-#include "scene/preparation/traits.h"
-
 namespace render2mpeg::reference {
 namespace {
 
@@ -44,42 +42,89 @@ glm::dvec3 visible_normal(double cosine, double alpha, double u1, double u2) {
     return glm::normalize(glm::dvec3(alpha * n.x, alpha * n.y, std::max(0.0, n.z)));
 }
 
-/// Integrals of one alpha by the square root of the cosine.
+/// A function of the square root of a cosine, tabulated.
+template <class Value>
 struct Curve {
     static constexpr int count = 64;
-    std::array<LobeIntegral, count + 1> at;
-    std::array<double, count + 1> power;
+    std::array<Value, count + 1> at;
 
-    explicit Curve(double alpha) {
+    template <class Function>
+    explicit Curve(const Function& function) {
         for (std::size_t i = 0; i < at.size(); ++i) {
             const double root = std::max(static_cast<double>(i) / count, 1e-3);
-            at[i] = integrate_lobe(root * root, alpha, 64);
-            power[i] = mean_fresnel_power(root * root);
+            at[i] = function(root * root);
         }
+    }
+
+    Value operator()(double cosine) const {
+        const double x = count * std::sqrt(std::clamp(cosine, 0.0, 1.0));
+        const auto i = std::min(static_cast<std::size_t>(x), at.size() - 2);
+        const double u = x - static_cast<double>(i);
+        return at[i] * (1 - u) + at[i + 1] * u;
     }
 };
 
-struct Lookup {
-    LobeIntegral lobe;
-    double power;
-};
-
-Lookup look_up(double cosine, double alpha) {
-    thread_local std::map<double, Curve> curves;
-    const Curve& curve = curves.try_emplace(alpha, alpha).first->second;
-    const double x = Curve::count * std::sqrt(std::clamp(cosine, 0.0, 1.0));
-    const auto i = std::min(static_cast<std::size_t>(x), curve.at.size() - 2);
-    const double u = x - static_cast<double>(i);
-    const auto between = [&](double a, double b) { return a + u * (b - a); };
-    return {{between(curve.at[i].f0, curve.at[i + 1].f0), between(curve.at[i].f90, curve.at[i + 1].f90)},
-            between(curve.power[i], curve.power[i + 1])};
+/// (f0, f90) of LobeIntegral.
+glm::dvec2 lobe_at(double cosine, double alpha) {
+    thread_local std::map<double, Curve<glm::dvec2>> curves;
+    const auto known = curves.find(alpha);
+    if (known != curves.end()) return known->second(cosine);
+    const auto integral = [&](double c) {
+        const LobeIntegral e = integrate_lobe(c, alpha, 64);
+        return glm::dvec2(e.f0, e.f90);
+    };
+    return curves.emplace(alpha, integral).first->second(cosine);
 }
 
-bool is_plain(const scene::Material& m, const scene::Mesh& mesh) {
-    return !m.specular_glossiness && mesh.colors.empty() && m.roughness >= scene::mirror_roughness &&
-           !m.base_color_texture.present() && !m.metallic_roughness_texture.present() && !m.normal_texture.present() &&
-           !(m.transmission > 0);
+double mean_power_at(double cosine) {
+    static const Curve<double> curve(mean_fresnel_power);
+    return curve(cosine);
 }
+
+/// [Schlick1994, eq. 15]; what reflects nothing at normal incidence is no interface.
+double fresnel(double f0, double cosine) {
+    return f0 > 0 ? f0 + (1 - f0) * fifth_power(cosine) : 0.0;
+}
+
+double largest(glm::dvec3 v) {
+    return std::max({v.x, v.y, v.z});
+}
+
+/// Two unit vectors at right angles to n and to one another.
+void frame_of(glm::dvec3 n, glm::dvec3& t, glm::dvec3& b) {
+    const glm::dvec3 other = std::abs(n.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+    t = glm::normalize(glm::cross(other, n));
+    b = glm::cross(n, t);
+}
+
+/// Makes the lobe whole, and lays the Lambert part below it. `coat`: what the interface of the rest reflects at normal
+/// incidence; `metal` of the surface reflects `metal_f0` and has nothing below.
+void lay_lobe(Scattering& s, double coat, double metal, glm::dvec3 metal_f0, double cosine) {
+    const glm::dvec2 e = lobe_at(cosine, s.alpha);
+    const double power = mean_power_at(cosine);
+    const glm::dvec3 regained = metal * metal_f0 * (1 / (e.x + e.y) - 1);
+    s.f90 = 1.0 + regained;
+    s.f0 += metal_f0 * regained;
+    // What glTF's mixing lacks of 1 on a white surface, up to a hundredth; and never more than 1 in all.
+    const double under = (1 - coat) * (1 - power);
+    const double lack = under > 0 ? (1 - coat * e.x - e.y) / under : 1.0;
+    s.diffuse *= (1 - coat) * std::clamp(lack, 1.0, 1.01);
+    for (int c = 0; c < 3; ++c) {
+        const double left = 1 - s.f0[c] * e.x - s.f90[c] * e.y - s.transmission[c];
+        s.diffuse[c] = std::min(s.diffuse[c], std::max(left, 0.0) / (1 - power));
+    }
+}
+
+void lay_mirror(Scattering& s, double coat, double cosine) {
+    for (int c = 0; c < 3; ++c) s.mirror[c] = fresnel(s.f0[c], cosine);
+    s.f0 = glm::dvec3(0);
+    s.diffuse *= (1 - coat) * (1 - mean_power_at(cosine));
+    for (int c = 0; c < 3; ++c)
+        s.diffuse[c] = std::min(s.diffuse[c], std::max(1 - s.mirror[c] - s.transmission[c], 0.0));
+}
+
+/// Smoother surfaces have a mirror in place of a lobe (docs/model/materials.md).
+constexpr double mirror_below = 0.1;
 
 }  // namespace
 
@@ -117,7 +162,7 @@ double mean_fresnel_power(double cosine) {
 glm::dvec3 Scattering::times_cosine(glm::dvec3 normal, glm::dvec3 outgoing, glm::dvec3 to_light) const {
     const double nl = glm::dot(normal, to_light), nv = glm::dot(normal, outgoing);
     if (!(nl > 0) || !(nv > 0)) return glm::dvec3(0);
-    if (f0 == glm::dvec3(0)) return diffuse * (nl / pi);
+    if (!has_lobe()) return diffuse * (nl / pi);
     const glm::dvec3 h = glm::normalize(to_light + outgoing);
     const double s = fifth_power(glm::dot(outgoing, h));
     const double shown = 1 / (1 + lambda(nl, alpha) + lambda(nv, alpha));
@@ -125,37 +170,67 @@ glm::dvec3 Scattering::times_cosine(glm::dvec3 normal, glm::dvec3 outgoing, glm:
     return diffuse * ((1 - s) * nl / pi) + lobe * (f0 * (1 - s) + f90 * s);
 }
 
-Scattering metallic_roughness(const scene::Material& m, double cosine) {
-    Scattering s;
-    const double metal = m.metallic, rough = m.roughness;
-    const double interface = std::pow((m.ior - 1.0) / (m.ior + 1.0), 2.0);
-    const glm::dvec3 base(glm::clamp(glm::vec3(m.base_color), glm::vec3(0), glm::vec3(1)));
-    s.alpha = rough * rough;
-    s.diffuse = base * (1 - metal);
-    s.f0 = glm::mix(glm::dvec3(interface), base, metal);
-    if (s.f0 == glm::dvec3(0)) return s;
-
-    const Lookup e = look_up(cosine, s.alpha);
-    const double whole = e.lobe.f0 + e.lobe.f90;
-    s.f90 = 1.0 + metal * base * (1 / whole - 1);
-    s.f0 = (1 - metal) * interface + metal * base * (1.0 + base * (1 / whole - 1));
-    // What glTF's mixing lacks of 1 on a white surface, up to a hundredth; and never more than 1 in all.
-    const double under = (1 - interface) * (1 - e.power);
-    const double lack = (1 - interface * e.lobe.f0 - e.lobe.f90) / under;
-    s.diffuse *= (1 - interface) * std::clamp(lack, 1.0, 1.01);
-    for (int c = 0; c < 3; ++c) {
-        const double left = 1 - s.f0[c] * e.lobe.f0 - s.f90[c] * e.lobe.f90;
-        s.diffuse[c] = std::min(s.diffuse[c], std::max(left, 0.0) / (1 - e.power));
+glm::dvec3 Scattering::sample(glm::dvec3 normal, glm::dvec3 outgoing, glm::dvec3 u) const {
+    glm::dvec3 t, b;
+    frame_of(normal, t, b);
+    if (!has_lobe() || u.z < 0.5) {
+        const double r = std::sqrt(u.x), phi = 2 * pi * u.y;
+        return glm::normalize(r * std::cos(phi) * t + r * std::sin(phi) * b + std::sqrt(1 - u.x) * normal);
     }
+    // The frame in which the view has no y.
+    const double cosine = glm::dot(normal, outgoing);
+    const glm::dvec3 along = outgoing - cosine * normal;
+    if (glm::length(along) > 1e-9) {
+        t = glm::normalize(along);
+        b = glm::cross(normal, t);
+    }
+    const glm::dvec3 h = visible_normal(std::min(cosine, 1.0), alpha, u.x, u.y);
+    const glm::dvec3 half = h.x * t + h.y * b + h.z * normal;
+    return glm::normalize(2 * glm::dot(outgoing, half) * half - outgoing);
+}
+
+double Scattering::density(glm::dvec3 normal, glm::dvec3 outgoing, glm::dvec3 to_light) const {
+    const double nl = glm::dot(normal, to_light), nv = glm::dot(normal, outgoing);
+    const double by_cosine = std::max(nl, 0.0) / pi;
+    if (!has_lobe()) return by_cosine;
+    const glm::dvec3 h = glm::normalize(to_light + outgoing);
+    const double by_lobe = masked(nv, alpha) * distribution(glm::dot(normal, h), alpha) / (4 * nv);
+    return 0.5 * by_cosine + 0.5 * by_lobe;
+}
+
+Scattering scattering_of(const Look& look, double cosine) {
+    Scattering s;
+    if (look.unlit) return s;
+    const double index = (look.ior - 1.0) / (look.ior + 1.0);
+    double coat = index * index, metal = look.metallic;
+    glm::dvec3 metal_f0 = look.base;
+    if (look.specular_glossiness) {
+        coat = largest(look.specular);
+        metal = 1 - largest(look.base);
+        metal_f0 = s.f0 = look.specular;
+        s.diffuse = look.base;
+    } else {
+        s.f0 = glm::mix(glm::dvec3(coat), look.base, metal);
+        s.diffuse = look.base * ((1 - metal) * (1 - look.transmission));
+        s.transmission = look.base * ((1 - metal) * look.transmission * (1 - fresnel(coat, cosine)));
+    }
+    s.alpha = look.roughness * look.roughness;
+    if (!s.has_lobe()) return s;
+    if (look.roughness < mirror_below)
+        lay_mirror(s, coat, cosine);
+    else
+        lay_lobe(s, coat, metal, metal_f0, cosine);
     return s;
 }
 
-Scattering scattering_of(const scene::Animation& animation, const renderer::SurfacePoint& p) {
-    const scene::Material& material = animation.materials[p.material];
-    const auto mesh = static_cast<std::size_t>(animation.objects[p.address.object].mesh);
-    if (is_plain(material, animation.meshes[mesh]))
-        return metallic_roughness(material, glm::dot(glm::dvec3(p.shading_normal), glm::dvec3(p.outgoing)));
-    return {glm::dvec3(p.bsdf.diffuse), glm::dvec3(p.bsdf.f0), glm::dvec3(p.bsdf.f90), p.bsdf.alpha};
+Scattering metallic_roughness(const scene::Material& m, double cosine) {
+    Look look;
+    look.base = glm::clamp(glm::vec3(m.base_color), glm::vec3(0), glm::vec3(1));
+    look.metallic = m.metallic;
+    look.roughness = m.roughness;
+    look.ior = m.ior;
+    look.transmission = m.transmission;
+    return scattering_of(look, cosine);
 }
 
 }  // namespace render2mpeg::reference

@@ -2,26 +2,49 @@
 
 #include <glm/glm.hpp>
 
-#include "renderer/surface/surface_point.h"
 #include "scene/model/animation.h"
 
 namespace render2mpeg::reference {
 
-/// How a surface scatters, written from the sources in double precision and without any code of the renderer's: glTF
-/// 2.0's mixing [glTF2, appendix B] with multiple scattering [Turquin2019] (docs/model/materials.md).
+/// What a material says of one point, images and vertex colours looked up.
+struct Look {
+    bool specular_glossiness = false;
+    glm::dvec3 base{1};       ///< 0..1; the diffuse colour where `specular_glossiness`
+    double metallic = 0;      ///< 0..1
+    double roughness = 1;     ///< 0..1; 1 - glossiness
+    double ior = 1.5;         ///< >= 1
+    double transmission = 0;  ///< 0..1
+    glm::dvec3 specular{0};   ///< of `specular_glossiness`, 0..1
+    double coverage = 1;      ///< 0: a hole
+    glm::dvec3 emission{0};   ///< radiance of the side that is looked at
+    bool unlit = false;       ///< shows `emission`, scatters nothing
+};
+
+/// How a surface scatters light, written from the sources in double precision and without any code of the renderer's:
+/// glTF 2.0's mixing [glTF2, appendix B] with multiple scattering [Turquin2019], and what docs/model/materials.md says
+/// of mirrors and glass.
 struct Scattering {
     glm::dvec3 diffuse{0}, f0{0}, f90{1};
     double alpha = 1;
+    glm::dvec3 mirror{0};        ///< share of light from the mirrored direction
+    glm::dvec3 transmission{0};  ///< share of light that comes straight from behind
 
-    /// f_s times the cosine to the light, per steradian; 0 below the surface. All directions unit.
+    bool has_lobe() const { return f0 != glm::dvec3(0); }
+
+    /// f_s of the diffuse and the glossy part times the cosine to the light, per steradian; 0 below the surface. All
+    /// directions unit.
     glm::dvec3 times_cosine(glm::dvec3 normal, glm::dvec3 outgoing, glm::dvec3 to_light) const;
+
+    /// A direction that light may come from: by the cosine, and half of them by visible normals [Heitz2018] where there
+    /// is a lobe; and the density of choosing it. `u`: three uniform numbers.
+    glm::dvec3 sample(glm::dvec3 normal, glm::dvec3 outgoing, glm::dvec3 u) const;
+    double density(glm::dvec3 normal, glm::dvec3 outgoing, glm::dvec3 to_light) const;
 };
 
-/// Of a point whose material has neither images nor vertex colours and is metallic-roughness, of its numbers alone; of
-/// others, what the renderer looked up.
-Scattering scattering_of(const scene::Animation& animation, const renderer::SurfacePoint& point);
+/// Seen with this cosine to the normal.
+Scattering scattering_of(const Look& look, double cosine);
 
-/// Of a metallic-roughness material without images, seen with this cosine; roughness >= 0.1.
+/// Of a metallic-roughness material without images.
 Scattering metallic_roughness(const scene::Material& material, double cosine);
 
 /// Integrals over light directions of D V cos (1 - s) and of D V cos s for a GGX lobe, s being Schlick's fifth power of

@@ -1,5 +1,6 @@
 # Slow, obviously right versions, and the tests that hold the product against them.
-add_library(render2mpeg_path_tracer STATIC ${CMAKE_CURRENT_SOURCE_DIR}/reference/path_tracer.cpp
-                                            ${CMAKE_CURRENT_SOURCE_DIR}/reference/scattering.cpp)
-target_link_libraries(render2mpeg_path_tracer PUBLIC render2mpeg_renderer)
-render2mpeg_test(reference LIBS render2mpeg_path_tracer render2mpeg_test_stages)
+include(${CMAKE_CURRENT_LIST_DIR}/path_tracer.cmake)
+add_library(render2mpeg_truth_cases STATIC ${CMAKE_CURRENT_LIST_DIR}/lamp_cases.cpp ${CMAKE_CURRENT_LIST_DIR}/material_cases.cpp
+                                              ${CMAKE_CURRENT_LIST_DIR}/path_cases.cpp ${CMAKE_CURRENT_LIST_DIR}/specular_cases.cpp)
+target_link_libraries(render2mpeg_truth_cases PUBLIC render2mpeg_path_tracer render2mpeg_test_scenes)
+render2mpeg_test(reference OPENS_MODULES LIBS render2mpeg_truth_cases render2mpeg_test_stages)
