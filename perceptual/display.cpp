@@ -120,6 +120,13 @@ core::Picture Display::develop(const core::Radiance& radiance) const {
     return picture;
 }
 
+float luma_of(const Display& display, glm::vec3 radiance) {
+    const SignalCurve& curve = SignalCurve::instance();
+    const glm::vec3 c = radiance * std::exp2(display.exposure());
+    return 16.0f + 219.0f * glm::dot(luma_weights(display.matrix()),
+                                     glm::vec3{curve.signal(c.x), curve.signal(c.y), curve.signal(c.z)});
+}
+
 core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMatrix matrix) {
     return picture_of(signals.width(), signals.height(), matrix, [&](int y, std::span<glm::vec3> row) {
         const glm::vec3* from = signals.row(y);

@@ -53,6 +53,9 @@ class Display {
     ColorMatrix matrix_;
 };
 
+/// Unrounded luma in code values, 16..235, of one radiance: what Display::develop makes of a pixel.
+float luma_of(const Display& display, glm::vec3 radiance);
+
 /// A picture of a film's own full-range signals R', G', B', clamped to [0, 1], with BT.709's primaries. The matrix and
 /// chroma are those of Display::develop. Finite values.
 core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMatrix matrix);

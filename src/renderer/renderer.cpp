@@ -374,15 +374,15 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
     for (const AuditedPixel& a : audited) {
         const LitPixel pixel = pixel_at(seen, {a.x, a.y});
         JudgedPixel& p = judged.emplace_back();
-        p.shown = static_cast<double>(core::luminance(radiance.combined.at(a.x, a.y)));
-        p.where_lit = p.at_points = static_cast<double>(a.luminance);
-        if (!tolerance.is_reference()) p.least = static_cast<double>(tolerance.pixels.at(a.x, a.y).absolute);
+        p.shown = radiance.combined.at(a.x, a.y);
+        p.where_lit = p.at_points = a.radiance;
+        if (!tolerance.is_reference()) p.least = tolerance.pixels.at(a.x, a.y).absolute;
         if (any_moved(moved, pixel))
-            p.at_points = static_cast<double>(
-                core::luminance(gather_exactly(i.light_trees, i.posed_scene.tracer(), seen, {pixel}).front()));
+            p.at_points = gather_exactly(i.light_trees, i.posed_scene.tracer(), seen, {pixel}).front();
         const std::span<const GatherPoint> points(seen.tiles[pixel.tile]);
-        requests.push_back(
-            {{a.x, a.y}, points.subspan(pixel.first, pixel.last - pixel.first), static_cast<float>(p.luminance())});
+        requests.push_back({{a.x, a.y},
+                            points.subspan(pixel.first, pixel.last - pixel.first),
+                            std::max(core::luminance(p.at_points), p.least)});
     }
     SeeSettings see;
     see.format = i.settings.format;

@@ -7,10 +7,10 @@
 
 #include "app/loop/picture_coder.h"
 #include "core/color.h"
+#include "perceptual/display.h"
 #include "perceptual/flicker.h"
 #include "perceptual/hvs.h"
 #include "perceptual/metrics.h"
-#include "tests/perceptual/luma.h"
 
 namespace render2mpeg::bench {
 namespace {

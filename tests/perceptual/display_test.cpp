@@ -10,7 +10,6 @@
 #include "core/error.h"
 #include "core/sampling.h"
 #include "perceptual/signal_curve.h"
-#include "tests/perceptual/luma.h"
 
 namespace render2mpeg::perceptual {
 namespace {

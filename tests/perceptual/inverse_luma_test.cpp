@@ -8,7 +8,7 @@
 
 #include "core/color.h"
 #include "core/sampling.h"
-#include "tests/perceptual/luma.h"
+#include "perceptual/display.h"
 
 namespace render2mpeg::perceptual {
 namespace {

@@ -147,23 +147,51 @@ TEST(LightPaths, OfNothingAreNothing) {
 }
 
 TEST(LightPaths, PassLayersAsShadowRaysDo) {
-    // A pane of alpha 0.25 below an even sky, another below a lamp: what is black of it hides a quarter.
-    for (const bool lamp : {false, true}) {
-        SceneBuilder b = floor_stage();
-        const int pane = b.add_material(glm::vec3(0));
-        b.material(pane).base_color.a = 0.25f;
-        b.material(pane).alpha_mode = scene::AlphaMode::blend;
-        b.add_quad({-60, 1, 60}, {120, 0, 0}, {0, 0, -120}, pane);
-        if (lamp)
-            b.add_quad({-0.5f, 2, -0.5f}, {1, 0, 0}, {0, 0, 1}, b.add_emitter(glm::vec3(3)));
-        else
-            b.film().sky.color = glm::vec3(1);
-        const double a = 0.25, form = 4 / (2 * std::numbers::pi) * 2 * a / std::sqrt(1 + a * a) *
-                                      std::atan(a / std::sqrt(1 + a * a));
-        // At the horizon the pane ends.
-        const PathMean m = scattered_at(Stage(b), {1, 1, 0}, 40000);
-        EXPECT_NEAR(m.value, 0.75 * albedo * (lamp ? 3 * form : 1.0), 4 * m.error + 1e-3) << lamp;
+    const double a = 0.25,
+                 form = 4 / (2 * std::numbers::pi) * 2 * a / std::sqrt(1 + a * a) * std::atan(a / std::sqrt(1 + a * a));
+    // A black pane of alpha 0.25 hides a quarter, one of clear glass what it reflects of even light.
+    for (const bool glass : {false, true}) {
+        for (const bool lamp : {false, true}) {
+            SceneBuilder b = floor_stage();
+            const int pane = b.add_material(glm::vec3(glass ? 1.0f : 0.0f));
+            b.material(pane).base_color.a = glass ? 1.0f : 0.25f;
+            b.material(pane).alpha_mode = glass ? scene::AlphaMode::opaque : scene::AlphaMode::blend;
+            b.material(pane).transmission = glass ? 1.0f : 0.0f;
+            b.material(pane).ior = glass ? 1.5f : 1.0f;
+            b.material(pane).roughness = 0;
+            b.add_quad({-60, 1, 60}, {120, 0, 0}, {0, 0, -120}, pane);
+            if (lamp)
+                b.add_quad({-0.5f, 2, -0.5f}, {1, 0, 0}, {0, 0, 1}, b.add_emitter(glm::vec3(3)));
+            else
+                b.film().sky.color = glm::vec3(1);
+            const double passes = glass ? 0.96 - 0.96 / 21 : 0.75;
+            // At the horizon the pane ends.
+            const PathMean m = scattered_at(Stage(b), {1, 1, 0}, 40000);
+            EXPECT_NEAR(m.value, passes * albedo * (lamp ? 3 * form : 1.0), 4 * m.error + 1e-3) << glass << lamp;
+        }
     }
+}
+
+/// A perfect mirror above the floor, all that light could come by.
+SceneBuilder below_a_mirror(float floor_roughness) {
+    SceneBuilder b = floor_stage();
+    b.material(0).roughness = floor_roughness;
+    b.material(0).metallic = floor_roughness < 0.3f ? 1.0f : 0.0f;
+    b.material(0).ior = 1.5f;
+    const int mirror = b.add_material(glm::vec3(1));
+    b.material(mirror).metallic = 1;
+    b.material(mirror).roughness = 0;
+    b.add_quad({-1000, 1, -1000}, {2000, 0, 0}, {0, 0, 2000}, mirror);
+    // A lamp between, which shines up.
+    b.add_quad({-0.5f, 0.5f, 0.5f}, {1, 0, 0}, {0, 0, -1}, b.add_emitter(glm::vec3(3)));
+    return b;
+}
+
+TEST(LightPaths, HoldNoCausticOfAMirrorOnTheFirstSurface) {
+    // The floor beside the lamp is lit by the mirror alone, which goes on from there to the mirror again.
+    EXPECT_EQ(scattered_at(Stage(below_a_mirror(1.0f)), {1, 1, 0}, 4096, 0, {0.02f, 0.5f}).value, 0.0);
+    // A narrow lobe sees in the mirror the floor that the lamp lights by it.
+    EXPECT_GT(scattered_at(Stage(below_a_mirror(0.2f)), {1, 1, 0}, 4096, 0, {0.02f, 0.5f}).value, 0.0);
 }
 
 /// A room with a block and a shiny ball of this roughness.

@@ -108,6 +108,11 @@ TEST(PixelTruth, KnowsItsOwnError) {
     EXPECT_NEAR(spread / told, 1.0, 0.6);
 }
 
+/// 20 code values for a luminance of 1.
+double luma(glm::vec3 light) {
+    return 20.0 * static_cast<double>(light.y);
+}
+
 /// A room, lit within a tolerance, and its audited pixels judged.
 struct JudgedRoom {
     explicit JudgedRoom(float relative) : stage(test::furnished_room(), settings()), world(stage.at(0)) {
@@ -159,12 +164,12 @@ TEST(Judge, IsTheSameForAnyNumberOfThreadsAndCountsNowhere) {
 TEST(Judge, FindsGatheringWithoutErrorInAReferenceFrame) {
     JudgedRoom room(0.0f);
     ErrorSplit split;
-    split.add(room.judge(24));
+    split.add(room.judge(24), luma);
     EXPECT_EQ(split.pixels(), 24u);
-    EXPECT_LT(split.relative_rms(ErrorCause::gathering), 1e-4);
-    EXPECT_EQ(split.rms(ErrorCause::moved_points), 0.0);
+    EXPECT_LT(split.rms(ErrorCause::gathering, ErrorMeasure::relative), 1e-4);
+    EXPECT_EQ(split.rms(ErrorCause::moved_points, ErrorMeasure::luminance), 0.0);
     // 4,096 anchors in a small room: some percent.
-    EXPECT_LT(split.relative_rms(ErrorCause::light_points), 0.1);
+    EXPECT_LT(split.rms(ErrorCause::light_points, ErrorMeasure::relative), 0.1);
     EXPECT_LT(std::abs(split.bias(ErrorCause::total).value), 0.05);
     EXPECT_LT(split.bias(ErrorCause::total).error, 0.03);
 }
@@ -175,8 +180,8 @@ TEST(Judge, FindsWhatAFrameLacks) {
     const auto before = room.judge(12);
     for (glm::vec3& pixel : room.radiance.combined.values()) pixel *= 0.8f;
     ErrorSplit whole, dimmed;
-    whole.add(before);
-    dimmed.add(room.judge(12));
+    whole.add(before, luma);
+    dimmed.add(room.judge(12), luma);
     const auto bias = [](const ErrorSplit& s, ErrorCause cause) { return s.bias(cause).value; };
     EXPECT_NEAR(bias(dimmed, ErrorCause::gathering), -0.2 * (1 + bias(whole, ErrorCause::total)), 1e-3);
     EXPECT_EQ(bias(dimmed, ErrorCause::light_points), bias(whole, ErrorCause::light_points));
@@ -190,9 +195,9 @@ std::vector<JudgedPixel> synthetic(std::array<double, 4> errors, double light, d
         JudgedPixel& p = pixels[i];
         const double whole = light * (1 + 0.5 * core::uniform(1, i));
         const double at_points = whole + errors[3];
-        p.at_points = at_points + errors[2];
-        p.where_lit = p.at_points + errors[1];
-        p.shown = p.where_lit + errors[0];
+        p.at_points = glm::vec3(glm::dvec3(at_points + errors[2]));
+        p.where_lit = glm::vec3(glm::dvec3(at_points + errors[2] + errors[1]));
+        p.shown = glm::vec3(glm::dvec3(at_points + errors[2] + errors[1] + errors[0]));
         for (std::size_t half = 0; half < 2; ++half) {
             const auto dice = [&](std::uint64_t k) {
                 return noise * (core::uniform(2 + k, i, half) - 0.5f) * std::sqrt(12.0);
@@ -208,31 +213,34 @@ TEST(ErrorSplit, DoesNotCountTheTruthsOwnError) {
     const std::array<double, 4> errors{0.02, -0.01, 0.05, -0.03};
     ErrorSplit split;
     // In two frames: sums add up.
-    for (int frame = 0; frame < 2; ++frame) split.add(synthetic(errors, 1, 0.2, 20000));
+    for (int frame = 0; frame < 2; ++frame) split.add(synthetic(errors, 1, 0.1, 20000), luma);
     double sum = 0;
     for (std::size_t c = 0; c < 4; ++c) {
         const auto cause = static_cast<ErrorCause>(c);
-        EXPECT_NEAR(split.mean_square(cause).value, errors[c] * errors[c], 4 * split.mean_square(cause).error + 1e-9)
-            << c;
-        EXPECT_NEAR(split.bias(cause).value, errors[c] / 1.25, 4 * split.bias(cause).error + 0.01 * std::abs(errors[c]))
-            << c;
-        EXPECT_NEAR(split.dark_bias(cause).value, errors[c] / 1.125, 4 * split.dark_bias(cause).error + 0.01) << c;
-        sum += split.bias(cause).value;
+        const MeanError square = split.mean_square(cause, ErrorMeasure::luminance),
+                        code = split.mean_square(cause, ErrorMeasure::code_value), bias = split.bias(cause),
+                        dark = split.dark_bias(cause);
+        EXPECT_NEAR(square.value, errors[c] * errors[c], 4 * square.error + 1e-7) << c;
+        EXPECT_NEAR(code.value, 400 * errors[c] * errors[c], 4 * code.error + 1e-4) << c;
+        EXPECT_NEAR(bias.value, errors[c] / 1.25, 4 * bias.error + 0.01 * std::abs(errors[c])) << c;
+        EXPECT_NEAR(dark.value, errors[c] / 1.125, 4 * dark.error + 0.005) << c;
+        sum += bias.value;
     }
-    EXPECT_NEAR(split.bias(ErrorCause::total).value, sum, 1e-12);
-    EXPECT_LT(split.mean_square(ErrorCause::light_points).error, 0.2 * 0.05 * 0.05);
-    EXPECT_NEAR(split.rms(ErrorCause::gathering), 0.02, 1e-6);
-    EXPECT_NEAR(split.relative_rms(ErrorCause::gathering), 0.02 / 1.25, 0.001);
+    EXPECT_NEAR(split.bias(ErrorCause::total).value, sum, 1e-7);
+    EXPECT_LT(split.mean_square(ErrorCause::light_points, ErrorMeasure::luminance).error, 0.2 * 0.05 * 0.05);
+    EXPECT_NEAR(split.rms(ErrorCause::gathering, ErrorMeasure::luminance), 0.02, 1e-5);
+    EXPECT_NEAR(split.rms(ErrorCause::gathering, ErrorMeasure::relative), 0.02 / 1.25, 0.001);
 }
 
 TEST(ErrorSplit, OfNoPixelsIsOfNoError) {
     ErrorSplit split;
-    split.add({});
-    split.add(std::vector<JudgedPixel>(3));  // black ones
+    split.add({}, luma);
+    split.add(std::vector<JudgedPixel>(3), luma);  // black ones
     for (std::size_t c = 0; c < cause_count; ++c) {
         const auto cause = static_cast<ErrorCause>(c);
         for (const MeanError m :
-             {split.mean_square(cause), split.relative_mean_square(cause), split.bias(cause), split.dark_bias(cause)}) {
+             {split.mean_square(cause, ErrorMeasure::luminance), split.mean_square(cause, ErrorMeasure::relative),
+              split.mean_square(cause, ErrorMeasure::code_value), split.bias(cause), split.dark_bias(cause)}) {
             EXPECT_EQ(m.value, 0.0);
             EXPECT_EQ(m.error, 0.0);
         }

@@ -64,7 +64,7 @@ ChunkLoop::ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const C
       display_(job.exposure.value_or(0), perceptual::matrix_for(job.format.height)),
       posed_(job),
       recorder_(statistics, job.kind == OutputKind::film),
-      auditor_(renderer, job.audit, statistics),
+      auditor_(renderer, display_, job.audit, statistics),
       terms_(job.coding.tune) {
     renderer.start_chunk(*posed_.at(chunk.first));
     if (job.kind == OutputKind::film)

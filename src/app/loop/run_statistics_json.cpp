@@ -84,7 +84,6 @@ void each_sum(Sums& l, Visit&& visit) {
 template <class Sums, class Visit>
 void each_split_sum(Sums& s, Visit&& visit) {
     visit("pixels", s.pixels);
-    visit("dark_pixels", s.dark_pixels);
     visit("paths", s.paths);
     visit("light", s.light);
     visit("dark_light", s.dark_light);
@@ -99,8 +98,6 @@ void each_split_sum(Sums& s, Visit&& visit) {
         sum("dark_difference_squares", cause.dark_difference_squares);
         sum("squares", cause.squares);
         sum("square_squares", cause.square_squares);
-        sum("relative_squares", cause.relative_squares);
-        sum("relative_square_squares", cause.relative_square_squares);
     }
 }
 

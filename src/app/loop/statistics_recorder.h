@@ -10,6 +10,7 @@
 #include "core/picture.h"
 #include "core/plane.h"
 #include "encoder/types.h"
+#include "perceptual/display.h"
 #include "renderer/renderer.h"
 
 namespace render2mpeg::app {
@@ -53,14 +54,15 @@ class StatisticsRecorder : public LoopObserver {
 /// the statistics.
 class Auditor : public LoopObserver {
   public:
-    /// `pixels` of each frame.
-    Auditor(renderer::Renderer& renderer, int pixels, RunStatistics& statistics)
-        : renderer_(renderer), pixels_(pixels), statistics_(statistics) {}
+    /// `pixels` of each frame, which `display` shows.
+    Auditor(renderer::Renderer& renderer, const perceptual::Display& display, int pixels, RunStatistics& statistics)
+        : renderer_(renderer), display_(display), pixels_(pixels), statistics_(statistics) {}
 
     void lit(const LitFrame& frame) override;
 
   private:
     renderer::Renderer& renderer_;
+    const perceptual::Display& display_;
     int pixels_;
     RunStatistics& statistics_;
 };

@@ -40,15 +40,12 @@ std::string audit_text(const json& audit) {
         fmt::format(" Of {} pixels gathered again from every light point, {:.2f} % are beyond their tolerance.",
                     audit.at("pixels").get<std::int64_t>(), 100 * audit.at("over_tolerance").get<double>());
     if (!audit.contains("truth")) return text;
-    const auto percent = [&](const char* cause) {
-        return 100 * audit.at("truth").at(cause).at("relative_rms").get<double>();
-    };
-    return text +
-           fmt::format(
-               " Against unbiased paths of light they are off by {:.2f} % (root mean square): {:.2f} % by gathering "
-               "and records, {:.2f} % by light points, {:.2f} % by eye samples.",
-               percent("total"), std::hypot(percent("gathering"), percent("moved_points")), percent("light_points"),
-               percent("eye_samples"));
+    const auto luma = [&](const char* cause) { return audit.at("truth").at(cause).at("code_value_rms").get<double>(); };
+    return text + fmt::format(
+                      " Against unbiased paths of light they are off by {:.2f} code values of luma (root mean square): "
+                      "{:.2f} by gathering and records, {:.2f} by light points, {:.2f} by eye samples.",
+                      luma("total"), std::hypot(luma("gathering"), luma("moved_points")), luma("light_points"),
+                      luma("eye_samples"));
 }
 
 /// The render in one or two sentences, as a reader would be told it.

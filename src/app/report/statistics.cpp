@@ -2,8 +2,10 @@
 
 #include <sys/resource.h>
 
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "app/files/text_file.h"
 #include "app/report/effects.h"
@@ -49,14 +51,16 @@ json truth_of(const renderer::ErrorSplit& split) {
     json truth{
         {"paths", core::divide_or(static_cast<double>(split.sums().paths), static_cast<double>(split.pixels()), 0.0)}};
     const auto with_error = [](renderer::MeanError m) { return json{{"value", m.value}, {"error", m.error}}; };
+    constexpr std::array measures{"", "relative_", "code_value_"};
     for (std::size_t c = 0; c < renderer::cause_count; ++c) {
         const auto cause = static_cast<renderer::ErrorCause>(c);
-        truth[renderer::cause_names[c]] = {{"rms", split.rms(cause)},
-                                           {"relative_rms", split.relative_rms(cause)},
-                                           {"mean_square", with_error(split.mean_square(cause))},
-                                           {"relative_mean_square", with_error(split.relative_mean_square(cause))},
-                                           {"bias", with_error(split.bias(cause))},
-                                           {"dark_bias", with_error(split.dark_bias(cause))}};
+        json& of_cause = truth[renderer::cause_names[c]];
+        of_cause = {{"bias", with_error(split.bias(cause))}, {"dark_bias", with_error(split.dark_bias(cause))}};
+        for (std::size_t m = 0; m < renderer::measure_count; ++m) {
+            const auto measure = static_cast<renderer::ErrorMeasure>(m);
+            of_cause[measures.at(m) + std::string("rms")] = split.rms(cause, measure);
+            of_cause[measures.at(m) + std::string("mean_square")] = with_error(split.mean_square(cause, measure));
+        }
     }
     return truth;
 }

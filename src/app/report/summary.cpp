@@ -209,21 +209,23 @@ std::string error_scale_lines(const renderer::Statistics& r) {
 
 std::string audit_lines(const Audit& audit) {
     using renderer::ErrorCause;
+    using renderer::ErrorMeasure;
     std::string text = fmt::format(
         "  audit      {:.2f} % of {} pixels, gathered again from every light point, are\n"
         "             beyond their tolerance; errors {:.2f} % (median), {:.2f} % (95 %), {:.2f} % (99 %)\n",
         100 * audit.share_over(), audit.errors.count(), 100 * audit.errors.quantile(0.5),
         100 * audit.errors.quantile(0.95), 100 * audit.errors.quantile(0.99));
     if (audit.split.pixels() == 0) return text;
-    text += fmt::format("  truth      {:<34}{:>8}{:>16}{:>16}\n", "pixels' error in % by paths of light", "rms",
-                        "too bright", "darker half");
+    text += fmt::format("  truth      {:<24}{:>8}{:>8}{:>16}{:>16}\n", "errors by paths of light", "luma", "rms %",
+                        "too bright %", "darker half %");
     constexpr std::array names{"gathering and records", "records' places", "light points", "eye samples", "in all"};
     for (std::size_t c = 0; c < renderer::cause_count; ++c) {
         const auto cause = static_cast<ErrorCause>(c);
         const renderer::MeanError bias = audit.split.bias(cause), dark = audit.split.dark_bias(cause);
-        text += fmt::format("             {:<36}{:>6.2f}{:>8.2f} +- {:<4.2f}{:>8.2f} +- {:<4.2f}\n", names.at(c),
-                            100 * audit.split.relative_rms(cause), 100 * bias.value, 100 * bias.error, 100 * dark.value,
-                            100 * dark.error);
+        text += fmt::format("             {:<24}{:>8.2f}{:>8.2f}{:>8.2f} +- {:<4.2f}{:>8.2f} +- {:<4.2f}\n",
+                            names.at(c), audit.split.rms(cause, ErrorMeasure::code_value),
+                            100 * audit.split.rms(cause, ErrorMeasure::relative), 100 * bias.value, 100 * bias.error,
+                            100 * dark.value, 100 * dark.error);
     }
     return text;
 }

@@ -137,6 +137,7 @@ AuditedPixel compare(glm::ivec2 place, glm::vec3 truth, const core::ToleranceMap
     AuditedPixel a;
     a.x = place.x;
     a.y = place.y;
+    a.radiance = truth;
     a.luminance = core::luminance(truth);
     const glm::vec3 difference = radiance.combined.at(a.x, a.y) - truth;
     a.error = std::abs(core::luminance(difference));

@@ -4,26 +4,50 @@
 #include <cmath>
 #include <vector>
 
+#include "core/color.h"
 #include "core/numeric.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
-/// A pixel's differences by cause, against one half of its truth.
-std::array<double, cause_count> differences(const JudgedPixel& p, std::size_t half) {
-    const double at_points = p.truth.at_points.luminance_of(half), whole = p.truth.whole.luminance_of(half);
-    return {p.shown - p.where_lit, p.where_lit - p.at_points, p.at_points - at_points, at_points - whole,
-            p.shown - whole};
+/// A pixel's differences by cause, against one half of its truth, for something that is told of a radiance.
+template <class Value>
+std::array<double, cause_count> differences(const JudgedPixel& p, std::size_t half, Value&& value) {
+    const double shown = value(p.shown), where_lit = value(p.where_lit), at_points = value(p.at_points),
+                 true_at_points = value(glm::vec3(p.truth.at_points.halves[half])),
+                 whole = value(glm::vec3(p.truth.whole.halves[half]));
+    return {shown - where_lit, where_lit - at_points, at_points - true_at_points, true_at_points - whole,
+            shown - whole};
 }
 
-/// Luminance of the pixel that has half of them below it.
-double median(std::span<const JudgedPixel> pixels) {
+double luminance_in_double(glm::vec3 radiance) {
+    return glm::dot(glm::dvec3(core::luminance_weights), glm::dvec3(radiance));
+}
+
+/// Luminance that half of the pixels are below, by one half of their truth.
+double median(std::span<const JudgedPixel> pixels, std::size_t half) {
     std::vector<double> luminances;
-    for (const JudgedPixel& p : pixels) luminances.push_back(p.at_points);
+    for (const JudgedPixel& p : pixels) luminances.push_back(p.truth.whole.luminance_of(half));
     const auto middle = luminances.begin() + static_cast<std::ptrdiff_t>(luminances.size() / 2);
     std::nth_element(luminances.begin(), middle, luminances.end());
     return *middle;
 }
+
+/// Differences of a pixel against both halves, in all measures.
+struct Differences {
+    std::array<std::array<double, cause_count>, measure_count> of_half[2];
+
+    Differences(const JudgedPixel& p, const std::function<double(glm::vec3)>& luma) {
+        for (std::size_t half = 0; half < 2; ++half) {
+            auto& [luminance, relative, code_value] = of_half[half];
+            luminance = differences(p, half, luminance_in_double);
+            // Of the same half: its noise is in both, and independent of the other's.
+            const double whole = std::max(p.truth.whole.luminance_of(half), static_cast<double>(p.least));
+            for (std::size_t c = 0; c < cause_count; ++c) relative[c] = core::divide_or(luminance[c], whole, 0.0);
+            code_value = differences(p, half, luma);
+        }
+    }
+};
 
 /// Of `count` values with these sums.
 MeanError mean_of(double sum, double squares, std::uint64_t count) {
@@ -39,58 +63,44 @@ MeanError over_light(MeanError m, double light, std::uint64_t count) {
 
 }  // namespace
 
-double JudgedPixel::luminance() const {
-    return std::max(at_points, least);
-}
-
-void ErrorSplit::add(std::span<const JudgedPixel> pixels) {
+void ErrorSplit::add(std::span<const JudgedPixel> pixels, const std::function<double(glm::vec3)>& luma) {
     if (pixels.empty()) return;
-    const double middle = median(pixels);
+    const double middle[2] = {median(pixels, 0), median(pixels, 1)};
     for (const JudgedPixel& p : pixels) {
-        const bool dark = p.at_points < middle;
-        const double light = p.truth.whole.luminance(), luminance = p.luminance();
+        // Each half says what is dark for the other: neither what the picture shows nor the noise of what is summed
+        // must choose.
+        const double dark[2] = {p.truth.whole.luminance_of(1) < middle[1] ? 0.5 : 0.0,
+                                p.truth.whole.luminance_of(0) < middle[0] ? 0.5 : 0.0};
         ++sums_.pixels;
         sums_.paths += p.truth.paths;
-        sums_.light += light;
-        if (dark) {
-            ++sums_.dark_pixels;
-            sums_.dark_light += light;
-        }
-        const std::array<double, cause_count> one = differences(p, 0), other = differences(p, 1);
+        sums_.light += p.truth.whole.luminance();
+        for (std::size_t half = 0; half < 2; ++half) sums_.dark_light += dark[half] * p.truth.whole.luminance_of(half);
+        const Differences d(p, luma);
         for (std::size_t c = 0; c < cause_count; ++c) {
             CauseSums& s = sums_.causes[c];
-            const double difference = 0.5 * (one[c] + other[c]);
-            // Independent halves: the mean of their product is the square of the mean.
-            const double square = one[c] * other[c];
-            const double relative = core::divide_or(square, luminance * luminance, 0.0);
+            const double one = d.of_half[0][0][c], other = d.of_half[1][0][c];
+            const double difference = 0.5 * (one + other), dark_difference = dark[0] * one + dark[1] * other;
             s.difference += difference;
             s.difference_squares += difference * difference;
-            if (dark) {
-                s.dark_difference += difference;
-                s.dark_difference_squares += difference * difference;
+            s.dark_difference += dark_difference;
+            s.dark_difference_squares += dark_difference * dark_difference;
+            for (std::size_t m = 0; m < measure_count; ++m) {
+                // Independent halves: the mean of their product is the square of the mean.
+                const double square = d.of_half[0][m][c] * d.of_half[1][m][c];
+                s.squares[m] += square;
+                s.square_squares[m] += square * square;
             }
-            s.squares += square;
-            s.square_squares += square * square;
-            s.relative_squares += relative;
-            s.relative_square_squares += relative * relative;
         }
     }
 }
 
-MeanError ErrorSplit::mean_square(ErrorCause cause) const {
-    return mean_of(of(cause).squares, of(cause).square_squares, sums_.pixels);
+MeanError ErrorSplit::mean_square(ErrorCause cause, ErrorMeasure measure) const {
+    const auto m = static_cast<std::size_t>(measure);
+    return mean_of(of(cause).squares[m], of(cause).square_squares[m], sums_.pixels);
 }
 
-MeanError ErrorSplit::relative_mean_square(ErrorCause cause) const {
-    return mean_of(of(cause).relative_squares, of(cause).relative_square_squares, sums_.pixels);
-}
-
-double ErrorSplit::rms(ErrorCause cause) const {
-    return core::sqrt_or_zero(mean_square(cause).value);
-}
-
-double ErrorSplit::relative_rms(ErrorCause cause) const {
-    return core::sqrt_or_zero(relative_mean_square(cause).value);
+double ErrorSplit::rms(ErrorCause cause, ErrorMeasure measure) const {
+    return core::sqrt_or_zero(mean_square(cause, measure).value);
 }
 
 MeanError ErrorSplit::bias(ErrorCause cause) const {
@@ -100,8 +110,8 @@ MeanError ErrorSplit::bias(ErrorCause cause) const {
 
 MeanError ErrorSplit::dark_bias(ErrorCause cause) const {
     const CauseSums& s = of(cause);
-    return over_light(mean_of(s.dark_difference, s.dark_difference_squares, sums_.dark_pixels), sums_.dark_light,
-                      sums_.dark_pixels);
+    return over_light(mean_of(s.dark_difference, s.dark_difference_squares, sums_.pixels), sums_.dark_light,
+                      sums_.pixels);
 }
 
 }  // namespace render2mpeg::renderer

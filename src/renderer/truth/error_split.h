@@ -2,6 +2,8 @@
 // Splits the error of pixels by what causes it.
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
 #include <span>
 
 #include "renderer/truth/pixel_truth.h"
@@ -20,23 +22,29 @@ enum class ErrorCause : std::uint8_t {
 inline constexpr std::size_t cause_count = static_cast<std::size_t>(ErrorCause::count);
 inline constexpr std::array cause_names{"gathering", "moved_points", "light_points", "eye_samples", "total"};
 
-/// A pixel beside its truth. Luminances.
-struct JudgedPixel {
-    double shown = 0;      ///< of the picture
-    double where_lit = 0;  ///< by every light point, where light was gathered
-    double at_points = 0;  ///< by every light point, at its gather points
-    double least = 0;      ///< what counts as its luminance at least where errors are shares of it
-    PixelTruth truth;
+/// What an error is counted in.
+enum class ErrorMeasure : std::uint8_t {
+    luminance,
+    relative,    ///< over the true luminance
+    code_value,  ///< of 8-bit luma, unrounded
+    count
+};
+inline constexpr std::size_t measure_count = static_cast<std::size_t>(ErrorMeasure::count);
 
-    double luminance() const;
+/// A pixel beside its truth: radiances.
+struct JudgedPixel {
+    glm::vec3 shown{0};      ///< of the picture
+    glm::vec3 where_lit{0};  ///< by every light point, where light was gathered
+    glm::vec3 at_points{0};  ///< by every light point, at its gather points
+    float least = 0;         ///< luminance that errors are shares of at least
+    PixelTruth truth;
 };
 
 /// Sums over pixels of one cause. `squares`: the truth's variance is not in them, so they may come out below 0.
 struct CauseSums {
-    double difference = 0, difference_squares = 0;            ///< signed
-    double dark_difference = 0, dark_difference_squares = 0;  ///< of dark pixels
-    double squares = 0, square_squares = 0;
-    double relative_squares = 0, relative_square_squares = 0;
+    double difference = 0, difference_squares = 0;            ///< of luminances, signed
+    double dark_difference = 0, dark_difference_squares = 0;  ///< 0 for pixels that are not dark
+    std::array<double, measure_count> squares{}, square_squares{};
 };
 
 /// A mean and its standard error.
@@ -47,23 +55,22 @@ struct MeanError {
 /// The error of many pixels by cause: sums that add up over frames and runs.
 class ErrorSplit {
   public:
-    /// Adds pixels of one frame; the darker half of them counts as dark.
-    void add(std::span<const JudgedPixel> pixels);
+    /// Adds pixels of one frame; the half of them whose truth is darker counts as dark. `luma` tells code values of
+    /// radiance.
+    void add(std::span<const JudgedPixel> pixels, const std::function<double(glm::vec3)>& luma);
 
     std::uint64_t pixels() const { return sums_.pixels; }
-    /// Mean square of errors in luminance, and of errors over each pixel's luminance (JudgedPixel::luminance).
-    MeanError mean_square(ErrorCause cause) const;
-    MeanError relative_mean_square(ErrorCause cause) const;
-    /// Roots of these; 0 where chance hides them.
-    double rms(ErrorCause cause) const;
-    double relative_rms(ErrorCause cause) const;
+    /// Mean square of the pixels' errors.
+    MeanError mean_square(ErrorCause cause, ErrorMeasure measure) const;
+    /// Its root; 0 where chance hides it.
+    double rms(ErrorCause cause, ErrorMeasure measure) const;
     /// Light too much (too little: < 0) over all light, of all pixels and of the darker half.
     MeanError bias(ErrorCause cause) const;
     MeanError dark_bias(ErrorCause cause) const;
 
     /// All that is to be kept between runs.
     struct Sums {
-        std::uint64_t pixels = 0, dark_pixels = 0, paths = 0;
+        std::uint64_t pixels = 0, paths = 0;
         double light = 0, dark_light = 0;  ///< of the truth
         std::array<CauseSums, cause_count> causes{};
     };

@@ -128,8 +128,7 @@ std::uint64_t paths_of_batch(const PathSums& pilot, const TruthRequest& r, const
     // Much less than expected: some light is so rare that the pilot missed it.
     const double missing = static_cast<double>(r.luminance) - mean;
     if (2 * missing > static_cast<double>(r.luminance)) variance = std::max(variance, n * missing * missing);
-    const double error = std::max(static_cast<double>(r.known_to),
-                                  static_cast<double>(settings.relative_error) * static_cast<double>(r.luminance));
+    const double error = static_cast<double>(settings.relative_error) * static_cast<double>(r.luminance);
     const auto least = static_cast<double>(least_paths),
                most = std::max(least, static_cast<double>(settings.most_paths / batches));
     const double wanted =

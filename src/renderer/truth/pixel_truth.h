@@ -17,7 +17,6 @@ struct TruthRequest {
     glm::ivec2 place{0};
     std::span<const GatherPoint> points;  ///< its gather points; none: nothing there wants light
     float luminance = 0;                  ///< about, >= 0: errors count by it
-    float known_to = 0;                   ///< luminance; a standard error that is small enough in any case
 };
 
 /// The mean of two independent halves of equal weight.
