@@ -233,5 +233,33 @@ TEST(LightPaths, AgreeWithAPlainPathTracer) {
     }
 }
 
+TEST(LightPaths, AgreeWithAPlainPathTracerBesideMirrorsAndGlass) {
+    SceneBuilder b = full_room(0.6f, false);
+    b.film().lights.clear();  // paths that chance leads do not meet points in mirrors
+    const int mirror = b.add_material({0.9f, 0.8f, 0.7f}), glass = b.add_material({0.8f, 0.9f, 1.0f});
+    b.material(mirror).metallic = 1;
+    b.material(mirror).roughness = 0;
+    b.material(glass).transmission = 1;
+    b.material(glass).ior = 1.5f;
+    b.material(glass).roughness = 0;
+    b.add_quad({0.5f, 0.2f, 0.05f}, {3, 0, 0}, {0, 2.6f, 0}, mirror);
+    b.add_quad({0.2f, 1.6f, 0.2f}, {0, 0, 3.6f}, {3.6f, 0, 0}, glass);
+    const Stage stage(b);
+    reference::PathSettings settings;
+    settings.finding = reference::Finding::by_connection;
+    for (const std::uint32_t object : {0u, 3u, 4u}) {
+        const core::SurfaceAddress address{object, 0, 0.3f, 0.3f};
+        const glm::vec3 position = stage.posed_scene().surface_at(address, {0, 1, 0}).position;
+        const glm::vec3 outgoing = glm::normalize(glm::vec3(2, 1.5f, 2) - position);
+        const PathMean m = scattered_at(stage, outgoing, 80000, object, {0.3f, 0.3f});
+        const reference::Estimate plain =
+            reference::PathTracer(stage.posed_scene()).scattered(address, outgoing, settings, 200000, 9);
+        const double value = core::luminance(glm::vec3(plain.mean)), error = core::luminance(glm::vec3(plain.error));
+        EXPECT_NEAR(m.value, value, 4 * std::hypot(m.error, error)) << object;
+        EXPECT_LT(m.error, 0.02 * value);
+        EXPECT_LT(error, 0.03 * value);
+    }
+}
+
 }  // namespace
 }  // namespace render2mpeg::renderer
