@@ -90,6 +90,12 @@ RENDER2MPEG_ALWAYS_INLINED float dot(const Vec3Lanes& a, const Vec3Lanes& b, int
     return a.x[i] * b.x[i] + a.y[i] * b.y[i] + a.z[i] * b.z[i];
 }
 
+/// A function of its own, since a loop of lanes within one of corners does not become vector code.
+RENDER2MPEG_CLONES
+void lower(const Vec3Lanes& __restrict edge, const Vec3Lanes& __restrict direction, Lanes& __restrict least) {
+    for (int i = 0; i < lane_count; ++i) least[i] = inlined::min(least[i], dot(edge, direction, i));
+}
+
 }  // namespace
 
 LampSampler::LampSampler(const WholeLamp& lamp, const GatherLanes& lanes) : lamp_(lamp), lanes_(lanes) {
@@ -297,8 +303,7 @@ void LampSampler::meet_polygon(LampSamples& __restrict samples) const {
         samples.inverse_density[i] = area * inlined::abs(slope * slope * slope) / height2;
     }
     const std::size_t corners = lamp_.corners.size();
-    for (std::size_t k = 0; k < corners; ++k)
-        for (int i = 0; i < lane_count; ++i) least[i] = inlined::min(least[i], dot(edges_[k], samples.direction, i));
+    for (std::size_t k = 0; k < corners; ++k) lower(edges_[k], samples.direction, least);
     for (int i = 0; i < lane_count; ++i)
         samples.inverse_density[i] = least[i] > 0.0f ? samples.inverse_density[i] : 0.0f;
 }

@@ -47,7 +47,7 @@ constexpr std::uint64_t least_per_anchor = 4;
 /// Paths, or places, that are traced at once: bounds the memory that they take.
 constexpr std::uint64_t batch = 1u << 15;
 
-/// Photons that are shared out at once, about: they take 40 bytes each until then, and less time the more there are.
+/// Photons that are shared out at once, about: they take 52 bytes each until then, and less time the more there are.
 constexpr std::size_t most_hits = 1u << 20;
 
 /// Areas of anchors, found by their neighbours, come out so much too large, since strata keep these apart. chosen: a
