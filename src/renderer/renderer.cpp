@@ -138,7 +138,8 @@ struct Renderer::Impl {
 
     /// What `see` needs; lights the anchors that lobe rays meet.
     SeeSettings see_settings(const scene::Snapshot& snapshot) {
-        SeeSettings s{settings.format, settings.samples, settings.specular_depth, light_points.sky_part(), {}};
+        SeeSettings s{settings.format,         settings.samples,        settings.edge_samples,
+                      settings.specular_depth, light_points.sky_part(), {}};
         if (!plan.runs(Pass::lobe_rays)) return s;
         if (!started) start_chunk(snapshot);
         shine(snapshot);

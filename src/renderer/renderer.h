@@ -33,6 +33,7 @@ enum class CacheUse {
 struct Settings {
     scene::PictureFormat format;
     int samples = 4;           ///< eye samples per pixel, >= 1
+    int edge_samples = 0;      ///< of pixels with edges; 0: as many
     int direct_points = 1024;  ///< light points for emissive surfaces and sky together
     int vpls = 4096;           ///< anchor lights, about: light points of indirect light; 0: none
     int bounces = 0;           ///< longest photon path; 0: any

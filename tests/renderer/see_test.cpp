@@ -167,6 +167,84 @@ TEST(Edges, WeighTheirSurfacesByCoveredArea) {
     }
 }
 
+/// Share of each pixel that an object covers, and how many primary rays that took.
+std::vector<float> coverage(Stage& stage, std::uint32_t object, int samples, int edge_samples, int width, int height,
+                            std::uint64_t& rays) {
+    const std::uint64_t before = stage.counts().primary_rays;
+    const Seen seen = stage.see(samples, 6, edge_samples);
+    rays = stage.counts().primary_rays - before;
+    std::vector<float> covered(static_cast<std::size_t>(width * height), 0.0f);
+    for (const Placed& p : points_of(seen))
+        if (p.point->point.address.object == object)
+            covered[static_cast<std::size_t>(p.y * width + p.x)] += p.point->weight.x;
+    return covered;
+}
+
+TEST(Seeing, PixelsAtEdgesGetMoreSamples) {
+    // A slanted half plane before a wall, in an orthogonal view of 48 x 48 pixels: what it covers is known.
+    constexpr int size = 48;
+    SceneBuilder builder;
+    const float half = std::tan(0.4f) * 10.0f;
+    builder.add_quad({-30, -30, -20}, {60, 0, 0}, {0, 60, 0}, builder.add_material());
+    builder.add_quad({-30.0f, -30.0f, -10.0f}, {30, 0, 0}, {9.0f, 60, 0}, builder.add_material());
+    builder.add_camera({0, 0, 0}, {0, 0, -1}, 0.8f);
+    Stage stage(builder, size, size);
+    const auto truth = [&](int x, int y) {
+        // x of the edge: 0.15 y + 4.5 - 0 at y = 0, in scene units at the quad's depth.
+        double inside = 0;
+        constexpr int fine = 64;
+        for (int i = 0; i < fine; ++i)
+            for (int j = 0; j < fine; ++j) {
+                const double px = ((x + (i + 0.5) / fine) / size * 2 - 1) * half,
+                             py = (1 - (y + (j + 0.5) / fine) / size * 2) * half;
+                inside += px < (py + 30) * 0.15 ? 1 : 0;
+            }
+        return inside / (fine * fine);
+    };
+    std::uint64_t rays[3];
+    double worst[3];
+    const int more[3] = {0, 16, 64};
+    for (int k = 0; k < 3; ++k) {
+        const std::vector<float> covered = coverage(stage, 1, 4, more[k], size, size, rays[k]);
+        worst[k] = 0;
+        for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x)
+                worst[k] = std::max(
+                    worst[k],
+                    std::abs(static_cast<double>(covered[static_cast<std::size_t>(y * size + x)]) - truth(x, y)));
+    }
+    EXPECT_EQ(rays[0], 4u * size * size);
+    EXPECT_GT(worst[0], 0.2);
+    EXPECT_LT(worst[1], 0.1);
+    EXPECT_LT(worst[2], 0.04);
+    // At most two pixels of a row and one more where the edge steps.
+    EXPECT_LE(rays[2], rays[0] + 3u * 64u * size);
+}
+
+TEST(Seeing, TheBorderOfASurfaceIsAnEdge) {
+    SceneBuilder builder;
+    builder.add_quad({-30, -30, -10}, {30, 0, 0}, {0, 60, 0}, builder.add_material());
+    builder.add_camera({0, 0, 0}, {0, 0, -1}, 0.8f);
+    Stage flat(builder, 32, 32);
+    const std::uint64_t before = flat.counts().primary_rays;
+    flat.see(4, 6, 64);
+    const std::uint64_t rays = flat.counts().primary_rays - before;
+    // Its edge against nothing lies between two columns: no more than two of them.
+    EXPECT_GT(rays, 4u * 32 * 32);
+    EXPECT_LE(rays, 4u * 32 * 32 + 2u * 64u * 32);
+}
+
+TEST(Seeing, AFlatWallSeenAtAGrazingAngleHasNoEdges) {
+    SceneBuilder builder;
+    builder.add_quad({-500, -1, 10}, {1000, 0, 0}, {0, 0, -3000}, builder.add_material());
+    builder.add_quad({-500, -1, -2990}, {1000, 0, 0}, {0, 3000, 0}, builder.add_material());
+    builder.add_camera({0, 0, 0}, {0.0f, -0.3f, -1}, 0.5f);
+    Stage stage(builder, 64, 64);
+    const std::uint64_t before = stage.counts().primary_rays;
+    stage.see(4, 6, 64);
+    EXPECT_EQ(stage.counts().primary_rays - before, 4u * 64 * 64);
+}
+
 TEST(Seeing, IsTheSameForAnyNumberOfThreadsAndForStillFrames) {
     SceneBuilder builder;
     const int mirror = builder.add_material({0.9f, 0.9f, 0.9f});

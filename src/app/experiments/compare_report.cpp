@@ -174,6 +174,7 @@ json compare_json(const RenderJob& film, const Comparison& found, const std::str
             {"fps", film.rate.hertz.value()},
             {"gop", film.coding.gop},
             {"samples", film.rendering.samples},
+            {"edge_samples", film.rendering.edge_samples},
             {"vpls", film.rendering.vpls},
             {"masking", film.coupling.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"},
             {"cache", cache_word(film.rendering)},

@@ -218,6 +218,7 @@ json cost_json(const RenderJob& film, const Sweep& sweep, const std::string& com
             {"fps", film.rate.hertz.value()},
             {"exposure", film.exposure.value_or(0)},
             {"samples", film.rendering.samples},
+            {"edge_samples", film.rendering.edge_samples},
             {"vpls", film.rendering.vpls},
             {"masking", film.coupling.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"},
             {"cache", cache_word(film.rendering)},

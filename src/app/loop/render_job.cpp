@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "app/loop/first_pass.h"
 #include "app/options/option_text.h"
 #include "app/options/rate_options.h"
 #include "core/color.h"
@@ -51,6 +52,15 @@ renderer::Settings rendering_settings(const RenderOptions& options, const scene:
     settings.max_cut = 4000;
     settings.isa = options.isa ? core::isa_from(*options.isa) : core::detect_isa();
     return settings;
+}
+
+/// Eye samples of pixels with edges: as many as the coding does not hide.
+int edge_samples_of(const RenderOptions& options, const RenderJob& film) {
+    if (options.edge_samples) return *options.edge_samples;
+    if (std::find(options.given.begin(), options.given.end(), "--samples") != options.given.end()) return 0;
+    // fit: docs/fits/edge-samples.md
+    if (film.kind != OutputKind::film) return 64;
+    return usual_quantiser(film.coding) <= 4 ? 32 : 16;
 }
 
 CouplingSettings coupling_settings(const RenderOptions& options, const ToleranceRequest& tolerance) {
@@ -145,6 +155,7 @@ RenderJob prepare(const RenderOptions& options) {
     film.two_passes = film.kind == OutputKind::film && two_passes(options.coding);
     film.disc = preset != nullptr && preset->disc;
     if (film.kind == OutputKind::film) encoder::check(film.coding);
+    film.rendering.edge_samples = edge_samples_of(options, film);
 
     // Decide what runs.
     renderer::Wanted wanted;
@@ -174,6 +185,7 @@ float measure_exposure(const RenderJob& film) {
     small.format.height = std::max(1, static_cast<int>(std::lround(static_cast<float>(film.format.height) * scale)));
     small.rendering.format = small.format;
     small.rendering.samples = 1;
+    small.rendering.edge_samples = 0;
     small.exposure.reset();
     small.tolerance = {false, 0.1f, false, {}};
 

@@ -1,6 +1,7 @@
 #include "renderer/view/see.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -93,33 +94,145 @@ struct FirstLook {
     }
 };
 
-/// `begin`: the index of the pixel's first ray.
-void see_pixel(const Looking& looking, int x, int y, const FirstLook& look, std::size_t begin, EyeSample& sample,
-               Seen& seen, GatherTile& tile, SeeCounts& counts) {
-    const std::size_t first = tile.size();
-    const auto share = 1.0f / static_cast<float>(looking.pattern.size());
-    glm::vec3 emitted{0.0f}, emitted_specular{0.0f};
-    for (std::size_t s = 0; s < looking.pattern.size(); ++s) {
-        const std::size_t ray = begin + s;
-        looking.paths.look(look.rays[ray], look.queries[ray].far, look.hits[ray], sample, counts);
-        if (s == 0) record(seen.visible, looking.camera, x, y, sample.main);
-        emitted += sample.emitted;
-        emitted_specular += sample.emitted_specular;
-        for (const Fragment& fragment : sample.fragments) {
-            const glm::vec3 weight = share * fragment.weight;
-            const float extent = core::divide_or(fragment.extent, looking.spacing, 0.0f);
-            const auto match = std::find_if(tile.begin() + static_cast<std::ptrdiff_t>(first), tile.end(),
-                                            [&](const GatherPoint& g) { return same_surface(g, fragment, extent); });
-            if (match != tile.end()) {
-                merge(*match, fragment, weight);
-                continue;
-            }
-            const auto pixel = static_cast<std::uint16_t>((y % tile_size) * tile_size + x % tile_size);
-            tile.push_back({fragment.point, pixel, fragment.specular, false, weight});
+/// Whether neighbouring pixels show one surface: what lies between them may be an edge.
+bool goes_on(const core::Visible& visible, int x0, int y0, int x1, int y1) {
+    if (visible.kind.at(x0, y0) != visible.kind.at(x1, y1)) return false;
+    const core::PixelClass kind = visible.kind.at(x0, y0);
+    if (kind != core::PixelClass::surface && kind != core::PixelClass::reflected) return true;
+    return visible.address.at(x0, y0).object == visible.address.at(x1, y1).object &&
+           glm::dot(visible.shading_normal.at(x0, y0).unpack(), visible.shading_normal.at(x1, y1).unpack()) >=
+               same_normal;
+}
+
+/// Whether depth jumps between a pixel and one of its neighbours across or below. On a plane 1 / depth is linear in
+/// the picture. `angle`: of a pixel.
+bool jumps(const core::Visible& visible, int x, int y, glm::ivec2 step, float angle) {
+    const int x0 = x - step.x, y0 = y - step.y, x1 = x + step.x, y1 = y + step.y;
+    if (x0 < 0 || y0 < 0 || x1 >= visible.width() || y1 >= visible.height()) return false;
+    const float here = visible.depth.at(x, y);
+    const float bend = core::divide_or(here, visible.depth.at(x0, y0), 0.0f) +
+                       core::divide_or(here, visible.depth.at(x1, y1), 0.0f) - 2.0f;
+    return std::abs(bend) > same_plane * angle;
+}
+
+/// Whether an edge passes by a pixel, as the middles of the pixels about it tell.
+bool is_at_edge(const core::Visible& visible, int x, int y, float angle) {
+    const auto ends = [&](int dx, int dy) {
+        const int x1 = x + dx, y1 = y + dy;
+        return x1 >= 0 && y1 >= 0 && x1 < visible.width() && y1 < visible.height() && !goes_on(visible, x, y, x1, y1);
+    };
+    if (ends(-1, 0) || ends(1, 0) || ends(0, -1) || ends(0, 1)) return true;
+    const core::PixelClass kind = visible.kind.at(x, y);
+    if (kind != core::PixelClass::surface && kind != core::PixelClass::reflected) return false;
+    return jumps(visible, x, y, {1, 0}, angle) || jumps(visible, x, y, {0, 1}, angle);
+}
+
+/// Looks through the pixels of a tile.
+class TileLook {
+  public:
+    TileLook(const Looking& looking, Seen& seen, SeeCounts& counts) : looking_(looking), seen_(seen), counts_(counts) {}
+
+    /// Pixels (first, y) to (end - 1, y), all of them; true in `edges`, by x % tile_size, where samples differ.
+    void take(int first, int end, int y, GatherTile& tile, std::array<bool, tile_size>* edges) {
+        look_.take(looking_, first, end, y);
+        for (int x = first; x < end; ++x) {
+            const bool edge =
+                see_pixel(x, y, static_cast<std::size_t>(x - first) * looking_.pattern.size(), tile, edges != nullptr);
+            if (edges != nullptr) (*edges)[static_cast<std::size_t>(x % tile_size)] = edge;
         }
     }
-    seen.emitted.at(x, y) = share * emitted;
-    if (!seen.emitted_specular.empty()) seen.emitted_specular.at(x, y) = share * emitted_specular;
+
+  private:
+    /// `begin`: the index of the pixel's first ray. Returns whether its samples show different surfaces.
+    bool see_pixel(int x, int y, std::size_t begin, GatherTile& tile, bool records) {
+        const std::size_t first = tile.size();
+        const auto share = 1.0f / static_cast<float>(looking_.pattern.size());
+        glm::vec3 emitted{0.0f}, emitted_specular{0.0f};
+        bool differ = false;
+        std::size_t fragments = 0;
+        for (std::size_t s = 0; s < looking_.pattern.size(); ++s) {
+            const std::size_t ray = begin + s;
+            looking_.paths.look(look_.rays[ray], look_.queries[ray].far, look_.hits[ray], sample_, counts_);
+            if (s == 0 && records) record(seen_.visible, looking_.camera, x, y, sample_.main);
+            emitted += sample_.emitted;
+            emitted_specular += sample_.emitted_specular;
+            differ = differ || (s > 0 && sample_.fragments.size() != fragments);
+            fragments = sample_.fragments.size();
+            for (const Fragment& fragment : sample_.fragments) {
+                const glm::vec3 weight = share * fragment.weight;
+                const float extent = core::divide_or(fragment.extent, looking_.spacing, 0.0f);
+                const auto match =
+                    std::find_if(tile.begin() + static_cast<std::ptrdiff_t>(first), tile.end(),
+                                 [&](const GatherPoint& g) { return same_surface(g, fragment, extent); });
+                if (match != tile.end()) {
+                    merge(*match, fragment, weight);
+                    continue;
+                }
+                differ = differ || s > 0;
+                const auto pixel = static_cast<std::uint16_t>((y % tile_size) * tile_size + x % tile_size);
+                tile.push_back({fragment.point, pixel, fragment.specular, false, weight});
+            }
+        }
+        seen_.emitted.at(x, y) = share * emitted;
+        if (!seen_.emitted_specular.empty()) seen_.emitted_specular.at(x, y) = share * emitted_specular;
+        return differ;
+    }
+
+    const Looking& looking_;
+    Seen& seen_;
+    SeeCounts& counts_;
+    EyeSample sample_;
+    FirstLook look_;
+};
+
+/// Which pixels of a tile show an edge, row by row.
+using TileEdges = std::array<std::array<bool, tile_size>, tile_size>;
+
+/// A tile's pixels in the picture, `end` not included.
+struct TileArea {
+    glm::ivec2 first, end;
+};
+
+TileArea area_of(const Seen& seen, std::size_t tile) {
+    const int across = seen.tiles_across();
+    const glm::ivec2 first = tile_size * glm::ivec2(static_cast<int>(tile) % across, static_cast<int>(tile) / across);
+    return {first, glm::min(first + tile_size, glm::ivec2(seen.visible.width(), seen.visible.height()))};
+}
+
+/// Looks through all pixels of a tile, and says where samples differ.
+void see_tile(const Looking& looking, std::size_t t, Seen& seen, TileEdges& edges, SeeCounts& counts) {
+    const TileArea area = area_of(seen, t);
+    const int together = std::max(1, static_cast<int>(most_rays / looking.pattern.size()));
+    TileLook look(looking, seen, counts);
+    GatherTile tile;
+    for (int y = area.first.y; y < area.end.y; ++y)
+        for (int x = area.first.x; x < area.end.x; x += together)
+            look.take(x, std::min(x + together, area.end.x), y, tile, &edges[static_cast<std::size_t>(y % tile_size)]);
+    seen.tiles[t] = GatherTile(tile);
+}
+
+/// Looks again through those pixels of a tile that show an edge; the others keep what they have.
+void see_edges(const Looking& looking, std::size_t t, Seen& seen, const TileEdges& edges, SeeCounts& counts) {
+    const TileArea area = area_of(seen, t);
+    const scene::CameraLens& lens = looking.camera.lens();
+    const float angle = lens.vertical_fov / static_cast<float>(seen.visible.height());
+    TileLook look(looking, seen, counts);
+    const GatherTile& before = seen.tiles[t];
+    GatherTile tile;
+    std::size_t next = 0;
+    for (int y = area.first.y; y < area.end.y; ++y)
+        for (int x = area.first.x; x < area.end.x; ++x) {
+            const auto pixel = static_cast<std::uint16_t>((y % tile_size) * tile_size + x % tile_size);
+            const std::size_t first = next;
+            while (next < before.size() && before[next].pixel == pixel) ++next;
+            if (edges[static_cast<std::size_t>(y % tile_size)][static_cast<std::size_t>(x % tile_size)] ||
+                is_at_edge(seen.visible, x, y, angle))
+                look.take(x, x + 1, y, tile, nullptr);
+            else
+                tile.insert(tile.end(), before.begin() + static_cast<std::ptrdiff_t>(first),
+                            before.begin() + static_cast<std::ptrdiff_t>(next));
+        }
+    seen.tiles[t] = GatherTile(tile);
 }
 
 }  // namespace
@@ -158,32 +271,26 @@ Seen see(const PosedScene& posed_scene, const SeeSettings& settings, const Plan&
     const int across = seen.tiles_across(), down = (height + tile_size - 1) / tile_size;
     seen.tiles.resize(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
 
-    // Look tile by tile; counts are summed in the tiles' order.
+    // Look tile by tile, then again at edges; counts are summed in the tiles' order.
     const EyePaths paths(posed_scene, settings, plan);
     const LobeRays lobes(posed_scene, settings, plan);
+    const auto looking = [&](const std::vector<glm::vec2>& pattern) {
+        return Looking{posed_scene.tracer(), paths, snapshot.camera, pattern,
+                       1.0f / std::sqrt(static_cast<float>(pattern.size()))};
+    };
     const std::vector<glm::vec2> pattern = sample_pattern(settings.samples);
-    const Looking looking{posed_scene.tracer(), paths, snapshot.camera, pattern,
-                          1.0f / std::sqrt(static_cast<float>(settings.samples))};
-    const int together = std::max(1, static_cast<int>(most_rays / pattern.size()));
     std::vector<SeeCounts> tile_counts(seen.tiles.size());
-    parallel::for_each(seen.tiles.size(), [&](std::size_t t) {
-        const int x0 = static_cast<int>(t) % across * tile_size, y0 = static_cast<int>(t) / across * tile_size;
-        const int x1 = std::min(x0 + tile_size, width), y1 = std::min(y0 + tile_size, height);
-        EyeSample sample;
-        FirstLook look;
-        GatherTile tile;
-        for (int y = y0; y < y1; ++y) {
-            for (int first = x0; first < x1; first += together) {
-                const int end = std::min(first + together, x1);
-                look.take(looking, first, end, y);
-                for (int x = first; x < end; ++x)
-                    see_pixel(looking, x, y, look, static_cast<std::size_t>(x - first) * pattern.size(), sample, seen,
-                              tile, tile_counts[t]);
-            }
-        }
-        seen.tiles[t] = GatherTile(tile);
-        if (lobes.trace_rays()) tile_counts[t].specular_rays += lobes.light(t, seen);
-    });
+    std::vector<TileEdges> edges(seen.tiles.size());
+    parallel::for_each(seen.tiles.size(),
+                       [&](std::size_t t) { see_tile(looking(pattern), t, seen, edges[t], tile_counts[t]); });
+    if (settings.edge_samples > settings.samples) {
+        const std::vector<glm::vec2> finer = sample_pattern(settings.edge_samples);
+        parallel::for_each(seen.tiles.size(),
+                           [&](std::size_t t) { see_edges(looking(finer), t, seen, edges[t], tile_counts[t]); });
+    }
+    if (lobes.trace_rays())
+        parallel::for_each(seen.tiles.size(),
+                           [&](std::size_t t) { tile_counts[t].specular_rays += lobes.light(t, seen); });
     for (const SeeCounts& c : tile_counts) {
         counts.primary_rays += c.primary_rays;
         counts.specular_rays += c.specular_rays;

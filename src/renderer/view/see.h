@@ -15,6 +15,7 @@ namespace render2mpeg::renderer {
 struct SeeSettings {
     scene::PictureFormat format;
     int samples = 4;                                          ///< eye samples per pixel, >= 1
+    int edge_samples = 0;                                     ///< of pixels with edges; 0 or `samples`: no more
     int specular_depth = 6;                                   ///< mirrors after one another; 0: none
     float sky_part = std::numeric_limits<float>::infinity();  ///< LightPoints::sky_part
     /// Irradiance over pi of a surface that lobe rays meet; adds the rays it takes. Any thread. Empty: all are dark.
@@ -28,7 +29,8 @@ struct SeeCounts {
     double sky_seconds = 0;           ///< CPU, about: looking at the sky
 };
 
-/// Primary visibility of the posed snapshot, with antialiasing (docs/model/visibility.md). The weights of a pixel's
+/// Primary visibility of the posed snapshot, with antialiasing (docs/model/visibility.md). Pixels whose samples show
+/// different surfaces, or whose neighbours do, get `edge_samples` instead of `samples`. The weights of a pixel's
 /// gather points and its `emitted` together stand for the whole pixel: light gathered at a point is multiplied by
 /// its weight and added. A gather point always has something to gather (a diffuse or glossy part) and a weight > 0. The
 /// result does not depend on the number of threads. Adds to `counts`.
