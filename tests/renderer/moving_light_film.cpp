@@ -62,7 +62,11 @@ double MovingLightFilm::flicker(const FrameLuminances& frames, int first) {
 renderer::Seen MovingLightFilm::see(const scene::Snapshot& world) {
     posed_scene_.pose(world);
     renderer::SeeCounts counts;
-    return renderer::see(posed_scene_, {format_, 1, 0}, plan_, counts);
+    renderer::SeeSettings settings;
+    settings.format = format_;
+    settings.samples = 1;
+    settings.specular_depth = 0;
+    return renderer::see(posed_scene_, settings, plan_, counts);
 }
 
 core::Plane<float> MovingLightFilm::shade(const scene::Snapshot& world, const renderer::LightTrees& light_trees,
