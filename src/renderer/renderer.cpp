@@ -383,11 +383,13 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
         const std::span<const GatherPoint> points(seen.tiles[pixel.tile]);
         requests.push_back({{a.x, a.y},
                             points.subspan(pixel.first, pixel.last - pixel.first),
-                            std::max(core::luminance(p.at_points), p.least)});
+                            std::max(core::luminance(p.at_points), p.least),
+                            !seen.at_edge.empty() && seen.at_edge.at(a.x, a.y) != 0});
     }
     SeeSettings see;
     see.format = i.settings.format;
     see.samples = i.settings.samples;
+    see.edge_samples = i.settings.edge_samples;
     see.specular_depth = i.settings.specular_depth;
     const std::vector<PixelTruth> truth = pixel_truth(i.posed_scene, see, i.plan, requests);
     for (std::size_t k = 0; k < truth.size(); ++k) judged[k].truth = truth[k];

@@ -34,6 +34,7 @@ GatherPoint lit_at(GatherPoint p, const MovedPoint* moved) {
     p.point.geometric_normal = moved->geometric_normal;
     p.point.shading_normal = moved->shading_normal;
     p.point.outgoing = moved->outgoing;
+    p.others = 0;
     return p;
 }
 

@@ -56,6 +56,14 @@ struct alignas(64) TracedSamples {
     }
 };
 
+/// Which of a pixel's places a sample's shadow ray leaves: by all digits of its number to the base 4, so that the
+/// samples of each place are spread over the lamp as all are.
+int place_of_sample(int k) {
+    int place = 0;
+    for (; k > 0; k >>= 2) place ^= k & 3;
+    return place;
+}
+
 /// One lamp, gathered for one group of points.
 class LampGatherer {
   public:
@@ -70,7 +78,8 @@ class LampGatherer {
     void trace_all();
     void trace_as_needed();
     void trace(std::uint32_t asked, int first, int end);
-    void trace_sample(const LampSamples& samples, const LampResponse& response, std::uint32_t asked, bool along_lobe);
+    void trace_sample(const LampSamples& samples, const LampResponse& response, std::uint32_t asked, bool along_lobe,
+                      const Vec3Lanes& from);
     std::uint32_t too_rough(std::uint32_t reached, int count);
     void add_errors(const SeenShare& seen, const Lanes& luminance, std::uint32_t reached, float least_count);
     void refine_lobes();
@@ -165,24 +174,25 @@ void LampGatherer::trace(std::uint32_t asked, int first, int end) {
     LampResponse response;
     alignas(64) const Lanes none{};
     for (int k = first; asked != 0 && k < end; ++k) {
+        const Vec3Lanes& from = origins(lanes_, place_of_sample(k) % lanes_.places);
         sampler_->take(k, samples);
         respond(lanes_, samples, lobes_ ? lobes_->peaks() : none, response);
-        trace_sample(samples, response, asked, false);
+        trace_sample(samples, response, asked, false, from);
         if ((asked & along_lobes_) == 0) continue;
         sampler_->take_lobe(k, samples);
         respond(lanes_, samples, lobes_->peaks(), response);
-        trace_sample(samples, response, asked & along_lobes_, true);
+        trace_sample(samples, response, asked & along_lobes_, true, from);
     }
 }
 
 /// What lies behind the surface itself is not seen, and needs no ray.
 void LampGatherer::trace_sample(const LampSamples& samples, const LampResponse& response, std::uint32_t asked,
-                                bool along_lobe) {
+                                bool along_lobe, const Vec3Lanes& from) {
     ShadowPacket packet;
     const LightType type = type_of(lamp_);
     Vec3Lanes targets;
     sampler_->aim(samples, targets);
-    aim<Aimed::at_each>(lanes_, type, targets.x, targets.y, targets.z, packet);
+    aim<Aimed::at_each>(from, type, targets.x, targets.y, targets.z, packet);
     packet.active = 0;
     for (int i = 0; i < lane_count; ++i) {
         const bool in_front = glm::dot(lanes_.geometric.at(i), samples.direction.at(i)) > 0.0f;

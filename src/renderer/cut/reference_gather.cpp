@@ -16,7 +16,7 @@ namespace {
 RENDER2MPEG_CLONES
 void aim_at_each(const GatherLanes& lanes, LightType type, const LightPacket& lights, const LightLanes& unit,
                  ShadowPacket& packet) {
-    aim<Aimed::at_each>(lanes, type, lights.position.x, lights.position.y, lights.position.z, packet);
+    aim<Aimed::at_each>(lanes.origin, type, lights.position.x, lights.position.y, lights.position.z, packet);
     std::uint32_t active = 0;
     for (int i = 0; i < lane_count; ++i) {
         const float shines = lights.intensity.x[i] + lights.intensity.y[i] + lights.intensity.z[i];

@@ -19,22 +19,22 @@ inline constexpr float shadow_ray_end = 1.0f - 0x1p-18f;
 /// Whose places `aim` gets: one light for all lanes, or one for each.
 enum class Aimed { at_one, at_each };
 
-/// Points a packet's rays from the lanes towards lights at (x, y, z), or, directional ones, along these unit
+/// Points a packet's rays from the lanes' origins towards lights at (x, y, z), or, directional ones, along these unit
 /// directions. Which of them are asked for is left to the caller.
 template <Aimed aimed>
-RENDER2MPEG_ALWAYS_INLINED void aim(const GatherLanes& __restrict lanes, LightType type, const float* x, const float* y,
+RENDER2MPEG_ALWAYS_INLINED void aim(const Vec3Lanes& __restrict origin, LightType type, const float* x, const float* y,
                                     const float* z, ShadowPacket& __restrict packet) {
     constexpr int step = aimed == Aimed::at_each ? 1 : 0;
     const bool far_away = type == LightType::directional;
     const float keep = far_away ? 0.0f : 1.0f;
     const float far = far_away ? std::numeric_limits<float>::infinity() : shadow_ray_end;
     for (int i = 0; i < lane_count; ++i) {
-        packet.origin_x[i] = lanes.origin.x[i];
-        packet.origin_y[i] = lanes.origin.y[i];
-        packet.origin_z[i] = lanes.origin.z[i];
-        packet.direction_x[i] = x[step * i] - keep * lanes.origin.x[i];
-        packet.direction_y[i] = y[step * i] - keep * lanes.origin.y[i];
-        packet.direction_z[i] = z[step * i] - keep * lanes.origin.z[i];
+        packet.origin_x[i] = origin.x[i];
+        packet.origin_y[i] = origin.y[i];
+        packet.origin_z[i] = origin.z[i];
+        packet.direction_x[i] = x[step * i] - keep * origin.x[i];
+        packet.direction_y[i] = y[step * i] - keep * origin.y[i];
+        packet.direction_z[i] = z[step * i] - keep * origin.z[i];
         packet.far[i] = far;
     }
 }
@@ -42,7 +42,7 @@ RENDER2MPEG_ALWAYS_INLINED void aim(const GatherLanes& __restrict lanes, LightTy
 /// The same, of a light.
 RENDER2MPEG_ALWAYS_INLINED void aim(const GatherLanes& lanes, LightType type, const TreeLight& light,
                                     ShadowPacket& packet) {
-    aim<Aimed::at_one>(lanes, type, &light.position.x, &light.position.y, &light.position.z, packet);
+    aim<Aimed::at_one>(lanes.origin, type, &light.position.x, &light.position.y, &light.position.z, packet);
 }
 
 }  // namespace render2mpeg::renderer

@@ -68,6 +68,44 @@ void ShadowTester::trace(LightType type, const TreeLight& light, const Spot* spo
     }
 }
 
+void ShadowTester::trace_from_places(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp,
+                                     LightContribution& contribution) {
+    const GatherLanes& lanes = *lanes_;
+    if (lanes.places == 1) {
+        trace(type, light, spot, clamp, contribution);
+        return;
+    }
+    LightLanes& unit = contribution.unit;
+    evaluate_light(lanes, type, light, spot, clamp, unit);
+    const std::uint32_t active = reached(unit);
+    if (active == 0) return;
+    int count[lane_count]{};
+    glm::vec3 passed[lane_count]{};
+    for (int place = 0; place < lanes.places; ++place) {
+        ShadowPacket packet;
+        aim<Aimed::at_one>(origins(lanes, place), type, &light.position.x, &light.position.y, &light.position.z,
+                           packet);
+        packet.active = active;
+        glm::vec3 passes[lane_count];
+        std::fill(std::begin(passes), std::end(passes), glm::vec3(1));
+        const std::uint32_t lit = active & ~blocked(packet, light_trees_.translucent ? passes : nullptr);
+        for (int i = 0; i < lane_count; ++i) {
+            if ((lit >> i & 1u) == 0) continue;
+            ++count[i];
+            passed[i] += passes[i];
+        }
+    }
+    for (int i = 0; i < lane_count; ++i) {
+        const float share = static_cast<float>(count[i]) / static_cast<float>(lanes.places);
+        for (int c = 0; c < 3; ++c)
+            contribution.tint.passes[i][c] = count[i] > 0 ? passed[i][c] / static_cast<float>(count[i]) : 1.0f;
+        unit.diffuse[i] *= share;
+        if (!lanes.glossy) continue;
+        unit.f0[i] *= share;
+        unit.schlick[i] *= share;
+    }
+}
+
 std::uint32_t ShadowTester::blocked(const ShadowPacket& packet, glm::vec3* passes) {
     if (light_trees_.shadows != Shadows::hidden_by_dynamic) {
         count(packet.active);

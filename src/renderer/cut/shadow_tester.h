@@ -47,6 +47,11 @@ class ShadowTester {
     void trace(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp,
                LightContribution& contribution);
 
+    /// The same of a light that is gathered by itself: `unit` times the share of each lane's places that it reaches.
+    /// `lit` and `unknown` say nothing then.
+    void trace_from_places(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp,
+                           LightContribution& contribution);
+
     /// Whether nothing in a box of lights (directional: of unit directions) can be seen from any lane. Takes those
     /// occluders out of `viable` that do not touch it.
     bool is_occluded(LightType type, const MiddleBox& box, std::uint16_t& viable) const {

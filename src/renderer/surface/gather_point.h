@@ -1,5 +1,6 @@
 #pragma once
 // A gather point: a surface point that light is gathered for.
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -15,6 +16,9 @@ inline constexpr int tile_size = 16;
 /// the cosine of light at 45 degrees changes by a fifth over the pixel; tried 0.9..0.999 on the rim of a sphere.
 inline constexpr float same_normal = 0.98f;
 
+/// Places of a pixel's surface that shadow rays may leave beside the first.
+inline constexpr int most_other_places = 3;
+
 /// One surface in one pixel (or seen from it in a mirror or through glass) that wants light. A pixel's samples on one
 /// surface share one gather point; its textures are averaged over them.
 struct GatherPoint {
@@ -23,6 +27,10 @@ struct GatherPoint {
     bool reached_by_specular = false;
     bool has_lobe_rays = false;  ///< what rays found along its lobe is in Seen::emitted, and no part of light trees
     glm::vec3 weight{1};         ///< share of the pixel x what mirrors, glass and translucent layers let through
+    /// Where shadow rays leave the same surface elsewhere in the pixel, world; the first `others` of them: shadows have
+    /// edges within pixels.
+    std::array<glm::vec3, most_other_places> elsewhere{};
+    std::uint8_t others = 0;
 };
 
 /// A gather point that was lit at another place of its pixel, on the same surface.
@@ -45,6 +53,7 @@ struct Seen {
     core::Plane<glm::vec3> emitted;           ///< radiance that needs no gathering: emission, sky, unlit surfaces
     core::Plane<glm::vec3> emitted_specular;  ///< the part of `emitted` seen by mirrors or glass; empty without them
     core::Plane<glm::vec3> emitted_glossy{};  ///< the rest that lobe rays brought; empty without them
+    core::Plane<std::uint8_t> at_edge{};      ///< 1: the pixel got SeeSettings::edge_samples; empty where none may
     int tiles_across() const { return (visible.width() + tile_size - 1) / tile_size; }
 };
 

@@ -75,4 +75,9 @@ class PosedScene {
 /// a fixed epsilon, so that scenes of any scale and at any place look alike (docs/model/visibility.md).
 glm::vec3 offset_origin(const SurfacePoint& point, glm::vec3 direction);
 
+/// Where shadow rays leave a surface: on the smooth surface that its normals mean, off the one that rays meet.
+inline glm::vec3 shadow_origin(const SurfacePoint& point) {
+    return offset_origin(point, point.geometric_normal) + point.smooth.lift;
+}
+
 }  // namespace render2mpeg::renderer

@@ -1,5 +1,7 @@
 #include "renderer/tree/gather_lanes.h"
 
+#include <algorithm>
+
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
@@ -47,6 +49,8 @@ void fill(GatherLanes& lanes, std::span<const GatherPoint* const> points) {
     lanes.count = static_cast<int>(points.size());
     lanes.glossy = false;
     for (const GatherPoint* point : points) lanes.glossy = lanes.glossy || point->point.bsdf.has_glossy();
+    lanes.places = 1;
+    for (const GatherPoint* point : points) lanes.places = std::max(lanes.places, 1 + point->others);
     for (int i = 0; i < lane_count; ++i) {
         // Repeat the first point where there is none, but let it receive nothing.
         const bool used = i < lanes.count;
@@ -54,7 +58,12 @@ void fill(GatherLanes& lanes, std::span<const GatherPoint* const> points) {
         const SurfacePoint& p = point.point;
         const glm::vec3 share = used ? core::luminance_weights * point.weight : glm::vec3(0);
         set(lanes.position, i, p.position);
-        set(lanes.origin, i, offset_origin(p, p.geometric_normal) + p.smooth.lift);
+        const glm::vec3 origin = shadow_origin(p);
+        set(lanes.origin, i, origin);
+        for (int k = 1; k < lanes.places; ++k) {
+            const int other = k % (1 + point.others);
+            set(lanes.elsewhere[k - 1], i, other == 0 ? origin : point.elsewhere[static_cast<std::size_t>(other - 1)]);
+        }
         set(lanes.geometric, i, used ? p.geometric_normal + p.smooth.tilt : glm::vec3(0));
         set_frame(lanes.normal, i, p.shading_normal);
         if (!used) set(lanes.normal.axis, i, glm::vec3(0));

@@ -33,10 +33,13 @@ struct FrameLanes {
 /// beyond `count` repeat the first point's place with normals and weights of 0: they receive nothing.
 struct alignas(64) GatherLanes {
     int count = 0;
-    int set = 0;               ///< of representatives, 0..representative_sets - 1; `fill` leaves it alone
-    bool glossy = false;       ///< any lane has a GGX lobe; without, everything below `schlick_weight` is unset
-    Vec3Lanes position;        ///< world
-    Vec3Lanes origin;          ///< of shadow rays: on the smooth surface, moved off it along the geometric normal
+    int set = 0;          ///< of representatives, 0..representative_sets - 1; `fill` leaves it alone
+    bool glossy = false;  ///< any lane has a GGX lobe; without, everything below `schlick_weight` is unset
+    Vec3Lanes position;   ///< world
+    Vec3Lanes origin;     ///< of shadow rays: on the smooth surface, moved off it along the geometric normal
+    int places = 1;       ///< origins of the lane that has most of them
+    /// The other origins (GatherPoint::elsewhere); those of lanes that have fewer repeat. Unset from `places` - 1 on.
+    Vec3Lanes elsewhere[most_other_places];
     Vec3Lanes geometric;       ///< the smooth surface's normal: light from behind it is none
     FrameLanes normal;         ///< shading normal
     Vec3Lanes diffuse_weight;  ///< luminance that one unit of irradiance gives the pixel: luminance weights x share x
@@ -49,6 +52,11 @@ struct alignas(64) GatherLanes {
     Lanes rays_see;                 ///< what of the sky lobe rays see; 0: no rays. See `by_trees`
     Lanes coat;                     ///< 1: the diffuse part lies under the lobe and gets 1 - s of light; 0: all of it
 };
+
+/// Origins of each lane's shadow rays at one of its places, 0..places - 1.
+inline const Vec3Lanes& origins(const GatherLanes& lanes, int place) {
+    return place == 0 ? lanes.origin : lanes.elsewhere[place - 1];
+}
 
 /// Fills `lanes` from 1..16 points.
 void fill(GatherLanes& lanes, std::span<const GatherPoint* const> points);

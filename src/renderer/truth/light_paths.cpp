@@ -91,7 +91,7 @@ struct LightPaths::Way {
     void stand_on(const SurfacePoint& p) {
         point = p;
         query.position = p.position;
-        query.origin = offset_origin(p, p.geometric_normal) + p.smooth.lift;
+        query.origin = shadow_origin(p);
         query.normal = p.geometric_normal + p.smooth.tilt;
         chance = lobe_chance(p);
         mirrored = false;
@@ -106,9 +106,14 @@ LightPaths::LightPaths(const PosedScene& posed_scene, const Plan& plan)
       lights_(posed_scene, plan) {}
 
 glm::vec3 LightPaths::scattered(const SurfacePoint& point, PathNumbers& numbers) const {
+    return scattered(point, shadow_origin(point), numbers);
+}
+
+glm::vec3 LightPaths::scattered(const SurfacePoint& point, glm::vec3 origin, PathNumbers& numbers) const {
     const FlushDenormals flushed;
     Way way;
     way.stand_on(point);
+    way.query.origin = origin;
     glm::vec3 light(0);
     do light += asked(way, numbers);
     while (leave(way, numbers) && meet(way, numbers, light));

@@ -19,6 +19,8 @@ class LightPaths {
     /// What mirrors throw on the point itself is not in it, but for what a narrow lobe sees in them
     /// (docs/model/lights.md).
     glm::vec3 scattered(const SurfacePoint& point, PathNumbers& numbers) const;
+    /// The same; its rays leave the surface at `origin` (GatherPoint::elsewhere).
+    glm::vec3 scattered(const SurfacePoint& point, glm::vec3 origin, PathNumbers& numbers) const;
 
   private:
     struct Way;

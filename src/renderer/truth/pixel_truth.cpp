@@ -33,17 +33,26 @@ float brightness(const SurfacePoint& p, glm::vec3 weight) {
     return core::luminance(weight * (diffuse_albedo(p.bsdf, cosine) + glossy_albedo(p.bsdf, cosine)));
 }
 
-/// Radiance of one surface out of several, over the chance of its choice. `of` gives a surface and its weight.
-template <class Surfaces, class Of>
-glm::vec3 one_of(const Surfaces& surfaces, const LightPaths& paths, PathNumbers& numbers, Of&& of) {
+/// Where one of a point's shadow rays starts.
+glm::vec3 origin_of(const Fragment& f, PathNumbers&) {
+    return shadow_origin(f.point);
+}
+glm::vec3 origin_of(const GatherPoint& g, PathNumbers& numbers) {
+    const auto place = static_cast<std::size_t>(numbers.first(FirstNumber::pixel_u) * (1.0f + g.others));
+    return place == 0 || place > g.others ? shadow_origin(g.point) : g.elsewhere[place - 1];
+}
+
+/// Radiance of one surface out of several, over the chance of its choice.
+template <class Surfaces>
+glm::vec3 one_of(const Surfaces& surfaces, const LightPaths& paths, PathNumbers& numbers) {
     float sum = 0;
-    for (const auto& s : surfaces) sum += brightness(of(s), s.weight);
+    for (const auto& s : surfaces) sum += brightness(s.point, s.weight);
     float left = numbers.first(FirstNumber::fragment) * sum;
     for (const auto& s : surfaces) {
-        const float own = brightness(of(s), s.weight);
+        const float own = brightness(s.point, s.weight);
         left -= own;
         if (own > 0.0f && (left < 0.0f || &s == &surfaces.back()))
-            return s.weight * (sum / own) * paths.scattered(of(s), numbers);
+            return s.weight * (sum / own) * paths.scattered(s.point, origin_of(s, numbers), numbers);
     }
     return glm::vec3(0);
 }
@@ -60,19 +69,21 @@ class Estimator {
     Estimator(const PosedScene& posed_scene, const SeeSettings& see, const Plan& plan)
         : posed_scene_(posed_scene),
           pattern_(sample_pattern(see.samples)),
+          finer_(sample_pattern(std::max(see.samples, see.edge_samples))),
           eye_(posed_scene, see, plan),
           paths_(posed_scene, plan) {}
 
     /// What the pixel's own eye samples show without gathering, but for lobe rays.
-    glm::vec3 shown_by_pattern(glm::ivec2 place) const {
+    glm::vec3 shown_by_pattern(const TruthRequest& request) const {
+        const std::vector<glm::vec2>& pattern = request.at_edge ? finer_ : pattern_;
         glm::vec3 sum(0);
-        const float spacing = 1.0f / std::sqrt(static_cast<float>(pattern_.size()));
+        const float spacing = 1.0f / std::sqrt(static_cast<float>(pattern.size()));
         EyeSample sample;
-        for (const glm::vec2 offset : pattern_) {
-            look(glm::vec2(place) + offset, spacing, sample);
+        for (const glm::vec2 offset : pattern) {
+            look(glm::vec2(request.place) + offset, spacing, sample);
             sum += sample.emitted;
         }
-        return sum / static_cast<float>(pattern_.size());
+        return sum / static_cast<float>(pattern.size());
     }
 
     PathSums follow(const TruthRequest& request, std::uint64_t batch, std::uint64_t count) const {
@@ -81,13 +92,10 @@ class Estimator {
         EyeSample sample;
         for (std::uint64_t i = 0; i < count; ++i) {
             PathNumbers for_points(batch, i), for_pixel(batch, i);
-            const glm::dvec3 at_points(one_of(
-                request.points, paths_, for_points, [](const GatherPoint& g) -> auto& { return g.point; }));
+            const glm::dvec3 at_points(one_of(request.points, paths_, for_points));
             look(glm::vec2(request.place) + for_pixel.first(FirstNumber::pixel_u, FirstNumber::pixel_v), sample_spacing,
                  sample);
-            glm::vec3 light = sample.emitted + one_of(
-                                                   sample.fragments, paths_, for_pixel,
-                                                   [](const Fragment& f) -> auto& { return f.point; });
+            glm::vec3 light = sample.emitted + one_of(sample.fragments, paths_, for_pixel);
             if (!core::is_finite(light)) light = glm::vec3(0);
             const glm::dvec3 whole(light);
             sums.at_points += at_points;
@@ -109,6 +117,7 @@ class Estimator {
 
     const PosedScene& posed_scene_;
     std::vector<glm::vec2> pattern_;
+    std::vector<glm::vec2> finer_;  ///< of pixels at edges
     EyePaths eye_;
     LightPaths paths_;
 };
@@ -167,7 +176,7 @@ std::vector<PixelTruth> pixel_truth(const PosedScene& posed_scene, const SeeSett
         const PathSums pilot =
             estimator.follow(requests[i], seed_of(requests[i], settings, frame, batches), pilot_paths);
         paths[i] = paths_of_batch(pilot, requests[i], settings);
-        const glm::vec3 sum = estimator.shown_by_pattern(requests[i].place);
+        const glm::vec3 sum = estimator.shown_by_pattern(requests[i]);
         shown[i] = core::is_finite(sum) ? glm::dvec3(sum) : glm::dvec3(0);
     });
     using Means = std::array<glm::dvec3, batches>;

@@ -166,6 +166,8 @@ class TileLook {
                                  [&](const GatherPoint& g) { return same_surface(g, fragment, extent); });
                 if (match != tile.end()) {
                     merge(*match, fragment, weight);
+                    if (match->others < most_other_places)
+                        match->elsewhere[match->others++] = shadow_origin(fragment.point);
                     continue;
                 }
                 differ = differ || s > 0;
@@ -226,11 +228,13 @@ void see_edges(const Looking& looking, std::size_t t, Seen& seen, const TileEdge
             const std::size_t first = next;
             while (next < before.size() && before[next].pixel == pixel) ++next;
             if (edges[static_cast<std::size_t>(y % tile_size)][static_cast<std::size_t>(x % tile_size)] ||
-                is_at_edge(seen.visible, x, y, angle))
+                is_at_edge(seen.visible, x, y, angle)) {
                 look.take(x, x + 1, y, tile, nullptr);
-            else
+                seen.at_edge.at(x, y) = 1;
+            } else {
                 tile.insert(tile.end(), before.begin() + static_cast<std::ptrdiff_t>(first),
                             before.begin() + static_cast<std::ptrdiff_t>(next));
+            }
         }
     seen.tiles[t] = GatherTile(tile);
 }
@@ -285,6 +289,7 @@ Seen see(const PosedScene& posed_scene, const SeeSettings& settings, const Plan&
                        [&](std::size_t t) { see_tile(looking(pattern), t, seen, edges[t], tile_counts[t]); });
     if (settings.edge_samples > settings.samples) {
         const std::vector<glm::vec2> finer = sample_pattern(settings.edge_samples);
+        seen.at_edge = core::Plane<std::uint8_t>(width, height, std::uint8_t{0});
         parallel::for_each(seen.tiles.size(),
                            [&](std::size_t t) { see_edges(looking(finer), t, seen, edges[t], tile_counts[t]); });
     }
