@@ -34,7 +34,7 @@ struct Settings {
     scene::PictureFormat format;
     int samples = 4;           ///< eye samples per pixel, >= 1
     int edge_samples = 0;      ///< of pixels with edges; 0: as many
-    int direct_points = 1024;  ///< light points for emissive surfaces and sky together
+    int direct_points = 1024;  ///< light points for emissive surfaces; twice as many for a sky, or for both
     int vpls = 4096;           ///< anchor lights, about: light points of indirect light; 0: none
     int bounces = 0;           ///< longest photon path; 0: any
     int min_cut = 8;           ///< clusters per gather point, both trees together

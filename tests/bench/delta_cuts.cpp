@@ -100,8 +100,8 @@ void Trial::run(std::int64_t frame, float relative) {
     lights_.place(posed_scene_, film_.snapshot(frame));
     const std::vector<renderer::LightPoint> before = anchors_at(frame), now = anchors_at(frame + 1);
     renderer::SeeCounts counts;
-    const renderer::Seen seen =
-        renderer::see(posed_scene_, {{size_, size_, 1.0f}, 1, 0, film_.rendering.specular_depth, {}, {}}, film_.plan, counts);
+    const renderer::Seen seen = renderer::see(
+        posed_scene_, {{size_, size_, 1.0f}, 1, 0, film_.rendering.specular_depth, {}, {}}, film_.plan, counts);
 
     // The change of each anchor; who was dark and stays so is left out.
     std::vector<renderer::LightPoint> change;
@@ -168,8 +168,8 @@ void Trial::part(std::int64_t frame, float relative) {
         parts.update(light_trees, lit.still, lasting);
     }
     renderer::SeeCounts counts;
-    const renderer::Seen seen =
-        renderer::see(posed_scene_, {{size_, size_, 1.0f}, 1, 0, film_.rendering.specular_depth, {}, {}}, film_.plan, counts);
+    const renderer::Seen seen = renderer::see(
+        posed_scene_, {{size_, size_, 1.0f}, 1, 0, film_.rendering.specular_depth, {}, {}}, film_.plan, counts);
     std::vector<Group> groups;
     std::uint64_t afresh = 0;
     int points = 0;

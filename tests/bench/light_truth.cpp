@@ -87,8 +87,8 @@ struct Place {
 
 std::vector<Place> places_of(const Subject& s, const renderer::PosedScene& posed_scene, int count) {
     renderer::SeeCounts counts;
-    const renderer::Seen seen =
-        renderer::see(posed_scene, {{picture_size, picture_size, 1.0f}, 1, 0, s.settings.specular_depth, {}, {}}, s.plan, counts);
+    const renderer::Seen seen = renderer::see(
+        posed_scene, {{picture_size, picture_size, 1.0f}, 1, 0, s.settings.specular_depth, {}, {}}, s.plan, counts);
     std::vector<const renderer::GatherPoint*> all;
     for (const renderer::GatherTile& tile : seen.tiles)
         for (const renderer::GatherPoint& p : tile)

@@ -178,10 +178,7 @@ int TuneCommand::make(const RenderFilm& render_film) {
         if (name == "--quality") render_options.coding.quality = std::stod(value);
         if (name == "--bitrate") render_options.coding.bitrate = value;
         if (name == "--tolerance") render_options.tolerance = value;
-        if (name == "--samples") {
-            render_options.samples = std::stoi(value);
-            render_options.given.emplace_back(name);
-        }
+        if (name == "--samples") render_options.samples = std::stoi(value);
         if (name == "--vpls") render_options.vpls = std::stoi(value);
     }
     // As the printed command says it, so that this can go on with --resume.

@@ -57,7 +57,8 @@ renderer::Settings rendering_settings(const RenderOptions& options, const scene:
 /// Eye samples of pixels with edges: as many as the coding does not hide.
 int edge_samples_of(const RenderOptions& options, const RenderJob& film) {
     if (options.edge_samples) return *options.edge_samples;
-    if (std::find(options.given.begin(), options.given.end(), "--samples") != options.given.end()) return 0;
+    const bool by_hand = std::find(options.given.begin(), options.given.end(), "--samples") != options.given.end();
+    if (by_hand || options.samples != RenderOptions().samples) return 0;
     // fit: docs/fits/edge-samples.md
     if (film.kind != OutputKind::film) return 64;
     return usual_quantiser(film.coding) <= 4 ? 32 : 16;

@@ -56,14 +56,6 @@ struct alignas(64) TracedSamples {
     }
 };
 
-/// Which of a pixel's places a sample's shadow ray leaves: by all digits of its number to the base 4, so that the
-/// samples of each place are spread over the lamp as all are.
-int place_of_sample(int k) {
-    int place = 0;
-    for (; k > 0; k >>= 2) place ^= k & 3;
-    return place;
-}
-
 /// One lamp, gathered for one group of points.
 class LampGatherer {
   public:
@@ -172,9 +164,10 @@ void LampGatherer::trace_all() {
 void LampGatherer::trace(std::uint32_t asked, int first, int end) {
     LampSamples samples;
     LampResponse response;
+    Vec3Lanes from;
     alignas(64) const Lanes none{};
     for (int k = first; asked != 0 && k < end; ++k) {
-        const Vec3Lanes& from = origins(lanes_, place_of_sample(k) % lanes_.places);
+        sampler_->start_at(k, from);
         sampler_->take(k, samples);
         respond(lanes_, samples, lobes_ ? lobes_->peaks() : none, response);
         trace_sample(samples, response, asked, false, from);

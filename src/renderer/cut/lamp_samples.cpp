@@ -226,6 +226,22 @@ void LampSampler::take_cone(const Numbers& disc, LampSamples& __restrict samples
     }
 }
 
+void LampSampler::start_at(int k, Vec3Lanes& origin) const {
+    if (lanes_.places == 1) {
+        origin = lanes_.origin;
+        return;
+    }
+    for (int i = 0; i < lane_count; ++i) {
+        // All digits of the sample's number to the base 4 decide.
+        std::size_t place = 0;
+        for (std::size_t left = sample_index(lanes_.set, i, k); left > 0; left >>= 2) place ^= left & 3u;
+        const Vec3Lanes& from = origins(lanes_, static_cast<int>(place) % lanes_.places);
+        origin.x[i] = from.x[i];
+        origin.y[i] = from.y[i];
+        origin.z[i] = from.z[i];
+    }
+}
+
 void LampSampler::aim(const LampSamples& samples, Vec3Lanes& targets) const {
     switch (lamp_.kind) {
         case WholeLamp::Kind::polygon:

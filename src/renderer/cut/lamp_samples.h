@@ -31,6 +31,10 @@ class LampSampler {
     /// lanes. Misses the lamp or not.
     void take_lobe(int k, LampSamples& samples) const;
 
+    /// Where the shadow rays of each lane's k-th samples start: at its places in turn, so that the samples of each
+    /// place are spread over the lamp as all are.
+    void start_at(int k, Vec3Lanes& origin) const;
+
     /// Where shadow rays of directions that meet the lamp end; of suns the directions.
     void aim(const LampSamples& samples, Vec3Lanes& targets) const;
 

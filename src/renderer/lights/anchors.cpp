@@ -160,7 +160,8 @@ void Anchors::Impl::look(PosedScene& posed_scene, LightPoints& lights) {
     anchors = PhotonSplatter(choose_places(candidates, settings.count), posed_scene.tracer());
     rays += anchors.rays();
     average_light(posed_scene.tracer());
-    if (anchors.size() > 0) paths = paths_of_anchors(settings.count, settings.photons, settings.bounces, seen);
+    if (anchors.size() > 0)
+        paths = settings.times * paths_of_anchors(settings.count, settings.photons, settings.bounces, seen);
 }
 
 void Anchors::Impl::look_at(const PosedScene& posed_scene, const std::vector<LightPoint>& lights,
