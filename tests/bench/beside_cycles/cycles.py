@@ -93,6 +93,17 @@ class Nodes:
     def end(self, node):
         self.link(node.outputs[0], self.output.inputs["Surface"])
 
+    def math(self, operation, first, second):
+        """Of outputs or numbers."""
+        node = self.tree.nodes.new("ShaderNodeMath")
+        node.operation = operation
+        for value, entry in zip((first, second), node.inputs):
+            if isinstance(value, (int, float)):
+                entry.default_value = value
+            else:
+                self.link(value, entry)
+        return node.outputs[0]
+
     def mix(self, factor, first, second):
         node = self.add("ShaderNodeMixShader")
         self.link(factor, node.inputs[0])
@@ -100,15 +111,16 @@ class Nodes:
         self.link(second.outputs[0], node.inputs[2])
         return node
 
+    def from_front(self, light):
+        back = self.add("ShaderNodeBsdfDiffuse", Color=(0, 0, 0, 1))
+        return self.mix(self.add("ShaderNodeNewGeometry").outputs["Backfacing"], light, back)
+
 
 def emitter(radiance, one_sided):
     material = bpy.data.materials.new("lamp")
     nodes = Nodes(material, "ShaderNodeOutputMaterial")
     light = nodes.add("ShaderNodeEmission", Color=(*radiance, 1), Strength=1)
-    if one_sided:
-        back = nodes.add("ShaderNodeBsdfDiffuse", Color=(0, 0, 0, 1))
-        light = nodes.mix(nodes.add("ShaderNodeNewGeometry").outputs["Backfacing"], light, back)
-    nodes.end(light)
+    nodes.end(nodes.from_front(light) if one_sided else light)
     return material
 
 
@@ -116,7 +128,24 @@ def surface(name, says, side):
     material = bpy.data.materials.new(name)
     nodes = Nodes(material, "ShaderNodeOutputMaterial")
     base = (*colour(says["base_color"]), 1)
-    if "metallic" not in says and "roughness" not in says:
+    if says.get("transmission"):
+        nodes.end(pane(nodes, base))
+    elif "emission" in says:
+        image = picture(nodes, says["emission_texture"], side)
+        node = nodes.add("ShaderNodeEmission", Strength=says["emission"])
+        nodes.link(image.outputs[0], node.inputs["Color"])
+        nodes.end(nodes.from_front(node))
+    elif "texture" in says:
+        node = nodes.add("ShaderNodeBsdfDiffuse", Color=base)
+        factor = picture(nodes, says["texture"], side).outputs["Alpha"]
+        cut = nodes.math("GREATER_THAN", factor, says.get("alpha_cutoff", 0.5))
+        nodes.end(nodes.mix(cut, nodes.add("ShaderNodeBsdfTransparent"), node))
+    elif says.get("metallic") == 1 and says["roughness"] < 0.1:
+        node = nodes.add("ShaderNodeBsdfGlossy", Roughness=0)
+        node.distribution = "SHARP"
+        nodes.link(schlick(nodes, base), node.inputs["Color"])
+        nodes.end(node)
+    elif "metallic" not in says and "roughness" not in says:
         nodes.end(nodes.add("ShaderNodeBsdfDiffuse", Color=base))
     elif side.get("dielectric") == "mix":
         nodes.end(nodes.mix(nodes.add("ShaderNodeFresnel", IOR=1.5).outputs[0], nodes.add("ShaderNodeBsdfDiffuse", Color=base),
@@ -129,6 +158,34 @@ def surface(name, says, side):
     return material
 
 
+def picture(nodes, name, side):
+    """An image of the film's folder, once over the face, which our quads and these share."""
+    node = nodes.add("ShaderNodeTexImage")
+    node.image = bpy.data.images.load(os.path.join(side["folder"], name))
+    node.extension = "REPEAT"
+    return node
+
+
+def schlick(nodes, normal):
+    """Fresnel's colour by Schlick's formula, from that at normal incidence."""
+    geometry = nodes.add("ShaderNodeNewGeometry")
+    cosine = nodes.tree.nodes.new("ShaderNodeVectorMath")
+    cosine.operation = "DOT_PRODUCT"
+    nodes.link(geometry.outputs["Incoming"], cosine.inputs[0])
+    nodes.link(geometry.outputs["Normal"], cosine.inputs[1])
+    grazing = nodes.math("POWER", nodes.math("SUBTRACT", 1, nodes.math("ABSOLUTE", cosine.outputs["Value"], 0)), 5)
+    blend = nodes.add("ShaderNodeMixRGB", Color1=normal, Color2=(1, 1, 1, 1))
+    nodes.link(grazing, blend.inputs["Fac"])
+    return blend.outputs[0]
+
+
+def pane(nodes, tint):
+    """Thin glass of index 1.5: what is not mirrored goes straight on, tinted."""
+    mirror = nodes.add("ShaderNodeBsdfGlossy", Color=(1, 1, 1, 1), Roughness=0)
+    mirror.distribution = "SHARP"
+    return nodes.mix(schlick(nodes, (0.04, 0.04, 0.04, 1)), nodes.add("ShaderNodeBsdfTransparent", Color=tint), mirror)
+
+
 def glossy(nodes, roughness):
     node = nodes.add("ShaderNodeBsdfGlossy", Color=(1, 1, 1, 1), Roughness=roughness)
     node.distribution = "MULTI_GGX"
@@ -139,6 +196,10 @@ def add_mesh(vertices, faces, material, matrix, smooth, normals=None):
     mesh = bpy.data.meshes.new("mesh")
     mesh.from_pydata(vertices, [], faces)
     mesh.materials.append(material)
+    if len(faces) == 1 and len(faces[0]) == 4:
+        layer = mesh.uv_layers.new()
+        for corner, place in zip(layer.data, ((0, 0), (1, 0), (1, 1), (0, 1))):
+            corner.uv = place
     if smooth or normals:
         mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
     if normals:
@@ -228,7 +289,7 @@ def add_camera(says):
     bpy.context.scene.camera = thing
 
 
-def set_up(film, samples, size, bounces):
+def set_up(film, samples, size, bounces, caustics):
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.render.resolution_x, scene.render.resolution_y = size
@@ -240,7 +301,8 @@ def set_up(film, samples, size, bounces):
     cycles = scene.cycles
     cycles.device, cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising = "CPU", samples, False, False
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = bounces
-    cycles.caustics_reflective, cycles.blur_glossy = True, 0
+    cycles.caustics_reflective, cycles.blur_glossy = caustics, 0
+    cycles.transparent_max_bounces = 64
     cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
     cycles.light_sampling_threshold = 0
@@ -252,10 +314,10 @@ def set_up(film, samples, size, bounces):
 def main():
     folder, samples = sys.argv[sys.argv.index("--") + 1:][:2]
     film = json.load(open(os.path.join(folder, "film.json")))
-    side = json.load(open(os.path.join(folder, "side.json")))
+    side = {**json.load(open(os.path.join(folder, "side.json"))), "folder": folder}
     size = [int(a) for a in sys.argv[sys.argv.index("--") + 3:]] or film["size"]
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    set_up(film, int(samples), size, side.get("bounces", 128))
+    set_up(film, int(samples), size, side.get("bounces", 128), side.get("caustics", True))
     materials = {name: surface(name, says, side) for name, says in film.get("materials", {}).items()}
     for thing in film.get("objects", []):
         vertices, faces, smooth = shape(thing)

@@ -3,8 +3,8 @@
 
 Writes scenes as animation files, OUT_FOLDER/NAME/film.json, which render2mpeg and cycles.py both read: one description for
 both. Scenes whose names begin with "check_" are a matt plane under one lamp, with the closed form of its radiance in
-OUT_FOLDER/NAME/closed_form. Models become matt: each material keeps its colour factor, loses textures and highlights, and
-shows both sides, so that the comparison is of light and not of material conventions.
+OUT_FOLDER/NAME/closed_form. Models become matt and rigid: each material keeps its colour factor, loses textures and
+highlights, and shows both sides, so that the comparison is of light and not of material conventions; skins and morphs go.
 """
 import argparse
 import json
@@ -120,6 +120,92 @@ def own():
         "materials": {"white": matt(0.7)}}, {}
 
 
+def materials_room(things, materials, **film):
+    """A matt room under a panel, with things in it."""
+    return {"camera": {"position": [0, 1.4, 3.4], "look_at": [0, 1.0, 0], "fov": 50},
+            "lights": [panel([0, 2.58, 0.4], [-90, 0, 0], [1, 1], 8, (1, 0.9, 0.8))],
+            "objects": room(4, 2.6, 4, "white", "red", "blue") + things,
+            "materials": {"white": matt(0.7), "red": matt(0.6, 0.15, 0.1), "blue": matt(0.2, 0.3, 0.7), **materials}, **film}
+
+
+def hard():
+    """What is thin, clear, mirroring, cut out, tiny or huge."""
+    box = {"shape": "box", "size": [0.7, 0.9, 0.7], "position": [0.8, 0, -0.8], "rotate": 30, "material": "white"}
+    yield "glass_panes", materials_room([
+        box, ball(-0.9, -0.6, "red"), {"shape": "quad", "size": [1, 1.4], "position": [-0.6, 0.7, 0.5], "rotate": 30, "material": "clear"},
+        {"shape": "quad", "size": [1, 1.4], "position": [0.7, 0.7, 0.4], "rotate": -20, "material": "green glass"}],
+        {"clear": {"base_color": 1, "transmission": 1, "roughness": 0, "metallic": 0},
+         "green glass": {"base_color": [0.3, 0.8, 0.4], "transmission": 1, "roughness": 0, "metallic": 0}}), {"caustics": False}
+    yield "mirrors", materials_room([
+        box, ball(-0.6, 0, "silver"), {"shape": "quad", "size": [1.6, 1.6], "position": [-0.9, 1.2, -1.9], "rotate": 0, "material": "silver"},
+        {"shape": "quad", "size": [1.6, 1.6], "position": [1.95, 1.2, 0], "rotate": -90, "material": "silver"}],
+        {"silver": {"base_color": 0.9, "metallic": 1, "roughness": 0}}), {}
+    metals = {f"metal{i}": {"base_color": [0.9, 0.7, 0.5], "metallic": 1, "roughness": r} for i, r in enumerate((0.35, 0.6, 1.0))}
+    yield "rough_metals", materials_room([
+        ball(-1.1, -0.3, "metal0"), {**box, "position": [0, 0, -0.6], "material": "metal1"}, ball(1.1, -0.3, "metal2"),
+        {"shape": "quad", "size": [3, 0.8], "position": [0, 1.9, -1.95], "material": "metal0"}], metals), {}
+    yield "thin_things", {
+        "camera": {"position": [0, 1.2, 4], "look_at": [0, 0.8, 0], "fov": 40}, "sky": [0.4, 0.5, 0.7],
+        "lights": [{"kind": "sun", "elevation": 50, "azimuth": 40, "intensity": 4, "angle": 2}],
+        "objects": [{"shape": "plane", "size": [40, 40], "material": "floor"}] + [
+            {"shape": "box", "size": [0.01, 1.6, 0.01], "position": [-1.5 + 0.1 * i, 0, -0.3], "material": "bar"} for i in range(31)] + [
+            {"shape": "plane", "size": [1.2, 0.8], "position": [0, 0.5, 0.8], "rotate": [3, 20, 0], "material": "sheet"}],
+        "materials": {"floor": matt(0.5), "bar": matt(0.3, 0.3, 0.3), "sheet": {**matt(0.8, 0.5, 0.3), "double_sided": True}}}, {}
+    yield "many_small_lamps", materials_room(
+        [box, ball(-0.6, 0, "white")], {},
+        lights=[{"kind": "sphere", "position": [-1.8 + 0.4 * i, 0.15 + 0.55 * j, -1.8 + 0.4 * ((3 * i + 5 * j) % 10)], "radius": 0.02,
+                 "intensity": 60, "color": [[1, 0.6, 0.3], [0.4, 0.6, 1], [0.5, 1, 0.5]][(i + j) % 3]} for i in range(10) for j in range(5)]), {}
+    yield "textured_emission", materials_room(
+        [box, ball(-0.8, 0.3, "white"), {"shape": "quad", "size": [2.4, 1.2], "position": [0, 1.5, -1.9], "material": "screen"}],
+        {"screen": {"base_color": 0, "emission": 6, "emission_texture": "screen.png"}}, lights=[]), {}
+    yield "cut_outs", {
+        "camera": {"position": [0.8, 1.6, 3.6], "look_at": [0, 0.6, 0], "fov": 42}, "sky": [0.4, 0.5, 0.7],
+        "lights": [{"kind": "sun", "elevation": 40, "azimuth": 200, "intensity": 4, "angle": 1}],
+        "objects": [{"shape": "plane", "size": [40, 40], "material": "floor"},
+                    {"shape": "quad", "size": [1.6, 1.6], "position": [0, 0.8, 0], "material": "leaves"}],
+        "materials": {"floor": matt(0.5), "leaves": {"base_color": [0.4, 0.7, 0.3], "texture": "leaves.png", "alpha": "mask", "double_sided": True}}}, {}
+    for name, size in (("tiny", 1e-3), ("huge", 1e4)):
+        film = next(f for n, f, _ in own() if n == "cornell")
+        yield name, json.loads(json.dumps(film), object_hook=lambda thing, k=size: scaled(thing, k)), {}
+
+
+def scaled(thing, factor):
+    """What has a place or size, times `factor`; intensities are radiances and stay."""
+    for key in ("position", "look_at", "size", "radius"):
+        if key in thing:
+            thing[key] = [factor * v for v in thing[key]] if isinstance(thing[key], list) else factor * thing[key]
+    return thing
+
+
+def images():
+    """What scenes paint with, by name: rows of RGBA from the top."""
+    # Texels by the dozen alike: Cycles interpolates what is coded, not the light.
+    screen = [[(40 + 25 * (x // 16), 255 - 25 * (y // 16), 90 if (x // 16 + y // 16) % 2 else 230, 255) for x in range(128)]
+              for y in range(128)]
+    leaves = [[(255, 255, 255, 255 if (x // 8 + 2 * (y // 8)) % 5 else 0) for x in range(40)] for y in range(40)]
+    return {"screen.png": screen, "leaves.png": leaves}
+
+
+def png(rows):
+    def chunk(name, data):
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+    raw = b"".join(b"\0" + bytes(v for p in row for v in p) for row in rows)
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 6, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(raw)) + chunk(b"IEND", b""))
+
+
+def outdoors(eye, aim, fov=40, ground=None):
+    """Sun and sky; on a floor where its height is given."""
+    film = {"camera": {"position": eye, "look_at": aim, "fov": fov}, "sky": [0.5, 0.6, 0.8],
+            "lights": [{"kind": "sun", "elevation": 50, "azimuth": 30, "intensity": 4, "angle": 1}]}
+    if ground is not None:
+        film["objects"] = [{"shape": "plane", "size": [40, 40], "position": [0, ground, 0], "material": "floor"}]
+        film["materials"] = {"floor": matt(0.5)}
+    return film
+
+
+SKY_BOX = ["Material__75", "Material__76", "_3_-_Default", "_4_-_Default_1", "_5_-_Default", "_6_-_Default", "_7_-_Default",
+           "_8_-_Default"]
 MODELS = {  # name: file, parts to leave out (materials), film
     "sponza": ("sponza_dabrovic/sponza.glb", [], {
         "camera": {"position": [-11, 1.2, 0.6], "look_at": [0, 3.2, -0.6], "fov": 55}, "sky": [0.5, 0.7, 1.0],
@@ -133,6 +219,13 @@ MODELS = {  # name: file, parts to leave out (materials), film
     "gltf_room": ("godot_gi/room.glb", [], {
         "camera": {"position": [0.6, 1.7, 4], "look_at": [0, 1.6, -2], "fov": 70}, "sky": [0.6, 0.8, 1],
         "lights": [{"kind": "sun", "elevation": 50, "azimuth": 30, "intensity": 5}]}),
+    "city": ("gltf_anim/VC/VC.glb", SKY_BOX, outdoors([20, 12, 30], [0, 4, 0], 60)),
+    "brain_stem": ("gltf_anim/BrainStem/BrainStem.glb", [], outdoors([1.5, 1.6, 3.4], [0, 0.9, 0], ground=0)),
+    "cesium_man": ("gltf_anim/CesiumMan/CesiumMan.glb", [], outdoors([2, 1.3, 2.2], [0, 0.75, 0], ground=0)),
+    "engine": ("gltf_anim/2CylinderEngine/2CylinderEngine.glb", [], outdoors([500, 400, 900], [0, -20, 0])),
+    "box_animated": ("gltf_anim/BoxAnimated/BoxAnimated.glb", [], outdoors([1.3, 1.2, 2], [0, 0, 0], ground=-0.5)),
+    "morph_cube": ("gltf_anim/AnimatedMorphCube/AnimatedMorphCube.glb", [], outdoors([2.6, 2.4, 4], [0, 0, 0], ground=-1)),
+    "rigged_simple": ("gltf_anim/RiggedSimple/RiggedSimple.glb", [], outdoors([6, 5, 13], [0, 0, 0], ground=-4.575)),
     "gltf_cornell": ("cornell/gltf/CornellBox.glb", [], {
         "camera": {"position": [-278, 273, 800], "look_at": [-278, 273, 0], "fov": 39.3}}),
 }
@@ -155,11 +248,15 @@ def matt_model(source, left_out):
         material.update({"name": name, "doubleSided": True, "emissiveFactor": emission, "extensions": extensions,
                          "pbrMetallicRoughness": {"baseColorFactor": factor[:3] + [1], "metallicFactor": 0, "roughnessFactor": 1}})
     for mesh in document["meshes"]:
+        mesh.pop("weights", None)
         for part in mesh["primitives"]:
+            part.pop("targets", None)
             part["attributes"] = {k: v for k, v in part["attributes"].items() if k in ("POSITION", "NORMAL")}
         mesh["primitives"] = [p for p in mesh["primitives"] if names[p["material"]] not in left_out]
     for node in document["nodes"]:
         node.pop("camera", None)
+        node.pop("skin", None)
+        node.pop("weights", None)
         if "mesh" in node and not document["meshes"][node["mesh"]]["primitives"]:
             del node["mesh"]
     kept = [i for i, mesh in enumerate(document["meshes"]) if mesh["primitives"]]
@@ -167,7 +264,7 @@ def matt_model(source, left_out):
     for node in document["nodes"]:
         if "mesh" in node:
             node["mesh"] = kept.index(node["mesh"])
-    for key in ("textures", "images", "samplers", "cameras", "animations", "extensions"):
+    for key in ("textures", "images", "samplers", "cameras", "animations", "skins", "extensions"):
         document.pop(key, None)
     document["extensionsUsed"] = ["KHR_materials_ior", "KHR_materials_emissive_strength"]
     text = json.dumps(document).encode()
@@ -181,7 +278,7 @@ def main():
     parser.add_argument("--models")
     parser.add_argument("names", nargs="*")
     arguments = parser.parse_args()
-    scenes = list(checks()) + list(own())
+    scenes = list(checks()) + list(own()) + list(hard())
     if arguments.models:
         scenes += [(name, film, {"model": file, "left_out": out}) for name, (file, out, film) in MODELS.items()]
     for name, film, side in scenes:
@@ -194,6 +291,9 @@ def main():
             film["scene"] = "model.glb"
             with open(os.path.join(folder, "model.glb"), "wb") as file:
                 file.write(matt_model(os.path.join(arguments.models, side["model"]), side["left_out"]))
+        for image, rows in images().items():
+            if image in json.dumps(film):
+                open(os.path.join(folder, image), "wb").write(png(rows))
         side["seed"] = zlib.crc32(name.encode()) % 1000
         json.dump(film, open(os.path.join(folder, "film.json"), "w"), indent=1)
         json.dump(side, open(os.path.join(folder, "side.json"), "w"))
