@@ -152,6 +152,50 @@ TEST(WholeLamps, AreExactWhereNothingIsInTheWay) {
     }
 }
 
+/// Root mean square, over pixels that the shadow's edge crosses, of the sun's share there less its true one.
+double error_at_edge(int samples, bool cached, const core::ToleranceMap& tolerance) {
+    // Straight above the half plane that lies left of x = 0.2 z + 0.03.
+    SceneBuilder b = floor_of();
+    b.film().cameras.clear();
+    b.add_camera({0.9f, 1.2f, 0.01f}, {0, 0, 0}, 0.9f);
+    b.add_quad({-50 - 10 + 0.03f, 2, -50}, {50, 0, 0}, {20, 0, 100}, b.add_material(glm::vec3(0)));
+    b.add_sun({0, -1, 0}, 2);
+    Settings settings = without_bounces();
+    settings.samples = samples;
+    if (cached) settings.cache = CacheUse::on;
+    FilmStage stage(b, settings);
+    const scene::Snapshot world = stage.at(0);
+    const Seen seen = stage.renderer().see(world);
+    const core::Radiance r = stage.renderer().shade(world, seen, tolerance);
+    double squares = 0, pixels = 0;
+    for (int y = 0; y < 24; ++y)
+        for (int x = 0; x < 24; ++x) {
+            double lit = 0;
+            constexpr int fine = 16;
+            for (int i = 0; i < fine * fine; ++i) {
+                const glm::vec2 place(static_cast<float>(x) + (static_cast<float>(i % fine) + 0.5f) / fine,
+                                      static_cast<float>(y) + (static_cast<float>(i / fine) + 0.5f) / fine);
+                const scene::Ray ray = world.camera.ray_through(place);
+                const glm::vec3 p = ray.origin - ray.origin.y / ray.direction.y * ray.direction;
+                lit += p.x > 0.2f * p.z + 0.03f ? 1.0 / (fine * fine) : 0.0;
+            }
+            if (lit < 0.02 || lit > 0.98 || seen.visible.address.at(x, y).object != 0) continue;
+            const double error = r.combined.at(x, y).x / (2 * 0.5 / pi) - lit;
+            squares += error * error;
+            pixels += 1;
+        }
+    EXPECT_GT(pixels, 10);
+    return std::sqrt(squares / pixels);
+}
+
+TEST(ShadowEdges, OfSunsWithoutSizeAreSmoothWithinPixels) {
+    for (const auto& tolerance : {core::ToleranceMap::reference(), core::ToleranceMap::uniform(24, 24, {0, 0.02f})})
+        for (const bool cached : {false, true}) {
+            EXPECT_GT(error_at_edge(1, cached, tolerance), 0.2);
+            EXPECT_LT(error_at_edge(4, cached, tolerance), 0.15);
+        }
+}
+
 TEST(SoftSun, HasThePenumbraOfADiscBehindAnEdge) {
     // Straight above a half plane at this height whose edge runs along z through x = 0: a disc cut by a straight line.
     constexpr double half_angle = 0.1, height = 2;
