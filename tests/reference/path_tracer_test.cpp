@@ -33,9 +33,9 @@ TruthCase made(const std::string& name) {
 }
 
 /// Cases whose lamps paths meet often enough.
-class PathTracerEstimators : public testing::TestWithParam<const char*> {};
+class PathTracerEstimatorsSlow : public testing::TestWithParam<const char*> {};
 
-TEST_P(PathTracerEstimators, Agree) {
+TEST_P(PathTracerEstimatorsSlow, Agree) {
     const TruthCase c = made(GetParam());
     PathSettings settings;
     settings.bounces = c.vpls == 0 ? 0 : PathSettings::endless;
@@ -52,7 +52,7 @@ TEST_P(PathTracerEstimators, Agree) {
         EXPECT_LT(error, 0.02 * found[0].mean[k]);
     }
 }
-INSTANTIATE_TEST_SUITE_P(Of, PathTracerEstimators,
+INSTANTIATE_TEST_SUITE_P(Of, PathTracerEstimatorsSlow,
                          testing::Values("SoftSunBlocked", "PanelBlocked", "PanelWithImage", "SphereBlocked", "Cube",
                                          "EvenSkyBlocked", "SkyImageBlocked", "Dielectric05", "Metal03", "NormalMap",
                                          "MirrorsInMirrors", "PaneOfGlass", "MilkyGlass", "Blended", "CutOut",

@@ -146,29 +146,29 @@ std::string name_of(const testing::TestParamInfo<NamedCase>& info) {
     return info.param.name;
 }
 
-class LampsTruth : public testing::TestWithParam<NamedCase> {};
-TEST_P(LampsTruth, IsThePathTracers) {
+class LampsTruthSlow : public testing::TestWithParam<NamedCase> {};
+TEST_P(LampsTruthSlow, IsThePathTracers) {
     judge(GetParam());
 }
-INSTANTIATE_TEST_SUITE_P(All, LampsTruth, testing::ValuesIn(lamp_cases()), name_of);
+INSTANTIATE_TEST_SUITE_P(All, LampsTruthSlow, testing::ValuesIn(lamp_cases()), name_of);
 
-class MaterialsTruth : public testing::TestWithParam<NamedCase> {};
-TEST_P(MaterialsTruth, IsThePathTracers) {
+class MaterialsTruthSlow : public testing::TestWithParam<NamedCase> {};
+TEST_P(MaterialsTruthSlow, IsThePathTracers) {
     judge(GetParam());
 }
-INSTANTIATE_TEST_SUITE_P(All, MaterialsTruth, testing::ValuesIn(material_cases()), name_of);
+INSTANTIATE_TEST_SUITE_P(All, MaterialsTruthSlow, testing::ValuesIn(material_cases()), name_of);
 
-class MirrorsAndGlassTruth : public testing::TestWithParam<NamedCase> {};
-TEST_P(MirrorsAndGlassTruth, IsThePathTracers) {
+class MirrorsAndGlassTruthSlow : public testing::TestWithParam<NamedCase> {};
+TEST_P(MirrorsAndGlassTruthSlow, IsThePathTracers) {
     judge(GetParam());
 }
-INSTANTIATE_TEST_SUITE_P(All, MirrorsAndGlassTruth, testing::ValuesIn(specular_cases()), name_of);
+INSTANTIATE_TEST_SUITE_P(All, MirrorsAndGlassTruthSlow, testing::ValuesIn(specular_cases()), name_of);
 
-class FurnacesTruth : public testing::TestWithParam<NamedCase> {};
-TEST_P(FurnacesTruth, IsThePathTracers) {
+class FurnacesTruthSlow : public testing::TestWithParam<NamedCase> {};
+TEST_P(FurnacesTruthSlow, IsThePathTracers) {
     judge(GetParam());
 }
-INSTANTIATE_TEST_SUITE_P(All, FurnacesTruth, testing::ValuesIn(furnace_cases()), name_of);
+INSTANTIATE_TEST_SUITE_P(All, FurnacesTruthSlow, testing::ValuesIn(furnace_cases()), name_of);
 
 class IndirectTruthSlow : public testing::TestWithParam<NamedCase> {};
 TEST_P(IndirectTruthSlow, IsThePathTracers) {
