@@ -92,7 +92,7 @@ std::vector<Place> places_of(const Subject& s, const renderer::PosedScene& posed
     std::vector<const renderer::GatherPoint*> all;
     for (const renderer::GatherTile& tile : seen.tiles)
         for (const renderer::GatherPoint& p : tile)
-            if (!p.reached_by_specular) all.push_back(&p);
+            if (!p.reached_by_specular()) all.push_back(&p);
     std::vector<Place> places(std::min(all.size(), static_cast<std::size_t>(count)));
     for (std::size_t i = 0; i < places.size(); ++i) {
         const double at = (static_cast<double>(i) + core::uniform(7, i)) / static_cast<double>(places.size());

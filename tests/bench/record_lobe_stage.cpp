@@ -46,7 +46,7 @@ std::vector<Places> places_of(const renderer::Seen& seen, int count) {
         for (const GatherPoint& p : seen.tiles[t]) {
             const int x = static_cast<int>(t) % seen.tiles_across() * 16 + p.pixel % 16,
                       y = static_cast<int>(t) / seen.tiles_across() * 16 + p.pixel / 16;
-            if (!p.reached_by_specular && p.point.bsdf.has_glossy())
+            if (!p.reached_by_specular() && p.point.bsdf.has_glossy())
                 of_pixel[static_cast<std::size_t>(y * width + x)] = &p;
         }
     std::vector<Places> found;

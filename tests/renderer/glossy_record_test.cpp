@@ -70,7 +70,7 @@ TEST_F(Wall, LobesOfRoughnessTwoTenthsAndMoreTakeRecords) {
     p.point.bsdf.alpha = 0.19f * 0.19f;
     EXPECT_FALSE(uses_cache(p, untried));
     p.point.bsdf.alpha = 1.0f;
-    p.reached_by_specular = true;
+    p.way = renderer::longer_way(p.way, true);
     EXPECT_FALSE(uses_cache(p, untried));
 }
 

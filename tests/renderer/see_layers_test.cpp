@@ -52,7 +52,7 @@ TEST(Layers, AreComposedFrontToBack) {
     EXPECT_FLOAT_EQ(points[0].weight.x, 0.25f);
     EXPECT_FLOAT_EQ(points[1].weight.x, 0.375f);
     EXPECT_FLOAT_EQ(points[2].weight.x, 0.375f);
-    EXPECT_FALSE(points[2].reached_by_specular);
+    EXPECT_FALSE(points[2].reached_by_specular());
     // The nearest of equal shares is what the pixel shows.
     EXPECT_NEAR(seen.visible.depth.at(8, 8), 7.0f, 1e-4f);
     EXPECT_TRUE(seen.emitted_specular.empty());
@@ -145,7 +145,7 @@ TEST(Mirrors, ShowASphereWhereItsMirrorImageWouldStand) {
         for (const GatherPoint& g : seen.tiles[t]) {
             ASSERT_EQ(g.point.address.object, static_cast<std::uint32_t>(ball));
             const int x = static_cast<int>(t) % 4 * 16 + g.pixel % 16, y = static_cast<int>(t) / 4 * 16 + g.pixel / 16;
-            if (!g.reached_by_specular) continue;
+            if (!g.reached_by_specular()) continue;
             ++reflected;
             const auto image = stage.world().camera.project(g.point.position * glm::vec3{1, -1, 1});
             ASSERT_TRUE(image);
@@ -188,8 +188,27 @@ TEST(SmoothDielectrics, MirrorAFewPercentOnce) {
     ASSERT_EQ(points.size(), 2u);
     EXPECT_EQ(points[0].weight, glm::vec3{1.0f});
     EXPECT_NEAR(points[1].weight.x, 0.04f, 1e-4f);
-    EXPECT_TRUE(points[1].reached_by_specular);
+    EXPECT_TRUE(points[1].reached_by_specular());
     EXPECT_EQ(seen.visible.kind.at(8, 8), PixelClass::surface);
+}
+
+TEST(Glass, ShowsAFloorBehindItAndTheFloorThatItMirrorsAtTheirOwnPlaces) {
+    SceneBuilder builder;
+    const int pane = builder.add_material({1.0f, 1.0f, 1.0f});
+    builder.material(pane).transmission = 1;
+    builder.material(pane).ior = 1.5f;
+    builder.material(pane).roughness = 0;
+    add_wall(builder, -4, pane);
+    builder.add_quad({-50, -2, 50}, {100, 0, 0}, {0, 0, -100}, builder.add_material());
+    builder.add_camera({0, 0, 0}, {0, -1.6f, -4}, 0.1f);
+    Stage stage(builder, 16, 16);
+    const auto points = middle(stage.see(4));
+    ASSERT_EQ(points.size(), 2u);
+    for (const GatherPoint& p : points) {
+        const bool behind = p.weight.x > 0.5f;
+        EXPECT_NEAR(p.weight.x, behind ? 0.96f : 0.04f, 0.005f);
+        EXPECT_NEAR(p.point.position.z, behind ? -5.0f : -3.0f, 0.1f);
+    }
 }
 
 TEST(Glass, TintsWhatIsBehindItAndMirrorsALittle) {
@@ -207,7 +226,7 @@ TEST(Glass, TintsWhatIsBehindItAndMirrorsALittle) {
     const auto points = middle(seen);
     ASSERT_EQ(points.size(), 1u);
     EXPECT_EQ(points[0].point.address.object, static_cast<std::uint32_t>(wall));
-    EXPECT_TRUE(points[0].reached_by_specular);
+    EXPECT_TRUE(points[0].reached_by_specular());
     EXPECT_NEAR(points[0].weight.x, 0.96f * 0.5f, 1e-3f);
     EXPECT_NEAR(points[0].weight.z, 0.96f, 1e-3f);
     EXPECT_NEAR(seen.emitted.at(8, 8).x, 0.04f, 1e-3f);

@@ -123,7 +123,7 @@ std::vector<std::vector<PointRef>> open_points(FrameState& frame, int lattice) {
             bool found = frame.moves(p);
             // What narrow lobes and mirrors show is as sharp as they are.
             for (const int coarser : lattices)
-                if (!found && coarser > lattice && !p.point.bsdf.has_glossy() && !p.reached_by_specular)
+                if (!found && coarser > lattice && !p.point.bsdf.has_glossy() && !p.reached_by_specular())
                     found = interpolate(frame, t, i, coarser);
             if (!found) of_tile[t].push_back({static_cast<std::uint32_t>(t), i});
         }

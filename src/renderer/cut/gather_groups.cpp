@@ -82,7 +82,7 @@ struct Pattern {
 bool share_surface(const GatherPoint& first, const GatherPoint& other, glm::vec3 eye, const Likeness& likeness) {
     const SurfacePoint& a = first.point;
     const SurfacePoint& b = other.point;
-    if (first.reached_by_specular != other.reached_by_specular || a.bsdf.has_glossy() != b.bsdf.has_glossy())
+    if (first.reached_by_specular() != other.reached_by_specular() || a.bsdf.has_glossy() != b.bsdf.has_glossy())
         return false;
     if (!(glm::dot(a.shading_normal, b.shading_normal) > likeness.least_normal)) return false;
     if (!(glm::dot(a.geometric_normal, b.geometric_normal) > likeness.least_normal)) return false;

@@ -99,7 +99,7 @@ void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size
         error += l.error;
         age += l.age;
         reused += l.served ? 1.0f : 0.0f;
-        if (p.reached_by_specular) {
+        if (p.reached_by_specular()) {
             specular += scattered;
             continue;
         }

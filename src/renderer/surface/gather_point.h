@@ -19,18 +19,27 @@ inline constexpr float same_normal = 0.98f;
 /// Places of a pixel's surface that shadow rays may leave beside the first.
 inline constexpr int most_other_places = 3;
 
+/// The mirrors and panes of glass between the eye and a point, nearest first: a one, then a bit each, 1 for a mirror.
+/// From the eighth on the oldest are forgotten and the highest bit stays.
+inline constexpr std::uint8_t straight_way = 1;
+inline std::uint8_t longer_way(std::uint8_t way, bool mirror) {
+    return static_cast<std::uint8_t>((way << 1) | (way & 128) | (mirror ? 1 : 0));
+}
+
 /// One surface in one pixel (or seen from it in a mirror or through glass) that wants light. A pixel's samples on one
 /// surface share one gather point; its textures are averaged over them.
 struct GatherPoint {
     SurfacePoint point;
     std::uint16_t pixel = 0;  ///< within its tile: y * tile_size + x
-    bool reached_by_specular = false;
+    std::uint8_t way = straight_way;
     bool has_lobe_rays = false;  ///< what rays found along its lobe is in Seen::emitted, and no part of light trees
     glm::vec3 weight{1};         ///< share of the pixel x what mirrors, glass and translucent layers let through
     /// Where shadow rays leave the same surface elsewhere in the pixel, world; the first `others` of them: shadows have
     /// edges within pixels.
     std::array<glm::vec3, most_other_places> elsewhere{};
     std::uint8_t others = 0;
+
+    bool reached_by_specular() const { return way != straight_way; }
 };
 
 /// A gather point that was lit at another place of its pixel, on the same surface.

@@ -80,8 +80,9 @@ struct EyePaths::PathState {
     EyeRay ray;
     float far;
     glm::vec3 weight{1};
-    int mirrors = 0;        ///< so far
-    bool specular = false;  ///< a mirror or glass lies before
+    int mirrors = 0;  ///< so far
+    std::uint8_t way = straight_way;
+    bool specular() const { return way != straight_way; }
 };
 
 EyePaths::EyePaths(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan)
@@ -113,7 +114,7 @@ void EyePaths::see_sky(const PathState& path, EyeSample& sample) const {
         return posed_scene_.sky()->radiance(path.ray.direction, glm::length(glm::cross(spread.dx, spread.dy)));
     });
     sample.emitted += light;
-    if (path.specular) sample.emitted_specular += light;
+    if (path.specular()) sample.emitted_specular += light;
 }
 
 /// `hit`: what the path meets first.
@@ -139,12 +140,12 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
             const float alpha = last ? 1.0f : point.alpha;
             fragment.weight = alpha * path.weight;
             fragment.extent = std::min(glm::length(footprint.dx), glm::length(footprint.dy));
-            fragment.specular = path.specular;
+            fragment.way = path.way;
             const glm::vec3 through = last ? glm::vec3{0.0f} : fragment.weight * point.bsdf.transmission;
             passing = (1.0f - alpha) * path.weight + through;
 
             sample.emitted += fragment.weight * point.emission;
-            if (path.specular) sample.emitted_specular += fragment.weight * point.emission;
+            if (path.specular()) sample.emitted_specular += fragment.weight * point.emission;
             const float share = core::luminance(path.weight - passing);
             if (path.mirrors == 0 && share > sample.main.share) {
                 const auto kind = shows_reflection(point) ? core::PixelClass::reflected : core::PixelClass::surface;
@@ -152,7 +153,7 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
             }
             if (point.bsdf.has_diffuse() || point.bsdf.has_glossy()) sample.fragments.push_back(fragment);
             mirror(path, fragment, footprint, sample, counts);
-            path.specular = path.specular || core::luminance(through) > 0.0f;
+            if (core::luminance(through) > 0.0f) path.way = longer_way(path.way, false);
         }
         if (!(core::luminance(passing) > least_passing_share)) return;
 
@@ -171,7 +172,7 @@ void EyePaths::mirror(const PathState& path, const Fragment& fragment, const Sur
     next.weight = fragment.weight * point.bsdf.mirror;
     if (!mirrors_ || path.mirrors >= specular_depth_ || !(core::luminance(next.weight) >= least_mirror_share)) return;
     next.mirrors = path.mirrors + 1;
-    next.specular = true;
+    next.way = longer_way(path.way, true);
     next.far = std::numeric_limits<float>::infinity();
     next.ray.direction = mirrored(path.ray.direction, point);
     next.ray.origin = offset_origin(point, next.ray.direction);

@@ -6,6 +6,7 @@
 
 #include "core/visible.h"
 #include "renderer/base/sampled_clock.h"
+#include "renderer/surface/gather_point.h"
 #include "renderer/surface/posed_scene.h"
 #include "renderer/view/see.h"
 
@@ -27,9 +28,9 @@ EyeRay eye_ray(const scene::Camera& camera, glm::vec2 position, float spacing, f
 /// One surface that a sample shows.
 struct Fragment {
     SurfacePoint point;
-    glm::vec3 weight{0};    ///< share of the sample's light that comes by this surface, per channel
-    float extent = 0;       ///< how far apart neighbouring samples are across the ray there, scene units
-    bool specular = false;  ///< seen in a mirror or through glass
+    glm::vec3 weight{0};              ///< share of the sample's light that comes by this surface, per channel
+    float extent = 0;                 ///< how far apart neighbouring samples are across the ray there, scene units
+    std::uint8_t way = straight_way;  ///< mirrors and glass before
 };
 
 /// What a sample shows most of, straight ahead through layers and glass.

@@ -191,7 +191,7 @@ std::uint64_t LobeRays::light(std::size_t tile, Seen& seen) const {
         const int y = static_cast<int>(tile / across) * tile_size + p.pixel / tile_size;
         const glm::vec3 light = p.weight * radiance(p, rays);
         seen.emitted.at(x, y) += light;
-        (p.reached_by_specular ? seen.emitted_specular : seen.emitted_glossy).at(x, y) += light;
+        (p.reached_by_specular() ? seen.emitted_specular : seen.emitted_glossy).at(x, y) += light;
     }
     return rays;
 }

@@ -21,7 +21,7 @@ constexpr float same_plane = 0.5f;
 
 bool same_surface(const GatherPoint& a, const Fragment& b, float pixel_extent) {
     if (a.point.address.object != b.point.address.object || a.point.back_side != b.point.back_side) return false;
-    if (a.reached_by_specular != b.specular) return false;
+    if (a.way != b.way) return false;
     if (glm::dot(a.point.shading_normal, b.point.shading_normal) < same_normal) return false;
     const glm::vec3 apart = b.point.position - a.point.position;
     const float off = std::max(std::abs(glm::dot(apart, a.point.geometric_normal)),
@@ -172,7 +172,7 @@ class TileLook {
                 }
                 differ = differ || s > 0;
                 const auto pixel = static_cast<std::uint16_t>((y % tile_size) * tile_size + x % tile_size);
-                tile.push_back({fragment.point, pixel, fragment.specular, false, weight});
+                tile.push_back({fragment.point, pixel, fragment.way, false, weight});
             }
         }
         seen_.emitted.at(x, y) = share * emitted;
