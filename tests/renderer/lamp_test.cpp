@@ -344,7 +344,8 @@ TEST(WholeLamps, AreNoBallsThatAreEverAnythingButRound) {
         FilmStage stage(hidden, without_bounces());
         if (from_the_first) stage.cut(0.02f, 0);
         double sum = 0;
-        for (const glm::vec3& v : stage.cut(0.02f, 2).combined.values()) sum += v.y;
+        const core::Radiance frame = stage.cut(0.02f, 2);
+        for (const glm::vec3& v : frame.combined.values()) sum += v.y;
         mean[from_the_first ? 1 : 0] = sum;
     }
     EXPECT_NEAR(mean[1] / mean[0], 1, 0.03);
@@ -407,7 +408,8 @@ TEST(WholeLamps, ThrowShadowsOfThingsThatMoveBesideRecords) {
         settings.cache = caches ? CacheUse::on : CacheUse::off;
         FilmStage stage(b, settings);
         double sum = 0;
-        for (const glm::vec3& v : stage.cut(0.02f).combined.values()) sum += v.y;
+        const core::Radiance frame = stage.cut(0.02f);
+        for (const glm::vec3& v : frame.combined.values()) sum += v.y;
         mean[caches ? 1 : 0] = sum;
     }
     EXPECT_NEAR(mean[1] / mean[0], 1, 0.02);

@@ -123,8 +123,9 @@ RENDER2MPEG_ALWAYS_INLINED void find_nearest(const LobeFrames& __restrict f, con
             const Vector h = stretched(f, l, length, i), dh = stretched(f, dl, longer, i);
             const float hh = h.x * h.x + h.y * h.y + h.z * h.z, hd = h.x * dh.x + h.y * dh.y + h.z * dh.z;
             const float dd = inlined::max(dh.x * dh.x + dh.y * dh.y + dh.z * dh.z, lobe::tiny);
-            next = u - hd / dd;
-            off = inlined::sqrt(inlined::max(hh / dd - hd * hd / (dd * dd), 0.0f));
+            const float way = hd / dd;
+            next = u - way;
+            off = inlined::sqrt(inlined::max(hh / dd - way * way, 0.0f));
         }
         out.u[i] = next;
         out.off[i] = inlined::max(off, 1e-6f);
