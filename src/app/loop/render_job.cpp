@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "app/loop/first_pass.h"
 #include "app/options/option_text.h"
 #include "app/options/rate_options.h"
 #include "core/color.h"
@@ -54,14 +53,13 @@ renderer::Settings rendering_settings(const RenderOptions& options, const scene:
     return settings;
 }
 
-/// Eye samples of pixels with edges: as many as the coding does not hide.
+/// Eye samples of pixels with edges.
 int edge_samples_of(const RenderOptions& options, const RenderJob& film) {
     if (options.edge_samples) return *options.edge_samples;
     const bool by_hand = std::find(options.given.begin(), options.given.end(), "--samples") != options.given.end();
     if (by_hand || options.samples != RenderOptions().samples) return 0;
     // fit: docs/fits/edge-samples.md
-    if (film.kind != OutputKind::film) return 64;
-    return usual_quantiser(film.coding) <= 4 ? 32 : 16;
+    return film.kind == OutputKind::film ? 16 : 64;
 }
 
 CouplingSettings coupling_settings(const RenderOptions& options, const ToleranceRequest& tolerance) {

@@ -46,7 +46,7 @@ struct RenderOptions {
     std::optional<std::string> frames;  ///< "A:B", inclusive
     CodingOptions coding;
     int samples = 4;
-    std::optional<int> edge_samples;  ///< none: as many as `samples` where that was given, else by the coding
+    std::optional<int> edge_samples;  ///< none: as many as `samples` where that was given, else 16 or 64
     int vpls = 4096;
     std::optional<std::string> tolerance;  ///< none: "coupled" for films, else "fixed=2%"
     std::string masking = "warped";        ///< "warped" or "quantised"

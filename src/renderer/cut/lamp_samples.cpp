@@ -158,20 +158,10 @@ void LampSampler::start_lobes() {
     }
 }
 
-LampSampler::Numbers LampSampler::square(int k) const {
+LampSampler::Numbers LampSampler::numbers(std::span<const glm::vec2> all, int k) const {
     Numbers u;
     for (int i = 0; i < lane_count; ++i) {
-        const glm::vec2 p = pattern.square[sample_index(lanes_.set, i, k)];
-        u.x[i] = p.x;
-        u.y[i] = p.y;
-    }
-    return u;
-}
-
-LampSampler::Numbers LampSampler::disc(int k) const {
-    Numbers u;
-    for (int i = 0; i < lane_count; ++i) {
-        const glm::vec2 p = pattern.disc[sample_index(lanes_.set, i, k)];
+        const glm::vec2 p = all[sample_index(lanes_.set, i, k)];
         u.x[i] = p.x;
         u.y[i] = p.y;
     }
@@ -180,9 +170,9 @@ LampSampler::Numbers LampSampler::disc(int k) const {
 
 void LampSampler::take(int k, LampSamples& __restrict samples) const {
     if (lamp_.kind == WholeLamp::Kind::polygon)
-        take_polygon(square(k), samples);
+        take_polygon(numbers(pattern.square, k), samples);
     else
-        take_cone(disc(k), samples);
+        take_cone(numbers(pattern.disc, k), samples);
 }
 
 /// Parallelograms keep the strata. Density by solid angle of a place at distance d on a plane at height h: d^2 / (area
@@ -284,7 +274,7 @@ void LampSampler::aim_at_sphere(const Vec3Lanes& __restrict direction, Vec3Lanes
 
 RENDER2MPEG_CLONES
 void LampSampler::take_lobe(int k, LampSamples& __restrict samples) const {
-    const Numbers u = disc(k);
+    const Numbers u = numbers(pattern.disc, k);
     const FrameLanes &f = facets_, &n = lanes_.normal;
     for (int i = 0; i < lane_count; ++i) {
         const float a = u.x[i], s = hidden_[i], upright = inlined::sqrt(inlined::max(1.0f - a * a, 0.0f));

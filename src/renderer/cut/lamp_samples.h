@@ -1,6 +1,8 @@
 #pragma once
 // Directions towards whole lamps: evenly over the lamp, and along glossy lobes.
 #include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
 
 #include "renderer/base/whole_lamp.h"
 #include "renderer/tree/gather_lanes.h"
@@ -45,8 +47,7 @@ class LampSampler {
     void start_polygon();
     void start_cone();
     void start_lobes();
-    Numbers square(int k) const;
-    Numbers disc(int k) const;
+    Numbers numbers(std::span<const glm::vec2> all, int k) const;
     void take_polygon(const Numbers& u, LampSamples& samples) const;
     void take_cone(const Numbers& disc, LampSamples& samples) const;
     void meet_polygon(LampSamples& samples) const;
