@@ -1,11 +1,16 @@
-# What `cmake --install` puts where: bin/render2mpeg (src/app), <libdir>/render2mpeg/*.so (render2mpeg_module), and here the animations
-# under share/render2mpeg, the documents under share/doc/render2mpeg, manual pages and what shells complete.
+# What `cmake --install` puts where: bin/render2mpeg (src/app), <libdir>/render2mpeg/*.so (render2mpeg_module), and here the scripts that
+# Blender runs beside those, the animations under share/render2mpeg, the documents under share/doc/render2mpeg, manual pages and what shells complete.
 
 # The program opens its modules when a film calls for them: whoever builds the program needs them too.
 get_property(modules GLOBAL PROPERTY RENDER2MPEG_MODULES)
 if(modules)
   add_dependencies(render2mpeg ${modules})
 endif()
+
+# The scripts that Blender runs lie beside the modules, and are found like them.
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/modules)
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/blender ${PROJECT_BINARY_DIR}/modules/blender SYMBOLIC)
+install(DIRECTORY blender DESTINATION ${CMAKE_INSTALL_LIBDIR}/render2mpeg FILES_MATCHING PATTERN "*.py")
 
 # Manual pages and completion are made from what the program's --help says.
 set(shell ${PROJECT_BINARY_DIR}/shell)

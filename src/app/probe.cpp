@@ -7,10 +7,12 @@
 #include "app/commands/info.h"
 #include "app/options/options.h"
 #include "app/system/probes.h"
+#include "core/error.h"
 #include "core/picture.h"
 #include "encoder/av/av.h"
 #include "encoder/av/inspect.h"
 #include "scene/assimp/load.h"
+#include "scene/blender/export.h"
 #include "scene/isolation/probed.h"
 
 namespace render2mpeg::app {
@@ -40,6 +42,13 @@ std::string read_film(const Words& words, const scene::TakeTurns& take_turns) {
     return {};
 }
 
+/// What become_blender() is told.
+std::string run_blender(const Words& words, const scene::TakeTurns& take_turns) {
+    take_turns(scene::Turn::parser);
+    scene::become_blender(words);
+    throw core::Error("starting", words.at(0), "it cannot be started");
+}
+
 /// FILE, and the flags that are set: json, summary
 std::string read_facts(const Words& words, const scene::TakeTurns& take_turns) {
     InfoOptions options;
@@ -56,7 +65,11 @@ std::string read_facts(const Words& words, const scene::TakeTurns& take_turns) {
 
 void probe(int argc, char** argv) {
     scene::live_as_probe(argc, argv,
-                         {{"scene", read_scene}, {"images", read_images}, {"film", read_film}, {"info", read_facts}});
+                         {{"scene", read_scene},
+                          {"images", read_images},
+                          {"film", read_film},
+                          {"info", read_facts},
+                          {"blend", run_blender}});
 }
 
 }  // namespace render2mpeg::app

@@ -7,6 +7,7 @@
 #include "core/text.h"
 #include "scene/animation_file/load.h"
 #include "scene/assimp/load.h"
+#include "scene/blender/export.h"
 #include "scene/gltf/load.h"
 #include "scene/isolation/probe.h"
 #include "scene/model/choice.h"
@@ -24,6 +25,14 @@ void choose_camera(Animation& animation, const std::string& wanted) {
     animation.shots = {{0, static_cast<int>(*chosen)}};
 }
 
+Animation load_blend(const std::filesystem::path& file, const LoadOptions& options) {
+    const BlenderExport exported = export_blend(file);
+    Animation animation = load_animation_file(exported.film, options, load_as_is);
+    animation.files.insert(animation.files.begin(), file);
+    animation.notes.insert(animation.notes.begin(), exported.notes.begin(), exported.notes.end());
+    return animation;
+}
+
 }  // namespace
 
 Animation load_as_is(const std::filesystem::path& file, const LoadOptions& options) {
@@ -34,6 +43,7 @@ Animation load_as_is(const std::filesystem::path& file, const LoadOptions& optio
     const std::string ending = core::ending_of(file);
     if (ending == ".gltf" || ending == ".glb") return load_gltf(file, options);
     if (ending == ".json") return load_animation_file(file, options, load_as_is);
+    if (ending == ".blend") return load_blend(file, options);
     // Assimp is not ours, and some of its parsers trust what a file says.
     if (Probe::is_possible()) {
         std::vector<std::string> words{"scene", file.string()};

@@ -31,6 +31,7 @@ const std::vector<Building>& buildings() {
           {"preparation", {"pose", "model"}, {"core"}},
           {"gltf", {"model"}, {"core"}},
           {"assimp", {"isolation", "model"}, {"core"}},
+          {"blender", {"isolation", "model"}, {"core"}},
           {"animation_file", {"model"}, {"core"}}}},
         {"src/renderer/",
          "renderer/",

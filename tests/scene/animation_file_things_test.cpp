@@ -173,6 +173,18 @@ TEST(AnimationFileThings, RefuseMoreCopiesThanAFilmCanHold) {
         core::Error);
 }
 
+TEST(AnimationFileThings, LampsThatAreNotSeenStayInTheFilmAndShine) {
+    const Animation film = parsed(R"({"lights": [{"kind": "panel", "seen": false, "intensity": 5},
+        {"kind": "sphere", "seen": true}]})");
+    ASSERT_EQ(film.objects.size(), 2u);
+    const Material& hidden = film.materials[static_cast<std::size_t>(film.objects[0].material)];
+    EXPECT_EQ(hidden.alpha_mode, AlphaMode::blend);
+    EXPECT_EQ(hidden.base_color.a, 0);
+    EXPECT_EQ(hidden.emission, glm::vec3(5));
+    EXPECT_EQ(film.materials[static_cast<std::size_t>(film.objects[1].material)].alpha_mode, AlphaMode::opaque);
+    EXPECT_THROW(parsed(R"({"lights": [{"kind": "point", "seen": false}]})"), core::Error);
+}
+
 TEST(AnimationFileThings, LightsShineAlongTheirSightWithTheirOwnUnits) {
     const Animation a = parsed(R"({"objects": [{"shape": "plane"}], "lights": [
         {"kind": "sun", "elevation": 30, "azimuth": 90, "intensity": 4, "color": [1, 0.5, 0]},

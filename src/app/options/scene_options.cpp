@@ -23,8 +23,8 @@ void add_scene_options(CLI::App& command, RenderOptions& options) {
     command
         .add_option(
             "INPUT", options.input,
-            "Scene: .gltf, .glb, an animation file (.json, or a folder with film.json), or any format that Assimp "
-            "reads (.obj, .ply, .fbx, .dae, .3ds, ...)")
+            "Scene: .gltf, .glb, an animation file (.json, or a folder with film.json), .blend where Blender is "
+            "installed, or any format that Assimp reads (.obj, .ply, .fbx, .dae, .3ds, ...)")
         ->required();
     const std::string scene = "Scene";
     command.add_option("--camera", options.camera, "Camera to look through, by name or index (default: the first)")

@@ -141,12 +141,15 @@ std::map<std::uint32_t, Poses> poses_of(const scene::Animation& film, const std:
     return poses;
 }
 
-/// The same radiance everywhere and in all directions, from places that no texture makes holes in.
+/// The same radiance everywhere and in all directions, from places that no texture makes holes in. Alpha alone hides
+/// the lamp, not its light.
 bool shines_evenly(const scene::Animation& film, std::uint32_t object) {
     const scene::Object& o = film.objects[object];
     const scene::Material& material = film.materials[static_cast<std::size_t>(o.material)];
     return o.mobility != scene::Mobility::deforming && !material.emission_texture.present() && !material.unlit &&
-           material.alpha_mode == scene::AlphaMode::opaque;
+           (material.alpha_mode == scene::AlphaMode::opaque ||
+            (material.alpha_mode == scene::AlphaMode::blend && !material.base_color_texture.present() &&
+             !material.alpha_texture.present()));
 }
 
 /// What a triangle spans as seen from `centre` [VanOosterom1983].

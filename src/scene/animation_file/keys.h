@@ -20,10 +20,11 @@ inline constexpr std::array camera_key{K("at"), K("position"), K("look_at"), K("
 
 inline constexpr std::array shot{K("at"), K("camera")};
 
-inline constexpr std::array light{
-    K("name"),   K("kind"),  K("color"),         K("intensity"), K("range"),   K("position"), K("look_at"),
-    K("rotate"), K("angle"), K("softness"),      K("elevation"), K("azimuth"), K("size"),     K("radius"),
-    K("power"),  K("keys"),  K("interpolation"), K("loop"),      K("repeat"),  K("colors"),   K("stagger")};
+inline constexpr std::array light{K("name"),      K("kind"),          K("color"),  K("intensity"), K("range"),
+                                  K("position"),  K("look_at"),       K("rotate"), K("angle"),     K("softness"),
+                                  K("elevation"), K("azimuth"),       K("size"),   K("radius"),    K("power"),
+                                  K("keys"),      K("interpolation"), K("loop"),   K("repeat"),    K("colors"),
+                                  K("stagger"),   K("seen")};
 inline constexpr std::array light_key{K("at"), K("position"), K("look_at"), K("rotate"), K("power")};
 
 inline constexpr std::array object{K("name"),        K("shape"),  K("size"),    K("radius"),   K("top_radius"),

@@ -111,6 +111,11 @@ void Lights::build_lamp(const JsonValue& value, const std::string& name, int nod
         material.glossiness = 0;
         material.emission =
             color * static_cast<float>(value.has("intensity") ? value.need("intensity").number(0, 1e6) : 10);
+        if (const auto v = value.find("seen"); v && !v->boolean()) {
+            // Alpha hides what is seen of a surface, not what it shines.
+            material.base_color.a = 0;
+            material.alpha_mode = AlphaMode::blend;
+        }
         const int index = static_cast<int>(film_.materials.size());
         film_.materials.push_back(material);
         material_at_[place] = index;
@@ -134,6 +139,7 @@ void Lights::build(const JsonValue& value, std::size_t number) {
     only_for("range", {0, 1});
     only_for("size", {3});
     only_for("radius", {4});
+    only_for("seen", {3, 4});
 
     const std::string name =
         value.has("name") ? value.need("name").text() : std::string(kinds[kind]) + " " + std::to_string(number + 1);

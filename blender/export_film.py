@@ -1,0 +1,300 @@
+"""blender -b --factory-startup --disable-autoexec -noaudio -P export_film.py -- FILE.blend FOLDER TEXTURE_SIZE
+
+Writes what render2mpeg can show of a .blend to FOLDER: film.json (an animation file), scene.glb and images beside it, and
+export.json: {"error": "..."} or {"blender", "lost": [...], "uses": [[path, size, mtime in ns], ...]}, where `uses` names
+the other files that the .blend was made of. Executes nothing that the .blend holds.
+"""
+import json
+import math
+import os
+import sys
+import traceback
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.dont_write_bytecode = True
+
+import bpy  # noqa: E402
+
+RATES = {"23.976": 24000 / 1001, "24": 24.0, "25": 25.0, "29.97": 30000 / 1001, "30": 30.0, "50": 50.0, "59.94": 60000 / 1001, "60": 60.0}
+
+
+class Refused(Exception):
+    """A .blend that cannot be a film: the reason in one line."""
+
+
+def open_blend(path):
+    try:
+        bpy.ops.wm.open_mainfile(filepath=path, load_ui=False, use_scripts=False)
+    except RuntimeError as error:
+        text = " ".join(str(error).split())
+        raise Refused("Blender cannot read it: " + text.rsplit(": ", 1)[-1]) from None
+    if os.path.realpath(bpy.data.filepath) != os.path.realpath(path):
+        raise Refused("Blender cannot read it")
+
+
+def rate_of(scene, lost):
+    """Frames per second of the .blend, and the film's rate by name."""
+    own = scene.render.fps / scene.render.fps_base
+
+    def distance(name):
+        """To a multiple, where no frame of the .blend is left out, or to the rate itself."""
+        rate = RATES[name]
+        multiple = max(1, round(rate / own))
+        return abs(math.log(rate / (own * multiple))) + 1e-3 * (multiple - 1)
+    name = min(RATES, key=distance)
+    if distance(name) > 1e-4:
+        lost.add(scene, f"{own:g} frames per second; the film has {name}, at the same speed")
+    return own, name
+
+
+def format_of(scene, film, lost):
+    render = scene.render
+    width = max(1, render.resolution_x * render.resolution_percentage // 100)
+    height = max(1, render.resolution_y * render.resolution_percentage // 100)
+    film["size"] = [width, height]
+    pixel = render.pixel_aspect_x / render.pixel_aspect_y
+    if abs(pixel - 1) > 1e-4:
+        shape = width / height * pixel
+        shapes = {"4:3": 4 / 3, "16:9": 16 / 9, "2.21:1": 2.21}
+        near = min(shapes, key=lambda name: abs(math.log(shapes[name] / shape)))
+        film["display_aspect"] = near
+        if abs(math.log(shapes[near] / shape)) > 0.03:
+            lost.add(scene, f"a picture of {shape:.3f}:1 by pixels that are not square; MPEG-2's nearest shape is {near}")
+
+
+def look_of_film(scene, film, lost):
+    """Exposure, and what of the film's look is not kept."""
+    view, render = scene.view_settings, scene.render
+    exposure = view.exposure
+    if scene.render.engine == "CYCLES":
+        exposure += math.log2(max(scene.cycles.film_exposure, 1e-6))
+    film["exposure"] = round(min(max(exposure, -50), 50), 6)
+    if view.view_transform not in {"Raw"}:
+        look = "" if view.look in {"", "None"} else f" with the look {view.look}"
+        lost.add(scene, f"view transform {view.view_transform}{look}; the film has its own curve (docs/model/display.md)")
+    if abs(view.gamma - 1) > 1e-4:
+        lost.add(scene, f"gamma {view.gamma:g} of the view")
+    if view.use_curve_mapping:
+        lost.add(scene, "curves of the view")
+    if render.use_motion_blur:
+        lost.add(scene, f"motion blur (shutter {render.motion_blur_shutter:g} frames)")
+    if render.use_border:
+        lost.add(scene, "render region; the whole picture is rendered")
+    if render.film_transparent:
+        lost.add(scene, "transparent film; the world is seen")
+    if render.use_sequencer and scene.sequence_editor and any(s.type != "SOUND" for s in scene.sequence_editor.sequences_all):
+        lost.add(scene, "strips of the video sequencer")
+    if render.use_compositing and scene.use_nodes and scene.node_tree and len(scene.node_tree.nodes) > 2:
+        lost.add(scene, "compositing nodes")
+
+
+def scripts_in(lost):
+    """Drivers whose Python was not run."""
+    things = list(bpy.data.objects) + list(bpy.data.materials) + list(bpy.data.lights) + list(bpy.data.cameras)
+    things += [k for k in bpy.data.shape_keys] + [m.node_tree for m in bpy.data.materials if m.node_tree]
+    for thing in things:
+        animation = getattr(thing, "animation_data", None)
+        for driver in animation.drivers if animation else ():
+            if driver.driver.type == "SCRIPTED" and not driver.driver.is_simple_expression:
+                lost.add(thing, f"driver of {driver.data_path}: its Python expression is not executed")
+    for text in bpy.data.texts:
+        if text.use_module:
+            lost.add(text, "text that registers itself: not executed")
+
+
+def other_things(scene, lost):
+    for thing in scene.objects:
+        if thing.hide_render:
+            continue
+        for system in thing.particle_systems:
+            settings = system.settings
+            if system.settings.count == 0:
+                continue
+            if settings.type == "HAIR" and settings.render_type == "PATH":
+                lost.add(thing, f"hair {system.name}")
+            elif settings.render_type in {"HALO", "LINE", "PATH"} and settings.type == "EMITTER":
+                lost.add(thing, f"particles {system.name} shown as {settings.render_type.lower()}")
+        if thing.type not in {"MESH", "CURVE", "SURFACE", "FONT", "META"}:
+            continue
+        if thing.is_holdout or thing.is_shadow_catcher:
+            lost.add(thing, "holdout" if thing.is_holdout else "shadow catcher")
+        if not thing.visible_camera:
+            lost.add(thing, "hidden from cameras only; it is seen")
+
+
+def write_nodes(glb, walk, materials, times, film, lost):
+    """Every object and instance as a node of its own below one that turns Blender's z up to the film's y."""
+    import numpy as np
+    from mathutils import Matrix
+    from film_export.cameras import TO_FILM
+    from film_export.keys import json_number, thinned
+    from film_export.shapes import add_mesh
+
+    meshes, names, change = {}, set(), {}
+    for thing in walk.things.values():
+        if thing.kind == "LIGHT":
+            continue
+        over = walk.shapes[thing.shape]
+        if thing.shape not in meshes:
+            offsets, weights = over.bending.result() if over.bending else ([], None)
+            closed = over.shape.is_closed()
+
+            def slot(number, over=over, closed=closed):
+                material = over.materials[min(number, len(over.materials) - 1)] if over.materials else None
+                index, layers = materials.index(material, over.mesh_name, closed)
+                return index, [over.shape.main_uv if layer is None else layer for layer in layers]
+            meshes[thing.shape] = (add_mesh(glb, over.object_name, over.shape, offsets, slot), weights)
+        mesh, weights = meshes[thing.shape]
+        if mesh is None:
+            continue
+        name, number = thing.name, 1
+        while name in names:
+            number += 1
+            name = f"{thing.name} {number}"
+        names.add(name)
+        node = glb.node({"name": name, "mesh": mesh})
+        if weights is not None and weights.shape[1]:
+            needed = thinned(times, weights, 1e-4)
+            glb.document["nodes"][node]["weights"] = [float(w) for w in weights[needed[0]]]
+            if len(needed) > 1:
+                glb.channel(node, "weights", [times[k] for k in needed], weights[needed].ravel())
+        place_node(glb, node, thing, times, Matrix, TO_FILM, np, thinned, lost)
+        shown = [m is not None for m in thing.matrices]
+        if not all(shown):
+            keys = [{"at": json_number(times[k]), "visible": shown[k]} for k in range(len(shown)) if k == 0 or shown[k] != shown[k - 1]]
+            change[name] = {"keys": keys}
+    if change:
+        film["change"] = change
+
+
+def place_node(glb, node, thing, times, Matrix, TO_FILM, np, thinned, lost):
+    present = [k for k, m in enumerate(thing.matrices) if m is not None]
+    matrices = np.array([TO_FILM @ thing.matrices[k] for k in present])
+    says = glb.document["nodes"][node]
+    if np.max(np.ptp(matrices, axis=0)) < 1e-6:
+        says["matrix"] = [float(v) for v in matrices[0].T.ravel()]
+        return
+    parts = [Matrix(m.tolist()).decompose() for m in matrices]
+    for m, (place, turn, scale) in zip(matrices, parts):
+        if min(map(abs, scale)) > 1e-6 and np.max(np.abs(np.array(Matrix.LocRotScale(place, turn, scale)) - m)) > 1e-3 * (1 + np.max(np.abs(m[:3, :3]))):
+            lost.add(thing.name, "sheared by its parents while it moves; without the shear")
+            break
+    at = [times[k] for k in present]
+    turns = np.array([[q.x, q.y, q.z, q.w] for _, q, _ in parts])
+    for k in range(1, len(turns)):
+        if turns[k] @ turns[k - 1] < 0:
+            turns[k] = -turns[k]
+    rows = {"translation": np.array([list(p) for p, _, _ in parts]), "rotation": turns, "scale": np.array([list(s) for _, _, s in parts])}
+    for path, values in rows.items():
+        needed = thinned(at, values, 2e-6 * max(1.0, float(np.max(np.abs(values)))))
+        says[path] = [float(v) for v in values[needed[0]]]
+        if len(needed) > 1:
+            glb.channel(node, path, [at[k] for k in needed], values[needed])
+
+
+class Strengths:
+    """How the strength of emissions changes."""
+
+    def __init__(self, materials):
+        self.materials, self.rows = materials, []
+
+    def watch(self, number, depsgraph):
+        row = {}
+        for look_name, (look, _) in self.materials.looks.items():
+            material = bpy.data.materials.get(look_name)
+            if not look.animated or material is None or material.node_tree is None or material.node_tree.animation_data is None:
+                continue
+            tree = material.evaluated_get(depsgraph).node_tree
+            node = tree.nodes.get(look.animated[0])
+            if node is not None and look.animated[1] in node.inputs:
+                row[look_name] = float(node.inputs[look.animated[1]].default_value)
+        self.rows.append(row)
+
+    def write(self, film, times):
+        from film_export.keys import json_number, thinned
+        for name, (material, _, _, first) in self.materials.strengths.items():
+            values = [row.get(material.name_full) for row in self.rows]
+            if None in values:
+                continue
+            needed = thinned(times, [[v] for v in values], 1e-5 * max(max(values), 1e-9))
+            if len(needed) > 1:
+                keys = [{"at": json_number(times[k]), "power": json_number(max(values[k], 0) / first)} for k in needed]
+                film.setdefault("materials", {})[name] = {"keys": keys, "interpolation": "linear"}
+
+
+def export(path, folder, texture_size):
+    open_blend(path)
+    from film_export import lamps, world
+    from film_export.baking import Baker
+    from film_export.cameras import Cameras
+    from film_export.glb import Glb
+    from film_export.lost import Lost
+    from film_export.materials import Materials
+    from film_export.walk import Walk
+
+    scene, lost, glb = bpy.context.scene, Lost(), Glb()
+    own_rate, rate = rate_of(scene, lost)
+    frames = list(range(scene.frame_start, scene.frame_end + 1, max(1, scene.frame_step)))
+    times = [k / own_rate for k in range(len(frames))]
+    film = {"title": os.path.basename(path), "scene": "scene.glb", "frame_rate": rate,
+            "frames": max(1, round(len(frames) / own_rate * RATES[rate]))}
+    format_of(scene, film, lost)
+    look_of_film(scene, film, lost)
+    scripts_in(lost)
+    other_things(scene, lost)
+
+    scene.frame_set(frames[0])
+    materials = Materials(glb, folder, Baker(texture_size), lost)
+    for thing in list(bpy.data.objects):
+        if thing.type == "MESH" and (scene in thing.users_scene or not thing.users_scene):
+            materials.prepare(thing)
+    materials.baker.clear()
+    world.write(scene, film, folder, lost)
+    window = bpy.context.window_manager.windows[0]
+    window.scene = scene
+
+    cameras, strengths = Cameras(scene, frames, times, lost), Strengths(materials)
+
+    def watch(number, depsgraph):
+        cameras.watch(number, depsgraph)
+        strengths.watch(number, depsgraph)
+    walk = Walk(scene, frames, watch, lost)
+    walk.run()
+    write_nodes(glb, walk, materials, times, film, lost)
+    cameras.write(film)
+    lights = [lamps.described(thing, times, lost) for thing in walk.things.values() if thing.kind == "LIGHT"]
+    if any(lights):
+        film["lights"] = film.get("lights", []) + [light for light in lights if light]
+    strengths.write(film, times)
+    glb.save(os.path.join(folder, "scene.glb"))
+    with open(os.path.join(folder, "film.json"), "w") as file:
+        json.dump(film, file, indent=1)
+    return {"blender": bpy.app.version_string, "lost": lost.lines, "uses": used_files(path)}
+
+
+def used_files(path):
+    """Other files that decided the export, as they are now."""
+    out = []
+    for name in sorted(set(bpy.utils.blend_paths(absolute=True, packed=False, local=False))):
+        if os.path.realpath(name) != os.path.realpath(path) and os.path.isfile(name):
+            state = os.stat(name)
+            out.append([os.path.abspath(name), state.st_size, state.st_mtime_ns])
+    return out
+
+
+def main():
+    path, folder, texture_size = sys.argv[sys.argv.index("--") + 1:]
+    try:
+        result = export(path, folder, int(texture_size))
+    except Refused as reason:
+        result = {"error": str(reason)}
+    except Exception as trouble:  # one line for the user, the rest for whoever mends this script
+        traceback.print_exc()
+        last = traceback.extract_tb(trouble.__traceback__)[-1]
+        result = {"error": f"its export failed ({type(trouble).__name__}: {' '.join(str(trouble).split())}, "
+                           f"{os.path.basename(last.filename)}:{last.lineno})"}
+    with open(os.path.join(folder, "export.json"), "w") as file:
+        json.dump(result, file, indent=1)
+
+
+main()

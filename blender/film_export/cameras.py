@@ -1,0 +1,106 @@
+"""Cameras with all that moves them, and the cuts between them."""
+import math
+
+import bpy
+import numpy as np
+
+from .keys import json_number, thinned, turns, unwound
+
+# Blender's z is up, the film's y.
+TO_FILM = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], dtype=float)
+
+
+def rotation_of(matrix):
+    """The turn in a matrix of rows, without its scales."""
+    from mathutils import Matrix
+    return Matrix(matrix.tolist()).to_quaternion().to_matrix()
+
+
+def cuts(scene, frames):
+    """(number of the frame, camera) from where on it is shown; markers that hold cameras cut."""
+    marks = sorted(((m.frame, m.camera) for m in scene.timeline_markers if m.camera), key=lambda m: m[0])
+    out = []
+    for number, frame in enumerate(frames):
+        before = [camera for at, camera in marks if at <= frame]
+        camera = before[-1] if before else marks[0][1] if marks else scene.camera
+        if not out or out[-1][1] != camera:
+            out.append((number, camera))
+    return out
+
+
+class Cameras:
+    def __init__(self, scene, frames, times, lost):
+        self.scene, self.times, self.lost = scene, times, lost
+        self.cuts = cuts(scene, frames)
+        self.shown = []
+        for _, camera in self.cuts:
+            if camera is not None and camera not in self.shown:
+                self.shown.append(camera)
+        self.poses = {camera.name_full: [] for camera in self.shown}
+
+    def watch(self, number, depsgraph):
+        render = self.scene.render
+        for camera in self.shown:
+            now = camera.evaluated_get(depsgraph)
+            matrix = TO_FILM @ np.array(now.matrix_world, dtype=float)
+            lens = np.array(now.calc_matrix_camera(depsgraph, x=render.resolution_x, y=render.resolution_y,
+                                                   scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y))
+            data = now.data
+            focus = data.dof
+            distance = focus.focus_distance
+            if focus.focus_object:
+                there = focus.focus_object.evaluated_get(depsgraph).matrix_world.translation
+                distance = (there - now.matrix_world.translation).length
+            self.poses[camera.name_full].append({
+                "position": matrix[:3, 3], "rotate": turns(rotation_of(matrix)), "lens": lens, "clip": data.clip_start,
+                "f": focus.aperture_fstop if focus.use_dof else None, "focus": distance})
+
+    def tell_losses(self, camera, poses):
+        data = camera.data
+        if data.type == "PANO":
+            self.lost.add(camera, "panoramic lens; shown as a perspective one")
+        first = poses[0]
+        shift = first["lens"][:2, 2] if data.type != "ORTHO" else first["lens"][:2, 3]
+        if np.max(np.abs(shift)) > 1e-5:
+            self.lost.add(camera, f"lens shift (x {data.shift_x:.3g}, y {data.shift_y:.3g})")
+        if first["f"] is not None:
+            self.lost.add(camera, f"depth of field (f/{first['f']:.3g}, focus at {first['focus']:.3g} m)")
+        if data.type == "ORTHO" and any(abs(p["lens"][1, 1] / first["lens"][1, 1] - 1) > 1e-4 for p in poses):
+            self.lost.add(camera, "animated scale of a parallel projection; as on the first frame")
+
+    def described(self, camera):
+        poses = self.poses[camera.name_full]
+        self.tell_losses(camera, poses)
+        says = {"interpolation": "linear"}
+        if poses[0]["clip"] > 0:
+            says["near"] = json_number(poses[0]["clip"])
+        quantities = {"position": ([p["position"] for p in poses], 1e-5), "rotate": (unwound([p["rotate"] for p in poses]), 1e-3)}
+        if camera.data.type == "ORTHO":
+            says["height"] = json_number(2 / poses[0]["lens"][1, 1])
+        else:
+            fov = [[math.degrees(2 * math.atan(1 / p["lens"][1, 1]))] for p in poses]
+            quantities["fov"] = (fov, 1e-4)
+        keys = {}
+        for name, (values, tolerance) in quantities.items():
+            needed = thinned(self.times, values, tolerance)
+            for k in needed:
+                value = [json_number(v) for v in values[k]]
+                value = value[0] if name == "fov" else value
+                if len(needed) == 1:
+                    says[name] = value
+                else:
+                    keys.setdefault(k, {"at": json_number(self.times[k])})[name] = value
+        if keys:
+            says["keys"] = [keys[k] for k in sorted(keys)]
+        return says
+
+    def write(self, film):
+        """Their part of the animation file."""
+        if not self.shown:
+            self.lost.add(self.scene, "has no camera; the film gets one that shows all of it")
+            return
+        names = {camera.name_full: camera.name if camera.library is None else camera.name_full for camera in self.shown}
+        film["cameras"] = {names[c.name_full]: self.described(c) for c in self.shown}
+        shots = [(number, camera) for number, camera in self.cuts if camera is not None]
+        if len(shots) > 1:
+            film["shots"] = [{"at": json_number(self.times[n]), "camera": names[c.name_full]} for n, c in shots]

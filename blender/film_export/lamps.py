@@ -1,0 +1,134 @@
+"""Lamps in the units of animation files.
+
+Measured with Cycles of Blender 3.4, with P the power in W and A the area: a point of radius r has the radiant intensity
+P / (4 pi), as a sphere the radiance P / (4 pi^2 r^2); a spot has a point's intensity times the cosine to its axis; an
+area lamp has the radiance P / (4 A); a sun of half angle s has the irradiance E (1 + cos s) / 2. Cameras see no lamp.
+"""
+import math
+
+import bpy
+import numpy as np
+
+from .cameras import TO_FILM, rotation_of
+from .keys import json_number, thinned, turns, unwound
+
+
+def energy_of(thing, number):
+    color, energy = thing.values[number]
+    return max(0.0, energy) * max(max(color), 0.0)
+
+
+def color_of(color):
+    largest = max(color)
+    return [json_number(max(c, 0) / largest) for c in color] if largest > 0 else [1, 1, 1]
+
+
+def area_of(light, scale):
+    x = light.size * scale[0]
+    y = (light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size) * scale[1]
+    return max(x, 1e-4), max(y, 1e-4)
+
+
+def spot_keys(light, says, lost, name):
+    """Cycles' edge is a smooth step in the cosine, the film's the square of a line: with three quarters of the width
+    both cut off the same light. Before Blender 4 Cycles dims by the cosine to the axis: its mean counts."""
+    half = min(light.spot_size / 2, math.radians(89.9))
+    outer = math.cos(half)
+    inner = outer + 0.75 * light.spot_blend * (1 - outer)
+    says["angle"] = json_number(2 * math.degrees(half))
+    says["softness"] = json_number(1 - math.acos(min(1.0, inner)) / half)
+    if light.shadow_soft_size > 0.01:
+        lost.add(name, f"soft size of a spot ({light.shadow_soft_size:.3g} m); its shadows are sharp")
+    return (1 + outer) / 2 if bpy.app.version < (4, 0, 0) else 1.0
+
+
+def strength_keys(thing, light, scale, says, lost):
+    """Fills in kind and size; returns intensity per watt."""
+    if light.type == "SUN":
+        says["kind"] = "sun"
+        if light.angle > 0:
+            says["angle"] = json_number(math.degrees(min(light.angle, math.pi)))
+        return (1 + math.cos(light.angle / 2)) / 2
+    if light.type == "SPOT":
+        says["kind"] = "spot"
+        return spot_keys(light, says, lost, thing.name) / (4 * math.pi)
+    if light.type == "POINT":
+        radius = light.shadow_soft_size
+        if radius < 1e-3:
+            says["kind"] = "point"
+            return 1 / (4 * math.pi)
+        says.update(kind="sphere", radius=json_number(radius), seen=False)
+        return 1 / (4 * math.pi**2 * radius**2)
+    x, y = area_of(light, scale)
+    area = x * y
+    if light.shape in {"DISK", "ELLIPSE"}:
+        # A panel of the same area and proportions.
+        area *= math.pi / 4
+        x, y = x * math.sqrt(math.pi) / 2, y * math.sqrt(math.pi) / 2
+        lost.add(thing.name, "round area lamp; a rectangle of the same area")
+    if light.spread < math.radians(179):
+        lost.add(thing.name, f"spread of an area lamp ({math.degrees(light.spread):.3g} degrees); it shines to all sides of its front")
+    says.update(kind="panel", size=[json_number(x), json_number(y)], seen=False)
+    return 1 / (4 * area)
+
+
+def node_strength(thing, light, lost):
+    """A lamp's nodes: colour and strength of one emission as factors."""
+    if not light.use_nodes or light.node_tree is None:
+        return (1, 1, 1), 1.0
+    for node in light.node_tree.nodes:
+        if node.type == "EMISSION":
+            if any(socket.is_linked for socket in node.inputs):
+                lost.add(thing.name, "nodes of the lamp")
+            if node.inputs["Strength"].is_linked:
+                return (1, 1, 1), 1.0
+            return tuple(node.inputs["Color"].default_value)[:3], node.inputs["Strength"].default_value
+    return (1, 1, 1), 1.0
+
+
+def described(thing, times, lost):
+    light = thing.light
+    present = [n for n, m in enumerate(thing.matrices) if m is not None]
+    first = thing.matrices[present[0]]
+    scale = np.linalg.norm(first[:3, :3], axis=0)
+    says = {"name": thing.name}
+    factor = strength_keys(thing, light, scale, says, lost)
+    tint, strength = node_strength(thing, light, lost)
+    color = thing.values[0][0]
+    says["color"] = color_of([a * b for a, b in zip(color, tint)])
+    factor *= strength * max(a * b for a, b in zip(color, tint)) / max(max(color), 1e-9)
+    if any(max(abs(a - b) for a, b in zip(color_of(v[0]), color_of(color))) > 1e-3 for v in thing.values):
+        lost.add(thing.name, "animated colour of a lamp; as on the first frame")
+
+    power = [0.0] * len(times)
+    for k, number in enumerate(present):
+        power[number] = factor * energy_of(thing, k)
+    peak = max(power)
+    if peak <= 0:
+        return None
+    says["intensity"] = json_number(peak)
+    # Where it is not there it keeps its place and is dark.
+    matrices, last = [], first
+    for matrix in thing.matrices:
+        last = matrix if matrix is not None else last
+        matrices.append(TO_FILM @ last)
+    quantities = {"position": ([m[:3, 3] for m in matrices], 1e-5), "rotate": (unwound([turns(rotation_of(m)) for m in matrices]), 1e-3)}
+    if says["kind"] in {"point", "sphere"}:
+        del quantities["rotate"]
+    if says["kind"] == "sun":
+        del quantities["position"]
+    if max(power) - min(power) > 1e-6 * peak:
+        quantities["power"] = ([[p / peak] for p in power], 1e-5)
+    keys = {}
+    for name, (values, tolerance) in quantities.items():
+        needed = thinned(times, values, tolerance)
+        for k in needed:
+            value = [json_number(v) for v in values[k]]
+            value = value[0] if name == "power" else value
+            if len(needed) == 1:
+                says[name] = value
+            else:
+                keys.setdefault(k, {"at": json_number(times[k])})[name] = value
+    if keys:
+        says["keys"], says["interpolation"] = [keys[k] for k in sorted(keys)], "linear"
+    return says

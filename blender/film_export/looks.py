@@ -1,0 +1,331 @@
+"""What a material's shaders come to: the inputs of one Principled-like surface, each a constant, an image, or a socket
+whose value has to be baked."""
+import math
+
+from .nodes import incoming, number_of
+
+
+class Constant:
+    def __init__(self, value):
+        self.value = value
+
+    def __eq__(self, other):
+        return isinstance(other, Constant) and self.value == other.value
+
+
+class Picture:
+    """An image node's picture by a layer of coordinates: `channel` None for colour, else one of "RGBA"."""
+
+    def __init__(self, node, channel, layer, transform):
+        self.node, self.image, self.channel, self.layer, self.transform = node, node.image, channel, layer, transform
+
+
+class Baked:
+    def __init__(self, socket):
+        self.socket = socket
+
+
+class Look:
+    def __init__(self, **channels):
+        self.base, self.metallic, self.roughness = Constant((0.8, 0.8, 0.8)), Constant(0.0), Constant(1.0)
+        self.emission, self.strength = Constant((0.0, 0.0, 0.0)), Constant(0.0)
+        self.alpha, self.transmission = Constant(1.0), Constant(0.0)
+        self.ior = 1.5
+        self.normal = None    # (Picture, strength), or a socket to bake
+        self.surface = True   # False: reflects nothing
+        self.animated = None  # (node's name, input's name) of the emission's strength
+        self.__dict__.update(channels)
+
+
+def mapping_of(node):
+    """KHR_texture_transform of a Mapping node; None where it has none."""
+    if node.vector_type not in {"POINT", "TEXTURE"} or any(s.is_linked for s in node.inputs[1:]):
+        return None
+    place, turn, scale = (tuple(node.inputs[k].default_value) if k in node.inputs else (0, 0, 0) for k in ("Location", "Rotation", "Scale"))
+    if node.vector_type == "TEXTURE" or abs(turn[0]) > 1e-6 or abs(turn[1]) > 1e-6:
+        return None
+    s, c = math.sin(turn[2]), math.cos(turn[2])
+    offset = [-scale[1] * s + place[0], 1 - scale[1] * c - place[1]]
+    return {"offset": offset, "rotation": turn[2], "scale": [scale[0], scale[1]]}
+
+
+def place_of(node):
+    """(layer or None for the main one, transform or None) of an image node's coordinates; None where they are others."""
+    source, transform = incoming(node.inputs["Vector"]), None
+    if source is not None and source.node.type == "MAPPING":
+        transform = mapping_of(source.node)
+        if transform is None:
+            return None
+        source = incoming(source.node.inputs["Vector"])
+        if source is None:
+            return None
+    if source is None:
+        return None, transform
+    if source.node.type == "UVMAP" and not source.node.from_instancer:
+        return source.node.uv_map or None, transform
+    if source.node.type == "TEX_COORD" and source.name == "UV" and not source.node.from_instancer:
+        return None, transform
+    return None
+
+
+def picture_of(socket, is_color):
+    """A plain image that glTF can name; None where it cannot."""
+    node, channel = socket.node, None
+    if node.type in {"SEPARATE_COLOR", "SEPRGB"} and getattr(node, "mode", "RGB") == "RGB":
+        channel = "RGB"[list(node.outputs).index(socket)]
+        socket = incoming(node.inputs[0])
+        if socket is None or socket.name != "Color":
+            return None
+        node = socket.node
+    if node.type != "TEX_IMAGE" or node.image is None:
+        return None
+    if socket.name == "Alpha":
+        channel = "A"
+    image = node.image
+    plain = (image.source == "FILE" and not image.is_float and node.projection == "FLAT" and node.extension in {"REPEAT", "EXTEND"}
+             and image.size[0] > 0 and image.size[1] > 0)
+    if not plain:
+        return None
+    encoded = image.colorspace_settings.name == "sRGB"
+    if channel != "A" and encoded != (is_color and channel is None):
+        return None
+    place = place_of(node)
+    return Picture(node, channel, *place) if place else None
+
+
+class Reader:
+    """Reads one material's tree (a copy without groups). What is not understood is told to `lost`."""
+
+    def __init__(self, tree, name, lost):
+        self.tree, self.name, self.lost = tree, name, lost
+
+    def value(self, socket, is_color=False):
+        source = incoming(socket)
+        if source is None:
+            raw = socket.default_value
+            return Constant(tuple(raw)[:3] if is_color and hasattr(raw, "__len__") else number_of(raw))
+        if source.node.type in {"RGB", "VALUE"}:
+            raw = source.default_value
+            if is_color:
+                return Constant(tuple(raw)[:3] if hasattr(raw, "__len__") else (raw,) * 3)
+            return Constant(number_of(raw))
+        return picture_of(source, is_color) or Baked(source)
+
+    def input(self, node, names, is_color=False, otherwise=None):
+        for name in names:
+            if name in node.inputs:
+                return self.value(node.inputs[name], is_color)
+        return Constant(otherwise)
+
+    def constant(self, node, names, otherwise):
+        value = self.input(node, names, otherwise=otherwise)
+        if isinstance(value, Constant):
+            return value.value
+        self.lost.add(self.name, f"texture of {names[0]}; its node's own value is used")
+        return next(number_of(node.inputs[n].default_value) for n in names if n in node.inputs)
+
+    def normal(self, node):
+        source = incoming(node.inputs["Normal"]) if "Normal" in node.inputs else None
+        if source is None:
+            return None
+        if source.node.type == "NORMAL_MAP" and source.node.space == "TANGENT":
+            color, strength = incoming(source.node.inputs["Color"]), self.value(source.node.inputs["Strength"])
+            picture = picture_of(color, False) if color is not None else None
+            if isinstance(picture, Picture) and picture.channel is None and isinstance(strength, Constant):
+                if source.node.uv_map and picture.layer is None:
+                    picture.layer = source.node.uv_map
+                return picture, strength.value
+        return source
+
+    def shader(self, socket):
+        """The look of a shader's output."""
+        node = socket.node
+        reader = getattr(self, "read_" + node.type.lower(), None)
+        if reader is not None:
+            return reader(node)
+        self.lost.add(self.name, f"shader {node.bl_label}; shown as a matt surface of its colour")
+        return Look(base=self.input(node, ["Color"], True, (0.8, 0.8, 0.8)), ior=1.0)
+
+    def read_bsdf_principled(self, node):
+        look = Look(base=self.input(node, ["Base Color"], True), metallic=self.input(node, ["Metallic"], otherwise=0.0),
+                    roughness=self.input(node, ["Roughness"]), alpha=self.input(node, ["Alpha"], otherwise=1.0),
+                    emission=self.input(node, ["Emission Color", "Emission"], True, (0, 0, 0)),
+                    strength=self.input(node, ["Emission Strength"], otherwise=1.0),
+                    transmission=self.input(node, ["Transmission Weight", "Transmission"], otherwise=0.0),
+                    normal=self.normal(node))
+        look.animated = (node.name, "Emission Strength")
+        ior = self.constant(node, ["IOR"], 1.45)
+        if look.transmission != Constant(0.0):
+            look.ior = ior
+        elif "Specular IOR Level" in node.inputs:
+            level = self.constant(node, ["Specular IOR Level"], 0.5)
+            normal = ((ior - 1) / (ior + 1)) ** 2 * 2 * level
+            look.ior = (1 + math.sqrt(min(normal, 0.9))) / (1 - math.sqrt(min(normal, 0.9)))
+        else:
+            normal = 0.08 * self.constant(node, ["Specular"], 0.5)
+            look.ior = (1 + math.sqrt(normal)) / (1 - math.sqrt(normal))
+        for names, reason in ((["Subsurface Weight", "Subsurface"], "light below the surface (subsurface)"),
+                              (["Coat Weight", "Clearcoat"], "clear coat"), (["Sheen Weight", "Sheen"], "sheen"),
+                              (["Anisotropic"], "anisotropic highlights"), (["Thin Film Thickness"], "thin film")):
+            if self.input(node, names, otherwise=0.0) != Constant(0.0):
+                self.lost.add(self.name, reason)
+        return look
+
+    def read_bsdf_diffuse(self, node):
+        return Look(base=self.input(node, ["Color"], True), ior=1.0, normal=self.normal(node))
+
+    def read_bsdf_glossy(self, node):
+        return Look(base=self.input(node, ["Color"], True), metallic=Constant(1.0), roughness=self.glossiness(node), normal=self.normal(node))
+
+    read_bsdf_anisotropic = read_bsdf_metallic = read_bsdf_glossy
+
+    def glossiness(self, node):
+        if getattr(node, "distribution", "") == "SHARP":
+            return Constant(0.0)
+        return self.input(node, ["Roughness"], otherwise=0.0)
+
+    def read_bsdf_glass(self, node):
+        return Look(base=self.input(node, ["Color"], True), transmission=Constant(1.0), roughness=self.glossiness(node),
+                    ior=self.constant(node, ["IOR"], 1.45), normal=self.normal(node))
+
+    read_bsdf_refraction = read_bsdf_glass
+
+    def read_bsdf_transparent(self, node):
+        return Look(base=Constant((0.0, 0.0, 0.0)), alpha=Constant(0.0), surface=False)
+
+    def read_emission(self, node):
+        return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0, emission=self.input(node, ["Color"], True),
+                    strength=self.input(node, ["Strength"]), surface=False, animated=(node.name, "Strength"))
+
+    read_background = read_emission
+
+    def read_add_shader(self, node):
+        looks = [self.shader(s) for s in (incoming(i) for i in node.inputs[:2]) if s is not None]
+        if not looks:
+            return Look(base=Constant((0.0, 0.0, 0.0)), alpha=Constant(0.0))
+        looks.sort(key=lambda look: not look.surface)
+        first = looks[0]
+        if len(looks) > 1:
+            second = looks[1]
+            if second.surface or first.strength != Constant(0.0) and first.emission != Constant((0.0, 0.0, 0.0)):
+                self.lost.add(self.name, "sum of two shaders; only the first is kept")
+            else:
+                first.emission, first.strength, first.animated = second.emission, second.strength, second.animated
+        return first
+
+    def read_mix_shader(self, node):
+        shaders = [incoming(i) for i in node.inputs[1:3]]
+        looks = [self.shader(s) if s is not None else Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0) for s in shaders]
+        factor = self.value(node.inputs[0])
+        if isinstance(factor, Constant) and factor.value in (0.0, 1.0):
+            return looks[int(factor.value)]
+        source = incoming(node.inputs[0])
+        by_angle = source is not None and source.node.type in {"FRESNEL", "LAYER_WEIGHT"}
+        if by_angle and all(s is not None for s in shaders) and shaders[0].node.type == "BSDF_TRANSPARENT" and looks[1].surface:
+            # A pane as architects have it.
+            return Look(base=self.input(shaders[0].node, ["Color"], True), transmission=Constant(1.0), roughness=looks[1].roughness,
+                        ior=self.constant(source.node, ["IOR"], 1.5), normal=looks[1].normal)
+        clear = [look.alpha == Constant(0.0) for look in looks]
+        if clear[0] != clear[1]:
+            return self.cut_out(looks[0] if clear[1] else looks[1], factor, clear[1])
+        if by_angle:
+            return self.coated(looks, source.node)
+        return self.mixed(looks, node.inputs[0])
+
+    def cut_out(self, look, factor, flipped):
+        """A shader mixed with nothing."""
+        if look.alpha != Constant(1.0):
+            self.lost.add(self.name, "transparency in transparency; only the outer one is kept")
+        look.alpha = factor
+        if flipped:
+            if isinstance(factor, Constant):
+                look.alpha = Constant(1 - factor.value)
+            else:
+                node = self.tree.nodes.new("ShaderNodeMath")
+                node.operation = "SUBTRACT"
+                node.inputs[0].default_value = 1.0
+                source = factor.socket if isinstance(factor, Baked) else factor.node.outputs["Alpha" if factor.channel == "A" else "Color"]
+                self.tree.links.new(source, node.inputs[1])
+                look.alpha = Baked(node.outputs[0])
+        return look
+
+    def coated(self, looks, fresnel):
+        """Diffuse below a gloss by Fresnel's factor: a dielectric, as one surface."""
+        under, gloss = looks
+        if gloss.metallic != Constant(1.0) or under.metallic == Constant(1.0):
+            self.lost.add(self.name, "mix of shaders by the angle; only the first is kept")
+            return under
+        under.roughness = gloss.roughness
+        under.ior = self.constant(fresnel, ["IOR"], 1.5) if "IOR" in fresnel.inputs else 1.5
+        return under
+
+    def mixed(self, looks, factor):
+        """Each input mixed by itself."""
+        first, second = looks
+        out = Look(normal=first.normal or second.normal, surface=first.surface or second.surface)
+        total = self.value(factor)
+        share = total.value if isinstance(total, Constant) else 0.5
+        out.ior = first.ior * (1 - share) + second.ior * share
+        for name in ("base", "metallic", "roughness", "emission", "strength", "alpha", "transmission"):
+            a, b = getattr(first, name), getattr(second, name)
+            # What only one of them has is that one's: black emits nothing, whatever its colour.
+            if name == "emission":
+                a, b = (b, b) if first.strength == Constant(0.0) else (a, a) if second.strength == Constant(0.0) else (a, b)
+            if name in {"base", "roughness"} and first.surface != second.surface:
+                out.__dict__[name] = a if first.surface else b
+                continue
+            out.__dict__[name] = self.between(a, b, factor, total)
+        if first.surface != second.surface:
+            out.surface = True
+            dim = self.between(*((out.base, Constant((0.0, 0.0, 0.0))) if first.surface else (Constant((0.0, 0.0, 0.0)), out.base)),
+                               factor, total)
+            out.base = dim
+        return out
+
+    def between(self, a, b, factor, total):
+        if isinstance(a, Constant) and isinstance(b, Constant):
+            if a == b:
+                return a
+            if isinstance(total, Constant):
+                t = total.value
+                if isinstance(a.value, tuple):
+                    return Constant(tuple(x * (1 - t) + y * t for x, y in zip(a.value, b.value)))
+                return Constant(a.value * (1 - t) + b.value * t)
+        node = self.tree.nodes.new("ShaderNodeMixRGB")
+        source = incoming(factor)
+        if source is not None:
+            self.tree.links.new(source, node.inputs[0])
+        else:
+            node.inputs[0].default_value = factor.default_value
+        for value, entry in zip((a, b), node.inputs[1:]):
+            if isinstance(value, Constant):
+                entry.default_value = (*value.value, 1.0) if isinstance(value.value, tuple) else (value.value,) * 3 + (1.0,)
+            else:
+                self.tree.links.new(socket_of(self.tree, value), entry)
+        return Baked(node.outputs[0])
+
+
+def socket_of(tree, value):
+    """The socket that gives a picture's or a baked value."""
+    if isinstance(value, Baked):
+        return value.socket
+    if value.channel is None or value.channel == "A":
+        return value.node.outputs["Alpha" if value.channel == "A" else "Color"]
+    node = tree.nodes.new("ShaderNodeSeparateRGB")
+    tree.links.new(value.node.outputs["Color"], node.inputs[0])
+    return node.outputs["RGB".index(value.channel)]
+
+
+def look_of(material, tree, lost):
+    """The look of a material, whose tree is a copy without groups."""
+    from .nodes import output_of
+    reader = Reader(tree, material.name, lost)
+    end = output_of(tree)
+    if end is None:
+        return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0)
+    if incoming(end.inputs["Volume"]) is not None:
+        lost.add(material, "volume")
+    if incoming(end.inputs["Displacement"]) is not None:
+        lost.add(material, "displacement")
+    surface = incoming(end.inputs["Surface"])
+    return reader.shader(surface) if surface is not None else Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0)

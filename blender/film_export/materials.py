@@ -1,0 +1,353 @@
+"""Materials as glTF's: constants, the .blend's own images, and baked ones."""
+import os
+import re
+
+import bpy
+import numpy as np
+
+from . import png
+from .looks import Baked, Constant, Picture, look_of
+from .nodes import inline_groups, number_of
+from .shapes import BAKE_UV
+
+CHANNELS = ("base", "metallic", "roughness", "emission", "strength", "alpha", "transmission")
+READ_AS_THEY_ARE = {".png", ".jpg", ".jpeg", ".bmp", ".tga", ".tif", ".tiff", ".webp"}
+
+
+class Told:
+    """A texture: an image's index, its layer of coordinates (a name, None: the main one) and its place."""
+
+    def __init__(self, image, layer, transform=None, clamped=False):
+        self.image, self.layer, self.transform, self.clamped = image, layer, transform, clamped
+
+
+class Materials:
+    """glTF materials of a .blend's, each made when a shape first asks for it."""
+
+    def __init__(self, glb, folder, baker, lost):
+        self.glb, self.folder, self.baker, self.lost = glb, folder, baker, lost
+        self.looks, self.made, self.images, self.textures = {}, {}, {}, {}
+        self.baked = {}     # (mesh, material) -> channel -> pixels
+        self.strengths = {} # glTF material's name -> (material, node, input, factor at first)
+
+    # Before the walk: what only Cycles can tell.
+
+    def look(self, material):
+        """(look, copy of the material) or None for no nodes at all."""
+        known = self.looks.get(material.name_full)
+        if known is None:
+            copy = material.copy()
+            if copy.use_nodes and copy.node_tree is not None:
+                inline_groups(copy.node_tree)
+                look = look_of(material, copy.node_tree, self.lost)
+            else:
+                from .looks import Look
+                look = Look(base=Constant(tuple(material.diffuse_color)[:3]), metallic=Constant(float(material.metallic)),
+                            roughness=Constant(float(material.roughness)))
+            known = self.looks[material.name_full] = (look, copy)
+            self.tell_motion(material)
+        return known
+
+    def tell_motion(self, material):
+        tree = material.node_tree
+        if tree is None or tree.animation_data is None:
+            return
+        animation = tree.animation_data
+        curves = list(animation.drivers) + (list(animation.action.fcurves) if animation.action else [])
+        look = self.looks[material.name_full][0]
+        follows = f'nodes["{look.animated[0]}"]' if look.animated else None
+        for curve in curves:
+            if follows and curve.data_path.startswith(follows) and isinstance(look.strength, Constant):
+                node = tree.nodes.get(look.animated[0])
+                where = list(node.inputs).index(node.inputs[look.animated[1]])
+                if curve.data_path == f"{follows}.inputs[{where}].default_value":
+                    continue
+            self.lost.add(material, f"animated {curve.data_path}; as on the first frame")
+
+    def needs_bake(self, look):
+        sources = [getattr(look, name) for name in CHANNELS]
+        return any(isinstance(s, Baked) for s in sources) or (look.normal is not None and not isinstance(look.normal, tuple))
+
+    def prepare(self, thing):
+        """Bakes what the materials of an object need."""
+        copy = None
+        for slot, entry in enumerate(thing.material_slots):
+            material = entry.material
+            if material is None or (thing.data.name_full, material.name_full) in self.baked:
+                continue
+            look, made = self.look(material)
+            if not self.needs_bake(look):
+                continue
+            if copy is None:
+                copy = self.baker.stage(thing)
+            if copy is None:
+                self.lost.add(thing, f"material {material.name}: there is no room for baked textures' coordinates")
+                break
+            self.baked[thing.data.name_full, material.name_full] = self.bake(copy, slot, look, made)
+        if copy is not None:
+            bpy.data.objects.remove(copy)
+
+    def bake(self, copy, slot, look, made):
+        out = {}
+        merged = isinstance(look.base, Baked) or isinstance(look.alpha, Baked)
+        for name in CHANNELS:
+            source = getattr(look, name)
+            # Colour and coverage share an image, and so do roughness and metalness.
+            wanted = isinstance(source, Baked) or (merged and name in {"base", "alpha"} and isinstance(source, Picture))
+            if name in {"roughness", "metallic"} and isinstance(source, Picture):
+                wanted = any(isinstance(getattr(look, n), Baked) for n in ("roughness", "metallic"))
+            if wanted:
+                from .looks import socket_of
+                out[name] = self.baker.value(copy, slot, made, socket_of(made.node_tree, source))
+        if look.normal is not None and not isinstance(look.normal, tuple):
+            out["normal"] = self.baker.bake(copy, slot, made, "NORMAL")
+        return out
+
+    # While shapes are written.
+
+    def index(self, material, mesh_name, closed):
+        """(index of the glTF material, names of its layers of coordinates)."""
+        if material is None:
+            return self.plain(), [None]
+        look, _ = self.look(material)
+        baked = self.baked.get((mesh_name, material.name_full))
+        shines = look.strength != Constant(0.0) and look.emission != Constant((0.0, 0.0, 0.0))
+        sides = closed and shines
+        key = (material.name_full, mesh_name if self.needs_bake(look) else None, sides)
+        if key not in self.made:
+            self.made[key] = self.make(material, look, baked or {}, not sides)
+        return self.made[key]
+
+    def plain(self):
+        if None not in self.made:
+            self.made[None] = self.glb.add("materials", {"name": "(no material)", "doubleSided": True, "pbrMetallicRoughness": {
+                "baseColorFactor": [0.8, 0.8, 0.8, 1], "metallicFactor": 0, "roughnessFactor": 1}, **self.extension("ior", ior=1.0)})
+        return self.made[None]
+
+    def extension(self, name, **says):
+        self.glb.extensions.add("KHR_materials_" + name)
+        return {"extensions": {"KHR_materials_" + name: says}}
+
+    def make(self, material, look, baked, two_sided):
+        layers = []
+        name = material.name_full
+        while any(m["name"] == name for m in self.glb.document["materials"]):
+            name += "'"
+        pbr, extensions = {}, {}
+        says = {"name": name, "doubleSided": two_sided, "pbrMetallicRoughness": pbr}
+        stem = re.sub(r"[^A-Za-z0-9_.-]", "_", name)
+        self.make_base(look, baked, stem, says, layers, material)
+        self.make_roughness(look, baked, stem, says, layers)
+        self.make_emission(look, baked, stem, says, extensions, layers, material)
+        if look.transmission != Constant(0.0):
+            extensions["KHR_materials_transmission"] = glass = {"transmissionFactor": 1.0}
+            told = self.told(look.transmission, baked.get("transmission"), stem + "-transmission", False)
+            if told is None:
+                glass["transmissionFactor"] = self.constant(look.transmission, baked.get("transmission"))
+            else:
+                glass["transmissionTexture"] = self.use(told, layers)
+            self.lost.add(material, "refraction: glass is a thin pane")
+        if abs(look.ior - 1.5) > 1e-4:
+            extensions["KHR_materials_ior"] = {"ior": min(max(look.ior, 1.0), 10.0)}
+        if isinstance(look.normal, tuple):
+            picture, strength = look.normal
+            says["normalTexture"] = {**self.use(self.picture(picture), layers), "scale": strength}
+        elif "normal" in baked:
+            says["normalTexture"] = self.use(self.write(stem + "-normal", baked["normal"][..., :3]), layers)
+        if extensions:
+            says["extensions"] = extensions
+            self.glb.extensions.update(extensions)
+        if len(layers) > 2:
+            self.lost.add(material, "more than two layers of texture coordinates; the first two are kept")
+        return self.glb.add("materials", says), layers or [None]
+
+    def make_base(self, look, baked, stem, says, layers, material):
+        pbr = says["pbrMetallicRoughness"]
+        base, alpha = baked.get("base"), baked.get("alpha")
+        factor = [1.0, 1.0, 1.0, 1.0]
+        if isinstance(look.base, Constant):
+            factor[:3] = [min(max(c, 0.0), 1.0) for c in look.base.value]
+        if isinstance(look.alpha, Constant):
+            factor[3] = min(max(look.alpha.value, 0.0), 1.0)
+        pixels = layer = transform = None
+        if isinstance(look.alpha, Picture) and alpha is None and isinstance(look.base, Picture) and base is None and \
+                look.alpha.channel == "A" and look.alpha.image == look.base.image:
+            pbr["baseColorTexture"] = self.use(self.picture(look.base), layers)
+        elif not isinstance(look.alpha, Constant):
+            pixels = np.ones((*self.size_of(look, baked), 4), dtype=np.float32)
+            if not isinstance(look.base, Constant):
+                pixels[..., :3] = self.fitted(self.values(look.base, base, True), pixels)[..., :3]
+            pixels[..., 3] = self.fitted(self.values(look.alpha, alpha, False), pixels)[..., 0]
+            layer = BAKE_UV if alpha is not None else look.alpha.layer
+            transform = None if alpha is not None else look.alpha.transform
+            pixels[..., :3] = png.srgb(pixels[..., :3])
+        elif base is not None:
+            if self.is_flat(base):
+                factor[:3] = [float(min(max(c, 0), 1)) for c in base[0, 0, :3]]
+            else:
+                pixels, layer = png.srgb(base[..., :3]), BAKE_UV
+        elif isinstance(look.base, Picture):
+            pbr["baseColorTexture"] = self.use(self.picture(look.base), layers)
+        if pixels is not None:
+            pbr["baseColorTexture"] = self.use(self.write(stem + "-colour", pixels, layer, transform), layers)
+        pbr["baseColorFactor"] = factor
+        if not isinstance(look.alpha, Constant) or factor[3] < 1:
+            clip = getattr(material, "blend_method", "") == "CLIP"
+            says["alphaMode"] = "MASK" if clip else "BLEND"
+            if clip:
+                says["alphaCutoff"] = material.alpha_threshold
+
+    def make_roughness(self, look, baked, stem, says, layers):
+        pbr = says["pbrMetallicRoughness"]
+        sources = {"roughness": (look.roughness, baked.get("roughness")), "metallic": (look.metallic, baked.get("metallic"))}
+        textured = {}
+        for name, (source, pixels) in sources.items():
+            if isinstance(source, Constant) or (pixels is not None and self.is_flat(pixels)):
+                pbr[name + "Factor"] = min(max(self.constant(source, pixels), 0.0), 1.0)
+            else:
+                textured[name] = self.values(source, pixels, False)
+        if not textured:
+            return
+        height, width = max((v.shape[:2] for v in textured.values()))
+        packed = np.ones((height, width, 3), dtype=np.float32)
+        for name, values in textured.items():
+            packed[..., 1 if name == "roughness" else 2] = self.fitted(values, packed)[..., 0]
+            pbr[name + "Factor"] = 1.0
+        first = next(iter(textured))
+        source, pixels = sources[first]
+        layer, transform = (BAKE_UV, None) if pixels is not None else (source.layer, source.transform)
+        pbr["metallicRoughnessTexture"] = self.use(self.write(stem + "-roughness", packed, layer, transform), layers)
+
+    def make_emission(self, look, baked, stem, says, extensions, layers, material):
+        color, strength = look.emission, look.strength
+        if color == Constant((0.0, 0.0, 0.0)) or strength == Constant(0.0):
+            return
+        factor, told = np.ones(3), None
+        pixels = baked.get("emission")
+        if isinstance(color, Constant):
+            factor = np.maximum(np.array(color.value, dtype=float), 0)
+        elif isinstance(color, Picture) and pixels is None:
+            told = self.picture(color)
+        elif self.is_flat(pixels):
+            factor = np.maximum(pixels[0, 0, :3].astype(float), 0)
+        power = max(self.constant(strength, None), 0.0) if isinstance(strength, Constant) else 1.0
+        lit = baked.get("strength")
+        if not isinstance(strength, Constant) or (pixels is not None and not self.is_flat(pixels)):
+            light = np.ones((1, 1, 3)) if pixels is None else pixels[..., :3]
+            if lit is not None:
+                light = light * self.fitted(lit, light if light.shape[0] > 1 else lit)[..., :1]
+            light = np.maximum(light, 0)
+            peak = float(light.max()) or 1.0
+            power *= peak
+            if told is None:
+                told = self.write(stem + "-emission", png.srgb(light / peak), BAKE_UV)
+            elif lit is not None:
+                self.lost.add(material, "texture of the emission's strength")
+        largest = float(factor.max())
+        if largest <= 0:
+            return
+        says["emissiveFactor"] = [float(c / largest) for c in factor]
+        extensions["KHR_materials_emissive_strength"] = {"emissiveStrength": power * largest}
+        if told is not None:
+            says["emissiveTexture"] = self.use(told, layers)
+        if look.animated and isinstance(strength, Constant) and strength.value > 0:
+            self.strengths[says["name"]] = (material, *look.animated, strength.value)
+
+    # Values and images.
+
+    def is_flat(self, pixels):
+        return float(np.max(np.ptp(pixels[..., :3].reshape(-1, 3), axis=0))) < 0.5 / 255 and float(pixels[..., 3].max()) > 0
+
+    def constant(self, source, pixels):
+        return number_of(source.value) if isinstance(source, Constant) else float(pixels[..., :3].mean())
+
+    def size_of(self, look, baked):
+        sizes = [p.shape[:2] for n, p in baked.items() if n in {"base", "alpha"}]
+        sizes += [(s.image.size[1], s.image.size[0]) for s in (look.base, look.alpha) if isinstance(s, Picture)]
+        return max(sizes)
+
+    def fitted(self, values, like):
+        """The nearest texels, for as many as `like` has."""
+        height, width = like.shape[:2]
+        rows = np.arange(height) * values.shape[0] // height
+        columns = np.arange(width) * values.shape[1] // width
+        return values[rows][:, columns]
+
+    def values(self, source, pixels, is_color):
+        """Linear values of a texture, rows from the bottom up."""
+        if pixels is None:
+            image = source.image
+            pixels = np.empty(image.size[0] * image.size[1] * image.channels, dtype=np.float32)
+            image.pixels.foreach_get(pixels)
+            pixels = pixels.reshape(image.size[1], image.size[0], image.channels)
+            if source.channel is not None:
+                pixels = pixels[..., ["RGBA".index(source.channel)] * 3]
+            elif is_color:
+                c = pixels[..., :3]
+                pixels = np.where(c <= 0.04045, c / 12.92, np.power((c + 0.055) / 1.055, 2.4))
+        if not is_color:
+            pixels = pixels[..., :3].mean(axis=2, keepdims=True)
+        return pixels
+
+    def told(self, source, pixels, stem, is_color):
+        """A texture of its own for a source that is none of glTF's merged ones; None where it is a constant."""
+        if isinstance(source, Constant) or (pixels is not None and self.is_flat(pixels)):
+            return None
+        if pixels is None and source.channel is None:
+            return self.picture(source)
+        layer, transform = (BAKE_UV, None) if pixels is not None else (source.layer, source.transform)
+        return self.write(stem, np.repeat(self.values(source, pixels, is_color), 3, axis=2), layer, transform)
+
+    def write(self, stem, pixels, layer=BAKE_UV, transform=None):
+        name = f"{stem}.png"
+        png.write(os.path.join(self.folder, name), pixels)
+        return Told(self.glb.add("images", {"uri": name.replace("%", "%25")}), layer, transform, layer == BAKE_UV)
+
+    def picture(self, picture):
+        """The .blend's own image, as it is stored where that can be read."""
+        image = picture.image
+        if image.name_full not in self.images:
+            self.images[image.name_full] = self.glb.add("images", {"uri": self.store(image)})
+        return Told(self.images[image.name_full], picture.layer, picture.transform, picture.node.extension == "EXTEND")
+
+    def store(self, image):
+        path = bpy.path.abspath(image.filepath_from_user() if hasattr(image, "filepath_from_user") else image.filepath, library=image.library)
+        ending = os.path.splitext(path)[1].lower()
+        name = f"image{len(self.images):03d}{ending if ending in READ_AS_THEY_ARE else '.png'}"
+        out = os.path.join(self.folder, name)
+        data = None
+        if ending in READ_AS_THEY_ARE and not image.is_dirty:
+            if image.packed_file:
+                data = image.packed_file.data
+            elif os.path.isfile(path):
+                with open(path, "rb") as file:
+                    data = file.read()
+        if data:
+            with open(out, "wb") as file:
+                file.write(data)
+            return name
+        name = os.path.splitext(name)[0] + ".png"
+        pixels = np.empty(image.size[0] * image.size[1] * image.channels, dtype=np.float32)
+        image.pixels.foreach_get(pixels)
+        pixels = pixels.reshape(image.size[1], image.size[0], image.channels)
+        png.write(os.path.join(self.folder, name), pixels if image.channels in (3, 4) else np.repeat(pixels[..., :1], 3, axis=2))
+        return name
+
+    def use(self, told, layers):
+        """A textureInfo, whose layer of coordinates the shape will have."""
+        key = (told.image, told.clamped)
+        if key not in self.textures:
+            texture = {"source": told.image}
+            if told.clamped:
+                texture["sampler"] = self.glb.add("samplers", {"wrapS": 33071, "wrapT": 33071})
+            self.textures[key] = self.glb.add("textures", texture)
+        if told.layer not in layers:
+            layers.append(told.layer)
+        says = {"index": self.textures[key]}
+        number = min(layers.index(told.layer), 1)
+        if number:
+            says["texCoord"] = number
+        if told.transform:
+            self.glb.extensions.add("KHR_texture_transform")
+            says["extensions"] = {"KHR_texture_transform": told.transform}
+        return says

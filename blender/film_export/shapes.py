@@ -1,0 +1,140 @@
+"""Shapes of evaluated objects as glTF meshes; what bends becomes a base and a few offsets with weights over time."""
+import numpy as np
+
+BAKE_UV = "render2mpeg"  # the layer of baked textures' coordinates
+
+
+def array_of(collection, attribute, width, kind):
+    flat = np.empty(len(collection) * width, dtype=kind)
+    collection.foreach_get(attribute, flat)
+    return flat.reshape(-1, width) if width > 1 else flat
+
+
+def corner_normals(mesh):
+    if hasattr(mesh, "corner_normals"):  # Blender 4.1 and later
+        return array_of(mesh.corner_normals, "vector", 3, np.float32)
+    mesh.calc_normals_split()
+    return array_of(mesh.loops, "normal", 3, np.float32)
+
+
+class Shape:
+    """A mesh at one frame, by corners: `positions`, `normals`, `uv` (by layer's name), `colors` (or None), `corners`
+    (three per triangle, into those) and `slots` (a material's number per triangle)."""
+
+    def __init__(self, mesh):
+        mesh.calc_loop_triangles()
+        self.vertex = array_of(mesh.loops, "vertex_index", 1, np.int32)
+        self.vertices = array_of(mesh.vertices, "co", 3, np.float32)
+        self.normals = corner_normals(mesh)
+        self.corners = array_of(mesh.loop_triangles, "loops", 3, np.int32)
+        self.slots = array_of(mesh.loop_triangles, "material_index", 1, np.int32)
+        self.uv = {layer.name: array_of(layer.data, "uv", 2, np.float32) for layer in mesh.uv_layers}
+        shown = [layer.name for layer in mesh.uv_layers if layer.active_render and layer.name != BAKE_UV]
+        others = [name for name in self.uv if name != BAKE_UV]
+        self.main_uv = (shown or others or [None])[0]
+
+    def pose(self):
+        """What bends: corners' positions and normals side by side."""
+        return np.concatenate([self.vertices[self.vertex], self.normals], axis=1)
+
+    def is_closed(self):
+        """Whether every edge has two triangles that run along it opposite ways, and the inside has a positive volume:
+        nobody sees the backs."""
+        triangles = self.vertex[self.corners].astype(np.int64)
+        if len(triangles) < 4:
+            return False
+        edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+        size = len(self.vertices)
+        along, against = edges[:, 0] * size + edges[:, 1], edges[:, 1] * size + edges[:, 0]
+        if len(np.unique(along)) != len(along) or not np.array_equal(np.sort(along), np.sort(against)):
+            return False
+        a, b, c = (self.vertices[triangles[:, k]].astype(float) for k in range(3))
+        return float(np.sum(a * np.cross(b, c))) > 0
+
+
+class Bending:
+    """A base pose and orthonormal offsets of all later poses, found frame by frame [Gram-Schmidt], at the end as few as
+    keep every corner within a ten-thousandth of the shape's size and every normal within half a degree."""
+
+    def __init__(self, base):
+        self.base = base
+        size = float(np.max(np.ptp(base[:, :3], axis=0))) or 1.0
+        self.unit = np.array([1e-4 * size] * 3 + [1e-2] * 3, dtype=np.float32)
+        self.basis, self.rows = [], []
+
+    def add(self, pose):
+        """False where the shape has other corners than the base."""
+        if pose.shape != self.base.shape:
+            return False
+        rest = ((pose - self.base) / self.unit).ravel().astype(np.float64)
+        row = []
+        for offset in self.basis:
+            row.append(float(rest @ offset))
+            rest -= row[-1] * offset
+        if np.max(np.abs(rest), initial=0) > 0.5:
+            length = float(np.linalg.norm(rest))
+            self.basis.append(rest / length)
+            row.append(length)
+        self.rows.append(row)
+        return True
+
+    def result(self):
+        """Offsets (corners x 6 each) and weights (a row per frame)."""
+        if not self.basis:
+            return [], np.zeros((len(self.rows), 0))
+        weights = np.zeros((len(self.rows), len(self.basis)))
+        for row, said in zip(weights, self.rows):
+            row[:len(said)] = said
+        # The best basis of what was kept: drop what no frame needs.
+        u, s, v = np.linalg.svd(weights, full_matrices=False)
+        offsets = v @ np.asarray(self.basis)
+        kept = len(s)
+        while kept > 1 and np.max(np.abs((u[:, kept - 1:] * s[kept - 1:]) @ offsets[kept - 1:])) < 0.5:
+            kept -= 1
+        scaled = []
+        shares = np.empty((len(self.rows), kept))
+        for k in range(kept):
+            strength = float(np.max(np.abs(u[:, k]))) * s[k] or 1.0
+            shares[:, k] = u[:, k] * s[k] / strength
+            scaled.append((offsets[k] * strength).reshape(self.base.shape) * self.unit)
+        return scaled, shares
+
+
+def welded(columns):
+    """Corners that agree in all columns as one: (first corner of each, number of each corner)."""
+    rows = np.ascontiguousarray(np.concatenate([np.asarray(c, dtype=np.float32).reshape(len(c), -1) for c in columns], axis=1))
+    rows = rows + np.float32(0)  # no negative zeros
+    view = rows.view(np.dtype((np.void, rows.dtype.itemsize * rows.shape[1]))).ravel()
+    _, first, number = np.unique(view, return_index=True, return_inverse=True)
+    return first, number.ravel()
+
+
+def add_mesh(glb, name, shape, offsets, materials):
+    """`materials`: by slot (index of a glTF material, names of its two uv layers). Returns the mesh's index."""
+    primitives = []
+    for slot in np.unique(shape.slots):
+        material, layers = materials(int(slot))
+        triangles = shape.corners[shape.slots == slot].ravel()
+        used, local = np.unique(triangles, return_inverse=True)
+        uv = [shape.uv[layer][used] * np.float32([1, -1]) + np.float32([0, 1]) for layer in layers if layer in shape.uv]
+        rounded = np.round(shape.normals[used], 4)
+        columns = [shape.vertex[used].astype(np.float32), rounded] + uv
+        if len(shape.vertices) >= 1 << 24:
+            columns[0] = np.stack([shape.vertex[used] >> 16, shape.vertex[used] & 65535], axis=1)
+        first, number = welded(columns)
+        corners = used[first]
+        attributes = {"POSITION": glb.accessor(shape.vertices[shape.vertex[corners]], bounds=True),
+                      "NORMAL": glb.accessor(shape.normals[corners])}
+        for k, layer in enumerate(uv):
+            attributes[f"TEXCOORD_{k}"] = glb.accessor(layer[first])
+        primitive = {"attributes": attributes, "indices": glb.accessor(number[local.ravel()].astype(np.uint32)), "material": material}
+        if offsets:
+            primitive["targets"] = [{"POSITION": glb.accessor(o[corners, :3].astype(np.float32), bounds=True),
+                                     "NORMAL": glb.accessor(o[corners, 3:].astype(np.float32))} for o in offsets]
+        primitives.append(primitive)
+    if not primitives:
+        return None
+    mesh = {"name": name, "primitives": primitives}
+    if offsets:
+        mesh["weights"] = [0.0] * len(offsets)
+    return glb.add("meshes", mesh)

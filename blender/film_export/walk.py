@@ -1,0 +1,166 @@
+"""Walks through the film's frames as a renderer would: modifiers, instances and visibility as they are when rendered.
+
+Blender gives only a render engine the scene in that state, so this is one that makes no picture.
+"""
+import bpy
+import numpy as np
+
+from .shapes import Bending, Shape
+
+# Modifiers whose result lies still as long as neither they nor their object's data move.
+STILL_MODIFIERS = {"ARRAY", "BEVEL", "BUILD_NOT", "DECIMATE", "EDGE_SPLIT", "MASK", "MIRROR", "MULTIRES", "REMESH", "SCREW",
+                   "SKIN", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "UV_PROJECT", "WEIGHTED_NORMAL", "WELD", "WIREFRAME"}
+SHAPED = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+
+
+def moves_itself(data):
+    animation = getattr(data, "animation_data", None)
+    return bool(animation and (animation.action or animation.drivers or animation.nla_tracks))
+
+
+def may_bend(thing):
+    """Whether the shape of an (original) object may change over time."""
+    data = thing.data
+    keys = getattr(data, "shape_keys", None)
+    if moves_itself(data) or (keys and moves_itself(keys)):
+        return True
+    if thing.type == "META" or any(m.type not in STILL_MODIFIERS for m in thing.modifiers):
+        return True
+    animation = thing.animation_data
+    if not thing.modifiers or not moves_itself(thing):
+        return False
+    curves = list(animation.drivers) + (list(animation.action.fcurves) if animation.action else [])
+    return bool(animation.nla_tracks) or any(c.data_path.startswith("modifiers") for c in curves)
+
+
+class Thing:
+    """One object or instance on its way through the film: a world matrix (rows) per frame, None where it is not there."""
+
+    def __init__(self, name, kind, before):
+        self.name, self.kind = name, kind
+        self.matrices = [None] * before
+        self.shape = None  # its key in Walk.shapes
+        self.values = []   # lights: (colour, energy) per frame where it is there
+        self.light = None
+
+
+class ShapeOverTime:
+    def __init__(self, shape, object_name, materials, bends):
+        self.shape, self.object_name, self.materials = shape, object_name, materials
+        self.mesh_name = ""  # of the original mesh, for which textures were baked
+        self.bending = Bending(shape.pose()) if bends else None
+        self.missed = 0  # frames on which it was not there, or had other corners
+
+
+class Walk:
+    """What there is on each frame. `watch(frame, depsgraph)` is called on each as well."""
+
+    def __init__(self, scene, frames, watch, lost):
+        self.scene, self.frames, self.watch, self.lost = scene, frames, watch, lost
+        self.things, self.shapes = {}, {}
+        self.trouble = None
+
+    def run(self):
+        walk = self
+
+        class Engine(bpy.types.RenderEngine):
+            bl_idname, bl_label = "RENDER2MPEG_EXPORT", "render2mpeg's export"
+            done = False
+
+            def render(self, depsgraph):
+                if Engine.done:
+                    walk.lost.add(depsgraph.view_layer_eval.name, "view layers after the first")
+                    return
+                Engine.done = True
+                try:
+                    for number, frame in enumerate(walk.frames):
+                        self.frame_set(int(frame // 1), frame % 1.0)
+                        walk.visit(number, depsgraph)
+                except Exception as trouble:  # Blender would only print it
+                    walk.trouble = trouble
+        bpy.utils.register_class(Engine)
+        render = self.scene.render
+        render.engine, render.use_compositing, render.use_sequencer = Engine.bl_idname, False, False
+        render.use_multiview, render.use_border = False, False
+        bpy.ops.render.render(scene=self.scene.name)
+        if self.trouble:
+            raise self.trouble
+        if not Engine.done:
+            raise RuntimeError("Blender rendered nothing: every view layer is switched off")
+
+    def visit(self, number, depsgraph):
+        bent = set()
+        for instance in depsgraph.object_instances:
+            thing = instance.object
+            if not instance.show_self:
+                continue
+            if thing.type in SHAPED or thing.type == "LIGHT":
+                self.meet(number, instance, thing, depsgraph, bent)
+            elif thing.type in {"CURVES", "VOLUME", "POINTCLOUD", "GPENCIL", "GREASEPENCIL"}:
+                self.lost.add(thing.original, {"CURVES": "hair", "VOLUME": "volume", "POINTCLOUD": "point cloud"}.get(
+                    thing.type, "grease pencil"))
+        for seen in self.things.values():
+            seen.matrices += [None] * (number + 1 - len(seen.matrices))
+        for key, shape in self.shapes.items():
+            if shape.bending and key not in bent:
+                shape.missed += 1
+                if shape.bending.rows:
+                    shape.bending.rows.append(list(shape.bending.rows[-1]))
+        self.watch(number, depsgraph)
+
+    def meet(self, number, instance, thing, depsgraph, bent):
+        original = thing.original
+        if instance.is_instance:
+            parent = instance.parent.original
+            key = ("instance", parent.name_full, original.name_full, getattr(thing.data, "name_full", ""), tuple(instance.persistent_id))
+            name = f"{parent.name}/{original.name}"
+        else:
+            key, name = ("object", original.name_full), original.name
+        shape = None
+        if thing.type != "LIGHT":
+            shape = self.shape_of(instance, thing, number, bent)
+            if shape is None:
+                return
+        seen = self.things.get(key)
+        if seen is None:
+            seen = self.things[key] = Thing(name, thing.type, number)
+            seen.shape, seen.light = shape, original.data if thing.type == "LIGHT" else None
+        seen.matrices.append(np.array(instance.matrix_world, dtype=float))
+        if thing.type == "LIGHT":
+            seen.values.append((tuple(thing.data.color), float(thing.data.energy)))
+
+    def shape_of(self, instance, thing, number, bent):
+        """The key of its shape; None where it has no triangles."""
+        original = thing.original
+        bends = may_bend(original)
+        slots = tuple(s.material.name_full if s.material else "" for s in thing.material_slots)
+        if bends or thing.modifiers or thing.type != "MESH":
+            key = (original.name_full, thing.data.name_full if instance.is_instance else "", slots)
+        else:
+            key = (thing.data.name_full, slots)
+        known = self.shapes.get(key)
+        if key in bent or (known is not None and not known.bending):
+            return key if known.shape is not None else None
+        mesh = thing.to_mesh()
+        try:
+            if mesh is None or not mesh.polygons:
+                if known is None and not bends:
+                    self.shapes[key] = ShapeOverTime(None, original.name, [], False)
+                return None
+            shape = Shape(mesh)
+            own = [s.material for s in thing.material_slots]
+            materials = own if len(own) >= len(mesh.materials) else list(mesh.materials)
+            materials = [m.original if m else None for m in materials]
+        finally:
+            thing.to_mesh_clear()
+        bent.add(key)
+        if known is None:
+            known = self.shapes[key] = ShapeOverTime(shape, original.name, materials, bends)
+            known.mesh_name = original.data.name_full if original.data else ""
+            if bends:
+                known.missed = number
+                known.bending.rows += [[]] * number
+        if known.bending and not known.bending.add(shape.pose()):
+            known.bending.rows.append(list(known.bending.rows[-1]) if known.bending.rows else [])
+            self.lost.add(original, "its shape has other corners on other frames; its first one is kept")
+        return key

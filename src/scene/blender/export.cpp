@@ -1,0 +1,227 @@
+#include "scene/blender/export.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <system_error>
+
+#include "core/checksum.h"
+#include "core/error.h"
+#include "core/module.h"
+#include "scene/isolation/probe.h"
+
+namespace render2mpeg::scene {
+namespace {
+
+namespace fs = std::filesystem;
+
+// chosen: pixels along a side of a baked texture; a screen shows few objects wider (256 blurs floors, 4096 takes a
+// minute a material).
+constexpr int texture_size = 1024;
+/// Exports that are kept of one .blend: this one, and the one before for whoever is just reading it.
+constexpr std::size_t kept_exports = 2;
+constexpr const char* result_name = "export.json";
+
+bool is_program(const fs::path& file) {
+    std::error_code failure;
+    return fs::is_regular_file(file, failure) && access(file.c_str(), X_OK) == 0;
+}
+
+/// Empty where there is none.
+fs::path find_blender() {
+    if (const char* named = std::getenv("RENDER2MPEG_BLENDER"); named != nullptr && *named != '\0')
+        return is_program(named) ? fs::path(named) : fs::path();
+    const char* path = std::getenv("PATH");
+    std::string_view folders = path != nullptr ? path : "";
+    while (!folders.empty()) {
+        const std::size_t end = std::min(folders.find(':'), folders.size());
+        const fs::path file = fs::path(folders.substr(0, end)) / "blender";
+        if (end > 0 && is_program(file)) return file;
+        folders.remove_prefix(std::min(end + 1, folders.size()));
+    }
+    return {};
+}
+
+/// Our script, beside the modules.
+fs::path find_script() {
+    std::string searched;
+    std::error_code failure;
+    for (const fs::path& folder : core::module_folders()) {
+        const fs::path script = folder / "blender" / "export_film.py";
+        if (fs::is_regular_file(script, failure)) return script;
+        searched += (searched.empty() ? "" : ", ") + folder.string();
+    }
+    throw core::Error("opening", "blender/export_film.py",
+                      "not found in " + searched + "; RENDER2MPEG_MODULES can name its folder");
+}
+
+/// Size and time of last change, as the script writes them; null where there is no file.
+nlohmann::json state_of(const fs::path& file) {
+    struct stat state {};
+    if (stat(file.c_str(), &state) != 0) return nullptr;
+    return {file.string(), state.st_size, std::int64_t{state.st_mtim.tv_sec} * 1'000'000'000 + state.st_mtim.tv_nsec};
+}
+
+void add_text(core::Checksum& sum, const std::string& text) {
+    sum.add({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+/// What decides an export, as one name.
+std::string name_of(const fs::path& blend, const fs::path& script, const fs::path& blender) {
+    core::Checksum sum;
+    sum.add_file(blend);
+    std::vector<fs::path> parts{script};
+    for (const fs::directory_entry& entry : fs::directory_iterator(script.parent_path() / "film_export"))
+        if (entry.path().extension() == ".py") parts.push_back(entry.path());
+    std::sort(parts.begin(), parts.end());
+    for (const fs::path& part : parts) sum.add_file(part);
+    add_text(sum, state_of(fs::canonical(blender)).dump() + std::to_string(texture_size));
+    return core::checksum_text(sum.value());
+}
+
+/// Where exports of a .blend are kept: beside it, else with the user's caches. Made where it is missing.
+fs::path cache_of(const fs::path& blend) {
+    std::error_code failure;
+    const fs::path beside = blend.string() + ".export";
+    fs::create_directory(beside, failure);
+    if (fs::is_directory(beside, failure) && access(beside.c_str(), W_OK | X_OK) == 0) return beside;
+    const char* cache = std::getenv("XDG_CACHE_HOME");
+    const char* home = std::getenv("HOME");
+    fs::path folder = cache != nullptr && *cache != '\0' ? fs::path(cache)
+                      : home != nullptr                  ? fs::path(home) / ".cache"
+                                                         : fs::path("/tmp");
+    core::Checksum sum;
+    add_text(sum, fs::absolute(blend).string());
+    folder = folder / "render2mpeg" / (blend.filename().string() + "-" + core::checksum_text(sum.value()));
+    fs::create_directories(folder, failure);
+    if (failure) throw core::Error("writing", folder.string(), failure.message());
+    return folder;
+}
+
+nlohmann::json read_json(const fs::path& file) {
+    std::ifstream stream(file);
+    return nlohmann::json::parse(stream, nullptr, false);
+}
+
+/// A finished export, unless something that it was made of has changed.
+std::optional<BlenderExport> finished(const fs::path& folder) {
+    const nlohmann::json result = read_json(folder / result_name);
+    if (!result.is_object() || !result.contains("uses") || !result.contains("lost")) return std::nullopt;
+    for (const nlohmann::json& used : result["uses"])
+        if (state_of(used.at(0).get<std::string>()) != used) return std::nullopt;
+    BlenderExport found{folder / "film.json", {}};
+    for (const nlohmann::json& line : result["lost"]) found.notes.push_back("not kept: " + line.get<std::string>());
+    return found;
+}
+
+/// Removes all but the newest exports. What another run just writes or reads is among those.
+void remove_old(const fs::path& cache) {
+    std::error_code failure;
+    std::vector<std::pair<fs::file_time_type, fs::path>> all;
+    for (const fs::directory_entry& entry : fs::directory_iterator(cache, failure))
+        if (fs::is_regular_file(entry.path() / result_name, failure))
+            all.emplace_back(fs::last_write_time(entry.path() / result_name, failure), entry.path());
+    std::sort(all.rbegin(), all.rend());
+    for (std::size_t k = kept_exports; k < all.size(); ++k) fs::remove_all(all[k].second, failure);
+}
+
+ProbeLimits blender_limits() {
+    // chosen: three quarters of the machine, for what evaluates a film's scene; an hour of one processor's time is
+    // longer than the exports of large films take, two by the clock for who shares it.
+    const auto machine =
+        static_cast<std::uintmax_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uintmax_t>(sysconf(_SC_PAGESIZE));
+    return {std::max(machine / 4 * 3, std::uintmax_t{4} << 30), 3600, 7200};
+}
+
+/// What went wrong where Blender left no result.
+[[noreturn]] void refuse(const fs::path& blend, const ProbeEnd& end) {
+    using How = ProbeEnd::How;
+    const std::string file = blend.string();
+    if (end.how == How::out_of_time) throw core::Error("reading", file, "Blender took more than an hour to export it");
+    if (end.how == How::killed)
+        throw core::Error("reading", file, "Blender was killed while it exported it (out of memory?)");
+    if (end.how == How::given_up) throw core::Error("reading", file, "interrupted");
+    throw core::Error("reading", file, "Blender crashed while it exported it");
+}
+
+/// A folder that goes with what is in it, unless it was kept.
+class NewFolder {
+  public:
+    explicit NewFolder(fs::path path) : path_(std::move(path)) { fs::create_directory(path_); }
+    ~NewFolder() {
+        std::error_code failure;
+        fs::remove_all(path_, failure);
+    }
+    NewFolder(const NewFolder&) = delete;
+    NewFolder& operator=(const NewFolder&) = delete;
+    const fs::path& path() const { return path_; }
+
+  private:
+    fs::path path_;
+};
+
+void run_blender(const fs::path& blend, const fs::path& blender, const fs::path& script, const fs::path& folder) {
+    if (!Probe::is_possible()) throw core::Error("reading", blend.string(), "the program that runs Blender is missing");
+    const std::vector<std::string> words{"blend",
+                                         fs::canonical(blender).string(),
+                                         fs::absolute(script).string(),
+                                         fs::absolute(blend).string(),
+                                         fs::absolute(folder).string(),
+                                         std::to_string(texture_size)};
+    const ProbeEnd end = Probe(blender_limits(), words).end();
+    const nlohmann::json result = read_json(folder / result_name);
+    if (!result.is_object()) refuse(blend, end);
+    if (result.contains("error")) throw core::Error("reading", blend.string(), result["error"].get<std::string>());
+}
+
+}  // namespace
+
+BlenderExport export_blend(const fs::path& blend) {
+    const fs::path blender = find_blender();
+    if (blender.empty())
+        throw core::Error("reading", blend.string(),
+                          "a .blend needs Blender, and there is no `blender` on the PATH: install it, or name it in "
+                          "RENDER2MPEG_BLENDER, or export the scene as glTF with cameras and punctual lights");
+    const fs::path script = find_script();
+    const fs::path cache = cache_of(blend);
+    const fs::path folder = cache / name_of(blend, script, blender);
+    if (std::optional<BlenderExport> known = finished(folder)) return *known;
+
+    const NewFolder made(folder.string() + "." + std::to_string(getpid()));
+    run_blender(blend, blender, script, made.path());
+    std::error_code failure;
+    fs::remove_all(folder, failure);
+    fs::rename(made.path(), folder, failure);
+    std::optional<BlenderExport> known = finished(folder);
+    if (!known) throw core::Error("reading", blend.string(), "a file that it uses changes while it is exported");
+    remove_old(cache);
+    return *known;
+}
+
+void become_blender(const std::vector<std::string>& words) {
+    const std::string &program = words.at(0), &script = words.at(1), &blend = words.at(2), &folder = words.at(3),
+                      &size = words.at(4);
+    // What Blender says goes to a file for whoever looks for what went wrong; the pipe to the parent it keeps unused.
+    const int log = open((fs::path(folder) / "blender.log").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+    if (log >= 0) {
+        dup2(log, STDOUT_FILENO);
+        dup2(log, STDERR_FILENO);
+    }
+    // Neither the user's start-up file nor add-ons nor scripts take part, and nothing in the .blend is executed.
+    for (const char* name : {"BLENDER_USER_CONFIG", "BLENDER_USER_SCRIPTS", "BLENDER_USER_DATAFILES"})
+        setenv(name, folder.c_str(), 1);
+    const char* const arguments[] = {program.c_str(), "--background", "--factory-startup", "--disable-autoexec",
+                                     "-noaudio",      "--python",     script.c_str(),      "--",
+                                     blend.c_str(),   folder.c_str(), size.c_str(),        nullptr};
+    execv(program.c_str(), const_cast<char* const*>(arguments));
+}
+
+}  // namespace render2mpeg::scene

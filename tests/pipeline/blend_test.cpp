@@ -1,0 +1,214 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "pipeline/foreign.h"
+
+/// .blend files, exported by Blender where it is installed (tests/blender/make_blends.py makes them).
+namespace render2mpeg {
+namespace {
+
+using nlohmann::json;
+using support::contents;
+using support::Folder;
+using support::Outcome;
+using support::program;
+using support::run;
+using test::path;
+
+namespace fs = std::filesystem;
+
+bool blender_is_there() {
+    static const bool there = run("command -v blender").status == 0;
+    return there;
+}
+#define NEEDS_BLENDER() \
+    if (!blender_is_there()) GTEST_SKIP() << "Blender is not installed"
+
+std::string script(const std::string& name) {
+    return (support::source_folder() / "tests/blender" / name).string();
+}
+
+Outcome blender(const std::string& words) {
+    return run("blender -b --factory-startup --disable-autoexec -noaudio --python-exit-code 1 " + words);
+}
+
+void make(const Folder& folder, const std::string& film) {
+    const Outcome made = blender("-P " + script("make_blends.py") + " -- " + folder.path().string() + " " + film);
+    ASSERT_EQ(made.status, 0) << made.output;
+}
+
+std::size_t lines_in(const std::string& text) {
+    return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+/// The only export of a .blend.
+fs::path export_of(const fs::path& blend) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(blend.string() + ".export")) return entry.path();
+    return {};
+}
+
+TEST(BlendFile, WithoutBlenderIsRefusedInALineThatSaysWhatToDo) {
+    const Folder folder;
+    std::ofstream(folder / "film.blend") << "BLENDER";
+    const Outcome said = run("RENDER2MPEG_BLENDER=/nowhere " + program() + " plan " + path(folder, "film.blend"));
+    EXPECT_EQ(said.status, 1);
+    EXPECT_EQ(lines_in(said.output), 1u) << said.output;
+    EXPECT_NE(said.output.find("needs Blender"), std::string::npos) << said.output;
+    EXPECT_NE(said.output.find("RENDER2MPEG_BLENDER"), std::string::npos) << said.output;
+}
+
+TEST(BlendFile, ThatIsBrokenIsRefusedInALine) {
+    NEEDS_BLENDER();
+    const Folder folder;
+    make(folder, "markers");
+    const std::string whole = contents(folder / "markers.blend");
+    std::ofstream(folder / "text.blend") << "no .blend at all";
+    std::ofstream(folder / "short.blend", std::ios::binary) << whole.substr(0, whole.size() / 2);
+    for (const char* name : {"text.blend", "short.blend"}) {
+        const Outcome said = run(program() + " plan " + path(folder, name));
+        EXPECT_EQ(said.status, 1);
+        EXPECT_EQ(lines_in(said.output), 1u) << said.output;
+        EXPECT_NE(said.output.find(name), std::string::npos) << said.output;
+        EXPECT_TRUE(fs::is_empty((folder / name).string() + ".export")) << "nothing is left of it";
+    }
+}
+
+TEST(BlendFile, ExecutesNothingThatItHolds) {
+    NEEDS_BLENDER();
+    const Folder folder;
+    make(folder, "hostile");
+    const Outcome said = run("cd " + folder.path().string() + " && " + program() + " plan hostile.blend");
+    EXPECT_EQ(said.status, 0) << said.output;
+    std::size_t executed = 0;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder.path()))
+        executed += entry.path().filename() == "EXECUTED";
+    EXPECT_EQ(executed, 0u);
+    for (const char* line : {"Cube: driver of location: its Python expression is not executed",
+                             "bomb.py: text that registers itself: not executed"})
+        EXPECT_NE(said.output.find(line), std::string::npos) << said.output;
+}
+
+TEST(BlendFile, IsExportedOnceUntilItChanges) {
+    NEEDS_BLENDER();
+    const Folder folder;
+    make(folder, "instances");
+    const fs::path blend = folder / "instances.blend";
+    const std::string command = program() + " plan " + blend.string();
+    ASSERT_EQ(run(command).status, 0);
+    const fs::path first = export_of(blend);
+    const auto written = fs::last_write_time(first / "film.json");
+    const auto begin = std::chrono::steady_clock::now();
+    ASSERT_EQ(run(command).status, 0);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
+    EXPECT_EQ(export_of(blend), first);
+    EXPECT_EQ(fs::last_write_time(first / "film.json"), written);
+
+    std::ofstream(blend, std::ios::binary | std::ios::app) << '\0';
+    ASSERT_EQ(run(command).status, 0);
+    EXPECT_NE(std::distance(fs::directory_iterator(blend.string() + ".export"), fs::directory_iterator{}), 1);
+}
+
+TEST(BlendFile, BecomesAFilmWithItsRateSizeShotsAndInstances) {
+    NEEDS_BLENDER();
+    const Folder folder;
+    make(folder, "markers instances");
+    ASSERT_EQ(run(program() + " plan " + path(folder, "markers.blend")).status, 0);
+    json film = json::parse(contents(export_of(folder / "markers.blend") / "film.json"));
+    EXPECT_EQ(film["frame_rate"], "24");
+    EXPECT_EQ(film["frames"], 12);
+    EXPECT_EQ(film["size"], json({160, 90}));
+    ASSERT_EQ(film["shots"].size(), 3u);
+    EXPECT_EQ(film["shots"][1]["camera"], "Shot 5");
+    EXPECT_NEAR(film["shots"][1]["at"].get<double>(), 4.0 / 24, 1e-6);
+    EXPECT_TRUE(film["cameras"]["Shot 9"].contains("height")) << "it is parallel";
+
+    ASSERT_EQ(run(program() + " plan " + path(folder, "instances.blend")).status, 0);
+    film = json::parse(contents(export_of(folder / "instances.blend") / "film.json"));
+    const json keys = film["change"]["Late"]["keys"];
+    ASSERT_EQ(keys.size(), 2u) << "it comes at the fifth frame";
+    EXPECT_EQ(keys[1]["visible"], true);
+    const std::string glb = contents(export_of(folder / "instances.blend") / "scene.glb");
+    for (const char* node :
+         {"\"Tree 0/Cone\"", "\"Tree 3/Cone\"", "\"Source/Grain\"", "\"Source/Grain 30\"", "\"Row\""})
+        EXPECT_NE(glb.find(node), std::string::npos) << node;
+}
+
+TEST(BlendFile, HasAnIntraPictureAtEachCut) {
+    NEEDS_BLENDER();
+    const Folder folder;
+    make(folder, "markers");
+    const Outcome made = run(program() + " render " + path(folder, "markers.blend") + " -o " + path(folder, "f.mpg") +
+                             " --size 64x48 --samples 1 --vpls 16 --exposure 0 --tolerance fixed=10% --quiet --stats " +
+                             path(folder, "f.json"));
+    ASSERT_EQ(made.status, 0) << made.output;
+    const std::string types = test::types_in(folder / "f.json");
+    ASSERT_EQ(types.size(), 12u);
+    EXPECT_EQ(types[0], 'I');
+    EXPECT_EQ(types[4], 'I') << types;
+    EXPECT_EQ(types[8], 'I') << types;
+}
+
+/// How ours is held against Cycles: tests/blender/compare.py.
+struct Row {
+    double mean = 0, psnr = 0, right = 9, up = 9;
+};
+
+struct Film {
+    const char* name;
+    const char* frames;
+    double mean;  ///< how far the mean luminance may be from Cycles'
+    double psnr;  ///< dB at least
+};
+
+class BlendBesideCyclesSlow : public testing::TestWithParam<Film> {};
+
+TEST_P(BlendBesideCyclesSlow, IsFramedAndLitAlike) {
+    NEEDS_BLENDER();
+    const Film& film = GetParam();
+    const Folder folder;
+    make(folder, film.name);
+    const std::string blend = path(folder, std::string(film.name) + ".blend");
+    std::istringstream frames(film.frames);
+    for (std::string frame; frames >> frame;) {
+        const Outcome ours =
+            run(program() + " render " + blend + " -o " + path(folder, "ours%04d.exr") + " --frames " + frame + ":" +
+                frame + " --exposure 0 --tolerance fixed=1% --vpls 8192 --samples 16" + " --edge-samples 64 --quiet");
+        ASSERT_EQ(ours.status, 0) << ours.output;
+    }
+    const Outcome cycles =
+        blender(blend + " -P " + script("cycles.py") + " -- " + folder.path().string() + " 256 " + film.frames);
+    ASSERT_EQ(cycles.status, 0) << cycles.output;
+    const Outcome compared =
+        blender("-P " + script("compare.py") + " -- " + folder.path().string() + " " + film.frames);
+    std::istringstream lines(compared.output);
+    std::size_t rows = 0;
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        std::string begin, frame;
+        Row row;
+        if (!(words >> begin >> frame >> row.mean >> row.psnr >> row.right >> row.up) || begin != "ROW") continue;
+        ++rows;
+        EXPECT_NEAR(row.mean, 1, film.mean) << line;
+        EXPECT_GE(row.psnr, film.psnr) << line;
+        EXPECT_LT(std::hypot(row.right, row.up), 0.5) << line;
+    }
+    EXPECT_GE(rows, 1u) << compared.output;
+}
+
+INSTANTIATE_TEST_SUITE_P(Films, BlendBesideCyclesSlow,
+                         testing::Values(Film{"tracked_camera", "0 7", 0.03, 30}, Film{"markers", "0 7", 0.03, 30},
+                                         Film{"lamps_and_sky", "0 5", 0.03, 30},
+                                         Film{"armature_and_shapes", "0 7", 0.03, 30},
+                                         Film{"instances", "0 7", 0.03, 30}, Film{"glass_and_emission", "5", 0.03, 30},
+                                         Film{"procedural", "0", 0.03, 30}),
+                         [](const auto& film) { return film.param.name; });
+
+}  // namespace
+}  // namespace render2mpeg
