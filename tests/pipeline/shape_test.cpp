@@ -43,6 +43,20 @@ void expect_refused(const ShapeWishes& wishes, const char* preset, std::initiali
     }
 }
 
+TEST(Shape, FollowsTheScenesCameraWhereNobodySaysASize) {
+    const std::pair<core::Rational, Size> shapes[] = {
+        {{16, 9}, {640, 360}}, {{4, 3}, {640, 480}}, {{1, 1}, {640, 640}}, {{9, 16}, {360, 640}}};
+    for (const auto& [shape, size] : shapes) {
+        ShapeWishes wishes = scene({}, nullptr);
+        wishes.framed = shape;
+        const Size settled = settle_shape(wishes, nullptr, true).size;
+        EXPECT_EQ(settled.width, size.width);
+        EXPECT_EQ(settled.height, size.height);
+        wishes.source_size = Size{320, 200};
+        EXPECT_EQ(settle_shape(wishes, nullptr, true).size.width, 320) << "the animation file says more";
+    }
+}
+
 TEST(Shape, WithoutAPresetPixelsAreSquareUnlessSomebodySaysOtherwise) {
     const Shape plain = settle_shape(scene({}, nullptr), nullptr, true);
     EXPECT_EQ(plain.size.width, 512);

@@ -79,13 +79,16 @@ ShapeWishes wishes_of(const RenderOptions& options, const scene::Animation& anim
     if (animation.frame_rate) wishes.source_rate = core::frame_rate_from(*animation.frame_rate);
     wishes.source_display_aspect = animation.display_aspect;
 
+    const std::size_t camera = animation.shots.empty() ? 0 : static_cast<std::size_t>(animation.shots.front().camera);
+    const float framed = animation.cameras[camera].aspect;
+    if (std::isfinite(framed) && framed > 0.01f && framed < 100)
+        wishes.framed = core::Rational{std::lround(framed * 1000), 1000};
     // A preset chooses the shape that is nearest to what the scene was framed in, as its size or its camera tell.
     if (options.coding.preset && !wishes.source_display_aspect) {
-        const float framed = animation.cameras.front().aspect;
         if (animation.size)
             wishes.source_display_aspect = core::Rational{animation.size->x, animation.size->y};
-        else if (std::isfinite(framed) && framed > 0.01f && framed < 100)
-            wishes.source_display_aspect = core::Rational{std::lround(framed * 1000), 1000};
+        else
+            wishes.source_display_aspect = wishes.framed;
     }
     return wishes;
 }

@@ -98,11 +98,17 @@ void add_light_options(CLI::App& command, RenderOptions& options) {
 
 void add_picture_options(CLI::App& command, RenderOptions& options) {
     const std::string picture = "Picture and time";
-    command.add_option("--size", options.size, "Picture size (default: the animation file's, or 512x512)")
+    command
+        .add_option("--size", options.size,
+                    "Picture size (default: the animation file's; 640 pixels along the longer side of the camera's "
+                    "shape; 512x512 "
+                    "where neither says anything)")
         ->type_name("WxH")
         ->check(checked(size_from, ""))
         ->group(picture);
-    command.add_option("--fps", options.rate, "Pictures per second (default: the animation file's, or 25)")
+    command
+        .add_option("--fps", options.rate,
+                    "Pictures per second (default: the animation file's, that of glTF's keys, or 25)")
         ->type_name("23.976|24|25|29.97|30|50|59.94|60")
         ->check(checked(core::frame_rate_from, ""))
         ->group(picture);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -56,6 +57,14 @@ int code_of_display(core::Rational display) {
     return display == core::Rational{4, 3} ? 2 : display == core::Rational{16, 9} ? 3 : 4;
 }
 
+/// A small picture of this shape: 640x360, 640x480, 360x640.
+Size size_of_shape(core::Rational shape) {
+    constexpr double longest = 640;  // chosen: about as many pixels as 512x512
+    const double width = longest * std::min(1.0, shape.value()), height = longest * std::min(1.0, 1 / shape.value());
+    const auto even = [](double side) { return std::max(2, 2 * static_cast<int>(std::lround(side / 2))); };
+    return {even(width), even(height)};
+}
+
 Size settle_size(const ShapeWishes& wishes, const Preset* preset) {
     const auto taken = [&](Size size, const std::string& who) {
         if (preset != nullptr && preset->picture_of(size) == nullptr)
@@ -68,6 +77,7 @@ Size settle_size(const ShapeWishes& wishes, const Preset* preset) {
         return taken(*wishes.source_size,
                      fmt::format("the frames of {} have {}", wishes.source, text_of(*wishes.source_size)));
     if (preset != nullptr) return preset->pictures.front().size;
+    if (!wishes.source_size && wishes.framed) return size_of_shape(*wishes.framed);
     return wishes.source_size.value_or(Size{512, 512});
 }
 

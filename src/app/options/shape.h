@@ -30,6 +30,7 @@ struct ShapeWishes {
     std::optional<Size> source_size;
     std::optional<core::FrameRate> source_rate;
     std::optional<core::Rational> source_display_aspect;
+    std::optional<core::Rational> framed;  ///< width by height that the scene's camera was framed in
 };
 
 /// The wishes of the command line's shape options.

@@ -17,6 +17,7 @@ Animation load_gltf(const std::filesystem::path& file, const LoadOptions& option
     gltf::read_scene(document, meshes, animation);
     gltf::read_animations(document, options, meshes, animation);
     meshes.add_notes();
+    gltf::heed_exporter(document, animation);
     return animation;
 }
 

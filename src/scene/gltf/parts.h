@@ -63,4 +63,8 @@ void read_scene(const Document& document, MeshReader& meshes, Animation& animati
 void read_animations(const Document& document, const LoadOptions& options, const MeshReader& meshes,
                      Animation& animation);
 
+/// Undoes and says what is known of the program that wrote the file: lamps of Blender's exporter come in watts again,
+/// and what it left out is told with the box that was not ticked.
+void heed_exporter(const Document& document, Animation& animation);
+
 }  // namespace render2mpeg::scene::gltf

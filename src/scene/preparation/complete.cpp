@@ -11,6 +11,7 @@
 #include "scene/pose/pose.h"
 #include "scene/preparation/default_light.h"
 #include "scene/preparation/framing.h"
+#include "scene/preparation/key_rate.h"
 #include "scene/preparation/traits.h"
 #include "scene/preparation/validate.h"
 
@@ -89,6 +90,7 @@ void complete(Animation& animation, bool default_light) {
     // Derive.
     set_mobility(animation);
     set_duration(animation);
+    suggest_rate(animation);
     if (animation.cameras.empty()) {
         note_once(animation, add_automatic_camera(animation));
         set_duration(animation);
