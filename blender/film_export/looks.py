@@ -33,6 +33,7 @@ class Look:
         self.ior = 1.5
         self.normal = None    # (Picture, strength), or a socket to bake
         self.surface = True   # False: reflects nothing
+        self.refracts = False
         self.animated = None  # (node's name, input's name) of the emission's strength
         self.__dict__.update(channels)
 
@@ -156,7 +157,7 @@ class Reader:
         look.animated = (node.name, "Emission Strength")
         ior = self.constant(node, ["IOR"], 1.45)
         if look.transmission != Constant(0.0):
-            look.ior = ior
+            look.ior, look.refracts = ior, abs(ior - 1) > 1e-3
         elif "Specular IOR Level" in node.inputs:
             level = self.constant(node, ["Specular IOR Level"], 0.5)
             normal = ((ior - 1) / (ior + 1)) ** 2 * 2 * level
@@ -186,7 +187,7 @@ class Reader:
 
     def read_bsdf_glass(self, node):
         return Look(base=self.input(node, ["Color"], True), transmission=Constant(1.0), roughness=self.glossiness(node),
-                    ior=self.constant(node, ["IOR"], 1.45), normal=self.normal(node))
+                    ior=self.constant(node, ["IOR"], 1.45), normal=self.normal(node), refracts=True)
 
     read_bsdf_refraction = read_bsdf_glass
 

@@ -146,7 +146,8 @@ class Materials:
                 glass["transmissionFactor"] = self.constant(look.transmission, baked.get("transmission"))
             else:
                 glass["transmissionTexture"] = self.use(told, layers)
-            self.lost.add(material, "refraction: glass is a thin pane")
+            if look.refracts:
+                self.lost.add(material, "refraction: glass is a thin pane")
         if abs(look.ior - 1.5) > 1e-4:
             extensions["KHR_materials_ior"] = {"ior": min(max(look.ior, 1.0), 10.0)}
         if isinstance(look.normal, tuple):

@@ -155,6 +155,25 @@ TEST(BlendFile, HasAnIntraPictureAtEachCut) {
     EXPECT_EQ(types[8], 'I') << types;
 }
 
+TEST(BlenderAddOn, MakesAFilmItsFolderAndTellsMistakes) {
+    NEEDS_BLENDER();
+    const Folder folder;
+    make(folder, "markers");
+    const std::string own =
+        "BLENDER_USER_SCRIPTS=" + path(folder, "user") + " BLENDER_USER_CONFIG=" + path(folder, "user");
+    const std::string addon = (support::source_folder() / "blender/render2mpeg.py").string();
+    const Outcome used = run(own + " RENDER2MPEG_PROGRAM=" + program() + " blender -b --factory-startup -noaudio " +
+                             "--python-exit-code 1 " + path(folder, "markers.blend") + " -P " + script("use_addon.py") +
+                             " -- " + addon + " " + folder.path().string());
+    EXPECT_EQ(used.status, 0) << used.output;
+    EXPECT_NE(used.output.find("ADDON WORKS"), std::string::npos) << used.output;
+    // What was written for elsewhere needs no Blender.
+    const Outcome elsewhere = run("PATH=" + support::binary_folder().string() +
+                                  ":/usr/bin:/bin RENDER2MPEG_BLENDER=/nowhere " + path(folder, "elsewhere/render.sh"));
+    EXPECT_EQ(elsewhere.status, 0) << elsewhere.output;
+    EXPECT_EQ(contents(folder / "elsewhere/film.mpg"), contents(folder / "film.mpg")) << "the same film";
+}
+
 /// How ours is held against Cycles: tests/blender/compare.py.
 struct Row {
     double mean = 0, psnr = 0, right = 9, up = 9;

@@ -1,0 +1,44 @@
+"""blender -b --factory-startup -noaudio --python-exit-code 1 FILE.blend -P use_addon.py -- ADDON.py FOLDER
+
+Installs the add-on as a user does and makes a film, its costs and a folder with it, at a tenth of the size. The program is
+$RENDER2MPEG_PROGRAM.
+"""
+import os
+import sys
+
+import addon_utils
+import bpy
+
+addon, folder = sys.argv[sys.argv.index("--") + 1:]
+bpy.ops.preferences.addon_install(filepath=addon, overwrite=True)
+bpy.ops.preferences.addon_enable(module="render2mpeg")
+assert addon_utils.check("render2mpeg") == (True, True) or addon_utils.check("render2mpeg")[1], addon_utils.check("render2mpeg")
+
+settings = bpy.context.scene.render2mpeg
+settings.output, settings.quantiser, settings.percentage = os.path.join(folder, "film.mpg"), 20, 40
+settings.folder = os.path.join(folder, "elsewhere")
+assert bpy.ops.render2mpeg.film() == {"FINISHED"}
+assert os.path.getsize(settings.output) > 1000
+assert os.path.isfile(os.path.join(folder, "film.html"))
+said = bpy.data.texts["render2mpeg"].as_string()
+assert "not kept: " in said, said
+assert bpy.ops.render2mpeg.folder() == {"FINISHED"}
+for name in ("film.json", "scene.glb", "render.sh"):
+    assert os.path.isfile(os.path.join(settings.folder, name)), name
+
+# A film that cannot be made is told in a line.
+settings.output = os.path.join(folder, "film.doc")
+try:
+    bpy.ops.render2mpeg.film()
+    raise AssertionError("it was not refused")
+except RuntimeError as error:
+    assert "film.doc" in str(error), error
+
+# A run can be watched and stopped.
+module = sys.modules["render2mpeg"]
+settings.output, settings.percentage = os.path.join(folder, "stopped.mpg"), 400
+run = module.Run(module.film_words(bpy.context.scene, bpy.data.filepath))
+run.stop()
+assert run.wait() != 0
+bpy.ops.preferences.addon_disable(module="render2mpeg")
+print("ADDON WORKS")
