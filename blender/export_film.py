@@ -97,6 +97,9 @@ def scripts_in(lost):
         for driver in animation.drivers if animation else ():
             if driver.driver.type == "SCRIPTED" and not driver.driver.is_simple_expression:
                 lost.add(thing, f"driver of {driver.data_path}: its Python expression is not executed")
+    for image in bpy.data.images:
+        if image.source in {"MOVIE", "SEQUENCE"} and image.users:
+            lost.add(image, "moving image; as on the first frame")
     for text in bpy.data.texts:
         if text.use_module:
             lost.add(text, "text that registers itself: not executed")
@@ -176,9 +179,9 @@ def place_node(glb, node, thing, times, Matrix, TO_FILM, np, thinned, lost):
         return
     parts = [Matrix(m.tolist()).decompose() for m in matrices]
     for m, (place, turn, scale) in zip(matrices, parts):
-        if min(map(abs, scale)) > 1e-6 and np.max(np.abs(np.array(Matrix.LocRotScale(place, turn, scale)) - m)) > 1e-3 * (1 + np.max(np.abs(m[:3, :3]))):
-            lost.add(thing.name, "sheared by its parents while it moves; without the shear")
-            break
+        if np.max(np.abs(np.array(Matrix.LocRotScale(place, turn, scale)) - m)) > 1e-4 * (1 + np.max(np.abs(m[:3, :3]))):
+            place_sheared(glb, node, [times[k] for k in present], matrices, Matrix, np)
+            return
     at = [times[k] for k in present]
     turns = np.array([[q.x, q.y, q.z, q.w] for _, q, _ in parts])
     for k in range(1, len(turns)):
@@ -190,6 +193,33 @@ def place_node(glb, node, thing, times, Matrix, TO_FILM, np, thinned, lost):
         says[path] = [float(v) for v in values[needed[0]]]
         if len(needed) > 1:
             glb.channel(node, path, [at[k] for k in needed], values[needed])
+
+
+def place_sheared(glb, node, at, matrices, Matrix, np):
+    """What its parents shear while it moves: a turn and a scale above another turn, right on every frame, with steps
+    between them."""
+    says = glb.document["nodes"][node]
+    child = glb.node({"name": says["name"] + " (shape)", "mesh": says.pop("mesh")}, parent=node)
+    if "weights" in says:
+        glb.document["nodes"][child]["weights"] = says.pop("weights")
+    for channel in glb.channels:
+        if channel["target"]["node"] == node:
+            channel["target"]["node"] = child
+    rows = {"translation": [], "rotation": [], "scale": []}, {"rotation": []}
+    for m in matrices:
+        outer, scale, inner = np.linalg.svd(m[:3, :3])
+        if np.linalg.det(inner) < 0:
+            inner, scale = -inner, -scale
+        if np.linalg.det(outer) < 0:
+            outer, scale = -outer, -scale
+        rows[0]["translation"].append(m[:3, 3])
+        rows[0]["scale"].append(scale)
+        for turn, into in ((outer, rows[0]), (inner, rows[1])):
+            q = Matrix(turn.tolist()).to_quaternion()
+            into["rotation"].append([q.x, q.y, q.z, q.w])
+    for target, quantities in zip((node, child), rows):
+        for path, values in quantities.items():
+            glb.channel(target, path, at, values, "STEP")
 
 
 class Strengths:

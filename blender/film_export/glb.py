@@ -46,14 +46,15 @@ class Glb:
             self.document["nodes"][parent].setdefault("children", []).append(index)
         return index
 
-    def channel(self, node, path, times, values):
-        """Keys with straight lines between them."""
-        times = np.asarray(times, dtype=np.float32)
+    def channel(self, node, path, times, values, interpolation="LINEAR"):
+        exact, times = np.asarray(times, dtype=float), np.asarray(times, dtype=np.float32)
+        if interpolation == "STEP":  # what changes at a frame is not to be late by a rounding
+            times = np.where(times > exact, np.nextafter(times, np.float32(0)), times)
         known = times.tobytes()
         if known not in self.times:
             self.times[known] = self.accessor(times, bounds=True)
         output = self.accessor(np.asarray(values, dtype=np.float32))
-        self.samplers.append({"input": self.times[known], "output": output, "interpolation": "LINEAR"})
+        self.samplers.append({"input": self.times[known], "output": output, "interpolation": interpolation})
         self.channels.append({"sampler": len(self.samplers) - 1, "target": {"node": node, "path": path}})
 
     def save(self, path):

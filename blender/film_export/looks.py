@@ -329,4 +329,18 @@ def look_of(material, tree, lost):
     if incoming(end.inputs["Displacement"]) is not None:
         lost.add(material, "displacement")
     surface = incoming(end.inputs["Surface"])
-    return reader.shader(surface) if surface is not None else Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0)
+    if surface is None:
+        return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0, alpha=Constant(0.0 if end.inputs["Volume"].is_linked else 1.0))
+    return reader.shader(surface)
+
+
+def without_bakes(look):
+    """A look whose baked inputs have some value instead."""
+    usual = Look(base=Constant((0.5, 0.5, 0.5)), roughness=Constant(0.5))
+    out = Look(**look.__dict__)
+    for name, value in look.__dict__.items():
+        if isinstance(value, Baked):
+            setattr(out, name, getattr(usual, name))
+    if out.normal is not None and not isinstance(out.normal, tuple):
+        out.normal = None
+    return out

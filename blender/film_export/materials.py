@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 
 from . import png
-from .looks import Baked, Constant, Picture, look_of
+from .looks import Baked, Constant, Picture, look_of, without_bakes
 from .nodes import inline_groups, number_of
 from .shapes import BAKE_UV
 
@@ -111,6 +111,9 @@ class Materials:
             return self.plain(), [None]
         look, _ = self.look(material)
         baked = self.baked.get((mesh_name, material.name_full))
+        if baked is None and self.needs_bake(look):
+            self.lost.add(material, "textures that cannot be baked on a shape without a mesh of its own; grey")
+            look = without_bakes(look)
         shines = look.strength != Constant(0.0) and look.emission != Constant((0.0, 0.0, 0.0))
         sides = closed and shines
         key = (material.name_full, mesh_name if self.needs_bake(look) else None, sides)

@@ -33,10 +33,6 @@ class Shape:
         others = [name for name in self.uv if name != BAKE_UV]
         self.main_uv = (shown or others or [None])[0]
 
-    def pose(self):
-        """What bends: corners' positions and normals side by side."""
-        return np.concatenate([self.vertices[self.vertex], self.normals], axis=1)
-
     def is_closed(self):
         """Whether every edge has two triangles that run along it opposite ways, and the inside has a positive volume:
         nobody sees the backs."""
@@ -53,33 +49,39 @@ class Shape:
 
 
 class Bending:
-    """A base pose and orthonormal offsets of all later poses, found frame by frame [Gram-Schmidt], at the end as few as
-    keep every corner within a ten-thousandth of the shape's size and every normal within half a degree."""
+    """A base pose and orthonormal offsets of all later poses, found frame by frame by Gram and Schmidt's method, at the end
+    as few as keep every corner within a ten-thousandth of the shape's size and every normal within half a degree."""
 
-    def __init__(self, base):
-        self.base = base
-        size = float(np.max(np.ptp(base[:, :3], axis=0))) or 1.0
+    def __init__(self, shape):
+        self.corners = len(shape.vertex)
+        # Corners of one vertex and one normal bend alike.
+        self.first, self.number = welded([shape.vertex >> 16, shape.vertex & 65535, np.round(shape.normals, 4)])
+        self.base = self.pose(shape)
+        size = float(np.max(np.ptp(self.base[:, :3], axis=0))) or 1.0
         self.unit = np.array([1e-4 * size] * 3 + [1e-2] * 3, dtype=np.float32)
         self.basis, self.rows = [], []
 
-    def add(self, pose):
+    def pose(self, shape):
+        return np.concatenate([shape.vertices[shape.vertex[self.first]], shape.normals[self.first]], axis=1)
+
+    def add(self, shape):
         """False where the shape has other corners than the base."""
-        if pose.shape != self.base.shape:
+        if len(shape.vertex) != self.corners:
             return False
-        rest = ((pose - self.base) / self.unit).ravel().astype(np.float64)
+        rest = ((self.pose(shape) - self.base) / self.unit).ravel()
         row = []
         for offset in self.basis:
             row.append(float(rest @ offset))
-            rest -= row[-1] * offset
+            rest -= np.float32(row[-1]) * offset
         if np.max(np.abs(rest), initial=0) > 0.5:
             length = float(np.linalg.norm(rest))
-            self.basis.append(rest / length)
+            self.basis.append(rest / np.float32(length))
             row.append(length)
         self.rows.append(row)
         return True
 
     def result(self):
-        """Offsets (corners x 6 each) and weights (a row per frame)."""
+        """Offsets (a row of 6 per corner each) and weights (a row per frame)."""
         if not self.basis:
             return [], np.zeros((len(self.rows), 0))
         weights = np.zeros((len(self.rows), len(self.basis)))
@@ -96,7 +98,7 @@ class Bending:
         for k in range(kept):
             strength = float(np.max(np.abs(u[:, k]))) * s[k] or 1.0
             shares[:, k] = u[:, k] * s[k] / strength
-            scaled.append((offsets[k] * strength).reshape(self.base.shape) * self.unit)
+            scaled.append(((offsets[k] * strength).reshape(self.base.shape) * self.unit)[self.number])
         return scaled, shares
 
 

@@ -48,7 +48,7 @@ class ShapeOverTime:
     def __init__(self, shape, object_name, materials, bends):
         self.shape, self.object_name, self.materials = shape, object_name, materials
         self.mesh_name = ""  # of the original mesh, for which textures were baked
-        self.bending = Bending(shape.pose()) if bends else None
+        self.bending = Bending(shape) if bends else None
         self.missed = 0  # frames on which it was not there, or had other corners
 
 
@@ -160,7 +160,7 @@ class Walk:
             if bends:
                 known.missed = number
                 known.bending.rows += [[]] * number
-        if known.bending and not known.bending.add(shape.pose()):
+        if known.bending and not known.bending.add(shape):
             known.bending.rows.append(list(known.bending.rows[-1]) if known.bending.rows else [])
             self.lost.add(original, "its shape has other corners on other frames; its first one is kept")
         return key

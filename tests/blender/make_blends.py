@@ -329,6 +329,50 @@ def link(material, output):
     material.node_tree.links.new(output, node.inputs["Color"])
 
 
+def odds_and_ends():
+    """Texts, curves, hair, geometry nodes, shear, a shape that changes its corners, 12 frames per second: what is kept in
+    part or not at all."""
+    scene = start(3)
+    scene.render.fps, scene.render.use_motion_blur = 12, True
+    world_of((0.5, 0.5, 0.5))
+    text = bpy.data.curves.new("Text", "FONT")
+    text.body, text.extrude = "Text", 0.1
+    noisy = add_matt("Noisy", (1, 1, 1))
+    link(noisy, noisy.node_tree.nodes.new("ShaderNodeTexNoise").outputs["Color"])
+    text.materials.append(noisy)
+    add_object("Text", text, (-3, 2, 0), (math.pi / 2, 0, 0))
+    add_primitive("uv_sphere", add_matt("Fur", (0.5, 0.3, 0.2)), location=(-2, 0, 1)).modifiers.new("Fur", "PARTICLE_SYSTEM") \
+        .particle_system.settings.type = "HAIR"
+    growing = add_primitive("ico_sphere", add_matt("Growing", (0.5, 0.5, 0.5)), subdivisions=3, location=(2, 0, 1)).modifiers.new("Build", "BUILD")
+    growing.frame_start, growing.frame_duration = 1, 6
+    parent = add_object("Parent", None)
+    parent.scale = (1, 3, 1)
+    sheared = add_primitive("cube", add_matt("Sheared", (0.5, 0.5, 0.8)), size=0.4, location=(0, 0, 3), rotation=(0.5, 0.5, 0))
+    sheared.parent = parent
+    for frame, turn in ((1, 0), (3, 1)):
+        parent.rotation_euler.z = turn
+        parent.keyframe_insert("rotation_euler", frame=frame)
+    scattered = add_primitive("grid", add_matt("Scattered", (0.2, 0.6, 0.2)), size=2, location=(0, -2, 0)).modifiers.new("Scatter", "NODES")
+    scattered.node_group = scatter()
+    add_lamp("AREA", (-3, -3, 3), energy=50, shape="DISK", size=0.8)
+    camera = add_camera((0, -9, 4), (0, 0, 1)).data
+    camera.shift_x, camera.dof.use_dof = 0.05, True
+
+
+def scatter():
+    """Geometry nodes that put small cubes all over a surface."""
+    group = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
+    group.inputs.new("NodeSocketGeometry", "Geometry")
+    group.outputs.new("NodeSocketGeometry", "Geometry")
+    begin, points, cube, put, end = (group.nodes.new(kind) for kind in (
+        "NodeGroupInput", "GeometryNodeDistributePointsOnFaces", "GeometryNodeMeshCube", "GeometryNodeInstanceOnPoints", "NodeGroupOutput"))
+    cube.inputs["Size"].default_value = (0.1, 0.1, 0.1)
+    for source, target in ((begin.outputs[0], points.inputs["Mesh"]), (points.outputs["Points"], put.inputs["Points"]),
+                           (cube.outputs["Mesh"], put.inputs["Instance"]), (put.outputs[0], end.inputs[0])):
+        group.links.new(source, target)
+    return group
+
+
 def hostile():
     """Everything in a .blend that could execute something. None of it may: each would make a file beside the .blend."""
     scene = start(2)
@@ -357,7 +401,7 @@ def hostile():
 
 
 FILMS = {film.__name__: film for film in (tracked_camera, markers, lamps_and_sky, armature_and_shapes, instances, glass_and_emission,
-                                          procedural, hostile)}
+                                          procedural, odds_and_ends, hostile)}
 
 
 def main():

@@ -140,6 +140,25 @@ TEST(BlendFile, BecomesAFilmWithItsRateSizeShotsAndInstances) {
         EXPECT_NE(glb.find(node), std::string::npos) << node;
 }
 
+TEST(BlendFile, TellsWhatIsNotKeptByObjectAndReason) {
+    NEEDS_BLENDER();
+    const Folder folder;
+    make(folder, "odds_and_ends");
+    const Outcome said = run(program() + " plan " + path(folder, "odds_and_ends.blend"));
+    ASSERT_EQ(said.status, 0) << said.output;
+    for (const char* line :
+         {"not kept: Fur: hair Fur", "not kept: Growing: its shape has other corners",
+          "not kept: Camera: depth of field", "not kept: Camera: lens shift", "not kept: Area: round area lamp",
+          "not kept: Scene: motion blur", "not kept: Scene: 12 frames per second; the film has 24",
+          "not kept: Noisy: textures that cannot be baked"})
+        EXPECT_NE(said.output.find(line), std::string::npos) << line << " is not in\n" << said.output;
+    const fs::path exported = export_of(folder / "odds_and_ends.blend");
+    EXPECT_EQ(json::parse(contents(exported / "film.json"))["frames"], 6);
+    const std::string glb = contents(exported / "scene.glb");
+    for (const char* node : {"\"Sheared (shape)\"", "\"Text\"", "\"Scattered/Scattered"})
+        EXPECT_NE(glb.find(node), std::string::npos) << node;
+}
+
 TEST(BlendFile, HasAnIntraPictureAtEachCut) {
     NEEDS_BLENDER();
     const Folder folder;
