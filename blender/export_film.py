@@ -105,6 +105,20 @@ def scripts_in(lost):
             lost.add(text, "text that registers itself: not executed")
 
 
+def mix_sound(scene, film, folder, lost):
+    """The sequencer's and the speakers' sound as one file."""
+    editor = scene.sequence_editor
+    heard = bool(editor) and any(s.type == "SOUND" and not s.mute for s in editor.sequences_all)
+    heard = heard or any(thing.type == "SPEAKER" and thing.data.sound and not thing.data.muted for thing in scene.objects)
+    if not heard:
+        return
+    try:
+        bpy.ops.sound.mixdown(filepath=os.path.join(folder, "sound.wav"), check_existing=False, container="WAV", codec="PCM", format="S16")
+        film["sound"] = "sound.wav"
+    except RuntimeError as error:
+        lost.add(scene, f"sound ({' '.join(str(error).split())})")
+
+
 def other_things(scene, lost):
     for thing in scene.objects:
         if thing.hide_render:
@@ -273,6 +287,7 @@ def export(path, folder, texture_size):
     scripts_in(lost)
     other_things(scene, lost)
 
+    mix_sound(scene, film, folder, lost)
     scene.frame_set(frames[0])
     materials = Materials(glb, folder, Baker(texture_size), lost)
     for thing in list(bpy.data.objects):

@@ -40,6 +40,15 @@ const Backend& backend() {
 
 }  // namespace
 
+bool can_have_sound(const std::filesystem::path& film) {
+    const char* format = format_of(film);
+    return format != nullptr && std::string_view(format) != "mpeg2video";
+}
+
+double length_of_sound(const std::filesystem::path& file) {
+    return backend().length_of_sound(file);
+}
+
 bool is_film(const std::filesystem::path& file) {
     return format_of(file) != nullptr;
 }
@@ -49,13 +58,14 @@ struct Muxer::Impl {
     const char* format = nullptr;
     encoder::Settings settings;
     std::size_t largest_picture = 0;
+    Sound sound;
     /// Created with the first picture, whose headers the container needs.
     std::unique_ptr<Container> container;
     std::int64_t decoding_delay = 0;  ///< pictures between decoding and showing
 };
 
 Muxer::Muxer(const std::filesystem::path& file, const std::filesystem::path& name, const encoder::Settings& settings,
-             std::size_t largest_picture, ProgramStream program_stream)
+             std::size_t largest_picture, ProgramStream program_stream, const Sound& sound)
     : impl_(std::make_unique<Impl>()) {
     const char* format = format_of(name);
     if (format != nullptr && std::string_view(format) == "vob" && program_stream == ProgramStream::dvd) format = "dvd";
@@ -65,7 +75,9 @@ Muxer::Muxer(const std::filesystem::path& file, const std::filesystem::path& nam
     backend();
     if (!std::ofstream(file, std::ios::binary | std::ios::trunc))
         throw core::Error("writing", file.string(), "cannot create the file");
-    *impl_ = {file, format, settings, largest_picture, nullptr, 0};
+    if (!sound.file.empty() && !can_have_sound(name))
+        throw core::Error("writing", name.string(), "an elementary stream has no sound; .mpg, .ts, .mkv and .mp4 have");
+    *impl_ = {file, format, settings, largest_picture, sound, nullptr, 0};
 }
 
 Muxer::~Muxer() = default;
@@ -79,7 +91,7 @@ void Muxer::write(std::span<const std::uint8_t> bytes, std::int64_t display_numb
         // ones.
         facts.largest_picture = impl_->largest_picture > 0 ? impl_->largest_picture : 2 * bytes.size();
         impl_->decoding_delay = facts.low_delay ? 0 : 1;
-        impl_->container = backend().create(impl_->file, impl_->format, impl_->settings, facts);
+        impl_->container = backend().create(impl_->file, impl_->format, impl_->settings, facts, impl_->sound);
     }
     // A picture is decoded when the one before it in display order begins to be shown (encoder/cadence.h).
     const std::int64_t decoding = coding_order - impl_->decoding_delay;

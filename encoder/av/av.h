@@ -8,6 +8,7 @@
 #include <span>
 
 #include "core/picture.h"
+#include "encoder/av/sound.h"
 #include "encoder/types.h"
 
 /// FFmpeg's part: containers, and decoding for verification. Its libraries are opened on demand.
@@ -29,9 +30,10 @@ class Muxer {
     /// bytes of the film's largest coded picture if it is known, else 0: a program stream declares at its very start
     /// how fast and into how large a buffer its pictures come, and without it guesses from the first picture and the
     /// sequence header. `program_stream` matters to program streams only. Throws core::Error if the ending is none of
-    /// ours or the file cannot be created.
+    /// ours, if the file cannot be created, or if there is sound and the ending is one that cannot have any.
     Muxer(const std::filesystem::path& file, const std::filesystem::path& name, const encoder::Settings& settings,
-          std::size_t largest_picture = 0, ProgramStream program_stream = ProgramStream::plain);
+          std::size_t largest_picture = 0, ProgramStream program_stream = ProgramStream::plain,
+          const Sound& sound = {});
     /// Closes the file; it is not whole unless finish() was called.
     ~Muxer();
     Muxer(const Muxer&) = delete;

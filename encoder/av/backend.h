@@ -9,6 +9,7 @@
 #include "core/picture.h"
 #include "encoder/av/inspect.h"
 #include "encoder/av/sequence_facts.h"
+#include "encoder/av/sound.h"
 #include "encoder/types.h"
 
 /// What the module render2mpeg_av_module.so offers to the light library in front of it (av.cpp). Nothing else includes
@@ -31,9 +32,11 @@ class Container {
 class Backend {
   public:
     virtual ~Backend() = default;
-    /// Creates `file` as libavformat's `format`, for a stream with these facts. `name` is for messages.
+    /// Creates `file` as libavformat's `format`, for a stream with these facts and this sound.
     virtual std::unique_ptr<Container> create(const std::filesystem::path& file, const char* format,
-                                              const encoder::Settings& settings, const SequenceFacts& facts) const = 0;
+                                              const encoder::Settings& settings, const SequenceFacts& facts,
+                                              const Sound& sound) const = 0;
+    virtual double length_of_sound(const std::filesystem::path& file) const = 0;
     virtual void decode(const std::filesystem::path& file,
                         const std::function<void(const core::Picture&)>& picture) const = 0;
     virtual Inspection inspect(const std::filesystem::path& file) const = 0;

@@ -42,6 +42,13 @@ std::string read_film(const Words& words, const scene::TakeTurns& take_turns) {
     return {};
 }
 
+/// FILE
+std::string read_sound(const Words& words, const scene::TakeTurns& take_turns) {
+    take_turns(scene::Turn::parser);
+    av::length_of_sound(words.at(0));
+    return {};
+}
+
 /// What become_blender() is told.
 std::string run_blender(const Words& words, const scene::TakeTurns& take_turns) {
     take_turns(scene::Turn::parser);
@@ -68,6 +75,7 @@ void probe(int argc, char** argv) {
                          {{"scene", read_scene},
                           {"images", read_images},
                           {"film", read_film},
+                          {"sound", read_sound},
                           {"info", read_facts},
                           {"blend", run_blender}});
 }

@@ -4,7 +4,9 @@ Writes FOLDER/NAME.blend for each film below, or for those named: small scenes o
 """
 import math
 import os
+import struct
 import sys
+import wave
 
 import bpy
 from mathutils import Vector
@@ -143,11 +145,22 @@ def markers():
     add_lamp("POINT", (2, -2, 4), energy=300, shadow_soft_size=0.3)
     add_primitive("plane", add_matt("Floor", (0.6, 0.6, 0.6)), size=30)
     add_primitive("monkey", add_material("Head", (0.6, 0.4, 0.2)), smooth=True, size=2, location=(0, 0, 1))
+    editor = scene.sequence_editor_create()
+    editor.sequences.new_sound("Clap", write_clap(), channel=1, frame_start=1)
     for frame, (place, kind) in {1: ((0, -6, 2), "PERSP"), 5: ((4, -3, 1.5), "PERSP"), 9: ((-4, -5, 4), "ORTHO")}.items():
         camera = add_camera(place, (0, 0, 1), name=f"Shot {frame}")
         camera.data.type, camera.data.ortho_scale = kind, 5
         marker = scene.timeline_markers.new(f"Cut {frame}", frame=frame)
         marker.camera = camera
+
+
+def write_clap():
+    """A second of silence with a clap at a quarter, in the folder of the film."""
+    path = os.path.join(os.path.abspath(sys.argv[sys.argv.index("--") + 1]), "clap.wav")
+    with wave.open(path, "wb") as file:
+        file.setparams((1, 2, 44100, 0, "NONE", ""))
+        file.writeframes(b"".join(struct.pack("<h", round(30000 * math.sin(0.15 * k)) if 11025 <= k < 11500 else 0) for k in range(44100)))
+    return path
 
 
 def lamps_and_sky():

@@ -172,6 +172,10 @@ TEST(BlendFile, HasAnIntraPictureAtEachCut) {
     EXPECT_EQ(types[0], 'I');
     EXPECT_EQ(types[4], 'I') << types;
     EXPECT_EQ(types[8], 'I') << types;
+    // The sequencer's sound goes along.
+    const Outcome told =
+        run("ffprobe -v error -select_streams a -show_entries stream=codec_name -of csv=p=0 " + path(folder, "f.mpg"));
+    EXPECT_NE(told.output.find("mp2"), std::string::npos) << told.output;
 }
 
 TEST(BlenderAddOn, MakesAFilmItsFolderAndTellsMistakes) {

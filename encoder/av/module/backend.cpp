@@ -4,6 +4,7 @@
 #include "encoder/av/module/container.h"
 #include "encoder/av/module/decoder.h"
 #include "encoder/av/module/inspector.h"
+#include "encoder/av/module/sound_source.h"
 
 namespace render2mpeg::av {
 namespace {
@@ -11,12 +12,24 @@ namespace {
 class FfmpegBackend final : public Backend {
   public:
     std::unique_ptr<Container> create(const std::filesystem::path& file, const char* format,
-                                      const encoder::Settings& settings, const SequenceFacts& facts) const override {
-        return create_container(file, format, settings, facts);
+                                      const encoder::Settings& settings, const SequenceFacts& facts,
+                                      const Sound& sound) const override {
+        return create_container(file, format, settings, facts, sound);
     }
     void decode(const std::filesystem::path& file,
                 const std::function<void(const core::Picture&)>& picture) const override {
         decode_film(file, picture);
+    }
+    double length_of_sound(const std::filesystem::path& file) const override {
+        SoundSource source(file.string());
+        source.convert_to(AV_SAMPLE_FMT_FLTP);
+        const AudioFifo samples(av_audio_fifo_alloc(AV_SAMPLE_FMT_FLTP, source.channels(), SoundSource::rate));
+        std::int64_t count = 0;
+        while (source.read(samples.get())) {
+            count += av_audio_fifo_size(samples.get());
+            av_audio_fifo_reset(samples.get());
+        }
+        return static_cast<double>(count) / SoundSource::rate;
     }
     Inspection inspect(const std::filesystem::path& file) const override { return inspect_film(file); }
 };

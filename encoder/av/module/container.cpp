@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "encoder/av/module/ffmpeg.h"
+#include "encoder/av/module/sound_track.h"
 
 namespace render2mpeg::av {
 namespace {
@@ -37,9 +38,10 @@ constexpr std::int64_t pack_bytes = 2048;
 /// enough that the largest picture comes within one picture's time, so that no buffer ever runs dry. libavformat
 /// advances the clock by whole ticks of 90 kHz per pack, cutting off fractions: take the next rate above for which
 /// there are none.
-int program_rate(const SequenceFacts& facts) {
+int program_rate(const SequenceFacts& facts, std::int64_t sound_rate) {
     const double largest = static_cast<double>(facts.largest_picture) * 8 * facts.rate.hertz.value();
-    const double needed = 1.05 * std::max(static_cast<double>(facts.bit_rate), largest) + 10000;
+    const double needed =
+        1.05 * std::max(static_cast<double>(facts.bit_rate), largest) + 10000 + 1.2 * static_cast<double>(sound_rate);
     constexpr std::int64_t unit = 50;  // program_mux_rate counts 50 bytes per second, in 22 bits [H222, 2.5.3.4]
     constexpr std::int64_t product = pack_bytes * 90000 / unit;  // of a rate in these units and a pack's ticks
     auto ticks = std::max(static_cast<std::int64_t>(static_cast<double>(product * 8 * unit) / needed), std::int64_t{1});
@@ -58,7 +60,7 @@ AVRational frame_of(const core::FrameRate& rate) {
 class File final : public Container {
   public:
     File(const std::filesystem::path& file, const char* format, const encoder::Settings& settings,
-         const SequenceFacts& facts)
+         const SequenceFacts& facts, const Sound& sound)
         : file_(file.string()),
           is_plain_program_(std::strcmp(format, "vob") == 0),
           is_dvd_(std::strcmp(format, "dvd") == 0),
@@ -75,10 +77,12 @@ class File final : public Container {
             av_dict_set(&context->metadata, "service_name", "render2mpeg", 0);
         }
         describe_stream(settings, facts, messages);
+        if (!sound.file.empty()) sound_ = std::make_unique<SoundTrack>(sound, *context);
 
         AVDictionary* options = nullptr;
         if (is_dvd_ || is_plain_program_)
-            av_dict_set_int(&options, "muxrate", is_dvd_ ? dvd_program_rate : program_rate(facts), 0);
+            av_dict_set_int(&options, "muxrate",
+                            is_dvd_ ? dvd_program_rate : program_rate(facts, sound_ ? sound_->bit_rate() : 0), 0);
         check(avio_open(&context->pb, ("file:" + file_).c_str(), AVIO_FLAG_WRITE), messages);
         const int result = avformat_write_header(context, &options);
         av_dict_free(&options);
@@ -88,6 +92,7 @@ class File final : public Container {
     void write(std::span<const std::uint8_t> bytes, const Times& times, bool random_access) override {
         const Messages messages;
         EXPECTS(context_->pb != nullptr && bytes.size() < std::numeric_limits<int>::max());
+        if (sound_) sound_->write_until(static_cast<double>(times.decoding) * av_q2d(field_));
         check(av_new_packet(packet_.get(), static_cast<int>(bytes.size())), messages);
         std::copy(bytes.begin(), bytes.end(), packet_->data);
         packet_->pts = times.presentation;
@@ -103,6 +108,7 @@ class File final : public Container {
     void finish() override {
         const Messages messages;
         EXPECTS(context_->pb != nullptr);
+        if (sound_) sound_->finish();
         check(av_write_trailer(context_.get()), messages);
         // libavformat leaves out what ends a program stream [H222, 2.5.3.2: MPEG_program_end_code]. A DVD's ends with
         // its last sector.
@@ -180,13 +186,15 @@ class File final : public Container {
     AVRational frame_, field_;  ///< seconds
     std::unique_ptr<AVFormatContext, Closed> context_;
     Packet packet_{av_packet_alloc()};
+    std::unique_ptr<SoundTrack> sound_;  ///< null: the film is silent
 };
 
 }  // namespace
 
 std::unique_ptr<Container> create_container(const std::filesystem::path& file, const char* format,
-                                            const encoder::Settings& settings, const SequenceFacts& facts) {
-    return std::make_unique<File>(file, format, settings, facts);
+                                            const encoder::Settings& settings, const SequenceFacts& facts,
+                                            const Sound& sound) {
+    return std::make_unique<File>(file, format, settings, facts, sound);
 }
 
 }  // namespace render2mpeg::av

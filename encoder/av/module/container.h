@@ -10,6 +10,7 @@ namespace render2mpeg::av {
 
 /// `Backend::create` inside the module.
 std::unique_ptr<Container> create_container(const std::filesystem::path& file, const char* format,
-                                            const encoder::Settings& settings, const SequenceFacts& facts);
+                                            const encoder::Settings& settings, const SequenceFacts& facts,
+                                            const Sound& sound);
 
 }  // namespace render2mpeg::av

@@ -89,7 +89,7 @@ class Film {
     std::string file_;
     const std::function<void(const core::Picture&)>& picture_;
     Messages messages_;
-    OpenFilm film_;
+    OpenStream film_;
     Decoder decoder_;
     Packet packet_{av_packet_alloc()};
     Frame frame_{av_frame_alloc()};

@@ -4,11 +4,15 @@
 extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
+#include <libavutil/audio_fifo.h>
+#include <libavutil/channel_layout.h>
 #include <libavutil/log.h>
 #include <libavutil/motion_vector.h>
 #include <libavutil/opt.h>
 #include <libavutil/pixdesc.h>
+#include <libavutil/samplefmt.h>
 #include <libavutil/video_enc_params.h>
+#include <libswresample/swresample.h>
 }
 
 #include <memory>
@@ -23,7 +27,12 @@ struct Freed {
 };
 using Packet = std::unique_ptr<AVPacket, Freed<AVPacket, av_packet_free>>;
 using Frame = std::unique_ptr<AVFrame, Freed<AVFrame, av_frame_free>>;
+using Resampler = std::unique_ptr<SwrContext, Freed<SwrContext, swr_free>>;
 using Decoder = std::unique_ptr<AVCodecContext, Freed<AVCodecContext, avcodec_free_context>>;
+struct FifoFreed {
+    void operator()(AVAudioFifo* fifo) const { av_audio_fifo_free(fifo); }
+};
+using AudioFifo = std::unique_ptr<AVAudioFifo, FifoFreed>;
 using Input = std::unique_ptr<AVFormatContext, Freed<AVFormatContext, avformat_close_input>>;
 
 /// Catches what FFmpeg would print on the terminal, while it lives and on its own thread: FFmpeg is asked for no

@@ -28,7 +28,7 @@ const AVInputFormat* transport_stream_format(const std::string& file) {
 
 }  // namespace
 
-OpenFilm open_film(const std::string& file, int error_recognition, const Messages& messages) {
+OpenStream open_stream(const std::string& file, AVMediaType kind, int error_recognition, const Messages& messages) {
     const auto refuse = [&](const std::string& cause) { throw core::Error("reading", file, cause); };
     AVFormatContext* input = avformat_alloc_context();
     if (input == nullptr) refuse(cause_of(AVERROR(ENOMEM), messages));
@@ -40,12 +40,16 @@ OpenFilm open_film(const std::string& file, int error_recognition, const Message
     const int opened = avformat_open_input(&input, ("file:" + file).c_str(), transport_stream_format(file), &options);
     av_dict_free(&options);
     if (opened < 0) refuse(cause_of(opened, messages));
-    OpenFilm film{Input(input), nullptr};
+    OpenStream film{Input(input), nullptr};
     if (const int r = avformat_find_stream_info(input, nullptr); r < 0) refuse(cause_of(r, messages));
-    const int stream = av_find_best_stream(input, AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
-    if (stream < 0) refuse("there is no video in it");
+    const int stream = av_find_best_stream(input, kind, -1, -1, nullptr, 0);
+    if (stream < 0) refuse(kind == AVMEDIA_TYPE_AUDIO ? "there is no sound in it" : "there is no video in it");
     film.stream = input->streams[stream];
     return film;
+}
+
+OpenStream open_film(const std::string& file, int error_recognition, const Messages& messages) {
+    return open_stream(file, AVMEDIA_TYPE_VIDEO, error_recognition, messages);
 }
 
 }  // namespace render2mpeg::av

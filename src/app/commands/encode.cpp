@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "app/files/publish.h"
+#include "app/files/sound.h"
 #include "app/files/text_file.h"
 #include "app/loop/film_identity.h"
 #include "app/loop/first_pass.h"
@@ -91,6 +92,9 @@ Job prepare(const EncodeOptions& options) {
     encoder::check(coding);
     job.film.source = options.input.string();
     check_outputs(options, job.film.frames);
+    // Finished frames are a film from their first one on, whatever their numbers.
+    const FrameRange whole{0, job.film.frame_count() - 1};
+    job.film.sound = sound_of(options.coding, std::nullopt, options.output, whole, coding.rate);
 
     if (options.motion) {
         if (!is_numbered(*options.motion))

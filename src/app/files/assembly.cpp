@@ -38,7 +38,12 @@ void assemble(const std::vector<ChunkFile>& chunks, const Film& film, const std:
     for (const ChunkFile& chunk : chunks)
         for (const PictureRecord& picture : chunk.pictures()) largest = std::max<std::size_t>(largest, picture.bytes);
 
-    av::Muxer muxer(file, name, film.coding, largest, film.disc ? av::ProgramStream::dvd : av::ProgramStream::plain);
+    std::size_t pictures = 0;
+    for (const ChunkFile& chunk : chunks) pictures += chunk.pictures().size();
+    av::Sound sound = film.sound;
+    sound.seconds = static_cast<double>(pictures) / film.coding.rate.hertz.value();
+    av::Muxer muxer(file, name, film.coding, largest, film.disc ? av::ProgramStream::dvd : av::ProgramStream::plain,
+                    sound);
     std::int64_t coded_before = 0;
     for (const ChunkFile& chunk : chunks) {
         copy_chunk(chunk, muxer, film.frames.first, coded_before, &chunk == &chunks.back());

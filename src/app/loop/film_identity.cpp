@@ -39,6 +39,7 @@ std::vector<Files> inputs_of(const RenderJob& film, const RenderOptions& options
     for (const std::filesystem::path& file : film.animation->files) inputs.emplace_back(file);
     for (const scene::ImageSource& image : film.animation->images) inputs.emplace_back(image.path);
     inputs.emplace_back(options.coding.keyframes.value_or(""));
+    inputs.emplace_back(film.sound.file);
     return inputs;
 }
 

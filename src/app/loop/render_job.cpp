@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "app/files/sound.h"
 #include "app/options/option_text.h"
 #include "app/options/rate_options.h"
 #include "core/color.h"
@@ -156,6 +157,7 @@ RenderJob prepare(const RenderOptions& options) {
     film.keyframes = keyframes_of(options.coding);
     film.two_passes = film.kind == OutputKind::film && two_passes(options.coding);
     film.disc = preset != nullptr && preset->disc;
+    film.sound = sound_of(options.coding, animation->sound, options.output, film.frames, film.rate);
     if (film.kind == OutputKind::film) encoder::check(film.coding);
     film.rendering.edge_samples = edge_samples_of(options, film);
 

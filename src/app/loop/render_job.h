@@ -34,6 +34,7 @@ struct RenderJob {
     CacheChoice cache;  ///< as `rendering` has it
     encoder::Settings coding;
     Keyframes keyframes;
+    av::Sound sound;                    ///< as in Film
     bool disc = false;                  ///< program streams are a DVD's
     core::Rational pixel_aspect{1, 1};  ///< width by height of a pixel, as in `format`
     ToleranceRequest tolerance;
@@ -52,7 +53,9 @@ struct RenderJob {
         return scene::snapshot_at(*animation, frame, core::time_of(frame, rate), format);
     }
     core::ToleranceMap tolerance_map() const;
-    Film film() const { return {animation->source, frames, coding, keyframes, disc, core::name_of(rendering.isa)}; }
+    Film film() const {
+        return {animation->source, frames, coding, keyframes, disc, core::name_of(rendering.isa), sound};
+    }
 };
 
 /// The film's renderer, its textures read.

@@ -55,6 +55,24 @@ void add_coding_options(CLI::App& command, CodingOptions& options) {
         ->group(coding);
 }
 
+void add_sound_options(CLI::App& command, CodingOptions& options) {
+    const std::string sound = "Sound";
+    command
+        .add_option(
+            "--audio", options.audio,
+            "Sound of the film: whatever FFmpeg reads, or `none` (default: the scene's). MPEG audio layer II in "
+            ".mpg, .vob and .ts, AC-3 with --for, AAC in .mkv and .mp4; it ends with the film")
+        ->type_name("FILE|none")
+        ->group(sound);
+    command
+        .add_option("--audio-offset", options.audio_offset,
+                    "Seconds after frame 0 at which the sound begins; below 0 its beginning is cut off")
+        ->type_name("SECONDS")
+        ->check(CLI::Range(-1e5, 1e5))
+        ->capture_default_str()
+        ->group(sound);
+}
+
 void add_shape_options(CLI::App& command, CodingOptions& options) {
     const std::string picture = "Picture and time";
     CLI::Option* display =

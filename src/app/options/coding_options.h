@@ -25,6 +25,8 @@ CLI::Validator checked(Parser parser, const std::string& type) {
 
 /// How pictures are coded, and for whom: `render` and `encode` share these.
 void add_coding_options(CLI::App& command, CodingOptions& options);
+/// What is heard: `render`, `encode` and `tune` share these.
+void add_sound_options(CLI::App& command, CodingOptions& options);
 /// What shape pictures are shown in: likewise.
 void add_shape_options(CLI::App& command, CodingOptions& options);
 

@@ -43,6 +43,7 @@ CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
         ->capture_default_str()
         ->group(motion);
     add_coding_options(*command, options.coding);
+    add_sound_options(*command, options.coding);
     command->add_option("--threads", options.threads, "Threads; 0: one per core. The film's bytes do not depend on it")
         ->check(CLI::Range(0, 1024))
         ->capture_default_str()

@@ -8,6 +8,7 @@
 #include "app/options/preset.h"
 #include "app/options/shape.h"
 #include "core/rational.h"
+#include "encoder/av/sound.h"
 #include "encoder/types.h"
 
 namespace render2mpeg::app {
@@ -20,6 +21,7 @@ struct Film {
     Keyframes keyframes;
     bool disc = false;  ///< program streams are a DVD's
     std::string isa;    ///< instruction set that the pictures depend on; empty: on none
+    av::Sound sound;    ///< without its end, which is the film's
 
     std::int64_t frame_count() const { return frames.last - frames.first + 1; }
 };

@@ -99,6 +99,7 @@ CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
     add_picture_options(*command, options);
     add_light_options(*command, options);
     add_coding_options(*command, options.coding);
+    add_sound_options(*command, options.coding);
     add_run_options(*command, options);
     return command;
 }

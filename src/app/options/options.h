@@ -34,6 +34,8 @@ struct CodingOptions {
     std::optional<std::string> preset;                        ///< --for
     std::optional<std::string> display_aspect, pixel_aspect;  ///< "W:H", not both
     std::optional<std::string> keyframes;                     ///< frame numbers, or a file with them
+    std::optional<std::string> audio;                         ///< a file, or "none"
+    double audio_offset = 0;                                  ///< seconds of frame 0's film at which it begins
 };
 
 /// Options of `render`, and of `plan` as far as they decide the plan. Absent values are filled from the scene or by

@@ -79,6 +79,7 @@ CLI::App* add_tune_command(CLI::App& app, TuneOptions& options) {
     add_picture_options(*command, options.render);
     add_light_options(*command, options.render);
     add_coding_options(*command, options.render.coding);
+    add_sound_options(*command, options.render.coding);
     for (const char* name : decided_by_tune) command->remove_option(command->get_option(name));
     add_trial_run_options(*command, options);
     command

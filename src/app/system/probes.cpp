@@ -146,6 +146,16 @@ std::string read_probed_images(const scene::TakeTurns& take_turns) {
     return {};
 }
 
+void probe_sound(const std::filesystem::path& file) {
+    std::error_code failure;
+    if (!std::filesystem::is_regular_file(file, failure))
+        throw core::Error("reading", file.string(), "there is no such file");
+    if (!scene::Probe::is_possible()) return;
+    const scene::ProbeLimits limits = film_limits(file);
+    scene::text_of(scene::Probe(limits, {"sound", file.string()}).end(InterruptGuard::requested), file.string(),
+                   limits);
+}
+
 scene::ProbeLimits film_limits(const std::filesystem::path& film) {
     // chosen: 2 GiB and 60 bytes for each of the file's hold the largest pictures and what is told of each; how long it
     // takes nobody can say.

@@ -30,6 +30,9 @@ bool probe_images(const scene::Animation& film, const ImageProbes& probes);
 /// The probe's side: reads the images that its standard input holds. Says a '.' for each.
 std::string read_probed_images(const scene::TakeTurns& take_turns);
 
+/// Lets a probe decode a film's sound. Throws core::Error where it cannot be read.
+void probe_sound(const std::filesystem::path& file);
+
 /// What decoding a film may take.
 scene::ProbeLimits film_limits(const std::filesystem::path& film);
 

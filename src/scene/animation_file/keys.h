@@ -12,7 +12,7 @@ using K = std::string_view;
 inline constexpr std::array film{K("$schema"),    K("title"),     K("scene"),   K("size"),  K("display_aspect"),
                                  K("frame_rate"), K("frames"),    K("seconds"), K("times"), K("sky"),
                                  K("exposure"),   K("camera"),    K("cameras"), K("shots"), K("lights"),
-                                 K("objects"),    K("materials"), K("change")};
+                                 K("objects"),    K("materials"), K("change"),  K("sound")};
 
 inline constexpr std::array camera{K("position"), K("look_at"),       K("rotate"), K("roll"), K("fov"),
                                    K("height"),   K("interpolation"), K("keys"),   K("loop"), K("near")};

@@ -127,6 +127,7 @@ Animation load_animation_file(const fs::path& given, const LoadOptions& options,
     if (const auto v = value.find("lights")) read_lights(*v, film, clock);
     if (const auto v = value.find("sky")) looks.read_sky(*v);
     if (const auto v = value.find("shots")) read_shots(*v, film, clock);
+    if (const auto v = value.find("sound")) film.sound = Looks::file_below(folder, *v);
     looks.refuse_unused();
     return film;
 }

@@ -84,6 +84,8 @@ struct Animation {
     std::optional<core::Rational>
         display_aspect;  ///< width by height of the picture as shown, likewise; none: square pixels
 
+    std::optional<std::filesystem::path> sound;  ///< begins with frame 0, likewise
+
     std::vector<std::string> notes;  ///< one line each: what was assumed, dropped or not understood
 };
 

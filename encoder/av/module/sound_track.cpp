@@ -1,0 +1,134 @@
+#include "encoder/av/module/sound_track.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "core/error.h"
+
+namespace render2mpeg::av {
+namespace {
+
+AVCodecID codec_for(const AVFormatContext& container, bool ac3) {
+    const std::string format = container.oformat->name;
+    if (format == "matroska" || format == "mp4") return AV_CODEC_ID_AAC;
+    return ac3 || format == "dvd" ? AV_CODEC_ID_AC3 : AV_CODEC_ID_MP2;
+}
+
+/// chosen: rates at which listeners find no fault with each codec (bits per second and channel).
+std::int64_t rate_of(AVCodecID id) {
+    return id == AV_CODEC_ID_AAC ? 96'000 : 128'000;
+}
+
+}  // namespace
+
+SoundTrack::SoundTrack(const Sound& sound, AVFormatContext& container)
+    : file_(sound.file.string()), container_(container), source_(file_) {
+    if (!packet_) check(AVERROR(ENOMEM));
+    total_ = std::llround(sound.seconds * SoundSource::rate);
+    open_encoder(codec_for(container, sound.ac3));
+    const AVSampleFormat format = encoder_->sample_fmt;
+    source_.convert_to(format);
+    samples_.reset(av_audio_fifo_alloc(format, source_.channels(), encoder_->frame_size));
+    if (!samples_) check(AVERROR(ENOMEM));
+    const std::int64_t begin = std::llround(sound.offset * SoundSource::rate);
+    if (begin > 0) add_silence(std::min(begin, total_));
+    skipped_ = std::max<std::int64_t>(0, -begin);
+}
+
+void SoundTrack::check(int result) const {
+    if (result < 0) throw core::Error("writing the sound of", file_, cause_of(result, messages_));
+}
+
+void SoundTrack::open_encoder(AVCodecID id) {
+    const AVCodec* codec = avcodec_find_encoder(id);
+    if (codec == nullptr)
+        throw core::Error("writing the sound of", file_, "this libavcodec does not encode such sound");
+    encoder_.reset(avcodec_alloc_context3(codec));
+    if (!encoder_) check(AVERROR(ENOMEM));
+    encoder_->sample_rate = SoundSource::rate;
+    encoder_->sample_fmt = codec->sample_fmts[0];
+    encoder_->time_base = {1, SoundSource::rate};
+    encoder_->bit_rate = rate_of(id) * source_.channels();
+    encoder_->thread_count = 1;
+    encoder_->flags |= AV_CODEC_FLAG_BITEXACT;
+    if ((container_.oformat->flags & AVFMT_GLOBALHEADER) != 0) encoder_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
+    av_channel_layout_default(&encoder_->ch_layout, source_.channels());
+    check(avcodec_open2(encoder_.get(), codec, nullptr));
+    stream_ = avformat_new_stream(&container_, nullptr);
+    if (stream_ == nullptr) check(AVERROR(ENOMEM));
+    stream_->time_base = encoder_->time_base;
+    check(avcodec_parameters_from_context(stream_->codecpar, encoder_.get()));
+}
+
+void SoundTrack::add_silence(std::int64_t samples) {
+    while (samples > 0) {
+        const Frame frame(av_frame_alloc());
+        if (!frame) check(AVERROR(ENOMEM));
+        frame->nb_samples = static_cast<int>(std::min<std::int64_t>(samples, 1 << 16));
+        frame->format = encoder_->sample_fmt;
+        frame->sample_rate = SoundSource::rate;
+        check(av_channel_layout_copy(&frame->ch_layout, &encoder_->ch_layout));
+        check(av_frame_get_buffer(frame.get(), 0));
+        check(av_samples_set_silence(frame->extended_data, 0, frame->nb_samples, source_.channels(),
+                                     encoder_->sample_fmt));
+        check(av_audio_fifo_write(samples_.get(), reinterpret_cast<void**>(frame->extended_data), frame->nb_samples));
+        samples -= frame->nb_samples;
+    }
+}
+
+/// Sees that so many samples wait, as long as the file has more.
+void SoundTrack::read_ahead(int samples) {
+    while (!at_end_ && av_audio_fifo_size(samples_.get()) < samples) {
+        at_end_ = !source_.read(samples_.get());
+        const auto cut = static_cast<int>(std::min<std::int64_t>(skipped_, av_audio_fifo_size(samples_.get())));
+        check(av_audio_fifo_drain(samples_.get(), cut));
+        skipped_ -= cut;
+    }
+}
+
+void SoundTrack::write_until(double seconds) {
+    // chosen: half a second ahead, so that containers find the sound before the pictures it belongs to.
+    const double wanted = (seconds + 0.5) * SoundSource::rate;
+    while (static_cast<double>(encoded_) < wanted && encoded_ < total_) {
+        read_ahead(encoder_->frame_size);
+        const auto there =
+            std::min<std::int64_t>({av_audio_fifo_size(samples_.get()), encoder_->frame_size, total_ - encoded_});
+        if (there == 0) return;
+        // The last frame is filled up with silence, for encoders that take whole ones only.
+        const Frame frame(av_frame_alloc());
+        if (!frame) check(AVERROR(ENOMEM));
+        frame->nb_samples = encoder_->frame_size;
+        frame->format = encoder_->sample_fmt;
+        frame->sample_rate = SoundSource::rate;
+        check(av_channel_layout_copy(&frame->ch_layout, &encoder_->ch_layout));
+        check(av_frame_get_buffer(frame.get(), 0));
+        check(av_samples_set_silence(frame->extended_data, 0, frame->nb_samples, source_.channels(),
+                                     encoder_->sample_fmt));
+        check(av_audio_fifo_read(samples_.get(), reinterpret_cast<void**>(frame->extended_data),
+                                 static_cast<int>(there)));
+        frame->pts = encoded_;
+        encoded_ += there;
+        encode(frame.get());
+    }
+}
+
+void SoundTrack::finish() {
+    write_until(static_cast<double>(total_) / SoundSource::rate);
+    encode(nullptr);
+}
+
+/// Encodes a frame, or with null what is held back.
+void SoundTrack::encode(const AVFrame* frame) {
+    check(avcodec_send_frame(encoder_.get(), frame));
+    while (true) {
+        const int result = avcodec_receive_packet(encoder_.get(), packet_.get());
+        if (result == AVERROR(EAGAIN) || result == AVERROR_EOF) return;
+        check(result);
+        packet_->stream_index = stream_->index;
+        av_packet_rescale_ts(packet_.get(), encoder_->time_base, stream_->time_base);
+        check(av_interleaved_write_frame(&container_, packet_.get()));
+    }
+}
+
+}  // namespace render2mpeg::av
