@@ -19,7 +19,8 @@ void check(const Settings& settings);
 /// Throws as check() does.
 Declaration declaration_of(const Settings& settings);
 
-/// Codes pictures, which come in display order, and gives them in coding order. It does not search for motion.
+/// Codes pictures, which come in display order, and gives them in coding order. Exact motion comes first; it searches
+/// where that is not good enough.
 ///
 /// Bytes do not depend on the number of threads nor on earlier chunks: only on what was planned and pushed since the
 /// last chunk of promised length (PictureFacts::left_in_chunk) began and, where there is a bit rate, on how calls of
@@ -40,7 +41,7 @@ class Encoder {
     PicturePlan plan(std::int64_t number, const PictureFacts& facts, bool first_of_chunk);
 
     /// Codes the next of the planned pictures, as it was planned. `motion` has one field per reference of the plan, or
-    /// is empty: then only predictors and zero are tried. Returns the pictures that became complete.
+    /// is empty: then vectors come from predictors, zero and a search. Returns the pictures that became complete.
     std::vector<CodedPicture> push(const core::Picture& picture, const PicturePlan& plan,
                                    std::span<const core::MotionField> motion, const Hints& hints = {});
 

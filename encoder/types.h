@@ -123,6 +123,9 @@ struct PictureFacts {
     /// the picture, as the pictures before tell. B pictures show the mean of their references: the larger,
     /// the fewer are planned in a row. None: 0.
     std::optional<double> light_change = {};
+    /// B pictures, 0 or more, that should stand between the I or P picture before this one and the next one
+    /// (encoder/look_ahead.h); only the first of them needs it. None: as the motion says.
+    std::optional<int> b_pictures = {};
     std::optional<BitAllocation> allocation = {};  ///< none: one pass
 };
 
@@ -171,6 +174,37 @@ struct MacroblockRecord {
     std::int16_t backward_x = 0, backward_y = 0;  ///< half pixels
 };
 
+/// Where a vector comes from: the caller's motion; neighbours, the picture before and zero; a search.
+enum class VectorSource : std::uint8_t { exact, predicted, searched };
+
+/// A number for each of these; half-pel neighbours count with what they are neighbours of.
+struct BySource {
+    std::uint64_t exact = 0, predicted = 0, searched = 0;
+
+    std::uint64_t& of(VectorSource source) {
+        return source == VectorSource::exact ? exact : source == VectorSource::predicted ? predicted : searched;
+    }
+    std::uint64_t all() const { return exact + predicted + searched; }
+    void operator+=(const BySource& other) {
+        exact += other.exact;
+        predicted += other.predicted;
+        searched += other.searched;
+    }
+};
+
+/// What choosing a picture's vectors took, over all directions and macroblocks. Effort::fast counts nothing by source.
+struct MotionWork {
+    BySource evaluations;        ///< 16x16 Hadamard differences of vectors
+    BySource chosen;             ///< the cheapest vector of a macroblock and direction, before modes are decided
+    std::uint64_t searches = 0;  ///< 16x16 sums of absolute differences of the search
+
+    void operator+=(const MotionWork& other) {
+        evaluations += other.evaluations;
+        chosen += other.chosen;
+        searches += other.searches;
+    }
+};
+
 struct CodedPicture {
     PicturePlan plan;
     int quantiser = 4;  ///< of the slices' headers; seldom more than one step from the plan's
@@ -179,6 +213,7 @@ struct CodedPicture {
     core::Picture reconstruction;     ///< what a decoder shows: cropped to the display size
     core::Plane<MacroblockRecord> macroblocks;
     std::uint64_t block_evaluations = 0;  ///< 16x16 differences computed to choose motion and modes, in all tries
+    MotionWork motion;                    ///< part of these, in the last try
     int tries = 1;                        ///< codings until it fitted the buffer
     bool minimal = false;                 ///< not even the coarsest quantiser fitted: nothing but flat blocks, or skips
     std::uint64_t stuffing_bytes = 0;     ///< zeros in `bytes` that keep the buffer from running over

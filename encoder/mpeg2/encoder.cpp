@@ -238,6 +238,7 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
     coded.bytes.insert(coded.bytes.end(), result.bytes.begin(), result.bytes.end());
     coded.macroblocks = std::move(result.records);
     coded.block_evaluations = result.evaluations;
+    coded.motion = result.motion;
     refresh.record(plan.type, coded.macroblocks);
     keep(plan, std::move(result), coded);
     return coded;

@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <map>
 
 #include "core/error.h"
 #include "encoder_rd/clips.h"
@@ -22,7 +23,8 @@ namespace render2mpeg::bench {
 namespace {
 
 struct Options {
-    std::vector<std::string> clips = own_clips();
+    std::vector<std::string> clips;  ///< empty: those of `set`
+    std::string set = "test";
     std::vector<std::string> codecs = {"quality", "fast", "eye", "free", "A", "B", "C"};
     std::vector<int> quantisers = {2, 4, 8, 16};
     int frames = 60;
@@ -30,8 +32,24 @@ struct Options {
     std::filesystem::path cache = "build/bench-cache";
     std::filesystem::path scenes;
     std::string json, svg;
-    bool render_only = false, check_metrics = false, points = false;
+    bool small = false, render_only = false, check_metrics = false, points = false;
 };
+
+const std::map<std::string, ClipSet> clip_sets = {{"fit", ClipSet::fit},
+                                                  {"fit-foreign", ClipSet::fit_foreign},
+                                                  {"test", ClipSet::test},
+                                                  {"test-foreign", ClipSet::test_foreign}};
+
+/// The clips asked for.
+std::vector<std::string> clips_of(const Options& o) {
+    if (!o.clips.empty()) return o.clips;
+    const auto set = clip_sets.find(o.set);
+    if (set == clip_sets.end()) throw core::Error("--set " + o.set + ": there is no such set");
+    std::vector<std::string> names = clips_of_set(set->second);
+    if (o.scenes.empty()) return names;
+    for (const std::string& name : scene_clips(set->second)) names.push_back(name);
+    return names;
+}
 
 std::string known_codecs() {
     std::string names;
@@ -41,11 +59,15 @@ std::string known_codecs() {
 }
 
 void add_options(CLI::App& app, Options& o) {
-    std::string clips;
-    for (const std::string& name : own_clips()) clips += name + " ";
-    std::string scenes;
-    for (const std::string& name : scene_clips()) scenes += name + " ";
-    app.add_option("--clips", o.clips, "Of " + clips + "and, with --scenes, " + scenes)->delimiter(',');
+    std::string clips, scenes;
+    for (const auto& [set, kind] : clip_sets) {
+        for (const std::string& name : clips_of_set(kind)) clips += name + " ";
+        for (const std::string& name : scene_clips(kind)) scenes += name + " ";
+    }
+    app.add_option("--set", o.set, "fit, fit-foreign, test or test-foreign")->capture_default_str();
+    app.add_option("--clips", o.clips, "Instead of a set; of " + clips + "and, with --scenes, " + scenes)
+        ->delimiter(',');
+    app.add_flag("--small", o.small, "640x352, 30 pictures");
     app.add_option("--codecs", o.codecs, "Of " + known_codecs())->delimiter(',')->capture_default_str();
     app.add_option("--quantisers", o.quantisers, "At least two")->delimiter(',')->check(CLI::Range(1, 31));
     app.add_option("--frames", o.frames, "The first so many of 60")->check(CLI::Range(1, 60))->capture_default_str();
@@ -77,11 +99,11 @@ void measure(const Options& o, const Clip& clip, std::vector<Curve>& curves) {
 
 int run(const Options& o) {
     std::vector<Curve> curves;
-    for (const std::string& name : o.clips) {
+    for (const std::string& name : clips_of(o)) {
         Clip clip;
         {
             const parallel::ThreadLimit rendering(o.threads);
-            clip = make_clip({name, o.cache, o.scenes, o.frames});
+            clip = make_clip({name, o.cache, o.scenes, o.frames, o.small});
         }
         if (o.render_only) continue;
         const parallel::ThreadLimit one(1);

@@ -85,45 +85,52 @@ TEST(Encoder, ATranslationIsCodedByItsVectorAndCostsAlmostNothing) {
     }
 }
 
-TEST(Encoder, HintsBeatPredictorsOnFastMotion) {
-    const Settings s = settings(320, 240, 4, 10);
-    const glm::dvec2 step{23.5, -11};
-    const auto bits = [&](const Motion& motion) {
-        return encode(
-                   s, 5, [&](std::int64_t n) { return textured(s, n, step); }, motion)
-            .bytes()
-            .size();
-    };
-    const std::size_t with = bits([&](const PicturePlan& plan) {
-        return std::vector{uniform_motion(s.width, s.height, plan.number, -glm::vec2(step))};
+/// Clouds that slide.
+core::Picture sliding_clouds(const Settings& s, std::int64_t n, glm::dvec2 step) {
+    return paint(s.width, s.height, n, [&](int plane, double x, double y) {
+        return clouds(plane, x - step.x * static_cast<double>(n), y - step.y * static_cast<double>(n));
     });
-    EXPECT_LT(with * 3, bits(no_motion) * 2);
 }
 
-TEST(Encoder, ASilhouetteIsOfferedBothMotions) {
-    // Two textures slide apart along a vertical border; a macroblock on it should take one of the two, never their
-    // mean.
-    const Settings s = settings(128, 96, 3, 10);
-    const int border = 56;  // in the middle of a macroblock
-    const auto picture = [&](std::int64_t n) {
-        return paint(s.width, s.height, n, [&](int plane, double x, double y) {
-            const double shift = static_cast<double>(n) * (x < border ? 6 : -6);
-            return texture(plane, x + (x < border ? 0 : 500), y - shift);
+TEST(Encoder, MotionWithinReachIsFoundWithoutHints) {
+    for (const Effort effort : {Effort::quality, Effort::fast}) {
+        Settings s = settings(320, 240, 4, 10);
+        s.effort = effort;
+        const glm::dvec2 step{5.5, -7};
+        const auto bytes = [&](const Motion& motion) {
+            return static_cast<double>(encode(
+                                           s, 5, [&](std::int64_t n) { return sliding_clouds(s, n, step); }, motion)
+                                           .bytes()
+                                           .size());
+        };
+        const double told = bytes([&](const PicturePlan& plan) {
+            return std::vector{uniform_motion(s.width, s.height, plan.number, -glm::vec2(step))};
         });
-    };
-    const auto motion = [&](const PicturePlan& plan) {
-        core::MotionField field = uniform_motion(s.width, s.height, plan.number, {0, 6});
-        for (int y = 0; y < s.height; ++y)
-            for (int x = 0; x < border; ++x) field.vector.at(x, y) = {0, -6};
-        return std::vector{field};
-    };
-    const Film film = encode(s, 3, picture, motion);
-    int one_of_both = 0;
-    for (int y = 1; y < 5; ++y) {
-        const MacroblockRecord& m = film.coded[1].macroblocks.at(border / 16, y);
-        one_of_both += m.intra || std::abs(m.motion_y) == 12;
+        EXPECT_LT(bytes(no_motion), 1.05 * told) << static_cast<int>(effort);
     }
-    EXPECT_GE(one_of_both, 3);
+}
+
+TEST(Encoder, SearchesWhereExactMotionIsNotGoodEnough) {
+    const Settings s = settings(320, 240, 16, 10);
+    const auto work = [&](glm::vec2 told) {
+        return encode(
+                   s, 2,
+                   [&](std::int64_t n) {
+                       return sliding_clouds(s, n, {5, -3});
+                   },
+                   [&](const PicturePlan& plan) {
+                       return std::vector{uniform_motion(s.width, s.height, plan.number, told)};
+                   })
+            .coded[1]
+            .motion;
+    };
+    const MotionWork right = work({-5, 3}), wrong = work({9, 9});
+    EXPECT_LT(right.searches * 3, wrong.searches * 2);
+    EXPECT_GT(right.chosen.exact, 10u);
+    EXPECT_LT(wrong.chosen.exact, 10u);
+    EXPECT_GT(wrong.chosen.searched + wrong.chosen.predicted, 250u);
+    EXPECT_GT(wrong.chosen.searched, 10u);
+    EXPECT_EQ(wrong.chosen.all(), 300u);
 }
 
 TEST(Encoder, NothingMovingIsSkippedAndStaysAsItIs) {

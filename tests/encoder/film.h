@@ -67,6 +67,24 @@ inline double texture(int plane, double x, double y) {
     return plane == 0 ? 120 + 45 * detail + 12 * std::sin(0.05 * x) : 128 + 25 * std::sin(0.11 * x + 0.07 * y + plane);
 }
 
+/// Soft spots of all sizes from 8 pixels on, nowhere alike.
+inline double clouds(int plane, double x, double y) {
+    double value = 128;
+    for (int octave = 0; octave < 3; ++octave) {
+        const double size = 8 << octave, u = x / size + 100, v = y / size + 100;
+        const auto corner = [&](double dx, double dy) {
+            return core::uniform(static_cast<std::uint64_t>(octave), static_cast<std::uint64_t>(plane),
+                                 static_cast<std::uint64_t>(std::floor(u) + dx),
+                                 static_cast<std::uint64_t>(std::floor(v) + dy)) -
+                   0.5;
+        };
+        const double a = u - std::floor(u), b = v - std::floor(v);
+        value += 70 * ((1 - b) * ((1 - a) * corner(0, 0) + a * corner(1, 0)) +
+                       b * ((1 - a) * corner(0, 1) + a * corner(1, 1)));
+    }
+    return value;
+}
+
 /// The texture, moved by `step` pixels per picture.
 inline core::Picture textured(const Settings& s, std::int64_t n, glm::dvec2 step) {
     return paint(s.width, s.height, n, [&](int plane, double x, double y) {

@@ -122,7 +122,7 @@ TEST(RateErrorsSlow, PicturesMayBeOfOtherTypesInTheSecondPass) {
         for (const int then : {0, 1, 3}) {
             const Coding two = code_twice(s, Content::calm, 60, then);
             EXPECT_LT(std::abs(error_of(two)), 0.015) << then << " then " << now;
-            EXPECT_NEAR(two.quantisers, alike, 0.06 * alike) << then << " then " << now;
+            EXPECT_NEAR(two.quantisers, alike, 0.08 * alike) << then << " then " << now;
         }
     }
 }
@@ -135,7 +135,7 @@ TEST(RateErrors, WhereNoQuantiserReachesTheRateTheLastOneIsTaken) {
             return twice ? code_twice(s, content, count) : coding_of(s, content, count);
         };
         EXPECT_GT(coded(Content::busy, 0.3).quantisers, 30.5 * count) << twice;
-        EXPECT_GT(coded(Content::calm, 0.15).quantisers, 30.5 * count) << twice;
+        EXPECT_GT(coded(Content::calm, 0.12).quantisers, 30.5 * count) << twice;
         EXPECT_LT(coded(Content::calm, 8).quantisers, 1.1 * count) << twice;
     }
 }

@@ -90,7 +90,7 @@ void write_pan(const Folder& folder, int frames, float sign) {
     }
 }
 
-TEST(Encode, MotionIsWorthMostOfTheBitsOfAPanAndOnlyTheRightWayRound) {
+TEST(Encode, MotionOfAPanOfNoiseIsWorthItOnlyTheRightWayRound) {
     std::vector<double> bytes;
     for (const float sign : {1.0f, -1.0f}) {
         const Folder folder;
@@ -105,22 +105,23 @@ TEST(Encode, MotionIsWorthMostOfTheBitsOfAPanAndOnlyTheRightWayRound) {
             bytes.push_back(without.at("bytes"));
         }
     }
-    EXPECT_LT(bytes[0], 0.6 * bytes[1]) << "with motion, against none";
+    EXPECT_LT(bytes[0], 0.9 * bytes[1])
+        << "with motion, against none: a search in steps of four pixels finds little in noise";
     EXPECT_GT(bytes[2], 0.9 * bytes[1]) << "motion turned round, against none";
 }
 
-TEST(Encode, SaysThatVectorsArePoorWithoutMotion) {
+TEST(Encode, SaysThatItSearchesWithoutMotion) {
     const Folder folder;
     write_pan(folder, 2, 1);
     const auto outcome = run(program() + " encode " + inside(folder, "pan.y4m") + " -o " + inside(folder, "pan.mpg"));
     EXPECT_EQ(outcome.status, 0) << outcome.output;
-    EXPECT_NE(outcome.output.find("vectors will be poor"), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("vectors are searched for"), std::string::npos) << outcome.output;
     EXPECT_NE(outcome.output.find("PSNR-Y"), std::string::npos) << outcome.output;
     EXPECT_EQ(frames_by_ffmpeg(folder / "pan.mpg"), 2);
     EXPECT_FALSE(std::filesystem::exists(folder / "pan.mpg.partial"));
     const auto with = run(program() + " encode " + inside(folder, "pan.y4m") + " -o " + inside(folder, "pan.mpg") +
                           " --motion " + inside(folder, "v.%d.exr"));
-    EXPECT_EQ(with.output.find("poor"), std::string::npos) << with.output;
+    EXPECT_EQ(with.output.find("searched for"), std::string::npos) << with.output;
 }
 
 TEST(Encode, BytesDependNeitherOnThreadsNorOnWhichFramesAreLeftOut) {

@@ -41,8 +41,8 @@ inline constexpr float static_propagation_strength = 0.26f;
 inline constexpr float lit_propagation_strength = 0.16f;
 
 /// Lagrangian of modes and levels in predicted pictures: squared code values per bit = lambda_predicted * q^2.
-/// chosen: 0.85 of 0.6 to 0.9. (High-rate theory gives 0.46.)
-inline constexpr float lambda_predicted = 0.85f;
+/// chosen: 1 of 0.7 to 1.2. (High-rate theory gives 0.46.)
+inline constexpr float lambda_predicted = 1.0f;
 
 /// The same in intra pictures: smaller, since every picture of the GOP inherits what they spend.
 /// chosen: 0.35 of 0.2 to 0.85.
@@ -64,6 +64,14 @@ inline constexpr float shortlist_reach = 1.1f;
 /// third of q on average, of which next to none reach the step of 2q.
 /// chosen: 640 of 384 to 640: time against bits.
 inline constexpr int enough_fast = 640;
+
+/// Whole pixels to each side of the best vector so far that are searched (motion_search.h); multiples of 4.
+/// chosen: 16 of 8 to 24 for Effort::quality, 8 of 0 to 24 for Effort::fast: time against bits.
+inline constexpr int search_reach = 16, search_reach_fast = 8;
+
+/// Nothing is searched for a macroblock where a Hadamard sum is at most this times q.
+/// chosen: 400 of 0 to 800: time against bits.
+inline constexpr int good_enough = 400;
 
 /// Effort::fast skips a macroblock at once if that leaves a squared error of at most this times q^2.
 /// chosen: 30 of 20 to 40: time against bits.

@@ -62,8 +62,9 @@ struct Kernels {
                                std::ptrdiff_t b_stride);
     std::uint32_t (*ssd_8x8)(const std::uint8_t* a, std::ptrdiff_t a_stride, const std::uint8_t* b,
                              std::ptrdiff_t b_stride);
-    std::uint32_t (*sad_8x8)(const std::uint8_t* a, std::ptrdiff_t a_stride, const std::uint8_t* b,
-                             std::ptrdiff_t b_stride);
+    /// Sum of absolute differences.
+    std::uint32_t (*sad_16x16)(const std::uint8_t* a, std::ptrdiff_t a_stride, const std::uint8_t* b,
+                               std::ptrdiff_t b_stride);
 
     /// Half-pel prediction. [H262, 7.6.4] Reads one column and row more where `half` asks for it.
     void (*predict_16x16)(std::uint8_t* out, std::ptrdiff_t out_stride, const std::uint8_t* reference,

@@ -162,6 +162,12 @@ std::uint32_t ssd_8x8(const u8* a, Stride a_stride, const u8* b, Stride b_stride
     return ssd<8>(a, a_stride, b, b_stride);
 }
 
+std::uint32_t sad_16x16(const u8* a, Stride a_stride, const u8* b, Stride b_stride) {
+    Sums sums{};
+    for (int y = 0; y < 16; ++y) sums += absolute_differences(load_16(a + y * a_stride), load_16(b + y * b_stride));
+    return add_lanes(sums);
+}
+
 // Prediction
 
 /// Sixteen samples of a prediction, row by row; `half` as in kernels.h. The mean of four rounds its halves up:
@@ -222,14 +228,6 @@ R2M_INLINE void store_8_and_8(u8* to, Stride stride, const U8x16& v) {
     store(rows, v);
     __builtin_memcpy(to, &rows[0], 8);
     __builtin_memcpy(to + stride, &rows[1], 8);
-}
-
-std::uint32_t sad_8x8(const u8* a, Stride a_stride, const u8* b, Stride b_stride) {
-    Sums sums{};
-    for (int y = 0; y < 8; y += 2)
-        sums +=
-            absolute_differences(load_8_and_8(a + y * a_stride, a_stride), load_8_and_8(b + y * b_stride, b_stride));
-    return add_lanes(sums);
 }
 
 void predict_8x8(u8* __restrict out, Stride out_stride, const u8* __restrict r, Stride stride, int half) {

@@ -100,6 +100,7 @@ class RowDecision {
         if (picture_.fast_search) {
             const auto found = picture_.fast_search->best_mode(column, row_, state_.mode.vector, inter_->prediction.y);
             code_.evaluations += static_cast<std::uint64_t>(found.evaluations);
+            code_.searches += static_cast<std::uint64_t>(found.searches);
             try_inter(picture_, column, row_, found.mode, quantiser, state_, *inter_, found.luma_is_predicted);
         } else {
             try_inter_modes(column, quantiser, lambda);

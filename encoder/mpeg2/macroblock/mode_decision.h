@@ -16,6 +16,7 @@ struct RowCode {
     std::vector<RunLevel> runs;       ///< of all blocks, in their order
     std::int64_t table_one_gain = 0;  ///< bits saved by coding intra blocks with table B-15
     std::uint64_t evaluations = 0;    ///< 16x16 differences computed to choose modes, skipping and intra
+    std::uint64_t searches = 0;       ///< 16x16 sums of absolute differences of Effort::fast's search
 };
 
 /// Decides every macroblock of a row by distortion + lambda * bits, and reconstructs it. `vectors` has one per

@@ -1,6 +1,9 @@
 #include "encoder/mpeg2/macroblock/prediction_modes.h"
 
 #include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
 
 #include "encoder/mpeg2/bitstream/tuning.h"
 #include "encoder/mpeg2/motion/motion_compensation.h"
@@ -13,6 +16,29 @@ float bits_of(const PictureCoding& picture, const SliceState& state, const Predi
     const MacroblockType type{false, mode.uses[0], true, false, mode.uses[1]};
     return static_cast<float>(vector_bits(picture, state, mode) + macroblock_type_code(picture.type, type).length);
 }
+
+/// Means of two predictions, none of them computed twice.
+class Means {
+  public:
+    Means(const PictureCoding& picture, int column, int row) : picture_(picture), column_(column), row_(row) {}
+
+    /// Hadamard sum; none where it was computed before.
+    std::optional<std::uint32_t> difference(const PredictionMode& mean) {
+        const auto end = tried_.begin() + count_;
+        if (std::find(tried_.begin(), end, mean) != end) return std::nullopt;
+        *end = mean;
+        ++count_;
+        alignas(32) std::uint8_t samples[256];
+        return satd_of_mean(picture_.source, *picture_.reference[0], *picture_.reference[1], column_, row_, mean.vector,
+                            samples);
+    }
+    int evaluations() const { return count_; }
+
+  private:
+    const PictureCoding& picture_;
+    int column_, row_, count_ = 0;
+    std::array<PredictionMode, evaluation_limit_of_means> tried_;
+};
 
 }  // namespace
 
@@ -32,20 +58,38 @@ ModeChoice choose_prediction_modes(const PictureCoding& picture, int column, int
     }
 
     // Means of the best two of each direction, and what the macroblock before used.
-    PredictionMode means[evaluation_limit_of_means];
+    Means means(picture, column, row);
+    float least = std::numeric_limits<float>::infinity();
+    PredictionMode best;
     const auto add_mean = [&](Vector first, Vector second) {
         const PredictionMode mean{{first, second}, {true, true}};
-        if (std::find(means, means + choice.evaluations, mean) != means + choice.evaluations) return;
-        means[choice.evaluations++] = mean;
-        alignas(32) std::uint8_t samples[256];
-        add(mean, satd_of_mean(picture.source, *picture.reference[0], *picture.reference[1], column, row, mean.vector,
-                               samples));
+        const std::optional<std::uint32_t> difference = means.difference(mean);
+        if (!difference) return;
+        const float cost = static_cast<float>(*difference) + cost_per_bit * bits_of(picture, state, mean);
+        choice.modes.add(mean, cost);
+        if (cost >= least) return;
+        least = cost;
+        best = mean;
     };
     add_mean(forward.vector[0], backward.vector[0]);
     const PredictionMode* before = skip_mode(picture, column, row, state);
     if (before && before->uses[0] && before->uses[1]) add_mean(before->vector[0], before->vector[1]);
     if (forward.count > 1) add_mean(forward.vector[1], backward.vector[0]);
     if (backward.count > 1) add_mean(forward.vector[0], backward.vector[1]);
+
+    // Where a mean is among the best, half-pel neighbours of each of its vectors, the other held fast.
+    for (int d = 0; d < 2 && least <= shortlist_reach * choice.modes.key(0); ++d) {
+        const Vector middle[2] = {best.vector[0], best.vector[1]};
+        const VectorRange allowed = vector_range(column, row, picture.source.columns(), picture.source.rows(),
+                                                 picture.f_code[d][0], picture.f_code[d][1]);
+        for (int dy = -1; dy <= 1; ++dy)
+            for (int dx = -1; dx <= 1; ++dx) {
+                Vector v[2] = {middle[0], middle[1]};
+                v[d] = {static_cast<std::int16_t>(v[d].x + dx), static_cast<std::int16_t>(v[d].y + dy)};
+                if (allowed.contains(v[d])) add_mean(v[0], v[1]);
+            }
+    }
+    choice.evaluations = means.evaluations();
     choice.modes.drop_above(shortlist_reach * choice.modes.key(0));
     return choice;
 }

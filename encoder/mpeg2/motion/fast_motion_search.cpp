@@ -3,16 +3,18 @@
 #include <algorithm>
 
 #include "encoder/mpeg2/bitstream/levels.h"
+#include "encoder/mpeg2/bitstream/tuning.h"
 #include "encoder/mpeg2/motion/motion_compensation.h"
+#include "encoder/mpeg2/motion/motion_search.h"
 
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
 /// Half pixels that vectors may stray from those that are known before: each macroblock refines what the one before
 /// found.
-/// chosen: 4 with exact vectors, twice what refining one takes (the f_code grows with it); without them nothing else is
-/// known, and vectors come from straying alone.
-constexpr int stray = 4, stray_unaided = 63;
+/// chosen: with exact vectors what one search takes (the f_code grows with it); without them nothing else is known, and
+/// vectors come from straying alone.
+constexpr int stray = 2 * (search_reach_fast + 3) + 1, stray_unaided = 63;
 
 }  // namespace
 
@@ -78,6 +80,12 @@ void FastMotionSearch::refine(Found& found, int direction, int column, int row, 
     if (const core::Plane<Vector>* previous = side.sources->previous)
         consider(found, side, column, row, allowed.clamp(previous->at(column, row)), predictor);
     if (is_enough(found.difference)) return;
+    const SearchResult searched = search_whole_pixels(
+        side.sources->picture, side.sources->reference,
+        {column, row, allowed, found.vector, side.sources->search_reach, predictor, cost_per_bit_ / 8});
+    found.searches = searched.evaluations;
+    if (searched.vectors.size() > 0) consider(found, side, column, row, searched.vectors[0], predictor);
+    if (is_enough(found.difference)) return;
     const Vector middle = found.vector;
     for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
         const Vector v{static_cast<std::int16_t>(middle.x + dx), static_cast<std::int16_t>(middle.y + dy)};
@@ -94,6 +102,7 @@ FastMotionSearch::Result FastMotionSearch::best_mode(int column, int row, const 
     if (!bidirectional) {
         refine(found[0], 0, column, row, predictors[0]);
         result.evaluations = found[0].evaluations;
+        result.searches = found[0].searches;
         result.mode = {{found[0].vector, {}}, {true, false}};
         return result;
     }
@@ -125,6 +134,7 @@ FastMotionSearch::Result FastMotionSearch::best_mode(int column, int row, const 
     else
         result.mode = {{first.vector, {}}, {true, false}};
     result.evaluations += first.evaluations + second.evaluations;
+    result.searches = first.searches + second.searches;
     return result;
 }
 

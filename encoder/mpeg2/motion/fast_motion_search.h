@@ -24,7 +24,8 @@ class FastMotionSearch {
     struct Result {
         PredictionMode mode;
         bool luma_is_predicted = false;  ///< `luma` holds the prediction
-        int evaluations = 0;             ///< 16x16 differences computed
+        int evaluations = 0;             ///< 16x16 Hadamard differences computed
+        int searches = 0;                ///< 16x16 sums of absolute differences computed
     };
     /// The mode with the least Hadamard sum and bits of vectors; these count from `predictors`, one per direction.
     /// `luma` may get 16x16 samples of prediction.
@@ -43,12 +44,13 @@ class FastMotionSearch {
         float cost = std::numeric_limits<float>::max();  ///< with the vector's bits
         int evaluations = 0;                             ///< 16x16 differences computed
         std::array<Vector, 12> tried;                    ///< the first `evaluations`
+        int searches = 0;                                ///< sums of absolute differences computed
     };
 
     /// The cheapest of the exact vectors; where there are none, of zero and `predictor`.
     Found begin(int direction, int column, int row, Vector predictor) const;
-    /// Tries zero, `predictor` and the vector of the picture before too, then the four half pixels around the best;
-    /// nothing of it where next to nothing is left to code.
+    /// Tries zero, `predictor` and the vector of the picture before too, then what a search about the best finds, then
+    /// the four half pixels around the best; each only where more than next to nothing is left to code.
     void refine(Found& found, int direction, int column, int row, Vector predictor) const;
     void consider(Found& found, const Side& side, int column, int row, Vector v, Vector predictor) const;
     VectorRange range(const Side& side, int column, int row) const;

@@ -1,12 +1,15 @@
 #include "encoder/mpeg2/motion/motion_estimation.h"
 
 #include <algorithm>
+#include <cstdlib>
+#include <optional>
 #include <vector>
 
 #include "core/smallest.h"
 #include "encoder/mpeg2/bitstream/levels.h"
 #include "encoder/mpeg2/bitstream/tuning.h"
 #include "encoder/mpeg2/motion/motion_compensation.h"
+#include "encoder/mpeg2/motion/motion_search.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::encoder::mpeg2 {
@@ -17,6 +20,7 @@ class TriedVectors {
   public:
     struct Trial {
         std::int16_t x, y;
+        VectorSource source;
         std::uint32_t difference;
 
         Vector vector() const { return {x, y}; }
@@ -27,13 +31,17 @@ class TriedVectors {
     int count() const { return count_; }
     const Trial* begin() const { return trials_; }
     const Trial* end() const { return trials_ + count_; }
-    bool holds(Vector v) const {
-        return std::any_of(begin(), end(), [v](const Trial& trial) { return trial.x == v.x && trial.y == v.y; });
+    /// Null: not tried.
+    const Trial* find(Vector v) const {
+        const Trial* at = std::find_if(begin(), end(), [v](const Trial& t) { return t.x == v.x && t.y == v.y; });
+        return at == end() ? nullptr : at;
     }
-    void add(Vector v, std::uint32_t difference) { trials_[count_++] = {v.x, v.y, difference}; }
+    void add(Vector v, VectorSource source, std::uint32_t difference) {
+        trials_[count_++] = {v.x, v.y, source, difference};
+    }
 
   private:
-    Trial trials_[evaluation_limit];
+    Trial trials_[evaluation_limit_of_vectors];
     int count_;
 };
 
@@ -51,15 +59,16 @@ class MotionEstimator {
           rows_(sources.picture.rows()),
           first_(columns_, rows_),
           chosen_(columns_, rows_),
-          trials_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {}
+          trials_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
+          work_(static_cast<std::size_t>(rows_)) {}
 
     MotionEstimate run() {
         parallel::for_each(static_cast<std::size_t>(rows_),
                            [this](std::size_t row) { try_sources(static_cast<int>(row)); });
         set_vector_bits();
         parallel::for_each(static_cast<std::size_t>(rows_), [this](std::size_t row) { refine(static_cast<int>(row)); });
-        MotionEstimate choice{std::move(chosen_), 0};
-        for (const TriedVectors& t : trials_) choice.evaluations += static_cast<std::uint64_t>(t.count());
+        MotionEstimate choice{std::move(chosen_), {}};
+        for (const MotionWork& row : work_) choice.work += row;
         return choice;
     }
 
@@ -79,17 +88,31 @@ class MotionEstimator {
             const VectorRange allowed = range(column, row);
             if (s_.exact) {
                 const Candidates& exact = s_.exact->at(column, row);
-                for (int i = 0; i < exact.count; ++i) evaluate(column, row, exact.vector[static_cast<std::size_t>(i)]);
+                for (int i = 0; i < exact.count; ++i)
+                    evaluate(column, row, exact.vector[static_cast<std::size_t>(i)], VectorSource::exact);
             }
-            evaluate(column, row, Vector{});
-            if (s_.previous) evaluate(column, row, allowed.clamp(s_.previous->at(column, row)));
-            evaluate(column, row, allowed.clamp(left));
-            const TriedVectors& t = trials(column, row);
-            left = std::min_element(t.begin(), t.end(), [](const auto& a, const auto& b) {
-                       return a.difference < b.difference;
-                   })->vector();
+            evaluate(column, row, Vector{}, VectorSource::predicted);
+            if (s_.previous)
+                evaluate(column, row, allowed.clamp(s_.previous->at(column, row)), VectorSource::predicted);
+            evaluate(column, row, allowed.clamp(left), VectorSource::predicted);
+            const auto& best = least_difference(trials(column, row));
+            if (best.difference > s_.good_enough) search(column, row, best.vector(), left);
+            left = least_difference(trials(column, row)).vector();
             first_.at(column, row) = left;
         }
+    }
+
+    static const TriedVectors::Trial& least_difference(const TriedVectors& t) {
+        return *std::min_element(t.begin(), t.end(),
+                                 [](const auto& a, const auto& b) { return a.difference < b.difference; });
+    }
+
+    void search(int column, int row, Vector centre, Vector prediction) {
+        const SearchResult found = search_whole_pixels(
+            s_.picture, s_.reference,
+            {column, row, range(column, row), centre, s_.search_reach, prediction, s_.cost_per_bit / 8});
+        for (const Vector& v : found.vectors) evaluate(column, row, v, VectorSource::searched);
+        work_[static_cast<std::size_t>(row)].searches += static_cast<std::uint64_t>(found.evaluations);
     }
 
     /// Counts the second pass's bits with the f_codes that what has been found so far needs. A vector found later may
@@ -101,7 +124,7 @@ class MotionEstimator {
         bits_ = VectorBits(f_code_for(low.x, high.x), f_code_for(low.y, high.y), s_.zero_is_implicit);
     }
 
-    /// Second pass: the neighbours' vectors, then half pixels about the best.
+    /// Second pass: the neighbours' vectors, then half pixels about the best two.
     void refine(int row) {
         Vector left;  // prediction of the vector in the stream
         for (int column = 0; column < columns_; ++column) {
@@ -110,22 +133,34 @@ class MotionEstimator {
             const Vector middle{median(left.x, above.x, above_right.x), median(left.y, above.y, above_right.y)};
             for (const Vector v :
                  {left, above, middle, above_right, neighbour(column + 1, row), neighbour(column, row + 1)})
-                evaluate(column, row, allowed.clamp(v));
+                evaluate(column, row, allowed.clamp(v), VectorSource::predicted);
 
-            Vector best = cheapest(trials(column, row), left);
-            for (int round = 0; round < 2; ++round) {
-                for (int dy = -1; dy <= 1; ++dy)
-                    for (int dx = -1; dx <= 1; ++dx) {
-                        const Vector v{static_cast<std::int16_t>(best.x + dx), static_cast<std::int16_t>(best.y + dy)};
-                        if (allowed.contains(v)) evaluate(column, row, v);
-                    }
-                const Vector better = cheapest(trials(column, row), left);
-                if (better == best) break;
-                best = better;
-            }
-            chosen_.at(column, row) = shortlist(trials(column, row), left);
-            left = best;
+            const TriedVectors& t = trials(column, row);
+            const Vector summit = climb(column, row, *cheapest(t, left), left);
+            if (const TriedVectors::Trial* other = cheapest(t, left, summit)) climb(column, row, *other, left);
+            const TriedVectors::Trial best = *cheapest(t, left);
+            chosen_.at(column, row) = shortlist(t, left);
+            work_[static_cast<std::size_t>(row)].chosen.of(best.source) += 1;
+            left = best.vector();
         }
+    }
+
+    /// At most two rounds of half-pel neighbours, each about the cheapest one so far; returns that.
+    Vector climb(int column, int row, TriedVectors::Trial best, Vector prediction) {
+        const VectorRange allowed = range(column, row);
+        for (int round = 0; round < 2; ++round) {
+            const TriedVectors::Trial middle = best;
+            for (int dy = -1; dy <= 1; ++dy)
+                for (int dx = -1; dx <= 1; ++dx) {
+                    const Vector v{static_cast<std::int16_t>(middle.x + dx), static_cast<std::int16_t>(middle.y + dy)};
+                    if (!allowed.contains(v)) continue;
+                    evaluate(column, row, v, middle.source);
+                    const TriedVectors::Trial* tried = trials(column, row).find(v);
+                    if (tried && cost_of(*tried, prediction) < cost_of(best, prediction)) best = *tried;
+                }
+            if (best.vector() == middle.vector()) break;
+        }
+        return best.vector();
     }
 
     /// What the first pass chose, zero outside the picture.
@@ -134,16 +169,20 @@ class MotionEstimator {
         return inside ? first_.at(column, row) : Vector{};
     }
 
-    Vector cheapest(const TriedVectors& t, Vector prediction) const {
+    /// The cheapest vector; with `other_than`, of those that lie more than a pixel from there. Null: none.
+    const TriedVectors::Trial* cheapest(const TriedVectors& t, Vector prediction,
+                                        std::optional<Vector> other_than = {}) const {
         const TriedVectors::Trial* best = nullptr;
         float best_cost = 0.0f;
         for (const TriedVectors::Trial& trial : t) {
+            if (other_than && std::abs(trial.x - other_than->x) <= 2 && std::abs(trial.y - other_than->y) <= 2)
+                continue;
             const float cost = cost_of(trial, prediction);
             if (best && cost >= best_cost) continue;
             best = &trial;
             best_cost = cost;
         }
-        return best->vector();
+        return best;
     }
 
     /// The cheapest ones that come within reach of the best.
@@ -165,10 +204,11 @@ class MotionEstimator {
                s_.cost_per_bit * static_cast<float>(bits_(trial.vector(), prediction));
     }
 
-    void evaluate(int column, int row, Vector v) {
+    void evaluate(int column, int row, Vector v, VectorSource source) {
         TriedVectors& t = trials(column, row);
-        if (t.count() == s_.evaluation_limit || t.holds(v)) return;
-        t.add(v, satd(s_.picture, s_.reference, column, row, v));
+        if (t.count() == s_.evaluation_limit || t.find(v)) return;
+        t.add(v, source, satd(s_.picture, s_.reference, column, row, v));
+        work_[static_cast<std::size_t>(row)].evaluations.of(source) += 1;
     }
 
     const MotionSources& s_;
@@ -176,6 +216,7 @@ class MotionEstimator {
     core::Plane<Vector> first_;
     core::Plane<BestVectors> chosen_;
     std::vector<TriedVectors> trials_;
+    std::vector<MotionWork> work_;  ///< of each row
     VectorBits bits_{1, 1, false};
 };
 

@@ -18,10 +18,12 @@ struct MotionSources {
     const core::Plane<Candidates>* exact;  ///< null: predictors and zero only
     const core::Plane<Vector>* previous;   ///< vectors of another picture, a predictor; null: none
     int horizontal_f_code_limit;
-    float cost_per_bit;         ///< Hadamard sum
-    bool zero_is_implicit;      ///< a zero vector costs next to nothing: P pictures
-    std::uint32_t enough = 0;   ///< FastMotionSearch: Hadamard sum at which no more vectors are tried
-    int evaluation_limit = 38;  ///< most 16x16 differences computed for one macroblock, 9..40
+    float cost_per_bit;             ///< Hadamard sum
+    bool zero_is_implicit;          ///< a zero vector costs next to nothing: P pictures
+    std::uint32_t enough = 0;       ///< FastMotionSearch: Hadamard sum at which no more vectors are tried
+    int evaluation_limit = 32;      ///< most 16x16 Hadamard differences computed for one macroblock, 9..32
+    int search_reach = 16;          ///< pixels to each side that are searched (motion_search.h)
+    std::uint32_t good_enough = 0;  ///< estimate_motion(): Hadamard sum at which nothing is searched
 };
 
 /// Bits of macroblock_type and vector of a P picture's macroblock, or of one direction of a B picture's.
@@ -50,21 +52,21 @@ struct BestVectors {
 
 struct MotionEstimate {
     core::Plane<BestVectors> vectors;
-    std::uint64_t evaluations = 0;  ///< 16x16 differences computed
+    MotionWork work;
 };
 
-/// Most 16x16 differences computed for one macroblock: in all; to choose a vector in a P picture, and in each direction
-/// of a B picture; of means of both there; to see what skipping leaves, and whether intra coding may win.
-inline constexpr int evaluation_limit = 40, evaluation_limit_of_vectors = 38, evaluation_limit_per_direction = 17,
-                     evaluation_limit_of_means = 4, evaluation_limit_of_modes = 2;
+/// Most 16x16 Hadamard differences computed for one macroblock: in all; to choose a vector in a P picture, and in each
+/// direction of a B picture; of means of both there; to see what skipping leaves, and whether intra coding may win.
+inline constexpr int evaluation_limit = 70, evaluation_limit_of_vectors = 32, evaluation_limit_per_direction = 24,
+                     evaluation_limit_of_means = 20, evaluation_limit_of_modes = 2;
 static_assert(evaluation_limit_of_vectors + evaluation_limit_of_modes <= evaluation_limit);
 static_assert(2 * evaluation_limit_per_direction + evaluation_limit_of_means + evaluation_limit_of_modes <=
               evaluation_limit);
 
-/// Chooses a vector for every macroblock by Hadamard difference plus the price of the vector's bits, among the
-/// renderer's exact vectors, predictors (left, above, above right, their median, the picture before) and zero, then
-/// among half-pel neighbours of the best in at most two rounds. No search: a vector is never more than two half pixels
-/// from one of these.
+/// Chooses a vector for every macroblock by Hadamard difference plus the price of the vector's bits: among the
+/// renderer's exact vectors, predictors (left, above, above right, their median, the picture before) and zero; where
+/// none of the exact vectors, zero, left and the picture before is good enough, among those of a sparse search about
+/// the best of them; then among half-pel neighbours of the two best, in at most two rounds.
 MotionEstimate estimate_motion(const MotionSources& sources);
 
 }  // namespace render2mpeg::encoder::mpeg2

@@ -18,6 +18,7 @@ std::int64_t next_reference_after(std::int64_t rest, int most_b, const PictureFa
         furthest = std::clamp(static_cast<std::int64_t>(nonuniform_reach / nonuniformity), least, furthest);
     // The mean of two references is right in the middle between them alone.
     if (facts.light_change.value_or(0) > steady_light) furthest = least;
+    if (facts.b_pictures) return std::min<std::int64_t>({rest, furthest, *facts.b_pictures + 1});
     const std::int64_t runs = (rest + furthest - 1) / furthest;
     return (rest + runs - 1) / runs;
 }

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <optional>
+#include <string>
 
 #include "encoder/mpeg2/bitstream/syntax.h"
 #include "encoder/mpeg2/bitstream/tuning.h"
@@ -41,17 +43,19 @@ std::optional<MotionSources> sources_of(const PictureTask& task, const Level& le
                          lambda_motion * q,
                          !bidirectional,
                          fast ? static_cast<std::uint32_t>(enough_fast * task.quantiser) : 0,
-                         bidirectional ? evaluation_limit_per_direction : evaluation_limit_of_vectors};
+                         bidirectional ? evaluation_limit_per_direction : evaluation_limit_of_vectors,
+                         fast ? search_reach_fast : search_reach,
+                         static_cast<std::uint32_t>(good_enough * task.quantiser)};
 }
 
-Vectors choose(const PictureTask& task, const Level& level, std::uint64_t& evaluations) {
+Vectors choose(const PictureTask& task, const Level& level, MotionWork& work) {
     Vectors vectors;
     for (std::size_t d = 0; d < 2; ++d) {
         const std::optional<MotionSources> sources = sources_of(task, level, d);
         if (!sources) continue;
         MotionEstimate choice = estimate_motion(*sources);
         vectors[d] = std::move(choice.vectors);
-        evaluations += choice.evaluations;
+        work += choice.work;
     }
     return vectors;
 }
@@ -184,10 +188,14 @@ PictureResult code_picture(const PictureTask& task, const Level& level) {
     if (task.effort == Effort::fast) {
         fast_search.emplace(sources[0] ? &*sources[0] : nullptr, sources[1] ? &*sources[1] : nullptr);
     } else {
-        vectors = choose(task, level, result.evaluations);
+        vectors = choose(task, level, result.motion);
+        result.evaluations = result.motion.evaluations.all();
     }
     std::vector<RowCode> decided = decide(task, vectors, fast_search ? &*fast_search : nullptr, result.reconstruction);
-    for (const RowCode& row : decided) result.evaluations += row.evaluations;
+    for (const RowCode& row : decided) {
+        result.evaluations += row.evaluations;
+        result.motion.searches += row.searches;
+    }
     result.bytes = write(task, header_for(task, decided), decided);
     record(decided, result);
     return result;

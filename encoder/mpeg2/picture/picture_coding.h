@@ -40,8 +40,9 @@ struct PictureResult {
     std::vector<std::uint8_t> bytes;  ///< picture header and slices
     Frame reconstruction;
     core::Plane<MacroblockRecord> records;
-    core::Plane<Vector> vectors;  ///< of a P picture: those of inter macroblocks, zero elsewhere; empty for others
-    std::uint64_t evaluations = 0;
+    core::Plane<Vector> vectors;    ///< of a P picture: those of inter macroblocks, zero elsewhere; empty for others
+    std::uint64_t evaluations = 0;  ///< 16x16 Hadamard differences computed
+    MotionWork motion;
 };
 
 /// Codes one picture, rows in parallel; the bytes do not depend on the number of threads.

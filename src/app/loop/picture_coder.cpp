@@ -16,13 +16,15 @@ std::vector<std::int64_t> shots_of(const scene::Animation& animation) {
 }
 
 PictureCoder::PictureCoder(const Film& film, const Chunk& chunk, std::span<const encoder::BitAllocation> allocations,
-                           std::vector<std::int64_t> shots, RunStatistics& statistics, bool watches_light)
+                           std::vector<std::int64_t> shots, RunStatistics& statistics, bool watches_light,
+                           encoder::LookAhead* ahead)
     : film_(film),
       chunk_(chunk),
       allocations_(allocations),
       shots_(std::move(shots)),
       statistics_(statistics),
       watches_light_(watches_light),
+      ahead_(ahead),
       encoder_(film.coding) {}
 
 std::int64_t PictureCoder::frames_left(std::int64_t number) const {
@@ -58,7 +60,19 @@ encoder::PicturePlan PictureCoder::plan(std::int64_t number, bool cut_before, Mo
     // Nothing is known of a chunk's or a shot's first pictures: one B picture shows no stair, and costs little.
     constexpr double not_known = 1.0;
     facts.light_change = light_change_.value_or(not_known);
-    return encoder_.plan(number, facts, first);
+    if (ahead_ != nullptr) look_ahead(facts, number, moved != nullptr);
+    encoder::PicturePlan plan = encoder_.plan(number, facts, first);
+    if (plan.starts_gop) gop_start_ = number;
+    return plan;
+}
+
+void PictureCoder::look_ahead(encoder::PictureFacts& facts, std::int64_t number, bool knows_motion) {
+    facts.frames_left = std::min(facts.frames_left, ahead_->frames_left(number));
+    if (!continues_ || knows_motion) return;
+    const std::int64_t last = std::min(number + facts.frames_left, gop_start_ + film_.coding.gop - 1);
+    if (last < number) return;  // a GOP begins here
+    facts.b_pictures = ahead_->b_pictures(number - 1, last);
+    facts.light_change.reset();  // its costs know
 }
 
 void PictureCoder::watch_light(const core::Picture& picture, Motion& motion) {
@@ -73,7 +87,11 @@ void PictureCoder::watch_light(const core::Picture& picture, Motion& motion) {
 std::vector<encoder::CodedPicture> PictureCoder::code(const core::Picture& picture, const encoder::PicturePlan& plan,
                                                       Motion& motion) {
     watch_light(picture, motion);
-    const std::vector<core::MotionField> fields = motion.take(plan.references);
+    std::vector<core::MotionField> fields = motion.take(plan.references);
+    if (fields.empty() && ahead_ != nullptr) {
+        const StageTimer timer(statistics_, Stage::encode);
+        for (const std::int64_t reference : plan.references) fields.push_back(ahead_->motion(plan.number, reference));
+    }
     const core::MotionField* onward = plan.horizon ? motion.onward(*plan.horizon) : nullptr;
     const StageTimer timer(statistics_, Stage::encode);
     return encoder_.push(picture, plan, fields, {onward});

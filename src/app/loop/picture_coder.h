@@ -12,6 +12,7 @@
 #include "core/picture.h"
 #include "core/plane.h"
 #include "encoder/encoder.h"
+#include "encoder/look_ahead.h"
 #include "scene/model/animation.h"
 
 namespace render2mpeg::app {
@@ -24,9 +25,12 @@ std::vector<std::int64_t> shots_of(const scene::Animation& animation);
 class PictureCoder {
   public:
     /// `allocations`: one per frame of the film, or none. `shots`: frames with which shots begin. `watches_light`: how
-    /// much it changes is measured; not where pictures are too rough to tell. Throws as encoder::check() does.
+    /// much it changes is measured; not where pictures are too rough to tell. `ahead`: knows each picture, and those to
+    /// come, before it is planned; tells of cuts, and of B pictures and motion where nobody else does; null: none.
+    /// Throws as encoder::check() does.
     PictureCoder(const Film& film, const Chunk& chunk, std::span<const encoder::BitAllocation> allocations,
-                 std::vector<std::int64_t> shots, RunStatistics& statistics, bool watches_light = true);
+                 std::vector<std::int64_t> shots, RunStatistics& statistics, bool watches_light = true,
+                 encoder::LookAhead* ahead = nullptr);
 
     /// How the next picture in display order will be coded.
     encoder::PicturePlan plan(std::int64_t number, bool cut_before, Motion& motion);
@@ -42,6 +46,8 @@ class PictureCoder {
     /// Measures how much light has changed since the picture before.
     void watch_light(const core::Picture& picture, Motion& motion);
     encoder::PictureFacts facts_of(std::int64_t number, bool cut_before) const;
+    /// Adds what the look-ahead tells; of B pictures, where motion is not known.
+    void look_ahead(encoder::PictureFacts& facts, std::int64_t number, bool knows_motion);
 
     Film film_;
     Chunk chunk_;
@@ -49,7 +55,9 @@ class PictureCoder {
     std::vector<std::int64_t> shots_;
     RunStatistics& statistics_;
     bool watches_light_;
+    encoder::LookAhead* ahead_;
     encoder::Encoder encoder_;
+    std::int64_t gop_start_ = 0;
     bool continues_ = false;               ///< the picture planned last goes on from the one before
     core::Plane<std::uint8_t> last_luma_;  ///< of the picture coded last; empty: none in this chunk
     std::optional<double> light_change_;   ///< from the picture before that; none: not known

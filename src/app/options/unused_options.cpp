@@ -45,10 +45,7 @@ std::vector<std::string> unused_options(const RenderOptions& options, OutputKind
 
 std::vector<std::string> unused_options(const EncodeOptions& options) {
     Names lines;
-    if (!options.motion) {
-        note(lines, options.given, {"--motion-convention"}, "there is no --motion");
-        note(lines, options.given, {"--b-pictures"}, "without --motion films are coded without B pictures");
-    }
+    if (!options.motion) note(lines, options.given, {"--motion-convention"}, "there is no --motion");
     return lines;
 }
 

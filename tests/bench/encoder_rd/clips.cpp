@@ -15,6 +15,7 @@
 #include "encoder/av/y4m_reader.h"
 #include "encoder_rd/crowd.h"
 #include "encoder_rd/exact_motion.h"
+#include "encoder_rd/foreign.h"
 #include "encoder_rd/textures.h"
 #include "renderer/renderer.h"
 
@@ -28,11 +29,19 @@ namespace fs = std::filesystem;
 /// long; cuts through more points flicker as pixels change their cut). 3 samples are the fewest whose mean is a pixel's
 /// centre.
 constexpr int direct_points = 32, vpls = 24, samples = 3;
-constexpr int film_frames = 60;
+constexpr int film_frames = 60, small_film_frames = 30;
+constexpr const char* small_size = "640x352";
+
+int length_of(const ClipRequest& request) {
+    return request.small ? small_film_frames : film_frames;
+}
 
 const fs::path& here() {
     static const fs::path folder = fs::path(RENDER2MPEG_SOURCE_DIR) / "tests/bench/encoder_rd";
     return folder;
+}
+fs::path animations() {
+    return fs::path(RENDER2MPEG_SOURCE_DIR) / "animations";
 }
 
 std::string text_of(const fs::path& file) {
@@ -62,8 +71,10 @@ fs::path texture(const fs::path& cache, const std::string& name) {
 
 /// Where a clip's film is written down; a clip may also be named by its file, or by the folder of its `film.json`.
 fs::path film_of(const std::string& name) {
-    for (const fs::path& file : {here() / (name + ".json"), here() / "special" / (name + ".json"),
-                                 here() / "scenes" / (name + ".json"), fs::path(name), fs::path(name) / "film.json"})
+    for (const fs::path& file :
+         {here() / (name + ".json"), here() / "special" / (name + ".json"), here() / "scenes" / (name + ".json"),
+          here() / "test" / (name + ".json"), here() / "test" / "scenes" / (name + ".json"),
+          animations() / name / "film.json", fs::path(name), fs::path(name) / "film.json"})
         if (fs::is_regular_file(file)) return fs::absolute(file).lexically_normal();
     throw core::Error("clip " + name + ": there is no such film");
 }
@@ -97,20 +108,22 @@ void assemble(const ClipRequest& request, const fs::path& folder) {
     for (const std::string& name : texture_names())
         if (film.find('"' + name + ".png\"") != std::string::npos && !fs::exists(folder / (name + ".png")))
             fs::copy_file(texture(request.cache, name), folder / (name + ".png"));
-    if (film.find("\"crowd.gltf\"") != std::string::npos)
-        write_crowd(fs::path(RENDER2MPEG_SOURCE_DIR) / "animations/character", folder);
+    if (film.find("\"crowd.gltf\"") != std::string::npos) write_crowd(animations() / "character", folder);
+    if (film.find("\"figure.gltf\"") != std::string::npos)
+        fs::copy(animations() / "character", folder, fs::copy_options::recursive | fs::copy_options::skip_existing);
 }
 
-app::RenderJob render_job_of(const fs::path& folder) {
+app::RenderJob render_job_of(const fs::path& folder, const ClipRequest& request) {
     app::RenderOptions options;
     options.input = folder;
     options.output = folder / "film.y4m";
     options.vpls = vpls;
     options.samples = samples;
     options.tolerance = "reference";
+    if (request.small) options.size = small_size;
     app::RenderJob film = app::prepare(options);
     film.rendering.direct_points = direct_points;
-    film.frames = {0, std::min<std::int64_t>(film.frames.last, film_frames - 1)};
+    film.frames = {0, std::min<std::int64_t>(film.frames.last, length_of(request) - 1)};
     return film;
 }
 
@@ -143,22 +156,64 @@ std::string ContentHash::text() const {
     return fmt::format("{:016x}", value_);
 }
 
-std::vector<std::string> own_clips() {
-    return films_in(here());
+std::vector<std::string> clips_of_set(ClipSet set) {
+    if (set == ClipSet::fit) return films_in(here());
+    if (set == ClipSet::fit_foreign) return {"testsrc", "mandelbrot", "pan", "film", "shake", "slides"};
+    if (set == ClipSet::test_foreign) return {"zoom", "grain", "gradients", "life", "cuts"};
+    std::vector<std::string> names = films_in(here() / "test");
+    for (const char* animation : {"character", "colonnade", "cornell", "many_lamps", "mirror_and_glass"})
+        names.emplace_back(animation);
+    return names;
 }
 
-std::vector<std::string> scene_clips() {
-    return films_in(here() / "scenes");
+std::vector<std::string> scene_clips(ClipSet set) {
+    if (set == ClipSet::fit) return films_in(here() / "scenes");
+    return set == ClipSet::test ? films_in(here() / "test" / "scenes") : std::vector<std::string>{};
 }
+
+namespace {
+
+/// Reads the clip's pictures from its file.
+void read_pictures(Clip& clip, int frames) {
+    av::Y4mReader reader(clip.y4m);
+    ContentHash content;
+    for (std::int64_t n = 0; n < std::min<std::int64_t>(frames, reader.frames()); ++n) {
+        core::Picture& picture = clip.pictures.emplace_back(reader.read(n));
+        picture.number = n;
+        for (const auto* plane : {&picture.y, &picture.cb, &picture.cr})
+            content.add({reinterpret_cast<const char*>(plane->row(0)), plane->size()});
+    }
+    clip.content = content.text();
+}
+
+/// A clip that ffmpeg makes: without motion.
+Clip make_foreign_clip(const ClipRequest& request) {
+    const std::string size = request.small ? small_size : "1280x720";
+    const auto painted = [&](const std::string& name) { return texture(request.cache, name).string(); };
+    const std::vector<std::string> command = foreign_source(request.name, size, painted);
+    ContentHash made_from;
+    for (const std::string& word : command) made_from.add(word);
+    made_from.add(std::to_string(length_of(request)));
+    Clip clip;
+    clip.name = request.name;
+    clip.y4m = request.cache / (request.name + "-" + made_from.text() + ".y4m");
+    if (!fs::exists(clip.y4m)) write_foreign(command, length_of(request), clip.y4m);
+    read_pictures(clip, request.frames);
+    return clip;
+}
+
+}  // namespace
 
 Clip make_clip(const ClipRequest& request) {
+    if (is_foreign(request.name)) return make_foreign_clip(request);
     // Name the film by what it is made from.
     const std::string name = title_of(film_of(request.name));
     const fs::path staging = request.cache / fmt::format("{}.{}", name, getpid());
     assemble(request, staging);
     ContentHash made_from;
     made_from.add(
-        fmt::format("{} + {} light points, {} samples, {} frames", direct_points, vpls, samples, film_frames));
+        fmt::format("{} + {} light points, {} samples, {} frames", direct_points, vpls, samples, length_of(request)));
+    if (request.small) made_from.add(small_size);
     std::vector<fs::path> files;
     for (const auto& entry : fs::recursive_directory_iterator(staging))
         if (entry.is_regular_file()) files.push_back(entry.path());
@@ -175,21 +230,13 @@ Clip make_clip(const ClipRequest& request) {
         fs::remove_all(staging);
     else
         fs::rename(staging, folder / "scene");
-    app::RenderJob film = render_job_of(folder / "scene");
+    app::RenderJob film = render_job_of(folder / "scene", request);
     Clip clip;
     clip.name = name;
     clip.y4m = folder / "frames.y4m";
     if (!fs::exists(clip.y4m)) render(film, clip.name, clip.y4m);
 
-    av::Y4mReader reader(clip.y4m);
-    ContentHash content;
-    for (std::int64_t n = 0; n < std::min<std::int64_t>(request.frames, reader.frames()); ++n) {
-        core::Picture& picture = clip.pictures.emplace_back(reader.read(n));
-        picture.number = n;
-        for (const auto* plane : {&picture.y, &picture.cb, &picture.cr})
-            content.add({reinterpret_cast<const char*>(plane->row(0)), plane->size()});
-    }
-    clip.content = content.text();
+    read_pictures(clip, request.frames);
     const auto motion = std::make_shared<ExactMotion>(std::move(film), folder / "motion");
     clip.motion = [motion](std::int64_t picture, std::int64_t reference) -> const core::MotionField& {
         return motion->between(picture, reference);

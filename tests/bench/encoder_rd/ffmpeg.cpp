@@ -1,7 +1,4 @@
 #include <fmt/format.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +12,7 @@
 #include "core/error.h"
 #include "encoder/av/av.h"
 #include "encoder_rd/codecs.h"
+#include "encoder_rd/ffmpeg_process.h"
 
 namespace render2mpeg::bench {
 namespace {
@@ -28,46 +26,9 @@ constexpr const char* strongest =
     "-mbd rd -trellis 2 -mpv_flags +skip_rd+mv0 -mbcmp rd -subcmp satd -dia_size 770 -pre_dia_size 4 -mepre 2 "
     "-last_pred 3 ";
 
-/// What a program printed, and what it cost.
-struct Finished {
-    std::string text;
-    double seconds = 0;  ///< CPU
-};
-
-/// Runs a command without a shell; both its outputs together are the text. Throws where it fails.
 Finished run(const std::string& command) {
     std::istringstream split(command);
-    std::vector<std::string> words{std::istream_iterator<std::string>(split), {}};
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-
-    int ends[2];
-    if (pipe(ends) != 0) throw core::Error("running " + words[0] + ": no pipe to be had");
-    const pid_t child = fork();
-    if (child == 0) {
-        dup2(ends[1], 1);
-        dup2(ends[1], 2);
-        close(ends[0]);
-        execvp(arguments[0], arguments.data());
-        _exit(127);
-    }
-    close(ends[1]);
-    Finished finished;
-    char buffer[4096];
-    for (ssize_t n = 0; (n = read(ends[0], buffer, sizeof buffer)) > 0;)
-        finished.text.append(buffer, static_cast<std::size_t>(n));
-    close(ends[0]);
-    int status = 0;
-    rusage usage{};
-    wait4(child, &status, 0, &usage);
-    if (child < 0 || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
-        throw core::Error("running `" + command + "`: " + (finished.text.empty() ? "it failed" : finished.text));
-    const auto seconds = [](const timeval& t) {
-        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-    };
-    finished.seconds = seconds(usage.ru_utime) + seconds(usage.ru_stime);
-    return finished;
+    return run_program({std::istream_iterator<std::string>(split), {}});
 }
 
 std::string replaced(std::string text, const std::string& what, const std::string& by) {

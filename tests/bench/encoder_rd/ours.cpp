@@ -6,6 +6,7 @@
 
 #include "core/numeric.h"
 #include "encoder/encoder.h"
+#include "encoder/look_ahead.h"
 #include "encoder/motion_nonuniformity.h"
 #include "encoder_rd/codecs.h"
 #include "encoder_rd/full_search.h"
@@ -18,10 +19,27 @@ namespace {
 /// One encoder at work.
 struct Run {
     OwnCodec codec;
+    bool told = true;  ///< the clip knows its motion, and the encoder may
     std::unique_ptr<encoder::Encoder> encoder;
     Measured measured;
     Quality quality;
+    std::unique_ptr<encoder::LookAhead> ahead;  ///< where motion is not told
+    std::int64_t looked = 0, gop_start = 0;
     std::uint64_t evaluations = 0, macroblocks = 0, intra = 0, skipped = 0;
+
+    /// What `encode` does with frames whose motion it is not told.
+    void look_ahead(const Clip& clip, std::int64_t n, encoder::PictureFacts& facts) {
+        const auto count = static_cast<std::int64_t>(clip.pictures.size());
+        for (; looked < std::min(count, n + 1 + encoder::LookAhead::depth); ++looked)
+            ahead->add(clip.pictures[static_cast<std::size_t>(looked)]);
+        if (looked == count) ahead->end();
+        facts.cut_before = ahead->cut_before(n);
+        facts.frames_left = ahead->frames_left(n);
+        if (facts.cut_before || n >= gop_start + codec.gop) gop_start = n;
+        const std::int64_t last = std::min(n + facts.frames_left, gop_start + codec.gop - 1);
+        if (n > gop_start) facts.b_pictures = ahead->b_pictures(n - 1, last);
+        ahead->forget_before(n - 4);
+    }
 
     void take(const Clip& clip, const std::vector<encoder::CodedPicture>& pictures) {
         for (const encoder::CodedPicture& coded : pictures) {
@@ -65,6 +83,9 @@ Run start(const Clip& clip, const OwnCodec& codec, int quantiser) {
     s.tune = codec.tune;
     Run run;
     run.codec = codec;
+    run.told = codec.told && clip.motion;
+    if (!run.told && codec.search == 0)
+        run.ahead = std::make_unique<encoder::LookAhead>(s.width, s.height, s.b_pictures);
     run.encoder = std::make_unique<encoder::Encoder>(s);
     run.measured.quantiser = quantiser;
     return run;
@@ -107,6 +128,7 @@ std::vector<OwnCodec> own_codecs() {
             {"eye", 15, Effort::quality, true, 0, encoder::Tune::perceptual},
             {"free", 60, Effort::quality, true},
             {"unaided", 15, Effort::quality, false},
+            {"unaided-fast", 15, Effort::fast, false},
             {"search", 15, Effort::quality, true, 16}};
 }
 
@@ -119,12 +141,13 @@ std::vector<std::vector<Measured>> code_with_ours(const Clip& clip, const std::v
     const auto count = static_cast<std::int64_t>(clip.pictures.size());
     for (std::int64_t n = 0; n < count; ++n) {
         const std::optional<double> unevenness =
-            n > 0 ? std::optional(encoder::motion_nonuniformity(clip.motion(n, n - 1))) : std::nullopt;
+            n > 0 && clip.motion ? std::optional(encoder::motion_nonuniformity(clip.motion(n, n - 1))) : std::nullopt;
         for (Run& run : runs) {
             const core::Picture& picture = clip.pictures[static_cast<std::size_t>(n)];
             encoder::PictureFacts facts;
             facts.frames_left = count - 1 - n;
-            if (run.codec.told) facts.motion_nonuniformity = unevenness;
+            if (run.told) facts.motion_nonuniformity = unevenness;
+            if (run.ahead) timed(run.measured.seconds, [&] { return run.look_ahead(clip, n, facts), 0; });
             const encoder::PicturePlan plan = run.encoder->plan(n, facts, n == 0);
             std::vector<core::MotionField> motion;
             for (const std::int64_t reference : plan.references) {
@@ -133,11 +156,13 @@ std::vector<std::vector<Measured>> code_with_ours(const Clip& clip, const std::v
                         return full_search(picture, clip.pictures[static_cast<std::size_t>(reference)],
                                            run.measured.quantiser, run.codec.search, run.evaluations);
                     }));
-                else if (run.codec.told)
+                else if (run.told)
                     motion.push_back(clip.motion(n, reference));
+                else if (run.ahead)
+                    motion.push_back(timed(run.measured.seconds, [&] { return run.ahead->motion(n, reference); }));
             }
             encoder::Hints hints;
-            if (plan.horizon && run.codec.told) hints.onward = &clip.motion(n, *plan.horizon);
+            if (plan.horizon && run.told) hints.onward = &clip.motion(n, *plan.horizon);
             run.take(clip,
                      timed(run.measured.seconds, [&] { return run.encoder->push(picture, plan, motion, hints); }));
         }

@@ -1,0 +1,38 @@
+#pragma once
+// Reads a chunk's finished frames ahead of their coding, and looks at them.
+#include <cstdint>
+#include <deque>
+#include <future>
+
+#include "app/loop/frame_source.h"
+#include "app/loop/run_statistics.h"
+#include "app/options/chunk.h"
+#include "core/picture.h"
+#include "encoder/look_ahead.h"
+#include "encoder/types.h"
+
+namespace render2mpeg::app {
+
+/// The frames of one chunk in order, read in a thread of their own as far ahead as the look-ahead asks for. What it
+/// says depends on the chunk's frames alone.
+class FramesAhead {
+  public:
+    /// `frames` must not be read by others meanwhile.
+    FramesAhead(FrameSource& frames, const Chunk& chunk, const encoder::Settings& coding);
+    ~FramesAhead();
+
+    /// The next frame; those that look() needs are there then. Waiting counts as reading. Throws core::Error.
+    core::Picture next(RunStatistics& statistics);
+    encoder::LookAhead& look() { return look_; }
+
+  private:
+    void start_reading();
+
+    FrameSource& frames_;
+    std::int64_t next_, last_;            ///< frame to be read, and the chunk's last
+    std::future<core::Picture> reading_;  ///< frame `next_`; invalid: none is left
+    std::deque<core::Picture> read_;
+    encoder::LookAhead look_;
+};
+
+}  // namespace render2mpeg::app
