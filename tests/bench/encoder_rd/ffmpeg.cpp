@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "encoder/av/av.h"
+#include "encoder/mpeg2/macroblock/weighting_matrices.h"
 #include "encoder_rd/codecs.h"
 #include "encoder_rd/ffmpeg_process.h"
 
@@ -122,11 +123,22 @@ double number_after(const std::string& text, const std::string& key) {
     return std::atof(text.c_str() + at + key.size());
 }
 
+/// A matrix as ffmpeg takes it: raster order, by commas.
+std::string words_of(const encoder::mpeg2::Matrix& matrix) {
+    std::string words;
+    for (const std::uint8_t entry : matrix) words += (words.empty() ? "" : ",") + std::to_string(entry);
+    return words;
+}
+
 }  // namespace
 
 std::vector<FfmpegCodec> ffmpeg_codecs() {
+    const encoder::mpeg2::Matrices eye = encoder::mpeg2::matrices_for(encoder::Tune::perceptual);
+    const std::string matrices =
+        "-intra_matrix " + words_of(eye.intra) + " -inter_matrix " + words_of(eye.non_intra) + " ";
     return {{"A", "-qscale:v {q} -g 15 -bf 2", 15},
             {"B", strongest + std::string("-g 15 -bf 2"), 15},
+            {"B-eye", strongest + matrices + "-g 15 -bf 2", 15},
             {"C", strongest + std::string("-g 60 -bf 3 -b_strategy 2"), 60}};
 }
 
