@@ -60,13 +60,19 @@ class Cameras:
         if data.type == "PANO":
             self.lost.add(camera, "panoramic lens; shown as a perspective one")
         first = poses[0]
-        shift = first["lens"][:2, 2] if data.type != "ORTHO" else first["lens"][:2, 3]
-        if np.max(np.abs(shift)) > 1e-5:
-            self.lost.add(camera, f"lens shift (x {data.shift_x:.3g}, y {data.shift_y:.3g})")
+        if np.max(np.ptp([self.shift_of(camera, p) for p in poses], axis=0)) > 1e-4:
+            self.lost.add(camera, "animated lens shift; as on the first frame")
         if first["f"] is not None:
             self.lost.add(camera, f"depth of field (f/{first['f']:.3g}, focus at {first['focus']:.3g} m)")
         if data.type == "ORTHO" and any(abs(p["lens"][1, 1] / first["lens"][1, 1] - 1) > 1e-4 for p in poses):
             self.lost.add(camera, "animated scale of a parallel projection; as on the first frame")
+
+    def shift_of(self, camera, pose):
+        """How far the picture is moved to the right and up, in its heights. The projection's matrix says it in halves of
+        the picture's sides."""
+        lens = pose["lens"]
+        right, up = lens[:2, 2] if camera.data.type != "ORTHO" else -lens[:2, 3]
+        return right * lens[1, 1] / lens[0, 0] / 2, up / 2
 
     def described(self, camera):
         poses = self.poses[camera.name_full]
@@ -74,6 +80,9 @@ class Cameras:
         says = {"interpolation": "linear"}
         if poses[0]["clip"] > 0:
             says["near"] = json_number(poses[0]["clip"])
+        shift = self.shift_of(camera, poses[0])
+        if np.max(np.abs(shift)) > 1e-6:
+            says["shift"] = [json_number(s) for s in shift]
         quantities = {"position": ([p["position"] for p in poses], 1e-5), "rotate": (unwound([p["rotate"] for p in poses]), 1e-3)}
         if camera.data.type == "ORTHO":
             says["height"] = json_number(2 / poses[0]["lens"][1, 1])

@@ -150,6 +150,7 @@ def markers():
     for frame, (place, kind) in {1: ((0, -6, 2), "PERSP"), 5: ((4, -3, 1.5), "PERSP"), 9: ((-4, -5, 4), "ORTHO")}.items():
         camera = add_camera(place, (0, 0, 1), name=f"Shot {frame}")
         camera.data.type, camera.data.ortho_scale = kind, 5
+        camera.data.shift_x, camera.data.shift_y = 0.02 * (frame - 1), -0.01 * (frame - 1)
         marker = scene.timeline_markers.new(f"Cut {frame}", frame=frame)
         marker.camera = camera
 
@@ -369,7 +370,7 @@ def odds_and_ends():
     scattered.node_group = scatter()
     add_lamp("AREA", (-3, -3, 3), energy=50, shape="DISK", size=0.8)
     camera = add_camera((0, -9, 4), (0, 0, 1)).data
-    camera.shift_x, camera.dof.use_dof = 0.05, True
+    camera.dof.use_dof = True
 
 
 def scatter():

@@ -74,6 +74,29 @@ TEST(Camera, ASphereIsRoundAsShownWhateverThePixels) {
         }
 }
 
+TEST(Camera, AShiftedLensMovesThePictureAndNothingElse) {
+    for (const bool perspective : {true, false}) {
+        CameraLens plain = perspective ? lens(0.9) : orthographic(3), shifted = plain;
+        shifted.shift = {0.25f, -0.1f};
+        const glm::mat4 to_world = placed({1, 2, 3}, 0.5, 0.2);
+        const Camera before(plain, to_world, width, height, aspect), after(shifted, to_world, width, height, aspect);
+        for (int i = 0; i < 20; ++i) {
+            const glm::vec2 position = random_position(i);
+            const Ray ray = before.ray_through(position);
+            const glm::vec3 point = ray.origin + 3.0f * ray.direction;
+            const auto seen = after.project(point);
+            ASSERT_TRUE(seen);
+            EXPECT_NEAR(seen->position.x, position.x - 0.25 * height, 2e-2);
+            EXPECT_NEAR(seen->position.y, position.y - 0.1 * height, 2e-2);
+            const Ray back = after.ray_through(seen->position);
+            EXPECT_NEAR(glm::distance(back.origin + 3.0f * back.direction, point), 0, 1e-5);
+            const glm::vec4 ndc = after.world_to_ndc() * glm::vec4(point, 1);
+            EXPECT_NEAR(ndc.x / ndc.w * width, seen->position.x, 2e-2);
+            EXPECT_NEAR(ndc.y / ndc.w * height, seen->position.y, 2e-2);
+        }
+    }
+}
+
 TEST(Camera, HasNoPlaceForWhatIsBehindIt) {
     const Camera camera(lens(1), placed({1, 2, 3}, 0.5, 0.2), width, height, aspect);
     EXPECT_FALSE(camera.project(camera.position()));

@@ -19,6 +19,10 @@ void read_camera(const JsonValue& value, const std::string& name, std::size_t in
     lens.name = name;
     lens.node = add_node(film, name, -1);
     place(film, lens.node, value, clock, keys::camera_key);
+    if (const auto v = value.find("shift")) {
+        const std::vector<JsonValue> shift = v->list(2, 2);
+        lens.shift = glm::vec2(shift[0].number(-10, 10), shift[1].number(-10, 10));
+    }
     if (const auto v = value.find("near")) lens.near = static_cast<float>(v->number(0, 1e6));
 
     // An orthographic camera is told by the height that it shows.

@@ -14,8 +14,8 @@ inline constexpr std::array film{K("$schema"),    K("title"),     K("scene"),   
                                  K("exposure"),   K("camera"),    K("cameras"), K("shots"), K("lights"),
                                  K("objects"),    K("materials"), K("change"),  K("sound")};
 
-inline constexpr std::array camera{K("position"), K("look_at"),       K("rotate"), K("roll"), K("fov"),
-                                   K("height"),   K("interpolation"), K("keys"),   K("loop"), K("near")};
+inline constexpr std::array camera{K("position"),      K("look_at"), K("rotate"), K("roll"), K("fov"),  K("height"),
+                                   K("interpolation"), K("keys"),    K("loop"),   K("near"), K("shift")};
 inline constexpr std::array camera_key{K("at"), K("position"), K("look_at"), K("rotate"), K("roll"), K("fov")};
 
 inline constexpr std::array shot{K("at"), K("camera")};

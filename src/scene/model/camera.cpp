@@ -24,12 +24,15 @@ Camera::Camera(const CameraLens& lens, const glm::mat4& to_world, int width, int
     half_extent_.y = lens.perspective ? static_cast<float>(std::tan(0.5 * static_cast<double>(lens.vertical_fov)))
                                       : lens.y_magnification;
     half_extent_.x = half_extent_.y * aspect;
+    shift_ = 2.0f * lens.shift / glm::vec2(aspect, 1);
+    EXPECTS(core::is_finite(shift_));
     EXPECTS(half_extent_.y > 0 && core::is_finite(half_extent_));
 }
 
 Ray Camera::ray_through(glm::vec2 position) const {
-    const double x = (2.0 * static_cast<double>(position.x) / width_ - 1.0) * static_cast<double>(half_extent_.x);
-    const double y = (1.0 - 2.0 * static_cast<double>(position.y) / height_) * static_cast<double>(half_extent_.y);
+    const glm::dvec2 shift(shift_), half(half_extent_);
+    const double x = (2.0 * static_cast<double>(position.x) / width_ - 1.0 + shift.x) * half.x;
+    const double y = (1.0 - 2.0 * static_cast<double>(position.y) / height_ + shift.y) * half.y;
     const glm::dvec3 right = axis(to_world_, 0), up = axis(to_world_, 1), back = axis(to_world_, 2);
     if (!lens_.perspective)
         return {glm::vec3(axis(to_world_, 3) + x * right + y * up), glm::vec3(glm::normalize(-back))};
@@ -59,8 +62,8 @@ std::optional<ScreenPoint> Camera::project_direction(glm::vec3 world_direction) 
 
 std::optional<ScreenPoint> Camera::on_picture(double right, double up, double scale, double depth) const {
     if (!lens_.perspective) scale = 1;
-    const double x = right / (scale * static_cast<double>(half_extent_.x));
-    const double y = up / (scale * static_cast<double>(half_extent_.y));
+    const double x = right / (scale * static_cast<double>(half_extent_.x)) - static_cast<double>(shift_.x);
+    const double y = up / (scale * static_cast<double>(half_extent_.y)) - static_cast<double>(shift_.y);
     const glm::vec2 position(0.5 * (1.0 + x) * width_, 0.5 * (1.0 - y) * height_);
     // A point all but in the plane of the eye has no place on the picture that single precision can say.
     if (!core::is_finite(position)) return std::nullopt;
@@ -76,10 +79,11 @@ glm::mat4 Camera::world_to_camera() const {
 glm::mat4 Camera::world_to_ndc() const {
     const auto x = 0.5 / static_cast<double>(half_extent_.x), y = -0.5 / static_cast<double>(half_extent_.y);
     const auto near = static_cast<double>(lens_.near);
+    const double u = 0.5 * (1 - static_cast<double>(shift_.x)), v = 0.5 * (1 + static_cast<double>(shift_.y));
     // By columns: what right, up, depth and 1 are taken by.
     const glm::dmat4 of_camera = lens_.perspective
-                                     ? glm::dmat4({x, 0, 0, 0}, {0, y, 0, 0}, {0.5, 0.5, 1, 1}, {0, 0, -near, 0})
-                                     : glm::dmat4({x, 0, 0, 0}, {0, y, 0, 0}, {0, 0, 1, 0}, {0.5, 0.5, -near, 1});
+                                     ? glm::dmat4({x, 0, 0, 0}, {0, y, 0, 0}, {u, v, 1, 1}, {0, 0, -near, 0})
+                                     : glm::dmat4({x, 0, 0, 0}, {0, y, 0, 0}, {0, 0, 1, 0}, {u, v, -near, 1});
     return glm::mat4(of_camera * glm::dmat4(world_to_camera()));
 }
 

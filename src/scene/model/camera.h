@@ -13,6 +13,7 @@ struct CameraLens {
     bool perspective = true;
     float vertical_fov = 0.9f;  ///< radians, 0 < fov < pi
     float y_magnification = 1;  ///< orthographic: half the visible height, scene units, > 0
+    glm::vec2 shift{0, 0};      ///< of the picture to the right and up over what the lens shows, in picture heights
     float near = 0;             ///< scene units; nothing nearer is seen
     float far = 0;              ///< 0: infinite
     float aspect = 0;           ///< width over height of the picture that its maker framed; 0: not said
@@ -70,6 +71,7 @@ class Camera {
     glm::mat4 to_world_{1.0f};
     int width_ = 0;
     int height_ = 0;
+    glm::vec2 shift_{0, 0};        ///< CameraLens::shift in halves of the picture's width and height
     glm::vec2 half_extent_{1, 1};  ///< of the picture at unit depth (perspective) or in scene units (orthographic)
 };
 
