@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/module.h"
+#include "image/channels.h"
 #include "image/exr_attributes.h"
 #include "image/format.h"
 #include "image/module/codec.h"
@@ -126,6 +127,50 @@ ExrChannels read_exr(const fs::path& path, const std::function<bool(const std::s
     if (format_of(bytes, name) != Format::exr) throw core::Error("reading", name, "not an OpenEXR file");
     check_exr_attributes(bytes, name);
     return exr_codec().decode(bytes, wanted, name);
+}
+
+ExrFrame read_exr_frame(const fs::path& path, const std::function<bool(const std::string&)>& wanted) {
+    const std::string name = path.string();
+    const std::vector<std::byte> bytes = bytes_of_file(path, name);
+    if (format_of(bytes, name) != Format::exr) throw core::Error("reading", name, "not an OpenEXR file");
+    check_exr_attributes(bytes, name);
+
+    // See which channels there are, then read those that anybody wants.
+    std::vector<std::string> names;
+    exr_codec().decode(
+        bytes,
+        [&](const std::string& channel) {
+            names.push_back(channel);
+            return false;
+        },
+        name);
+    if (names.empty()) throw core::Error("reading", name, "it has no channels");
+    const ChannelChoice choice = choose_channels(names, -1);
+    const auto component_of = [&](const std::string& channel) {
+        for (std::size_t c = 0; c < 4; ++c)
+            if (choice.channel[c] >= 0 && names[static_cast<std::size_t>(choice.channel[c])] == channel)
+                return static_cast<int>(c);
+        return -1;
+    };
+    ExrChannels read = exr_codec().decode(
+        bytes, [&](const std::string& channel) { return component_of(channel) >= 0 || wanted(channel); }, name);
+
+    // Part colours from the others.
+    ExrFrame frame;
+    frame.image.pixels = core::Plane<glm::vec4>(read.width, read.height, glm::vec4(0, 0, 0, 1));
+    frame.image.has_alpha = choice.channel[3] >= 0;
+    frame.image.pixel_aspect = read.pixel_aspect;
+    frame.image.high_range = true;
+    frame.others = {read.width, read.height, {}, read.pixel_aspect};
+    for (Channel& channel : read.channels) {
+        const int component = component_of(channel.name);
+        for (std::size_t i = 0; component >= 0 && i < channel.values.size(); ++i)
+            frame.image.pixels.values()[i][component] = channel.values[i];
+        if (wanted(channel.name)) frame.others.channels.push_back(std::move(channel));
+    }
+    if (choice.is_grey())
+        for (glm::vec4& pixel : frame.image.pixels.values()) pixel.y = pixel.z = pixel.x;
+    return frame;
 }
 
 void write_exr(const fs::path& path, int width, int height, std::span<const Channel> channels,

@@ -92,4 +92,14 @@ struct ExrChannels {
 /// `max_pixels` are refused before anything of that size is allocated.
 ExrChannels read_exr(const std::filesystem::path& path, const std::function<bool(const std::string&)>& wanted);
 
+/// A frame of an OpenEXR file and other channels of it.
+struct ExrFrame {
+    Image image;         ///< the colours that read_image() would choose, over the display window
+    ExrChannels others;  ///< those that were wanted
+};
+
+/// Both at once: a file's channels are packed together, and unpacking them is what takes the time. Throws as
+/// read_exr().
+ExrFrame read_exr_frame(const std::filesystem::path& path, const std::function<bool(const std::string&)>& wanted);
+
 }  // namespace render2mpeg::image

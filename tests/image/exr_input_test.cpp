@@ -6,6 +6,8 @@
 #include <ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <vector>
 
@@ -179,6 +181,29 @@ TEST(ExrInput, FilesThatAreTooShortForTheirPackingAreRefusedByTheirHeader) {
         FAIL();
     } catch (const core::Error& error) {
         EXPECT_NE(std::string(error.what()).find("too short"), std::string::npos) << error.what();
+    }
+}
+
+TEST(ExrFrame, HasTheColoursOfTheImageAndWhatElseIsWanted) {
+    const Folder folder;
+    const std::filesystem::path file = folder / "frame.exr";
+    const auto channel = [](const std::string& name, float first) {
+        return Channel{name, {first, first + 1, first + 2, first + 3, first + 4, first + 5}, false};
+    };
+    for (const auto& channels :
+         {std::vector{channel("L.Combined.A", 0), channel("L.Combined.B", 1), channel("L.Combined.G", 2),
+                      channel("L.Combined.R", 3), channel("L.Vector.X", 4), channel("L.Depth.Z", 5)},
+          {channel("R", 1), channel("G", 2), channel("B", 3), channel("L.Vector.X", 7)},
+          {channel("Y", 1), channel("L.Vector.X", 7)}}) {
+        write_exr(file, 3, 2, channels);
+        const ExrFrame frame = read_exr_frame(file, [](const std::string& name) { return name == "L.Vector.X"; });
+        const Image image = read_image(file, {}, "frame");
+        EXPECT_EQ(frame.image.pixels.width(), 3);
+        EXPECT_TRUE(std::ranges::equal(frame.image.pixels.values(), image.pixels.values())) << channels[0].name;
+        EXPECT_EQ(frame.image.has_alpha, image.has_alpha);
+        EXPECT_EQ(frame.image.high_range, image.high_range);
+        ASSERT_EQ(frame.others.channels.size(), 1u);
+        EXPECT_EQ(frame.others.channels[0].values[5], channels[0].name == "L.Combined.A" ? 9 : 12);
     }
 }
 

@@ -78,7 +78,10 @@ Job prepare(const EncodeOptions& options) {
     check_apart({Files(options.input)}, {Files(options.output), Files(options.stats.value_or(""))});
     Job job;
     const auto wanted = options.frames ? std::optional(frames_from(*options.frames)) : std::nullopt;
-    job.frames = open_frames(options.input, options.exposure, wanted);
+    // Frames and their motion are often the same files.
+    const auto shared =
+        options.motion && *options.motion == options.input ? std::make_shared<SharedChannels>() : nullptr;
+    job.frames = open_frames(options.input, options.exposure, wanted, {}, shared);
     const Size size = job.frames->size();
     encoder::Settings& coding = job.film.coding;
     const Preset* preset = preset_of(options.coding);
@@ -101,7 +104,7 @@ Job prepare(const EncodeOptions& options) {
                               ": expected numbered OpenEXR files, e.g. layers/frame_%04d.exr");
         const auto convention =
             options.motion_convention == "nuke" ? MotionConvention::nuke : MotionConvention::blender;
-        job.motion.emplace(*options.motion, convention, size.width, size.height);
+        job.motion.emplace(*options.motion, convention, size.width, size.height, shared);
         // The first frame refers to none.
         job.motion->check(job.film.frames.first + 1, job.film.frames.last);
     }

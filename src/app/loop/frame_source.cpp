@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <cmath>
+#include <mutex>
+#include <utility>
 
+#include "app/loop/vector_layers.h"
 #include "app/options/output_kind.h"
 #include "core/error.h"
 #include "core/radiance.h"
@@ -33,9 +37,13 @@ class Y4mFrames : public FrameSource {
     FrameRange frames() const override { return frames_; }
     std::optional<core::Rational> rate() const override { return reader_.format().hertz; }
     std::optional<core::Rational> pixel_aspect() const override { return reader_.format().pixel_aspect; }
-    core::Picture read(std::int64_t frame) override { return reader_.read(frame); }
+    core::Picture read(std::int64_t frame) override {
+        const std::lock_guard lock(mutex_);
+        return reader_.read(frame);
+    }
 
   private:
+    std::mutex mutex_;
     av::Y4mReader reader_;
     FrameRange frames_;
 };
@@ -54,11 +62,13 @@ FrameRange frames_on_disk(const std::filesystem::path& pattern) {
 class ImageFrames : public FrameSource {
   public:
     ImageFrames(const std::filesystem::path& pattern, std::optional<float> exposure,
-                const std::optional<FrameRange>& wanted, const FilmSignals& film)
+                const std::optional<FrameRange>& wanted, const FilmSignals& film,
+                std::shared_ptr<SharedChannels> shared)
         : pattern_(pattern),
           frames_(wanted ? *wanted : frames_on_disk(pattern)),
           exposure_(exposure.value_or(0.0f)),
-          keeps_codes_(film.keeps_codes) {
+          keeps_codes_(film.keeps_codes),
+          shared_(std::move(shared)) {
         // Look at the first frame for what all have in common; see that the others are there.
         for (std::int64_t n = frames_.first; n <= frames_.last; ++n)
             if (!std::filesystem::exists(numbered(pattern_, n)))
@@ -103,17 +113,23 @@ class ImageFrames : public FrameSource {
   private:
     image::Image read_image(std::int64_t frame) const {
         const std::filesystem::path file = numbered(pattern_, frame);
-        return image::read_image(file, {}, file.string());
+        if (core::ending_of(file) != ".exr") return image::read_image(file, {}, file.string());
+        image::ExrFrame read =
+            image::read_exr_frame(file, [&](const std::string& channel) { return shared_ && is_motion(channel); });
+        if (shared_) shared_->put(frame, std::move(read.others));
+        return std::move(read.image);
     }
     /// Alpha does not count: what a renderer writes is the colour over black.
     core::Plane<glm::vec3> finite_colors(const image::Image& image) {
+        std::uint64_t found = 0;
         core::Plane<glm::vec3> colors(image.pixels.width(), image.pixels.height());
         for (std::size_t i = 0; i < colors.size(); ++i)
             for (int c = 0; c < 3; ++c) {
                 const float value = image.pixels.values()[i][c];
-                non_finite_ += std::isfinite(value) ? 0u : 1u;
+                found += std::isfinite(value) ? 0u : 1u;
                 colors.values()[i][c] = std::isfinite(value) ? value : 0.0f;
             }
+        non_finite_ += found;
         return colors;
     }
 
@@ -124,13 +140,15 @@ class ImageFrames : public FrameSource {
     Size size_;
     perceptual::ColorMatrix matrix_ = perceptual::ColorMatrix::bt709;
     float pixel_aspect_ = 1;
-    std::uint64_t non_finite_ = 0;
+    std::shared_ptr<SharedChannels> shared_;
+    std::atomic<std::uint64_t> non_finite_ = 0;
 };
 
 }  // namespace
 
 std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std::optional<float> exposure,
-                                         const std::optional<FrameRange>& wanted, const FilmSignals& film) {
+                                         const std::optional<FrameRange>& wanted, const FilmSignals& film,
+                                         std::shared_ptr<SharedChannels> shared) {
     const std::string ending = core::ending_of(input);
     if (ending == ".y4m") {
         if (exposure)
@@ -144,7 +162,7 @@ std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std
     if (!is_numbered(input))
         throw core::Error("reading", input.string(),
                           "numbered images need one frame number in their name, e.g. frames.%04d" + ending);
-    return std::make_unique<ImageFrames>(input, exposure, wanted, film);
+    return std::make_unique<ImageFrames>(input, exposure, wanted, film, std::move(shared));
 }
 
 }  // namespace render2mpeg::app

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "app/loop/shared_channels.h"
 #include "app/options/options.h"
 #include "core/picture.h"
 #include "core/rational.h"
@@ -25,7 +26,7 @@ class FrameSource {
     /// Pictures per second, and width by height of a pixel; none: the frames do not say.
     virtual std::optional<core::Rational> rate() const { return {}; }
     virtual std::optional<core::Rational> pixel_aspect() const { return {}; }
-    /// Reads one of frames(). Throws core::Error, also where its size is another.
+    /// Reads one of frames(). Threads may read at once. Throws core::Error, also where its size is another.
     virtual core::Picture read(std::int64_t frame) = 0;
     /// Values that were not finite and became 0 in the frames read so far.
     virtual std::uint64_t non_finite() const { return 0; }
@@ -40,8 +41,10 @@ struct FilmSignals {
 /// Opens FRAMES: `film.y4m`, `frames.%04d.exr` (scene-linear; developed with `exposure` EV, 0 where none is given) or
 /// `frames.%04d.png` (display-referred sRGB). `wanted`: only these frames need be there; else all from the first number
 /// to the last. `film`: what pictures the images become. Throws core::Error, also for an exposure that frames have no
-/// use for.
+/// use for. `shared` gets the motion channels (vector_layers.h) of every OpenEXR frame that is read; null: nobody wants
+/// them.
 std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std::optional<float> exposure,
-                                         const std::optional<FrameRange>& wanted, const FilmSignals& film = {});
+                                         const std::optional<FrameRange>& wanted, const FilmSignals& film = {},
+                                         std::shared_ptr<SharedChannels> shared = nullptr);
 
 }  // namespace render2mpeg::app

@@ -5,6 +5,12 @@
 #include "app/loop/statistics_recorder.h"
 
 namespace render2mpeg::app {
+namespace {
+
+/// chosen: 2: frames of many packed channels take several times as long to read as to code.
+constexpr std::size_t readers = 2;
+
+}  // namespace
 
 FramesAhead::FramesAhead(FrameSource& frames, const Chunk& chunk, const encoder::Settings& coding)
     : frames_(frames),
@@ -15,22 +21,23 @@ FramesAhead::FramesAhead(FrameSource& frames, const Chunk& chunk, const encoder:
 }
 
 FramesAhead::~FramesAhead() {
-    if (reading_.valid()) reading_.wait();
+    for (const std::future<core::Picture>& frame : reading_) frame.wait();
 }
 
 void FramesAhead::start_reading() {
-    if (next_ > last_) return;
-    reading_ = std::async(std::launch::async, [this, n = next_] { return frames_.read(n); });
+    for (; next_ <= last_ && reading_.size() < readers; ++next_)
+        reading_.push_back(std::async(std::launch::async, [this, n = next_] { return frames_.read(n); }));
 }
 
 core::Picture FramesAhead::next(RunStatistics& statistics) {
-    while (reading_.valid() && static_cast<std::int64_t>(read_.size()) <= encoder::LookAhead::depth) {
-        read_.push_back(timed(statistics, Stage::develop, [&] { return reading_.get(); }));
-        ++next_;
+    while (!reading_.empty() && static_cast<std::int64_t>(read_.size()) <= encoder::LookAhead::depth) {
+        std::future<core::Picture> frame = std::move(reading_.front());
+        reading_.pop_front();
+        read_.push_back(timed(statistics, Stage::develop, [&] { return frame.get(); }));
         start_reading();
         timed(statistics, Stage::encode, [&] { look_.add(read_.back()); });
     }
-    if (!reading_.valid()) look_.end();
+    if (reading_.empty()) look_.end();
     core::Picture picture = std::move(read_.front());
     read_.pop_front();
     look_.forget_before(picture.number - 4);

@@ -13,11 +13,10 @@
 
 namespace render2mpeg::app {
 
-/// The frames of one chunk in order, read in a thread of their own as far ahead as the look-ahead asks for. What it
+/// The frames of one chunk in order, read in threads of their own as far ahead as the look-ahead asks for. What it
 /// says depends on the chunk's frames alone.
 class FramesAhead {
   public:
-    /// `frames` must not be read by others meanwhile.
     FramesAhead(FrameSource& frames, const Chunk& chunk, const encoder::Settings& coding);
     ~FramesAhead();
 
@@ -29,8 +28,8 @@ class FramesAhead {
     void start_reading();
 
     FrameSource& frames_;
-    std::int64_t next_, last_;            ///< frame to be read, and the chunk's last
-    std::future<core::Picture> reading_;  ///< frame `next_`; invalid: none is left
+    std::int64_t next_, last_;  ///< frame to be read next, and the chunk's last
+    std::deque<std::future<core::Picture>> reading_;
     std::deque<core::Picture> read_;
     encoder::LookAhead look_;
 };

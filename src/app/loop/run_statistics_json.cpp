@@ -22,6 +22,13 @@ void each_member(Entry& e, Visit&& visit) {
     visit("stuffing", e.stuffing);
     visit("fullness_before", e.fullness_before);
     visit("fullness_after", e.fullness_after);
+    visit("vectors_tried_exact", e.motion.evaluations.exact);
+    visit("vectors_tried_predicted", e.motion.evaluations.predicted);
+    visit("vectors_tried_searched", e.motion.evaluations.searched);
+    visit("vectors_chosen_exact", e.motion.chosen.exact);
+    visit("vectors_chosen_predicted", e.motion.chosen.predicted);
+    visit("vectors_chosen_searched", e.motion.chosen.searched);
+    visit("searches", e.motion.searches);
     visit("mse_y", e.mse_y);
     visit("ssim_y", e.ssim_y);
     visit("pumping", e.pumping);

@@ -88,6 +88,7 @@ void StatisticsRecorder::coded(const encoder::CodedPicture& coded) {
     entry.bytes = coded.bytes.size();
     entry.tries = coded.tries;
     entry.minimal = coded.minimal;
+    entry.motion = coded.motion;
     entry.stuffing = coded.stuffing_bytes;
     entry.fullness_before = coded.fullness_before;
     entry.fullness_after = coded.fullness_after;

@@ -13,22 +13,22 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "image/image.h"
+#include "parallel/loops.h"
 
 namespace render2mpeg::app {
 namespace {
 
 using Values = const std::vector<float>*;
 
+/// Whether a name is `end`, alone or behind a layer's name and a dot.
+bool ends_with(const std::string& name, const std::string& end) {
+    return name.ends_with(end) && (name.size() == end.size() || name[name.size() - end.size() - 1] == '.');
+}
+
 /// Channels of a file found by the end of their names: "ViewLayer.Vector.X" is "Vector.X" of some layer.
 class Layers {
   public:
-    explicit Layers(const std::filesystem::path& file)
-        : file_(image::read_exr(file, [](const std::string& name) {
-              for (const char* end : {"Vector.X", "Vector.Y", "Vector.Z", "Vector.W", "forward.u", "forward.v",
-                                      "backward.u", "backward.v", "motion.u", "motion.v", "render2mpeg.Class.X"})
-                  if (ends_with(name, end)) return true;
-              return false;
-          })) {}
+    explicit Layers(image::ExrChannels channels) : file_(std::move(channels)) {}
 
     int width() const { return file_.width; }
     int height() const { return file_.height; }
@@ -50,11 +50,6 @@ class Layers {
     }
 
   private:
-    /// Whether a name is `end`, alone or behind a layer's name and a dot.
-    static bool ends_with(const std::string& name, const std::string& end) {
-        return name.ends_with(end) && (name.size() == end.size() || name[name.size() - end.size() - 1] == '.');
-    }
-
     image::ExrChannels file_;
 };
 
@@ -104,27 +99,34 @@ core::Plane<core::PixelClass> classes(const Layers& layers) {
 
 /// Follows `step`, a field of the frame where the way stands, one frame on.
 void extend(core::MotionField& way, const core::MotionField& step) {
-    for (int y = 0; y < way.vector.height(); ++y)
-        for (int x = 0; x < way.vector.width(); ++x) {
-            core::PixelClass& kind = way.kind.at(x, y);
-            if (kind == core::PixelClass::none) continue;
-            glm::vec2& v = way.vector.at(x, y);
-            const float at_x = std::floor(static_cast<float>(x) + v.x + 0.5f),
-                        at_y = std::floor(static_cast<float>(y) + v.y + 0.5f);
-            const bool inside = at_x >= 0 && at_y >= 0 && at_x < static_cast<float>(way.vector.width()) &&
-                                at_y < static_cast<float>(way.vector.height());
-            if (inside && step.kind.at(static_cast<int>(at_x), static_cast<int>(at_y)) == kind)
-                v += step.vector.at(static_cast<int>(at_x), static_cast<int>(at_y));
+    const int width = way.vector.width(), height = way.vector.height();
+    const core::PixelClass* kinds_there = step.kind.row(0);
+    const glm::vec2* vectors_there = step.vector.row(0);
+    parallel::for_each(static_cast<std::size_t>(height), [&](std::size_t row) {
+        const int y = static_cast<int>(row);
+        core::PixelClass* kinds = way.kind.row(y);
+        glm::vec2* vectors = way.vector.row(y);
+        for (int x = 0; x < width; ++x) {
+            if (kinds[x] == core::PixelClass::none) continue;
+            const float at_x = static_cast<float>(x) + vectors[x].x + 0.5f,
+                        at_y = static_cast<float>(y) + vectors[x].y + 0.5f;
+            const bool inside =
+                at_x >= 0 && at_y >= 0 && at_x < static_cast<float>(width) && at_y < static_cast<float>(height);
+            // What is not below 0 is rounded down by being cut off.
+            const std::ptrdiff_t there =
+                inside ? std::ptrdiff_t{static_cast<int>(at_y)} * width + static_cast<int>(at_x) : 0;
+            if (inside && kinds_there[there] == kinds[x])
+                vectors[x] += vectors_there[there];
             else
-                kind = core::PixelClass::none;
+                kinds[x] = core::PixelClass::none;
         }
+    });
 }
 
-}  // namespace
-
-FrameMotion read_motion(const std::filesystem::path& file, std::int64_t frame, int width, int height,
-                        MotionConvention convention) {
-    const Layers layers(file);
+/// Motion from channels of a file.
+FrameMotion motion_from(const std::filesystem::path& file, image::ExrChannels channels, std::int64_t frame, int width,
+                        int height, MotionConvention convention) {
+    const Layers layers(std::move(channels));
     if (layers.width() != width || layers.height() != height)
         throw core::Error("reading", file.string(),
                           fmt::format("its motion is {}x{} pixels, the pictures are {}x{}", layers.width(),
@@ -147,8 +149,27 @@ FrameMotion read_motion(const std::filesystem::path& file, std::int64_t frame, i
     return motion;
 }
 
-VectorLayers::VectorLayers(std::filesystem::path pattern, MotionConvention convention, int width, int height)
-    : pattern_(std::move(pattern)), convention_(convention), width_(width), height_(height) {
+}  // namespace
+
+bool is_motion(const std::string& channel) {
+    for (const char* end : {"Vector.X", "Vector.Y", "Vector.Z", "Vector.W", "forward.u", "forward.v", "backward.u",
+                            "backward.v", "motion.u", "motion.v", "render2mpeg.Class.X"})
+        if (ends_with(channel, end)) return true;
+    return false;
+}
+
+FrameMotion read_motion(const std::filesystem::path& file, std::int64_t frame, int width, int height,
+                        MotionConvention convention) {
+    return motion_from(file, image::read_exr(file, is_motion), frame, width, height, convention);
+}
+
+VectorLayers::VectorLayers(std::filesystem::path pattern, MotionConvention convention, int width, int height,
+                           std::shared_ptr<SharedChannels> shared)
+    : pattern_(std::move(pattern)),
+      convention_(convention),
+      width_(width),
+      height_(height),
+      shared_(std::move(shared)) {
     EXPECTS(is_numbered(pattern_));
 }
 
@@ -175,7 +196,10 @@ const FrameMotion& VectorLayers::frame(std::int64_t number) {
     const auto known = read_.find(number);
     if (known != read_.end()) return known->second;
     std::erase_if(read_, [&](const auto& entry) { return std::abs(entry.first - number) > reach; });
-    return read_.emplace(number, read_motion(numbered(pattern_, number), number, width_, height_, convention_))
+    const std::filesystem::path file = numbered(pattern_, number);
+    std::optional<image::ExrChannels> channels = shared_ ? shared_->take(number, reach) : std::nullopt;
+    if (!channels) channels = image::read_exr(file, is_motion);
+    return read_.emplace(number, motion_from(file, std::move(*channels), number, width_, height_, convention_))
         .first->second;
 }
 

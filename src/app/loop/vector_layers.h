@@ -3,7 +3,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
+#include <string>
 
+#include "app/loop/shared_channels.h"
 #include "core/motion_field.h"
 
 namespace render2mpeg::app {
@@ -21,11 +24,16 @@ struct FrameMotion {
 FrameMotion read_motion(const std::filesystem::path& file, std::int64_t frame, int width, int height,
                         MotionConvention convention);
 
+/// Whether a channel tells of motion, or of what kind of thing moves.
+bool is_motion(const std::string& channel);
+
 /// Motion of numbered files between any two frames. Files lead from a frame to its neighbours; over several frames the
 /// way is put together from steps, and ends (class `none`) where it leaves the picture or meets another class of thing.
 class VectorLayers {
   public:
-    VectorLayers(std::filesystem::path pattern, MotionConvention convention, int width, int height);
+    /// `shared`: where channels of these files may have been left by whoever reads the frames; null: nowhere.
+    VectorLayers(std::filesystem::path pattern, MotionConvention convention, int width, int height,
+                 std::shared_ptr<SharedChannels> shared = nullptr);
 
     /// Refuses what would only fail after minutes: throws core::Error where a file of these frames is missing, or where
     /// the first of them has no motion.
@@ -44,6 +52,7 @@ class VectorLayers {
     std::filesystem::path pattern_;
     MotionConvention convention_;
     int width_, height_;
+    std::shared_ptr<SharedChannels> shared_;
     std::map<std::int64_t, FrameMotion> read_;  ///< the frames asked for last
 };
 

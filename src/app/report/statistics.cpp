@@ -117,6 +117,10 @@ json bands_of(const renderer::ToleranceBands& bands) {
     return all;
 }
 
+json by_source(const encoder::BySource& counts) {
+    return {{"exact", counts.exact}, {"predicted", counts.predicted}, {"searched", counts.searched}};
+}
+
 void add_coding(json& entry, const FrameEntry& frame) {
     entry["type"] = std::string(1, frame.type);
     entry["quantiser"] = frame.quantiser;
@@ -127,6 +131,9 @@ void add_coding(json& entry, const FrameEntry& frame) {
     entry["minimal"] = frame.minimal;
     entry["stuffing"] = frame.stuffing;
     entry["vbv"] = {frame.fullness_before, frame.fullness_after};
+    entry["vectors"] = {{"tried", by_source(frame.motion.evaluations)},
+                        {"chosen", by_source(frame.motion.chosen)},
+                        {"searches", frame.motion.searches}};
     entry["mse_y"] = frame.mse_y;
     entry["ssim_y"] = frame.ssim_y;
     entry["pumping"] = frame.pumping < 0 ? json(nullptr) : json(frame.pumping);
