@@ -61,8 +61,9 @@ struct LookAhead::Impl {
     /// A picture and what is known of it.
     struct Seen {
         mpeg2::Frame half;
-        core::Plane<float> alone;                                    ///< Hadamard sums of blocks by themselves
-        std::map<std::int64_t, core::Plane<mpeg2::Vector>> vectors;  ///< to other pictures, half-size half pixels
+        core::Plane<float> alone;                                       ///< Hadamard sums of blocks by themselves
+        std::map<std::int64_t, core::Plane<mpeg2::Vector>> vectors;     ///< to other pictures, half-size half pixels
+        std::map<std::pair<std::int64_t, std::int64_t>, double> costs;  ///< by earlier and later reference
     };
     std::map<std::int64_t, Seen> seen;
 
@@ -126,11 +127,14 @@ const core::Plane<mpeg2::Vector>& LookAhead::Impl::vectors(std::int64_t picture,
 /// What is left of a picture after prediction: sum over blocks of the least of intra, each reference alone and their
 /// mean. A P picture has no later one: `later` is its number.
 double LookAhead::Impl::cost(std::int64_t picture, std::int64_t earlier, std::int64_t later) {
+    auto& known = seen.at(picture).costs;
+    const auto found = known.find({earlier, later});
+    if (found != known.end()) return found->second;
     const core::Plane<mpeg2::Vector>& forward = vectors(picture, earlier);
     const core::Plane<mpeg2::Vector>* backward = later != picture ? &vectors(picture, later) : nullptr;
     const Seen& s = seen.at(picture);
     const mpeg2::Frame &before = seen.at(earlier).half, &after = seen.at(later).half;
-    return sum(s.half.columns(), s.half.rows(), [&](int column, int row) {
+    const double cost = sum(s.half.columns(), s.half.rows(), [&](int column, int row) {
         float least = std::min(s.alone.at(column, row),
                                static_cast<float>(mpeg2::satd(s.half, before, column, row, forward.at(column, row))));
         if (backward) {
@@ -142,6 +146,8 @@ double LookAhead::Impl::cost(std::int64_t picture, std::int64_t earlier, std::in
         }
         return least;
     });
+    known.emplace(std::pair(earlier, later), cost);
+    return cost;
 }
 
 /// What prediction leaves of what a picture has by itself, 0..1; 1 where that is nothing.

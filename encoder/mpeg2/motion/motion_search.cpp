@@ -52,9 +52,12 @@ class Search {
             2 * dy > area_.allowed.high_y)
             return;
         ++result_.evaluations;
+        const auto difference =
+            static_cast<float>(kernels().sad_16x16(here_, stride_, there_ + dy * stride_ + dx, stride_));
+        if (result_.vectors.size() == SearchResult::most && difference >= result_.vectors.key(SearchResult::most - 1))
+            return;  // whatever its bits are
         const Vector v{static_cast<std::int16_t>(2 * dx), static_cast<std::int16_t>(2 * dy)};
-        const std::uint32_t difference = kernels().sad_16x16(here_, stride_, there_ + dy * stride_ + dx, stride_);
-        result_.vectors.add(v, static_cast<float>(difference) + area_.cost_per_bit * static_cast<float>(bits(v)));
+        result_.vectors.add(v, difference + area_.cost_per_bit * static_cast<float>(bits(v)));
     }
 
     /// About what the vector takes: of each component 1 for no difference, else 3 and 2 more for each doubling.
