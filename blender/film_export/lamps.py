@@ -14,7 +14,7 @@ from .keys import json_number, thinned, turns, unwound
 
 
 def energy_of(thing, number):
-    color, energy = thing.values[number]
+    color, energy, _ = thing.values[number]
     return max(0.0, energy) * max(max(color), 0.0)
 
 
@@ -99,6 +99,11 @@ def described(thing, times, lost):
     factor *= strength * max(a * b for a, b in zip(color, tint)) / max(max(color), 1e-9)
     if any(max(abs(a - b) for a, b in zip(color_of(v[0]), color_of(color))) > 1e-3 for v in thing.values):
         lost.add(thing.name, "animated colour of a lamp; as on the first frame")
+
+    if any(max(abs(a - b) for a, b in zip(v[2], thing.values[0][2])) > 1e-4 for v in thing.values):
+        lost.add(thing.name, "animated size or angle of a lamp; as on the first frame")
+    if hasattr(light, "cycles") and not light.cycles.cast_shadow:
+        lost.add(thing.name, "a lamp without shadows; it casts some")
 
     power = [0.0] * len(times)
     for k, number in enumerate(present):

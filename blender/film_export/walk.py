@@ -33,6 +33,11 @@ def may_bend(thing):
     return bool(animation.nla_tracks) or any(c.data_path.startswith("modifiers") for c in curves)
 
 
+def sizes_of(light):
+    """Whatever a lamp has of sizes and angles."""
+    return tuple(float(getattr(light, name, 0)) for name in ("shadow_soft_size", "size", "size_y", "angle", "spread", "spot_size", "spot_blend"))
+
+
 class Thing:
     """One object or instance on its way through the film: a world matrix (rows) per frame, None where it is not there."""
 
@@ -40,7 +45,7 @@ class Thing:
         self.name, self.kind = name, kind
         self.matrices = [None] * before
         self.shape = None  # its key in Walk.shapes
-        self.values = []   # lights: (colour, energy) per frame where it is there
+        self.values = []   # lights: (colour, energy, sizes) per frame where it is there
         self.light = None
 
 
@@ -127,7 +132,7 @@ class Walk:
             seen.shape, seen.light = shape, original.data if thing.type == "LIGHT" else None
         seen.matrices.append(np.array(instance.matrix_world, dtype=float))
         if thing.type == "LIGHT":
-            seen.values.append((tuple(thing.data.color), float(thing.data.energy)))
+            seen.values.append((tuple(thing.data.color), float(thing.data.energy), sizes_of(thing.data)))
 
     def shape_of(self, instance, thing, number, bent):
         """The key of its shape; None where it has no triangles."""

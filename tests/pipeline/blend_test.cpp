@@ -177,6 +177,24 @@ TEST(BlendFile, HasAnIntraPictureAtEachCut) {
     EXPECT_NE(told.output.find("mp2"), std::string::npos) << told.output;
 }
 
+TEST(CyclesFrames, BecomeAFilmWithTheirMotion) {
+    NEEDS_BLENDER();
+    const Folder folder;
+    make(folder, "tracked_camera");
+    const Outcome rendered = blender(path(folder, "tracked_camera.blend") + " -P " +
+                                     (support::source_folder() / "blender/cycles_frames.py").string() + " -- " +
+                                     path(folder, "frames") + " --frames 0:2 --samples 1");
+    ASSERT_EQ(rendered.status, 0) << rendered.output;
+    const std::size_t begin = rendered.output.find("render2mpeg encode");
+    ASSERT_NE(begin, std::string::npos) << rendered.output;
+    std::string command = rendered.output.substr(begin + 11);
+    command.resize(command.find('\n'));
+    const Outcome coded =
+        run("cd " + folder.path().string() + " && " + program() + command + " --stats s.json --quiet");
+    EXPECT_EQ(coded.status, 0) << coded.output;
+    EXPECT_EQ(test::types_in(folder / "s.json").size(), 3u);
+}
+
 TEST(BlenderAddOn, MakesAFilmItsFolderAndTellsMistakes) {
     NEEDS_BLENDER();
     const Folder folder;
