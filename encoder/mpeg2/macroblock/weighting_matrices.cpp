@@ -29,8 +29,8 @@ constexpr float coarse_detail = 12.0f;  ///< that table's steps where the eye is
 /// chosen: 1.2 of 1 to 1.4.
 constexpr float intra_power = 1.2f;
 
-/// chosen: 0.35 of 0.35 to 0.7, times 15: the flat 16 at low frequencies.
-constexpr float non_intra_power = 0.35f, non_intra_scale = 15.0f;
+/// chosen: 0.7 of 0.35 to 1.1, times 16 of 14 to 18: the flat 16 at low frequencies.
+constexpr float non_intra_power = 0.7f, non_intra_scale = 16.0f;
 
 /// chosen: 1.2 of 1 to 2.
 constexpr float weight_power = 1.2f;
