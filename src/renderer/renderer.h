@@ -98,10 +98,10 @@ class Renderer {
                                     const core::ToleranceMap& tolerance, const core::Radiance& radiance, int count);
 
     /// Holds audited pixels of the frame shaded last against the truth, by paths (pixel_truth.h). Counts nowhere in the
-    /// statistics.
+    /// statistics. `finely`: how well the truth is found.
     std::vector<JudgedPixel> judge(const scene::Snapshot& snapshot, const Seen& seen,
                                    const core::ToleranceMap& tolerance, const core::Radiance& radiance,
-                                   std::span<const AuditedPixel> audited);
+                                   std::span<const AuditedPixel> audited, const TruthSettings& finely = {});
 
     const Statistics& statistics() const;
     /// What is posed as of the last frame, for measurements.

@@ -31,9 +31,12 @@ def run(*arguments):
 
 
 def luma(path):
-    raw = subprocess.run(["ffmpeg", "-v", "error", "-i", path, "-f", "rawvideo", "-pix_fmt", "gray", "-"],
+    raw = subprocess.run(["ffmpeg", "-v", "error", "-i", path, "-f", "rawvideo", "-pix_fmt", "yuv420p", "-"],
                          stdout=subprocess.PIPE, check=True).stdout
-    return np.frombuffer(raw, np.uint8).reshape(-1, height, width).astype(float)
+    # The first plane of each picture. Asked for grey, ffmpeg would stretch the range.
+    chroma = ((height + 1) // 2) * ((width + 1) // 2)
+    pictures = np.frombuffer(raw, np.uint8).reshape(-1, height * width + 2 * chroma)
+    return pictures[:, :height * width].reshape(-1, height, width).astype(float)
 
 
 def developed(pixels, exposure):

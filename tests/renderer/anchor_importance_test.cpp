@@ -32,7 +32,7 @@ struct Yard {
             l.normal = {0, -1, 0};
             lights.push_back(l);
         }
-        return importance_to_eye(posed_scene, lights);
+        return EyeImportance().of(posed_scene, lights);
     }
     scene::Animation film;
     scene::Snapshot world;
@@ -40,10 +40,10 @@ struct Yard {
 
 TEST(AnchorImportance, IsOfWhatLightsWhatIsSeen) {
     const std::vector<float> i = Yard().importance({{0, 3, 0}, {8, 3, 0}, {14, 3, 0}, {-38, 3, 0}});
-    EXPECT_GT(i[0], 1.5f * i[1]);
-    EXPECT_GT(i[1], 1.05f * i[2]);
-    EXPECT_EQ(i[2], 0.5f);           // behind the wall
-    EXPECT_NEAR(i[3], 0.5f, 0.02f);  // far off
+    EXPECT_GT(i[0], 2.25f * i[1]);
+    EXPECT_GT(i[1], 1.1f * i[2]);
+    EXPECT_EQ(i[2], 0.25f);           // behind the wall
+    EXPECT_NEAR(i[3], 0.25f, 0.02f);  // far off
 }
 
 TEST(AnchorImportance, IsOneWhereNothingIsSeen) {

@@ -8,6 +8,7 @@
 #include "app/files/publish.h"
 #include "app/files/text_file.h"
 #include "app/loop/film_identity.h"
+#include "app/loop/light_budget.h"
 #include "app/options/help_format.h"
 #include "app/report/report.h"
 #include "app/system/interrupt.h"
@@ -38,6 +39,7 @@ RenderJob prepare_trials(const RenderOptions& options) {
         if (!options.quiet && !note.empty()) print_line(note);
     if (!probe_images(*film.animation, image_probes(false))) return film;
     if (!film.exposure) film.exposure = measure_exposure(film);
+    if (has_budget(film)) spend(film, *(film.budget = measure_light(film)));
     return film;
 }
 

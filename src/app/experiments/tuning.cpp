@@ -206,7 +206,7 @@ class TimeTuner {
           quiet_(quiet),
           tuning_(tuning),
           log_(log),
-          rungs_(ladder_of(trials.film().tolerance, asked.samples, asked.vpls)) {
+          rungs_(ladder_of(trials.film().tolerance, asked.samples, trials.film().rendering.vpls)) {
         if (asked.coding.quality)
             coarseness_ = Coarseness::of_quality(*asked.coding.quality);
         else

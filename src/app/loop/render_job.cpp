@@ -170,6 +170,9 @@ RenderJob prepare(const RenderOptions& options) {
     for (const auto& heatmap : options.heatmaps)
         wanted.layers = wanted.layers || (heatmap.first != "tolerance" && heatmap.first != "quantiser");
     wanted.indirect = options.vpls > 0;
+    const bool by_hand = std::find(options.given.begin(), options.given.end(), "--vpls") != options.given.end();
+    if (wanted.film && film.tolerance.coupled && !by_hand && options.vpls == RenderOptions().vpls)
+        film.loss = loss_from(options.loss);
     const scene::Traits traits = scene::traits_of(*animation);
     film.plan = renderer::make_plan(traits, wanted);
     film.cache = choose_cache(options.cache, traits, renderer::LightSplit::may_suit(*animation, film.plan),

@@ -11,6 +11,7 @@
 #include "app/files/disk.h"
 #include "app/files/text_file.h"
 #include "app/loop/first_pass.h"
+#include "app/loop/light_budget.h"
 #include "app/loop/run_statistics_json.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
@@ -183,6 +184,15 @@ void settle(RenderJob& film, const RenderOptions& options, WorkFolder& work, Run
     if (!film.exposure) {
         film.exposure = timed(statistics, Stage::load, [&] { return measure_exposure(film); });
         work.keep("exposure", *film.exposure);
+    }
+    if (InterruptGuard::requested()) return;
+    if (has_budget(film)) {
+        film.budget = budget_from(work.kept("light"));
+        if (!film.budget) {
+            film.budget = timed(statistics, Stage::load, [&] { return measure_light(film); });
+            work.keep("light", json_of(*film.budget));
+        }
+        spend(film, *film.budget);
     }
     if (!film.two_passes || InterruptGuard::requested()) return;
     film.allocations = kept_allocations(film, work);

@@ -87,6 +87,15 @@ ToleranceRequest tolerance_from(const std::string& text) {
         "fixed=2%, or `reference`");
 }
 
+std::optional<double> loss_from(const std::string& text) {
+    if (text == "any") return {};
+    char* end = nullptr;
+    const double loss = std::strtod(text.c_str(), &end);
+    const std::string_view unit(end);
+    if (end != text.c_str() && (unit.empty() || unit == "dB") && loss >= 0.01 && loss <= 10) return loss;
+    throw core::Error("loss " + text + ": expected decibels from 0.01 to 10, e.g. 0.1dB, or `any`");
+}
+
 Sample sample_from(const std::string& text) {
     const std::size_t x = text.find('x');
     const auto windows = x == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(0, x));

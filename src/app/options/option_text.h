@@ -1,5 +1,6 @@
 #pragma once
 // The parts of options that have a grammar of their own: sizes, ranges, tolerances.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@ Size size_from(const std::string& text);
 /// "A:B"
 FrameRange frames_from(const std::string& text);
 ToleranceRequest tolerance_from(const std::string& text);
+/// "0.1dB" or "0.1", 0.01 to 10; "any": none.
+std::optional<double> loss_from(const std::string& text);
 /// "2x3": windows by frames of each.
 Sample sample_from(const std::string& text);
 /// "4,2,0.5": shares of 1, from the largest to the least, each once.

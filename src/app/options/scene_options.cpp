@@ -37,8 +37,18 @@ void add_scene_options(CLI::App& command, RenderOptions& options) {
         .add_option("--sky", options.sky, "Sky image (EXR, HDR, latitude-longitude), or `none` (default: the scene's)")
         ->type_name("FILE|none")
         ->group(scene);
-    command.add_option("--vpls", options.vpls, "Light points that carry indirect light; 0: direct light only")
+    command
+        .add_option("--vpls", options.vpls,
+                    "Light points that carry indirect light; 0: direct light only (default: 4096; long films as many "
+                    "as --loss needs)")
         ->check(CLI::Range(0, 1 << 22))
+        ->group("Light");
+    command
+        .add_option("--loss", options.loss,
+                    "PSNR-Y that a long film may lose by its light points: 1,024 to 32,768 of them are chosen by "
+                    "measuring small frames for some seconds; `any`: not measured")
+        ->type_name("DECIBELS|any")
+        ->check(checked(loss_from, ""))
         ->capture_default_str()
         ->group("Light");
 }

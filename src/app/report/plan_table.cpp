@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "app/loop/light_budget.h"
 #include "core/error.h"
 #include "core/numeric.h"
 
@@ -55,6 +56,14 @@ Row first_pass_row(const RenderJob& film) {
     return {"first pass", false, asked ? "not wanted: --passes 1" : "no cause: no bit rate is asked for"};
 }
 
+Row light_budget_row(const RenderJob& film) {
+    if (film.budget) return {"light points", true, text_of(*film.budget)};
+    if (has_budget(film))
+        return {"light points", true, "small frames beside the truth tell how many --loss needs; their time is in `load`"};
+    return {"light points", false,
+            film.loss ? "would not pay: the film is short, or no light bounces" : "not wanted: their number is said"};
+}
+
 /// The passes in the order of their work: the film's own, and the renderer's.
 std::vector<Row> rows_of(const RenderJob& film) {
     const bool coupled = film.tolerance.coupled && film.kind == OutputKind::film;
@@ -63,6 +72,7 @@ std::vector<Row> rows_of(const RenderJob& film) {
                           {"exposure", measured,
                            measured ? "none is given: a few small frames tell it; its time is in `load`"
                                     : fmt::format("no cause: {:g} EV are given", film.exposure.value_or(0))},
+                          light_budget_row(film),
                           first_pass_row(film)};
     for (const renderer::PlanRow& row : film.plan.rows()) {
         if (row.pass == renderer::Pass::shade) {

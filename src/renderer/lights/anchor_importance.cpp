@@ -58,9 +58,20 @@ Look look(const LightPoint& from, const SeenPoint& to, const RayTracer& tracer) 
     return {cosines, distance2};
 }
 
+/// The geometric mean of the squared distances that light passes; 0: it passes none.
+double usual_distance2(std::span<const Look> looked) {
+    double logs = 0, passed = 0;
+    for (const Look& l : looked) {
+        if (l.cosines <= 0.0f) continue;
+        logs += std::log(static_cast<double>(l.distance2));
+        passed += 1;
+    }
+    return passed > 0 ? std::exp(logs / passed) : 0.0;
+}
+
 }  // namespace
 
-std::vector<float> importance_to_eye(const PosedScene& posed_scene, std::span<const LightPoint> places) {
+std::vector<float> EyeImportance::of(const PosedScene& posed_scene, std::span<const LightPoint> places) {
     std::vector<float> importance(places.size(), 1.0f);
     const std::vector<SeenPoint> seen = seen_points(posed_scene);
     if (seen.empty()) return importance;
@@ -75,26 +86,20 @@ std::vector<float> importance_to_eye(const PosedScene& posed_scene, std::span<co
             }
     });
 
-    // The usual distance is the geometric mean of those that light passes.
-    double logs = 0, passed = 0;
-    for (const Look& l : looked) {
-        if (l.cosines <= 0.0f) continue;
-        logs += std::log(static_cast<double>(l.distance2));
-        passed += 1;
-    }
-    if (passed == 0) return importance;
-    const double near2 = std::exp(logs / passed) * nearest_share * nearest_share;
+    if (near2_ == 0) near2_ = usual_distance2(looked) * nearest_share * nearest_share;
+    if (near2_ == 0) return importance;
     std::vector<double> sum(places.size(), 0);
     double mean = 0;
     for (std::size_t i = 0; i < places.size(); ++i) {
         for (std::size_t k = 0; k < looks; ++k) {
             const Look& l = looked[i * looks + k];
-            sum[i] += l.cosines / (static_cast<double>(l.distance2) + near2);
+            sum[i] += l.cosines / (static_cast<double>(l.distance2) + near2_);
         }
         mean += sum[i] / static_cast<double>(places.size());
     }
+    if (mean_ == 0) mean_ = mean;
     for (std::size_t i = 0; i < places.size(); ++i)
-        importance[i] = std::sqrt(least + (1.0f - least) * static_cast<float>(core::divide_or(sum[i], mean, 1.0)));
+        importance[i] = least + (1.0f - least) * static_cast<float>(core::divide_or(sum[i], mean_, 1.0));
     return importance;
 }
 

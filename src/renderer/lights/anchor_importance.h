@@ -12,10 +12,15 @@ namespace render2mpeg::renderer {
 /// Picture format of the cameras that importance is judged by: few rays serve.
 inline constexpr scene::PictureFormat importance_format{24, 14, 1.0f};
 
-/// How much of the light that leaves each of these places reaches what the camera of the posed instant sees: the root
-/// of its share of their mean, at least a half; all 1 where the camera sees no surface. The root, since what errs is
-/// light times the size of its cell: fewest errors in sum come of cells that shrink as it. The snapshot's camera is
-/// made for `importance_format`.
-std::vector<float> importance_to_eye(const PosedScene& posed_scene, std::span<const LightPoint> places);
+/// How much of the light that leaves places reaches what cameras see.
+class EyeImportance {
+  public:
+    /// Of each place, for the camera of the posed instant, which is made for `importance_format`: over the mean of the
+    /// first places that were asked about, at least a quarter; all 1 where the camera sees no surface.
+    std::vector<float> of(const PosedScene& posed_scene, std::span<const LightPoint> places);
+
+  private:
+    double near2_ = 0, mean_ = 0;  ///< of the first places; 0: none yet
+};
 
 }  // namespace render2mpeg::renderer

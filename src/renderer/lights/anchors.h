@@ -18,7 +18,8 @@ struct AnchorSettings {
     int bounces = 0;   ///< see PhotonSettings
     std::uint64_t photons =
         0;  ///< VPLs that are splatted onto the anchors in a frame, about; 0: as many as `count` asks for
-    std::uint64_t times = 1;  ///< as many times as many
+    std::uint64_t times = 1;     ///< as many times as many
+    int sharers = shared_among;  ///< anchors that one photon is shared among at most, 1 to shared_among
 };
 
 /// Places that are looked at to choose so many anchors: most of the memory that anchors ever take is theirs.

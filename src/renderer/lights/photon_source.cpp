@@ -76,11 +76,12 @@ double PhotonSource::power_of(const LightPoint& light) const {
     return 0.0;
 }
 
-Photon PhotonSource::emit(float choice, glm::vec2 place, glm::vec2 direction) const {
+Photon PhotonSource::emit(glm::vec3 numbers) const {
+    const glm::vec2 direction(numbers.y, numbers.z), &place = direction;
     Photon photon;
     if (empty()) return photon;
     const auto found =
-        std::upper_bound(running_.begin(), running_.end(), static_cast<double>(choice) * running_.back());
+        std::upper_bound(running_.begin(), running_.end(), static_cast<double>(numbers.x) * running_.back());
     const auto index = std::min<std::size_t>(static_cast<std::size_t>(found - running_.begin()), lights_.size() - 1);
     const LightPoint& light = lights_[index];
     // Power over probability, in the colour of the light.

@@ -29,8 +29,8 @@ class PhotonSource {
 
     bool empty() const { return !(total_ > 0.0); }
 
-    /// From five numbers in [0, 1): which light, where on its beam (directional), which direction.
-    Photon emit(float choice, glm::vec2 place, glm::vec2 direction) const;
+    /// From three numbers in [0, 1): which light, and two for where on its beam (directional) or which direction.
+    Photon emit(glm::vec3 numbers) const;
 
   private:
     double power_of(const LightPoint& light) const;

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <optional>
 
+#include "core/error.h"
 #include "core/numeric.h"
 #include "parallel/loops.h"
 
@@ -44,7 +45,7 @@ class Nearest {
     int count() const { return count_; }
     const Neighbour& operator[](int i) const { return found_[static_cast<std::size_t>(i)]; }
 
-    /// One more than share: it says how far the kernel reaches, so that none comes or goes at once.
+    /// One more than share at most.
     static constexpr int size = shared_among + 1;
 
   private:
@@ -73,12 +74,13 @@ struct Way {
 };
 
 /// Parts 1 among the nearest by a kernel times the area that each stands for.
-SplatWeights shares_of(const Nearest& near, std::span<const float> disc2) {
+SplatWeights shares_of(const Nearest& near, std::span<const float> disc2, int sharers) {
     SplatWeights shares;
     if (near.count() == 0) return shares;
-    const bool all = near.count() < Nearest::size;
-    const float reach2 = near[near.count() - 1].distance2 * (all ? 1.5f : 1.0f);
-    shares.count = std::min(near.count(), shared_among);
+    // The one beyond those that share says how far the kernel reaches, so that none comes or goes at once.
+    const int count = std::min(near.count(), sharers + 1);
+    const float reach2 = near[count - 1].distance2 * (count <= sharers ? 1.5f : 1.0f);
+    shares.count = std::min(count, sharers);
     float sum = 0;
     for (int k = 0; k < shares.count; ++k) {
         const auto i = static_cast<std::size_t>(k);
@@ -96,7 +98,10 @@ SplatWeights shares_of(const Nearest& near, std::span<const float> disc2) {
 
 }  // namespace
 
-PhotonSplatter::PhotonSplatter(std::span<const AnchorPlace> places, const RayTracer& scene, std::size_t listed) {
+PhotonSplatter::PhotonSplatter(std::span<const AnchorPlace> places, const RayTracer& scene, int sharers,
+                               std::size_t listed)
+    : sharers_(sharers) {
+    EXPECTS(sharers >= 1 && sharers <= shared_among);
     disc2_.reserve(places.size());
     for (std::size_t first = 0; first < places.size();) {
         std::vector<OrientedPoint> points;
@@ -240,7 +245,7 @@ SplatWeights PhotonSplatter::share_among(const Neighbours& neighbours, std::uint
         const glm::vec3 d = still.position(anchor) - at.position;
         near.add({glm::dot(d, d), anchor});
     }
-    return shares_of(near, disc2_);
+    return shares_of(near, disc2_, sharers_);
 }
 
 /// Whether two places that face alike can be parts of one surface: neither lies far behind the other, as the inside of
@@ -274,7 +279,7 @@ SplatWeights PhotonSplatter::share_among_alike(std::uint32_t id, const OrientedP
     }
     // No light is lost: where none fits, the nearest takes it.
     if (near.count() == 0) near.add({found[0].distance2, group.first + found[0].point});
-    return shares_of(near, disc2_);
+    return shares_of(near, disc2_, sharers_);
 }
 
 /// Finds the shares of photons in the order of their nearest anchors: those with the same one share its neighbours,

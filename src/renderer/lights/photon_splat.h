@@ -26,7 +26,7 @@ struct PhotonHit {
     glm::vec3 flux{0};   ///< that it brings
 };
 
-/// Anchors that one photon is shared among [Render2MPEG, 7.3.1].
+/// Anchors that one photon is shared among at most [Render2MPEG, 7.3.1].
 inline constexpr int shared_among = 16;
 
 /// A photon's share in each of its anchors; `weight` adds up to 1. None where the photon's group has no anchor.
@@ -54,8 +54,9 @@ class PhotonSplatter {
 
     /// `places` lie by group, what is still (group 0) first; so do the anchors, in an order of their own. Of what is
     /// still only such anchors are neighbours as see each other over what is still of `scene`: light stays on its side
-    /// of a wall. If no more than `listed` are still, each keeps the list of its neighbours, which changes no result.
-    PhotonSplatter(std::span<const AnchorPlace> places, const RayTracer& scene, std::size_t listed = most_listed);
+    /// of a wall. A photon is shared among `sharers`, 1 to shared_among. If no more than `listed` are still, each keeps the list of its neighbours, which changes no result.
+    PhotonSplatter(std::span<const AnchorPlace> places, const RayTracer& scene, int sharers = shared_among,
+                   std::size_t listed = most_listed);
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(disc2_.size()); }
     /// Those of group 0, which come first.
@@ -120,6 +121,7 @@ class PhotonSplatter {
     std::vector<AnchorMount> mounts_;  ///< of those that move
     std::vector<Group> groups_;        ///< by id
     std::uint32_t still_count_ = 0;
+    int sharers_ = shared_among;
     /// Of each still anchor, which of its nearest neighbours it sees: bit k is the k-th.
     std::vector<std::uint64_t> visible_;
     /// Of each still anchor; empty where these are many: then they are looked for whenever they are asked for.

@@ -14,8 +14,8 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Of all events of a path (scattering, mirrors, layers passed), each takes three numbers after the first five.
-constexpr int first_event_dimension = 5;
+/// Of all events of a path (scattering, mirrors, layers passed), each takes three numbers after the first three.
+constexpr int first_event_dimension = 3;
 
 /// Against paths without end: largest_albedo leaves one path of 10^17 to so many events, layers of alpha not counted.
 constexpr int most_events = 4096;
@@ -102,17 +102,20 @@ Onward scatter(const SurfacePoint& p, glm::vec3 flux, float choice, glm::vec2 u)
 }
 
 /// One path; appends its VPLs, not yet divided by the number of paths, and returns the rays it took.
-int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint64_t path, int bounces,
-           PhotonResult& out) {
+int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint64_t path,
+           const PhotonSettings& settings, PhotonResult& out) {
     // Few paths are so long that the sequence has no more dimensions; they go on with random numbers.
     const auto number = [&](int dimension) {
         return dimension < core::halton_dimensions ? core::halton(dimension, path)
                                                    : core::uniform(path, static_cast<std::uint64_t>(dimension));
     };
-    Photon photon = source.emit(number(0), {number(1), number(2)}, {number(3), number(4)});
+    EmissionGuide::Start start{start_numbers(path), 1.0f};
+    if (settings.guide != nullptr) start = settings.guide->start(start.numbers);
+    Photon photon = source.emit(start.numbers);
+    photon.flux /= start.density;
     int rays = 0;
-    int left = bounces;
-    for (int event = 0; event < most_events && (bounces == 0 || left > 0); ++event) {
+    int left = settings.bounces;
+    for (int event = 0; event < most_events && (settings.bounces == 0 || left > 0); ++event) {
         if (!(core::luminance(photon.flux) > 0.0f)) break;
         ++rays;
         const Hit hit =
@@ -132,6 +135,7 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
             out.vpls.push_back(vpl_at(p, photon.flux));
             out.addresses.push_back(p.address);
             out.fluxes.push_back(photon.flux);
+            out.paths.push_back(path);
             out.landed += static_cast<double>(core::luminance(photon.flux));
             --left;
         }
@@ -152,12 +156,13 @@ PhotonResult follow_all(const PosedScene& posed_scene, const PhotonSource& sourc
     parallel::for_ranges(settings.paths, grain, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)
             part[first / grain].rays += static_cast<std::uint64_t>(
-                follow(posed_scene, source, settings.first_path + i, settings.bounces, part[first / grain]));
+                follow(posed_scene, source, settings.first_path + i, settings, part[first / grain]));
     });
     for (const PhotonResult& p : part) {
         result.vpls.insert(result.vpls.end(), p.vpls.begin(), p.vpls.end());
         result.addresses.insert(result.addresses.end(), p.addresses.begin(), p.addresses.end());
         result.fluxes.insert(result.fluxes.end(), p.fluxes.begin(), p.fluxes.end());
+        result.paths.insert(result.paths.end(), p.paths.begin(), p.paths.end());
         result.rays += p.rays;
         result.landed += p.landed;
         result.lost += p.lost;
@@ -166,6 +171,10 @@ PhotonResult follow_all(const PosedScene& posed_scene, const PhotonSource& sourc
 }
 
 }  // namespace
+
+glm::vec3 start_numbers(std::uint64_t path) {
+    return {core::halton(0, path), core::halton(1, path), core::halton(2, path)};
+}
 
 PhotonResult trace_photons(const PosedScene& posed_scene, std::span<const LightPoint> lights,
                            const PhotonSettings& settings) {

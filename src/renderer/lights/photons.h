@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "renderer/base/light_point.h"
+#include "renderer/lights/emission_guide.h"
 #include "renderer/surface/posed_scene.h"
 
 namespace render2mpeg::renderer {
@@ -13,12 +14,14 @@ struct PhotonSettings {
     std::uint64_t first_path = 1;  ///< index into the Halton sequence; the same in every frame
     std::uint64_t paths = 0;
     int bounces = 0;  ///< places where one path may leave a VPL; 0: any number
+    const EmissionGuide* guide = nullptr;  ///< none: paths start evenly
 };
 
 struct PhotonResult {
     std::vector<LightPoint> vpls;                 ///< in the order of paths and bounces
     std::vector<core::SurfaceAddress> addresses;  ///< where each lies
     std::vector<glm::vec3> fluxes;                ///< that came there
+    std::vector<std::uint64_t> paths;             ///< that left each
     std::uint64_t rays = 0;
     double landed = 0;  ///< flux that met scattering surfaces, luminance, summed over bounces
     double lost = 0;    ///< of it, what largest_albedo kept from going on
@@ -35,6 +38,9 @@ inline constexpr float largest_albedo = 0.99f;
 /// Does not depend on the number of threads.
 PhotonResult trace_photons(const PosedScene& posed_scene, std::span<const LightPoint> lights,
                            const PhotonSettings& settings);
+
+/// The even numbers that choose how a path starts.
+glm::vec3 start_numbers(std::uint64_t path);
 
 /// How many paths leave about `vpls` VPLs in the posed scene; 0 where no light reaches any surface.
 std::uint64_t paths_for(const PosedScene& posed_scene, std::span<const LightPoint> lights, int vpls, int bounces);

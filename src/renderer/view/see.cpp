@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "parallel/loops.h"
@@ -19,6 +20,10 @@ namespace {
 /// steps; tried 0.1..1.
 constexpr float same_plane = 0.5f;
 
+/// And they show no detail between them if their reflectances differ by less than this share of the larger one.
+/// chosen: a tenth, of 0.03, 0.1, 0.25 (docs/fits/edge-samples.md).
+constexpr float same_reflectance = 0.1f;
+
 bool same_surface(const GatherPoint& a, const Fragment& b, float pixel_extent) {
     if (a.point.address.object != b.point.address.object || a.point.back_side != b.point.back_side) return false;
     if (a.way != b.way) return false;
@@ -27,6 +32,12 @@ bool same_surface(const GatherPoint& a, const Fragment& b, float pixel_extent) {
     const float off = std::max(std::abs(glm::dot(apart, a.point.geometric_normal)),
                                std::abs(glm::dot(apart, b.point.geometric_normal)));
     return off <= same_plane * pixel_extent + a.point.position_error + b.point.position_error;
+}
+
+/// Whether two samples of one surface reflect white light alike: where they do not, a texture has detail.
+bool reflect_alike(const Bsdf& a, const Bsdf& b) {
+    const float x = core::luminance(a.diffuse + a.f0), y = core::luminance(b.diffuse + b.f0);
+    return std::abs(x - y) <= same_reflectance * std::max(x, y);
 }
 
 /// Takes b into a: the weights add, and the reflectances become their means by weight.
@@ -165,6 +176,7 @@ class TileLook {
                     std::find_if(tile.begin() + static_cast<std::ptrdiff_t>(first), tile.end(),
                                  [&](const GatherPoint& g) { return same_surface(g, fragment, extent); });
                 if (match != tile.end()) {
+                    differ = differ || !reflect_alike(match->point.bsdf, fragment.point.bsdf);
                     merge(*match, fragment, weight);
                     if (match->others < most_other_places)
                         match->elsewhere[match->others++] = shadow_origin(fragment.point);
