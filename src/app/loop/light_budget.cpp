@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <vector>
 
 #include "app/loop/first_pass.h"
@@ -12,7 +13,6 @@
 #include "core/dct.h"
 #include "core/numeric.h"
 #include "perceptual/display.h"
-#include "renderer/truth/error_split.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::app {
@@ -21,22 +21,23 @@ namespace {
 /// Pixels of all frames of a film from which on measuring pays. chosen: 12 frames of 256x256 have more.
 constexpr std::int64_t least_work = 600'000;
 
-/// Frames that are measured, spread over the film, their longest side, and the pixels of each that are held against the
-/// truth, by as few paths as it takes (512): many pixels rather than many paths, since few pixels hold most of the
-/// error. chosen: 3, 192 and 128.
-constexpr int frames = 3, longest_side = 192, pixels = 128;
+/// Frames that are measured, spread over the film, their longest side, and the pixels of each. chosen: 3, 192 and 256:
+/// few pixels hold most of the error.
+constexpr int frames = 3, longest_side = 192, pixels = 256;
+
+/// Light points of one measurement over those of the next.
+constexpr double finer = 4;
 
 /// Of what a film may lose, the share that light points may take. chosen: two thirds; gathering and eye samples share
 /// the rest.
 constexpr double light_share = 2.0 / 3.0;
 
-/// The most light points that a film gets, and that it gets where light changes: more take more photons, in every frame.
-/// chosen: 32,768 and 16,384; with 65,536 Sponza loses 0.04 to 0.3 dB less and takes a third longer.
+/// The most light points that a film gets, and that it gets where light changes: more take more photons, in every
+/// frame. chosen: 32,768 and 16,384; with 65,536 Sponza loses 0.04 to 0.3 dB less and takes a third longer.
 constexpr int most_vpls = 1 << 15, most_of_changing_light = 1 << 14, least_vpls = 1 << 10;
 
-/// Four times as many light points must lower the error by this share, or their number does not matter. chosen: a
-/// tenth.
-constexpr double least_gain = 0.1;
+/// Errors of light points fall at least with this power of their number, whatever 768 pixels say. chosen: a quarter.
+constexpr double least_power = 0.25;
 
 int quantiser_of(const encoder::Settings& coding) {
     return coding.rate_control.bit_rate > 0 ? usual_quantiser(coding) : coding.quantiser;
@@ -62,7 +63,7 @@ struct Squares {
     double root_mean() const { return std::sqrt(core::divide_or(sum, count, 0.0)); }
 };
 
-RenderJob small(const RenderJob& film, int factor) {
+RenderJob small(const RenderJob& film, double factor) {
     RenderJob job = film;
     const float scale = std::min(
         1.0f, static_cast<float>(longest_side) / static_cast<float>(std::max(film.format.width, film.format.height)));
@@ -72,54 +73,50 @@ RenderJob small(const RenderJob& film, int factor) {
     job.rendering.samples = 1;
     job.rendering.edge_samples = 0;
     job.rendering.cache = renderer::CacheUse::off;
-    job.rendering.vpls *= factor;
-    job.rendering.direct_points *= factor;
+    job.rendering.vpls = static_cast<int>(std::lround(factor * film.rendering.vpls));
+    job.rendering.direct_points = static_cast<int>(std::lround(factor * film.rendering.direct_points));
     return job;
 }
 
-/// A film's small frames as so many light points light them, beside the truth.
+/// A film's small frames as light points light them.
 class Measurement {
   public:
     explicit Measurement(const RenderJob& film)
         : film_(film), display_(*film.exposure, perceptual::matrix_for(film.format.height)) {}
 
-    /// Error of `factor` times as many light points, in code values. The truth is found the first time.
-    double error(int factor) {
+    /// Luma, in code values, of the same pixels of all frames, by `factor` times as many light points.
+    std::vector<float> luma(double factor) {
         const RenderJob job = small(film_, factor);
         renderer::Renderer renderer = renderer_of(job);
-        renderer::ErrorSplit split;
         const auto reference = core::ToleranceMap::reference();
-        const bool first = truth_.empty();
-        for (std::size_t i = 0; i < frames; ++i) {
-            const auto part = static_cast<std::int64_t>(2 * i + 1);
+        std::vector<float> luma;
+        for (int i = 0; i < frames; ++i) {
             const scene::Snapshot world =
-                job.snapshot(film_.frames.first + (film_.frame_count() - 1) * part / (2 * frames));
+                job.snapshot(film_.frames.first + (film_.frame_count() - 1) * (2 * i + 1) / (2 * frames));
             if (i == 0) renderer.start_chunk(world);
             const renderer::Seen seen = renderer.see(world);
             const core::Radiance rough = preview(renderer, world, seen);
-            if (first) coding_.add(display_.develop(rough), 2.0f * static_cast<float>(quantiser_of(film_.coding)));
-            const auto audited = renderer.audit(world, seen, reference, rough, pixels);
-            if (first) truth_.push_back(renderer.judge(world, seen, reference, rough, audited, rough_truth));
-            for (std::size_t k = 0; k < audited.size(); ++k)
-                truth_[i][k].where_lit = truth_[i][k].at_points = audited[k].radiance;
-            split.add(truth_[i], [&](glm::vec3 light) { return perceptual::luma_of(display_, light); });
+            if (factor == 1)
+                coding_.add(display_.develop(rough), 2.0f * static_cast<float>(quantiser_of(film_.coding)));
+            for (const renderer::AuditedPixel& pixel : renderer.audit(world, seen, reference, rough, pixels))
+                luma.push_back(perceptual::luma_of(display_, pixel.radiance));
         }
-        // One standard error is added: rather too many light points than too few.
-        const renderer::MeanError square =
-            split.mean_square(renderer::ErrorCause::light_points, renderer::ErrorMeasure::code_value);
-        return core::sqrt_or_zero(square.value + square.error);
+        return luma;
     }
 
     double coding_error() const { return coding_.root_mean(); }
 
   private:
-    static constexpr renderer::TruthSettings rough_truth{1.0f, 512, 1};
-
     const RenderJob& film_;
     perceptual::Display display_;
     Squares coding_;
-    std::vector<std::vector<renderer::JudgedPixel>> truth_;  ///< of each frame
 };
+
+double distance(std::span<const float> a, std::span<const float> b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += static_cast<double>(a[i] - b[i]) * (a[i] - b[i]);
+    return std::sqrt(core::divide_or(sum, static_cast<double>(a.size()), 0.0));
+}
 
 int power_of_two(double number, int most) {
     return static_cast<int>(std::exp2(std::ceil(std::log2(std::clamp<double>(number, least_vpls, most)) - 0.25)));
@@ -134,22 +131,19 @@ bool has_budget(const RenderJob& film) {
 
 LightBudget measure_light(const RenderJob& film) {
     Measurement measurement(film);
+    const std::vector<float> fewer = measurement.luma(1.0 / finer), few = measurement.luma(1),
+                             many = measurement.luma(finer);
     LightBudget budget;
-    budget.vpls = film.rendering.vpls;
-    budget.few_error = measurement.error(1);
     budget.coding_error = measurement.coding_error();
     budget.allowed = budget.coding_error * std::sqrt(light_share * (std::pow(10.0, *film.loss / 10.0) - 1.0));
+    budget.fewer_error = distance(fewer, many);
+    budget.error = distance(few, many);
     // Errors fall with a power of the number.
-    double power = 0.5;
-    if (budget.few_error > budget.allowed) {
-        budget.many_error = measurement.error(4);
-        power = std::log(core::divide_or(budget.few_error, budget.many_error, 1.0)) / std::log(4.0);
-    }
-    const double over = core::divide_or(budget.few_error, budget.allowed, 1.0);
-    if (budget.many_error < (1.0 - least_gain) * budget.few_error)
-        budget.vpls = power_of_two(
-            film.rendering.vpls * std::pow(over, 1.0 / std::max(power, 0.1)),
-            scene::traits_of(*film.animation).changes_light() ? most_of_changing_light : most_vpls);
+    const double power =
+        std::log(std::max(core::divide_or(budget.fewer_error, budget.error, 1.0), 1.0)) / std::log(finer);
+    const double over = core::divide_or(budget.error, budget.allowed, 1.0);
+    budget.vpls = power_of_two(film.rendering.vpls * std::pow(over, 1.0 / std::clamp(power, least_power, 1.0)),
+                               scene::traits_of(*film.animation).changes_light() ? most_of_changing_light : most_vpls);
     budget.direct_points = std::max(
         1, static_cast<int>(std::lround(static_cast<double>(film.rendering.direct_points) *
                                         std::clamp(static_cast<double>(budget.vpls) / film.rendering.vpls, 1.0, 8.0))));
@@ -157,23 +151,23 @@ LightBudget measure_light(const RenderJob& film) {
 }
 
 nlohmann::json json_of(const LightBudget& b) {
-    return {{"coding_error", b.coding_error}, {"allowed", b.allowed}, {"few_error", b.few_error},
-            {"many_error", b.many_error},     {"vpls", b.vpls},       {"direct_points", b.direct_points}};
+    return {{"coding_error", b.coding_error}, {"allowed", b.allowed}, {"error", b.error},
+            {"fewer_error", b.fewer_error},   {"vpls", b.vpls},       {"direct_points", b.direct_points}};
 }
 
 std::optional<LightBudget> budget_from(const nlohmann::json& written) {
     if (!written.is_object()) return {};
     try {
-        return LightBudget{written.at("coding_error"), written.at("allowed"), written.at("few_error"),
-                           written.at("many_error"),   written.at("vpls"),    written.at("direct_points")};
+        return LightBudget{written.at("coding_error"), written.at("allowed"), written.at("error"),
+                           written.at("fewer_error"),  written.at("vpls"),    written.at("direct_points")};
     } catch (const nlohmann::json::exception&) {
         return {};  // damaged: it is found again
     }
 }
 
 std::string text_of(const LightBudget& b) {
-    return fmt::format("{} carry indirect light: {:.1f} code values are lost by few, {:.1f} allowed, {:.1f} by coding",
-                       b.vpls, b.few_error, b.allowed, b.coding_error);
+    return fmt::format("{} carry indirect light: 4,096 err by {:.1f} code values, coding by {:.1f}; {:.1f} are allowed",
+                       b.vpls, b.error, b.coding_error, b.allowed);
 }
 
 void spend(RenderJob& film, const LightBudget& budget) {

@@ -26,8 +26,8 @@ namespace render2mpeg::app {
 struct LightBudget {
     double coding_error = 0;  ///< of coding alone at the film's quantiser, about
     double allowed = 0;       ///< of light points
-    double few_error = 0;     ///< of as many light points as films get without a budget
-    double many_error = 0;    ///< of four times as many; 0: not measured, since few do
+    double error = 0;         ///< of as many light points as films get without a budget: from four times as many
+    double fewer_error = 0;   ///< of a quarter of them, likewise
     int vpls = 0;             ///< light points that the film gets
     int direct_points = 0;    ///< renderer::Settings::direct_points
 };
@@ -57,9 +57,9 @@ struct RenderJob {
     bool two_passes = false;         ///< the first one finds `allocations`
     std::vector<encoder::BitAllocation> allocations;  ///< one per frame, or none
     bool images_in_turn = false;                      ///< decode one at a time: memory is short
-    std::optional<double> loss;          ///< dB of PSNR-Y that light points may cost; none: nobody counts it
-    std::optional<LightBudget> budget;   ///< where `loss` decides how many light points there are
-    int audit = 0;  ///< pixels of every frame that are gathered again without clustering
+    std::optional<double> loss;         ///< dB of PSNR-Y that light points may cost; none: nobody counts it
+    std::optional<LightBudget> budget;  ///< where `loss` decides how many light points there are
+    int audit = 0;                      ///< pixels of every frame that are gathered again without clustering
 
     std::int64_t frame_count() const { return frames.last - frames.first + 1; }
     scene::Snapshot snapshot(std::int64_t frame) const {

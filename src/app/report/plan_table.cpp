@@ -59,7 +59,8 @@ Row first_pass_row(const RenderJob& film) {
 Row light_budget_row(const RenderJob& film) {
     if (film.budget) return {"light points", true, text_of(*film.budget)};
     if (has_budget(film))
-        return {"light points", true, "small frames beside the truth tell how many --loss needs; their time is in `load`"};
+        return {"light points", true,
+                "small frames beside the truth tell how many --loss needs; their time is in `load`"};
     return {"light points", false,
             film.loss ? "would not pay: the film is short, or no light bounces" : "not wanted: their number is said"};
 }

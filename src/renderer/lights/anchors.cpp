@@ -341,7 +341,8 @@ Anchors::Lit Anchors::at(const PosedScene& posed_scene, std::span<const LightPoi
     std::vector<PhotonHit> hits;
     for (std::uint64_t done = 0; done < a.paths; done += batch) {
         const std::uint64_t count = std::min(batch, a.paths - done);
-        const PhotonResult photons = trace_photons(posed_scene, lights, {1 + done, count, a.settings.bounces, &a.guide});
+        const PhotonResult photons =
+            trace_photons(posed_scene, lights, {1 + done, count, a.settings.bounces, &a.guide});
         lit.rays += photons.rays;
         lit.landed += photons.landed / static_cast<double>(a.paths);
         lit.lost += photons.lost / static_cast<double>(a.paths);

@@ -57,8 +57,7 @@ double EmissionGuide::grow(std::uint32_t node, std::span<GuidedPath> paths, doub
         std::array<double, 2> sums{};
         for (const GuidedPath& p : paths)
             sums[p.numbers[axis] < middle ? 0 : 1] += static_cast<double>(p.value) * p.value;
-        const double halves =
-            std::sqrt(0.5 * volume * sums[0] / all) + std::sqrt(0.5 * volume * sums[1] / all);
+        const double halves = std::sqrt(0.5 * volume * sums[0] / all) + std::sqrt(0.5 * volume * sums[1] / all);
         // Alike: the longest side.
         const bool longer = best >= 0 && halves < 1.001 * least && size[axis] > size[best];
         if (best < 0 || halves < 0.999 * least || longer) {
@@ -67,8 +66,8 @@ double EmissionGuide::grow(std::uint32_t node, std::span<GuidedPath> paths, doub
         }
     }
     const float middle = low[best] + 0.5f * size[best];
-    const auto at = std::partition(paths.begin(), paths.end(),
-                                   [&](const GuidedPath& p) { return p.numbers[best] < middle; });
+    const auto at =
+        std::partition(paths.begin(), paths.end(), [&](const GuidedPath& p) { return p.numbers[best] < middle; });
     const auto count = static_cast<std::size_t>(at - paths.begin());
     const auto left = static_cast<std::uint32_t>(nodes_.size());
     nodes_[node].axis = static_cast<std::int8_t>(best);

@@ -13,10 +13,10 @@ struct GuidedPath {
     float value;        ///< what it left that matters, >= 0
 };
 
-/// A density over the three numbers in [0, 1) that choose how a photon starts (see PhotonSource::emit), constant in each
-/// leaf of a k-d tree. Numbers are warped along the tree [Clarberg2005], so that points that lie evenly stay so. The
-/// density is the square root of the mean square of what paths of a leaf leave, which makes the variance of their sum
-/// least; a part of it is even: no path weighs more than 1 / even_share of what it would without.
+/// A density over the three numbers in [0, 1) that choose how a photon starts (see PhotonSource::emit), constant in
+/// each leaf of a k-d tree. Numbers are warped along the tree [Clarberg2005], so that points that lie evenly stay so.
+/// The density is the square root of the mean square of what paths of a leaf leave, which makes the variance of their
+/// sum least; a part of it is even: no path weighs more than 1 / even_share of what it would without.
 class EmissionGuide {
   public:
     /// An even density.
