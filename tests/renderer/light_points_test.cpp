@@ -13,7 +13,7 @@ namespace {
 using test::LitStage;
 using test::SceneBuilder;
 
-constexpr float pi = std::numbers::pi_v<float>;
+constexpr float float_pi = std::numbers::pi_v<float>;
 
 glm::dvec3 flux_of(const std::vector<LightPoint>& points) {
     glm::dvec3 sum(0);
@@ -66,12 +66,12 @@ TEST(LightPoints, OfEmissiveSurfacesCarryTheirExactPower) {
                 EXPECT_GT(p.position.z, 0);
             } else {
                 ball += p.intensity.x;
-                ball_area += p.disc2 * pi;
+                ball_area += p.disc2 * float_pi;
             }
         }
         for (int k = 0; k < 3; ++k) EXPECT_NEAR(panel[k], 6.0 * (1 << k), 1e-3);
         EXPECT_NEAR(ball, 10 * ball_area, 1e-3 * ball);
-        EXPECT_NEAR(ball_area, pi, 0.03 * pi);  // of the polyhedron
+        EXPECT_NEAR(ball_area, float_pi, 0.03 * float_pi);  // of the polyhedron
     }
 }
 
@@ -161,10 +161,10 @@ TEST(LightPoints, OfTheSkyCarryItsWholePower) {
     const auto points = stage.direct_points(300, 1);
     EXPECT_EQ(points.size(), 300u);
     const glm::dvec3 sum = flux_of(points);
-    for (int k = 0; k < 3; ++k) EXPECT_NEAR(sum[k], 4 * pi * (k + 1), 1e-2 * (k + 1));
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(sum[k], 4 * float_pi * (k + 1), 1e-2 * (k + 1));
     double solid_angle = 0;
-    for (const LightPoint& p : points) solid_angle += p.disc2 * pi;
-    EXPECT_NEAR(solid_angle, 4 * pi, 0.05);
+    for (const LightPoint& p : points) solid_angle += p.disc2 * float_pi;
+    EXPECT_NEAR(solid_angle, 4 * float_pi, 0.05);
 }
 
 }  // namespace

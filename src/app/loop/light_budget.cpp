@@ -74,7 +74,6 @@ RenderJob small(const RenderJob& film, double factor) {
     job.rendering.edge_samples = 0;
     job.rendering.cache = renderer::CacheUse::off;
     job.rendering.vpls = static_cast<int>(std::lround(factor * film.rendering.vpls));
-    job.rendering.direct_points = static_cast<int>(std::lround(factor * film.rendering.direct_points));
     return job;
 }
 
@@ -144,22 +143,22 @@ LightBudget measure_light(const RenderJob& film) {
     const double over = core::divide_or(budget.error, budget.allowed, 1.0);
     budget.vpls = power_of_two(film.rendering.vpls * std::pow(over, 1.0 / std::clamp(power, least_power, 1.0)),
                                scene::traits_of(*film.animation).changes_light() ? most_of_changing_light : most_vpls);
-    budget.direct_points = std::max(
-        1, static_cast<int>(std::lround(static_cast<double>(film.rendering.direct_points) *
-                                        std::clamp(static_cast<double>(budget.vpls) / film.rendering.vpls, 1.0, 8.0))));
     return budget;
 }
 
 nlohmann::json json_of(const LightBudget& b) {
-    return {{"coding_error", b.coding_error}, {"allowed", b.allowed}, {"error", b.error},
-            {"fewer_error", b.fewer_error},   {"vpls", b.vpls},       {"direct_points", b.direct_points}};
+    return {{"coding_error", b.coding_error},
+            {"allowed", b.allowed},
+            {"error", b.error},
+            {"fewer_error", b.fewer_error},
+            {"vpls", b.vpls}};
 }
 
 std::optional<LightBudget> budget_from(const nlohmann::json& written) {
     if (!written.is_object()) return {};
     try {
         return LightBudget{written.at("coding_error"), written.at("allowed"), written.at("error"),
-                           written.at("fewer_error"),  written.at("vpls"),    written.at("direct_points")};
+                           written.at("fewer_error"), written.at("vpls")};
     } catch (const nlohmann::json::exception&) {
         return {};  // damaged: it is found again
     }
@@ -172,7 +171,6 @@ std::string text_of(const LightBudget& b) {
 
 void spend(RenderJob& film, const LightBudget& budget) {
     film.rendering.vpls = budget.vpls;
-    film.rendering.direct_points = budget.direct_points;
 }
 
 }  // namespace render2mpeg::app

@@ -29,7 +29,6 @@ struct LightBudget {
     double error = 0;         ///< of as many light points as films get without a budget: from four times as many
     double fewer_error = 0;   ///< of a quarter of them, likewise
     int vpls = 0;             ///< light points that the film gets
-    int direct_points = 0;    ///< renderer::Settings::direct_points
 };
 
 /// Everything that decides a film: the scene and all settings, with the options' gaps filled. Constant while it is
