@@ -29,19 +29,19 @@ double spread_about(const std::vector<LightPoint>& lights, glm::vec3 place) {
 
 TEST(PathsOfAnchors, FollowLandingsWithinBounds) {
     // Two VPLs a path, as in a room: half as many paths as photons.
-    EXPECT_EQ(paths_of_anchors(4096, 0, 8, {1000, 2000}), 32768u);
+    EXPECT_EQ(paths_of_anchors(4096, 0, 8, {1000, 2000}), 65536u);
     EXPECT_EQ(paths_of_anchors(4096, 1000, 8, {1000, 2000}), 500u);
     // One path of a million lands, or none: 64 for each anchor, or one for each photon.
     EXPECT_EQ(paths_of_anchors(4096, 0, 8, {1000000, 1}), 64u * 4096u);
-    EXPECT_EQ(paths_of_anchors(4096, 0, 8, {1000000, 0}), 65536u);
-    EXPECT_EQ(paths_of_anchors(4096, 0, 8, {0, 0}), 65536u);
+    EXPECT_EQ(paths_of_anchors(4096, 0, 8, {1000000, 0}), 131072u);
+    EXPECT_EQ(paths_of_anchors(4096, 0, 8, {0, 0}), 131072u);
     // However many a path was seen to leave.
-    EXPECT_EQ(paths_of_anchors(4096, 0, 8, {1, 1000000}), 65536u / 8u);
-    EXPECT_EQ(paths_of_anchors(1, 0, 0, {0, 0}), 16u);
+    EXPECT_EQ(paths_of_anchors(4096, 0, 8, {1, 1000000}), 131072u / 8u);
+    EXPECT_EQ(paths_of_anchors(1, 0, 0, {0, 0}), 32u);
     // Of many anchors each is due fewer photons.
-    EXPECT_EQ(paths_of_anchors(50000, 0, 8, {1000, 1000}), 200000u);
-    EXPECT_EQ(paths_of_anchors(100000, 0, 8, {1000, 1000}), 262144u);
-    EXPECT_EQ(paths_of_anchors(1000000, 0, 8, {1000, 1000}), 1000000u);
+    EXPECT_EQ(paths_of_anchors(50000, 0, 8, {1000, 1000}), 400000u);
+    EXPECT_EQ(paths_of_anchors(100000, 0, 8, {1000, 1000}), 524288u);
+    EXPECT_EQ(paths_of_anchors(1000000, 0, 8, {1000, 1000}), 2000000u);
 }
 
 TEST(SparseAnchors, FollowABoundedNumberOfPathsWhereTheSunMeetsAlmostNothing) {

@@ -108,7 +108,7 @@ TEST(StoppingRule, SaysByHowMuchEveryPixelMayErr) {
         const float off = std::abs(core::luminance(cut.combined.values()[i]) - light);
         within += off <= cut.error.values()[i] + 1e-5f * light ? 1 : 0;
         ++pixels;
-        EXPECT_LE(cut.error.values()[i], 0.09f * light);
+        EXPECT_LE(cut.error.values()[i], 0.095f * light);
         EXPECT_EQ(cut.capped.values()[i], 0);
         EXPECT_EQ(truth.error.values()[i], 0.0f);
     }

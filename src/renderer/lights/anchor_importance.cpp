@@ -14,10 +14,6 @@ namespace {
 /// Seen points that each place is held against. chosen: 8, since a stratum of an anchor holds some 16 places.
 constexpr int looks = 8;
 
-/// Importance that every place has whatever the camera sees: light bounces on, mirrors show what is behind, and the
-/// film has more instants than are looked at. chosen: a quarter.
-constexpr float least = 0.25f;
-
 /// Places nearer to a seen point than this share of the usual distance count as if they were there: one pair must not
 /// outweigh all others. chosen: a tenth.
 constexpr double nearest_share = 0.1;

@@ -19,6 +19,10 @@ class EyeImportance {
     /// first places that were asked about, at least a quarter; all 1 where the camera sees no surface.
     std::vector<float> of(const PosedScene& posed_scene, std::span<const LightPoint> places);
 
+    /// Importance that every place has whatever the camera sees: light bounces on, mirrors show what is behind, and the
+    /// film has more instants than are looked at. chosen: a quarter.
+    static constexpr float least = 0.25f;
+
   private:
     double near2_ = 0, mean_ = 0;  ///< of the first places; 0: none yet
 };

@@ -5,14 +5,13 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// VPLs that are spread in a frame for this many anchors: 16 for each, since a lamp that moves should change them by
-/// what it does and not by noise. From 4,096 anchors on their noise is small in sum: no more than 65,536, but 4 for
-/// each, and of these no more than 262,144, but 1. chosen: of half, as many and twice as many; cornell loses 0.02 dB
-/// more than with twice as many at quantiser 8, flickers as much, and takes a fifth less time.
+/// VPLs that are spread in a frame for this many anchors: 32 for each, since a lamp that moves should change them by
+/// what it does and not by noise. From 4,096 anchors on their noise is small in sum: no more than 131,072, but 8 for
+/// each, and of these no more than 524,288, but 2.
 std::uint64_t photons_for(std::uint64_t anchors) {
-    const std::uint64_t few = std::min<std::uint64_t>(16 * anchors, 1u << 16),
-                        some = std::min<std::uint64_t>(4 * anchors, 1u << 18);
-    return std::max({few, some, anchors});
+    const std::uint64_t few = std::min<std::uint64_t>(32 * anchors, 1u << 17),
+                        some = std::min<std::uint64_t>(8 * anchors, 1u << 19);
+    return std::max({few, some, 2 * anchors});
 }
 
 /// Paths that an instant follows at most, for each anchor: a bound on the time of scenes whose light mostly meets

@@ -200,7 +200,8 @@ void Anchors::Impl::learn(const PhotonResult& photons, std::uint64_t paths, std:
         const std::uint64_t path = photons.paths[i];
         float value = 0;
         for (; i < photons.paths.size() && photons.paths[i] == path; ++i)
-            value += core::luminance(photons.vpls[i].intensity) * std::min(importance[i], most_importance);
+            value += core::luminance(photons.vpls[i].intensity) *
+                     std::clamp(importance[i] - EyeImportance::least, 0.0f, most_importance);
         value *= static_cast<float>(paths);
         if (value > 0.0f && std::isfinite(value)) useful.push_back({start_numbers(path), value});
     }
@@ -321,6 +322,10 @@ std::vector<LightPoint> Anchors::average_moving() const {
 
 std::uint64_t Anchors::paths() const {
     return impl_->paths;
+}
+
+const EmissionGuide& Anchors::guide() const {
+    return impl_->guide;
 }
 
 std::uint64_t Anchors::rays() const {

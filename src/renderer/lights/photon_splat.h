@@ -54,7 +54,8 @@ class PhotonSplatter {
 
     /// `places` lie by group, what is still (group 0) first; so do the anchors, in an order of their own. Of what is
     /// still only such anchors are neighbours as see each other over what is still of `scene`: light stays on its side
-    /// of a wall. A photon is shared among `sharers`, 1 to shared_among. If no more than `listed` are still, each keeps the list of its neighbours, which changes no result.
+    /// of a wall. A photon is shared among `sharers`, 1 to shared_among. If no more than `listed` are still, each keeps
+    /// the list of its neighbours, which changes no result.
     PhotonSplatter(std::span<const AnchorPlace> places, const RayTracer& scene, int sharers = shared_among,
                    std::size_t listed = most_listed);
 
