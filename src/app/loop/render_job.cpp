@@ -63,6 +63,14 @@ int edge_samples_of(const RenderOptions& options, const RenderJob& film) {
     return film.kind == OutputKind::film ? 16 : 64;
 }
 
+/// What light points may cost, where they are chosen by it.
+std::optional<double> loss_of(const RenderOptions& options, const RenderJob& film) {
+    const bool by_hand = std::find(options.given.begin(), options.given.end(), "--vpls") != options.given.end();
+    if (film.kind != OutputKind::film || !film.tolerance.coupled || by_hand || options.vpls != RenderOptions().vpls)
+        return {};
+    return loss_from(options.loss);
+}
+
 CouplingSettings coupling_settings(const RenderOptions& options, const ToleranceRequest& tolerance) {
     CouplingSettings settings;
     settings.strategy = options.masking == "quantised" ? perceptual::Strategy::quantised : perceptual::Strategy::warped;
@@ -170,9 +178,7 @@ RenderJob prepare(const RenderOptions& options) {
     for (const auto& heatmap : options.heatmaps)
         wanted.layers = wanted.layers || (heatmap.first != "tolerance" && heatmap.first != "quantiser");
     wanted.indirect = options.vpls > 0;
-    const bool by_hand = std::find(options.given.begin(), options.given.end(), "--vpls") != options.given.end();
-    if (wanted.film && film.tolerance.coupled && !by_hand && options.vpls == RenderOptions().vpls)
-        film.loss = loss_from(options.loss);
+    film.loss = loss_of(options, film);
     const scene::Traits traits = scene::traits_of(*animation);
     film.plan = renderer::make_plan(traits, wanted);
     film.cache = choose_cache(options.cache, traits, renderer::LightSplit::may_suit(*animation, film.plan),
