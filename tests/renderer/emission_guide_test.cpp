@@ -27,7 +27,7 @@ EmissionGuide learnt(std::uint64_t paths) {
 
 TEST(EmissionGuide, WithoutPathsChangesNothing) {
     for (const EmissionGuide& guide :
-         {EmissionGuide(), EmissionGuide({}, 100), EmissionGuide({{glm::vec3(0.5f), 0.0f}}, 1)}) {
+         {EmissionGuide(), EmissionGuide({}, 0), EmissionGuide({}, 100), EmissionGuide({{glm::vec3(0.5f), 0.0f}}, 1)}) {
         const auto [numbers, density] = guide.start({0.1f, 0.7f, 0.3f});
         EXPECT_EQ(numbers, glm::vec3(0.1f, 0.7f, 0.3f));
         EXPECT_EQ(density, 1.0f);

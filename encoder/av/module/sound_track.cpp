@@ -61,17 +61,21 @@ void SoundTrack::open_encoder(AVCodecID id) {
     check(avcodec_parameters_from_context(stream_->codecpar, encoder_.get()));
 }
 
+Frame SoundTrack::silent_frame(int samples) const {
+    Frame frame(av_frame_alloc());
+    if (!frame) check(AVERROR(ENOMEM));
+    frame->nb_samples = samples;
+    frame->format = encoder_->sample_fmt;
+    frame->sample_rate = SoundSource::rate;
+    check(av_channel_layout_copy(&frame->ch_layout, &encoder_->ch_layout));
+    check(av_frame_get_buffer(frame.get(), 0));
+    check(av_samples_set_silence(frame->extended_data, 0, samples, source_.channels(), encoder_->sample_fmt));
+    return frame;
+}
+
 void SoundTrack::add_silence(std::int64_t samples) {
     while (samples > 0) {
-        const Frame frame(av_frame_alloc());
-        if (!frame) check(AVERROR(ENOMEM));
-        frame->nb_samples = static_cast<int>(std::min<std::int64_t>(samples, 1 << 16));
-        frame->format = encoder_->sample_fmt;
-        frame->sample_rate = SoundSource::rate;
-        check(av_channel_layout_copy(&frame->ch_layout, &encoder_->ch_layout));
-        check(av_frame_get_buffer(frame.get(), 0));
-        check(av_samples_set_silence(frame->extended_data, 0, frame->nb_samples, source_.channels(),
-                                     encoder_->sample_fmt));
+        const Frame frame = silent_frame(static_cast<int>(std::min<std::int64_t>(samples, 1 << 16)));
         check(av_audio_fifo_write(samples_.get(), reinterpret_cast<void**>(frame->extended_data), frame->nb_samples));
         samples -= frame->nb_samples;
     }
@@ -96,15 +100,7 @@ void SoundTrack::write_until(double seconds) {
             std::min<std::int64_t>({av_audio_fifo_size(samples_.get()), encoder_->frame_size, total_ - encoded_});
         if (there == 0) return;
         // The last frame is filled up with silence, for encoders that take whole ones only.
-        const Frame frame(av_frame_alloc());
-        if (!frame) check(AVERROR(ENOMEM));
-        frame->nb_samples = encoder_->frame_size;
-        frame->format = encoder_->sample_fmt;
-        frame->sample_rate = SoundSource::rate;
-        check(av_channel_layout_copy(&frame->ch_layout, &encoder_->ch_layout));
-        check(av_frame_get_buffer(frame.get(), 0));
-        check(av_samples_set_silence(frame->extended_data, 0, frame->nb_samples, source_.channels(),
-                                     encoder_->sample_fmt));
+        const Frame frame = silent_frame(encoder_->frame_size);
         check(av_audio_fifo_read(samples_.get(), reinterpret_cast<void**>(frame->extended_data),
                                  static_cast<int>(there)));
         frame->pts = encoded_;

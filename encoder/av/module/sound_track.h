@@ -26,6 +26,7 @@ class SoundTrack {
     void check(int result) const;
     void open_encoder(AVCodecID id);
     void read_ahead(int samples);
+    Frame silent_frame(int samples) const;
     void add_silence(std::int64_t samples);
     void encode(const AVFrame* frame);
 

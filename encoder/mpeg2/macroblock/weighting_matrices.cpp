@@ -65,9 +65,10 @@ Weights even_weights() {
     return weights;
 }
 
-Weights with_mean(Weights weights) {
-    weights.of[0] *= mean_weight;
-    return weights;
+Weights with_mean(const Weights& weights) {
+    Weights changed = weights;
+    changed.of[0] *= mean_weight;
+    return changed;
 }
 
 }  // namespace

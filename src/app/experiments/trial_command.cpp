@@ -39,7 +39,8 @@ RenderJob prepare_trials(const RenderOptions& options) {
         if (!options.quiet && !note.empty()) print_line(note);
     if (!probe_images(*film.animation, image_probes(false))) return film;
     if (!film.exposure) film.exposure = measure_exposure(film);
-    if (has_budget(film)) spend(film, *(film.budget = measure_light(film)));
+    if (has_budget(film)) film.budget = measure_light(film, options.quiet);
+    if (film.budget) spend(film, *film.budget);
     return film;
 }
 

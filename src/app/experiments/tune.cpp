@@ -180,6 +180,7 @@ int TuneCommand::make(const RenderFilm& render_film) {
         if (name == "--tolerance") render_options.tolerance = value;
         if (name == "--samples") render_options.samples = std::stoi(value);
         if (name == "--vpls") render_options.vpls = std::stoi(value);
+        render_options.given.push_back(name);
     }
     // As the printed command says it, so that this can go on with --resume.
     for (const char* looked_for : tune_only) render_options.said.erase(looked_for);

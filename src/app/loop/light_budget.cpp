@@ -10,6 +10,8 @@
 
 #include "app/loop/first_pass.h"
 #include "app/loop/preview.h"
+#include "app/system/interrupt.h"
+#include "app/system/progress.h"
 #include "core/dct.h"
 #include "core/numeric.h"
 #include "perceptual/display.h"
@@ -25,7 +27,8 @@ constexpr std::int64_t least_work = 600'000;
 /// few pixels hold most of the error.
 constexpr int frames = 3, longest_side = 192, pixels = 256;
 
-/// Light points of one measurement over those of the next.
+/// Sets of light points, and those of each over those of the one before.
+constexpr int sets = 3;
 constexpr double finer = 4;
 
 /// Of what a film may lose, the share that light points may take. chosen: two thirds; gathering and eye samples share
@@ -80,16 +83,19 @@ RenderJob small(const RenderJob& film, double factor) {
 /// A film's small frames as light points light them.
 class Measurement {
   public:
-    explicit Measurement(const RenderJob& film)
-        : film_(film), display_(*film.exposure, perceptual::matrix_for(film.format.height)) {}
+    Measurement(const RenderJob& film, bool quiet)
+        : film_(film),
+          display_(*film.exposure, perceptual::matrix_for(film.format.height)),
+          progress_(sets * frames, quiet, "light points", Counted::parts_of_step) {}
 
-    /// Luma, in code values, of the same pixels of all frames, by `factor` times as many light points.
+    /// Luma, in code values, of the same pixels of all frames, by `factor` times as many light points. Ends early where
+    /// it is interrupted.
     std::vector<float> luma(double factor) {
         const RenderJob job = small(film_, factor);
         renderer::Renderer renderer = renderer_of(job);
         const auto reference = core::ToleranceMap::reference();
         std::vector<float> luma;
-        for (int i = 0; i < frames; ++i) {
+        for (int i = 0; i < frames && !InterruptGuard::requested(); ++i) {
             const scene::Snapshot world =
                 job.snapshot(film_.frames.first + (film_.frame_count() - 1) * (2 * i + 1) / (2 * frames));
             if (i == 0) renderer.start_chunk(world);
@@ -99,6 +105,7 @@ class Measurement {
                 coding_.add(display_.develop(rough), 2.0f * static_cast<float>(quantiser_of(film_.coding)));
             for (const renderer::AuditedPixel& pixel : renderer.audit(world, seen, reference, rough, pixels))
                 luma.push_back(perceptual::luma_of(display_, pixel.radiance));
+            progress_.advance();
         }
         return luma;
     }
@@ -108,6 +115,7 @@ class Measurement {
   private:
     const RenderJob& film_;
     perceptual::Display display_;
+    Progress progress_;
     Squares coding_;
 };
 
@@ -128,10 +136,16 @@ bool has_budget(const RenderJob& film) {
            film.frame_count() * film.format.width * film.format.height >= least_work;
 }
 
-LightBudget measure_light(const RenderJob& film) {
-    Measurement measurement(film);
+int most_light_points(const RenderJob& film) {
+    if (!has_budget(film)) return film.rendering.vpls;
+    return scene::traits_of(*film.animation).changes_light() ? most_of_changing_light : most_vpls;
+}
+
+std::optional<LightBudget> measure_light(const RenderJob& film, bool quiet) {
+    Measurement measurement(film, quiet);
     const std::vector<float> fewer = measurement.luma(1.0 / finer), few = measurement.luma(1),
                              many = measurement.luma(finer);
+    if (InterruptGuard::requested()) return {};
     LightBudget budget;
     budget.coding_error = measurement.coding_error();
     budget.allowed = budget.coding_error * std::sqrt(light_share * (std::pow(10.0, *film.loss / 10.0) - 1.0));
@@ -142,7 +156,7 @@ LightBudget measure_light(const RenderJob& film) {
         std::log(std::max(core::divide_or(budget.fewer_error, budget.error, 1.0), 1.0)) / std::log(finer);
     const double over = core::divide_or(budget.error, budget.allowed, 1.0);
     budget.vpls = power_of_two(film.rendering.vpls * std::pow(over, 1.0 / std::clamp(power, least_power, 1.0)),
-                               scene::traits_of(*film.animation).changes_light() ? most_of_changing_light : most_vpls);
+                               most_light_points(film));
     return budget;
 }
 

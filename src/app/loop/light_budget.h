@@ -12,8 +12,12 @@ namespace render2mpeg::app {
 /// and the film is so long that measuring takes little of its time.
 bool has_budget(const RenderJob& film);
 
-/// Measures three small frames of the film, whose exposure is known. Takes seconds. A function of the film alone.
-LightBudget measure_light(const RenderJob& film);
+/// Measures three small frames of the film, whose exposure is known. Takes seconds, and shows how far it is. A function
+/// of the film alone; none where it was interrupted.
+std::optional<LightBudget> measure_light(const RenderJob& film, bool quiet);
+
+/// The most light points that it may find.
+int most_light_points(const RenderJob& film);
 
 /// For statistics, and for runs that go on; none for what is no budget.
 nlohmann::json json_of(const LightBudget& budget);

@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "app/loop/light_budget.h"
 #include "app/system/memory_limit.h"
 #include "app/system/shown_images.h"
 #include "core/error.h"
@@ -55,7 +56,7 @@ MemoryNeed memory_need(const RenderJob& film) {
         need.decoding = std::max(need.decoding, per_decoded_pixel * pixels);
     }
     need.lights = per_lamp * (static_cast<std::uint64_t>(film.rendering.direct_points) + scene.lights.size()) +
-                  per_candidate * renderer::candidates_for(static_cast<std::uint64_t>(film.rendering.vpls));
+                  per_candidate * renderer::candidates_for(static_cast<std::uint64_t>(most_light_points(film)));
     need.frames = always + (per_pixel + per_sample * static_cast<std::uint64_t>(film.rendering.samples)) *
                                static_cast<std::uint64_t>(film.format.width) *
                                static_cast<std::uint64_t>(film.format.height);

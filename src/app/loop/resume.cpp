@@ -189,7 +189,8 @@ void settle(RenderJob& film, const RenderOptions& options, WorkFolder& work, Run
     if (has_budget(film)) {
         film.budget = budget_from(work.kept("light"));
         if (!film.budget) {
-            film.budget = timed(statistics, Stage::load, [&] { return measure_light(film); });
+            film.budget = timed(statistics, Stage::load, [&] { return measure_light(film, options.quiet); });
+            if (!film.budget) return;
             work.keep("light", json_of(*film.budget));
         }
         spend(film, *film.budget);

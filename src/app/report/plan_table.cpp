@@ -59,10 +59,10 @@ Row first_pass_row(const RenderJob& film) {
 Row light_budget_row(const RenderJob& film) {
     if (film.budget) return {"light points", true, text_of(*film.budget)};
     if (has_budget(film))
-        return {"light points", true,
-                "small frames beside the truth tell how many --loss needs; their time is in `load`"};
-    return {"light points", false,
-            film.loss ? "would not pay: the film is short, or no light bounces" : "not wanted: their number is said"};
+        return {"light points", true, "a few small frames tell how many --loss needs; their time is in `load`"};
+    return {
+        "light points", false,
+        film.loss ? "would not pay: the film is short, or no light bounces" : "not wanted: nothing asks for a loss"};
 }
 
 /// The passes in the order of their work: the film's own, and the renderer's.

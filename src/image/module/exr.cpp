@@ -50,8 +50,8 @@ Imf::Header header_of(int width, int height, const FrameFacts& facts) {
     Imf::addChromaticities(header, Imf::Chromaticities());  // BT.709's
     if (facts.exposure) header.insert("exposure", Imf::FloatAttribute(*facts.exposure));
     if (facts.frames_per_second)
-        Imf::addFramesPerSecond(header, {static_cast<int>(facts.frames_per_second->num),
-                                         static_cast<unsigned int>(facts.frames_per_second->den)});
+        Imf::addFramesPerSecond(
+            header, {static_cast<int>(facts.frames_per_second->num), static_cast<int>(facts.frames_per_second->den)});
     if (facts.world_to_camera) Imf::addWorldToCamera(header, matrix_of(*facts.world_to_camera));
     if (facts.world_to_ndc) Imf::addWorldToNDC(header, matrix_of(*facts.world_to_ndc));
     return header;

@@ -32,6 +32,7 @@ double mass_of(std::span<const GuidedPath> paths, double volume, double all) {
 }  // namespace
 
 EmissionGuide::EmissionGuide(std::vector<GuidedPath> paths, std::uint64_t all) {
+    if (paths.empty()) return;
     nodes_.emplace_back();
     mass_.push_back(0);
     const double total = grow(0, paths, 1.0, static_cast<double>(all), glm::vec3(0), glm::vec3(1), 0);
