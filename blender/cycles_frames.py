@@ -9,6 +9,9 @@ import sys
 
 import bpy
 
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from film_export.view import view_of  # noqa: E402
+
 
 def main():
     parser = argparse.ArgumentParser(prog="cycles_frames.py")
@@ -37,6 +40,7 @@ def main():
     pattern = os.path.join(folder, "frame.%04d.exr")
     inside = [str(k) for k in keyframes if first < k <= last]
     print(f"render2mpeg encode '{pattern}' --motion '{pattern}' --fps {render.fps / render.fps_base:g} --exposure {scene.view_settings.exposure:g}"
+          + f" --view {view_of(scene, print)[0]}"
           + (" --keyframes " + ",".join(inside) if inside else "") + " -o film.mpg")
 
 

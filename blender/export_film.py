@@ -63,19 +63,15 @@ def format_of(scene, film, lost):
 
 
 def look_of_film(scene, film, lost):
-    """Exposure, and what of the film's look is not kept."""
+    """Exposure and view, and what of the film's look is not kept."""
+    from film_export.view import view_of
     view, render = scene.view_settings, scene.render
     exposure = view.exposure
     if scene.render.engine == "CYCLES":
         exposure += math.log2(max(scene.cycles.film_exposure, 1e-6))
     film["exposure"] = round(min(max(exposure, -50), 50), 6)
-    if view.view_transform not in {"Raw"}:
-        look = "" if view.look in {"", "None"} else f" with the look {view.look}"
-        lost.add(scene, f"view transform {view.view_transform}{look}; the film has its own curve (docs/model/display.md)")
-    if abs(view.gamma - 1) > 1e-4:
-        lost.add(scene, f"gamma {view.gamma:g} of the view")
-    if view.use_curve_mapping:
-        lost.add(scene, "curves of the view")
+    name, gamma = view_of(scene, lambda text: lost.add(scene, text))
+    film["view"] = {"name": name, "gamma": round(gamma, 6)} if abs(gamma - 1) > 1e-4 else name
     if render.use_motion_blur:
         lost.add(scene, f"motion blur (shutter {render.motion_blur_shutter:g} frames)")
     if render.use_border:

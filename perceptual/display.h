@@ -2,10 +2,14 @@
 // The display: exposure, tone curve, transfer function and Y'CbCr, with exact inverses.
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <vector>
 
 #include "core/picture.h"
 #include "core/radiance.h"
+#include "core/view.h"
+#include "perceptual/signal_curve.h"
+#include "perceptual/view_transform.h"
 
 /// The way from light to code values: exposure, tone curve, transfer function and matrix.
 namespace render2mpeg::perceptual {
@@ -16,7 +20,7 @@ enum class ColorMatrix { bt601 = 6, bt709 = 1 };
 /// Weights of R', G', B' in luma: [BT709, 3.2] and [BT601, 2.5.1].
 glm::vec3 luma_weights(ColorMatrix matrix);
 
-/// The display: exposure, tone curve, transfer function and matrix, each with an exact inverse
+/// The display: exposure, view (tone curve and transfer function) and matrix, each with an inverse
 /// (docs/model/display.md). Immutable; all functions may run in several threads at once.
 class Display {
   public:
@@ -24,12 +28,13 @@ class Display {
     static constexpr float max_exposure = 64.0f;
 
     /// `exposure` in EV: radiance is multiplied by 2^exposure. BT.601 is for pictures below 720 lines.
-    Display(float exposure, ColorMatrix matrix);
+    Display(float exposure, ColorMatrix matrix, const core::View& view = {});
 
     /// Scene-linear radiance to a picture. Non-finite input is a broken contract; negative light counts as none.
     core::Picture develop(const core::Radiance& radiance) const;
 
-    /// The same to sRGB code values 0..255, 3 per pixel: the light that the film stands for, for still images.
+    /// The same to sRGB code values 0..255, 3 per pixel, for still images: the light that the film stands for;
+    /// Blender's views' own signals.
     std::vector<std::uint8_t> develop_srgb(const core::Radiance& radiance) const;
 
     /// The tone curve by itself: scene-linear, exposed, >= 0, to display-linear in [0, 1]; monotone; and its inverse,
@@ -46,11 +51,17 @@ class Display {
 
     float exposure() const { return exposure_; }
     ColorMatrix matrix() const { return matrix_; }
+    /// Null for the view `neutral`.
+    const std::shared_ptr<const ViewTransform>& view() const { return view_; }
 
   private:
+    /// Luma from 0 to 1 of exposed light, and its derivative by the logarithm of the light.
+    SignalCurve::Point luma_at(glm::vec3 exposed) const;
+
     float exposure_;
     float gain_;
     ColorMatrix matrix_;
+    std::shared_ptr<const ViewTransform> view_;
 };
 
 /// Unrounded luma in code values, 16..235, of one radiance: what Display::develop makes of a pixel.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/isa_clones.h"
@@ -29,7 +30,7 @@ struct PixelLight {
 /// Distances in luma as distances in light: the inverse of the display for a pixel's own chromaticity
 /// [Render2MPEG, eq. 7.4]. Display::with_luma is exact and slow; this is a table for grey, with its exponent corrected
 /// to the colour's first order: exact for grey, for colours within 1 % of with_luma in the median and 31 % for 99 of
-/// 100 at distances of 1 to 20 code values (test). Immutable.
+/// 100 at distances of 1 to 20 code values (test; Blender's views: docs/model/display.md). Immutable.
 class InverseLuma {
   public:
     explicit InverseLuma(const Display& display);
@@ -63,7 +64,7 @@ class InverseLuma {
                      int count) const;
 
     /// Luminance of a grey pixel half a code value above black: below this no film shows anything.
-    float darkest_step() const;
+    float darkest_step() const { return darkest_step_; }
 
   private:
     static constexpr float black = 16.0f, range = 219.0f;
@@ -96,11 +97,16 @@ class InverseLuma {
         return p * __builtin_bit_cast(float, (whole + 127) << 23);
     }
 
-    /// Luminance and exponent of a row of pixels.
-    void weigh(const glm::vec3* colors, const float* luma, float* luminance, float* exponent, int count) const;
+    /// Luminance and exponent of a row of pixels; `slopes`: of luma by the logarithm of their light, from 0 to 1.
+    void weigh(const glm::vec3* colors, const float* luma, const float* slopes, float* luminance, float* exponent,
+               int count) const;
+    void slopes_of(const glm::vec3* colors, float* slopes, int count) const;
+    void neutral_slopes_of(const glm::vec3* colors, float* slopes, int count) const;
 
     glm::vec3 weights_;
     float gain_;
+    std::shared_ptr<const ViewTransform> view_;  ///< null: neutral
+    float darkest_step_;
     float darkest_light_;            ///< luminance of grey that is `darkest` above black
     std::vector<float> log_light_;   ///< by luma above black, entries_per_code of them per code value
     std::vector<float> grey_slope_;  ///< of the signal by the logarithm of light, likewise

@@ -46,15 +46,6 @@ const SignalCurve& SignalCurve::instance() {
     return curve;
 }
 
-SignalCurve::SignalCurve() {
-    const auto signal_at = [](double exposed) { return opto_electronic(tone_curve(exposed)); };
-    for (std::uint32_t i = 0; i < segments_.size(); ++i) {
-        const double from = std::bit_cast<float>((first_segment + i) << (23 - segment_bits));
-        const double to = std::bit_cast<float>((first_segment + i + 1) << (23 - segment_bits));
-        const double begin = signal_at(from), middle = signal_at((from + to) / 2), end = signal_at(to);
-        segments_[i] = {static_cast<float>(begin), static_cast<float>(4 * middle - 3 * begin - end),
-                        static_cast<float>(2 * begin - 4 * middle + 2 * end)};
-    }
-}
+SignalCurve::SignalCurve() : CurveTable([](double exposed) { return opto_electronic(tone_curve(exposed)); }, 4.5f) {}
 
 }  // namespace render2mpeg::perceptual

@@ -62,10 +62,8 @@ def strength_keys(thing, light, scale, says, lost):
     x, y = area_of(light, scale)
     area = x * y
     if light.shape in {"DISK", "ELLIPSE"}:
-        # A panel of the same area and proportions.
         area *= math.pi / 4
-        x, y = x * math.sqrt(math.pi) / 2, y * math.sqrt(math.pi) / 2
-        lost.add(thing.name, "round area lamp; a rectangle of the same area")
+        says["round"] = True
     if light.spread < math.radians(179):
         lost.add(thing.name, f"spread of an area lamp ({math.degrees(light.spread):.3g} degrees); it shines to all sides of its front")
     says.update(kind="panel", size=[json_number(x), json_number(y)], seen=False)

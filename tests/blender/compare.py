@@ -1,8 +1,9 @@
-"""blender -b --factory-startup -noaudio --python-exit-code 1 -P compare.py -- FOLDER FRAME... [--picture OUT.png]
+"""blender -b --factory-startup -noaudio --python-exit-code 1 -P compare.py -- FOLDER FRAME... [--picture OUT.png] [--shown]
 
 Holds FOLDER/oursNNNN.exr against cyclesNNNN.exr. A row per frame: mean luminance of ours over Cycles', PSNR (sRGB pictures
 of 8 bits, exposed so that Cycles' median is 0.25), and by how many pixels ours is shifted to the right and up: what turns ours
-into Cycles' by least squares over the gradients [Lucas1981]. The picture: ours, Cycles, their difference times four.
+into Cycles' by least squares over the gradients [Lucas1981]. With --shown oursNNNN.png against cyclesNNNN.png, as they are: the row
+begins with the mean code values' ratio. The picture: ours, Cycles, their difference times four.
 """
 import os
 import sys
@@ -38,14 +39,14 @@ def shift(ours, truth):
 def main():
     words = sys.argv[sys.argv.index("--") + 1:]
     out = words[words.index("--picture") + 1] if "--picture" in words else None
-    words = words[:words.index("--picture")] if out else words
-    folder, *frames = words
+    ending = "png" if "--shown" in words else "exr"
+    folder, *frames = (word for word in words if word not in {"--picture", out, "--shown"})
     rows = []
     for frame in frames:
-        ours, truth = (load(os.path.join(folder, f"{who}{int(frame):04d}.exr")) for who in ("ours", "cycles"))
+        ours, truth = (load(os.path.join(folder, f"{who}{int(frame):04d}.{ending}")) for who in ("ours", "cycles"))
         light = truth @ WEIGHTS
         exposure = 0.25 / max(float(np.median(light)), 1e-6)
-        shown = [png.srgb(p * exposure) for p in (ours, truth)]
+        shown = [p if ending == "png" else png.srgb(p * exposure) for p in (ours, truth)]
         error = np.mean((shown[0] - shown[1]) ** 2)
         right, up = shift(*shown)
         print(f"ROW {frame} {np.mean(ours @ WEIGHTS) / np.mean(light):.4f} {-10 * np.log10(max(error, 1e-9)):.2f} {right:.3f} {up:.3f}")

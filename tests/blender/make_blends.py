@@ -237,6 +237,27 @@ def subdivide(thing, cuts):
     mesh.free()
 
 
+def looks():
+    """Filmic with a look and a gamma: a lamp that is seen, strong colours, deep shadows, a round lamp."""
+    scene = start(2)
+    view = scene.view_settings
+    view.view_transform, view.look, view.exposure, view.gamma = "Filmic", "High Contrast", 0.5, 1.1
+    world_of((0.05, 0.06, 0.08))
+    add_lamp("AREA", (2, -1.5, 3), (0, 0.5, 0.5), name="Disc", energy=150, shape="DISK", size=1.2)
+    add_lamp("POINT", (-2, -1, 1), energy=20, shadow_soft_size=0.2, color=(0.2, 0.4, 1))
+    add_primitive("plane", add_matt("Floor", (0.5, 0.5, 0.5)), size=40)
+    for k, color in enumerate(((0.8, 0.02, 0.02), (0.02, 0.6, 0.05), (0.02, 0.05, 0.8), (0.8, 0.6, 0.02), (0.9, 0.9, 0.9))):
+        add_primitive("uv_sphere", add_matt(f"Ball {k}", color), smooth=True, radius=0.45, location=(k - 2, 1, 0.45), segments=48, ring_count=24)
+    glow = bpy.data.materials.new("Glow")
+    glow.use_nodes = True
+    tree = glow.node_tree
+    shine = tree.nodes.new("ShaderNodeEmission")
+    shine.inputs["Color"].default_value, shine.inputs["Strength"].default_value = (1, 0.3, 0.05, 1), 30
+    tree.links.new(shine.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    add_primitive("cube", glow, size=0.3, location=(0, -0.3, 0.3), rotation=(0, 0, 0.4))
+    add_camera((0, -5, 2), (0, 0.5, 0.4))
+
+
 def instances():
     """Particles, a collection's instances, an array, and a thing that comes while the film runs."""
     start(8)
@@ -414,7 +435,7 @@ def hostile():
     cube.data.materials[0] = material
 
 
-FILMS = {film.__name__: film for film in (tracked_camera, markers, lamps_and_sky, armature_and_shapes, instances, glass_and_emission,
+FILMS = {film.__name__: film for film in (tracked_camera, markers, lamps_and_sky, looks, armature_and_shapes, instances, glass_and_emission,
                                           procedural, odds_and_ends, hostile)}
 
 

@@ -112,6 +112,7 @@ TEST(AnimationFileSchema, HasTheKeysThatTheReaderKnows) {
     expect_same_keys("material_key", keys::material_key);
     expect_same_keys("checker", keys::checker);
     expect_same_keys("sky", keys::sky);
+    expect_same_keys("view", keys::view);
 }
 
 TEST(AnimationFileSchema, AcceptsEveryFilmOfOurs) {
@@ -146,6 +147,7 @@ TEST(AnimationFileSchema, RefusesWhatTheReaderRefusesAndAcceptsWhatItAccepts) {
         {R"({})", R"({"frames": 3, "exposure": "auto"})", R"({"camera": {"keys": [{"at": 0, "fov": 30, "roll": 4}]}})",
          R"({"objects": [{"shape": "box", "size": 2, "rotate": 3, "scale": [1, 2, 3], "uv": "units"}]})",
          R"({"lights": [{"kind": "spot", "angle": 10, "colors": ["#ffffff"], "repeat": {"ring": {"count": 3, "radius": 2}}}]})",
+         R"({"view": "filmic-low-contrast"})", R"({"view": {"name": "agx", "gamma": 1.2}})",
          R"({"sky": {"zenith": [0, 0, 1], "horizon": 2}})", R"({"sky": "#102030"})",
          R"({"objects": [{"shape": "box", "material": {"alpha": "mask", "texture": {"checker": [0, 1]}, "texture_scale": [1, 2]}}]})"})
         EXPECT_TRUE(judge(good)) << good;
@@ -175,6 +177,9 @@ TEST(AnimationFileSchema, RefusesWhatTheReaderRefusesAndAcceptsWhatItAccepts) {
                             R"({"sky": -1})",
                             R"({"size": [10]})",
                             R"({"exposure": "dark"})",
+                            R"({"view": "dark"})",
+                            R"({"view": {"gamma": 2}})",
+                            R"({"view": {"name": "agx", "gamma": 0}})",
                             R"({"change": []})"})
         EXPECT_FALSE(judge(bad)) << bad;
     fs::remove(file);

@@ -161,6 +161,11 @@ TEST_F(AnimationFile, AllowsCommentsAndSaysFormatRangeAndExposure) {
     EXPECT_EQ(a.first_frame, 10);
     EXPECT_EQ(a.last_frame, 19);
     EXPECT_EQ(a.exposure, 1.5f);
+    EXPECT_FALSE(a.view);
+    EXPECT_EQ(film(R"({"view": "filmic-high-contrast"})").view, (core::View{core::ViewName::filmic_high_contrast, 1}));
+    EXPECT_EQ(film(R"({"view": {"name": "agx", "gamma": 1.5}})").view, (core::View{core::ViewName::agx, 1.5f}));
+    expect_complaint(R"({"view": "filmc"})", {"view", "filmic"});
+    expect_complaint(R"({"view": {"name": "neutral", "gamma": 1.5}})", {"gamma", "Blender"});
     const Animation b = film(R"({"seconds": 2.4, "exposure": "auto"})");
     EXPECT_EQ(b.frame_rate, "25");
     EXPECT_EQ(b.last_frame, 59);

@@ -185,6 +185,23 @@ TEST(AnimationFileThings, LampsThatAreNotSeenStayInTheFilmAndShine) {
     EXPECT_THROW(parsed(R"({"lights": [{"kind": "point", "seen": false}]})"), core::Error);
 }
 
+TEST(AnimationFileThings, RoundPanelsAreOctagonsOfTheEllipsesAreaThatShineAlongTheirSight) {
+    const Animation film = parsed(R"({"lights": [{"kind": "panel", "round": true, "size": [3, 0.5]}]})");
+    const Snapshot s = thing_at(film, 0);
+    double area = 0;
+    float widest = 0;
+    for (std::uint32_t t = 0; t < 8; ++t) {
+        const Triangle triangle = triangle_of(s, 0, t);
+        const glm::vec3 twice = glm::cross(triangle.b - triangle.a, triangle.c - triangle.a);
+        EXPECT_LT(glm::length(glm::normalize(twice) - glm::vec3(0, 0, -1)), 1e-5);
+        area += glm::length(twice) / 2;
+        for (const glm::vec3 corner : {triangle.a, triangle.b, triangle.c}) widest = std::max(widest, corner.x);
+    }
+    EXPECT_NEAR(area, 3.14159265 * 3 * 0.5 / 4, 1e-5);
+    EXPECT_NEAR(widest, 1.5f, 0.1f);
+    EXPECT_THROW(parsed(R"({"lights": [{"kind": "sphere", "round": true}]})"), core::Error);
+}
+
 TEST(AnimationFileThings, LightsShineAlongTheirSightWithTheirOwnUnits) {
     const Animation a = parsed(R"({"objects": [{"shape": "plane"}], "lights": [
         {"kind": "sun", "elevation": 30, "azimuth": 90, "intensity": 4, "color": [1, 0.5, 0]},

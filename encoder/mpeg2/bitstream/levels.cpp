@@ -82,6 +82,9 @@ void check_ranges(const Settings& s) {
     check_rates(s);
     check_range("B pictures in a row", s.b_pictures, 0, 3);
     check_range("aspect ratio code", s.aspect_ratio_code, 1, 4);
+    if (s.transfer_characteristics != 1 && s.transfer_characteristics != 2)
+        throw core::Error("transfer characteristics " + std::to_string(s.transfer_characteristics) +
+                          ": expected 1 (BT.709) or 2 (unspecified)");
     if (s.matrix_coefficients != 1 && s.matrix_coefficients != 6)
         throw core::Error("matrix coefficients " + std::to_string(s.matrix_coefficients) +
                           ": must be 1 (BT.709) or 6 (BT.601)");

@@ -64,10 +64,9 @@ void write_sequence_display_extension(BitWriter& out, const Settings& s) {
     out.put(sequence_display_extension, 4);
     out.put(5, 3);  // video_format: unspecified, the pictures never were a broadcast signal
     out.put(1, 1);  // colour_description
-    // Primaries and transfer are BT.709's whatever the matrix: pictures are developed from radiance with BT.709
-    // primaries.
+    // Primaries are BT.709's whatever the matrix: pictures are developed from radiance with BT.709 primaries.
     out.put(1, 8);
-    out.put(1, 8);
+    out.put(static_cast<std::uint32_t>(s.transfer_characteristics), 8);
     out.put(static_cast<std::uint32_t>(s.matrix_coefficients), 8);
     out.put(low_bits(s.width, 14), 14);
     out.put(1, 1);  // marker

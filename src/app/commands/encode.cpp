@@ -33,6 +33,7 @@
 #include "app/system/progress.h"
 #include "app/system/terminal.h"
 #include "core/error.h"
+#include "core/text.h"
 #include "encoder/bit_allocation.h"
 #include "encoder/encoder.h"
 #include "parallel/loops.h"
@@ -81,7 +82,11 @@ Job prepare(const EncodeOptions& options) {
     // Frames and their motion are often the same files.
     const auto shared =
         options.motion && *options.motion == options.input ? std::make_shared<SharedChannels>() : nullptr;
-    job.frames = open_frames(options.input, options.exposure, wanted, {}, shared);
+    const core::View view{options.view ? core::view_from(*options.view) : core::ViewName::neutral};
+    if (options.view && core::ending_of(options.input) == ".y4m")
+        throw core::Error("view: the frames of " + options.input.string() + " are a film's signals already");
+    const bool blenders = view.name != core::ViewName::neutral;
+    job.frames = open_frames(options.input, options.exposure, wanted, {{}, blenders, view}, shared);
     const Size size = job.frames->size();
     encoder::Settings& coding = job.film.coding;
     const Preset* preset = preset_of(options.coding);
@@ -89,6 +94,7 @@ Job prepare(const EncodeOptions& options) {
     job.film.frames = job.frames->frames();
     coding = coding_settings(options.coding, settle_shape(wishes_of(options, *job.frames), preset, true),
                              job.film.frames.first);
+    coding.transfer_characteristics = transfer_of(view);
     job.film.keyframes = keyframes_of(options.coding);
     job.film.disc = preset != nullptr && preset->disc;
     encoder::check(coding);

@@ -144,7 +144,7 @@ void Comparing::conclude() {
 
 void Comparing::look_at_foreign_film() {
     if (!options_.film) return;
-    found_.foreign = look_at_foreign(*options_.film, *options_.reference, film().exposure.value_or(0));
+    found_.foreign = look_at_foreign(*options_.film, *options_.reference, film().exposure.value_or(0), film().view);
 }
 
 }  // namespace

@@ -217,6 +217,7 @@ json cost_json(const RenderJob& film, const Sweep& sweep, const std::string& com
             {"height", film.format.height},
             {"fps", film.rate.hertz.value()},
             {"exposure", film.exposure.value_or(0)},
+            {"view", core::text_of(film.view)},
             {"samples", film.rendering.samples},
             {"edge_samples", film.rendering.edge_samples},
             {"vpls", film.rendering.vpls},

@@ -87,7 +87,8 @@ std::filesystem::path image_sequence_in(const std::filesystem::path& place) {
     return place / *patterns.begin();
 }
 
-ForeignFilm look_at_foreign(const std::filesystem::path& film, const std::filesystem::path& reference, float exposure) {
+ForeignFilm look_at_foreign(const std::filesystem::path& film, const std::filesystem::path& reference, float exposure,
+                            const core::View& view) {
     const std::filesystem::path pattern = image_sequence_in(reference);
     const bool linear = core::ending_of(pattern) == ".exr";
     if (scene::Probe::is_possible()) {
@@ -98,7 +99,7 @@ ForeignFilm look_at_foreign(const std::filesystem::path& film, const std::filesy
     const std::unique_ptr<FrameSource> frames =
         open_frames(pattern, linear ? std::optional(exposure) : std::nullopt, std::nullopt,
                     {matrix_of(film, inspection.stream.matrix_coefficients),
-                     !is_bt709_curve(inspection.stream.transfer_characteristics)});
+                     !is_bt709_curve(inspection.stream.transfer_characteristics), view});
     ForeignFilm found;
     found.name = core::printable(film.filename().string());
     found.width = inspection.stream.width;

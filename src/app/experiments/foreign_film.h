@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "core/view.h"
+
 namespace render2mpeg::app {
 
 /// A film that another renderer or encoder made, against frames that say what it should look like.
@@ -22,8 +24,9 @@ struct ForeignFilm {
 std::filesystem::path image_sequence_in(const std::filesystem::path& place);
 
 /// Decodes a film and compares its pictures with numbered images, the first of which is its first picture's.
-/// Scene-linear ones are developed with `exposure` EV. Their luma is by the matrix that the film declares. Throws
-/// core::Error where sizes differ, or there is nothing to compare.
-ForeignFilm look_at_foreign(const std::filesystem::path& film, const std::filesystem::path& reference, float exposure);
+/// Scene-linear ones are developed with `exposure` EV and `view`. Their luma is by the matrix that the film declares.
+/// Throws core::Error where sizes differ, or there is nothing to compare.
+ForeignFilm look_at_foreign(const std::filesystem::path& film, const std::filesystem::path& reference, float exposure,
+                            const core::View& view = {});
 
 }  // namespace render2mpeg::app

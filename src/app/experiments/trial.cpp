@@ -426,8 +426,7 @@ bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& st
 
     core::Radiance whole;
     whole.combined = truth.light;
-    truth.picture =
-        perceptual::Display(film_.exposure.value_or(0), perceptual::matrix_for(film_.format.height)).develop(whole);
+    truth.picture = film_.display().develop(whole);
     truth.picture.number = frame;
     if (const auto before = truths_.find(frame - 1); before != truths_.end()) {
         truth.to_previous = scene::motion_between(seen.visible, world, film_.snapshot(frame - 1));

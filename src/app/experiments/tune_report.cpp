@@ -263,6 +263,7 @@ json tune_json(const RenderJob& film, const Tuning& tuning, const std::string& c
             {"height", film.format.height},
             {"fps", hertz},
             {"exposure", film.exposure.value_or(0)},
+            {"view", core::text_of(film.view)},
             {"target", target_json(tuning.target)},
             {"windows", windows},
             {"reference", {{"frames", tuning.references}, {"seconds", tuning.reference_seconds}}},

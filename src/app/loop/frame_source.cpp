@@ -66,7 +66,6 @@ class ImageFrames : public FrameSource {
                 std::shared_ptr<SharedChannels> shared)
         : pattern_(pattern),
           frames_(wanted ? *wanted : frames_on_disk(pattern)),
-          exposure_(exposure.value_or(0.0f)),
           keeps_codes_(film.keeps_codes),
           shared_(std::move(shared)) {
         // Look at the first frame for what all have in common; see that the others are there.
@@ -76,6 +75,7 @@ class ImageFrames : public FrameSource {
         const image::Image first = read_image(frames_.first);
         size_ = {first.pixels.width(), first.pixels.height()};
         matrix_ = film.matrix.value_or(perceptual::matrix_for(size_.height));
+        display_.emplace(exposure.value_or(0.0f), matrix_, film.view);
         if (first.pixel_aspect > 0.001f && first.pixel_aspect < 1000) pixel_aspect_ = first.pixel_aspect;
         if (exposure && !first.high_range)
             throw core::Error("exposure: the frames of " + pattern.string() +
@@ -101,7 +101,7 @@ class ImageFrames : public FrameSource {
         if (image.high_range) {
             core::Radiance radiance;
             radiance.combined = colors;
-            picture = perceptual::Display(exposure_, matrix_).develop(radiance);
+            picture = display_->develop(radiance);
         } else {
             picture = keeps_codes_ ? perceptual::picture_of_signals(colors, matrix_)
                                    : perceptual::picture_of_srgb(colors, matrix_);
@@ -135,7 +135,7 @@ class ImageFrames : public FrameSource {
 
     std::filesystem::path pattern_;
     FrameRange frames_;
-    float exposure_;
+    std::optional<perceptual::Display> display_;
     bool keeps_codes_;
     Size size_;
     perceptual::ColorMatrix matrix_ = perceptual::ColorMatrix::bt709;

@@ -36,6 +36,7 @@ class FrameSource {
 struct FilmSignals {
     std::optional<perceptual::ColorMatrix> matrix = {};  ///< none: by the pictures' height
     bool keeps_codes = false;  ///< PNG's code values are the film's R'G'B' as they are, whatever curve they have
+    core::View view = {};      ///< of scene-linear images
 };
 
 /// Opens FRAMES: `film.y4m`, `frames.%04d.exr` (scene-linear; developed with `exposure` EV, 0 where none is given) or

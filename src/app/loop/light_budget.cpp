@@ -85,7 +85,7 @@ class Measurement {
   public:
     Measurement(const RenderJob& film, bool quiet)
         : film_(film),
-          display_(*film.exposure, perceptual::matrix_for(film.format.height)),
+          display_(film.display()),
           progress_(sets * frames, quiet, "light points", Counted::parts_of_step) {}
 
     /// Luma, in code values, of the same pixels of all frames, by `factor` times as many light points. Ends early where

@@ -61,7 +61,7 @@ ChunkLoop::ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const C
       renderer_(renderer),
       chunk_(chunk),
       statistics_(statistics),
-      display_(job.exposure.value_or(0), perceptual::matrix_for(job.format.height)),
+      display_(job.display()),
       posed_(job),
       recorder_(statistics, job.kind == OutputKind::film),
       auditor_(renderer, display_, job.audit, statistics),

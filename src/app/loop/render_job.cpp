@@ -107,6 +107,13 @@ std::optional<float> exposure_of(const RenderOptions& options, const scene::Anim
     return animation.exposure;
 }
 
+/// Exposure and view.
+void settle_display(RenderJob& film, const RenderOptions& options) {
+    film.exposure = exposure_of(options, *film.animation);
+    film.measures_exposure = !film.exposure;
+    film.view = options.view ? core::View{core::view_from(*options.view)} : film.animation->view.value_or(core::View());
+}
+
 }  // namespace
 
 core::ToleranceMap RenderJob::tolerance_map() const {
@@ -115,8 +122,7 @@ core::ToleranceMap RenderJob::tolerance_map() const {
     // before the exposure is known there are no code values.
     float floor = 0;
     if (exposure && tolerance.relative > 0) {
-        const perceptual::Display display(*exposure, perceptual::matrix_for(format.height));
-        floor = core::luminance(display.with_luma(glm::vec3(1), 16.5f));
+        floor = core::luminance(display().with_luma(glm::vec3(1), 16.5f));
     }
     return core::ToleranceMap::uniform(format.width, format.height, {floor, tolerance.relative});
 }
@@ -157,11 +163,11 @@ RenderJob prepare(const RenderOptions& options) {
     film.pixel_aspect = shape.pixel_aspect;
     film.format = {shape.size.width, shape.size.height, static_cast<float>(shape.pixel_aspect.value())};
     film.rendering = rendering_settings(options, film.format);
-    film.exposure = exposure_of(options, *animation);
-    film.measures_exposure = !film.exposure;
+    settle_display(film, options);
     film.audit = options.audit;
 
     film.coding = coding_settings(options.coding, shape, film.frames.first);
+    film.coding.transfer_characteristics = transfer_of(film.view);
     film.keyframes = keyframes_of(options.coding);
     film.two_passes = film.kind == OutputKind::film && two_passes(options.coding);
     film.disc = preset != nullptr && preset->disc;

@@ -52,8 +52,9 @@ struct RenderJob {
     OutputKind kind = OutputKind::film;
     std::optional<float> exposure;   ///< EV; none: to be measured
     bool measures_exposure = false;  ///< nobody says it
-    bool rough = false;              ///< a first pass: its light is too rough to tell whether it changes
-    bool two_passes = false;         ///< the first one finds `allocations`
+    core::View view;
+    bool rough = false;       ///< a first pass: its light is too rough to tell whether it changes
+    bool two_passes = false;  ///< the first one finds `allocations`
     std::vector<encoder::BitAllocation> allocations;  ///< one per frame, or none
     bool images_in_turn = false;                      ///< decode one at a time: memory is short
     std::optional<double> loss;         ///< dB of PSNR-Y that light points may cost; none: nobody counts it
@@ -65,6 +66,8 @@ struct RenderJob {
         return scene::snapshot_at(*animation, frame, core::time_of(frame, rate), format);
     }
     core::ToleranceMap tolerance_map() const;
+    /// With 0 EV before the exposure is known.
+    perceptual::Display display() const { return {exposure.value_or(0), perceptual::matrix_for(format.height), view}; }
     Film film() const {
         return {animation->source, frames, coding, keyframes, disc, core::name_of(rendering.isa), sound};
     }

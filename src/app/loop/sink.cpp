@@ -46,9 +46,7 @@ class ExrSink : public Sink {
 class PngSink : public Sink {
   public:
     PngSink(const RenderJob& film, const std::filesystem::path& pattern)
-        : display_(film.exposure.value_or(0), perceptual::matrix_for(film.format.height)),
-          pattern_(pattern),
-          pixel_aspect_(film.format.pixel_aspect) {}
+        : display_(film.display()), pattern_(pattern), pixel_aspect_(film.format.pixel_aspect) {}
     void lit(const LitFrame& frame) override {
         const core::Picture& picture = frame.picture;
         image::write_png(numbered(pattern_, picture.number), picture.width(), picture.height(),

@@ -3,6 +3,7 @@
 #include "app/options/coding_options.h"
 #include "app/options/option_text.h"
 #include "core/rational.h"
+#include "core/view.h"
 
 namespace render2mpeg::app {
 
@@ -34,6 +35,12 @@ CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
     command->add_option("--exposure", options.exposure, "EV for scene-linear frames (default: 0)")
         ->type_name("EV")
         ->check(CLI::Range(-64.0f, 64.0f))
+        ->group(picture);
+    command
+        ->add_option("--view", options.view,
+                     "As for render; PNG frames of Blender's views keep their code values (default: neutral)")
+        ->type_name("NAME")
+        ->check(checked(core::view_from, ""))
         ->group(picture);
     command->add_option("--motion", options.motion, "Numbered OpenEXR files with the frames' exact motion")
         ->type_name("PATTERN")

@@ -8,6 +8,7 @@
 #include "app/options/preset.h"
 #include "app/options/shape.h"
 #include "core/rational.h"
+#include "core/view.h"
 #include "encoder/av/sound.h"
 #include "encoder/types.h"
 
@@ -32,6 +33,11 @@ const Preset* preset_of(const CodingOptions& options);
 /// The encoder's settings for pictures of this shape, with the matrix that their height asks for; `first` is the film's
 /// first frame. Throws core::Error where an option contradicts the preset.
 encoder::Settings coding_settings(const CodingOptions& options, const Shape& shape, std::int64_t first);
+
+/// transfer_characteristics of a film with this view: Blender's are none that MPEG-2 has a number for.
+inline int transfer_of(const core::View& view) {
+    return view.name == core::ViewName::neutral ? 1 : 2;
+}
 
 /// The keyframes that the options name.
 Keyframes keyframes_of(const CodingOptions& options);

@@ -14,6 +14,7 @@
 #include "core/error.h"
 #include "core/rational.h"
 #include "core/text.h"
+#include "core/view.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -123,6 +124,10 @@ CLI::App* add_plan_command(CLI::App& app, PlanOptions& options) {
         ->type_name("auto|EV")
         ->check(checked(check_exposure, ""))
         ->capture_default_str()
+        ->group(planned);
+    command->add_option("--view", options.render.view, "What bright light becomes (default: the scene's, or neutral)")
+        ->type_name("NAME")
+        ->check(checked(core::view_from, ""))
         ->group(planned);
     command->add_option("--cache", options.render.cache, "Light kept for other pixels and frames: on, off or auto")
         ->check(CLI::IsMember({"on", "off", "auto"}))

@@ -55,6 +55,7 @@ struct RenderOptions {
     std::string masking = "warped";        ///< "warped" or "quantised"
     int audit = 0;                         ///< pixels of every frame
     std::string exposure = "auto";         ///< "auto" or a number of EV; the animation file's wins over "auto"
+    std::optional<std::string> view;       ///< a name of core::view_names; wins over the animation file's
     std::string clamp = "bounded";         ///< "bounded" or "none"
     std::string cache = "auto";            ///< "on", "off" or "auto"
     std::optional<std::string> sky;        ///< image file or "none"
@@ -88,6 +89,7 @@ struct EncodeOptions {
     std::optional<std::string> rate;
     std::optional<std::string> frames;  ///< "A:B", inclusive
     std::optional<float> exposure;      ///< EV, for scene-linear frames
+    std::optional<std::string> view;    ///< as in RenderOptions
     CodingOptions coding;
     int threads = 0;  ///< 0: all
     std::optional<std::filesystem::path> stats;

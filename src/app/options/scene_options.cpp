@@ -7,6 +7,7 @@
 #include "app/options/option_text.h"
 #include "core/error.h"
 #include "core/rational.h"
+#include "core/view.h"
 
 namespace render2mpeg::app {
 
@@ -133,6 +134,13 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
         ->type_name("auto|EV")
         ->check(checked(check_exposure, ""))
         ->capture_default_str()
+        ->group(picture);
+    command
+        .add_option("--view", options.view,
+                    "What bright light becomes: neutral, or Blender's standard, filmic (also filmic-high-contrast and "
+                    "so on) or agx (default: the animation file's or the .blend's, or neutral)")
+        ->type_name("NAME")
+        ->check(checked(core::view_from, ""))
         ->group(picture);
 }
 

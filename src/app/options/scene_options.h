@@ -14,7 +14,7 @@ void add_scene_options(CLI::App& command, RenderOptions& options);
 void add_tolerance_option(CLI::App& command, RenderOptions& options, const std::string& group);
 /// How light is gathered, --tolerance included.
 void add_light_options(CLI::App& command, RenderOptions& options);
-/// Size, rate, length and exposure.
+/// Size, rate, length, exposure and view.
 void add_picture_options(CLI::App& command, RenderOptions& options);
 
 /// A CLI11 check of --exposure. Throws core::Error.

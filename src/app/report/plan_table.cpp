@@ -85,7 +85,8 @@ std::vector<Row> rows_of(const RenderJob& film) {
                             coupled ? "what coding and the eye hide is what light may be off by"
                                     : "no cause: the tolerance is not coupled to coding"});
         }
-        rows.push_back({row.name, row.runs, row.reason});
+        const bool views = row.pass == renderer::Pass::develop && film.view.name != core::ViewName::neutral;
+        rows.push_back({row.name, row.runs, row.reason + (views ? "; view " + core::text_of(film.view) : "")});
         if (row.pass == renderer::Pass::shade)
             rows.push_back(
                 {"audit", film.audit > 0, film.audit > 0 ? "--audit asks for it" : "nobody reads it: no --audit"});

@@ -212,7 +212,7 @@ std::string plain(const json& value) {
 std::string settings_table(const json& s) {
     std::string text = "<h2>To make it again</h2>\n<pre>" + escaped(s.at("command").get<std::string>()) +
                        "</pre>\n<div class=\"wide\"><table>\n";
-    for (const char* key : {"version", "isa", "input", "exposure", "tolerance", "quantiser", "gop", "rate",
+    for (const char* key : {"version", "isa", "input", "exposure", "view", "tolerance", "quantiser", "gop", "rate",
                             "light_points", "aspect_ratio_code", "cadence"}) {
         if (!s.contains(key) || s.at(key).is_null()) continue;
         std::string name = key;

@@ -236,6 +236,7 @@ json statistics_of(const RenderJob& film, const RunStatistics& statistics, const
     json written = common_of(film.film(), statistics, facts);
     written.update({
         {"exposure", film.exposure.value_or(0)},
+        {"view", core::text_of(film.view)},
         {"isa", core::name_of(film.rendering.isa)},
         {"tolerance", tolerance_of(film)},
         {"passes", passes_of(film, statistics)},

@@ -12,7 +12,9 @@ using K = std::string_view;
 inline constexpr std::array film{K("$schema"),    K("title"),     K("scene"),   K("size"),  K("display_aspect"),
                                  K("frame_rate"), K("frames"),    K("seconds"), K("times"), K("sky"),
                                  K("exposure"),   K("camera"),    K("cameras"), K("shots"), K("lights"),
-                                 K("objects"),    K("materials"), K("change"),  K("sound")};
+                                 K("objects"),    K("materials"), K("change"),  K("sound"), K("view")};
+
+inline constexpr std::array view{K("name"), K("gamma")};
 
 inline constexpr std::array camera{K("position"),      K("look_at"), K("rotate"), K("roll"), K("fov"),  K("height"),
                                    K("interpolation"), K("keys"),    K("loop"),   K("near"), K("shift")};
@@ -24,7 +26,7 @@ inline constexpr std::array light{K("name"),      K("kind"),          K("color")
                                   K("position"),  K("look_at"),       K("rotate"), K("angle"),     K("softness"),
                                   K("elevation"), K("azimuth"),       K("size"),   K("radius"),    K("power"),
                                   K("keys"),      K("interpolation"), K("loop"),   K("repeat"),    K("colors"),
-                                  K("stagger"),   K("seen")};
+                                  K("stagger"),   K("seen"),          K("round")};
 inline constexpr std::array light_key{K("at"), K("position"), K("look_at"), K("rotate"), K("power")};
 
 inline constexpr std::array object{K("name"),        K("shape"),  K("size"),    K("radius"),   K("top_radius"),

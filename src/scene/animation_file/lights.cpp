@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
+#include <numbers>
 #include <string>
 
 #include "scene/animation_file/keys.h"
@@ -16,6 +18,28 @@ namespace {
 namespace keys = animation_file_keys;
 
 constexpr std::array<std::string_view, 5> kinds{"point", "spot", "sun", "panel", "sphere"};
+
+/// Lights shine along -z.
+Mesh flat_panel(glm::dvec2 size) {
+    Mesh mesh = quad_mesh(size, TextureLayout::fit);
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+        mesh.positions[i] = {-mesh.positions[i].x, mesh.positions[i].y, 0};
+        mesh.normals[i] = {0, 0, -1};
+    }
+    return mesh;
+}
+
+/// An octagon of the ellipse's area: with no more corners than these a lamp is lit by as a whole.
+Mesh round_panel(glm::dvec2 diameters) {
+    const double radius = std::sqrt(std::numbers::pi / std::sqrt(8.0)) / 2;
+    Mesh mesh = disc_mesh(1, 8, TextureLayout::fit);
+    const glm::vec2 scale(radius * diameters);
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+        mesh.positions[i] = {scale.x * mesh.positions[i].x, scale.y * mesh.positions[i].z, 0};
+        mesh.normals[i] = {0, 0, -1};
+    }
+    return mesh;
+}
 
 /// Builds the lights of one file.
 class Lights {
@@ -77,13 +101,9 @@ void Lights::build_lamp(const JsonValue& value, const std::string& name, int nod
     if (mesh_at_.find(value.place()) == mesh_at_.end()) {
         Mesh mesh;
         if (is_panel) {
-            // Lights shine along -z.
             const auto s = sizes_or<2>(value, "size", 1);
-            mesh = quad_mesh({s[0], s[1]}, TextureLayout::fit);
-            for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-                mesh.positions[i] = {-mesh.positions[i].x, mesh.positions[i].y, 0};
-                mesh.normals[i] = {0, 0, -1};
-            }
+            const auto round = value.find("round");
+            mesh = round && round->boolean() ? round_panel({s[0], s[1]}) : flat_panel({s[0], s[1]});
         } else {
             mesh = lamp_mesh(size_or(value, "radius", 0.1));
         }
@@ -138,6 +158,7 @@ void Lights::build(const JsonValue& value, std::size_t number) {
     for (const std::string_view key : {"elevation", "azimuth"}) only_for(key, {2});
     only_for("range", {0, 1});
     only_for("size", {3});
+    only_for("round", {3});
     only_for("radius", {4});
     only_for("seen", {3, 4});
 

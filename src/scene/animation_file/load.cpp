@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/rational.h"
 #include "core/text.h"
+#include "core/view.h"
 #include "scene/animation_file/cameras.h"
 #include "scene/animation_file/json.h"
 #include "scene/animation_file/keys.h"
@@ -34,7 +35,25 @@ Animation base_scene(const JsonValue& value, const fs::path& folder, const LoadO
     return load_scene(file, options);
 }
 
-/// Frame rate, range and exposure.
+/// `"filmic"`, or `{ "name": "filmic", "gamma": 1.2 }`.
+core::View view_of(const JsonValue& value) {
+    core::View view;
+    if (value.is_text()) {
+        view.name = static_cast<core::ViewName>(value.word(core::view_names));
+        return view;
+    }
+    value.allow_only(animation_file_keys::view);
+    const auto name = value.find("name");
+    if (!name) value.fail("has no `name`");
+    view.name = static_cast<core::ViewName>(name->word(core::view_names));
+    if (const auto gamma = value.find("gamma")) {
+        view.gamma = static_cast<float>(gamma->number(core::least_gamma, core::largest_gamma));
+        if (view.name == core::ViewName::neutral && view.gamma != 1) gamma->fail("is for Blender's views");
+    }
+    return view;
+}
+
+/// Frame rate, range, exposure and view.
 FilmClock read_format(const JsonValue& value, Animation& film) {
     FilmClock clock;
     film.frame_rate = "25";  // what FilmClock begins with
@@ -84,6 +103,7 @@ FilmClock read_format(const JsonValue& value, Animation& film) {
         else if (exposure->text() != "auto")
             exposure->fail("is a number (EV) or \"auto\"");
     }
+    if (const auto view = value.find("view")) film.view = view_of(*view);
     return clock;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/rational.h"
+#include "core/view.h"
 #include "scene/model/camera.h"
 #include "scene/model/light.h"
 #include "scene/model/material.h"
@@ -80,6 +81,7 @@ struct Animation {
     std::optional<std::string> frame_rate;                ///< as the animation file says
     std::optional<std::int64_t> first_frame, last_frame;  ///< likewise
     std::optional<float> exposure;                        ///< EV, likewise; none: automatic
+    std::optional<core::View> view;                       ///< likewise; none: neutral
     std::optional<glm::ivec2> size;                       ///< picture width and height, likewise
     std::optional<core::Rational>
         display_aspect;  ///< width by height of the picture as shown, likewise; none: square pixels

@@ -1,0 +1,197 @@
+// Filmic and AgX share one form: light on a logarithmic scale of 16.5 stops, and on it a sigmoid of two arms that meet
+// at a pivot [AgX]. AgX's constants are the published ones; Filmic's are fitted to what Blender shows
+// (docs/fits/views.md).
+#include "perceptual/view_transform.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "perceptual/signal_curve.h"
+
+namespace render2mpeg::perceptual {
+namespace {
+
+/// log2 of the light that is black and white on the logarithmic scale: 10 stops below 0.18, and 6.5 above. [AgX]
+constexpr double darkest_stop = -12.473931188, brightest_stop = 4.026068812;
+
+/// Parameters of a sigmoid over [0, 1]: where both arms meet, the slope there, and how sharply each bends.
+struct Sigmoid {
+    double x, y, slope, toe, shoulder;
+};
+
+// fit: docs/fits/views.md, Filmic's. AgX's: [AgX].
+constexpr Sigmoid filmic{0.6156, 0.5215, 2.1672, 2.5374, 3.0992};
+constexpr Sigmoid very_high_contrast{0.6082, 0.5074, 3.2860, 2.9248, 2.7394};
+constexpr Sigmoid high_contrast{0.6069, 0.5032, 2.8101, 2.7511, 3.0446};
+constexpr Sigmoid medium_high_contrast{0.6103, 0.5128, 2.4956, 2.6492, 2.7113};
+constexpr Sigmoid medium_low_contrast{0.6361, 0.5582, 1.9468, 2.5861, 2.6867};
+constexpr Sigmoid low_contrast{0.6270, 0.5356, 1.7293, 2.2527, 3.0726};
+constexpr Sigmoid very_low_contrast{0.5943, 0.4807, 1.5492, 1.7150, 4.4011};
+constexpr Sigmoid agx{10 / 16.5, 0.5, 2.0, 3.0, 3.25};
+
+const Sigmoid& sigmoid_of(core::ViewName name) {
+    switch (name) {
+        case core::ViewName::filmic_very_high_contrast:
+            return very_high_contrast;
+        case core::ViewName::filmic_high_contrast:
+            return high_contrast;
+        case core::ViewName::filmic_medium_high_contrast:
+            return medium_high_contrast;
+        case core::ViewName::filmic_medium_low_contrast:
+            return medium_low_contrast;
+        case core::ViewName::filmic_low_contrast:
+            return low_contrast;
+        case core::ViewName::filmic_very_low_contrast:
+            return very_low_contrast;
+        case core::ViewName::agx:
+            return agx;
+        default:
+            return filmic;
+    }
+}
+
+/// One arm, away from the pivot: through 0 with `slope`, and through (width, height). y = scale u / (1 + u^p)^(1 / p)
+/// with u = slope x / scale.
+struct Arm {
+    double slope, power, scale;
+
+    Arm(double width, double height, double slope_at_pivot, double bend) : slope(slope_at_pivot), power(bend) {
+        scale = std::pow(std::pow(slope * width, -power) * (std::pow(slope * width / height, power) - 1), -1 / power);
+    }
+    double at(double x) const {
+        const double u = slope * x / scale;
+        return scale * u * std::pow(1 + std::pow(u, power), -1 / power);
+    }
+    double inverse(double y) const {
+        const double v = y / scale;
+        return scale / slope * v * std::pow(1 - std::pow(v, power), -1 / power);
+    }
+};
+
+/// A sigmoid and its inverse, each from [0, 1] to [0, 1].
+double raised(const Sigmoid& s, double x) {
+    return x < s.x ? std::max(0.0, s.y - Arm(s.x, s.y, s.slope, s.toe).at(s.x - x))
+                   : s.y + Arm(1 - s.x, 1 - s.y, s.slope, s.shoulder).at(x - s.x);
+}
+double lowered(const Sigmoid& s, double y) {
+    return y < s.y ? s.x - Arm(s.x, s.y, s.slope, s.toe).inverse(s.y - y)
+                   : s.x + Arm(1 - s.x, 1 - s.y, s.slope, s.shoulder).inverse(y - s.y);
+}
+
+double srgb(double linear) {
+    const double shown = std::min(linear, 1.0);
+    return shown <= 0.0031308 ? 12.92 * shown : 1.055 * std::pow(shown, 1 / 2.4) - 0.055;
+}
+double inverse_srgb(double signal) {
+    return signal <= 12.92 * 0.0031308 ? signal / 12.92 : std::pow((signal + 0.055) / 1.055, 2.4);
+}
+
+/// The curve of one channel.
+double curve(core::ViewName name, double light) {
+    if (name == core::ViewName::standard) return srgb(light);
+    const double place = (std::log2(light) - darkest_stop) / (brightest_stop - darkest_stop);
+    return raised(sigmoid_of(name), std::clamp(place, 0.0, 1.0));
+}
+double inverse_curve(core::ViewName name, double signal) {
+    if (name == core::ViewName::standard) return inverse_srgb(signal);
+    return std::exp2(darkest_stop + (brightest_stop - darkest_stop) * lowered(sigmoid_of(name), signal));
+}
+
+// Filmic moves channels towards the largest one where that is next to white: by the share a M^p - b of their distance.
+// fit: docs/fits/views.md
+constexpr float desaturation = 5.7231e-5f, desaturation_power = 1.13548f, desaturation_offset = 9.9007e-4f;
+
+/// Where that begins, and where all is white.
+constexpr float desaturated_from = 12.32f;
+
+/// How AgX's channels mix before its curve [AgX]. Rows sum to 1, so that grey stays grey.
+glm::dmat3 agx_inset() {
+    glm::dmat3 inset{{0.842479062253094, 0.0423282422610123, 0.0423756549057051},
+                     {0.0784335999999992, 0.878468636469772, 0.0784336},
+                     {0.0792237451477643, 0.0791661274605434, 0.879142973793104}};
+    const glm::dvec3 sums = inset[0] + inset[1] + inset[2];
+    for (int column = 0; column < 3; ++column) inset[column] /= sums;
+    return inset;
+}
+
+float cut(float light) {
+    return light > 0.0f ? std::min(light, SignalCurve::brightest) : 0.0f;
+}
+
+}  // namespace
+
+ViewTransform::ViewTransform(const core::View& view)
+    : view_(view),
+      white_(view.name == core::ViewName::standard ? 1.0 : std::exp2(brightest_stop)),
+      table_([&](double light) { return curve(view.name, light); },
+             view.name == core::ViewName::standard ? 12.92f : 0.0f) {
+    EXPECTS(view.name != core::ViewName::neutral && view.gamma >= core::least_gamma &&
+            view.gamma <= core::largest_gamma);
+    if (view.name == core::ViewName::agx) {
+        const glm::dmat3 inset = agx_inset();
+        inset_ = glm::mat3(inset);
+        outset_ = glm::mat3(glm::inverse(inset));
+    }
+    end_slope_ = table_.point(static_cast<float>(white_ * 0.99)).log_slope;
+}
+
+ShownLight ViewTransform::mix(glm::vec3 exposed) const {
+    const glm::vec3 light{cut(exposed.x), cut(exposed.y), cut(exposed.z)};
+    if (view_.name == core::ViewName::standard) return {light, glm::vec3(1)};
+    if (view_.name == core::ViewName::agx) return {inset_ * light, glm::vec3(1)};
+    const float largest = std::max({light.x, light.y, light.z});
+    if (largest <= desaturated_from) return {light, glm::vec3(1)};
+    const float power = desaturation * std::pow(largest, desaturation_power);
+    const float share = std::clamp(power - desaturation_offset, 0.0f, 1.0f);
+    const glm::vec3 rest = glm::vec3(largest) - light, mixed = light + share * rest;
+    // share < 1 as long as a channel is below white: 1 is reached at 5500.
+    return {mixed, glm::vec3(1) + desaturation_power * power * rest / mixed};
+}
+
+/// The slope of the curve by the logarithm of its light; beyond white it falls to 0 within a factor of 2. sRGB's slope
+/// rises up to white: there a fall of the light by half at most never lowers the signal by more than slope times
+/// logarithm. The others are flat at white.
+float ViewTransform::falls(float mixed) const {
+    const float beyond = mixed / static_cast<float>(white_);
+    // The table's last piece before white may be bent by what follows it.
+    if (beyond < 0.99f) return table_.point(mixed).log_slope;
+    return end_slope_ * std::clamp(1.0f - std::log2(beyond), 0.0f, 1.0f);
+}
+
+glm::vec3 ViewTransform::signals(glm::vec3 exposed) const {
+    const glm::vec3 light = mix(exposed).signal;
+    glm::vec3 signal{table_.signal(light.x), table_.signal(light.y), table_.signal(light.z)};
+    if (view_.name == core::ViewName::agx) signal = outset_ * signal;
+    signal = glm::clamp(signal, 0.0f, 1.0f);
+    return view_.gamma == 1.0f ? signal : glm::pow(signal, glm::vec3(1.0f / view_.gamma));
+}
+
+ShownLight ViewTransform::show(glm::vec3 exposed) const {
+    const ShownLight mixed = mix(exposed);
+    ShownLight shown;
+    for (int c = 0; c < 3; ++c) {
+        shown.signal[c] = table_.signal(mixed.signal[c]);
+        shown.log_slope[c] = falls(mixed.signal[c]) * mixed.log_slope[c];
+    }
+    if (view_.name == core::ViewName::agx) {
+        shown.signal = outset_ * shown.signal;
+        shown.log_slope = outset_ * shown.log_slope;
+    }
+    for (int c = 0; c < 3; ++c) {
+        // What is cut off at black does not fall.
+        if (shown.signal[c] <= 0.0f) shown.log_slope[c] = 0.0f;
+        shown.signal[c] = std::clamp(shown.signal[c], 0.0f, 1.0f);
+        if (view_.gamma == 1.0f || shown.signal[c] <= 0.0f) continue;
+        const float raised_signal = std::pow(shown.signal[c], 1.0f / view_.gamma);
+        shown.log_slope[c] *= raised_signal / (view_.gamma * shown.signal[c]);
+        shown.signal[c] = raised_signal;
+    }
+    return shown;
+}
+
+double ViewTransform::grey_light(double signal) const {
+    return inverse_curve(view_.name, std::pow(std::clamp(signal, 0.0, 1.0), static_cast<double>(view_.gamma)));
+}
+
+}  // namespace render2mpeg::perceptual
