@@ -127,6 +127,7 @@ struct Renderer::Impl {
             split.forget();
         }
         shone_at.reset();
+        photons.forget();
         lit_frame.reset();
         last_seen.reset();
         cache.forget();
@@ -146,7 +147,7 @@ struct Renderer::Impl {
         has_trees = false;
         if (!anchors) return;
         const Stopwatch timer(row(Pass::photons));
-        lit_anchors = anchors->at(posed_scene, shining, plan.runs(Pass::lobe_rays));
+        lit_anchors = anchors->at(posed_scene, shining, plan.runs(Pass::lobe_rays), &photons);
         statistics.photon_rays += lit_anchors.rays;
         statistics.photon_energy += lit_anchors.landed;
         statistics.photon_energy_lost += lit_anchors.lost;
@@ -295,6 +296,7 @@ struct Renderer::Impl {
     std::optional<scene::Snapshot> shone_at;  ///< the instant that the following are of
     std::vector<LightPoint> shining;          ///< direct light points, until trees take them
     Anchors::Lit lit_anchors;
+    KeptPhotons photons;                    ///< of the instant that `lit_anchors` are of
     bool has_trees = false;                 ///< `light_trees` are of that instant, too
     std::optional<std::int64_t> lit_frame;  ///< the first frame that `light_trees` are of
     bool started = false;

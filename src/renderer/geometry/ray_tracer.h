@@ -80,6 +80,9 @@ class RayTracer {
     bool meets_dynamic(glm::vec3 origin, glm::vec3 direction, float far) const;
     bool has_dynamic_objects() const;
 
+    /// Whether the ray may meet such an object at a distance in (0, far): no false denial, and no ray is traced.
+    bool may_meet_dynamic(glm::vec3 origin, glm::vec3 direction, float far) const;
+
     /// Bit i: ray i of the packet is blocked by something opaque. Translucent surfaces do not block; where the packet
     /// met any, `light` (16 values, if given) is multiplied by what passes (at most `max_layers` surfaces; beyond them:
     /// blocked).

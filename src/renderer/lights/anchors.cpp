@@ -111,6 +111,13 @@ struct Anchors::Impl {
     void average_light(const RayTracer& tracer);
     LightPoint moving_light(const PosedScene& posed_scene, std::uint32_t place) const;
     PhotonHit hit_of(const PosedScene& posed_scene, const PhotonResult& photons, std::size_t i, float part) const;
+    bool may_keep(const RayTracer& scene) const;
+    std::vector<PhotonHit> hits_of(const PosedScene& posed_scene, const PhotonResult& photons,
+                                   std::uint64_t count) const;
+    void follow_all(const PosedScene& posed_scene, std::span<const LightPoint> lights, Lit& lit,
+                    std::span<glm::dvec3> light, std::span<glm::dvec3> flux) const;
+    void follow_changed(const PosedScene& posed_scene, std::span<const LightPoint> lights, KeptPhotons& kept, Lit& lit,
+                        std::span<glm::dvec3> light, std::span<glm::dvec3> flux) const;
 
     const scene::Animation& film;
     AnchorSettings settings;
@@ -336,31 +343,73 @@ std::size_t Anchors::bytes() const {
     return impl_->average.capacity() * sizeof(float) + impl_->anchors.bytes();
 }
 
-Anchors::Lit Anchors::at(const PosedScene& posed_scene, std::span<const LightPoint> lights, bool irradiance) const {
+/// Whether photons may be kept: something moves, and they are not too many.
+bool Anchors::Impl::may_keep(const RayTracer& scene) const {
+    const double landings = static_cast<double>(paths) *
+                            core::divide_or(static_cast<double>(seen.landed), static_cast<double>(seen.paths), 0.0);
+    return scene.has_dynamic_objects() && landings <= static_cast<double>(KeptPhotons::most);
+}
+
+/// The hits of photons, as parts of those of all batches.
+std::vector<PhotonHit> Anchors::Impl::hits_of(const PosedScene& posed_scene, const PhotonResult& photons,
+                                              std::uint64_t count) const {
+    const float part = static_cast<float>(static_cast<double>(count) / static_cast<double>(paths));
+    std::vector<PhotonHit> hits(photons.vpls.size());
+    parallel::for_ranges(hits.size(), 256, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) hits[i] = hit_of(posed_scene, photons, i, part);
+    });
+    return hits;
+}
+
+void Anchors::Impl::follow_all(const PosedScene& posed_scene, std::span<const LightPoint> lights, Lit& lit,
+                               std::span<glm::dvec3> light, std::span<glm::dvec3> flux) const {
+    std::vector<PhotonHit> hits;
+    for (std::uint64_t done = 0; done < paths; done += batch) {
+        const std::uint64_t count = std::min(batch, paths - done);
+        const PhotonResult photons = trace_photons(posed_scene, lights, {1 + done, count, settings.bounces, &guide});
+        lit.rays += photons.rays;
+        lit.landed += photons.landed / static_cast<double>(paths);
+        lit.lost += photons.lost / static_cast<double>(paths);
+        const std::vector<PhotonHit> more = hits_of(posed_scene, photons, count);
+        hits.insert(hits.end(), more.begin(), more.end());
+        if (hits.size() < most_hits && done + count < paths) continue;
+        lit.rays += anchors.splat(hits, posed_scene.tracer(), &lit.occluded, light, flux);
+        hits.clear();
+    }
+}
+
+/// The same; only those photons are followed that something has changed for.
+void Anchors::Impl::follow_changed(const PosedScene& posed_scene, std::span<const LightPoint> lights, KeptPhotons& kept,
+                                   Lit& lit, std::span<glm::dvec3> light, std::span<glm::dvec3> flux) const {
+    kept.start(lights, world_box(posed_scene.posed()), paths);
+    for (std::uint64_t done = 0; done < paths; done += batch) {
+        const std::uint64_t count = std::min(batch, paths - done);
+        const std::vector<std::uint64_t> changed = kept.changed(done, done + count, posed_scene.tracer());
+        const PhotonResult photons =
+            trace_photons(posed_scene, lights, {1 + done, count, settings.bounces, &guide, changed, true});
+        lit.rays += photons.rays;
+        kept.take(count, changed, photons, hits_of(posed_scene, photons, count));
+    }
+    kept.finish();
+    for (const PhotonPath& path : kept.paths()) {
+        lit.landed += path.landed / static_cast<double>(paths);
+        lit.lost += path.lost / static_cast<double>(paths);
+    }
+    lit.rays += anchors.splat(kept.hits(), posed_scene.tracer(), &lit.occluded, light, flux, kept.shares());
+}
+
+Anchors::Lit Anchors::at(const PosedScene& posed_scene, std::span<const LightPoint> lights, bool irradiance,
+                         KeptPhotons* kept) const {
     const Impl& a = *impl_;
     std::vector<glm::dvec3> light(a.anchors.size(), glm::dvec3(0));
     std::vector<glm::dvec3> flux(irradiance ? a.anchors.size() : 0, glm::dvec3(0));
     Lit lit;
     lit.occluded = a.anchors.occluded_neighbours(posed_scene.tracer());
     lit.rays += lit.occluded.rays;
-    std::vector<PhotonHit> hits;
-    for (std::uint64_t done = 0; done < a.paths; done += batch) {
-        const std::uint64_t count = std::min(batch, a.paths - done);
-        const PhotonResult photons =
-            trace_photons(posed_scene, lights, {1 + done, count, a.settings.bounces, &a.guide});
-        lit.rays += photons.rays;
-        lit.landed += photons.landed / static_cast<double>(a.paths);
-        lit.lost += photons.lost / static_cast<double>(a.paths);
-        const float part = static_cast<float>(static_cast<double>(count) / static_cast<double>(a.paths));
-        const std::size_t before = hits.size();
-        hits.resize(before + photons.vpls.size());
-        parallel::for_ranges(photons.vpls.size(), 256, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i) hits[before + i] = a.hit_of(posed_scene, photons, i, part);
-        });
-        if (hits.size() < most_hits && done + count < a.paths) continue;
-        lit.rays += a.anchors.splat(hits, posed_scene.tracer(), &lit.occluded, light, flux);
-        hits.clear();
-    }
+    if (kept != nullptr && a.may_keep(posed_scene.tracer()))
+        a.follow_changed(posed_scene, lights, *kept, lit, light, flux);
+    else
+        a.follow_all(posed_scene, lights, lit, light, flux);
     const std::uint32_t still = a.anchors.still_count();
     lit.still.reserve(still);
     lit.moving.reserve(a.anchors.size() - still);

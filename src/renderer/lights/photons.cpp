@@ -25,28 +25,6 @@ constexpr int most_events = 4096;
 constexpr std::uint64_t pilot_share = 8;
 constexpr std::uint64_t most_paths_per_vpl = 64;
 
-/// The world as its objects lie now: the film's box at its start, and whatever moves.
-WorldBox world_box(const scene::Snapshot& s) {
-    const scene::Animation& film = *s.animation;
-    WorldBox box{film.bounds_min, film.bounds_max};
-    const auto hold = [&](glm::vec3 p) {
-        if (!core::is_finite(p)) return;
-        box.low = glm::min(box.low, p);
-        box.high = glm::max(box.high, p);
-    };
-    for (std::size_t i = 0; i < film.objects.size(); ++i) {
-        const scene::ObjectState& state = s.objects[i];
-        if (film.objects[i].mobility == scene::Mobility::still || !state.present) continue;
-        if (state.deformed >= 0) {
-            for (const glm::vec3& p : s.deformed[static_cast<std::size_t>(state.deformed)].positions) hold(p);
-            continue;
-        }
-        for (const glm::vec3& p : film.meshes[static_cast<std::size_t>(film.objects[i].mesh)].positions)
-            hold(glm::vec3(state.to_world * glm::vec4(p, 1)));
-    }
-    return box;
-}
-
 LightPoint vpl_at(const SurfacePoint& p, glm::vec3 flux) {
     LightPoint vpl;
     vpl.kind = LightPointKind::oriented;
@@ -101,6 +79,44 @@ Onward scatter(const SurfacePoint& p, glm::vec3 flux, float choice, glm::vec2 u)
     return {{}, {}, false, lost};
 }
 
+/// Notes the way of a path.
+class PathNotes {
+  public:
+    PathNotes(const scene::Animation& film, glm::vec3 origin, PhotonResult& out)
+        : film_(film), out_(out), origin_(origin), vpls_(out.vpls.size()), landed_(out.landed), lost_(out.lost) {}
+
+    void meet(const SurfacePoint& p) {
+        add(p.position);
+        path_.met_dynamic = path_.met_dynamic || film_.objects[p.address.object].mobility != scene::Mobility::still;
+    }
+    void escape(glm::vec3 direction) {
+        add(direction);
+        path_.escapes = true;
+    }
+    void end() {
+        path_.vpls = static_cast<std::uint32_t>(out_.vpls.size() - vpls_);
+        path_.landed = out_.landed - landed_;
+        path_.lost = out_.lost - lost_;
+        out_.each.push_back(path_);
+    }
+
+  private:
+    void add(glm::vec3 place) {
+        if (path_.places++ == 0) {
+            out_.places.push_back(origin_);
+            ++path_.places;
+        }
+        out_.places.push_back(place);
+    }
+
+    const scene::Animation& film_;
+    PhotonResult& out_;
+    glm::vec3 origin_;
+    std::size_t vpls_;
+    double landed_, lost_;
+    PhotonPath path_;
+};
+
 /// One path; appends its VPLs, not yet divided by the number of paths, and returns the rays it took.
 int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint64_t path,
            const PhotonSettings& settings, PhotonResult& out) {
@@ -113,6 +129,7 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
     if (settings.guide != nullptr) start = settings.guide->start(start.numbers);
     Photon photon = source.emit(start.numbers);
     photon.flux /= start.density;
+    PathNotes notes(posed_scene.animation(), photon.origin, out);
     int rays = 0;
     int left = settings.bounces;
     for (int event = 0; event < most_events && (settings.bounces == 0 || left > 0); ++event) {
@@ -120,8 +137,12 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
         ++rays;
         const Hit hit =
             posed_scene.tracer().nearest(photon.origin, photon.direction, std::numeric_limits<float>::infinity());
-        if (!hit.found()) break;
+        if (!hit.found()) {
+            if (settings.keeps) notes.escape(photon.direction);
+            break;
+        }
         const SurfacePoint p = posed_scene.surface_at(hit.address, -photon.direction);
+        if (settings.keeps) notes.meet(p);
         const int dimension = first_event_dimension + 3 * event;
         float choice = number(dimension);
         // Pass a translucent layer with the share that it does not cover.
@@ -145,24 +166,29 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
         if (!onward.straight && !(glm::dot(onward.direction, p.geometric_normal) > 0.0f)) break;
         photon = {offset_origin(p, onward.direction), onward.direction, onward.flux};
     }
+    if (settings.keeps) notes.end();
     return rays;
 }
 
 PhotonResult follow_all(const PosedScene& posed_scene, const PhotonSource& source, const PhotonSettings& settings) {
     constexpr std::size_t grain = 64;
     PhotonResult result;
-    const std::size_t parts = (settings.paths + grain - 1) / grain;
-    std::vector<PhotonResult> part(parts);
-    parallel::for_ranges(settings.paths, grain, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            part[first / grain].rays += static_cast<std::uint64_t>(
-                follow(posed_scene, source, settings.first_path + i, settings, part[first / grain]));
+    const std::size_t paths = settings.only ? settings.only->size() : settings.paths;
+    std::vector<PhotonResult> part((paths + grain - 1) / grain);
+    parallel::for_ranges(paths, grain, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            const std::uint64_t path = settings.first_path + (settings.only ? (*settings.only)[i] : i);
+            part[first / grain].rays +=
+                static_cast<std::uint64_t>(follow(posed_scene, source, path, settings, part[first / grain]));
+        }
     });
     for (const PhotonResult& p : part) {
         result.vpls.insert(result.vpls.end(), p.vpls.begin(), p.vpls.end());
         result.addresses.insert(result.addresses.end(), p.addresses.begin(), p.addresses.end());
         result.fluxes.insert(result.fluxes.end(), p.fluxes.begin(), p.fluxes.end());
         result.paths.insert(result.paths.end(), p.paths.begin(), p.paths.end());
+        result.each.insert(result.each.end(), p.each.begin(), p.each.end());
+        result.places.insert(result.places.end(), p.places.begin(), p.places.end());
         result.rays += p.rays;
         result.landed += p.landed;
         result.lost += p.lost;
@@ -171,6 +197,27 @@ PhotonResult follow_all(const PosedScene& posed_scene, const PhotonSource& sourc
 }
 
 }  // namespace
+
+WorldBox world_box(const scene::Snapshot& snapshot) {
+    const scene::Animation& film = *snapshot.animation;
+    WorldBox box{film.bounds_min, film.bounds_max};
+    const auto hold = [&](glm::vec3 p) {
+        if (!core::is_finite(p)) return;
+        box.low = glm::min(box.low, p);
+        box.high = glm::max(box.high, p);
+    };
+    for (std::size_t i = 0; i < film.objects.size(); ++i) {
+        const scene::ObjectState& state = snapshot.objects[i];
+        if (film.objects[i].mobility == scene::Mobility::still || !state.present) continue;
+        if (state.deformed >= 0) {
+            for (const glm::vec3& p : snapshot.deformed[static_cast<std::size_t>(state.deformed)].positions) hold(p);
+            continue;
+        }
+        for (const glm::vec3& p : film.meshes[static_cast<std::size_t>(film.objects[i].mesh)].positions)
+            hold(glm::vec3(state.to_world * glm::vec4(p, 1)));
+    }
+    return box;
+}
 
 glm::vec3 start_numbers(std::uint64_t path) {
     return {core::halton(0, path), core::halton(1, path), core::halton(2, path)};
