@@ -1,5 +1,6 @@
 #include "app/probe.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "encoder/av/inspect.h"
 #include "scene/assimp/load.h"
 #include "scene/blender/export.h"
+#include "scene/gltf/load.h"
 #include "scene/isolation/probed.h"
 
 namespace render2mpeg::app {
@@ -26,6 +28,12 @@ std::string read_scene(const Words& words, const scene::TakeTurns& take_turns) {
     if (words.size() > 1) options.animation = words[1];
     take_turns(scene::Turn::parser);
     scene::load_with_assimp(words.at(0), options, take_turns);
+    return {};
+}
+
+/// FILE
+std::string read_gltf(const Words& words, const scene::TakeTurns& take_turns) {
+    scene::load_gltf(words.at(0), {}, [&](std::uintmax_t) { take_turns(scene::Turn::parser); });
     return {};
 }
 
@@ -73,6 +81,7 @@ std::string read_facts(const Words& words, const scene::TakeTurns& take_turns) {
 void probe(int argc, char** argv) {
     scene::live_as_probe(argc, argv,
                          {{"scene", read_scene},
+                          {"gltf", read_gltf},
                           {"images", read_images},
                           {"film", read_film},
                           {"sound", read_sound},

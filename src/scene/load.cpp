@@ -1,6 +1,7 @@
 #include "scene/load.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <system_error>
 
 #include "core/error.h"
@@ -41,9 +42,16 @@ Animation load_as_is(const std::filesystem::path& file, const LoadOptions& optio
     if (!std::filesystem::exists(status)) throw core::Error("reading", file.string(), "there is no such file");
     if (std::filesystem::is_directory(status)) return load_animation_file(file, options, load_as_is);
     const std::string ending = core::ending_of(file);
-    if (ending == ".gltf" || ending == ".glb") return load_gltf(file, options);
+    if (ending == ".gltf" || ending == ".glb")
+        return load_gltf(file, options, [&](std::uintmax_t bytes) {
+            // Decoders of compressed meshes are not ours either.
+            if (!Probe::is_possible()) return;
+            const ProbeLimits limits = limits_for(bytes);
+            text_of(Probe(limits, {"gltf", file.string()}).end(), file.string(), limits);
+        });
     if (ending == ".json") return load_animation_file(file, options, load_as_is);
     if (ending == ".blend") return load_blend(file, options);
+    if (options.variant) throw core::Error("reading", file.string(), no_such("variant", *options.variant, {}));
     // Assimp is not ours, and some of its parsers trust what a file says.
     if (Probe::is_possible()) {
         std::vector<std::string> words{"scene", file.string()};
@@ -69,7 +77,7 @@ Animation load(const std::filesystem::path& file, const LoadOptions& options) {
         animation.sky.image = static_cast<int>(animation.images.size());
         animation.images.push_back({*options.sky, *options.sky, {}});
     }
-    complete(animation, !no_sky);
+    complete(animation, no_sky ? DefaultLight::none : options.light);
     return animation;
 }
 

@@ -9,7 +9,7 @@
 namespace render2mpeg::scene {
 
 /// Reads a film from .gltf, .glb, an animation file (.json), .blend (by way of Blender), or any format that Assimp
-/// reads, checks it whole, and fills in what it lacks (a camera that orbits, a neutral sky), which is said in
+/// reads, checks it whole, and fills in what it lacks (a camera that turns about it, a studio), which is said in
 /// Animation::notes. Throws core::Error with file, object and cause for anything wrong.
 Animation load(const std::filesystem::path& file, const LoadOptions& options = {});
 

@@ -49,6 +49,8 @@ const std::vector<Library>& libraries() {
         {"FFmpeg", {"libav", "libsw"}, "encoder/av/", 2},
         {"TBB", {"tbb/", "oneapi/"}, "src/parallel/", 2},
         {"Assimp", {"assimp/"}, "src/scene/assimp/", 3},
+        {"Draco", {"draco/"}, "src/scene/module/", 1},
+        {"meshoptimizer", {"meshoptimizer.h"}, "src/scene/gltf/", 1},
         {"CLI11", {"CLI/"}, "src/app/options/", 2},
         {"GLM", {"glm/"}, "", any_number},
         {"fmt", {"fmt/"}, "", any_number},

@@ -87,7 +87,7 @@ Lit lit(const HardCase& hard_case, const SceneBuilder& scene, Way way) {
     // Cases count time in seconds, one frame each; films have 25.
     for (scene::Track& track : film.tracks)
         for (float& time : track.times) time /= 25;
-    scene::complete(film, hard_case.default_light);
+    scene::complete(film, hard_case.default_light ? scene::DefaultLight::even : scene::DefaultLight::none);
 
     Lit result;
     result.way = way;

@@ -44,8 +44,7 @@ TEST_F(GltfRefused, BracketsNestedBeyondAnyStack) {
 }
 
 TEST_F(GltfRefused, RequiredExtensionsThatAreMissingHere) {
-    expect_refused([](GltfFile& f) { f.json["extensionsRequired"] = {"KHR_draco_mesh_compression"}; },
-                   {"KHR_draco_mesh_compression"});
+    expect_refused([](GltfFile& f) { f.json["extensionsRequired"] = {"KHR_texture_basisu"}; }, {"KHR_texture_basisu"});
 }
 
 TEST_F(GltfRefused, CountsThatTheBufferDoesNotHold) {

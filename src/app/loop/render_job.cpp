@@ -114,6 +114,20 @@ void settle_display(RenderJob& film, const RenderOptions& options) {
     film.view = options.view ? core::View{core::view_from(*options.view)} : film.animation->view.value_or(core::View());
 }
 
+scene::DefaultLight light_of(const std::string& word) {
+    if (word == "none") return scene::DefaultLight::none;
+    return word == "even" ? scene::DefaultLight::even : scene::DefaultLight::studio;
+}
+
+/// In a studio what is white stays light, and what is black dark: from the exposure that would make all things mid
+/// grey.
+float studio_exposure(float to_mid_grey) {
+    // chosen: means of pictures of 95 to 155 of 255 (docs/models.md).
+    constexpr float darkest = 0.14f, lightest = 0.33f;
+    const float mean = 0.18f / std::exp2(to_mid_grey);
+    return std::log2(std::clamp(mean, darkest, lightest) / mean);
+}
+
 }  // namespace
 
 core::ToleranceMap RenderJob::tolerance_map() const {
@@ -144,8 +158,8 @@ RenderJob prepare(const RenderOptions& options) {
             options.output.string());
 
     // Read the scene.
-    auto loaded = std::make_shared<scene::Animation>(
-        scene::load(options.input, {options.camera, options.animation, options.sky}));
+    auto loaded = std::make_shared<scene::Animation>(scene::load(
+        options.input, {options.camera, options.animation, options.sky, options.variant, light_of(options.light)}));
     const Preset* preset = preset_of(options.coding);
     if (preset != nullptr) preset->check_output(options.output);
     const Shape shape = settle_shape(wishes_of(options, *loaded), preset, film.kind == OutputKind::film);
@@ -210,18 +224,25 @@ float measure_exposure(const RenderJob& film) {
 
     renderer::Renderer renderer = renderer_of(small);
     std::vector<float> surfaces, sky;
+    const int stage = film.animation->stage;
     for (int i = 0; i < frames; ++i) {
         const std::int64_t frame = film.frames.first + (film.frame_count() - 1) * (2 * i + 1) / (2 * frames);
         const scene::Snapshot world = small.snapshot(frame);
         if (i == 0) renderer.start_chunk(world);
         const renderer::Seen seen = renderer.see(world);
         const core::Radiance radiance = renderer.sketch(world, seen, small.tolerance_map());
-        for (std::size_t p = 0; p < radiance.combined.size(); ++p)
-            (seen.visible.kind.values()[p] == core::PixelClass::sky ? sky : surfaces)
-                .push_back(core::luminance(radiance.combined.values()[p]));
+        for (std::size_t p = 0; p < radiance.combined.size(); ++p) {
+            const float luminance = core::luminance(radiance.combined.values()[p]);
+            const bool of_stage = stage >= 0 && seen.visible.address.values()[p].object == static_cast<unsigned>(stage);
+            if (seen.visible.kind.values()[p] == core::PixelClass::sky)
+                sky.push_back(luminance);
+            else if (!of_stage)
+                surfaces.push_back(luminance);
+        }
         if (film.frame_count() == 1) break;
     }
-    return perceptual::auto_exposure(surfaces, sky);
+    const float exposure = perceptual::auto_exposure(surfaces, sky);
+    return stage < 0 ? exposure : studio_exposure(exposure);
 }
 
 }  // namespace render2mpeg::app

@@ -59,8 +59,10 @@ struct RenderOptions {
     std::string clamp = "bounded";         ///< "bounded" or "none"
     std::string cache = "auto";            ///< "on", "off" or "auto"
     std::optional<std::string> sky;        ///< image file or "none"
+    std::string light = "studio";          ///< of scenes without any: "studio", "even" or "none"
     std::optional<std::string> camera;
     std::optional<std::string> animation;
+    std::optional<std::string> variant;
     int threads = 0;  ///< 0: all
     std::optional<std::string> isa;
     std::optional<std::filesystem::path> stats;

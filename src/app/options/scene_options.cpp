@@ -35,8 +35,19 @@ void add_scene_options(CLI::App& command, RenderOptions& options) {
         ->type_name("NAME")
         ->group(scene);
     command
+        .add_option("--variant", options.variant,
+                    "Variant of a glTF file's materials, by name or index (default: none of them)")
+        ->type_name("NAME")
+        ->group(scene);
+    command
         .add_option("--sky", options.sky, "Sky image (EXR, HDR, latitude-longitude), or `none` (default: the scene's)")
         ->type_name("FILE|none")
+        ->group(scene);
+    command
+        .add_option("--light", options.light,
+                    "What lights a scene without any light: a `studio` with a floor, an `even` sky, or `none`")
+        ->check(CLI::IsMember({"studio", "even", "none"}))
+        ->capture_default_str()
         ->group(scene);
     command
         .add_option("--vpls", options.vpls,

@@ -27,6 +27,7 @@ Animation base_scene(const JsonValue& value, const fs::path& folder, const LoadO
                      const LoadScene& load_scene) {
     const auto scene = value.find("scene");
     if (!scene) {
+        if (options.variant) value.fail("names no scene, so that it has no variant \"" + *options.variant + "\"");
         if (options.animation) value.fail("names no scene, so that it has no animation \"" + *options.animation + "\"");
         return {};
     }

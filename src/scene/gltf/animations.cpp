@@ -1,4 +1,5 @@
 // Animations of a glTF file.
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -29,8 +30,8 @@ Interpolation interpolation_of(const Element& sampler) {
 
 class AnimationReader {
   public:
-    AnimationReader(const Document& document, const MeshReader& meshes, Animation& animation)
-        : document_(document), meshes_(meshes), animation_(animation) {}
+    AnimationReader(const Document& document, const MeshReader& meshes, const Carried& carried, Animation& animation)
+        : document_(document), meshes_(meshes), carried_(carried), animation_(animation) {}
 
     void read(const Element& element, const std::string& name) {
         const std::vector<Element> samplers = element.objects("samplers");
@@ -41,6 +42,10 @@ class AnimationReader {
                                std::to_string(samplers.size()));
             const std::optional<Element> target = channel.object("target");
             if (!target) channel.refuse("has no target");
+            if (const auto pointer = target->extension("KHR_animation_pointer")) {
+                add_pointed(pointer->string("pointer", ""), channel, samplers[sampler], name);
+                continue;
+            }
             const std::string path = target->string("path", "");
             const std::optional<TrackTarget> what = target_of(path);
             const int node = target->index("node", "nodes");
@@ -54,14 +59,126 @@ class AnimationReader {
     }
 
   private:
-    void add_track(TrackTarget what, int node, const Element& sampler, const std::string& name) {
-        // Clips of one character move the same nodes; two at a time make no sense.
-        const auto [first, is_new] = moved_.emplace(std::pair(what, node), name);
-        if (!is_new) {
+    /// A channel of KHR_animation_pointer.
+    void add_pointed(const std::string& pointer, const Element& channel, const Element& sampler,
+                     const std::string& name) {
+        using What = PointedTrack::What;
+        const PointedTrack pointed = pointed_track(document_, pointer);
+        switch (pointed.what) {
+            case What::translation:
+                return add_track(TrackTarget::translation, pointed.index, sampler, name);
+            case What::rotation:
+                return add_track(TrackTarget::rotation, pointed.index, sampler, name);
+            case What::scale:
+                return add_track(TrackTarget::scale, pointed.index, sampler, name);
+            case What::weights:
+                return add_track(TrackTarget::weights, pointed.index, sampler, name);
+            case What::visibility:
+                return add_numbers(TrackTarget::visibility, pointed.index, sampler, name, 1);
+            case What::field_of_view:
+                for (std::size_t i = 0; i < carried_.cameras.size(); ++i)
+                    if (carried_.cameras[i] == pointed.index)
+                        add_numbers(TrackTarget::field_of_view, static_cast<int>(i), sampler, name, 1);
+                return;
+            case What::light_intensity:
+                for (std::size_t i = 0; i < carried_.lights.size(); ++i)
+                    if (carried_.lights[i] == pointed.index) add_intensity(i, sampler, name);
+                return;
+            case What::emission:
+            case What::emission_strength:
+                return add_emission(pointed, sampler, name);
+            case What::unknown:
+                break;
+        }
+        note_once(animation_, channel.where() + ": moves " + in_quotes(pointer) + ", which stays still here; left out");
+    }
+
+    /// Whether nobody moved this before; clips of one character move the same nodes, and two at a time make no sense.
+    bool is_first(TrackTarget what, int index, const std::string& name) {
+        const auto [first, is_new] = moved_.emplace(std::pair(what, index), name);
+        if (!is_new)
             note_once(animation_, "animations " + in_quotes(first->second) + " and " + in_quotes(name) +
                                       " move the same nodes; there the first is used");
+        return is_new;
+    }
+
+    /// Keys of `components` numbers each, whatever they stand for.
+    Track keys_of(const Element& sampler, int components) {
+        Track track;
+        track.interpolation = interpolation_of(sampler);
+        track.width = components;
+        const int input = sampler.required_index("input", "accessors"),
+                  output = sampler.required_index("output", "accessors");
+        track.times = read_finite_floats(document_, input, {1}, 0, sampler.where() + ", input").values;
+        const std::size_t per_key = track.interpolation == Interpolation::cubic_spline ? 3 : 1;
+        track.values = read_finite_floats(document_, output, {components}, track.times.size() * per_key,
+                                          sampler.where() + ", output")
+                           .values;
+        return track;
+    }
+
+    /// A track of single numbers over `unit`.
+    void add_numbers(TrackTarget what, int index, const Element& sampler, const std::string& name, float unit) {
+        if (!is_first(what, index, name)) return;
+        Track track = keys_of(sampler, 1);
+        track.target = what;
+        track.index = index;
+        for (float& value : track.values) value /= unit;
+        animation_.tracks.push_back(std::move(track));
+    }
+
+    void add_intensity(std::size_t index, const Element& sampler, const std::string& name) {
+        // Tracks are shares of the lamp's own strength; a lamp that begins dark gets one.
+        float& own = animation_.lights[index].intensity;
+        if (!(own > 0)) own = 1;
+        add_numbers(TrackTarget::light_intensity, static_cast<int>(index), sampler, name, own);
+    }
+
+    /// Emission by colour or by strength; tracks are shares of the material's own.
+    void add_emission(const PointedTrack& pointed, const Element& sampler, const std::string& name) {
+        if (!is_first(TrackTarget::emission, pointed.index, name)) return;
+        Material& material = animation_.materials[static_cast<std::size_t>(pointed.index)];
+        const Element element = document_.at("materials", pointed.index);
+        const std::vector<double> factor = element.numbers("emissiveFactor", 3);
+        const auto extension = element.extension("KHR_materials_emissive_strength");
+        const auto strength = static_cast<float>(extension ? extension->number("emissiveStrength", 1) : 1);
+        const bool by_color = pointed.what == PointedTrack::What::emission;
+        Track track = keys_of(sampler, by_color ? 3 : 1);
+        track.target = TrackTarget::emission;
+        track.index = pointed.index;
+        if (!by_color) {
+            material.emission = factor.empty() ? glm::vec3(0) : glm::vec3(factor[0], factor[1], factor[2]);
+            animation_.tracks.push_back(std::move(track));
             return;
         }
+        // The brightest key's colour is the material's.
+        const auto color = [&](std::size_t k) {
+            return glm::vec3(track.values[3 * k], track.values[3 * k + 1], track.values[3 * k + 2]);
+        };
+        const std::size_t step = track.interpolation == Interpolation::cubic_spline ? 3 : 1;
+        glm::vec3 brightest(0);
+        for (std::size_t k = step / 2; 3 * k < track.values.size(); k += step)
+            if (glm::dot(color(k), color(k)) > glm::dot(brightest, brightest)) brightest = color(k);
+        const float square = glm::dot(brightest, brightest);
+        if (!(square > 0) || !std::isfinite(square)) return;
+        std::vector<float> shares;
+        bool one_color = true;
+        for (std::size_t k = 0; 3 * k < track.values.size(); ++k) {
+            const float share = glm::dot(color(k), brightest) / square;
+            shares.push_back(share);
+            if (k % step == step / 2)
+                one_color = one_color && glm::length(color(k) - share * brightest) <= 0.02f * std::sqrt(square);
+        }
+        if (!one_color)
+            note_once(animation_, element.where() + ": its emission changes its strength, but not its colour");
+        material.emission = strength * brightest;
+        track.width = 1;
+        track.values = std::move(shares);
+        animation_.tracks.push_back(std::move(track));
+    }
+
+    void add_track(TrackTarget what, int node, const Element& sampler, const std::string& name) {
+        if (!is_first(what, node, name)) return;
         Track track;
         track.target = what;
         track.index = node;
@@ -91,6 +208,7 @@ class AnimationReader {
 
     const Document& document_;
     const MeshReader& meshes_;
+    const Carried& carried_;
     Animation& animation_;
     std::map<std::pair<TrackTarget, int>, std::string> moved_;
 };
@@ -98,11 +216,11 @@ class AnimationReader {
 }  // namespace
 
 void read_animations(const Document& document, const LoadOptions& options, const MeshReader& meshes,
-                     Animation& animation) {
+                     const Carried& carried, Animation& animation) {
     const std::vector<Element> elements = document.all("animations");
     std::vector<std::string> names;
     for (const Element& element : elements) names.push_back(element.string("name", ""));
-    AnimationReader reader(document, meshes, animation);
+    AnimationReader reader(document, meshes, carried, animation);
     if (options.animation) {
         const std::optional<std::size_t> chosen = choose(*options.animation, names);
         if (!chosen)

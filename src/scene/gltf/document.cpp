@@ -1,15 +1,17 @@
 #include "scene/gltf/document.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <set>
 #include <stdexcept>
-#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "core/error.h"
+#include "scene/gltf/extensions.h"
+#include "scene/gltf/meshopt.h"
 #include "scene/gltf/uri.h"
 #include "scene/model/wording.h"
 
@@ -17,15 +19,6 @@ namespace render2mpeg::scene::gltf {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::array<std::string_view, 8> known_extensions{"KHR_lights_punctual",
-                                                           "KHR_materials_emissive_strength",
-                                                           "KHR_materials_unlit",
-                                                           "KHR_texture_transform",
-                                                           "KHR_materials_transmission",
-                                                           "KHR_materials_ior",
-                                                           "KHR_materials_pbrSpecularGlossiness",
-                                                           "KHR_mesh_quantization"};
 
 constexpr std::uint32_t glb_magic = 0x46546c67, json_chunk = 0x4e4f534a, binary_chunk = 0x004e4942;  // [glTF2, 4.4]
 
@@ -71,7 +64,8 @@ std::string message_of(const nlohmann::json::exception& error) {
 
 }  // namespace
 
-Document::Document(const fs::path& file) : file_(file), files_{file} {
+Document::Document(const fs::path& file, BeforeDecoding before_decoding)
+    : file_(file), files_{file}, before_decoding_(std::move(before_decoding)) {
     const std::vector<std::byte> bytes = read_scene_file(file);
     if (bytes.empty()) throw core::Error("reading", file.string(), "the file is empty");
     if (bytes.size() >= 4 && little_endian(bytes.data()) == glb_magic)
@@ -151,16 +145,16 @@ void Document::check_extensions() {
         }
         return names;
     };
-    const auto is_known = [](const std::string& name) {
-        return std::find(known_extensions.begin(), known_extensions.end(), name) != known_extensions.end();
-    };
     for (const std::string& name : names_in("extensionsRequired"))
-        if (!is_known(name)) refuse("", "needs the extension " + in_quotes(name) + ", which is not supported");
-    std::vector<std::string> seen;
-    for (const std::string& name : names_in("extensionsUsed")) {
-        if (is_known(name) || std::find(seen.begin(), seen.end(), name) != seen.end()) continue;
-        seen.push_back(name);
-        notes_.push_back("the optional extension " + in_quotes(name) + " is not supported; ignored");
+        if (!is_read(name)) refuse("", "needs the extension " + in_quotes(name) + ", which is not supported");
+    const std::vector<std::string> listed = names_in("extensionsUsed"), carried = extensions_in(json_);
+    std::set<std::string> told;
+    for (const std::string& name : listed)
+        if (!is_read(name) && told.insert(name).second) notes_.push_back(not_read(name));
+    for (const std::string& name : carried) {
+        if (std::find(listed.begin(), listed.end(), name) != listed.end()) continue;
+        notes_.push_back(is_read(name) ? "uses the extension " + in_quotes(name) + ", which it does not list"
+                                       : not_read(name) + " (the file uses it and does not list it)");
     }
 }
 
@@ -170,6 +164,12 @@ void Document::read_buffers() {
         const Element& buffer = buffers[i];
         const std::size_t length = buffer.required_size("byteLength");
         std::vector<std::byte> bytes;
+        const std::optional<Element> compressed = buffer.extension("EXT_meshopt_compression");
+        if (!buffer.has("uri") && compressed && compressed->boolean("fallback", false)) {
+            // Nothing but a place for what is decompressed: nobody asks for its bytes.
+            buffers_.emplace_back();
+            continue;
+        }
         if (buffer.has("uri")) {
             const std::string uri = buffer.string("uri", "");
             try {
@@ -215,17 +215,39 @@ std::vector<Element> Document::all(const char* kind) const {
     return elements;
 }
 
-Document::Bytes Document::view(int buffer_view, const std::string& where) const {
-    const Element view = at("bufferViews", buffer_view);
+Document::Bytes Document::part_of_buffer(const Element& view, const std::string& where) const {
     const std::vector<std::byte>& buffer = buffers_[static_cast<std::size_t>(view.required_index("buffer", "buffers"))];
     const std::size_t offset = view.size("byteOffset", 0), length = view.required_size("byteLength"),
                       stride = view.size("byteStride", 0);
     if (offset > buffer.size() || length > buffer.size() - offset)
         refuse(where, view.where() + " (" + std::to_string(length) + " bytes at " + std::to_string(offset) +
                           ") leaves its buffer of " + std::to_string(buffer.size()) + " bytes");
-    if (stride != 0 && (stride < 4 || stride > 252))
-        refuse(where, view.where() + " has a stride of " + std::to_string(stride) + " bytes; it must lie in 4..252");
     return {buffer.data() + offset, length, stride};
+}
+
+Document::Bytes Document::view(int buffer_view, const std::string& where) const {
+    const Element view = at("bufferViews", buffer_view);
+    if (const std::optional<Element> compressed = view.extension("EXT_meshopt_compression")) {
+        auto known = decoded_.find(buffer_view);
+        if (known == decoded_.end()) {
+            const Bytes packed = part_of_buffer(*compressed, where);
+            before_decoding();
+            known = decoded_.emplace(buffer_view, decode_meshopt(*compressed, {packed.first, packed.size})).first;
+        }
+        return {known->second.data(), known->second.size(), compressed->required_size("byteStride")};
+    }
+    const Bytes bytes = part_of_buffer(view, where);
+    if (bytes.stride != 0 && (bytes.stride < 4 || bytes.stride > 252))
+        refuse(where,
+               view.where() + " has a stride of " + std::to_string(bytes.stride) + " bytes; it must lie in 4..252");
+    return bytes;
+}
+
+void Document::before_decoding() const {
+    if (!before_decoding_) return;
+    std::uintmax_t size = json_.size();
+    for (const std::vector<std::byte>& buffer : buffers_) size += buffer.size();
+    std::exchange(before_decoding_, {})(size);
 }
 
 }  // namespace render2mpeg::scene::gltf

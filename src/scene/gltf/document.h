@@ -1,7 +1,10 @@
 #pragma once
 // A glTF file: its JSON and its buffers.
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -11,12 +14,16 @@
 
 namespace render2mpeg::scene::gltf {
 
+/// Called before bytes of a file are first given to a decoder that is not ours, with how many bytes the file has in
+/// all; may throw.
+using BeforeDecoding = std::function<void(std::uintmax_t bytes)>;
+
 /// A whole glTF file: its JSON, and the bytes of its buffers. [glTF2]
 class Document {
   public:
     /// Reads a .gltf or .glb file with its buffers. Throws core::Error for what is not glTF 2.0, is truncated, needs an
     /// extension that is missing here, or has a buffer that is not as long as it says.
-    explicit Document(const std::filesystem::path& file);
+    explicit Document(const std::filesystem::path& file, BeforeDecoding before_decoding = {});
 
     const std::filesystem::path& file() const { return file_; }
     std::filesystem::path folder() const { return file_.parent_path(); }
@@ -34,6 +41,8 @@ class Document {
         std::size_t stride = 0;  ///< 0: tightly packed
     };
     Bytes view(int buffer_view, const std::string& where) const;
+    /// To be called before a decoder is; see BeforeDecoding.
+    void before_decoding() const;
 
     /// Every file that was read, itself first.
     const std::vector<std::filesystem::path>& files() const { return files_; }
@@ -46,6 +55,7 @@ class Document {
     void check_asset() const;
     void check_extensions();
     void read_buffers();
+    Bytes part_of_buffer(const Element& view, const std::string& where) const;
 
     std::filesystem::path file_;
     nlohmann::json json_;
@@ -53,6 +63,8 @@ class Document {
     std::vector<std::vector<std::byte>> buffers_;
     std::vector<std::filesystem::path> files_;
     std::vector<std::string> notes_;
+    mutable BeforeDecoding before_decoding_;                 ///< empty: was called, or nobody asks
+    mutable std::map<int, std::vector<std::byte>> decoded_;  ///< compressed buffer views that were asked for
 };
 
 }  // namespace render2mpeg::scene::gltf

@@ -134,7 +134,8 @@ class MaterialReader {
             set_transform(*transform, use);
             set = transform->size("texCoord", set);
         }
-        const int image = texture.index("source", "images");
+        const std::optional<Element> webp = texture.extension("EXT_texture_webp");
+        const int image = webp ? webp->required_index("source", "images") : texture.index("source", "images");
         if (image < 0 || set > 1) {
             const std::string why =
                 image < 0 ? "has no image that is understood"

@@ -1,9 +1,13 @@
 // Meshes of a glTF file.
 #include <algorithm>
 #include <numeric>
+#include <stdexcept>
 
+#include "core/error.h"
+#include "core/module.h"
 #include "scene/gltf/accessor.h"
 #include "scene/gltf/parts.h"
+#include "scene/model/choice.h"
 #include "scene/model/wording.h"
 
 namespace render2mpeg::scene::gltf {
@@ -61,8 +65,33 @@ std::vector<glm::vec4> quadruples_at(const Floats& floats, const std::vector<std
 
 }  // namespace
 
+int variant_of(const Document& document, const LoadOptions& options, Animation& animation) {
+    std::vector<std::string> names;
+    if (const auto extension = document.root().extension("KHR_materials_variants"))
+        for (const Element& variant : extension->objects("variants")) names.push_back(variant.string("name", ""));
+    if (options.variant) {
+        const std::optional<std::size_t> chosen = choose(*options.variant, names);
+        if (!chosen)
+            throw core::Error("reading", document.file().string(), no_such("variant", *options.variant, names));
+        return static_cast<int>(*chosen);
+    }
+    if (names.empty()) return -1;
+    std::string list;
+    for (const std::string& name : names) list += (list.empty() ? "" : ", ") + in_quotes(name);
+    note_once(animation,
+              "has " + counted(names.size(), "variant") + " of materials (--variant): " + list.substr(0, 200));
+    return -1;
+}
+
 const Floats& MeshReader::floats(int accessor, std::initializer_list<int> components, std::size_t count,
                                  const std::string& user) {
+    if (const auto own = decompressed_.find(accessor); own != decompressed_.end()) {
+        const bool allowed =
+            std::find(components.begin(), components.end(), own->second.components) != components.end();
+        if (!allowed || (count != 0 && own->second.count() != count))
+            document_.refuse(user, "what is decompressed does not fit here");
+        return own->second;
+    }
     const auto known = decoded_.find(accessor);
     if (known != decoded_.end()) {
         const bool fits = (count == 0 || known->second.count() == count) &&
@@ -74,7 +103,67 @@ const Floats& MeshReader::floats(int accessor, std::initializer_list<int> compon
     return decoded_.insert_or_assign(accessor, std::move(floats)).first->second;
 }
 
+const DracoMesh* MeshReader::read_draco(const Element& primitive, const std::map<std::string, int>& attributes) {
+    draco_.reset();
+    decompressed_.clear();
+    const std::optional<Element> extension = primitive.extension("KHR_draco_mesh_compression");
+    if (!extension) return nullptr;
+    const std::optional<Element> numbers = extension->object("attributes");
+    if (!numbers) extension->refuse("names no attributes");
+    std::map<std::string, std::uint32_t> wanted;
+    for (const auto& [name, accessor] : attributes)
+        if (numbers->has(name.c_str()))
+            wanted[name] = static_cast<std::uint32_t>(numbers->required_size(name.c_str()) & 0xffffffffu);
+    const Document::Bytes bytes =
+        document_.view(extension->required_index("bufferView", "bufferViews"), extension->where());
+    std::vector<std::uint32_t> ids;
+    for (const auto& [name, id] : wanted) ids.push_back(id);
+    document_.before_decoding();
+    static const DracoDecoder& decoder =
+        *core::module_function<const DracoDecoder*()>("draco", "render2mpeg_draco_decoder")();
+    try {
+        draco_ = decoder.decode({bytes.first, bytes.size}, ids);
+    } catch (const std::invalid_argument& error) {
+        extension->refuse(error.what());
+    }
+    for (const auto& [name, id] : wanted) {
+        DracoMesh::Values& values = draco_->attributes.at(id);
+        const Element accessor = document_.at("accessors", attributes.at(name));
+        // Draco may not say that integers are shares of 1 though the accessor does.
+        const std::size_t type = accessor.size("componentType", 5126);
+        if (accessor.boolean("normalized", false) && !values.normalized && type >= 5120 && type <= 5123) {
+            const float largest = type == 5120 ? 127.0f : type == 5121 ? 255.0f : type == 5122 ? 32767.0f : 65535.0f;
+            for (float& value : values.values) value = std::max(value / largest, -1.0f);
+        }
+        decompressed_[attributes.at(name)] = {values.components, values.values};
+    }
+    return &*draco_;
+}
+
+std::vector<std::uint32_t> MeshReader::read_joint_numbers(int accessor, std::size_t count, const std::string& user) {
+    const auto own = decompressed_.find(accessor);
+    if (own == decompressed_.end()) return read_integers(document_, accessor, 4, count, user);
+    const Floats& values = own->second;
+    if (values.components != 4 || values.count() != count)
+        document_.refuse(user, "what is decompressed does not fit here");
+    std::vector<std::uint32_t> numbers;
+    for (const float value : values.values)
+        numbers.push_back(value >= 0 && value <= 65535 ? static_cast<std::uint32_t>(value) : 0x10000u);
+    return numbers;
+}
+
+int MeshReader::material_of(const Element& primitive) const {
+    const int own = primitive.index("material", "materials");
+    const std::optional<Element> variants = primitive.extension("KHR_materials_variants");
+    if (variant_ < 0 || !variants) return own;
+    for (const Element& mapping : variants->objects("mappings"))
+        for (const double number : mapping.numbers("variants", 0))
+            if (number == variant_) return mapping.required_index("material", "materials");
+    return own;
+}
+
 std::vector<std::uint32_t> MeshReader::read_corners(const Element& primitive, std::size_t vertices) const {
+    if (draco_) return draco_->corners;
     const int accessor = primitive.index("indices", "accessors");
     if (accessor < 0) {
         std::vector<std::uint32_t> corners(vertices);
@@ -100,7 +189,7 @@ void MeshReader::read_joints(const Element& primitive, const std::map<std::strin
             primitive.refuse("has joints without weights, or weights without joints");
         const Floats& weight = floats(weights->second, {4}, 0, primitive.where() + ", " + weights->first);
         const std::vector<std::uint32_t> joint =
-            read_integers(document_, joints->second, 4, weight.count(), primitive.where() + ", " + joints->first);
+            read_joint_numbers(joints->second, weight.count(), primitive.where() + ", " + joints->first);
         mesh.joints.resize(used.size());
         for (std::size_t v = 0; v < used.size(); ++v)
             for (std::size_t k = 0; k < 4; ++k) {
@@ -140,6 +229,8 @@ std::optional<Mesh> MeshReader::read_primitive(const Element& primitive) {
         attributes.emplace(name, accessor);
     const auto position = attributes.find("POSITION");
     if (position == attributes.end()) return ++without_positions_, std::nullopt;
+    if (read_draco(primitive, attributes) != nullptr && mode != triangles)
+        primitive.refuse("is compressed and not of single triangles");
 
     // Keep only the vertices that are used: exporters let many primitives share one large array.
     const Floats& positions = floats(position->second, {3}, 0, primitive.where() + ", POSITION");
@@ -185,7 +276,7 @@ const std::vector<MeshReader::Part>& MeshReader::parts_of(int index) {
             primitives[p].refuse("has not as many morph targets as the other primitives of its mesh");
         mesh->name = element.string("name", "");
         if (primitives.size() > 1) mesh->name.append("/").append(std::to_string(p));
-        parts.push_back({static_cast<int>(animation_.meshes.size()), primitives[p].index("material", "materials"), p});
+        parts.push_back({static_cast<int>(animation_.meshes.size()), material_of(primitives[p]), p});
         animation_.meshes.push_back(std::move(*mesh));
     }
     return parts_.emplace(index, std::move(parts)).first->second;

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
+#include <map>
+#include <set>
 
 #include "core/numeric.h"
 #include "scene/gltf/accessor.h"
@@ -71,12 +73,15 @@ class SceneReader {
         : document_(document), meshes_(meshes), animation_(animation), skin_of_(document.count("skins"), -1) {
         if (const auto extension = document.root().extension("KHR_lights_punctual"))
             lights_ = extension->objects("lights");
+        for (const PointedTrack& pointed : pointed_tracks(document))
+            if (pointed.what == PointedTrack::What::visibility) switched_.insert(pointed.index);
     }
 
-    void run() {
+    Carried run() {
         read_nodes();
-        for (const int node : nodes_of_scene()) read_contents(node);
+        for (const int node : nodes_of_scene()) read_contents(node, is_hidden(node));
         name_cameras();
+        return carried_;
     }
 
   private:
@@ -149,15 +154,44 @@ class SceneReader {
         return order;
     }
 
-    void read_contents(int node) {
+    /// Whether nobody ever sees what a node and those below it hold [KHR_node_visibility]; its parent was asked before.
+    bool is_hidden(int node) {
+        hidden_.resize(animation_.nodes.size(), 0);
+        const int parent = animation_.nodes[static_cast<std::size_t>(node)].parent;
+        char& hidden = hidden_[static_cast<std::size_t>(node)];
+        hidden = parent >= 0 && hidden_[static_cast<std::size_t>(parent)];
+        const auto extension = document_.at("nodes", node).extension("KHR_node_visibility");
+        if (!extension || extension->boolean("visible", true)) return hidden;
+        if (!switched_.contains(node)) {
+            hidden = 1;
+            return true;
+        }
+        Track track;
+        track.target = TrackTarget::visibility;
+        track.index = node;
+        track.interpolation = Interpolation::step;
+        track.width = 1;
+        track.times = {0};
+        track.values = {0};
+        animation_.tracks.push_back(std::move(track));
+        return hidden;
+    }
+
+    void read_contents(int node, bool hidden) {
         const Element element = document_.at("nodes", node);
-        if (const int mesh = element.index("mesh", "meshes"); mesh >= 0) read_objects(element, node, mesh);
+        if (const int mesh = element.index("mesh", "meshes"); mesh >= 0 && !hidden) {
+            if (const auto copies = element.extension("EXT_mesh_gpu_instancing"))
+                read_copies(*copies, element, node, mesh);
+            else
+                read_objects(element, node, node, mesh);
+        }
         if (const int camera = element.index("camera", "cameras"); camera >= 0) {
             CameraLens lens = lens_of(document_.at("cameras", camera));
             lens.node = node;
             animation_.cameras.push_back(std::move(lens));
+            carried_.cameras.push_back(camera);
         }
-        if (const auto extension = element.extension("KHR_lights_punctual")) {
+        if (const auto extension = element.extension("KHR_lights_punctual"); extension && !hidden) {
             const std::size_t index = extension->required_size("light");
             if (index >= lights_.size())
                 element.refuse("refers to light " + std::to_string(index) + ", but there are " +
@@ -166,10 +200,45 @@ class SceneReader {
             if (light.name.empty()) light.name = animation_.nodes[static_cast<std::size_t>(node)].name;
             light.node = node;
             animation_.lights.push_back(std::move(light));
+            carried_.lights.push_back(static_cast<int>(index));
         }
     }
 
-    void read_objects(const Element& element, int node, int mesh) {
+    /// One node and its objects for each copy, below the node that carries them [EXT_mesh_gpu_instancing].
+    void read_copies(const Element& extension, const Element& element, int node, int mesh) {
+        std::size_t count = 0;
+        std::map<std::string, Floats> columns;
+        for (const auto& [name, accessor] : extension.index_map("attributes", "accessors")) {
+            const int components = name == "ROTATION" ? 4 : name == "TRANSLATION" || name == "SCALE" ? 3 : 0;
+            if (components == 0) continue;  // attributes of one's own
+            columns[name] = read_finite_floats(document_, accessor, {components}, count, element.where() + ", " + name);
+            count = columns[name].count();
+        }
+        // chosen: 2^20 copies, some 400 bytes each; fields of grass have a tenth.
+        constexpr std::size_t most_copies = std::size_t{1} << 20;
+        copies_ += count;
+        if (copies_ > most_copies) element.refuse("has too many copies; at most 1048576 are read");
+        if (element.index("skin", "skins") >= 0)
+            note_once(animation_, element.where() + ": copies are not moved by its skin");
+        const auto values = [&](const char* name, std::size_t i) -> const float* {
+            const auto column = columns.find(name);
+            if (column == columns.end()) return nullptr;
+            return &column->second.values[i * static_cast<std::size_t>(column->second.components)];
+        };
+        for (std::size_t i = 0; i < count; ++i) {
+            Node copy;
+            copy.name = animation_.nodes[static_cast<std::size_t>(node)].name;
+            copy.parent = node;
+            if (const float* t = values("TRANSLATION", i)) copy.translation = {t[0], t[1], t[2]};
+            if (const float* r = values("ROTATION", i)) copy.rotation = {r[3], r[0], r[1], r[2]};
+            if (const float* s = values("SCALE", i)) copy.scale = {s[0], s[1], s[2]};
+            animation_.nodes.push_back(std::move(copy));
+            read_objects(element, node, static_cast<int>(animation_.nodes.size()) - 1, mesh);
+        }
+    }
+
+    /// Objects of the mesh that `element`, the node `owner`, carries, at the node `node`.
+    void read_objects(const Element& element, int owner, int node, int mesh) {
         const std::vector<MeshReader::Part>& parts = meshes_.parts_of(mesh);
         const Element mesh_element = document_.at("meshes", mesh);
         const std::size_t targets = meshes_.morph_targets_of(mesh);
@@ -179,7 +248,7 @@ class SceneReader {
             element.refuse("has " + counted(weights.size(), "morph weight") + " for " +
                            counted(targets, "morph target"));
         const int skin = element.index("skin", "skins");
-        std::string name = animation_.nodes[static_cast<std::size_t>(node)].name;
+        std::string name = animation_.nodes[static_cast<std::size_t>(owner)].name;
         if (name.empty()) name = mesh_element.string("name", "");
         for (const MeshReader::Part& part : parts) {
             Object object;
@@ -187,7 +256,7 @@ class SceneReader {
             object.node = node;
             object.mesh = part.mesh;
             object.material = part.material >= 0 ? part.material : default_material(animation_);
-            if (skin >= 0 && !animation_.meshes[static_cast<std::size_t>(part.mesh)].joints.empty())
+            if (skin >= 0 && owner == node && !animation_.meshes[static_cast<std::size_t>(part.mesh)].joints.empty())
                 object.skin = skin_index(skin);
             object.morph_weights.assign(weights.begin(), weights.end());
             animation_.objects.push_back(std::move(object));
@@ -234,12 +303,16 @@ class SceneReader {
     std::vector<Element> lights_;
     std::vector<std::vector<int>> children_;
     std::vector<int> skin_of_;
+    Carried carried_;
+    std::vector<char> hidden_;
+    std::set<int> switched_;  ///< nodes that an animation shows and hides
+    std::size_t copies_ = 0;
 };
 
 }  // namespace
 
-void read_scene(const Document& document, MeshReader& meshes, Animation& animation) {
-    SceneReader(document, meshes, animation).run();
+Carried read_scene(const Document& document, MeshReader& meshes, Animation& animation) {
+    return SceneReader(document, meshes, animation).run();
 }
 
 }  // namespace render2mpeg::scene::gltf

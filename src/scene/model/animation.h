@@ -68,6 +68,7 @@ struct Animation {
     std::vector<CameraLens> cameras;  ///< at least one after loading
     std::vector<Light> lights;
     Sky sky;
+    int stage = -1;  ///< object: the floor that default light adds, which exposure looks past; -1: none
     std::vector<Track> tracks;
     std::vector<Shot> shots;  ///< by frame; empty: camera 0 throughout
 

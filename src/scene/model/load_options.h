@@ -5,11 +5,16 @@
 
 namespace render2mpeg::scene {
 
+/// What lights a film that has no light: a studio (preparation/studio.h), an even sky, or nothing.
+enum class DefaultLight { studio, even, none };
+
 /// What the command line decides over the file.
 struct LoadOptions {
-    std::optional<std::string> camera;     ///< name or index
-    std::optional<std::string> animation;  ///< name or index of a glTF animation; none: all of them at once
-    std::optional<std::string> sky;        ///< image file, or "none"
+    std::optional<std::string> camera{};     ///< name or index
+    std::optional<std::string> animation{};  ///< name or index of a glTF animation; none: all of them at once
+    std::optional<std::string> sky{};        ///< image file, or "none"
+    std::optional<std::string> variant{};    ///< name or index of one of glTF's variants of materials
+    DefaultLight light = DefaultLight::studio;
 };
 
 }  // namespace render2mpeg::scene

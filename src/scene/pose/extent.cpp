@@ -53,6 +53,19 @@ std::optional<Extent> extent_at(const Animation& animation, double seconds) {
     return any ? std::optional(extent) : std::nullopt;
 }
 
+std::optional<Extent> extent_of_film(const Animation& animation) {
+    std::optional<Extent> whole;
+    for (int k = 0; k < 5; ++k) {
+        const std::optional<Extent> now = extent_at(animation, animation.duration * k / 4);
+        if (!now) continue;
+        if (!whole) whole = now;
+        whole->low = glm::min(whole->low, now->low);
+        whole->high = glm::max(whole->high, now->high);
+        if (animation.duration == 0) break;
+    }
+    return whole;
+}
+
 Extent detailed_extent_at(const Animation& animation, double seconds) {
     const Pose pose = pose_at(animation, seconds);
     std::vector<double> centres[3];

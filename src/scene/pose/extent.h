@@ -18,6 +18,9 @@ struct Extent {
 /// The box about all triangles that are present at this time; nothing where there are none. Needs a valid film.
 std::optional<Extent> extent_at(const Animation& animation, double seconds);
 
+/// The box about all that a film shows, looked at five times. Needs a valid film whose duration is set.
+std::optional<Extent> extent_of_film(const Animation& animation);
+
 /// The box about the middle 98 % of the triangles along each axis (by their centres): what is modelled, without the
 /// ground and the backdrop around it. Needs a film that has triangles at this time.
 Extent detailed_extent_at(const Animation& animation, double seconds);

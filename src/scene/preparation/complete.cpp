@@ -38,15 +38,6 @@ void set_mobility(Animation& animation) {
     }
 }
 
-bool has_light(const Animation& animation) {
-    if (animation.sky.shines()) return true;
-    for (const Light& light : animation.lights)
-        if (light.intensity > 0 && light.color != glm::vec3(0)) return true;
-    return std::any_of(animation.objects.begin(), animation.objects.end(), [&](const Object& object) {
-        return animation.materials[static_cast<std::size_t>(object.material)].emits();
-    });
-}
-
 /// Seconds at which the film begins, as far as the file says.
 double first_second(const Animation& animation) {
     if (!animation.first_frame || !animation.frame_rate) return 0;
@@ -77,7 +68,7 @@ void set_duration(Animation& animation) {
 
 }  // namespace
 
-void complete(Animation& animation, bool default_light) {
+void complete(Animation& animation, DefaultLight light) {
     // Check, in the order in which the checks rely on each other.
     validate_nodes(animation);
     validate_meshes(animation);
@@ -91,16 +82,20 @@ void complete(Animation& animation, bool default_light) {
     set_mobility(animation);
     set_duration(animation);
     suggest_rate(animation);
+    const bool dark = !has_light(animation);
+    View view = View::orbit;
     if (animation.cameras.empty()) {
-        note_once(animation, add_automatic_camera(animation));
+        const AutomaticCamera camera = add_automatic_camera(animation, dark && light == DefaultLight::studio);
+        note_once(animation, camera.note);
+        view = camera.view;
         set_duration(animation);
     } else if (animation.cameras.size() > 1 && animation.shots.empty()) {
         const std::string& name = animation.cameras.front().name;
         note_once(animation, counted(animation.cameras.size(), "camera") + " and no choice: the first is used" +
                                  (name.empty() ? "" : ", " + in_quotes(name)));
     }
-    if (default_light && !has_light(animation))
-        note_once(animation, add_default_light(animation, first_second(animation)));
+    if (dark && light != DefaultLight::none)
+        note_once(animation, add_default_light(animation, first_second(animation), light, view));
     set_origin_and_bounds(animation);
 }
 

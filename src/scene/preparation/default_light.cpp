@@ -7,6 +7,7 @@
 #include "scene/pose/extent.h"
 #include "scene/pose/pose.h"
 #include "scene/pose/surface_grid.h"
+#include "scene/preparation/studio.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -40,15 +41,43 @@ void make_shine(Animation& animation, Object& object) {
     animation.materials.push_back(std::move(material));
 }
 
+/// Lights an open film by a studio; `to_world` is the camera's.
+void light_by_studio(Animation& animation, const glm::dmat4& to_world) {
+    const Extent extent = extent_of_film(animation).value();
+    const glm::dvec3 eye(to_world[3]);
+    // A camera among the things is in a hall, or in a landscape, which has its own ground.
+    const bool among = glm::all(glm::greaterThan(eye, extent.low)) && glm::all(glm::lessThan(eye, extent.high));
+    add_studio(animation, extent, -glm::dvec3(to_world[2]), eye.y > extent.low.y && !among);
+}
+
 }  // namespace
 
-std::string add_default_light(Animation& animation, double seconds) {
+bool has_light(const Animation& animation) {
+    if (animation.sky.shines()) return true;
+    for (const Light& light : animation.lights)
+        if (light.intensity > 0 && light.color != glm::vec3(0)) return true;
+    return std::any_of(animation.objects.begin(), animation.objects.end(), [&](const Object& object) {
+        const Material& material = animation.materials[static_cast<std::size_t>(object.material)];
+        const bool glows = material.emission_texture.present() &&
+                           std::max({material.emission.x, material.emission.y, material.emission.z}) <= 1;
+        return material.emits() && !glows;
+    });
+}
+
+std::string add_default_light(Animation& animation, double seconds, DefaultLight kind, View view) {
     const std::optional<Extent> extent = extent_at(animation, seconds);
     const Pose pose = pose_at(animation, seconds);
     const int camera = animation.shots.empty() ? 0 : animation.shots.front().camera;
     const int node = animation.cameras[static_cast<std::size_t>(camera)].node;
     const glm::dvec3 eye(pose.world_of(node)[3]);
-    if (!extent || !(extent->radius() > 0) || !SurfaceGrid(animation, seconds, *extent).closes_in(eye)) {
+    const bool empty = !extent || !(extent->radius() > 0);
+    if (empty || !SurfaceGrid(animation, seconds, *extent).closes_in(eye)) {
+        if (kind == DefaultLight::studio && !empty && view != View::front) {
+            // The automatic camera turns: the lights are for the middle of its way.
+            const double middle = seconds + 0.5 * std::min(animation.duration, studio_seconds);
+            light_by_studio(animation, pose_at(animation, middle).world_of(node));
+            return "light: studio (the file has none; --light even or none)";
+        }
         animation.sky.color = glm::vec3(1);
         animation.sky.image = -1;
         return "no light: lit by a neutral sky";

@@ -3,12 +3,20 @@
 #include <string>
 
 #include "scene/model/animation.h"
+#include "scene/model/load_options.h"
+#include "scene/preparation/framing.h"
 
 namespace render2mpeg::scene {
 
-/// Lights a film that has no light at all, and returns one line that says how: by a neutral sky; or, where the first
-/// camera is closed in at `seconds` so that no sky could reach it, by the surface that closes everything in (a sky
-/// dome, a room), or else by a lamp at the camera. Needs a film that is valid otherwise and has a camera.
-std::string add_default_light(Animation& animation, double seconds);
+/// Whether anything lights the film. Surfaces that glow by a picture, no brighter than white, do not: they are screens
+/// and eyes, which shine on nothing.
+bool has_light(const Animation& animation);
+
+/// Lights a film that has no light at all, and returns one line that says how: by a studio or a neutral sky; or, where
+/// the first camera is closed in at `seconds` so that no sky could reach it, by the surface that closes everything in
+/// (a sky dome, a room), or else by a lamp at the camera. A studio has a floor where the camera looks on from outside,
+/// and is a neutral sky where it looks into an open side (`view` of an automatic camera). Needs a film that is valid
+/// otherwise and has a camera.
+std::string add_default_light(Animation& animation, double seconds, DefaultLight kind, View view);
 
 }  // namespace render2mpeg::scene

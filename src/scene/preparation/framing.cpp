@@ -13,7 +13,9 @@
 
 #include "core/numeric.h"
 #include "scene/pose/extent.h"
+#include "scene/pose/pose.h"
 #include "scene/pose/surface_grid.h"
+#include "scene/preparation/studio.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -32,6 +34,10 @@ constexpr double gain_within = 1.6;
 constexpr double least_trimmed = 0.1, most_trimmed = 0.5;
 // chosen: a Cornell box has 0 seen through its open side, a closed room 0.8; 0.05 .. 0.5 choose alike.
 constexpr double share_of_open_side = 0.2;
+// A longer lens than elsewhere, as products are shown. chosen: 16 seconds a turn is slow enough to look at, 4 seconds
+// of it show the front and both sides.
+constexpr double studio_fov = 0.5235988;  // 30 degrees
+constexpr double studio_turns = 1 / 16.0, studio_start = 0.7;
 constexpr double orbit_period = 8, turn_period = 16, sway_period = 8;  // seconds
 
 double heading_of(int k) {
@@ -62,7 +68,7 @@ double fitting_distance(const Extent& extent, double elevation) {
 
 /// A way of looking: a pivot that turns, and a camera at a distance from it.
 struct Framing {
-    enum class Kind { orbit, front, turn } kind = Kind::orbit;
+    View kind = View::orbit;
     glm::dvec3 pivot{0};
     double distance = 0;
     double elevation = 0;
@@ -74,8 +80,7 @@ struct Framing {
 };
 
 Framing judge_orbit(SurfaceGrid& grid, const Extent& extent) {
-    Framing framing{
-        Framing::Kind::orbit, extent.centre(), fitting_distance(extent, orbit_elevation), orbit_elevation, 0, 0, 0};
+    Framing framing{View::orbit, extent.centre(), fitting_distance(extent, orbit_elevation), orbit_elevation, 0, 0, 0};
     for (int k = 0; k < headings; ++k) {
         const glm::dmat3 axes = axes_for(heading_of(k), -orbit_elevation);
         const SurfaceGrid::Seen seen = grid.seen_from(framing.pivot + axes[2] * framing.distance, axes);
@@ -87,8 +92,7 @@ Framing judge_orbit(SurfaceGrid& grid, const Extent& extent) {
 
 /// The best of the level views from outside.
 Framing judge_front(SurfaceGrid& grid, const Extent& extent) {
-    Framing best{
-        Framing::Kind::front, extent.centre(), fitting_distance(extent, front_elevation), front_elevation, 0, -1, 0};
+    Framing best{View::front, extent.centre(), fitting_distance(extent, front_elevation), front_elevation, 0, -1, 0};
     for (int k = 0; k < headings; ++k) {
         const glm::dmat3 axes = axes_for(heading_of(k), -front_elevation);
         const SurfaceGrid::Seen seen = grid.seen_from(best.pivot + axes[2] * best.distance, axes);
@@ -110,7 +114,7 @@ Framing judge_turn(const Animation& animation, const Extent& whole) {
         extent = whole;
     SurfaceGrid grid(animation, 0, extent);
 
-    Framing best{Framing::Kind::turn, extent.centre(), 0, 0, 0, 0, 0};
+    Framing best{View::turn, extent.centre(), 0, 0, 0, 0, 0};
     double most_detail = 0;
     constexpr std::array<double, 5> across{0.5, 0.35, 0.65, 0.2, 0.8};
     constexpr std::array<double, 3> high{0.35, 0.2, 0.6};
@@ -137,24 +141,10 @@ Framing judge_turn(const Animation& animation, const Extent& whole) {
     return best;
 }
 
-/// The box about everything the film shows, looked at five times.
-std::optional<Extent> extent_of_film(const Animation& animation) {
-    std::optional<Extent> whole;
-    for (int k = 0; k < 5; ++k) {
-        const std::optional<Extent> now = extent_at(animation, animation.duration * k / 4);
-        if (!now) continue;
-        if (!whole) whole = now;
-        whole->low = glm::min(whole->low, now->low);
-        whole->high = glm::max(whole->high, now->high);
-        if (animation.duration == 0) break;
-    }
-    return whole;
-}
-
 Framing choose_framing(const Animation& animation) {
     const std::optional<Extent> extent = extent_of_film(animation);
     if (!extent || !(extent->radius() > 0))
-        return {Framing::Kind::orbit, extent ? extent->centre() : glm::dvec3(0), 3, orbit_elevation, 0, 0, 0};
+        return {View::orbit, extent ? extent->centre() : glm::dvec3(0), 3, orbit_elevation, 0, 0, 0};
     SurfaceGrid grid(animation, 0, *extent);
     const Framing orbit = judge_orbit(grid, *extent);
     if (orbit.share_turned_away() < share_of_halls) return orbit;
@@ -168,8 +158,8 @@ Framing choose_framing(const Animation& animation) {
 
 /// Rotation keys about +y that last for the film, or for one period where nothing else moves.
 Track turning_track(int node, const Framing& framing, double duration) {
-    const bool sways = framing.kind == Framing::Kind::front;
-    const double period = framing.kind == Framing::Kind::orbit ? orbit_period : sways ? sway_period : turn_period;
+    const bool sways = framing.kind == View::front;
+    const double period = framing.kind == View::orbit ? orbit_period : sways ? sway_period : turn_period;
     const double length = duration > 0 ? duration : period;
     // chosen: a quarter turn a key is within the half turn that a shortest path allows; 32 keys make a sine look
     // smooth.
@@ -190,10 +180,74 @@ Track turning_track(int node, const Framing& framing, double duration) {
     return track;
 }
 
+/// Moves an orbit up or down and as near as it can go, so that what the film shows fills the picture from all sides.
+void fill_picture(const Animation& animation, Framing& framing) {
+    std::vector<glm::dvec3> points;
+    // chosen: a film is looked at 33 times, one of very many vertices 5 times; dancers' arms are seen in between.
+    std::size_t vertices = 0;
+    for (const Mesh& mesh : animation.meshes) vertices += mesh.positions.size();
+    const int looks = animation.duration > 0 ? (vertices < 400'000 ? 33 : 5) : 1;
+    for (int k = 0; k < looks; ++k) {
+        const Pose pose = pose_at(animation, animation.duration * k / std::max(1, looks - 1));
+        for (const Object& object : animation.objects) {
+            const std::vector<glm::dvec3> positions = world_positions(animation, object, pose);
+            // chosen: some 1,000 points of an object tell its outline.
+            const std::size_t step = positions.size() / 1024 + 1;
+            for (std::size_t i = 0; i < positions.size(); i += step) points.push_back(positions[i] - framing.pivot);
+        }
+    }
+    const double tangent = std::tan(0.5 * studio_fov);
+    double rise = 0, distance = 0;
+    constexpr int sides = 24, rounds = 3;
+    for (int round = 0; round < rounds; ++round) {
+        double highest = 0, lowest = 0, nearest = 0;
+        for (int k = 0; k < sides; ++k) {
+            const glm::dmat3 axes = axes_for(2 * glm::pi<double>() * k / sides, -framing.elevation);
+            for (const glm::dvec3& p : points) {
+                const glm::dvec3 seen = glm::transpose(axes) * (p - glm::dvec3(0, rise, 0));
+                nearest = std::max(nearest, seen.z + std::max(std::abs(seen.x), std::abs(seen.y)) / tangent);
+                if (round == 0 || distance <= seen.z) continue;
+                const double up = seen.y / (distance - seen.z);
+                highest = std::max(highest, up);
+                lowest = std::min(lowest, up);
+            }
+        }
+        if (!(nearest > 0)) return;
+        distance = nearest;
+        if (round + 1 < rounds) rise += 0.5 * (highest + lowest) * distance / std::cos(framing.elevation);
+    }
+    framing.pivot.y += rise;
+    // chosen: a margin of 12 %, room for the shadow.
+    framing.distance = 1.12 * distance;
+}
+
+/// A slow turn about +y in the studio: of still things for four seconds, from the left past the front to the right.
+Track studio_track(int node, double duration) {
+    const double length = duration > 0 ? duration : studio_seconds;
+    const int keys = std::max(1, static_cast<int>(std::ceil(std::min(1e5, 4 * studio_turns * length))));
+    Track track;
+    track.target = TrackTarget::rotation;
+    track.index = node;
+    track.width = 4;
+    for (int k = 0; k <= keys; ++k) {
+        const double seconds = length * k / keys;
+        const double yaw = studio_start - 2 * glm::pi<double>() * studio_turns * seconds;
+        track.times.push_back(static_cast<float>(seconds));
+        track.values.insert(track.values.end(),
+                            {0.0f, static_cast<float>(std::sin(yaw / 2)), 0.0f, static_cast<float>(std::cos(yaw / 2))});
+    }
+    return track;
+}
+
 }  // namespace
 
-std::string add_automatic_camera(Animation& animation) {
-    const Framing framing = choose_framing(animation);
+AutomaticCamera add_automatic_camera(Animation& animation, bool in_studio) {
+    Framing framing = choose_framing(animation);
+    const bool studio = in_studio && framing.kind == View::orbit && !animation.objects.empty();
+    if (studio) {
+        framing.elevation = studio_elevation;
+        fill_picture(animation, framing);
+    }
 
     Node pivot;
     pivot.name = "automatic camera's pivot";
@@ -207,19 +261,22 @@ std::string add_automatic_camera(Animation& animation) {
     lens.name = "automatic";
     lens.node = eye.parent + 1;
     // Within a room walls are near: a wider view.
-    lens.vertical_fov = static_cast<float>(framing.kind == Framing::Kind::turn ? 1.4 * vertical_fov : vertical_fov);
+    lens.vertical_fov = static_cast<float>(framing.kind == View::turn ? 1.4 * vertical_fov
+                                           : studio                   ? studio_fov
+                                                                      : vertical_fov);
 
-    animation.tracks.push_back(turning_track(eye.parent, framing, animation.duration));
+    animation.tracks.push_back(studio ? studio_track(eye.parent, animation.duration)
+                                      : turning_track(eye.parent, framing, animation.duration));
     animation.nodes.push_back(std::move(pivot));
     animation.nodes.push_back(std::move(eye));
     animation.cameras.push_back(std::move(lens));
     switch (framing.kind) {
-        case Framing::Kind::front:
-            return "no camera: looks into the open side and sways";
-        case Framing::Kind::turn:
-            return "no camera: turns about within the scene";
+        case View::front:
+            return {"no camera: looks into the open side and sways", View::front};
+        case View::turn:
+            return {"no camera: turns about within the scene", View::turn};
         default:
-            return "no camera: orbits the scene";
+            return {studio ? "no camera: turns slowly about the scene" : "no camera: orbits the scene", View::orbit};
     }
 }
 

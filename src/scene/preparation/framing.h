@@ -1,11 +1,23 @@
 #pragma once
 // Gives a film without cameras one that shows it.
+#include <string>
+
 #include "scene/model/animation.h"
 
 namespace render2mpeg::scene {
 
-/// Gives a film without cameras one that shows it (two nodes, a lens and a track), and returns one line that says what
-/// it does. Needs a film that is valid otherwise.
-std::string add_automatic_camera(Animation& animation);
+/// How a camera looks at a film: from an orbit about it, into its open side, or turning about within it.
+enum class View { orbit, front, turn };
+
+/// What a film without cameras was given.
+struct AutomaticCamera {
+    std::string note;  ///< one line that says what it does
+    View view = View::orbit;
+};
+
+/// Gives a film without cameras one that shows it (two nodes, a lens and a track). `in_studio`: orbits are as products
+/// are shown, a slow turn of at most four seconds about still things, which fill the picture. Needs a film that is
+/// valid otherwise.
+AutomaticCamera add_automatic_camera(Animation& animation, bool in_studio);
 
 }  // namespace render2mpeg::scene

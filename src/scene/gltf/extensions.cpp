@@ -1,0 +1,77 @@
+#include "scene/gltf/extensions.h"
+
+#include <algorithm>
+#include <array>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "scene/model/wording.h"
+
+namespace render2mpeg::scene::gltf {
+namespace {
+
+constexpr std::array<std::string_view, 15> read_extensions{
+    "EXT_mesh_gpu_instancing",         "EXT_meshopt_compression",    "EXT_texture_webp",
+    "KHR_animation_pointer",           "KHR_draco_mesh_compression", "KHR_lights_punctual",
+    "KHR_materials_emissive_strength", "KHR_materials_ior",          "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_transmission",      "KHR_materials_unlit",        "KHR_materials_variants",
+    "KHR_mesh_quantization",           "KHR_node_visibility",        "KHR_texture_transform"};
+
+struct Meaning {
+    std::string_view extension, meaning;
+};
+
+constexpr std::array<Meaning, 15> meanings{{
+    {"EXT_lights_ies", "lamps shine evenly instead of by their profile"},
+    {"EXT_lights_image_based", "its surroundings give no light; --sky can"},
+    {"KHR_gaussian_splatting", "splats are not drawn"},
+    {"KHR_materials_anisotropy", "brushed surfaces have round highlights"},
+    {"KHR_materials_clearcoat", "lacquer is missing: surfaces look as they do below it"},
+    {"KHR_materials_diffuse_transmission", "leaves and paper let no light through"},
+    {"KHR_materials_dispersion", "glass does not split colours"},
+    {"KHR_materials_iridescence", "thin films have no colours"},
+    {"KHR_materials_sheen", "cloth lacks its soft gleam"},
+    {"KHR_materials_specular", "highlights have the strength and colour of plain dielectrics"},
+    {"KHR_materials_volume", "glass is thin: it neither bends light nor tints it with depth"},
+    {"KHR_materials_volume_scatter", "nothing scatters light inside"},
+    {"KHR_texture_basisu", "textures in KTX2 are left out where there is no other image"},
+    {"KHR_xmp_json_ld", "facts about the file; nothing that is seen"},
+    {"MSFT_texture_dds", "textures in DDS are left out where there is no other image"},
+}};
+
+}  // namespace
+
+bool is_read(const std::string& extension) {
+    return std::find(read_extensions.begin(), read_extensions.end(), extension) != read_extensions.end();
+}
+
+std::vector<std::string> extensions_in(const nlohmann::json& file) {
+    // Not by recursion: a file may nest what it likes as deep as it likes.
+    std::set<std::string> names;
+    std::vector<const nlohmann::json*> pending{&file};
+    while (!pending.empty()) {
+        const nlohmann::json& value = *pending.back();
+        pending.pop_back();
+        if (value.is_object()) {
+            if (const auto own = value.find("extensions"); own != value.end() && own->is_object())
+                for (const auto& [name, content] : own->items()) names.insert(name);
+            // What is in extras is nobody's but the writer's.
+            for (const auto& [key, part] : value.items())
+                if (part.is_structured() && key != "extras") pending.push_back(&part);
+        } else if (value.is_array()) {
+            for (const nlohmann::json& part : value)
+                if (part.is_structured()) pending.push_back(&part);
+        }
+    }
+    return {names.begin(), names.end()};
+}
+
+std::string not_read(const std::string& extension) {
+    const auto known = std::find_if(meanings.begin(), meanings.end(),
+                                    [&](const Meaning& meaning) { return meaning.extension == extension; });
+    const std::string line = "the optional extension " + in_quotes(extension) + " is not supported; ignored";
+    return known == meanings.end() ? line : line + ": " + std::string(known->meaning);
+}
+
+}  // namespace render2mpeg::scene::gltf

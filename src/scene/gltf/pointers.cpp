@@ -1,0 +1,65 @@
+// Where channels of KHR_animation_pointer point.
+#include <array>
+#include <charconv>
+#include <string_view>
+
+#include "scene/gltf/parts.h"
+
+namespace render2mpeg::scene::gltf {
+namespace {
+
+using What = PointedTrack::What;
+
+struct Place {
+    std::string_view before, after, kind;  ///< what stands around the index, and the array that it is of
+    What what;
+};
+
+constexpr std::array<Place, 9> places{{
+    {"/nodes/", "/translation", "nodes", What::translation},
+    {"/nodes/", "/rotation", "nodes", What::rotation},
+    {"/nodes/", "/scale", "nodes", What::scale},
+    {"/nodes/", "/weights", "nodes", What::weights},
+    {"/nodes/", "/extensions/KHR_node_visibility/visible", "nodes", What::visibility},
+    {"/cameras/", "/perspective/yfov", "cameras", What::field_of_view},
+    {"/extensions/KHR_lights_punctual/lights/", "/intensity", "", What::light_intensity},
+    {"/materials/", "/emissiveFactor", "materials", What::emission},
+    {"/materials/", "/extensions/KHR_materials_emissive_strength/emissiveStrength", "materials",
+     What::emission_strength},
+}};
+
+std::size_t count_of(const Document& document, const Place& place) {
+    if (!place.kind.empty()) return document.count(place.kind.data());
+    const std::optional<Element> lights = document.root().extension("KHR_lights_punctual");
+    return lights ? lights->objects("lights").size() : 0;
+}
+
+}  // namespace
+
+PointedTrack pointed_track(const Document& document, const std::string& pointer) {
+    for (const Place& place : places) {
+        if (!std::string_view(pointer).starts_with(place.before) || !std::string_view(pointer).ends_with(place.after))
+            continue;
+        const char* first = pointer.data() + place.before.size();
+        const char* last = pointer.data() + pointer.size() - place.after.size();
+        int index = -1;
+        if (first >= last) continue;
+        const auto [end, failure] = std::from_chars(first, last, index);
+        if (failure != std::errc() || end != last || index < 0) continue;
+        if (static_cast<std::size_t>(index) >= count_of(document, place)) continue;
+        return {place.what, index};
+    }
+    return {};
+}
+
+std::vector<PointedTrack> pointed_tracks(const Document& document) {
+    std::vector<PointedTrack> tracks;
+    for (const Element& animation : document.all("animations"))
+        for (const Element& channel : animation.objects("channels"))
+            if (const auto target = channel.object("target"))
+                if (const auto extension = target->extension("KHR_animation_pointer"))
+                    tracks.push_back(pointed_track(document, extension->string("pointer", "")));
+    return tracks;
+}
+
+}  // namespace render2mpeg::scene::gltf
