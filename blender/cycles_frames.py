@@ -39,8 +39,11 @@ def main():
         bpy.ops.render.render(write_still=True)
     pattern = os.path.join(folder, "frame.%04d.exr")
     inside = [str(k) for k in keyframes if first < k <= last]
+    view, gamma = view_of(scene, lambda text: print("not kept:", text))
+    if abs(gamma - 1) > 1e-4:
+        print(f"not kept: gamma {gamma:g} of the view")
     print(f"render2mpeg encode '{pattern}' --motion '{pattern}' --fps {render.fps / render.fps_base:g} --exposure {scene.view_settings.exposure:g}"
-          + f" --view {view_of(scene, print)[0]}"
+          + f" --view {view}"
           + (" --keyframes " + ",".join(inside) if inside else "") + " -o film.mpg")
 
 
