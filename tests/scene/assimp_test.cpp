@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/sampling.h"
 #include "scene/assimp/load.h"
+#include "scene/assimp/phong.h"
 #include "scene/assimp/rest_pose.h"
 #include "scene/pose/snapshot.h"
 #include "scene/preparation/complete.h"
@@ -142,6 +143,26 @@ TEST_F(Assimp, PhysicallyBasedMtlIsTakenAsItIs) {
     EXPECT_EQ(m.roughness, 0.25f);
 }
 
+TEST_F(Assimp, AMissingLibraryIsToldOnce) {
+    const Animation a = read("alone.obj", square);
+    EXPECT_TRUE(noted(a, "there is no file \"m.mtl\", which says what surfaces look like"));
+    EXPECT_EQ(a.notes.size(), 1u);
+    EXPECT_EQ(a.files.size(), 1u);
+}
+
+TEST(Phong, ReflectionInTheSurfacesOwnColourIsMetal) {
+    PhongLook look;
+    look.diffuse = look.reflection = {1, 0.8f, 0.3f};
+    look.roughness = 0.3f;
+    look.reflectivity = 0.75f;
+    Material material;
+    apply(look, material);
+    EXPECT_FLOAT_EQ(material.metallic, 0.75f);
+    look.reflection = glm::vec3(1);
+    apply(look, material);
+    EXPECT_EQ(material.metallic, 0);
+}
+
 TEST_F(Assimp, DissolveBlendsAndMapsOfItCutOut) {
     const Material veil = material("Kd 0.5 0.5 0.5\nd 0.25");
     EXPECT_EQ(veil.alpha_mode, AlphaMode::blend);
@@ -266,6 +287,19 @@ TEST_F(Assimp, ColladaIsMetresAndYUpWithPhysicalLightsAndMotion) {
     EXPECT_NEAR(s.lights[bulb].intensity.y, glm::pi<double>(), 1e-4);
     EXPECT_NEAR(s.lights[1 - bulb].intensity.x, glm::pi<double>(), 1e-4);
     EXPECT_LT(glm::length(s.lights[1 - bulb].direction - glm::vec3(0, -1, 0)), 1e-5);  // -z of a z-up file
+}
+
+TEST_F(Assimp, LampsOfBlendersColladaAreWatts) {
+    std::string text = collada;
+    const std::string asset = "<asset>";
+    ASSERT_NE(text.find(asset), std::string::npos);
+    text.insert(text.find(asset) + asset.size(),
+                "<contributor><authoring_tool>Blender 3.4.1</authoring_tool></contributor>");
+    const Animation plain = read("plain.dae", collada), blender = read("blender.dae", text);
+    for (std::size_t i = 0; i < plain.lights.size(); ++i) {
+        const bool sun = plain.lights[i].kind == LightKind::directional;
+        EXPECT_NEAR(blender.lights[i].intensity, sun ? 1 : 1 / (4 * glm::pi<double>()), 1e-6);
+    }
 }
 
 TEST(AssimpAxes, AreTurnedUprightWhateverTheFileCallsUp) {

@@ -22,6 +22,14 @@ struct Bsdf {
     float ior = 1.5f;           ///< inside over outside, for glass
     glm::vec3 f90{1};           ///< reflectance of the GGX lobe at grazing incidence; as f0 above 1 on rough metals
 
+    /// Multiplies all that leaves the surface.
+    void scale(float by) {
+        diffuse *= by;
+        f0 *= by;
+        f90 *= by;
+        mirror *= by;
+        transmission *= by;
+    }
     bool has_glossy() const { return f0.x > 0 || f0.y > 0 || f0.z > 0; }
     /// Whether rays look along the lobe (lobe_rays.h).
     bool has_narrow_lobe() const { return has_glossy() && alpha < narrow_alpha; }

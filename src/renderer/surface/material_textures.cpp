@@ -26,7 +26,8 @@ struct TextureKey {
 };
 
 bool is_color(TextureRole role) {
-    return role == TextureRole::base_color || role == TextureRole::emission || role == TextureRole::specular_glossiness;
+    return role == TextureRole::base_color || role == TextureRole::emission ||
+           role == TextureRole::specular_glossiness || role == TextureRole::specular_tint || role == TextureRole::sheen;
 }
 
 TextureKey key_of(const scene::Material& material, TextureRole role) {
@@ -52,6 +53,18 @@ bool is_looked_at(const scene::Material& material, TextureRole role, const Plan&
             return !material.unlit && material.emits();
         case TextureRole::transmission:
             return !material.unlit && material.transmission > 0 && plan.runs(Pass::glass);
+        case TextureRole::specular_weight:
+        case TextureRole::specular_tint:
+            return !material.unlit && !material.specular_glossiness;
+        case TextureRole::coat:
+        case TextureRole::coat_roughness:
+            return !material.unlit && material.coat > 0;
+        case TextureRole::sheen:
+        case TextureRole::sheen_roughness:
+            return !material.unlit && material.has_sheen();
+        case TextureRole::iridescence:
+        case TextureRole::film:
+            return !material.unlit && material.iridescence > 0;
         default:
             return true;
     }
@@ -81,6 +94,22 @@ const scene::TextureUse& use_of(const scene::Material& material, TextureRole rol
             return material.emission_texture;
         case TextureRole::transmission:
             return material.transmission_texture;
+        case TextureRole::specular_weight:
+            return material.specular_weight_texture;
+        case TextureRole::specular_tint:
+            return material.specular_tint_texture;
+        case TextureRole::coat:
+            return material.coat_texture;
+        case TextureRole::coat_roughness:
+            return material.coat_roughness_texture;
+        case TextureRole::sheen:
+            return material.sheen_texture;
+        case TextureRole::sheen_roughness:
+            return material.sheen_roughness_texture;
+        case TextureRole::iridescence:
+            return material.iridescence_texture;
+        case TextureRole::film:
+            return material.film_texture;
         default:
             return material.base_color_texture;
     }

@@ -24,6 +24,14 @@ enum class TextureRole {
     normal,
     emission,
     transmission,
+    specular_weight,
+    specular_tint,
+    coat,
+    coat_roughness,
+    sheen,
+    sheen_roughness,
+    iridescence,
+    film,
     count
 };
 

@@ -5,6 +5,8 @@
 
 #include "core/numeric.h"
 #include "renderer/surface/lobe_albedo.h"
+#include "renderer/surface/sheen.h"
+#include "renderer/surface/thin_film.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::renderer {
@@ -25,11 +27,11 @@ float f0_of(float ior) {
 
 /// Schlick's Fresnel term [Schlick1994, eq. 15], per channel; without reflectance at normal incidence there is none at
 /// all.
-glm::vec3 fresnel(glm::vec3 f0, float cosine) {
+glm::vec3 fresnel(glm::vec3 f0, float cosine, glm::vec3 f90 = glm::vec3{1.0f}) {
     const float m = std::clamp(1.0f - cosine, 0.0f, 1.0f);
     const float m5 = m * m * m * m * m;
     glm::vec3 f;
-    for (int c = 0; c < 3; ++c) f[c] = f0[c] > 0.0f ? f0[c] + (1.0f - f0[c]) * m5 : 0.0f;
+    for (int c = 0; c < 3; ++c) f[c] = f0[c] > 0.0f ? f0[c] + (f90[c] - f0[c]) * m5 : 0.0f;
     return f;
 }
 
@@ -38,8 +40,9 @@ float metallic_of(const scene::Material& m, glm::vec4 texel) {
 }
 
 /// Share of light that passes glass which it meets with this cosine [KHR_materials_transmission].
-glm::vec3 passing_glass(glm::vec3 base_color, float metallic, float transmission, float f0, float cosine) {
-    return base_color * ((1.0f - metallic) * transmission) * (1.0f - fresnel(glm::vec3{f0}, cosine));
+glm::vec3 passing_glass(glm::vec3 base_color, float metallic, float transmission, glm::vec3 f0, float f90,
+                        float cosine) {
+    return base_color * ((1.0f - metallic) * transmission) * (1.0f - fresnel(f0, cosine, glm::vec3{f90}));
 }
 
 /// A surface whose share `metal` reflects `metal_f0` at normal incidence and has nothing below; `coat`: what the
@@ -47,6 +50,14 @@ glm::vec3 passing_glass(glm::vec3 base_color, float metallic, float transmission
 struct Interface {
     float coat = 0, metal = 0;
     glm::vec3 metal_f0{0};
+    float coat_f90 = 1;
+
+    /// Share of what the interface lets pass, over that of one that mirrors all at grazing angles; `passes`: its share
+    /// of even light.
+    float let_through(float passes) const {
+        if (coat_f90 == 1.0f) return 1.0f - coat;
+        return (1.0f - coat - (coat_f90 - coat) * (1.0f - passes)) / passes;
+    }
 };
 
 /// Makes the GGX lobe of `bsdf.f0` whole and lays the Lambert part below it [glTF2, appendix B].
@@ -56,19 +67,22 @@ void lay_below_lobe(Bsdf& bsdf, const Interface& surface, float cosine) {
     constexpr float most_regain = 1.01f;
     const LobeAlbedo lobe = lobe_albedo(cosine, bsdf.alpha);
     const glm::vec3 regained = surface.metal * (core::divide_or(1.0f, lobe.whole(), 1.0f) - 1.0f) * surface.metal_f0;
-    bsdf.f90 = 1.0f + regained;
+    bsdf.f90 += regained;
     bsdf.f0 += surface.metal_f0 * regained;
     const float passes = 1.0f - mean_schlick(cosine);
-    const float below = core::divide_or(1.0f - surface.coat * lobe.f0 - lobe.f90, (1.0f - surface.coat) * passes, 1.0f);
+    const float through = surface.let_through(passes);
+    const float below =
+        core::divide_or(1.0f - surface.coat * lobe.f0 - surface.coat_f90 * lobe.f90, through * passes, 1.0f);
     // glTF's mixing alone reflects more than it receives of bright colours at grazing angles.
     const glm::vec3 rest = 1.0f - lobe.f0 * bsdf.f0 - lobe.f90 * bsdf.f90 - bsdf.transmission;
-    bsdf.diffuse = glm::min((1.0f - surface.coat) * std::clamp(below, 1.0f, most_regain) * bsdf.diffuse,
+    bsdf.diffuse = glm::min(through * std::clamp(below, 1.0f, most_regain) * bsdf.diffuse,
                             glm::max(rest, glm::vec3{0.0f}) / passes);
 }
 
 /// Lays the Lambert part below a mirror: as below a lobe, but for even light only, so that it stays a Lambert part.
-void lay_below_mirror(Bsdf& bsdf, float coat, float cosine) {
-    const float passes = (1.0f - coat) * (1.0f - mean_schlick(cosine));
+void lay_below_mirror(Bsdf& bsdf, const Interface& surface, float cosine) {
+    const float even = 1.0f - mean_schlick(cosine);
+    const float passes = surface.let_through(even) * even;
     bsdf.diffuse = glm::min(passes * bsdf.diffuse, glm::max(1.0f - bsdf.mirror - bsdf.transmission, glm::vec3{0.0f}));
 }
 
@@ -149,7 +163,9 @@ glm::vec3 SurfaceMaterials::transmittance_at(std::uint32_t material, const Surfa
     const float transmission = transmission_at(material, shape);
     if (!(transmission > 0.0f) || m.specular_glossiness) return holes;
     const float metallic = metallic_of(m, look_up(material, TextureRole::metallic_roughness, shape));
-    return holes + covered * passing_glass(unit_range(glm::vec3(base)), metallic, transmission, f0_of(m.ior), cosine);
+    const Dielectric interface = dielectric_at(material, shape);
+    return holes + covered * passing_glass(unit_range(glm::vec3(base)), metallic, transmission, interface.f0,
+                                           interface.f90, cosine);
 }
 
 void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot) const {
@@ -168,6 +184,8 @@ void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, cons
         point.emission = snapshot.emission_factor[material] * emission_at(material, shape);
     const float cosine = glm::dot(point.shading_normal, point.outgoing);
     point.bsdf = bsdf_at(material, shape, unit_range(glm::vec3(base)), cosine, variance);
+    if (m.has_sheen()) add_sheen(material, shape, cosine, point.bsdf);
+    if (m.coat > 0.0f) add_coat(material, shape, cosine, point.bsdf);
 }
 
 /// Applies the normal map, and turns everything to the viewer. `variance`: of the map's slopes within the footprint.
@@ -190,6 +208,71 @@ void SurfaceMaterials::bend_normal(SurfacePoint& point, const SurfaceShape& shap
     point.shading_normal = turned_to_viewer(point.back_side ? -normal : normal, point.geometric_normal, point.outgoing);
 }
 
+SurfaceMaterials::Dielectric SurfaceMaterials::dielectric_at(std::uint32_t material, const SurfaceShape& shape) const {
+    const scene::Material& m = animation_.materials[material];
+    Dielectric interface { glm::vec3{f0_of(m.ior)}, 1.0f };
+    if (!m.changes_specular()) return interface;
+    const glm::vec3 tint = m.specular_tint * glm::vec3(look_up(material, TextureRole::specular_tint, shape));
+    interface.f90 =
+        std::clamp(m.specular_weight * look_up(material, TextureRole::specular_weight, shape).a, 0.0f, 1.0f);
+    interface.f0 = interface.f90 * unit_range(interface.f0 * tint);
+    return interface;
+}
+
+/// Reflectance at normal incidence of what reflects `f0` there without its thin film, as the eye sees it from here.
+glm::vec3 SurfaceMaterials::film_over(std::uint32_t material, const SurfaceShape& shape, float cos_outgoing,
+                                      glm::vec3 f0) const {
+    const scene::Material& m = animation_.materials[material];
+    const float share = std::clamp(m.iridescence * look_up(material, TextureRole::iridescence, shape).r, 0.0f, 1.0f);
+    const float thickness = std::lerp(m.film_thinnest, m.film_thickest, look_up(material, TextureRole::film, shape).g);
+    const float cosine = std::clamp(cos_outgoing, 0.0f, 1.0f);
+    return glm::mix(f0, schlick_f0(thin_film(m.film_ior, thickness, cosine, f0), cosine), share);
+}
+
+/// Fibres send light like a Lambert surface whose reflectance rises towards grazing angles, and take it from below
+/// [KHR_materials_sheen, "Albedo-Scaling"].
+void SurfaceMaterials::add_sheen(std::uint32_t material, const SurfaceShape& shape, float cos_outgoing,
+                                 Bsdf& bsdf) const {
+    const scene::Material& m = animation_.materials[material];
+    const glm::vec3 color = unit_range(m.sheen * glm::vec3(look_up(material, TextureRole::sheen, shape)));
+    const float roughness = m.sheen_roughness * look_up(material, TextureRole::sheen_roughness, shape).a;
+    const float albedo = std::min(sheen_albedo(cos_outgoing, roughness), 1.0f);
+    const float below = 1.0f - largest(color) * albedo;
+    const float passes = bsdf.has_glossy() ? 1.0f - mean_schlick(cos_outgoing) : 1.0f;
+    bsdf.scale(below);
+    bsdf.diffuse += color * (albedo / passes);
+}
+
+/// A clear film of index 1.5 [KHR_materials_clearcoat]. A smooth one mirrors; a rough one takes the place of the lobe
+/// of a dielectric below, whose own light then goes with the Lambert part. Over metal's lobe any film mirrors.
+void SurfaceMaterials::add_coat(std::uint32_t material, const SurfaceShape& shape, float cos_outgoing,
+                                Bsdf& bsdf) const {
+    const scene::Material& m = animation_.materials[material];
+    const float share = std::clamp(m.coat * look_up(material, TextureRole::coat, shape).r, 0.0f, 1.0f);
+    const float roughness =
+        std::clamp(m.coat_roughness * look_up(material, TextureRole::coat_roughness, shape).g, 0.0f, 1.0f);
+    constexpr float f0 = 0.04f;
+    if (!(share > 0.0f)) return;
+    const float reflected = share * fresnel(glm::vec3{f0}, cos_outgoing).x;
+    bsdf.scale(1.0f - reflected);
+    // chosen: no dielectric reflects more at normal incidence, and no metal so little.
+    constexpr float most_of_dielectrics = 0.2f;
+    if (roughness < scene::mirror_roughness || largest(bsdf.f0) > most_of_dielectrics) {
+        if (mirrors_) bsdf.mirror += reflected;
+        return;
+    }
+    if (!glossy_) return;
+    const float passes = 1.0f - mean_schlick(cos_outgoing);
+    if (bsdf.has_glossy())
+        bsdf.diffuse += glossy_albedo(bsdf, cos_outgoing) / passes;
+    else
+        bsdf.diffuse /= passes;
+    bsdf.diffuse = glm::min(bsdf.diffuse, glm::vec3{1.0f});
+    bsdf.f0 = glm::vec3{share * f0};
+    bsdf.f90 = glm::vec3{share};
+    bsdf.alpha = roughness * roughness;
+}
+
 Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape, glm::vec3 base_color,
                                float cos_outgoing, float normal_variance) const {
     const scene::Material& m = animation_.materials[material];
@@ -209,11 +292,19 @@ Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape
         const glm::vec4 texel = look_up(material, TextureRole::metallic_roughness, shape);
         const float metallic = metallic_of(m, texel);
         const float transmission = transmission_at(material, shape);
-        surface = {f0_of(m.ior), metallic, base_color};
+        const Dielectric interface = dielectric_at(material, shape);
+        surface = {largest(interface.f0), metallic, base_color, interface.f90};
         roughness = std::clamp(m.roughness * texel.g, 0.0f, 1.0f);
-        bsdf.f0 = glm::mix(glm::vec3{surface.coat}, base_color, metallic);
+        bsdf.f0 = glm::mix(interface.f0, base_color, metallic);
+        bsdf.f90 = glm::vec3{1.0f - (1.0f - metallic) * (1.0f - interface.f90)};
         bsdf.diffuse = base_color * ((1.0f - metallic) * (1.0f - transmission));
-        bsdf.transmission = passing_glass(base_color, metallic, transmission, surface.coat, cos_outgoing);
+        bsdf.transmission =
+            passing_glass(base_color, metallic, transmission, interface.f0, interface.f90, cos_outgoing);
+    }
+    if (m.iridescence > 0.0f) {
+        bsdf.f0 = film_over(material, shape, cos_outgoing, bsdf.f0);
+        surface.coat = largest(bsdf.f0);
+        surface.metal_f0 = bsdf.f0;
     }
     const float alpha = std::pow(std::max(roughness, scene::mirror_roughness), 2.0f);
     bsdf.alpha = std::min(std::sqrt(alpha * alpha + 2.0f * normal_variance), 1.0f);
@@ -225,9 +316,9 @@ Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape
         lay_below_lobe(bsdf, surface, cos_outgoing);
         return bsdf;
     }
-    if (smooth) bsdf.mirror = fresnel(bsdf.f0, cos_outgoing);
+    if (smooth) bsdf.mirror = fresnel(bsdf.f0, cos_outgoing, bsdf.f90);
     bsdf.f0 = glm::vec3{0.0f};
-    lay_below_mirror(bsdf, surface.coat, cos_outgoing);
+    lay_below_mirror(bsdf, surface, cos_outgoing);
     return bsdf;
 }
 

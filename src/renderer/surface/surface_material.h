@@ -36,6 +36,15 @@ class SurfaceMaterials {
     float transmission_at(std::uint32_t material, const SurfaceShape& shape) const;
     void bend_normal(SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot,
                      float& variance) const;
+    /// What a dielectric interface reflects at normal and at grazing incidence [KHR_materials_specular].
+    struct Dielectric {
+        glm::vec3 f0{0};
+        float f90 = 1;
+    };
+    Dielectric dielectric_at(std::uint32_t material, const SurfaceShape& shape) const;
+    glm::vec3 film_over(std::uint32_t material, const SurfaceShape& shape, float cos_outgoing, glm::vec3 f0) const;
+    void add_sheen(std::uint32_t material, const SurfaceShape& shape, float cos_outgoing, Bsdf& bsdf) const;
+    void add_coat(std::uint32_t material, const SurfaceShape& shape, float cos_outgoing, Bsdf& bsdf) const;
     Bsdf bsdf_at(std::uint32_t material, const SurfaceShape& shape, glm::vec3 base_color, float cos_outgoing,
                  float normal_variance) const;
 

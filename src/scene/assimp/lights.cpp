@@ -22,15 +22,12 @@ double physical_factor(const ClassicLight& l, double distance) {
     return glm::pi<double>() * core::divide_or(squared, attenuation, squared);
 }
 
-}  // namespace
-
-Light physical_light(const ClassicLight& classic, double distance) {
-    EXPECTS(distance > 0);
+Light light_of_strength(const ClassicLight& classic, double factor) {
     Light light;
     light.kind = classic.kind;
     const glm::vec3 color = core::is_finite(classic.color) ? glm::max(classic.color, glm::vec3(0)) : glm::vec3(0);
     const float peak = std::max({color.r, color.g, color.b});
-    const double strength = peak * physical_factor(classic, distance);
+    const double strength = peak * factor;
     light.intensity = std::isfinite(static_cast<float>(strength)) ? static_cast<float>(std::max(strength, 0.0)) : 0;
     light.color = peak > 0 ? color / peak : glm::vec3(1);
     if (light.kind == LightKind::spot) {
@@ -38,6 +35,17 @@ Light physical_light(const ClassicLight& classic, double distance) {
         light.inner_cone = std::clamp(0.5f * classic.inner_angle, 0.0f, 0.999f * light.outer_cone);
     }
     return light;
+}
+
+}  // namespace
+
+Light physical_light(const ClassicLight& classic, double distance) {
+    EXPECTS(distance > 0);
+    return light_of_strength(classic, physical_factor(classic, distance));
+}
+
+Light blender_light(const ClassicLight& classic) {
+    return light_of_strength(classic, classic.kind == LightKind::directional ? 1 : 1 / (4 * glm::pi<double>()));
 }
 
 bool falls_off_physically(const ClassicLight& l) {

@@ -21,6 +21,10 @@ struct ClassicLight {
 /// white Lambert surface at radiance 1, so that its irradiance is pi.
 Light physical_light(const ClassicLight& classic, double distance);
 
+/// The same for a light whose colour holds Blender's strength: watts of points and spots, watts per square metre of
+/// suns. As bright as in a .blend.
+Light blender_light(const ClassicLight& classic);
+
 /// Does it fall off by the inverse square, or not at all by nature, in its own file already?
 bool falls_off_physically(const ClassicLight& classic);
 

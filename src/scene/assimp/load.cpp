@@ -20,6 +20,7 @@
 #include "scene/assimp/parts.h"
 #include "scene/assimp/rest_pose.h"
 #include "scene/model/node.h"
+#include "scene/model/wording.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -35,18 +36,31 @@ class FolderOnly : public Assimp::DefaultIOSystem {
     bool Exists(const char* file) const override { return inside(file) && DefaultIOSystem::Exists(file); }
     Assimp::IOStream* Open(const char* file, const char* mode) override {
         if (inside(file)) {
-            if (std::find(files_.begin(), files_.end(), file) == files_.end()) files_.emplace_back(file);
-            return DefaultIOSystem::Open(file, mode);
+            Assimp::IOStream* stream = DefaultIOSystem::Open(file, mode);
+            if (stream == nullptr)
+                tell_missing(file);
+            else if (std::find(files_.begin(), files_.end(), file) == files_.end())
+                files_.emplace_back(file);
+            return stream;
         }
-        notes_.push_back(
-            std::string(1, '"').append(file).append("\" lies outside of the scene's folder and was not read"));
+        tell(in_quotes(file) + " lies outside of the scene's folder and was not read");
         return nullptr;
     }
 
   private:
+    void tell(const std::string& line) {
+        if (std::find(notes_.begin(), notes_.end(), line) == notes_.end()) notes_.push_back(line);
+    }
+    /// Importers also try names that no file says; the first material library that is missing is the one that is named.
+    void tell_missing(const fs::path& file) {
+        if (core::ending_of(file) != ".mtl" || told_materials_) return;
+        told_materials_ = true;
+        tell("there is no file " + in_quotes(file.filename().string()) +
+             ", which says what surfaces look like: they are grey");
+    }
     bool inside(const char* file) const {
         std::error_code failed;
-        const fs::path path = fs::weakly_canonical(file, failed);
+        const fs::path path = fs::weakly_canonical(fs::absolute(file, failed), failed);
         if (failed) return false;
         return std::mismatch(folder_.begin(), folder_.end(), path.begin(), path.end()).first == folder_.end();
     }
@@ -54,6 +68,7 @@ class FolderOnly : public Assimp::DefaultIOSystem {
     fs::path folder_;
     std::vector<std::string>& notes_;
     std::vector<fs::path>& files_;
+    bool told_materials_ = false;
 };
 
 class SceneReader {
@@ -68,6 +83,9 @@ class SceneReader {
         read_objects();
         read_animations();
         to_world_ = rest_transforms(into_);
+        if (format_ == "dae" && !into_.skins.empty() && is_of_blender())
+            into_.notes.push_back(
+                "skinned meshes stand where the file's bind poses put them: Blender leaves their armature's place out");
         const RestBounds bounds = rest_bounds(into_, to_world_);
         settle_sides_of_lamps(into_, to_world_, bounds);
         read_lights(bounds);
@@ -84,10 +102,11 @@ class SceneReader {
     void read_nodes();
     void read_objects();
     void read_animations();
-    void read_channel(const aiNodeAnim& channel, double ticks_per_second);
+    void read_channel(const aiNodeAnim& channel, double ticks_per_second, const std::string& name);
     void read_morphing(const aiMeshMorphAnim& channel, double ticks_per_second);
     void read_lights(const RestBounds& bounds);
     void read_cameras();
+    bool is_of_blender() const;
     int add_child(const std::string& name, glm::dvec3 position, glm::dquat rotation);
 
     const aiScene& scene_;
@@ -99,6 +118,7 @@ class SceneReader {
     std::vector<std::vector<unsigned>> meshes_of_node_;
     std::vector<const aiNode*> source_of_node_;
     std::vector<glm::dmat4> to_world_;
+    std::unordered_map<int, std::string> moved_by_;  ///< node: the animation that moves it
 };
 
 void SceneReader::read_materials() {
@@ -205,7 +225,7 @@ void SceneReader::read_animations() {
         found = true;
         // 0: not said; Assimp's own viewers take 25.
         const double ticks = animation.mTicksPerSecond > 0 ? animation.mTicksPerSecond : 25;
-        for (unsigned c = 0; c < animation.mNumChannels; ++c) read_channel(*animation.mChannels[c], ticks);
+        for (unsigned c = 0; c < animation.mNumChannels; ++c) read_channel(*animation.mChannels[c], ticks, name);
         for (unsigned c = 0; c < animation.mNumMorphMeshChannels; ++c)
             read_morphing(*animation.mMorphMeshChannels[c], ticks);
     }
@@ -213,12 +233,17 @@ void SceneReader::read_animations() {
         throw core::Error("reading", file_.string(), "has no animation \"" + *options_.animation + "\", but " + names);
 }
 
-void SceneReader::read_channel(const aiNodeAnim& channel, double ticks) {
+void SceneReader::read_channel(const aiNodeAnim& channel, double ticks, const std::string& name) {
     const auto node = node_named_.find(channel.mNodeName.C_Str());
     if (node == node_named_.end()) return;
     const int index = node->second;
-    for (const Track& other : into_.tracks)
-        if (other.index == index && other.target != TrackTarget::weights) return;  // an earlier animation moves it
+    const auto [first, is_new] = moved_by_.emplace(index, name);
+    if (!is_new) {
+        if (first->second != name)
+            note_once(into_, "animations " + in_quotes(first->second) + " and " + in_quotes(name) +
+                                 " move the same nodes; there the first is used (--animation)");
+        return;
+    }
     Node& moved = into_.nodes[static_cast<std::size_t>(index)];
     separate(moved);
     for (Track& track : tracks_from(channel, index, ticks)) into_.tracks.push_back(std::move(track));
@@ -254,8 +279,16 @@ int SceneReader::add_child(const std::string& name, glm::dvec3 position, glm::dq
     return static_cast<int>(into_.nodes.size()) - 1;
 }
 
+/// Blender's exporters of FBX and COLLADA write strengths in its own units.
+bool SceneReader::is_of_blender() const {
+    aiString generator;
+    return scene_.mMetaData != nullptr && scene_.mMetaData->Get("SourceAsset_Generator", generator) &&
+           std::string_view(generator.C_Str()).starts_with("Blender");
+}
+
 void SceneReader::read_lights(const RestBounds& bounds) {
     bool reduced = false;
+    const bool blender = is_of_blender();
     for (unsigned i = 0; i < scene_.mNumLights; ++i) {
         const aiLight& source = *scene_.mLights[i];
         const std::string name = source.mName.C_Str();
@@ -280,10 +313,10 @@ void SceneReader::read_lights(const RestBounds& bounds) {
         const auto parent = static_cast<std::size_t>(into_.nodes[static_cast<std::size_t>(node)].parent);
         const glm::dvec3 there(to_world_[parent] * glm::dvec4(position, 1));
         const double distance = std::max(glm::length(there - bounds.center()), 0.25 * bounds.diagonal());
-        Light light = physical_light(classic, distance > 0 ? distance : 1);
+        Light light = blender ? blender_light(classic) : physical_light(classic, distance > 0 ? distance : 1);
         light.name = name;
         light.node = node;
-        reduced = reduced || !falls_off_physically(classic);
+        reduced = reduced || (!blender && !falls_off_physically(classic));
         into_.lights.push_back(light);
     }
     if (reduced)

@@ -228,6 +228,8 @@ Material MaterialReader::material_from(const aiMaterial& source, Animation& into
     look.ior = number_or(source, "$mat.refracti", 1);
     look.metallic = number_or(source, "$mat.metallicFactor", -1);
     look.roughness = number_or(source, "$mat.roughnessFactor", -1);
+    look.reflectivity = number_or(source, "$mat.reflectivity", 0);
+    look.reflection = color_or(source, "$clr.reflective", glm::vec3(-1));
     int model = -1;
     if (source.Get("$mat.illum", 0, 0, model) == aiReturn_SUCCESS) look.illumination_model = model;
     apply(look, material);

@@ -66,7 +66,10 @@ void apply(const PhongLook& look, Material& material) {
     material.base_color = glm::vec4(reflectance(look.diffuse), opacity);
     if (opacity < 1) material.alpha_mode = AlphaMode::blend;
     if (look.metallic >= 0 || look.roughness >= 0) {
-        material.metallic = std::clamp(look.metallic, 0.0f, 1.0f);
+        // Blender's FBX says metalness as the share of reflection, in the surface's own colour; what others say there
+        // is a clear coat's.
+        const bool metal = look.metallic < 0 && look.reflection == look.diffuse;
+        material.metallic = std::clamp(metal ? look.reflectivity : look.metallic, 0.0f, 1.0f);
         material.roughness =
             look.roughness >= 0 ? std::min(look.roughness, 1.0f) : roughness_of_exponent(look.exponent);
         return;

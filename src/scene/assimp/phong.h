@@ -18,6 +18,8 @@ struct PhongLook {
     int illumination_model = -1;  ///< MTL's illum; -1: not said
     float metallic = -1;          ///< Pm; -1: not said
     float roughness = -1;         ///< Pr; -1: not said
+    float reflectivity = 0;       ///< FBX's share of reflection, 0..1
+    glm::vec3 reflection{-1};     ///< its colour; negative: not said
 };
 
 /// Perceptual roughness of the GGX lobe that matches a Blinn-Phong lobe: alpha = sqrt(2 / (n + 2)), roughness =

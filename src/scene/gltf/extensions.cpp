@@ -11,28 +11,37 @@
 namespace render2mpeg::scene::gltf {
 namespace {
 
-constexpr std::array<std::string_view, 15> read_extensions{
-    "EXT_mesh_gpu_instancing",         "EXT_meshopt_compression",    "EXT_texture_webp",
-    "KHR_animation_pointer",           "KHR_draco_mesh_compression", "KHR_lights_punctual",
-    "KHR_materials_emissive_strength", "KHR_materials_ior",          "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_transmission",      "KHR_materials_unlit",        "KHR_materials_variants",
-    "KHR_mesh_quantization",           "KHR_node_visibility",        "KHR_texture_transform"};
+constexpr std::array<std::string_view, 19> read_extensions{"EXT_mesh_gpu_instancing",
+                                                           "EXT_meshopt_compression",
+                                                           "EXT_texture_webp",
+                                                           "KHR_animation_pointer",
+                                                           "KHR_draco_mesh_compression",
+                                                           "KHR_lights_punctual",
+                                                           "KHR_materials_emissive_strength",
+                                                           "KHR_materials_ior",
+                                                           "KHR_materials_pbrSpecularGlossiness",
+                                                           "KHR_materials_transmission",
+                                                           "KHR_materials_unlit",
+                                                           "KHR_materials_clearcoat",
+                                                           "KHR_materials_sheen",
+                                                           "KHR_materials_iridescence",
+                                                           "KHR_materials_specular",
+                                                           "KHR_materials_variants",
+                                                           "KHR_mesh_quantization",
+                                                           "KHR_node_visibility",
+                                                           "KHR_texture_transform"};
 
 struct Meaning {
     std::string_view extension, meaning;
 };
 
-constexpr std::array<Meaning, 15> meanings{{
+constexpr std::array<Meaning, 11> meanings{{
     {"EXT_lights_ies", "lamps shine evenly instead of by their profile"},
     {"EXT_lights_image_based", "its surroundings give no light; --sky can"},
     {"KHR_gaussian_splatting", "splats are not drawn"},
     {"KHR_materials_anisotropy", "brushed surfaces have round highlights"},
-    {"KHR_materials_clearcoat", "lacquer is missing: surfaces look as they do below it"},
     {"KHR_materials_diffuse_transmission", "leaves and paper let no light through"},
     {"KHR_materials_dispersion", "glass does not split colours"},
-    {"KHR_materials_iridescence", "thin films have no colours"},
-    {"KHR_materials_sheen", "cloth lacks its soft gleam"},
-    {"KHR_materials_specular", "highlights have the strength and colour of plain dielectrics"},
     {"KHR_materials_volume", "glass is thin: it neither bends light nor tints it with depth"},
     {"KHR_materials_volume_scatter", "nothing scatters light inside"},
     {"KHR_texture_basisu", "textures in KTX2 are left out where there is no other image"},

@@ -67,12 +67,49 @@ class MaterialReader {
             material.transmission = static_cast<float>(glass->number("transmissionFactor", 0));
             material.transmission_texture = texture(*glass, "transmissionTexture");
         }
+        if (const auto specular = element.extension("KHR_materials_specular")) {
+            material.specular_weight = static_cast<float>(specular->number("specularFactor", 1));
+            material.specular_weight_texture = texture(*specular, "specularTexture");
+            set_triple(*specular, "specularColorFactor", material.specular_tint);
+            material.specular_tint_texture = texture(*specular, "specularColorTexture");
+        }
+        read_layers(element, material);
         if (const auto ior = element.extension("KHR_materials_ior"))
             material.ior = static_cast<float>(ior->number("ior", 1.5));
         // 0 asks for reflection without Fresnel, as older specular workflows have it; the nearest real surface is the
         // densest.
         if (material.ior == 0) material.ior = 100;
         return material;
+    }
+
+    void read_layers(const Element& element, Material& material) {
+        if (const auto coat = element.extension("KHR_materials_clearcoat")) {
+            material.coat = static_cast<float>(coat->number("clearcoatFactor", 0));
+            material.coat_texture = texture(*coat, "clearcoatTexture");
+            material.coat_roughness = static_cast<float>(coat->number("clearcoatRoughnessFactor", 0));
+            material.coat_roughness_texture = texture(*coat, "clearcoatRoughnessTexture");
+            if (coat->has("clearcoatNormalTexture") || material.normal_texture.present())
+                note_once(animation_, "clear coats have the normals of what they cover");
+        }
+        if (const auto film = element.extension("KHR_materials_iridescence")) {
+            material.iridescence = static_cast<float>(film->number("iridescenceFactor", 0));
+            material.iridescence_texture = texture(*film, "iridescenceTexture");
+            material.film_ior = static_cast<float>(film->number("iridescenceIor", 1.3));
+            material.film_thinnest = static_cast<float>(film->number("iridescenceThicknessMinimum", 100));
+            material.film_thickest = static_cast<float>(film->number("iridescenceThicknessMaximum", 400));
+            material.film_texture = texture(*film, "iridescenceThicknessTexture");
+        }
+        if (const auto sheen = element.extension("KHR_materials_sheen")) {
+            set_triple(*sheen, "sheenColorFactor", material.sheen);
+            material.sheen_texture = texture(*sheen, "sheenColorTexture");
+            material.sheen_roughness = static_cast<float>(sheen->number("sheenRoughnessFactor", 0));
+            material.sheen_roughness_texture = texture(*sheen, "sheenRoughnessTexture");
+        }
+    }
+
+    static void set_triple(const Element& element, const char* key, glm::vec3& color) {
+        const std::vector<double> numbers = element.numbers(key, 3);
+        for (std::size_t k = 0; k < numbers.size(); ++k) color[static_cast<int>(k)] = static_cast<float>(numbers[k]);
     }
 
     void read_metallic_roughness(const Element& element, Material& material) {

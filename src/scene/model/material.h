@@ -44,7 +44,54 @@ struct Material {
     TextureUse transmission_texture;  ///< r
     float ior = 1.5f;                 ///< index of refraction, >= 1
 
+    /// KHR_materials_specular: the dielectric reflects this much of what its index says, in this colour.
+    float specular_weight = 1;           ///< 0..1
+    TextureUse specular_weight_texture;  ///< a
+    glm::vec3 specular_tint{1, 1, 1};    ///< >= 0
+    TextureUse specular_tint_texture;    ///< sRGB
+
+    /// KHR_materials_clearcoat: a clear film of index 1.5 over all else.
+    float coat = 0;                     ///< 0..1: how much of the surface it covers
+    TextureUse coat_texture;            ///< r
+    float coat_roughness = 0;           ///< as `roughness`
+    TextureUse coat_roughness_texture;  ///< g
+
+    /// KHR_materials_sheen: fibres that stand off cloth.
+    glm::vec3 sheen{0, 0, 0};            ///< 0..1; black: none
+    TextureUse sheen_texture;            ///< sRGB
+    float sheen_roughness = 0;           ///< 0..1
+    TextureUse sheen_roughness_texture;  ///< a
+
+    /// KHR_materials_iridescence: a thin film whose interference colours the reflection.
+    float iridescence = 0;                           ///< 0..1
+    TextureUse iridescence_texture;                  ///< r
+    float film_ior = 1.3f;                           ///< >= 1
+    float film_thinnest = 100, film_thickest = 400;  ///< nanometres, where the texture is 0 and 1
+    TextureUse film_texture;                         ///< g
+
+    bool changes_specular() const {
+        return specular_weight != 1 || specular_tint != glm::vec3(1) || specular_weight_texture.present() ||
+               specular_tint_texture.present();
+    }
+    bool has_sheen() const { return sheen.x > 0 || sheen.y > 0 || sheen.z > 0; }
     bool emits() const { return emission.x > 0 || emission.y > 0 || emission.z > 0; }
 };
+
+/// Every use that a material may make of an image.
+inline constexpr TextureUse Material::*texture_uses[] = {&Material::base_color_texture,
+                                                         &Material::metallic_roughness_texture,
+                                                         &Material::specular_glossiness_texture,
+                                                         &Material::normal_texture,
+                                                         &Material::emission_texture,
+                                                         &Material::alpha_texture,
+                                                         &Material::transmission_texture,
+                                                         &Material::specular_weight_texture,
+                                                         &Material::specular_tint_texture,
+                                                         &Material::coat_texture,
+                                                         &Material::coat_roughness_texture,
+                                                         &Material::sheen_texture,
+                                                         &Material::sheen_roughness_texture,
+                                                         &Material::iridescence_texture,
+                                                         &Material::film_texture};
 
 }  // namespace render2mpeg::scene

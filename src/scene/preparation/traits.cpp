@@ -20,6 +20,9 @@ void add_material(const Material& material, Traits& traits) {
     const bool all_glass = material.transmission >= 1 && !material.transmission_texture.present();
     const bool reflects = material.specular_glossiness ? material.specular != glm::vec3(0)
                                                        : material.ior > 1 || (material.metallic > 0 && has_base);
+    const bool smooth_coat = material.coat > 0 && (material.coat_roughness < mirror_roughness || all_metal ||
+                                                   material.coat_roughness_texture.present());
+    const bool rough_coat = material.coat > 0 && material.coat_roughness >= mirror_roughness;
 
     if (!material.unlit) {
         if (has_base && !all_metal && !all_glass) traits.has_diffuse_surfaces = true;
@@ -27,16 +30,19 @@ void add_material(const Material& material, Traits& traits) {
         if (reflects && largest_roughness >= mirror_roughness && smallest_roughness < narrow_roughness)
             traits.has_narrow_lobes = true;
         if (reflects && smallest_roughness < mirror_roughness) traits.has_mirrors = true;
+        if (smooth_coat || (material.coat > 0 && material.metallic > 0)) traits.has_mirrors = true;
+        if (rough_coat) traits.has_glossy_surfaces = true;
+        if (rough_coat && (material.coat_roughness < narrow_roughness || material.coat_roughness_texture.present()))
+            traits.has_narrow_lobes = true;
+        if (material.has_sheen()) traits.has_diffuse_surfaces = true;
         if (material.transmission > 0 && !all_metal) traits.has_glass = true;
         if (material.normal_texture.present()) traits.has_normal_maps = true;
     }
     if (material.emits()) traits.has_emissive_surfaces = true;
     if (material.alpha_mode == AlphaMode::mask) traits.has_alpha_mask = true;
     if (material.alpha_mode == AlphaMode::blend) traits.has_alpha_blend = true;
-    for (const TextureUse* use : {&material.base_color_texture, &material.metallic_roughness_texture,
-                                  &material.specular_glossiness_texture, &material.normal_texture,
-                                  &material.emission_texture, &material.alpha_texture, &material.transmission_texture})
-        if (use->present()) traits.has_textures = true;
+    for (const auto use : texture_uses)
+        if ((material.*use).present()) traits.has_textures = true;
 }
 
 bool camera_moves(const Animation& animation, const std::vector<char>& moves) {

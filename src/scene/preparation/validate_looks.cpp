@@ -24,6 +24,17 @@ class MaterialCheck {
         for (int k = 0; k < 3; ++k) clamp(material_.specular[k], 0, 1, "specular colour");
         clamp(material_.glossiness, 0, 1, "glossiness");
         clamp(material_.transmission, 0, 1, "transmission");
+        clamp(material_.specular_weight, 0, 1, "specular factor");
+        for (int k = 0; k < 3; ++k) clamp(material_.specular_tint[k], 0, largest, "specular colour");
+        clamp(material_.coat, 0, 1, "clearcoat");
+        clamp(material_.coat_roughness, 0, 1, "clearcoat roughness");
+        for (int k = 0; k < 3; ++k) clamp(material_.sheen[k], 0, 1, "sheen colour");
+        clamp(material_.sheen_roughness, 0, 1, "sheen roughness");
+        clamp(material_.iridescence, 0, 1, "iridescence");
+        clamp(material_.film_ior, 1, 100, "index of the thin film");
+        // chosen: a tenth of a millimetre, where no wave is told from the next.
+        clamp(material_.film_thinnest, 0, 1e5f, "thickness of the thin film");
+        clamp(material_.film_thickest, 0, 1e5f, "thickness of the thin film");
         // chosen: 100 is beyond every substance; glTF itself sets no limit.
         clamp(material_.ior, 1, 100, "index of refraction");
         clamp(material_.alpha_cutoff, 0, largest, "alpha cutoff");
@@ -37,6 +48,14 @@ class MaterialCheck {
         check(material_.emission_texture, "emission texture");
         check(material_.alpha_texture, "alpha texture");
         check(material_.transmission_texture, "transmission texture");
+        check(material_.specular_weight_texture, "specular texture");
+        check(material_.specular_tint_texture, "specular colour texture");
+        check(material_.coat_texture, "clearcoat texture");
+        check(material_.coat_roughness_texture, "clearcoat roughness texture");
+        check(material_.sheen_texture, "sheen colour texture");
+        check(material_.sheen_roughness_texture, "sheen roughness texture");
+        check(material_.iridescence_texture, "iridescence texture");
+        check(material_.film_texture, "thin film's texture");
     }
 
   private:
