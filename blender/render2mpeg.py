@@ -61,11 +61,11 @@ def film_words(scene, blend):
     output = bpy.path.abspath(settings.output)
     words = [blend, "-o", output] + size_words(scene)
     if settings.control == "QUANTISER":
-        words = ["render"] + words + ["--quantiser", str(settings.quantiser), "--resume"]
+        words = ["render"] + words + ["--quantiser", str(settings.quantiser), "--resume", "--overwrite"]
     elif settings.control == "SIZE":
-        words = ["tune"] + words + ["--max-size", f"{settings.megabytes:g}M"]
+        words = ["tune"] + words + ["--overwrite", "--max-size", f"{settings.megabytes:g}M"]
     else:
-        words = ["tune"] + words + ["--target-psnr", f"{settings.decibels:g}"]
+        words = ["tune"] + words + ["--overwrite", "--target-psnr", f"{settings.decibels:g}"]
     if settings.report and settings.control == "QUANTISER":
         words += ["--report", os.path.splitext(output)[0] + ".html"]
     return words
@@ -224,7 +224,7 @@ class RENDER2MPEG_OT_folder(Working, bpy.types.Operator):
 
     def words(self, context):
         self.blend = saved_copy()
-        return ["plan", self.blend]
+        return ["plan", self.blend, "--within", "0"]
 
     def finish(self, context):
         made = self.blend + ".export"

@@ -14,6 +14,7 @@
 #include "app/experiments/cost.h"
 #include "app/experiments/tune.h"
 #include "app/options/options.h"
+#include "app/options/usage_error.h"
 #include "app/probe.h"
 #include "app/system/allocator.h"
 #include "app/system/terminal.h"
@@ -37,7 +38,7 @@ namespace {
 
 }  // namespace
 
-/// Everything that goes wrong anywhere ends here as one line and exit status 1.
+/// Everything that goes wrong anywhere ends here as one line and exit status 1, or 2 for a mistake on the command line.
 int main(int argc, char** argv) {
     using namespace render2mpeg::app;
     hold_standard_descriptors();
@@ -75,6 +76,9 @@ int main(int argc, char** argv) {
     } catch (const std::filesystem::filesystem_error& error) {
         const std::string place = error.path1().empty() ? std::string() : error.path1().string() + ": ";
         print_error(place + error.code().message());
+    } catch (const UsageError& error) {
+        print_error(error.what());
+        return 2;
     } catch (const std::exception& error) {
         print_error(error.what());
     }

@@ -1,7 +1,9 @@
 #include "core/text.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace render2mpeg::core {
 namespace {
@@ -50,7 +52,41 @@ std::string shown(std::string_view text, bool keeps_lines) {
     return line;
 }
 
+/// Smallest number of edits of single letters, and of swaps of two neighbours. [Levenshtein1966]
+std::size_t edits(std::string_view a, std::string_view b) {
+    std::vector<std::vector<std::size_t>> rows(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+    for (std::size_t i = 0; i <= a.size(); ++i)
+        for (std::size_t j = 0; j <= b.size(); ++j) {
+            std::size_t& least = rows[i][j];
+            least = std::max(i, j);
+            if (i == 0 || j == 0) continue;
+            least = std::min({rows[i - 1][j] + 1, rows[i][j - 1] + 1,
+                              rows[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? std::size_t{0} : std::size_t{1})});
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+                least = std::min(least, rows[i - 2][j - 2] + 1);
+        }
+    return rows[a.size()][b.size()];
+}
+
 }  // namespace
+
+std::string nearest_word(std::string_view word, std::span<const std::string_view> words) {
+    constexpr std::size_t longest = 100;
+    const std::string said = lower_case(word.substr(0, longest));
+    // chosen: a letter in three may be wrong; three letters that it begins with are near, too.
+    std::size_t least = (said.size() + 1) / 3 + 1;
+    std::string nearest;
+    for (const std::string_view candidate : words) {
+        const std::string other = lower_case(candidate.substr(0, longest));
+        const bool begins = said.size() >= 3 && (other.starts_with(said) || said.starts_with(other));
+        const std::size_t distance = begins ? std::size_t{1} : edits(said, other);
+        // What takes as many edits as it has letters has nothing in common.
+        if (distance >= least || distance >= std::max(said.size(), other.size())) continue;
+        least = distance;
+        nearest = candidate;
+    }
+    return nearest;
+}
 
 std::string lower_case(std::string_view text) {
     std::string lower(text);

@@ -1,6 +1,7 @@
 #pragma once
 // Text that comes from outside: lower case, endings of files, what a terminal may show.
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -20,5 +21,9 @@ std::string printable(std::string_view text);
 
 /// The same, but lines stay lines.
 std::string printable_lines(std::string_view text);
+
+/// Of the words that one may have meant by `word`, the one that takes the fewest insertions, deletions, changes and
+/// swaps of neighbouring letters to become, or that begins with it; empty where none is near.
+std::string nearest_word(std::string_view word, std::span<const std::string_view> words);
 
 }  // namespace render2mpeg::core

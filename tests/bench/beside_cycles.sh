@@ -31,7 +31,7 @@ for name in $(python3 "$here/beside_cycles/scenes.py" "${models[@]}" "$out" "$@"
     pixels=$size
     [[ $name != check_* ]] || pixels=16x16
     # What the program refuses is a row too.
-    if ! { TIMEFORMAT=%U && time "$program" render "$folder" -o "$folder/ours%04d.exr" --tolerance "$tolerance" --vpls "$vpls" \
+    if ! { TIMEFORMAT=%U && time "$program" render -y --hold "$folder" -o "$folder/ours%04d.exr" --tolerance "$tolerance" --vpls "$vpls" \
         --samples 64 --cache off --size "$pixels" --frames 0:0 --exposure 0 --quiet 2> "$folder/ours.log"; } 2> "$folder/ours_seconds"; then
         echo "| $name | refused: $(head -1 "$folder/ours.log") |"
         continue

@@ -15,7 +15,7 @@ trap 'rm -rf "$work"' EXIT
 rows() { # NAME INPUT
     local tolerance
     for tolerance in 2% 13%; do
-        "$program" render "$2" -o "$work/film.y4m" --frames 0:0 --size 512x512 --samples 1 --vpls 9000 --exposure 0 --threads 1 \
+        "$program" render -y --hold "$2" -o "$work/film.y4m" --frames 0:0 --size 512x512 --samples 1 --vpls 9000 --exposure 0 --threads 1 \
             --tolerance "fixed=$tolerance" --quiet --stats "$work/stats.json" "${@:3}"
         python3 - "$1" "$tolerance" "$work/stats.json" <<'PY'
 import json, sys

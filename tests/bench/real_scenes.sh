@@ -16,7 +16,7 @@ trap 'rm -rf "$work"' EXIT
 [[ " $* " == *" --cache"* ]] || set -- "$@" --cache off
 
 row() { # NAME INPUT
-    "$program" render "$2" -o "$work/film.mpg" --frames 0:3 --size 512x512 --samples 1 --vpls 9000 --exposure 0 --quiet --stats "$work/stats.json" "${@:3}"
+    "$program" render -y --hold "$2" -o "$work/film.mpg" --frames 0:3 --size 512x512 --samples 1 --vpls 9000 --exposure 0 --quiet --stats "$work/stats.json" "${@:3}"
     python3 - "$1" "$work/stats.json" <<'PY'
 import json, sys
 name, file = sys.argv[1:]

@@ -10,7 +10,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 render() { # FILM OUTPUT FRAMES [render options...]
-    "$program" render "$work/$1" -o "$2" --frames "$3" --size 256x256 --samples 1 --vpls 9000 --exposure 0 --threads 1 --quiet "${@:4}"
+    "$program" render -y --hold "$work/$1" -o "$2" --frames "$3" --size 256x256 --samples 1 --vpls 9000 --exposure 0 --threads 1 --quiet "${@:4}"
 }
 
 rows=()

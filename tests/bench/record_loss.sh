@@ -19,7 +19,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 render() { # FILM OUTPUT SIDE SAMPLES [render options...]
-    "$program" render "$work/$1" -o "$2" --size "$3x$3" --samples "$4" --vpls 9000 --exposure 0 --frames "0:$((frames - 1))" --quiet "${@:5}"
+    "$program" render -y --hold "$work/$1" -o "$2" --size "$3x$3" --samples "$4" --vpls 9000 --exposure 0 --frames "0:$((frames - 1))" --quiet "${@:5}"
 }
 
 echo '| film | tolerance | quantiser | loss, nine | loss, middle | flicker, nine | flicker, middle | bytes |'
@@ -33,7 +33,7 @@ for film in "$@"; do
     for cache in off on; do
         render "$film" "$work/$cache.y4m" "$side" 4 --tolerance fixed=2% --cache "$cache"
         for q in 4 8 16; do
-            "$program" encode "$work/$cache.y4m" -o "$work/$film.fixed.$q.$cache.m2v" --quantiser "$q" --quiet
+            "$program" encode -y "$work/$cache.y4m" -o "$work/$film.fixed.$q.$cache.m2v" --quantiser "$q" --quiet
             render "$film" "$work/$film.coupled.$q.$cache.m2v" "$side" 4 --tolerance coupled --quantiser "$q" --cache "$cache"
         done
     done

@@ -30,7 +30,7 @@ other=''
 trap '[ -z "$other" ] || kill "$other" 2>/dev/null || true; rm -rf "$work"' EXIT
 
 render() { # CACHE FRAMES INPUT VPLS TOLERANCE [render options...]
-    exec "$program" render "$3" -o "$work/$1.m2v" --size "$size" --frames "0:$(($2 - 1))" --samples 1 --vpls "$4" --exposure 0 --threads 1 \
+    exec "$program" render -y --hold "$3" -o "$work/$1.m2v" --size "$size" --frames "0:$(($2 - 1))" --samples 1 --vpls "$4" --exposure 0 --threads 1 \
         --tolerance "$5" --quantiser 8 --cache "$1" --quiet --stats "$work/$1.json" "${@:6}"
 }
 

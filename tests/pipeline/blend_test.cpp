@@ -57,7 +57,8 @@ fs::path export_of(const fs::path& blend) {
 TEST(BlendFile, WithoutBlenderIsRefusedInALineThatSaysWhatToDo) {
     const Folder folder;
     std::ofstream(folder / "film.blend") << "BLENDER";
-    const Outcome said = run("RENDER2MPEG_BLENDER=/nowhere " + program() + " plan " + path(folder, "film.blend"));
+    const Outcome said =
+        run("RENDER2MPEG_BLENDER=/nowhere " + program() + " plan --within 0 " + path(folder, "film.blend"));
     EXPECT_EQ(said.status, 1);
     EXPECT_EQ(lines_in(said.output), 1u) << said.output;
     EXPECT_NE(said.output.find("needs Blender"), std::string::npos) << said.output;
@@ -72,7 +73,7 @@ TEST(BlendFile, ThatIsBrokenIsRefusedInALine) {
     std::ofstream(folder / "text.blend") << "no .blend at all";
     std::ofstream(folder / "short.blend", std::ios::binary) << whole.substr(0, whole.size() / 2);
     for (const char* name : {"text.blend", "short.blend"}) {
-        const Outcome said = run(program() + " plan " + path(folder, name));
+        const Outcome said = run(program() + " plan --within 0 " + path(folder, name));
         EXPECT_EQ(said.status, 1);
         EXPECT_EQ(lines_in(said.output), 1u) << said.output;
         EXPECT_NE(said.output.find(name), std::string::npos) << said.output;
@@ -84,7 +85,7 @@ TEST(BlendFile, ExecutesNothingThatItHolds) {
     NEEDS_BLENDER();
     const Folder folder;
     make(folder, "hostile");
-    const Outcome said = run("cd " + folder.path().string() + " && " + program() + " plan hostile.blend");
+    const Outcome said = run("cd " + folder.path().string() + " && " + program() + " plan --within 0 hostile.blend");
     EXPECT_EQ(said.status, 0) << said.output;
     std::size_t executed = 0;
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder.path()))
@@ -100,7 +101,7 @@ TEST(BlendFile, IsExportedOnceUntilItChanges) {
     const Folder folder;
     make(folder, "instances");
     const fs::path blend = folder / "instances.blend";
-    const std::string command = program() + " plan " + blend.string();
+    const std::string command = program() + " plan --within 0 " + blend.string();
     ASSERT_EQ(run(command).status, 0);
     const fs::path first = export_of(blend);
     const auto written = fs::last_write_time(first / "film.json");
@@ -119,7 +120,7 @@ TEST(BlendFile, BecomesAFilmWithItsRateSizeShotsAndInstances) {
     NEEDS_BLENDER();
     const Folder folder;
     make(folder, "markers instances");
-    ASSERT_EQ(run(program() + " plan " + path(folder, "markers.blend")).status, 0);
+    ASSERT_EQ(run(program() + " plan --within 0 " + path(folder, "markers.blend")).status, 0);
     json film = json::parse(contents(export_of(folder / "markers.blend") / "film.json"));
     EXPECT_EQ(film["frame_rate"], "24");
     EXPECT_EQ(film["frames"], 12);
@@ -130,7 +131,7 @@ TEST(BlendFile, BecomesAFilmWithItsRateSizeShotsAndInstances) {
     EXPECT_NEAR(film["shots"][1]["at"].get<double>(), 4.0 / 24, 1e-6);
     EXPECT_TRUE(film["cameras"]["Shot 9"].contains("height")) << "it is parallel";
 
-    ASSERT_EQ(run(program() + " plan " + path(folder, "instances.blend")).status, 0);
+    ASSERT_EQ(run(program() + " plan --within 0 " + path(folder, "instances.blend")).status, 0);
     film = json::parse(contents(export_of(folder / "instances.blend") / "film.json"));
     const json keys = film["change"]["Late"]["keys"];
     ASSERT_EQ(keys.size(), 2u) << "it comes at the fifth frame";
@@ -145,7 +146,7 @@ TEST(BlendFile, TellsWhatIsNotKeptByObjectAndReason) {
     NEEDS_BLENDER();
     const Folder folder;
     make(folder, "odds_and_ends");
-    const Outcome said = run(program() + " plan " + path(folder, "odds_and_ends.blend"));
+    const Outcome said = run(program() + " plan --within 0 " + path(folder, "odds_and_ends.blend"));
     ASSERT_EQ(said.status, 0) << said.output;
     for (const char* line :
          {"not kept: Fur: hair Fur", "not kept: Growing: its shape has other corners",
@@ -163,9 +164,10 @@ TEST(BlendFile, HasAnIntraPictureAtEachCut) {
     NEEDS_BLENDER();
     const Folder folder;
     make(folder, "markers");
-    const Outcome made = run(program() + " render " + path(folder, "markers.blend") + " -o " + path(folder, "f.mpg") +
-                             " --size 64x48 --samples 1 --vpls 16 --exposure 0 --tolerance fixed=10% --quiet --stats " +
-                             path(folder, "f.json"));
+    const Outcome made =
+        run(program() + " render -y --hold " + path(folder, "markers.blend") + " -o " + path(folder, "f.mpg") +
+            " --size 64x48 --samples 1 --vpls 16 --exposure 0 --tolerance fixed=10% --quiet --stats " +
+            path(folder, "f.json"));
     ASSERT_EQ(made.status, 0) << made.output;
     const std::string types = test::types_in(folder / "f.json");
     ASSERT_EQ(types.size(), 12u);
@@ -284,9 +286,9 @@ TEST_P(BlendBesideCyclesSlow, IsFramedAndLitAlike) {
     const std::string blend = path(folder, std::string(film.name) + ".blend");
     std::istringstream frames(film.frames);
     for (std::string frame; frames >> frame;) {
-        const Outcome ours =
-            run(program() + " render " + blend + " -o " + path(folder, "ours%04d.exr") + " --frames " + frame + ":" +
-                frame + " --exposure 0 --tolerance fixed=1% --vpls 8192 --samples 16" + " --edge-samples 64 --quiet");
+        const Outcome ours = run(
+            program() + " render -y --hold " + blend + " -o " + path(folder, "ours%04d.exr") + " --frames " + frame +
+            ":" + frame + " --exposure 0 --tolerance fixed=1% --vpls 8192 --samples 16" + " --edge-samples 64 --quiet");
         ASSERT_EQ(ours.status, 0) << ours.output;
     }
     const Outcome cycles =

@@ -89,7 +89,7 @@ TEST(Refusal, NamesTheOptionAndWhatWouldBeRight) {
     const std::string out = " -o " + (folder / "x.mpg").string();
     const auto refused = [&](const std::string& arguments, const std::string& words) {
         const auto outcome = run(program() + " " + arguments);
-        EXPECT_EQ(outcome.status, 1) << outcome.output;
+        EXPECT_EQ(outcome.status, 2) << outcome.output;
         EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
         EXPECT_EQ(folder.entries(), 0u);
     };
@@ -102,7 +102,6 @@ TEST(Refusal, NamesTheOptionAndWhatWouldBeRight) {
     refused(start + out + " --tolerance coupled=1e-60", "coupled=K");
     refused(start + out + " --exposure bright", "auto");
     refused(start + out + " --isa mmx", "sse2, sse4.2, avx, avx2, avx512");
-    refused(start + out + " --camera nobody", "nobody");
     refused(start + " -o " + (folder / "x.avi").string(), ".mpg, .vob, .ts, .m2v, .mkv, .mp4");
     refused(start + " -o " + (folder / "x.png").string(), "%04d");
     refused(start + out + " --size 4096x2304", "1920");
@@ -115,10 +114,10 @@ TEST(Refusal, IsOneLineOfTheProgramsOwnFormWhateverIsWrong) {
          {std::string(), std::string("rendr x"), std::string("render"), "render " + start + " --bogus",
           "render " + start + " --quantiser 77", "render " + start + " --size", "render " + start + " --size 640",
           "render " + start + " --display-aspect 4:3 --pixel-aspect 1:1", "render " + start + " --motion m.%d.exr",
-          "render " + start + " --heatmap cut", "encode " + start, std::string("plan --bitrate abc ") + plain_film(),
+          "render " + start + " --heatmap cut", std::string("plan --bitrate abc ") + plain_film(),
           std::string("info")}) {
         const auto outcome = run(program() + " " + arguments);
-        EXPECT_EQ(outcome.status, 1) << arguments;
+        EXPECT_EQ(outcome.status, 2) << arguments;
         EXPECT_TRUE(outcome.output.starts_with("render2mpeg: ")) << outcome.output;
         EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
     }
@@ -130,7 +129,7 @@ TEST(Refusal, IsOneLineOfTheProgramsOwnFormWhateverIsWrong) {
 
 TEST(Notes, TellWhichOptionsDoNothing) {
     const Folder folder;
-    const std::string start = program() + " render " + plain_film() + " --dry-run ";
+    const std::string start = program() + " render " + plain_film() + " --dry-run --within 0 ";
     const std::string film_out = "-o " + (folder / "x.mpg").string(), frames = "-o " + (folder / "f.%d.exr").string();
     const auto noted = [](const std::string& command, const char* words) {
         const auto outcome = run(command);
@@ -141,7 +140,6 @@ TEST(Notes, TellWhichOptionsDoNothing) {
     noted(start + frames + " --exposure 1 --tolerance reference", "--exposure does nothing here");
     noted(start + film_out + " --tolerance fixed=2% --masking quantised", "--masking does nothing here");
     noted(start + film_out + " --frames 0:9 --keyframes 3,12,40", "2 of 3 are no frames of the film, which has 0 to 9");
-    noted(start + film_out + " --frames 0:999", "beyond the scene's own film, which ends with frame");
     // Silent where all count, and where nobody wants to know.
     EXPECT_EQ(run(start + film_out + " --gop 5 --masking quantised --keyframes 3").output.find("nothing here"),
               std::string::npos);
@@ -150,7 +148,7 @@ TEST(Notes, TellWhichOptionsDoNothing) {
 
 TEST(Refusal, NoOutputTakesThePlaceOfAnInputOrOfAnotherOutput) {
     const Folder folder;
-    const std::string start = "render " + plain_film() + " --dry-run", o = (folder / "x.mpg").string(),
+    const std::string start = "render " + plain_film() + " --dry-run --within 0", o = (folder / "x.mpg").string(),
                       out = " -o " + o;
     expect_refusal(folder, start + out + " --stats " + o, "x.mpg");
     expect_refusal(folder, start + out + " --heatmap cut " + o, "x.mpg");
@@ -164,7 +162,7 @@ TEST(DryRun, SeesThatOutputsCannotBeMade) {
     const Folder folder;
     write(folder / "file", "");
     std::filesystem::create_directory(folder / "f.mpg");
-    const std::string start = "render " + plain_film() + " --dry-run -o ";
+    const std::string start = "render " + plain_film() + " --dry-run --within 0 -o ";
     const auto name = [&](const char* file) { return (folder / file).string(); };
     expect_refusal(folder, start + name("file/deep/x.mpg"), "file is not a folder");
     expect_refusal(folder, start + name("f.mpg"), "it is a folder");
@@ -176,15 +174,15 @@ TEST(DryRun, SeesThatOutputsCannotBeMade) {
 
 TEST(DryRun, ChecksAllAndWritesNothing) {
     const Folder folder;
-    const auto outcome =
-        run(program() + " render " + plain_film() + " --dry-run --frames 0:99 -o " + (folder / "x.mpg").string());
+    const auto outcome = run(program() + " render " + plain_film() + " --dry-run --within 0 --hold --frames 0:99 -o " +
+                             (folder / "x.mpg").string());
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     EXPECT_NE(outcome.output.find("2 chunks"), std::string::npos) << outcome.output;
     EXPECT_EQ(folder.entries(), 0u);
 }
 
 TEST(PlanCommand, GivesAReasonForEveryPassAndItsCostAfterARender) {
-    const auto still = run(program() + " plan " + film("still_room"));
+    const auto still = run(program() + " plan --within 0 " + film("still_room"));
     EXPECT_EQ(still.status, 0);
     EXPECT_NE(still.output.find("no cause"), std::string::npos) << still.output;
     const Folder folder;
@@ -194,18 +192,18 @@ TEST(PlanCommand, GivesAReasonForEveryPassAndItsCostAfterARender) {
                   " --stats " + stats)
                   .status,
               0);
-    const auto priced = run(program() + " plan " + film("still_room") + " --stats " + stats);
+    const auto priced = run(program() + " plan --within 0 " + film("still_room") + " --stats " + stats);
     EXPECT_EQ(priced.status, 0);
     EXPECT_NE(priced.output.find(" %"), std::string::npos) << priced.output;
     for (const char* row :
          {"yes load ", "yes exposure ", "no  first pass ", "yes preview ", "yes tolerate ", "no  audit ", "whole run"})
         EXPECT_NE(priced.output.find(row), std::string::npos) << row << "\n" << priced.output;
     // Rows follow what the render would be asked for.
-    const auto other =
-        run(program() + " plan " + film("still_room") + " --tolerance fixed=2% --bitrate 2M --exposure 1 --audit 5");
+    const auto other = run(program() + " plan --within 0 " + film("still_room") +
+                           " --tolerance fixed=2% --bitrate 2M --exposure 1 --audit 5");
     for (const char* row : {"no  exposure ", "yes first pass ", "no  preview ", "no  tolerate ", "yes audit "})
         EXPECT_NE(other.output.find(row), std::string::npos) << row << "\n" << other.output;
-    EXPECT_NE(run(program() + " plan " + film("still_room") + " -o f.%d.png").output.find("no  encode"),
+    EXPECT_NE(run(program() + " plan --within 0 " + film("still_room") + " -o f.%d.png").output.find("no  encode"),
               std::string::npos);
     const auto passes = nlohmann::json::parse(contents(stats)).at("passes");
     for (const char* pass : {"pose", "see", "direct light tree", "photons", "indirect light tree", "develop", "encode"})
@@ -269,7 +267,7 @@ TEST(Interruption, LeavesAPlayablePartialFilmAndNoFinalOne) {
     const auto output = folder / "film.mpg";
     const auto outcome =
         run(support::program_at_terminal() + " render " + plain_film() +
-            " --size 32x32 --samples 1 --vpls 0 --tolerance fixed=90% --frames 0:9999 --exposure 0 --quiet -o " +
+            " --size 32x32 --samples 1 --vpls 0 --tolerance fixed=90% --hold --frames 0:9999 --exposure 0 --quiet -o " +
             output.string() + " & job=$!; while [ ! -s " + (folder / "film.mpg.partial").string() +
             "/chunk_00000.m2v ]; do sleep 0.05; done; sleep 0.3; " + "kill -INT $job; wait $job");
     EXPECT_EQ(outcome.status, 130) << outcome.output;

@@ -34,7 +34,7 @@ std::string page(const char* name) {
 TEST(Documents, NameEveryKeyOfStatisticsReportsAndInformation) {
     const Folder folder;
     const std::string tiny = " --size 32x32 --samples 1 --vpls 16 --exposure 0 --frames 0:3 --quiet ";
-    ASSERT_EQ(run(program() + " render " + support::plain_film() + tiny + "--audit 2 --bitrate 300k -o " +
+    ASSERT_EQ(run(program() + " render -y --hold " + support::plain_film() + tiny + "--audit 2 --bitrate 300k -o " +
                   path(folder, "f.mpg") + " --report " + path(folder, "r.html"))
                   .status,
               0);
@@ -42,7 +42,7 @@ TEST(Documents, NameEveryKeyOfStatisticsReportsAndInformation) {
     expect_keys(report, page("stats.md") + page("report.md"), "passes");
 
     test::write_frames(path(folder, "in.y4m"), 64, 48, "25:1", "1:1", 3);
-    ASSERT_EQ(run(program() + " encode " + path(folder, "in.y4m") + " --quiet -o " + path(folder, "e.mpg") +
+    ASSERT_EQ(run(program() + " encode -y " + path(folder, "in.y4m") + " --quiet -o " + path(folder, "e.mpg") +
                   " --stats " + path(folder, "e.json"))
                   .status,
               0);

@@ -19,7 +19,7 @@ using test::path;
 
 support::Outcome render_kind(const Folder& folder, const std::string& output, const std::string& frames,
                              const std::string& more = "") {
-    return run(program() + " render " + plain_film() +
+    return run(program() + " render -y --hold " + plain_film() +
                " --size 32x32 --samples 1 --vpls 0 --exposure 0 --tolerance fixed=10% --quiet --frames " + frames +
                " -o " + path(folder, output) + more);
 }
@@ -40,7 +40,7 @@ TEST(Endings, OfFramesMayBeInCapitals) {
     const Folder folder;
     for (const char* name : {"f.%d.EXR", "f.%d.PNG", "f.Y4M"}) {
         ASSERT_EQ(render_kind(folder, name, "0:1").status, 0) << name;
-        const auto outcome = run(program() + " encode " + path(folder, name) + " --quiet -o " +
+        const auto outcome = run(program() + " encode -y " + path(folder, name) + " --quiet -o " +
                                  path(folder, std::string(name) + ".mpg"));
         EXPECT_EQ(outcome.status, 0) << name << ": " << outcome.output;
     }

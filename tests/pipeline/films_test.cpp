@@ -23,7 +23,7 @@ const std::string direct_light = " --size 64x48 --samples 1 --vpls 0 --tolerance
 const std::string few_lights = " --size 64x48 --samples 1 --vpls 64 --exposure 0 --quiet";
 
 std::string render(const std::string& input, const std::filesystem::path& output, const std::string& options) {
-    return support::program() + " render " + input + " -o " + output.string() + options;
+    return support::program() + " render -y --hold " + input + " -o " + output.string() + options;
 }
 
 /// Frames that libavcodec decodes, without a word of complaint; -1 otherwise.

@@ -46,7 +46,7 @@ std::vector<std::string> by_us(const json& info) {
 
 void make_film(const Folder& folder, const std::string& name, const std::string& options) {
     const auto outcome =
-        run(program() + " render " + plain_film() +
+        run(program() + " render -y --hold " + plain_film() +
             " --size 64x48 --samples 1 --vpls 0 --tolerance fixed=20% --exposure 0 --frames 0:10 --quiet -o " +
             path(folder, name) + " --stats " + path(folder, "s.json") + options);
     ASSERT_EQ(outcome.status, 0) << outcome.output;

@@ -27,7 +27,7 @@ bool has(const support::Outcome& outcome, const std::string& words) {
 TEST(Memory, ThatAFilmWouldTakeBeyondItsLimitIsToldBeforeItIsBegun) {
     const Folder folder;
     const std::string start =
-        program() + " render " + plain_film() + " --exposure 0 --quiet -o " + path(folder, "f.mpg");
+        program() + " render -y --hold " + plain_film() + " --exposure 0 --quiet -o " + path(folder, "f.mpg");
     const auto large = run(start + " --size 1920x1080 --memory 500M");
     EXPECT_EQ(large.status, 1);
     EXPECT_TRUE(has(large, "it takes about ") && has(large, "--memory allows 500 MiB: ")) << large.output;
@@ -43,7 +43,7 @@ TEST(Memory, ThatAFilmWouldTakeBeyondItsLimitIsToldBeforeItIsBegun) {
 TEST(Memory, ThatAFilmIsReckonedToTakeIsEnough) {
     const Folder folder;
     for (const char* threads : {"1", "4"}) {
-        const std::string start = program() + " render " + plain_film() +
+        const std::string start = program() + " render -y --hold " + plain_film() +
                                   " --size 32x32 --samples 1 --vpls 16 --frames 0:1 --quiet --threads " + threads +
                                   " -o " + path(folder, "f.m2v") + " --memory ";
         const auto little = run(start + "16M");
@@ -99,7 +99,7 @@ TEST(Interruption, OfAnInterruptedRunEndsItAtOnce) {
     const Folder folder;
     // A first frame that takes minutes: only a run that does not finish it ends here.
     const auto outcome =
-        run(program_at_terminal() + " render " + plain_film() +
+        run(program_at_terminal() + " render -y --hold " + plain_film() +
             " --size 1280x960 --samples 1 --exposure 0 --tolerance reference --frames 0:1 -o " + path(folder, "f.mpg") +
             " & job=$!; while [ ! -e " + path(folder, "f.mpg.partial/chunk_00000.m2v") +
             " ]; do kill -0 $job || exit 99; sleep 0.05; done; sleep 0.1; kill -INT $job; sleep 0.3; "
@@ -113,11 +113,11 @@ TEST(Interruption, OfAnInterruptedRunEndsItAtOnce) {
 TEST(Heatmap, OfTwoRunsIsTheFirstOnes) {
     const Folder folder;
     const std::string start =
-        program_at_terminal() + " render " + plain_film() + " --size 64x64 --vpls 16 --exposure 0 --quiet ";
+        program_at_terminal() + " render -y --hold " + plain_film() + " --size 64x64 --vpls 16 --exposure 0 --quiet ";
     const std::string heat = " --heatmap cut " + path(folder, "heat.mpg");
     const std::string second = start + "--frames 0:1 -o " + path(folder, "b.mpg") + heat;
     const auto outcome =
-        run(start + "--frames 0:9999 -o " + path(folder, "a.mpg") + heat + " & job=$!; while [ ! -e " +
+        run(start + "--hold --frames 0:9999 -o " + path(folder, "a.mpg") + heat + " & job=$!; while [ ! -e " +
             path(folder, "heat.mpg.partial/chunk_00000.m2v") + " ]; do kill -0 $job || exit 99; sleep 0.05; done; " +
             second + "; echo second $?; kill -INT $job; wait $job");
     EXPECT_EQ(outcome.status, 130) << outcome.output;

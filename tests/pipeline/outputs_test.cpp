@@ -19,7 +19,7 @@ using test::path;
 const std::string tiny = " --size 32x32 --samples 1 --vpls 16 --exposure 0 --frames 0:1 ";
 /// Never done before it is interrupted.
 const std::string endless =
-    " --size 32x32 --samples 1 --vpls 0 --tolerance fixed=90% --frames 0:9999 --exposure 0 --quiet ";
+    " --size 32x32 --samples 1 --vpls 0 --tolerance fixed=90% --hold --frames 0:9999 --exposure 0 --quiet ";
 
 /// Runs a render until `file` is there and not empty, then does `then`, then sends the signal and waits.
 support::Outcome interrupted(const std::string& render, const std::string& file, const std::string& signal,
@@ -47,7 +47,7 @@ TEST(WorkFolder, IsNoOtherRunsMeanwhile) {
     const std::string again = program() + " render " + plain_film() + tiny + "--quiet " + out;
     const auto outcome = interrupted(program() + " render " + plain_film() + endless + out,
                                      path(folder, "a.mpg.partial/chunk_00000.m2v"), "TERM",
-                                     again + "; echo status $?; " + again + " --dry-run; echo status $?");
+                                     again + "; echo status $?; " + again + " --dry-run --within 0; echo status $?");
     EXPECT_EQ(outcome.status, 143) << "128 + SIGTERM: " << outcome.output;
     const std::size_t first = outcome.output.find("a.mpg: another run is writing it (process ");
     ASSERT_NE(first, std::string::npos) << outcome.output;
@@ -65,7 +65,7 @@ TEST(WorkFolder, ThatIsForeignIsRefusedBeforeAnythingIsDone) {
     std::filesystem::create_directory(folder / "a.mpg.partial");
     std::ofstream(folder / "a.mpg.partial" / "diary.txt") << "dear diary";
     const std::string start = program() + " render " + plain_film() + tiny + " -o " + path(folder, "a.mpg");
-    for (const char* more : {" --dry-run", " --bitrate 1M"}) {
+    for (const char* more : {" --dry-run --within 0", " --bitrate 1M"}) {
         const auto outcome = run(start + more);
         EXPECT_EQ(outcome.status, 1) << outcome.output;
         EXPECT_NE(outcome.output.find("a.mpg.partial"), std::string::npos) << outcome.output;
@@ -93,10 +93,11 @@ TEST(WritableCheck, LeavesFilesOfEveryNameAlone) {
 
 TEST(Interruption, LeavesTheFirstFramesOfUncompressedFilmsUnderAnotherName) {
     const Folder folder;
-    const auto outcome = interrupted(
-        program() + " render " + plain_film() +
-            " --size 64x48 --vpls 0 --frames 0:9999 --exposure 0 --tolerance fixed=10% -o " + path(folder, "f.y4m"),
-        path(folder, "f.y4m.partial/chunk_00000.y4m.tmp"), "INT");
+    const auto outcome =
+        interrupted(program() + " render " + plain_film() +
+                        " --size 64x48 --vpls 0 --hold --frames 0:9999 --exposure 0 --tolerance fixed=10% -o " +
+                        path(folder, "f.y4m"),
+                    path(folder, "f.y4m.partial/chunk_00000.y4m.tmp"), "INT");
     EXPECT_EQ(outcome.status, 130) << outcome.output;
     EXPECT_NE(outcome.output.find("f.partial.y4m: "), std::string::npos) << outcome.output;
     EXPECT_FALSE(std::filesystem::exists(folder / "f.y4m"));

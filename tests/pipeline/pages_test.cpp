@@ -62,6 +62,7 @@ std::string timeless(std::string text) {
     static const std::pair<std::regex, const char*> forms[] = {
         {std::regex("(^|\n)( *[0-9.]+ (?:%|coup\\.) +)[0-9.]+"), "$1$2T"},                         // cost: a row
         {std::regex("[0-9.]+ times the time"), "T times the time"},                                //
+        {std::regex("\nThe whole film on this machine's[^]*"), "\n"},                              //
         {std::regex("\nThe knee is[^]*"), "\n"},                                                   //
         {std::regex("\n( +[0-9.]+)( +[0-9.]+)? +[0-9.]+( +[0-9.]+ +[0-9.]+ +0\\.)"), "\n$1 T$3"},  // tune: a row
         {std::regex("(\n[a-z][^\n]*  +[0-9]+) +[0-9.]+ +[0-9.]+( +[0-9.]+ k?B)"), "$1 T$2"},       // compare: a row

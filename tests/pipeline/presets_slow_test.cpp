@@ -31,7 +31,7 @@ TEST(PresetSlow, FilmsAreForeignToolsWhatTheirHeadersSay) {
         constexpr int frames = 29;
         write_frames(path(folder, "in.y4m"), c.width, c.height, c.rate, "", frames);
         const std::string output = path(folder, c.output);
-        const auto made = run(program() + " encode " + path(folder, "in.y4m") + " --for " + c.preset +
+        const auto made = run(program() + " encode -y " + path(folder, "in.y4m") + " --for " + c.preset +
                               " --quiet --quantiser 6 --display-aspect " + c.shape + " -o " + output + " --stats " +
                               path(folder, "s.json"));
         ASSERT_EQ(made.status, 0) << made.output;
@@ -74,7 +74,7 @@ TEST(PresetSlow, DvdStreamsPassAModelOfTheDiscsBufferAndAuthoring) {
         const Folder folder;
         write_frames(path(folder, "in.y4m"), c.width, c.height, c.rate, "", 40);
         const auto encode = [&](int quantiser, const std::string& name) {
-            return run(program() + " encode " + path(folder, "in.y4m") + " --for " + c.preset +
+            return run(program() + " encode -y " + path(folder, "in.y4m") + " --for " + c.preset +
                        " --quiet --quantiser " + std::to_string(quantiser) + " --display-aspect " + c.shape + " -o " +
                        path(folder, name))
                 .status;

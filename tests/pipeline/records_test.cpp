@@ -17,7 +17,7 @@ using support::Folder;
 using support::plain_film;
 using support::run;
 
-const std::string render_room = support::program() + " render " + plain_film() +
+const std::string render_room = support::program() + " render -y --hold " + plain_film() +
                                 " --size 64x48 --samples 1 --vpls 64 --exposure 0 --frames 3:5 -o ";
 
 const std::string kept = " --cache on";
@@ -107,7 +107,7 @@ TEST(Records, AreKeptByThemselvesWhereLightStaysOrCanBeParted) {
 
 TEST(Records, ThePlanSaysWhyTheyAreKept) {
     const auto row = [](const std::string& arguments) {
-        const std::string table = run(support::program() + " plan " + arguments).output;
+        const std::string table = run(support::program() + " plan --within 0 " + arguments).output;
         const std::size_t at = table.find(" records ");
         return at == std::string::npos ? "none" : table.substr(at - 3, table.find('\n', at) - at + 3);
     };
@@ -128,7 +128,7 @@ TEST(Records, ThePlanSaysWhyTheyAreKept) {
 
 TEST(Records, AreNoneWhereWhatMovesHoldsMuchOfTheLight) {
     const Folder folder;
-    const std::string cornell = support::program() + " render " + plain_film() +
+    const std::string cornell = support::program() + " render -y --hold " + plain_film() +
                                 " --size 160x160 --samples 1 --vpls 64 --exposure 0 --frames 3:4 --tolerance "
                                 "fixed=20% --quiet --stats " +
                                 (folder / "s.json").string();

@@ -52,7 +52,7 @@ std::vector<std::string> unbalanced(const std::string& html) {
 TEST(Report, IsOnePageThatStandsAloneAndItsFiguresAreTheStatistics) {
     const Folder folder;
     const std::string output = "'" + path(folder, "a&b<i>.mpg") + "'";
-    const auto outcome = run(program() + " render " + plain_film() +
+    const auto outcome = run(program() + " render -y --hold " + plain_film() +
                              " --size 48x32 --samples 1 --vpls 16 --frames 3:13 --quiet --audit 5 -o " + output +
                              " --report " + path(folder, "r.html") + " --stats " + path(folder, "s.json"));
     ASSERT_EQ(outcome.status, 0) << outcome.output;
@@ -97,7 +97,7 @@ TEST(Report, IsOnePageThatStandsAloneAndItsFiguresAreTheStatistics) {
     EXPECT_GT(seconds, 0.2 * (statistics.at("seconds").at("cpu").get<double>() - audit));
     EXPECT_LT(seconds, statistics.at("seconds").at("cpu").get<double>());
     EXPECT_NE(html.find("<h2>What the picture consists of</h2>"), std::string::npos);
-    EXPECT_EQ(count(html, "<img "), 3u) << "decoded, as lit, tolerances";
+    EXPECT_EQ(count(html, "<img "), 4u) << "decoded, as lit, their difference, tolerances";
 
     const auto exposure = std::find_if(report.at("plan").begin(), report.at("plan").end(),
                                        [](const json& row) { return row.at("pass") == "exposure"; });
@@ -108,7 +108,7 @@ TEST(Report, IsOnePageThatStandsAloneAndItsFiguresAreTheStatistics) {
 
 TEST(Report, OfFramesThatAreNotCodedSpeaksOfLightAlone) {
     const Folder folder;
-    ASSERT_EQ(run(program() + " render " + plain_film() +
+    ASSERT_EQ(run(program() + " render -y --hold " + plain_film() +
                   " --size 32x32 --samples 1 --vpls 16 --exposure 0 --frames 0:1 --quiet -o " +
                   path(folder, "f.%d.exr") + " --report " + path(folder, "r.html"))
                   .status,
@@ -121,7 +121,8 @@ TEST(Report, OfFramesThatAreNotCodedSpeaksOfLightAlone) {
 
 TEST(Report, IsRefusedUnderNamesThatWouldNotDo) {
     const Folder folder;
-    const std::string start = program() + " render " + plain_film() + " --dry-run -o " + path(folder, "x.mpg");
+    const std::string start =
+        program() + " render -y --hold " + plain_film() + " --dry-run --within 0 -o " + path(folder, "x.mpg");
     const auto refused = [&](const std::string& options, const char* words) {
         const auto outcome = run(start + options);
         EXPECT_EQ(outcome.status, 1) << outcome.output;

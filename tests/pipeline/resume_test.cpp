@@ -77,7 +77,7 @@ int render_killed(const std::string& render, const std::string& signal, std::uin
 
 TEST(Resume, AFilmThatIsKilledAgainAndAgainHasTheSameBytes) {
     const Folder folder;
-    const std::string start = program() + " render " + scene_in(folder) + light;
+    const std::string start = program() + " render -y --hold " + scene_in(folder) + light;
     const auto output = [&](const std::string& name) {
         return "-o " + path(folder, name + ".mpg") + " --stats " + path(folder, name + ".json");
     };
@@ -117,8 +117,8 @@ class Interrupted : public testing::Test {
 
     const Folder folder_;
     int chunks_ = 0;
-    const std::string start_ = program() + " render " + scene_in(folder_) + direct +
-                               "--vpls 0 --tolerance fixed=10% --exposure 0 --frames 0:409 -o " +
+    const std::string start_ = program() + " render -y --hold " + scene_in(folder_) + direct +
+                               "--vpls 0 --tolerance fixed=10% --exposure 0 --hold --frames 0:409 -o " +
                                path(folder_, "film.mpg");
 };
 
@@ -126,7 +126,7 @@ TEST_F(Interrupted, FilmsAreResumedByNoOtherRunThanTheirOwn) {
     const std::string first = stream(0);
     ASSERT_FALSE(first.empty());
     const auto refused = [&](const std::string& more, const std::string& words) {
-        for (const char* way : {"", " --dry-run"}) {
+        for (const char* way : {"", " --dry-run --within 0"}) {
             const std::string line = refusal(more + way);
             EXPECT_NE(line.find("resuming " + path(folder_, "film.mpg") + ": " + words), std::string::npos) << line;
             EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
@@ -179,16 +179,18 @@ TEST_F(Interrupted, FilmsSayHowToGoOnAndWhereTheyDo) {
         const std::string output = run(command).output;
         return output.find(words) != std::string::npos ? "" : output;
     };
-    EXPECT_EQ(said(done + " of 410 frames are left of an earlier run, which goes on", loud + " --resume --dry-run"),
+    EXPECT_EQ(said(done + " of 410 frames are left of an earlier run, which goes on",
+                   loud + " --resume --dry-run --within 0"),
               "");
-    EXPECT_EQ(said(done + " of 410 frames are left of an earlier run, and given up", loud + " --dry-run"), "");
+    EXPECT_EQ(said(done + " of 410 frames are left of an earlier run, and given up", loud + " --dry-run --within 0"),
+              "");
     EXPECT_EQ(said("film.mpg with frame " + done + ": " + done + " of 410 are there", loud + " --resume"), "");
 }
 
 TEST(Resume, IsTheWayOnAfterCtrlC) {
     const Folder folder;
-    std::string start = support::program_at_terminal() + " render " + scene_in(folder) + light + "--frames 0:9999 -o " +
-                        path(folder, "f.mpg");
+    std::string start = support::program_at_terminal() + " render -y --hold " + scene_in(folder) + light +
+                        "--hold --frames 0:9999 -o " + path(folder, "f.mpg");
     start.erase(start.find(" --quiet"), 8);
     const auto outcome = run(start + " & job=$!; while [ ! -s " + path(folder, "f.mpg.partial/chunk_00000.json") +
                              " ]; do kill -0 $job || exit 99; sleep 0.01; done; kill -INT $job; wait $job");
@@ -200,7 +202,7 @@ TEST(Resume, IsTheWayOnAfterCtrlC) {
 
 TEST(Resume, BeginsAFilmOfWhichNothingIsLeft) {
     const Folder folder;
-    const auto outcome = run(program() + " render " + plain_film() +
+    const auto outcome = run(program() + " render -y --hold " + plain_film() +
                              " --size 32x32 --samples 1 --vpls 16 --frames 0:1 --resume -o " + path(folder, "f.mpg"));
     EXPECT_EQ(outcome.status, 0);
     EXPECT_NE(outcome.output.find("--resume: no chunk was left of "), std::string::npos) << outcome.output;
@@ -209,7 +211,7 @@ TEST(Resume, BeginsAFilmOfWhichNothingIsLeft) {
 
 TEST(Resume, GivesAFilmItsNameThatCouldNotHaveItBefore) {
     const Folder folder;
-    const std::string start = program() + " render " + scene_in(folder) + direct +
+    const std::string start = program() + " render -y --hold " + scene_in(folder) + direct +
                               "--vpls 0 --tolerance fixed=10% --exposure 0 -o " + path(folder, "film.mpg");
     // Somebody takes its name while it is made.
     const auto outcome = run(start + " --stats " + path(folder, "s.json") + " & job=$!; while [ ! -e " +
@@ -224,14 +226,14 @@ TEST(Resume, GivesAFilmItsNameThatCouldNotHaveItBefore) {
     std::filesystem::remove_all(folder / "film.mpg");
     EXPECT_EQ(run(start + " --resume").status, 0);
     const std::string resumed = contents(folder / "film.mpg");
-    ASSERT_EQ(run(start).status, 0);
+    ASSERT_EQ(run(start + " -y").status, 0);
     EXPECT_EQ(contents(folder / "film.mpg"), resumed);
 }
 
 /// Slow: other outputs, other settings, other scenes, many more moments.
 TEST(Resume, FramesThatAreNotCodedAreKept) {
     const Folder folder;
-    const std::string start = program() + " render " + scene_in(folder) + light + "-o ";
+    const std::string start = program() + " render -y --hold " + scene_in(folder) + light + "-o ";
     const std::string film = path(folder, "film.y4m"), record = film + ".partial/chunk_00000.json";
     const auto killed = run(start + film + " & job=$!; while [ ! -s " + record +
                             " ]; do kill -0 $job || exit 99; sleep 0.01; done; kill -KILL $job; wait $job");
@@ -246,7 +248,8 @@ TEST(ResumeSlow, EveryKindOfOutputComesOutAsIfNothingHadHappened) {
     const Folder folder;
     const auto render = [&](const std::string& place) {
         std::filesystem::create_directory(folder / place);
-        const std::string start = program() + " render " + path(folder, "scene.json") + light, to = path(folder, place);
+        const std::string start = program() + " render -y --hold " + path(folder, "scene.json") + light,
+                          to = path(folder, place);
         return std::vector<std::string>{
             start + "--bitrate 200k -o " + to + "/rate.mpg --heatmap tolerance " + to +
                 "/heat.mkv --heatmap quantiser " + to + "/quantiser.m2v",
@@ -275,8 +278,9 @@ TEST(ResumeSlow, EveryKindOfOutputComesOutAsIfNothingHadHappened) {
 TEST(ResumeSlow, ScenesThatMoveAndDeformComeOutAsIfNothingHadHappened) {
     for (const char* name : {"character", "flash_cut"}) {
         const Folder folder;
-        const std::string start = program() + " render " + film(name) +
-                                  " --size 32x32 --samples 1 --vpls 64 --gop 41 --frames 0:122 --threads 2 --quiet -o ";
+        const std::string start =
+            program() + " render -y --hold " + film(name) +
+            " --size 32x32 --samples 1 --vpls 64 --gop 41 --hold --frames 0:122 --threads 2 --quiet -o ";
         ASSERT_EQ(run(start + path(folder, "whole.mpg")).status, 0);
         render_killed(start + path(folder, "film.mpg"), "KILL", 3, 5, 4);
         EXPECT_TRUE(contents(folder / "film.mpg") == contents(folder / "whole.mpg")) << name;

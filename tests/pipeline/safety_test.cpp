@@ -90,12 +90,12 @@ TEST(Inputs, OfEncodingAreNoOutputsFrameByFrame) {
 TEST(Outputs, OfOneNameAreRefusedFrameByFrame) {
     const Folder folder;
     std::filesystem::create_directory(folder / "v");
-    const std::string layers = "--dry-run --aov " + path(folder, "v");
+    const std::string layers = "--dry-run --within 0 --aov " + path(folder, "v");
     EXPECT_TRUE(tells(run(render_to(folder, "v/frame_%04d.exr", layers)), "two outputs have this name"));
     EXPECT_EQ(run(render_to(folder, "v/f_%04d.exr", layers)).status, 0);
     EXPECT_EQ(run(render_to(folder, "v/frame_%05d.exr", layers)).status, 0) << "00001 is not 0001";
-    EXPECT_EQ(run(render_to(folder, "v/frame_0%d.exr", layers + " --frames 0:99")).status, 0);
-    EXPECT_EQ(run(render_to(folder, "v/frame_0%d.exr", layers + " --frames 0:100")).status, 1) << "0100 is";
+    EXPECT_EQ(run(render_to(folder, "v/frame_0%d.exr", layers + " --hold --frames 0:99")).status, 0);
+    EXPECT_EQ(run(render_to(folder, "v/frame_0%d.exr", layers + " --hold --frames 0:100")).status, 1) << "0100 is";
     EXPECT_EQ(run(render_to(folder, "x.%d.png", layers + " --stats " + path(folder, "v/frame_0001.exr"))).status, 1);
     EXPECT_EQ(run(render_to(folder, "x.%d.png", layers + " --stats " + path(folder, "x.1.png"))).status, 1);
 }
@@ -105,7 +105,7 @@ TEST(Report, ReplacesNothingButAnEarlierReport) {
     const std::string render = render_to(folder, "f.mpg", "--quiet --report " + path(folder, "r.html"));
     for (const char* name : {"r.html", "r.report.json"}) {
         write_text(folder / name, R"(<!DOCTYPE html><title>my page</title>)");
-        for (const char* more : {" --dry-run", ""}) {
+        for (const char* more : {" --dry-run --within 0", ""}) {
             const auto outcome = run(render + more);
             EXPECT_EQ(outcome.status, 1) << name;
             EXPECT_TRUE(tells(outcome, std::string(name) + ": what has this name is no earlier report"))
@@ -117,7 +117,8 @@ TEST(Report, ReplacesNothingButAnEarlierReport) {
     }
     EXPECT_EQ(run(render).status, 0);
     const std::string first = contents(folder / "r.report.json");
-    EXPECT_EQ(run(render).status, 0) << "its own it replaces";
+    EXPECT_EQ(run(render).status, 1) << "the film is there";
+    EXPECT_EQ(run(render + " -y").status, 0) << "its own it replaces";
     EXPECT_NE(contents(folder / "r.report.json"), first);
     EXPECT_EQ(folder.entries(), 3u);
 }
@@ -160,7 +161,7 @@ TEST(Outputs, AreSeenToBeProtectedBeforeAnythingIsDone) {
     // For root nothing is protected, unless it gives up that right; another user might not reach the program.
     const std::string as_user = geteuid() == 0 ? "setpriv --bounding-set=-dac_override,-dac_read_search " : "";
     if (run(as_user + "true").status != 0) GTEST_SKIP() << "root cannot give up its rights here";
-    for (const char* more : {"--dry-run ", ""}) {
+    for (const char* more : {"--dry-run --within 0 ", ""}) {
         const auto outcome = run(as_user + render_to(folder, "f.mpg", more + ("--stats " + path(folder, "s.json"))));
         EXPECT_EQ(outcome.status, 1);
         EXPECT_TRUE(tells(outcome, "s.json: Permission denied")) << outcome.output;
@@ -211,23 +212,23 @@ support::Outcome interrupt(const std::string& render, const std::string& file) {
                " ]; do kill -0 $job || exit 99; sleep 0.05; done; kill -INT $job; wait $job");
 }
 
-TEST(Leftovers, AreRemovedByTheSameFilmAloneAndReplacedByNone) {
+TEST(Leftovers, AreRemovedByTheSameFilmAloneAndDoNotPileUp) {
     const Folder folder;
     const std::string endless =
         support::program_at_terminal() + " render " + plain_film() +
-        " --size 32x32 --samples 1 --vpls 0 --tolerance fixed=90% --frames 0:9999 --exposure 0 --quiet -o " +
+        " --size 32x32 --samples 1 --vpls 0 --tolerance fixed=90% --hold --frames 0:9999 --exposure 0 --quiet -o " +
         path(folder, "a.mpg");
     const std::string chunk = path(folder, "a.mpg.partial/chunk_00000.m2v");
     write_text(folder / "a.partial.mpg", "a diary");
     for (int i = 0; i < 2; ++i) EXPECT_EQ(interrupt("rm -f " + chunk + "; " + endless, chunk).status, 130);
     EXPECT_EQ(contents(folder / "a.partial.mpg"), "a diary");
     EXPECT_TRUE(std::filesystem::exists(folder / "a.partial-2.mpg"));
-    EXPECT_TRUE(std::filesystem::exists(folder / "a.partial-3.mpg")) << "no part takes another's place";
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.partial-3.mpg")) << "the newest part alone stays";
 
-    // Another film of the name leaves them alone.
+    // Another film of the name leaves it alone.
     ASSERT_EQ(run(render_to(folder, "a.mpg", "--quiet")).status, 0);
     EXPECT_TRUE(std::filesystem::exists(folder / "a.partial-2.mpg"));
-    EXPECT_EQ(folder.entries(), 4u);
+    EXPECT_EQ(folder.entries(), 3u);
 }
 
 app::Film film_of(const std::string& source) {
@@ -245,15 +246,16 @@ TEST(Leftovers, GoWhenTheirFilmIsWholeUnlessTheyWereChanged) {
         return work.leave(work.place("film.mpg"));
     };
     const auto first = leave(film_of("s"), "render", "one"), second = leave(film_of("s"), "render", "two");
-    const auto third = leave(film_of("s"), "render", "three");
-    EXPECT_EQ(third.filename(), "a.partial-3.mpg");
+    EXPECT_EQ(second.filename(), "a.partial.mpg") << "in place of the first";
     write_text(second, "somebody wrote here since");
+    const auto third = leave(film_of("t"), "render", "three"), fourth = leave(film_of("s"), "render", "four");
+    EXPECT_EQ(fourth.filename(), "a.partial-2.mpg") << "in place of another film's";
     app::WorkFolder work(folder / "a.mpg", app::identity_of(film_of("s"), "render"));
     work.begin("film.mpg");
     work.clear_away();
-    EXPECT_FALSE(std::filesystem::exists(first));
-    EXPECT_TRUE(std::filesystem::exists(second));
+    EXPECT_EQ(contents(first), "somebody wrote here since");
     EXPECT_FALSE(std::filesystem::exists(third));
+    EXPECT_FALSE(std::filesystem::exists(fourth));
     EXPECT_EQ(folder.entries(), 1u);
 
     const auto other = leave(film_of("s"), "render", "one");
@@ -314,8 +316,9 @@ TEST(Lock, WaitsForALookAndGivesUpAtWhatLeadsNowhere) {
 TEST(Exposure, OfFramesWithAToleranceIsNotSaidToDoNothing) {
     const Folder folder;
     const auto said = [&](const char* tolerance) {
-        return run(program() + " render " + plain_film() + " --size 32x32 --exposure 1 --dry-run --tolerance " +
-                   tolerance + " -o " + path(folder, "f.%d.exr"))
+        return run(program() + " render " + plain_film() +
+                   " --size 32x32 --exposure 1 --dry-run --within 0 --tolerance " + tolerance + " -o " +
+                   path(folder, "f.%d.exr"))
             .output;
     };
     for (const char* tolerance : {"reference", "fixed=0%"})
@@ -340,7 +343,7 @@ TEST(CommandLine, OfStatisticsCanBeGivenToAShellAgain) {
 TEST(StandardOutput, ThatIsFullIsAnError) {
     const Folder folder;
     ASSERT_EQ(run(render_to(folder, "f.mpg", "--quiet")).status, 0);
-    for (const std::string& command : {" info " + path(folder, "f.mpg"), " plan " + plain_film()}) {
+    for (const std::string& command : {" info " + path(folder, "f.mpg"), " plan --within 0 " + plain_film()}) {
         const auto outcome = run(program() + command + " > /dev/full");
         EXPECT_EQ(outcome.status, 1) << command;
         EXPECT_EQ(outcome.output, "render2mpeg: writing standard output: No space left on device\n");

@@ -39,7 +39,7 @@ void write_clicks(const std::filesystem::path& file, const std::vector<double>& 
 }
 
 std::string render_words(const std::string& more) {
-    return program() + " render " + plain_film() +
+    return program() + " render -y --hold " + plain_film() +
            " --size 64x48 --samples 1 --vpls 16 --exposure 0 --tolerance fixed=10% --quiet " + more;
 }
 
@@ -98,7 +98,7 @@ TEST(Sound, OfADvdIsAc3) {
     const Folder folder;
     write_clicks(folder / "clicks.wav", {0.2}, 1);
     const std::string film = path(folder, "film.vob");
-    ASSERT_EQ(run(program() + " render " + plain_film() +
+    ASSERT_EQ(run(program() + " render -y --hold " + plain_film() +
                   " --for dvd-pal --frames 0:2 --samples 1 --edge-samples 1 --vpls 0 --exposure 0" +
                   " --tolerance fixed=10% --quiet --audio " + path(folder, "clicks.wav") + " -o " + film)
                   .status,

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 #include <sstream>
 #include <string>
@@ -22,30 +23,32 @@ TEST(ProgressLine, FitsEveryTerminalAndTellsTheTimeToGoInAllButTheNarrowest) {
     for (const std::int64_t total : {1, 250, 100000})
         for (const double rate : {0.0, 0.004, 3.4, 250.0})
             for (int columns = 20; columns <= 200; ++columns) {
-                const Standing standing{"first pass", total / 2, total, rate, 10};
+                const Standing standing{"first pass", total / 2, total, rate, 10, true, 7 / std::max(rate, 0.001)};
                 const std::string line = progress_line(standing, columns, true);
                 ASSERT_LE(line.size(), static_cast<std::size_t>(columns)) << line;
                 ASSERT_NE(line.find(std::to_string(total / 2) + "/" + std::to_string(total)), std::string::npos)
                     << line;
-                if (columns >= 50) {
+                if (columns >= 60) {
                     ASSERT_NE(line.find("ETA "), std::string::npos) << line;
                 }
             }
 }
 
 TEST(ProgressLine, SaysWhatIsKnown) {
-    EXPECT_EQ(progress_line({"frame", 50, 250, 2.0, 25}, 79, true),
-              "[#####...................] frame 50/250   20 %  2.00 frames/s  ETA 1:40");
-    EXPECT_EQ(progress_line({"frame", 50, 250, 2.0, 25}, 1000, false), "frame 50/250   20 %  2.00 frames/s  ETA 1:40");
-    EXPECT_EQ(progress_line({"frame", 5, 250, 0.1, 50}, 1000, false), "frame 5/250    2 %  10.0 s/frame  ETA 40:50");
-    EXPECT_EQ(progress_line({"frame", 0, 250, 0, 0}, 1000, false), "frame 0/250    0 %  ETA -");
-    EXPECT_EQ(progress_line({"frame", 250, 250, 2.0, 125}, 1000, false),
-              "frame 250/250  100 %  2.00 frames/s  done in 2:05");
+    EXPECT_EQ(progress_line({"frame", 50, 250, 2.0, 25, true, 100}, 90, true),
+              "2:05 in all, ETA 1:40  [#####...................] frame 50/250   20 %  2.00 frames/s");
+    EXPECT_EQ(progress_line({"frame", 5, 250, 0.1, 50, true, 2450}, 1000, false),
+              "41:40 in all, ETA 40:50  frame 5/250    2 %  10.0 s/frame");
+    EXPECT_EQ(progress_line({"frame", 0, 250, 0, 3, true, {}}, 1000, false), "0:03 so far, ETA -  frame 0/250    0 %");
+    EXPECT_EQ(progress_line({"frame", 250, 250, 2.0, 125, true, 0}, 1000, false),
+              "done in 2:05  frame 250/250  100 %  2.00 frames/s");
+    EXPECT_EQ(app::progress_json({"frame", 50, 250, 2.0, 25, true, 100}),
+              R"({"work":"frame","done":50,"total":250,"seconds":25.000,"left":100.000,"whole":125.000})");
 }
 
 TEST(ProgressLine, OfMoreThanWasExpectedIsFull) {
-    EXPECT_EQ(progress_line({"reference", 3, 2, 0, 65, false}, 79, true),
-              "[########################] reference 3/2  100 %  done in 1:05");
+    EXPECT_EQ(progress_line({"reference", 3, 2, 0, 65, false, 0}, 79, true),
+              "done in 1:05  [########################] reference 3/2  100 %");
 }
 
 TEST(Wrapping, BreaksBetweenWordsAndKeepsLineEnds) {

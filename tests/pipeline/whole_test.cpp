@@ -23,7 +23,7 @@ using test::path;
 const std::string quick = " --size 32x32 --samples 1 --vpls 0 --tolerance fixed=90% --exposure 0 --threads 1 --gop 15 ";
 
 std::string render_whole(const Folder& folder, const std::string& output, const std::string& more = "--frames 0:1") {
-    return program() + " render " + plain_film() + quick + more + " -o " + path(folder, output);
+    return program() + " render -y --hold " + plain_film() + quick + more + " -o " + path(folder, output);
 }
 
 bool has_attributes(const Folder& folder) {
@@ -46,7 +46,7 @@ TEST(WholeFilm, IsNotRenderedAnewByResume) {
         const auto says = [](const support::Outcome& outcome, const std::string& words) {
             return outcome.output.find(words) != std::string::npos;
         };
-        for (const char* more : {"", "--dry-run", "--memory 8G"}) {
+        for (const char* more : {"", "--dry-run --within 0", "--memory 8G"}) {
             const auto outcome = resumed(more);
             EXPECT_EQ(outcome.status, 0) << outcome.output;
             EXPECT_TRUE(says(outcome, whole)) << outcome.output;

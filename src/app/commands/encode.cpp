@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "app/files/consent.h"
 #include "app/files/publish.h"
 #include "app/files/sound.h"
 #include "app/files/text_file.h"
@@ -179,7 +180,7 @@ std::vector<encoder::FirstPassPicture> code_roughly(Job& job, int quantiser, boo
     fast.coding.effort = encoder::Effort::fast;
     fast.coding.rate_control = {};
     fast.coding.quantiser = quantiser;
-    Progress progress(job.film.frame_count(), quiet, "first pass");
+    Progress progress(job.film.frame_count(), quiet, "first pass", Counted::frames_of_step);
     std::vector<encoder::FirstPassPicture> film;
     RunStatistics statistics;
     for (const Chunk& chunk : chunks_of(job.film.frames, fast.coding.gop)) {
@@ -224,7 +225,8 @@ std::vector<encoder::BitAllocation> first_pass(Job& job, bool quiet) {
 
 std::vector<ChunkFile> encode_chunks(Job& job, const EncodeOptions& options, WorkFolder& work,
                                      RunStatistics& statistics) {
-    Progress progress(job.film.frame_count(), options.quiet);
+    Progress progress(job.film.frame_count(), options.quiet, "frame", Counted::frames, 0,
+                      chunks_of(job.film.frames, job.film.coding.gop).front().frames());
     std::vector<ChunkFile> files;
     for (const Chunk& chunk : chunks_of(job.film.frames, job.film.coding.gop)) {
         files.push_back(work.open(chunk));
@@ -267,6 +269,7 @@ int encode(const EncodeOptions& options, const std::string& command) {
     RunStatistics statistics;
     Job job = timed(statistics, Stage::load, [&] { return prepare(options); });
     if (!options.quiet) print_notes(job, options);
+    ask_consent({{Files(options.output)}, {options.stats.value_or("")}}, options.overwrite);
     check_writable(options.output);
     if (options.stats) check_writable(*options.stats);
     WorkFolder work(options.output, identity_of(job.film, command));

@@ -9,13 +9,16 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "app/files/consent.h"
 #include "app/files/publish.h"
 #include "app/files/text_file.h"
+#include "app/loop/estimate.h"
 #include "app/loop/film_identity.h"
 #include "app/loop/memory_need.h"
 #include "app/loop/pipeline.h"
 #include "app/loop/resume.h"
 #include "app/loop/sink.h"
+#include "app/options/option_text.h"
 #include "app/options/unused_options.h"
 #include "app/report/heatmap_film.h"
 #include "app/report/plan_table.h"
@@ -43,8 +46,6 @@ void print_notes(const RenderJob& film, const RenderOptions& options) {
     for (const std::string& line : unused_options(options, film.kind, film.tolerance)) notes.push_back(line);
     notes.push_back(film.kind == OutputKind::film ? unused_keyframes(film.keyframes, film.frames) : "");
     notes.push_back(film.kind == OutputKind::film ? keyframes_without_chapter(film.film()) : "");
-    if (film.end && film.frames.last > *film.end)
-        notes.push_back(fmt::format("--frames goes beyond the scene's own film, which ends with frame {}", *film.end));
     for (const std::string& note : notes)
         if (!note.empty()) print_line(note);
 }
@@ -66,14 +67,23 @@ int interrupted_before_frames(const RenderOptions& options) {
     return InterruptGuard::status();
 }
 
-std::string dry_run_text(const RenderJob& film, const RenderOptions& options) {
+/// What the film will take, as far as the options leave time to find it out, and what runs. The film is settled by it.
+std::string plan_text(RenderJob& film, const RenderOptions& options, const std::filesystem::path& statistics = {}) {
+    const double within = within_from(options.within);
+    const auto estimate = within > 0 ? estimate_film(film, within, options.quiet) : std::nullopt;
+    return film_text(film) + "\n" + (estimate ? text_of(film, *estimate) : "") + "\n" +
+           plan_table(film, statistics, estimate ? std::optional(estimate->kept_records) : std::nullopt,
+                      estimate ? &estimate->sample : nullptr);
+}
+
+std::string dry_run_text(RenderJob& film, const RenderOptions& options) {
     const auto chunks = chunks_of(film.frames, film.coding.gop);
     return fmt::format("{}: would render frames {} to {} ({:.2f} s at {} Hz) of {} at {}x{}, in {} chunk{}\n",
                        core::printable(options.output.string()), film.frames.first, film.frames.last,
                        static_cast<double>(film.frame_count()) / film.rate.hertz.value(), film.rate.name,
                        core::printable(film.animation->source), film.format.width, film.format.height, chunks.size(),
                        chunks.size() == 1 ? "" : "s") +
-           plan_table(film, {});
+           plan_text(film, options);
 }
 
 /// What is done with chunks that an earlier run of this film left; empty where there are none.
@@ -112,6 +122,23 @@ void check_outputs(const RenderJob& film, const RenderOptions& options) {
     if (options.report) check_report(*options.report);
     check_heatmaps(options, film);
     WorkFolder::check(options.output);
+}
+
+/// What is written, for those who are asked.
+Wishes written_by(const RenderJob& film, const RenderOptions& options) {
+    Wishes wishes;
+    wishes.films.push_back(is_one_file(film) ? Files(options.output) : Files(options.output, film.frames));
+    for (const auto& [subject, file] : options.heatmaps) wishes.films.emplace_back(file);
+    for (const auto& file : {options.stats, options.report}) wishes.beside.push_back(file.value_or(""));
+    // This folder is made, but not those that it is in.
+    const std::filesystem::path layers = options.layers.value_or("");
+    wishes.beside.push_back(layers.has_filename() ? layers : layers.parent_path());
+    return wishes;
+}
+
+/// Whether nobody needs to be asked: what an interrupted run of this film began goes on, or its images are made again.
+bool is_agreed(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity) {
+    return options.overwrite || ((options.resume || !is_one_file(film)) && WorkFolder::is_of(options.output, identity));
 }
 
 /// Sees that all outputs can be written before hours go into them; from now on no other run has the film.
@@ -161,6 +188,19 @@ struct OpenRender {
     std::vector<ChunkFile>& files;  ///< of the chunks that were begun
 };
 
+/// What a chunk came to, for --verbose.
+std::string chunk_text(const Chunk& chunk, const RunStatistics& statistics) {
+    double seconds = 0, bytes = 0, quantiser = 0;
+    for (const FrameEntry& entry : statistics.frames) {
+        if (entry.frame < chunk.first || entry.frame > chunk.last) continue;
+        seconds += entry.seconds;
+        bytes += static_cast<double>(entry.bytes);
+        quantiser += entry.mean_quantiser / static_cast<double>(chunk.frames());
+    }
+    return fmt::format("frames {} to {}: {:.2f} s of CPU, {:.0f} bytes, quantiser {:.1f}", chunk.first, chunk.last,
+                       seconds, bytes, quantiser);
+}
+
 /// Renders the chunks that have no file yet, the last of them incompletely after an interruption. Returns whether the
 /// film is whole.
 bool render_chunks(const OpenRender& open, LoopObserver& observer) {
@@ -171,7 +211,8 @@ bool render_chunks(const OpenRender& open, LoopObserver& observer) {
     const std::vector<Chunk> chunks = chunks_of(film.frames, film.coding.gop);
     if (files.size() == chunks.size()) return true;
     renderer::Renderer renderer = renderer_of(film);
-    Progress progress(film.frame_count(), options.quiet, "frame", Counted::frames, statistics.earlier_wall);
+    Progress progress(film.frame_count(), options.quiet, "frame", Counted::frames, open.clock.seconds(statistics),
+                      chunks.front().frames());
     if (!files.empty()) progress.advance_to(static_cast<std::int64_t>(statistics.frames.size()), film.frame_count());
     std::optional<LayersWriter> layers;
     if (options.layers) layers.emplace(*options.layers, film, statistics);
@@ -199,6 +240,7 @@ bool render_chunks(const OpenRender& open, LoopObserver& observer) {
         so_far.earlier_wall = open.clock.seconds(statistics);
         so_far.earlier_cpu += cpu_seconds();
         files.back().finish(chunk_record_of(film, options, open.work, chunk, so_far));
+        if (options.verbose) print_line(chunk_text(chunk, so_far));
         if (InterruptGuard::requested()) break;
     }
     statistics = totals_of(statistics, renderer);
@@ -313,8 +355,11 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     const std::string left = left_text(film, options, identity);
     if (options.dry_run) {
         if (!options.quiet) print((left.empty() ? "" : core::printable(left) + "\n") + dry_run_text(film, options));
+        if (!options.quiet && !is_agreed(film, options, identity))
+            for (const std::string& line : questions_about(written_by(film, options))) print_line(line);
         return 0;
     }
+    ask_consent(written_by(film, options), is_agreed(film, options, identity));
     if (!options.memory)
         timed(statistics, Stage::load, [&] { return probe_images(*film.animation, image_probes(false)); });
     if (InterruptGuard::requested()) return interrupted_before_frames(options);
@@ -326,6 +371,7 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     settle(film, options, *work, statistics);
     if (InterruptGuard::requested()) return interrupted_before_frames(options);
 
+    if (options.verbose) print(film_text(film) + "\n" + plan_table(film, {}));
     SampleFrameObserver sample_frame(film);
     LoopObservers observers;
     if (!heatmaps.empty()) observers.add(heatmaps);
@@ -344,10 +390,12 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
 }
 
 int plan(const PlanOptions& options) {
-    const RenderJob film = prepare(options.render);
+    const parallel::ThreadLimit threads(options.render.threads);
+    const InterruptGuard guard(options.render.quiet);
+    RenderJob film = prepare(options.render);
     print_notes(film, options.render);
-    print(plan_table(film, options.statistics.value_or("")));
-    return 0;
+    print(plan_text(film, options.render, options.statistics.value_or("")));
+    return InterruptGuard::requested() ? InterruptGuard::status() : 0;
 }
 
 }  // namespace render2mpeg::app

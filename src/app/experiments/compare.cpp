@@ -113,12 +113,15 @@ bool Comparing::run_all() {
                                        in_run(fmt::format("coupled, quantiser {}", quantiser)), options_.render.quiet);
         if (!coupled) return false;
         add(coupled_way, *coupled);
-        add(fixed_way, trials_.coded_again(fixed_, quantiser));
+        const bool quiet = options_.render.quiet;
+        add(fixed_way, told("coding", quiet, [&] { return trials_.coded_again(fixed_, quantiser); }));
         Coarseness free(quantiser);
         free.gop = free_gop;
-        add(free_way, trials_.coded_again(fixed_, free));
+        add(free_way, told("coding", quiet, [&] { return trials_.coded_again(fixed_, free); }));
         const auto by_ffmpeg = [&](std::size_t way, const FfmpegWay& ffmpeg, int gop) {
-            add(way, trials_.coded_by(ffmpeg_codec(ffmpeg, quantiser, gop, film().rate), fixed_, quantiser));
+            add(way, told(in_run("ffmpeg"), quiet, [&] {
+                    return trials_.coded_by(ffmpeg_codec(ffmpeg, quantiser, gop, film().rate), fixed_, quantiser);
+                }));
             return !InterruptGuard::requested();
         };
         if (!by_ffmpeg(usual_way, usual_ffmpeg(), film().coding.gop) ||
@@ -144,7 +147,9 @@ void Comparing::conclude() {
 
 void Comparing::look_at_foreign_film() {
     if (!options_.film) return;
-    found_.foreign = look_at_foreign(*options_.film, *options_.reference, film().exposure.value_or(0), film().view);
+    found_.foreign = told("the other film", options_.render.quiet, [&] {
+        return look_at_foreign(*options_.film, *options_.reference, film().exposure.value_or(0), film().view);
+    });
 }
 
 }  // namespace
@@ -160,6 +165,7 @@ int compare(const CompareOptions& options, const std::string& command) {
         if (!quiet) print_line("interrupted before the first row: nothing was found out");
         return InterruptGuard::status();
     };
+    ask_trial_consent(options.render, options.json, options.report);
     const RenderJob film = prepare_trials(options.render);
     if (InterruptGuard::requested()) return interrupted();
     check_trial_outputs(film, options.render, options.json, options.report);

@@ -10,8 +10,10 @@
 #include "app/experiments/sample_frame_view.h"
 #include "app/experiments/sweep.h"
 #include "app/files/text_file.h"
+#include "app/report/answer.h"
 #include "app/report/curve_plot.h"
 #include "app/report/frame_plot.h"
+#include "app/report/frame_view.h"
 #include "app/report/report.h"
 #include "core/numeric.h"
 
@@ -90,7 +92,7 @@ std::string views(const RenderJob& film, const Comparison& found) {
 
 template <class X>
 std::string plot(const Comparison& found, const std::string& title, const std::string& axis, X&& x) {
-    constexpr const char* colors[] = {"i", "one", "p", "two", "b", "b"};
+    constexpr const char* colors[] = {"i", "one", "two", "c3", "c4", "c5"};
     CurvePlot plot{title, {axis, true}, {"PSNR-Y, dB", false}, {}};
     for (std::size_t i = 0; i < found.ways.size(); ++i) {
         Curve curve{found.ways[i].name, colors[i], {}};
@@ -138,6 +140,50 @@ std::string tables(const Comparison& found) {
         text += "</tr>\n";
     }
     return text + "</table></div>\n";
+}
+
+/// Who wins, and by how much: bits and time of every way at equal PSNR-Y, over those of coupled light.
+std::vector<AnswerRow> winners(const Comparison& found) {
+    struct Beside {
+        double bits = 1, time = 1;
+    };
+    std::vector<std::pair<std::size_t, Beside>> ways{{coupled_way, {}}};
+    for (const std::size_t way : {fixed_way, usual_way, strongest_way, strongest_free_way}) {
+        const Difference d = difference_of(found.ways[coupled_way], found.ways[way]);
+        if (std::isfinite(d.psnr_y)) ways.push_back({way, {1 / (1 + d.psnr_y / 100), 1 / (1 + d.seconds / 100)}});
+    }
+    std::stable_sort(ways.begin(), ways.end(),
+                     [](const auto& a, const auto& b) { return a.second.bits < b.second.bits; });
+    std::vector<AnswerRow> rows;
+    for (const auto& [way, beside] : ways) {
+        const auto change = [](double share) { return share == 1 ? std::string("-") : change_text(100 * (share - 1)); };
+        const Grade grade = beside.bits < 1.01 ? Grade::good : beside.bits < 1.1 ? Grade::fair : Grade::poor;
+        rows.push_back({found.ways[way].name, beside.bits / ways.back().second.bits,
+                        fmt::format("{:.0f} %", 100 * beside.bits), change(beside.bits) + " bits", grade,
+                        "at equal PSNR-Y", change(beside.time), way == ways.front().first});
+    }
+    return rows;
+}
+
+std::string first_screen(const RenderJob& film, const Comparison& found) {
+    if (!found.complete || found.ways[coupled_way].rows.empty()) return {};
+    const auto& rows = found.ways[coupled_way].rows;
+    std::size_t row = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        if (std::abs(rows[i].quantiser - film.coding.quantiser) < std::abs(rows[row].quantiser - film.coding.quantiser))
+            row = i;
+    std::string figure;
+    const Way& other = found.ways[usual_way];
+    if (row < other.rows.size() && rows[row].sample_frame && other.rows[row].sample_frame)
+        figure = difference_figure(
+            fmt::format("Quantiser {}: decoded", rows[row].quantiser), {"coupled", rows[row].sample_frame->decoded},
+            {other.name, other.rows[row].sample_frame->decoded}, perceptual::matrix_for(film.format.height));
+    const std::string note = fmt::format(
+        "Bits and CPU time for light, motion and coding at equal PSNR-Y, over those of coupled light: means "
+        "over quantisers {} to {}. From {} sample frames.",
+        rows.front().quantiser, rows.back().quantiser, rows.front().frames);
+    return answer_screen(answer_table({"way", "bits, coupled = 100 %", "difference", "time"}, winners(found), note),
+                         figure, fmt::format("render2mpeg render {} -o film.mpg", quoted(film.animation->source)));
 }
 
 std::string foreign_paragraph(const Comparison& found) {
@@ -193,22 +239,26 @@ void write_compare_report(const std::filesystem::path& html, const RenderJob& fi
                           const std::string& command) {
     const std::filesystem::path source = film.animation->source;
     const std::string name = (source.has_filename() ? source : source.parent_path()).filename().string();
-    std::string body = "<h2>Curves</h2>\n";
-    body += plot(found, "Quality over size", "bytes per frame", [](const Trial& t) { return t.bytes; });
-    body += plot(found, "Quality over time for light, motion and coding", "CPU seconds per frame",
-                 [](const Trial& t) { return t.seconds + t.code_seconds; });
-    body +=
-        views(film, found) + tables(found) + foreign_paragraph(found) +
-        "<p class=\"soft\">Light: CPU seconds of all threads per frame; coding: with exact motion, or with ffmpeg's "
-        "search for it on one thread. PSNR-Y, SSIM and PSNR-HVS-M (HVS-M): all decoded pictures against themselves as "
-        "lit, with what light adds on those that were also lit by every light point. Flicker: what adjacent ones "
-        "change "
-        "along motion more than they should. At equal quality: mean differences over the qualities that both reach "
-        "(Bjontegaard).</p>\n" +
-        commands(found) + "<h2>To find it out again</h2>\n<pre>" + escaped(command) +
-        "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (docs/compare.md).</p>\n";
+    std::string curves = plot(found, "Quality over size", "bytes per frame", [](const Trial& t) { return t.bytes; });
+    curves += plot(found, "Quality over time for light, motion and coding", "CPU seconds per frame",
+                   [](const Trial& t) { return t.seconds + t.code_seconds; });
+    std::string body = first_screen(film, found);
+    body += folded("All curves and tables", curves + views(film, found) + tables(found) + foreign_paragraph(found) +
+                                                "<p class=\"soft\">Light: CPU seconds of all threads per frame; "
+                                                "coding: with exact motion, or with ffmpeg's "
+                                                "search for it on one thread. PSNR-Y, SSIM and PSNR-HVS-M (HVS-M): all "
+                                                "decoded pictures against themselves as "
+                                                "lit, with what light adds on those that were also lit by every light "
+                                                "point. Flicker: what adjacent ones "
+                                                "change "
+                                                "along motion more than they should. At equal quality: mean "
+                                                "differences over the qualities that both reach "
+                                                "(Bjontegaard).</p>\n" +
+                                                commands(found)) +
+            "<h2>To find it out again</h2>\n<pre>" + escaped(command) +
+            "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (docs/compare.md).</p>\n";
     const std::string lead = found.complete ? sentence_of(found) : "Interrupted: this is a part of it.";
-    write_whole(html, report_page("Coupled, and rendered first: " + name, lead, body));
+    write_whole(html, report_page(name + ": coupled, or rendered first", lead, body));
     write_json(report_json_of(html), compare_json(film, found, command));
 }
 

@@ -2,16 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
 
 #include "app/experiments/cost_report.h"
 #include "app/experiments/cost_table.h"
+#include "app/experiments/film_costs.h"
 #include "app/experiments/trial_command.h"
 #include "app/files/text_file.h"
+#include "app/loop/estimate.h"
 #include "app/options/option_text.h"
 #include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
+#include "core/numeric.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
@@ -20,10 +26,14 @@ namespace {
 /// One command in the making: rows are told as they come.
 class Cost {
   public:
-    Cost(const CostOptions& options, const RenderJob& film)
+    /// `once`: seconds on the clock that a run takes before its first frame.
+    Cost(const CostOptions& options, const RenderJob& film, const Sample& sample, double once)
         : options_(options),
-          pairs_(!quantisers_from(options.quantisers).empty()),
-          trials_(film, windows_of(film.frames, sample_from(options.sample))) {
+          once_(once),
+          quantisers_(options.quantisers ? quantisers_from(*options.quantisers)
+                                         : std::vector<int>{film.coding.quantiser}),
+          pairs_(!quantisers_.empty()),
+          trials_(film, windows_of(film.frames, sample)) {
         sweep_.windows = trials_.windows();
         if (options.kept_references) trials_.keep_references_in(ReferenceCache(*options.kept_references));
         print_memory_note(trials_.bytes_held(pairs_), options.render.quiet);
@@ -36,6 +46,8 @@ class Cost {
     void complete() { sweep_.complete = true; }
 
     const Sweep& sweep() const { return sweep_; }
+    /// What the whole film takes with each setting.
+    std::vector<FilmCost> film_rows() const { return film_costs(sweep_, film(), once_); }
     const RenderJob& film() const { return trials_.film(); }
 
   private:
@@ -49,7 +61,9 @@ class Cost {
     }
 
     const CostOptions& options_;
-    bool pairs_;  ///< coupled light is asked for: light of a fixed 2 % is kept to be coded beside it
+    double once_;
+    std::vector<int> quantisers_;  ///< to couple light to, ascending
+    bool pairs_;                   ///< coupled light is asked for: light of a fixed 2 % is kept to be coded beside it
     Trials trials_;
     Sweep sweep_;
     LitWindows usual_;  ///< lit by a fixed 2 %
@@ -84,14 +98,31 @@ bool Cost::try_coupled() {
     if (!pairs_) return true;
     if (usual_.frames.empty() && !run({}, film().coding.quantiser, "fixed 2 %", &usual_)) return false;
     log(pair_heading());
-    for (const int quantiser : quantisers_from(options_.quantisers)) {
+    for (const int quantiser : quantisers_) {
         const auto coupled =
             run({false, 0, true, {}}, quantiser, fmt::format("coupled, quantiser {}", quantiser), nullptr);
         if (!coupled) return false;
-        sweep_.pairs.push_back({*coupled, trials_.coded_again(usual_, quantiser)});
+        sweep_.pairs.push_back(
+            {*coupled, told("coding", is_quiet(), [&] { return trials_.coded_again(usual_, quantiser); })});
         log(pair_rows(sweep_.pairs.back()));
     }
     return true;
+}
+
+/// The film as asked for, told within seconds, and the sample that there is time for. None where it was interrupted.
+std::optional<Sample> first_answer(const CostOptions& options, RenderJob& film) {
+    if (options.sample) return sample_from(*options.sample);
+    const double within = time_in_seconds(options.within);
+    const auto estimate = estimate_film(film, std::min(8.0, 0.2 * within), options.render.quiet);
+    if (!estimate) return {};
+    if (!options.render.quiet) print(film_text(film) + "\n" + text_of(film, *estimate) + "\n");
+    // Each setting lights all frames of the sample, and every light point one of each window.
+    // chosen: light by every light point takes some ten times a frame's.
+    const double frame = estimate->later * core::divide_or(estimate->clock, estimate->cpu, 1.0);
+    const double settings = static_cast<double>(percents_from(options.tolerances).size()) + 1;
+    for (const Sample& sample : {Sample{2, 3}, Sample{1, 3}, Sample{1, 2}})
+        if (sample.windows * (settings * sample.frames + 10) * frame < within) return sample;
+    return Sample{1, 1};
 }
 
 }  // namespace
@@ -104,19 +135,30 @@ int cost(const CostOptions& options, const std::string& command) {
         if (!quiet) print_line("interrupted before the first row: nothing was found out");
         return InterruptGuard::status();
     };
-    const RenderJob film = prepare_trials(options.render);
+    ask_trial_consent(options.render, options.json, options.report);
+    const double began = clock_seconds();
+    RenderJob film = prepare_trials(options.render);
     if (InterruptGuard::requested()) return interrupted();
     check_trial_outputs(film, options.render, options.json, options.report);
+    const double once = clock_seconds() - began;
+    const std::optional<Sample> sample = first_answer(options, film);
+    if (!sample) return interrupted();
 
-    Cost sweep(options, film);
+    Cost sweep(options, film, *sample, once);
     if (sweep.light_references() && sweep.try_fixed() && sweep.try_coupled()) sweep.complete();
     const Sweep& found = sweep.sweep();
     if (found.fixed.empty() && found.pairs.empty()) return interrupted();
 
+    const std::vector<FilmCost> rows = sweep.film_rows();
     ErrorCollector errors;
-    if (options.json) errors.attempt([&] { write_json(*options.json, cost_json(sweep.film(), found, command)); });
-    if (options.report) errors.attempt([&] { write_cost_report(*options.report, sweep.film(), found, command); });
-    if (!quiet) errors.attempt([&] { print_sentence(sentence_of(found, sweep.film().coding.quantiser)); });
+    if (options.json) errors.attempt([&] { write_json(*options.json, cost_json(sweep.film(), found, rows, command)); });
+    if (options.report) errors.attempt([&] { write_cost_report(*options.report, sweep.film(), found, rows, command); });
+    if (!quiet)
+        errors.attempt([&] {
+            print(film_cost_table(rows));
+            print_sentence(sentence_of(found, sweep.film().coding.quantiser));
+            print_sentence(answer_of(rows, sweep.film()));
+        });
     if (!found.complete && !quiet) print_line("interrupted: this is a part of the table");
     errors.rethrow();
     return found.complete ? 0 : InterruptGuard::status();

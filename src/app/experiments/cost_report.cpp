@@ -9,10 +9,13 @@
 
 #include "app/experiments/sample_frame_view.h"
 #include "app/files/text_file.h"
+#include "app/report/answer.h"
 #include "app/report/curve_plot.h"
 #include "app/report/figures.h"
 #include "app/report/frame_plot.h"
+#include "app/report/frame_view.h"
 #include "app/report/report.h"
+#include "parallel/loops.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -201,9 +204,45 @@ std::string cards(const RenderJob& film, const Sweep& sweep) {
            card("CPU time of one", short_figure(sweep.reference_seconds) + " s") + "</dl>\n";
 }
 
+json film_json(const std::vector<FilmCost>& rows) {
+    json film = json::array();
+    const std::optional<std::size_t> taken = recommended(rows);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        film.push_back({{"tolerance", rows[i].name},
+                        {"clock", rows[i].clock},
+                        {"bytes", rows[i].bytes},
+                        {"difference", words_for(rows[i].added)},
+                        {"added_psnr_hvs_m", rows[i].added ? finite_or_null(*rows[i].added) : json(nullptr)},
+                        {"psnr_y_loss", rows[i].psnr_loss},
+                        {"recommended", taken == i}});
+    return film;
+}
+
+/// The table, the loosest light beside the most exact, and the command to paste.
+std::string first_screen(const RenderJob& film, const Sweep& sweep, const std::vector<FilmCost>& rows) {
+    const std::optional<std::size_t> taken = recommended(rows);
+    if (!taken) return {};
+    const std::string note = fmt::format(
+        "Times are of this machine's {} threads, as busy as it was. From {} sample frame{} of {}x{}, "
+        "quantiser {}. Words: what light adds to the error that one sees (PSNR-HVS-M of 50, 46, 42 dB). "
+        "dB: PSNR-Y after coding, below the most exact tolerance.",
+        parallel::thread_count(), sweep.fixed.front().frames, sweep.fixed.front().frames == 1 ? "" : "s",
+        film.format.width, film.format.height, film.coding.quantiser);
+    std::string figure;
+    if (const auto& own = sweep.fixed.front().sample_frame)
+        figure = difference_figure(fmt::format("Frame {}: the loosest light beside the most exact", own->frame),
+                                   {"fixed=" + tolerance_text(sweep.fixed.front().tolerance.relative), own->decoded},
+                                   {"exact, not coded", own->truth}, perceptual::matrix_for(film.format.height));
+    return answer_screen(
+        answer_table({"accuracy of light", "time, whole film", "difference", "film"}, answer_rows(rows), note), figure,
+        fmt::format("render2mpeg render {} -o film.mpg --tolerance {}", quoted(film.animation->source),
+                    rows[*taken].name));
+}
+
 }  // namespace
 
-json cost_json(const RenderJob& film, const Sweep& sweep, const std::string& command) {
+json cost_json(const RenderJob& film, const Sweep& sweep, const std::vector<FilmCost>& rows,
+               const std::string& command) {
     json windows = json::array(), fixed = json::array(), coupled = json::array();
     for (const Chunk& window : sweep.windows) windows.push_back({window.first, window.last});
     for (const Trial& trial : sweep.fixed) fixed.push_back(trial_json(trial));
@@ -229,23 +268,29 @@ json cost_json(const RenderJob& film, const Sweep& sweep, const std::string& com
             {"reference", {{"frames", sweep.references}, {"seconds", sweep.reference_seconds}}},
             {"fixed", fixed},
             {"coupled", coupled},
+            {"film", film_json(rows)},
+            {"answer", answer_of(rows, film)},
             {"knee", knee ? json(plain(sweep.fixed[*knee].tolerance.relative)) : json(nullptr)},
             {"summary", sentence_of(sweep, film.coding.quantiser)},
             {"complete", sweep.complete}};
 }
 
 void write_cost_report(const std::filesystem::path& html, const RenderJob& film, const Sweep& sweep,
-                       const std::string& command) {
+                       const std::vector<FilmCost>& rows, const std::string& command) {
     const int quantiser = film.coding.quantiser;
     const std::filesystem::path source = film.animation->source;
     const std::string name = (source.has_filename() ? source : source.parent_path()).filename().string();
-    std::string body = cards(film, sweep) + plots(sweep, quantiser) + views(film, sweep) + tables(sweep, quantiser);
+    std::string body = first_screen(film, sweep, rows);
+    body += folded("All curves and tables: rays, cuts, percentiles, quantisers",
+                   "<p>" + escaped(sentence_of(sweep, quantiser)) + "</p>\n" + cards(film, sweep) +
+                       plots(sweep, quantiser) + views(film, sweep) + tables(sweep, quantiser));
     body += "<h2>To find it out again</h2>\n<pre>" + escaped(command) +
             "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (docs/cost.md).</p>\n";
-    const std::string lead =
-        (sweep.complete ? "" : "Interrupted: this is a part of it. ") + sentence_of(sweep, quantiser);
-    write_whole(html, report_page("What accuracy costs in " + name, lead, body));
-    write_json(report_json_of(html), cost_json(film, sweep, command));
+    const std::string answer = answer_of(rows, film);
+    const std::string lead = (sweep.complete ? "" : "Interrupted: this is a part of it. ") +
+                             (answer.empty() ? sentence_of(sweep, quantiser) : answer);
+    write_whole(html, report_page(name + ": what accuracy costs", lead, body));
+    write_json(report_json_of(html), cost_json(film, sweep, rows, command));
 }
 
 }  // namespace render2mpeg::app

@@ -3,16 +3,19 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
+#include "app/experiments/film_costs.h"
 #include "app/experiments/sweep.h"
 
 namespace render2mpeg::app {
 
 /// Everything that `cost` found out (docs/cost.md).
-nlohmann::json cost_json(const RenderJob& film, const Sweep& sweep, const std::string& command);
+nlohmann::json cost_json(const RenderJob& film, const Sweep& sweep, const std::vector<FilmCost>& rows,
+                         const std::string& command);
 
 /// The same as a page with plots, and report_json_of() it.
 void write_cost_report(const std::filesystem::path& html, const RenderJob& film, const Sweep& sweep,
-                       const std::string& command);
+                       const std::vector<FilmCost>& rows, const std::string& command);
 
 }  // namespace render2mpeg::app

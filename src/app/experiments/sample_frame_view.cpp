@@ -10,7 +10,8 @@ namespace render2mpeg::app {
 std::string sample_frame_figures(const std::string& name, const Trial& trial, perceptual::ColorMatrix matrix) {
     if (!trial.sample_frame) return {};
     const SampleFrame& own = *trial.sample_frame;
-    perceptual::HeatScale error = scale_of(HeatSubject::error);
+    // One scale for both: they are to be compared.
+    perceptual::HeatScale error = scale_of(HeatSubject::tolerance);
     error.title = "TRUE ERROR / LUMINANCE";
     return slider_figure(
                fmt::format("Frame {}: {} decoded, beside light by every light point, not coded", own.frame, name),

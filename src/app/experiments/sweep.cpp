@@ -11,8 +11,8 @@
 namespace render2mpeg::app {
 namespace {
 
-/// chosen: what a tolerance is worth less than in PSNR-Y nobody sees (0.05..0.3 dB).
-constexpr double least_range = 0.1;
+/// chosen: a span of PSNR-Y that nobody sees, and times that are not told apart: there is no knee within them.
+constexpr double least_range = 0.5, least_times = 1.1;
 
 /// Where advice begins when there is no knee: the tolerance that frames are lit with unless asked otherwise.
 std::size_t usual(const Sweep& sweep) {
@@ -111,6 +111,9 @@ std::optional<double> CoupledPair::psnr_loss() const {
 std::optional<std::size_t> knee_of(const Sweep& sweep) {
     std::vector<Offer> offers;
     for (const Trial& t : sweep.fixed) offers.push_back({t.points > 0 ? t.seconds : 0.0, t.decoded.psnr_y()});
+    const auto [least, most] = std::minmax_element(offers.begin(), offers.end(),
+                                                   [](const Offer& a, const Offer& b) { return a.cost < b.cost; });
+    if (!offers.empty() && most->cost <= least_times * least->cost) return {};
     return knee_of(offers, least_range);
 }
 

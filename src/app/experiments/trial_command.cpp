@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "app/files/consent.h"
 #include "app/files/publish.h"
 #include "app/files/text_file.h"
 #include "app/loop/film_identity.h"
@@ -17,6 +18,13 @@
 #include "core/error.h"
 
 namespace render2mpeg::app {
+
+void ask_trial_consent(const RenderOptions& options, const std::optional<std::filesystem::path>& json,
+                       const std::optional<std::filesystem::path>& report) {
+    Wishes wishes{{}, {json.value_or(""), report.value_or("")}};
+    if (!options.output.empty() && !options.dry_run) wishes.films.emplace_back(options.output);
+    ask_consent(wishes, options.overwrite);
+}
 
 void check_trial_outputs(const RenderJob& film, const RenderOptions& options,
                          const std::optional<std::filesystem::path>& json,
@@ -38,7 +46,10 @@ RenderJob prepare_trials(const RenderOptions& options) {
     for (const std::string& note : film.animation->notes)
         if (!options.quiet && !note.empty()) print_line(note);
     if (!probe_images(*film.animation, image_probes(false))) return film;
-    if (!film.exposure) film.exposure = measure_exposure(film);
+    if (!film.exposure) {
+        const Progress progress(1, options.quiet || !shows_steps(), "exposure", Counted::parts_of_step);
+        film.exposure = measure_exposure(film);
+    }
     if (has_budget(film)) film.budget = measure_light(film, options.quiet);
     if (film.budget) spend(film, *film.budget);
     return film;
@@ -60,9 +71,13 @@ void print_memory_note(double bytes, bool quiet) {
 }
 
 bool light_references(Trials& trials, bool quiet) {
-    std::unique_ptr<Progress> progress;
+    // The first part takes what making the lights takes: a terminal shows that it is at work.
+    auto progress = std::make_unique<Progress>(1, quiet || !shows_steps(), "reference", Counted::parts_of_step);
+    bool begun = false;
     return trials.light_references([&](const ReferenceStanding& standing) {
-        if (!progress) {
+        if (!begun) {
+            begun = true;
+            progress.reset();
             if (!quiet && standing.seconds_left() > 1)
                 print_line(fmt::format("lighting {} by every light point takes about {}; interrupt to leave it",
                                        standing.parts == 1 ? "the reference" : "the references",
@@ -77,7 +92,7 @@ bool light_references(Trials& trials, bool quiet) {
 
 std::optional<Trial> run_trial(Trials& trials, const ToleranceRequest& tolerance, const Coarseness& coarseness,
                                const std::string& name, bool quiet, LitWindows* keep) {
-    Progress progress(trials.frames(), quiet || !can_rewrite_errors(), name, Counted::frames_of_step);
+    Progress progress(trials.frames(), quiet || !shows_steps(), name, Counted::frames_of_step);
     return trials.run(
         tolerance, coarseness,
         [&] {

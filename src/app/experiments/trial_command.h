@@ -12,6 +12,10 @@
 /// What commands that try films have in common.
 namespace render2mpeg::app {
 
+/// Asks before a film is replaced or a folder made (ask_consent).
+void ask_trial_consent(const RenderOptions& options, const std::optional<std::filesystem::path>& json,
+                       const std::optional<std::filesystem::path>& report);
+
 /// Refuses outputs that would take the place of other files, and such as cannot be written.
 void check_trial_outputs(const RenderJob& film, const RenderOptions& options,
                          const std::optional<std::filesystem::path>& json,
@@ -34,6 +38,13 @@ bool light_references(Trials& trials, bool quiet);
 /// somebody interrupted.
 std::optional<Trial> run_trial(Trials& trials, const ToleranceRequest& tolerance, const Coarseness& coarseness,
                                const std::string& name, bool quiet, LitWindows* keep = nullptr);
+
+/// Calls `work`, which has no parts, and shows on a terminal how long it takes.
+template <class Work>
+auto told(const std::string& name, bool quiet, Work&& work) {
+    const Progress progress(1, quiet || !shows_steps(), name, Counted::parts_of_step);
+    return work();
+}
 
 /// Prints a text as wide as the terminal, after an empty line; nothing where there is none.
 void print_sentence(const std::string& text);

@@ -15,6 +15,7 @@
 #include "app/options/command_words.h"
 #include "app/options/option_text.h"
 #include "app/options/rate_options.h"
+#include "app/options/usage_error.h"
 #include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
@@ -42,8 +43,9 @@ Target target_of(const TuneOptions& o) {
     if (o.size) asked.push_back({Kind::size, size_in_bytes(*o.size)});
     if (o.time) asked.push_back({Kind::time, time_in_seconds(*o.time)});
     if (asked.size() != 1)
-        throw core::Error(
-            "tune: what is to be reached? Give one of target-psnr, target-ssim, target-bitrate, max-size and max-time");
+        throw UsageError(
+            "tune: what is to be reached? Give one of --target-psnr, --target-ssim, --target-bitrate, --max-size and "
+            "--max-time");
     return asked.front();
 }
 
@@ -51,12 +53,12 @@ Target target_of(const TuneOptions& o) {
 void check_options(const TuneOptions& o, const Target& target) {
     const CodingOptions& coding = o.render.coding;
     if (target.kind != Kind::time && (coding.quality || coding.quantiser))
-        throw core::Error(std::string(coding.quality ? "quality" : "quantiser") +
-                          ": it is what is looked for; it goes with max-time only");
+        throw UsageError(std::string(coding.quality ? "--quality" : "--quantiser") +
+                         ": it is what is looked for; it goes with --max-time only");
     if (o.render.output.empty() && !o.render.dry_run)
-        throw core::Error("tune: which film is to be made? Give output, or dry-run");
+        throw UsageError("tune: which film is to be made? Give -o film.mpg, or --dry-run");
     if (!o.render.output.empty() && kind_of(o.render.output) != OutputKind::film)
-        throw core::Error("tune: " + o.render.output.string() + " is not coded, and so has nothing to tune");
+        throw UsageError("tune: " + o.render.output.string() + " is not coded, and so has nothing to tune");
 }
 
 /// What trials search for: the pictures of a file of so many bytes have a rate.
@@ -105,6 +107,8 @@ class TuneCommand {
         if (!quiet()) print(text);
     }
     void settle_options();
+    /// The sample as asked for, or by the film's length.
+    Sample sample_of(const RenderJob& film) const;
     void look_at_film(const Rendered& rendered);
 
     const TuneOptions& options_;
@@ -114,10 +118,22 @@ class TuneCommand {
     std::optional<Trials> trials_;
 };
 
+Sample TuneCommand::sample_of(const RenderJob& film) const {
+    if (options_.sample) return sample_from(*options_.sample);
+    if (tuning_.target.kind == Kind::time) return sample_from("2x3");
+    // chosen: groups of more than 60 pictures are not waited for, their I pictures then count for too much; and what is
+    // lit twice or three times may not be more than an eighth of the film, so that tuning takes less than half its
+    // time.
+    const auto eighth = static_cast<int>(std::clamp<std::int64_t>(film.frame_count() / 8, 4, 1000));
+    const int whole = std::clamp(film.coding.gop, 15, 60);
+    return eighth >= 2 * whole ? Sample{2, whole} : Sample{1, std::min(eighth, whole)};
+}
+
 bool TuneCommand::search() {
     const parallel::ThreadLimit threads(options_.render.threads);
     const InterruptGuard guard(quiet());
     const Target& target = tuning_.target;
+    ask_trial_consent(options_.render, options_.json, options_.report);
     const RenderJob film = prepare_trials(options_.render);
     if (InterruptGuard::requested()) return false;
     check_rate(target, film);
@@ -125,9 +141,7 @@ bool TuneCommand::search() {
     if (!options_.render.dry_run) check_reachable(options_.render.output);
 
     // Try the film: rates are told of whole GOPs, and need no references.
-    // chosen: groups of more than 60 pictures are not waited for, their I pictures then count for too much.
-    const std::string whole_gops = fmt::format("2x{}", std::clamp(film.coding.gop, 15, 60));
-    const Sample sample = sample_from(options_.sample.value_or(target.kind == Kind::time ? "2x3" : whole_gops));
+    const Sample sample = sample_of(film);
     trials_.emplace(film, windows_of(film.frames, sample), options_.references.value_or(target.is_rate() ? 0 : 1));
     if (options_.kept_references) trials_->keep_references_in(ReferenceCache(*options_.kept_references));
     print_memory_note(trials_->bytes_held(target.kind != Kind::time), quiet());
@@ -161,6 +175,11 @@ void TuneCommand::settle_options() {
             rate = std::min(rate, highest_rate(trials_->film()));
         }
         tuning_.options = {{"--bitrate", fmt::format("{:.0f}", rate)}};
+        // Whoever asks for more than the finest film needs gets the finest.
+        if (target.kind == Kind::bitrate && tuning_.found == Found::beyond && *chosen.trial.quality > 50) {
+            tuning_.found = Found::between;
+            tuning_.options = {{"--quality", chosen.setting}};
+        }
     }
     if (tuning_.found == Found::beyond) return;
     std::vector<std::string> without(tune_only.begin(), tune_only.end());
@@ -174,6 +193,7 @@ void TuneCommand::settle_options() {
 
 int TuneCommand::make(const RenderFilm& render_film) {
     RenderOptions render_options = options_.render;
+    render_options.overwrite = true;  // that was settled before anything was tried
     for (const auto& [name, value] : tuning_.options) {
         if (name == "--quality") render_options.coding.quality = std::stod(value);
         if (name == "--bitrate") render_options.coding.bitrate = value;

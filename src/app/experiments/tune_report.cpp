@@ -9,11 +9,14 @@
 #include "app/experiments/sample_frame_view.h"
 #include "app/experiments/sweep.h"
 #include "app/files/text_file.h"
+#include "app/report/answer.h"
 #include "app/report/curve_plot.h"
 #include "app/report/figures.h"
 #include "app/report/frame_plot.h"
+#include "app/report/frame_view.h"
 #include "app/report/report.h"
 #include "app/system/progress.h"
+#include "core/numeric.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -70,12 +73,10 @@ std::string rate_sentence(const Tuning& tuning, double hertz) {
     const Probe& probe = tuning.probes[*tuning.chosen];
     const std::string asked = target_text(tuning.target), name = name_of(tuning, probe);
     const std::string rate = figure_text(Kind::bitrate, rate_of(probe.trial, hertz));
-    if (tuning.found == Found::beyond && *probe.trial.quality > 50)
-        return fmt::format("{} is out of reach: even {} needs no more than {} on the sample.", asked, name, rate);
     if (tuning.found == Found::beyond)
         return fmt::format("{} is out of reach: even {} needs {} on the sample.", asked, name, rate);
-    // A file that even the finest film does not fill is small enough.
-    if (tuning.target.kind == Kind::size && tuning.found == Found::between && *probe.trial.quality >= 100)
+    // What even the finest film does not fill is delivered as finely as there is.
+    if (tuning.found == Found::between && *probe.trial.quality >= 100)
         return fmt::format("{} are more than the finest film needs on the sample: {} is {}: {}.", asked, name, rate,
                            quality_text(tuning, probe.trial));
     const std::string text = tuning.target.kind == Kind::size
@@ -176,6 +177,33 @@ std::string table(const Tuning& tuning, double hertz) {
            "</p>\n";
 }
 
+/// What was lit, for the whole film, and what is taken of it.
+std::string first_screen(const RenderJob& film, const Tuning& tuning) {
+    const auto frames = static_cast<double>(film.frame_count());
+    double longest = 0;
+    for (const Probe& p : tuning.probes)
+        if (p.lit) longest = std::max(longest, p.trial.clock);
+    std::vector<AnswerRow> rows;
+    for (std::size_t i = 0; i < tuning.probes.size(); ++i) {
+        const Probe& p = tuning.probes[i];
+        if (!p.lit && tuning.chosen != i) continue;
+        const Quality quality = quality_of(tuning, p.trial);
+        rows.push_back({name_of(tuning, p), core::divide_or(p.trial.clock, longest, 0.0),
+                        clock_text(p.trial.clock * frames), decibels(quality.psnr_y) + " dB",
+                        tuning.chosen == i ? Grade::good : Grade::none, fmt::format("SSIM {:.4f}", quality.ssim_y),
+                        size_text(p.trial.bytes * frames), tuning.chosen == i});
+    }
+    std::string figure;
+    if (tuning.chosen)
+        if (const auto& own = tuning.probes[*tuning.chosen].trial.sample_frame)
+            figure = difference_figure(fmt::format("Frame {}: decoded, beside exact light", own->frame),
+                                       {"decoded", own->decoded}, {"exact, not coded", own->truth},
+                                       perceptual::matrix_for(film.format.height));
+    return answer_screen(answer_table({"setting", "time, whole film", "PSNR-Y", "film"}, rows,
+                                      "Times are of this machine, as busy as it was; all figures from the sample."),
+                         figure, tuning.command.value_or(""));
+}
+
 }  // namespace
 
 std::string tune_heading(const RenderJob& film, const Tuning& tuning) {
@@ -245,7 +273,10 @@ bool film_is_near(const Tuning& tuning) {
     const WholeFilm& film = *tuning.film;
     if (tuning.target.kind == Kind::size) return film.bytes <= tuning.target.value;
     if (tuning.target.kind == Kind::time) return film.seconds <= tuning.target.value;
-    return is_near(tuning.target, film.bit_rate);
+    // The finest film has less than was asked for, which nobody minds.
+    const bool finest =
+        tuning.found == Found::between && !tuning.options.empty() && tuning.options.front().first == "--quality";
+    return is_near(tuning.target, film.bit_rate) || (finest && film.bit_rate <= tuning.target.value);
 }
 
 json tune_json(const RenderJob& film, const Tuning& tuning, const std::string& command) {
@@ -283,18 +314,17 @@ void write_tune_report(const std::filesystem::path& html, const RenderJob& film,
     const std::string name = (source.has_filename() ? source : source.parent_path()).filename().string();
     std::string body;
     if (const std::string text = film_sentence(tuning, hertz); !text.empty()) body += "<p>" + escaped(text) + "</p>\n";
-    body += plot(tuning, hertz);
+    body += first_screen(film, tuning);
+    std::string all = plot(tuning, hertz);
     if (tuning.chosen) {
         const Probe& taken = tuning.probes[*tuning.chosen];
-        body += sample_frame_figures((tuning.target.kind == Kind::time ? "" : "quality ") + taken.setting, taken.trial,
-                                     perceptual::matrix_for(film.format.height));
+        all += sample_frame_figures((tuning.target.kind == Kind::time ? "" : "quality ") + taken.setting, taken.trial,
+                                    perceptual::matrix_for(film.format.height));
     }
-    body += table(tuning, hertz);
-    if (tuning.command) body += "<h2>To make the film</h2>\n<pre>" + escaped(*tuning.command) + "</pre>\n";
+    body += folded("All curves and tables", all + table(tuning, hertz));
     body += "<h2>To find it out again</h2>\n<pre>" + escaped(command) +
             "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (docs/tune.md).</p>\n";
-    write_whole(html,
-                report_page("Tuned to " + target_text(tuning.target) + ": " + name, sentence_of(tuning, hertz), body));
+    write_whole(html, report_page(name + ": tuned to " + target_text(tuning.target), sentence_of(tuning, hertz), body));
     write_json(report_json_of(html), tune_json(film, tuning, command));
 }
 

@@ -69,7 +69,10 @@ double CodingTuner::coded_again(const LitWindows& light, QualitySearch search) {
     for (int i = 0; i < most_codings && !InterruptGuard::requested(); ++i) {
         const std::optional<double> quality = search.next();
         if (!quality) break;
-        const Probe& probe = add(*quality, trials_.coded_again(light, Coarseness::of_quality(*quality)), false);
+        const Probe& probe =
+            add(*quality,
+                told("coding", quiet_, [&] { return trials_.coded_again(light, Coarseness::of_quality(*quality)); }),
+                false);
         search.add(*quality, figure(probe));
         // After three tries a step of the quantisers is in the way: near enough is near.
         if (is_near(target_, probe.value, i < 3 ? close : 0.8)) break;

@@ -104,6 +104,11 @@ void WorkFolder::take_over(Earlier earlier) {
     resumed_ = same && earlier == Earlier::resumed;
     const json leftovers = before.value("leftovers", json::array()), settled = before.value("kept", json::object());
     (*manifest_)["leftovers"] = same && leftovers.is_array() ? leftovers : json::array();
+    // What tries of other films left beside this name goes when this one leaves a part, too.
+    json others = before.value("others", json::array());
+    if (!others.is_array()) others = json::array();
+    if (!same && leftovers.is_array()) others.insert(others.end(), leftovers.begin(), leftovers.end());
+    (*manifest_)["others"] = others;
     const json companions = before.value("companions", json::array());
     (*manifest_)["companions"] = companions.is_array() ? companions : json::array();
     (*manifest_)["kept"] = resumed_ && settled.is_object() ? settled : json::object();
@@ -113,7 +118,9 @@ void WorkFolder::take_over(Earlier earlier) {
 }
 
 WorkFolder::~WorkFolder() {
-    if (begun_ || removed_ || (manifest_->contains("leftovers") && !(*manifest_)["leftovers"].empty())) return;
+    for (const char* name : {"leftovers", "others"})
+        if (manifest_->contains(name) && !(*manifest_)[name].empty()) return;
+    if (begun_ || removed_) return;
     remove_companions();
     remove();
 }
@@ -158,6 +165,11 @@ std::size_t WorkFolder::left(const std::filesystem::path& output, const json& id
            std::filesystem::exists(ChunkFile::record_of(folder / name_of(chunks[count])), error))
         ++count;
     return count;
+}
+
+bool WorkFolder::is_of(const std::filesystem::path& output, const json& identity) {
+    const json manifest = manifest_in(work_folder_of(output));
+    return !manifest.empty() && difference_of(manifest.value("identity", json()), as_written(identity)).empty();
 }
 
 std::filesystem::path WorkFolder::file_of(const Chunk& chunk) const {
@@ -241,6 +253,11 @@ ChunkFile WorkFolder::open(const Chunk& chunk) {
 }
 
 std::filesystem::path WorkFolder::leave(const std::filesystem::path& file) {
+    // What earlier tries left would pile up: this is the newest.
+    for (const char* name : {"leftovers", "others"}) {
+        remove_all_of((*manifest_)[name]);
+        (*manifest_)[name] = json::array();
+    }
     std::error_code error;
     std::filesystem::path name = partial_film_of(output_);
     for (int i = 2; std::filesystem::exists(std::filesystem::symlink_status(name, error)); ++i)
@@ -252,15 +269,19 @@ std::filesystem::path WorkFolder::leave(const std::filesystem::path& file) {
     return name;
 }
 
-void WorkFolder::clear_away() {
+void WorkFolder::remove_all_of(const json& leftovers) const {
     const std::filesystem::path folder = output_.parent_path();
-    for (const json& leftover : (*manifest_)["leftovers"]) {
+    for (const json& leftover : leftovers) {
         if (!leftover.is_object() || !leftover.contains("file") || !leftover["file"].is_string()) continue;
         // Only a name, whatever the record says.
         const std::filesystem::path name = std::filesystem::path(leftover["file"].get<std::string>()).filename();
         std::error_code ignored;
         if (leftover == leftover_of(folder / name)) std::filesystem::remove(folder / name, ignored);
     }
+}
+
+void WorkFolder::clear_away() {
+    remove_all_of((*manifest_)["leftovers"]);
     remove_companions();
     remove();
 }

@@ -38,6 +38,9 @@ class WorkFolder {
     static std::size_t left(const std::filesystem::path& output, const nlohmann::json& identity,
                             const std::vector<Chunk>& chunks);
 
+    /// Whether an earlier run of the same film left its work folder. Changes nothing.
+    static bool is_of(const std::filesystem::path& output, const nlohmann::json& identity);
+
     /// The chunks that an earlier run finished, from the first on without a gap; none where none are to be resumed.
     std::vector<ChunkFile> finished(const std::vector<Chunk>& chunks) const;
     /// Removes all that is neither one of these chunks nor the folder's own.
@@ -57,8 +60,9 @@ class WorkFolder {
     std::filesystem::path begin(const std::string& name);
     /// The name of a file in the folder.
     std::filesystem::path place(const std::string& name) const { return folder_ / name; }
-    /// Gives a file with a part of the film a name beside the film that nobody has, and remembers it as a leftover.
-    /// Returns the name. Throws core::Error.
+    /// Gives a file with a part of the film a name beside the film that nobody has, and remembers it as a leftover,
+    /// in place of what earlier tries left, which goes where nobody has changed it. Returns the name. Throws
+    /// core::Error.
     std::filesystem::path leave(const std::filesystem::path& file);
     /// When the film is whole: removes what interrupted runs left of it, where nobody has changed that since, the
     /// folders of companions that nobody goes on with, and the folder.
@@ -69,12 +73,13 @@ class WorkFolder {
   private:
     void take_over(Earlier earlier);
     void remove_companions() const;
+    void remove_all_of(const nlohmann::json& leftovers) const;
     std::filesystem::path file_of(const Chunk& chunk) const;
     void write_manifest();
 
     std::filesystem::path output_, folder_;
     OutputLock lock_;
-    std::unique_ptr<nlohmann::json> manifest_;  ///< `identity`, `leftovers`, `companions`, `kept`
+    std::unique_ptr<nlohmann::json> manifest_;  ///< `identity`, `leftovers`, `others`, `companions`, `kept`
     bool resumed_ = false, begun_ = false, removed_ = false;
 };
 

@@ -15,8 +15,9 @@ namespace {
 using nlohmann::json;
 
 /// Options that change no byte of the film, or that are told otherwise: heatmaps have work folders of their own.
-constexpr std::array<std::string_view, 10> idle{"--output", "--threads", "--quiet",   "--stats",  "--report",
-                                                "--resume", "--dry-run", "--heatmap", "--memory", "--isa"};
+constexpr std::array<std::string_view, 15> idle{"--output", "--threads",   "--quiet",   "--stats",  "--report",
+                                                "--hold",   "--overwrite", "--verbose", "--within", "--progress",
+                                                "--resume", "--dry-run",   "--heatmap", "--memory", "--isa"};
 
 std::string full_name_of(const std::filesystem::path& file) {
     std::error_code error;

@@ -64,7 +64,7 @@ int usual_quantiser(const encoder::Settings& settings) {
 std::vector<encoder::BitAllocation> first_pass(const RenderJob& film, bool quiet) {
     const RenderJob pass = small(film);
     renderer::Renderer renderer = renderer_of(pass);
-    Progress progress(film.frame_count(), quiet, "first pass");
+    Progress progress(film.frame_count(), quiet, "first pass", Counted::frames_of_step);
     Collector collector;
     RunStatistics statistics;
     for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {

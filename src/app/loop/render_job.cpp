@@ -1,14 +1,20 @@
 #include "app/loop/render_job.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <string_view>
+#include <system_error>
 
 #include "app/files/sound.h"
 #include "app/options/option_text.h"
 #include "app/options/rate_options.h"
+#include "app/options/usage_error.h"
 #include "core/color.h"
 #include "core/error.h"
+#include "core/text.h"
 #include "encoder/encoder.h"
 #include "parallel/loops.h"
 #include "perceptual/exposure.h"
@@ -27,6 +33,39 @@ FrameRange frames_of(const scene::Animation& animation, const core::FrameRate& r
     const auto last = static_cast<std::int64_t>(std::llround(seconds * rate.hertz.value())) - 1;
     const std::int64_t first = animation.first_frame.value_or(0);
     return {first, animation.last_frame.value_or(std::max(first, last))};
+}
+
+/// Frames that the film does not have are seldom meant.
+void refuse_outside(const FrameRange& frames, const FrameRange& whole) {
+    if (frames.first >= whole.first && frames.last <= whole.last) return;
+    throw UsageError(
+        fmt::format("--frames {}:{}: the film has frames {} to {}; choose among them, or hold its ends with --hold",
+                    frames.first, frames.last, whole.first, whole.last));
+}
+
+/// What the encoder refuses was asked for on the command line.
+void check_settings(const encoder::Settings& coding) {
+    try {
+        encoder::check(coding);
+    } catch (const core::Error& error) {
+        throw UsageError(error.what());
+    }
+}
+
+/// Refuses a scene that is not there, with the name beside it that may have been meant.
+void check_there(const std::filesystem::path& input) {
+    std::error_code error;
+    if (std::filesystem::exists(input, error)) return;
+    const std::filesystem::path folder = input.has_parent_path() ? input.parent_path() : ".";
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+        names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    const std::vector<std::string_view> views(names.begin(), names.end());
+    const std::string nearest = core::nearest_word(input.filename().string(), views);
+    throw core::Error("reading", input.string(),
+                      "there is no such file" +
+                          (nearest.empty() ? "" : "; did you mean " + (input.parent_path() / nearest).string() + "?"));
 }
 
 /// An animation file counts its shots and its range in frames of its own rate; another rate keeps their times.
@@ -128,6 +167,25 @@ float studio_exposure(float to_mid_grey) {
     return std::log2(std::clamp(mean, darkest, lightest) / mean);
 }
 
+/// Decides what runs.
+void decide_passes(RenderJob& film, const RenderOptions& options) {
+    renderer::Wanted wanted;
+    wanted.film = film.kind == OutputKind::film;
+    wanted.developed = film.kind == OutputKind::y4m || film.kind == OutputKind::png;
+    wanted.layers = options.layers.has_value();
+    // Cuts, errors and records are told by pixel where layers are.
+    for (const auto& heatmap : options.heatmaps)
+        wanted.layers = wanted.layers || (heatmap.first != "tolerance" && heatmap.first != "quantiser");
+    wanted.indirect = options.vpls > 0;
+    film.loss = loss_of(options, film);
+    const scene::Traits traits = scene::traits_of(*film.animation);
+    film.plan = renderer::make_plan(traits, wanted);
+    film.cache = choose_cache(options.cache, traits, renderer::LightSplit::may_suit(*film.animation, film.plan),
+                              film.tolerance.reference, film.frame_count(),
+                              std::int64_t{film.format.width} * film.format.height);
+    film.rendering.cache = film.cache.use;
+}
+
 }  // namespace
 
 core::ToleranceMap RenderJob::tolerance_map() const {
@@ -153,11 +211,12 @@ RenderJob prepare(const RenderOptions& options) {
     film.tolerance = tolerance_from(options.tolerance.value_or(film.kind == OutputKind::film ? "coupled" : "fixed=2%"));
     film.coupling = coupling_settings(options, film.tolerance);
     if (film.tolerance.coupled && film.kind != OutputKind::film)
-        throw core::Error(
-            "tolerance coupled: only films are coded, and so have something to couple to; choose fixed=P% for " +
+        throw UsageError(
+            "--tolerance coupled: only films are coded, and so have something to couple to; choose fixed=P% for " +
             options.output.string());
 
     // Read the scene.
+    check_there(options.input);
     auto loaded = std::make_shared<scene::Animation>(scene::load(
         options.input, {options.camera, options.animation, options.sky, options.variant, light_of(options.light)}));
     const Preset* preset = preset_of(options.coding);
@@ -172,8 +231,10 @@ RenderJob prepare(const RenderOptions& options) {
         throw core::Error("writing", options.output.string(), "it is the input");
 
     // Fill the gaps: the command line wins over the animation file, which wins over our defaults.
-    film.frames = options.frames ? frames_from(*options.frames) : frames_of(*animation, film.rate);
-    if (animation->last_frame || animation->duration > 0) film.end = frames_of(*animation, film.rate).last;
+    const FrameRange whole = frames_of(*animation, film.rate);
+    film.frames = options.frames ? frames_from(*options.frames) : whole;
+    // What never moves lasts as long as one likes.
+    if (!options.hold && (animation->last_frame || animation->duration > 0)) refuse_outside(film.frames, whole);
     film.pixel_aspect = shape.pixel_aspect;
     film.format = {shape.size.width, shape.size.height, static_cast<float>(shape.pixel_aspect.value())};
     film.rendering = rendering_settings(options, film.format);
@@ -186,25 +247,10 @@ RenderJob prepare(const RenderOptions& options) {
     film.two_passes = film.kind == OutputKind::film && two_passes(options.coding);
     film.disc = preset != nullptr && preset->disc;
     film.sound = sound_of(options.coding, animation->sound, options.output, film.frames, film.rate);
-    if (film.kind == OutputKind::film) encoder::check(film.coding);
+    if (film.kind == OutputKind::film) check_settings(film.coding);
     film.rendering.edge_samples = edge_samples_of(options, film);
 
-    // Decide what runs.
-    renderer::Wanted wanted;
-    wanted.film = film.kind == OutputKind::film;
-    wanted.developed = film.kind == OutputKind::y4m || film.kind == OutputKind::png;
-    wanted.layers = options.layers.has_value();
-    // Cuts, errors and records are told by pixel where layers are.
-    for (const auto& heatmap : options.heatmaps)
-        wanted.layers = wanted.layers || (heatmap.first != "tolerance" && heatmap.first != "quantiser");
-    wanted.indirect = options.vpls > 0;
-    film.loss = loss_of(options, film);
-    const scene::Traits traits = scene::traits_of(*animation);
-    film.plan = renderer::make_plan(traits, wanted);
-    film.cache = choose_cache(options.cache, traits, renderer::LightSplit::may_suit(*animation, film.plan),
-                              film.tolerance.reference, film.frame_count(),
-                              std::int64_t{film.format.width} * film.format.height);
-    film.rendering.cache = film.cache.use;
+    decide_passes(film, options);
     return film;
 }
 

@@ -37,7 +37,6 @@ struct RenderJob {
     std::shared_ptr<const scene::Animation> animation;
     core::FrameRate rate;
     FrameRange frames;
-    std::optional<std::int64_t> end;  ///< last frame of the film that the scene tells; none: nothing moves
     scene::PictureFormat format;
     renderer::Settings rendering;
     renderer::Plan plan{{}};

@@ -1,6 +1,7 @@
 #include "app/options/coding_options.h"
 
 #include "app/options/keyframes.h"
+#include "app/options/option_text.h"
 #include "app/options/preset.h"
 #include "app/options/rate_options.h"
 #include "core/rational.h"
@@ -18,7 +19,7 @@ void add_coding_options(CLI::App& command, CodingOptions& options) {
         ->group(coding);
     command
         .add_option(
-            "--quantiser", options.quantiser,
+            "-q,--quantiser", options.quantiser,
             "quantiser_scale_code of P pictures: 1 is the finest, 31 the coarsest; what many pictures follow from\n"
             "is a little finer, B pictures are coarser")
         ->check(CLI::Range(1, 31))
@@ -71,6 +72,24 @@ void add_sound_options(CLI::App& command, CodingOptions& options) {
         ->check(CLI::Range(-1e5, 1e5))
         ->capture_default_str()
         ->group(sound);
+}
+
+void add_consent_option(CLI::App& command, bool& overwrite) {
+    command
+        .add_flag("-y,--overwrite", overwrite,
+                  "Replace a film that is there, and make folders that are missing, without a question. Without it a "
+                  "terminal is asked, and other runs are refused")
+        ->group("Run");
+}
+
+void add_within_option(CLI::App& command, std::string& within, const std::string& group) {
+    command
+        .add_option("--within", within,
+                    "Light a few frames for so long, about, to tell what the film will take; 0: light none")
+        ->type_name("TIME")
+        ->check(checked(within_from, ""))
+        ->capture_default_str()
+        ->group(group);
 }
 
 void add_shape_options(CLI::App& command, CodingOptions& options) {

@@ -27,6 +27,10 @@ CLI::Validator checked(Parser parser, const std::string& type) {
 void add_coding_options(CLI::App& command, CodingOptions& options);
 /// What is heard: `render`, `encode` and `tune` share these.
 void add_sound_options(CLI::App& command, CodingOptions& options);
+/// Whether films may be replaced, and missing folders made.
+void add_consent_option(CLI::App& command, bool& overwrite);
+/// How long sample frames may take that tell what a film takes.
+void add_within_option(CLI::App& command, std::string& within, const std::string& group);
 /// What shape pictures are shown in: likewise.
 void add_shape_options(CLI::App& command, CodingOptions& options);
 

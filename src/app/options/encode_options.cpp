@@ -20,7 +20,7 @@ CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
         ->type_name("OUT")
         ->required();
     const std::string picture = "Picture and time", motion = "Motion", run = "Run";
-    command->add_option("--fps", options.rate, "Pictures per second (default: the Y4M file's, or 25)")
+    command->add_option("-r,--fps", options.rate, "Pictures per second (default: the Y4M file's, or 25)")
         ->type_name("23.976|24|25|29.97|30|50|59.94|60")
         ->check(checked(core::frame_rate_from, ""))
         ->group(picture);
@@ -51,13 +51,15 @@ CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
         ->group(motion);
     add_coding_options(*command, options.coding);
     add_sound_options(*command, options.coding);
-    command->add_option("--threads", options.threads, "Threads; 0: one per core. The film's bytes do not depend on it")
+    command
+        ->add_option("-j,--threads", options.threads, "Threads; 0: one per core. The film's bytes do not depend on it")
         ->check(CLI::Range(0, 1024))
         ->capture_default_str()
         ->group(run);
     command->add_option("--stats", options.stats, "Write statistics as JSON (docs/stats.md)")
         ->type_name("FILE.json")
         ->group(run);
+    add_consent_option(*command, options.overwrite);
     command->add_flag("--quiet", options.quiet, "Print nothing but errors")->group(run);
     return command;
 }

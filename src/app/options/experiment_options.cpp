@@ -3,6 +3,7 @@
 #include "app/options/coding_options.h"
 #include "app/options/option_text.h"
 #include "app/options/scene_options.h"
+#include "core/isa.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -15,9 +16,13 @@ void add_sweep_options(CLI::App& command, CostOptions& options) {
     command
         .add_option("--sample", options.sample,
                     "Windows spread over the film, by consecutive frames of each; the last frame of each window is "
-                    "also lit by every light point, as the reference")
+                    "also lit by every light point, as the reference (default: as --within allows, at most 2x3)")
         ->type_name("WINDOWSxFRAMES")
         ->check(checked(sample_from, ""))
+        ->group(sweep);
+    command.add_option("--within", options.within, "Choose a sample that takes about so long, where --sample does not")
+        ->type_name("TIME")
+        ->check(checked(time_in_seconds, ""))
         ->capture_default_str()
         ->group(sweep);
     command.add_option("--tolerances", options.tolerances, "Fixed tolerances, per cent of a pixel's luminance")
@@ -27,10 +32,10 @@ void add_sweep_options(CLI::App& command, CostOptions& options) {
         ->group(sweep);
     command
         .add_option("--quantisers", options.quantisers,
-                    "Quantisers to couple light to, each beside a fixed 2 % coded with it; or `none`")
+                    "Quantisers to couple light to, each beside a fixed 2 % coded with it; or `none` (default: the "
+                    "film's own)")
         ->type_name("Q,Q,...|none")
         ->check(checked(quantisers_from, ""))
-        ->capture_default_str()
         ->group(sweep);
 }
 
@@ -58,13 +63,14 @@ template <class Options>
 void add_trial_run_options(CLI::App& command, Options& options) {
     const std::string run = "Run";
     command
-        .add_option("--threads", options.render.threads,
+        .add_option("-j,--threads", options.render.threads,
                     "Threads; 0: one per core. Nothing but the clock depends on it")
         ->check(CLI::Range(0, 1024))
         ->capture_default_str()
         ->group(run);
     command.add_option("--isa", options.render.isa, "Instruction set (default: the best there is)")
         ->type_name("sse2|sse4.2|avx|avx2|avx512")
+        ->check(checked(core::isa_from, ""))
         ->group(run);
     command
         .add_option("--keep-references", options.kept_references,
@@ -77,6 +83,7 @@ void add_trial_run_options(CLI::App& command, Options& options) {
         .add_option("--report", options.report, "Write a page with plots for any browser, and its figures beside it")
         ->type_name("FILE.html")
         ->group(run);
+    add_consent_option(command, options.render.overwrite);
     command.add_flag("--quiet", options.render.quiet, "Print nothing but errors")->group(run);
 }
 template void add_trial_run_options(CLI::App& command, CostOptions& options);
@@ -86,9 +93,10 @@ template void add_trial_run_options(CLI::App& command, CompareOptions& options);
 CLI::App* add_cost_command(CLI::App& app, CostOptions& options) {
     CLI::App* command = app.add_subcommand("cost", "Show what accuracy costs in time, and what it buys");
     command->footer(
-        "Lights a sample of the film with one tolerance after the other, and coupled to its coding; tells time, rays, "
-        "true errors, and what is left of them in the decoded film (docs/cost.md). The reference is dear: it comes "
-        "first, with an estimate.\n"
+        "Lights a sample of the film with one tolerance after the other, and coupled to its coding; tells what the "
+        "whole "
+        "film takes with each, what one sees of it, and the true errors behind that (docs/cost.md). The reference is "
+        "dear: it comes first, with an estimate.\n"
         "Example: render2mpeg cost scene.glb --size 320x180 --vpls 1000 --report cost.html");
     add_scene_options(*command, options.render);
     add_sweep_options(*command, options);

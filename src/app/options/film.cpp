@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "app/options/rate_options.h"
-#include "core/error.h"
+#include "app/options/usage_error.h"
 #include "encoder/capabilities.h"
 #include "perceptual/display.h"
 
@@ -19,7 +19,7 @@ void apply_rates(const Preset& preset, const CodingOptions& options, encoder::Se
     encoder::RateControl& rate = coding.rate_control;
     const std::int64_t most = std::max(rate.bit_rate, rate.max_rate);
     if (most > std::min(preset.bit_rate, level.bit_rate))
-        throw core::Error(
+        throw UsageError(
             fmt::format("{}: {} takes at most {} bits per second",
                         options.maxrate ? "--maxrate " + *options.maxrate : "--bitrate " + *options.bitrate,
                         preset.option(), std::min(preset.bit_rate, level.bit_rate)));
@@ -33,7 +33,7 @@ void apply_rates(const Preset& preset, const CodingOptions& options, encoder::Se
         buffer = std::min(buffer, held);
     }
     if (rate.buffer_bits > buffer)
-        throw core::Error(
+        throw UsageError(
             fmt::format("--vbv {}: {} takes at most {} bits at these rates", *options.vbv, preset.option(), buffer));
     if (rate.buffer_bits == 0) rate.buffer_bits = buffer;
 }
@@ -44,12 +44,12 @@ void apply(const Preset& preset, const CodingOptions& options, encoder::Settings
     if (!options.gop) coding.gop = preset.usual_gop(coding.rate);
     const int longest = preset.longest_gop(coding.rate);
     if (longest > 0 && coding.gop > longest)
-        throw core::Error(fmt::format("--gop {}: {} has at most {} pictures in a GOP at {} Hz", coding.gop,
-                                      preset.option(), longest, coding.rate.name));
+        throw UsageError(fmt::format("--gop {}: {} has at most {} pictures in a GOP at {} Hz", coding.gop,
+                                     preset.option(), longest, coding.rate.name));
     if (!options.b_pictures) coding.b_pictures = std::min(coding.b_pictures, preset.b_pictures);
     if (coding.b_pictures > preset.b_pictures)
-        throw core::Error(fmt::format("--b-pictures {}: {} has at most {} in a row", coding.b_pictures, preset.option(),
-                                      preset.b_pictures));
+        throw UsageError(fmt::format("--b-pictures {}: {} has at most {} in a row", coding.b_pictures, preset.option(),
+                                     preset.b_pictures));
     apply_rates(preset, options, coding);
 }
 

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/error.h"
+#include "app/options/usage_error.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -24,11 +24,11 @@ bool is_list(const std::string& text) {
 std::string read_file(const std::string& name) {
     std::ifstream stream(name);
     if (!stream)
-        throw core::Error("keyframes " + name + ": expected frame numbers such as 0,48,96, or a file with them");
+        throw UsageError("keyframes " + name + ": expected frame numbers such as 0,48,96, or a file with them");
     std::string text, line;
     while (std::getline(stream, line)) text += line.substr(0, line.find('#')) + "\n";
     // Folders can be opened, but not read.
-    if (stream.bad()) throw core::Error("keyframes " + name + ": cannot be read");
+    if (stream.bad()) throw UsageError("keyframes " + name + ": cannot be read");
     return text;
 }
 
@@ -51,11 +51,11 @@ Keyframes keyframes_from(const std::string& text) {
         std::int64_t frame = 0;
         const auto [last, error] = std::from_chars(list.data() + at, list.data() + end, frame);
         if (error != std::errc{} || last != list.data() + end || frame < 0 || frame >= frame_limit)
-            throw core::Error("keyframes " + text + ": \"" + list.substr(at, end - at) + "\" is no frame number");
+            throw UsageError("keyframes " + text + ": \"" + list.substr(at, end - at) + "\" is no frame number");
         keyframes.frames.push_back(frame);
         at = list.find_first_not_of(separators, end);
     }
-    if (keyframes.frames.empty()) throw core::Error("keyframes " + text + ": no frame numbers");
+    if (keyframes.frames.empty()) throw UsageError("keyframes " + text + ": no frame numbers");
     std::sort(keyframes.frames.begin(), keyframes.frames.end());
     keyframes.frames.erase(std::unique(keyframes.frames.begin(), keyframes.frames.end()), keyframes.frames.end());
     return keyframes;

@@ -8,7 +8,7 @@
 #include <functional>
 #include <utility>
 
-#include "core/error.h"
+#include "app/options/usage_error.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -33,6 +33,20 @@ std::vector<std::string> parts_of(const std::string& text) {
     return parts;
 }
 
+/// Seconds of minutes:seconds or hours:minutes:seconds, above 0 and below 100 hours.
+std::optional<double> clock_time(const std::string& text) {
+    std::int64_t seconds = 0;
+    int parts = 0;
+    for (std::size_t at = 0; at <= text.size(); ++parts) {
+        const std::size_t colon = std::min(text.find(':', at), text.size());
+        const auto value = whole_number(std::string_view(text).substr(at, colon - at));
+        if (!value || *value > 99 || (parts > 0 && *value > 59) || parts > 2) return {};
+        seconds = 60 * seconds + *value;
+        at = colon + 1;
+    }
+    return parts < 2 || seconds == 0 ? std::nullopt : std::optional(static_cast<double>(seconds));
+}
+
 template <class Value, class Order>
 std::vector<Value> in_order(std::vector<Value> values, Order order) {
     std::sort(values.begin(), values.end(), order);
@@ -43,11 +57,11 @@ std::vector<Value> in_order(std::vector<Value> values, Order order) {
 }  // namespace
 
 Size size_from(const std::string& text) {
-    const std::size_t x = text.find('x');
+    const std::size_t x = text.find_first_of("xX");
     const auto width = x == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(0, x));
     const auto height = x == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(x + 1));
     if (!width || !height || *width < 1 || *height < 1 || *width > 16383 || *height > 16383)
-        throw core::Error("size " + text + ": expected WIDTHxHEIGHT in pixels, e.g. 720x576");
+        throw UsageError("size " + text + ": expected WIDTHxHEIGHT in pixels, e.g. 720x576");
     return {static_cast<int>(*width), static_cast<int>(*height)};
 }
 
@@ -58,7 +72,7 @@ FrameRange frames_from(const std::string& text) {
     // chosen: 2^31 frames are 2.7 years at 25 Hz; the limit keeps frame numbers exact in every later product.
     constexpr std::int64_t limit = std::int64_t{1} << 31;
     if (!first || !last || *last < *first || *last >= limit)
-        throw core::Error("frames " + text + ": expected FIRST:LAST with FIRST <= LAST, counted from 0, e.g. 0:47");
+        throw UsageError("frames " + text + ": expected FIRST:LAST with FIRST <= LAST, counted from 0, e.g. 0:47");
     return {*first, *last};
 }
 
@@ -73,18 +87,18 @@ ToleranceRequest tolerance_from(const std::string& text) {
         if (end != number && *end == '\0' && static_cast<float>(share) > 0 && share <= 100)
             return {false, 0, true, static_cast<float>(share)};
     }
-    if (text.starts_with("fixed=")) {
-        const char* number = text.c_str() + 6;
+    if (text.starts_with("fixed=") || text.ends_with('%')) {
+        const char* number = text.c_str() + (text.starts_with("fixed=") ? 6 : 0);
         char* end = nullptr;
         const double percent = std::strtod(number, &end);
         // Without its sign, 1 could mean all of the light.
         if (end != number && std::string_view(end) == "%" && percent >= 0 && percent <= 100)
             return {false, static_cast<float>(percent / 100), false, {}};
     }
-    throw core::Error(
+    throw UsageError(
         "tolerance " + text +
         ": expected `coupled`, coupled=K with K above 0 and up to 100, fixed=P% with P from 0 to 100, e.g. "
-        "fixed=2%, or `reference`");
+        "fixed=2%, or 2% for short, or `reference`");
 }
 
 std::optional<double> loss_from(const std::string& text) {
@@ -93,7 +107,7 @@ std::optional<double> loss_from(const std::string& text) {
     const double loss = std::strtod(text.c_str(), &end);
     const std::string_view unit(end);
     if (end != text.c_str() && (unit.empty() || unit == "dB") && loss >= 0.01 && loss <= 10) return loss;
-    throw core::Error("loss " + text + ": expected decibels from 0.01 to 10, e.g. 0.1dB, or `any`");
+    throw UsageError("loss " + text + ": expected decibels from 0.01 to 10, e.g. 0.1dB, or `any`");
 }
 
 Sample sample_from(const std::string& text) {
@@ -102,7 +116,7 @@ Sample sample_from(const std::string& text) {
     const auto frames = x == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(x + 1));
     // chosen: more than a thousand windows or frames of each is a film, not a sample of one.
     if (!windows || !frames || *windows < 1 || *frames < 1 || *windows > 1000 || *frames > 1000)
-        throw core::Error("sample " + text + ": expected WINDOWSxFRAMES from 1x1 to 1000x1000, e.g. 2x3");
+        throw UsageError("sample " + text + ": expected WINDOWSxFRAMES from 1x1 to 1000x1000, e.g. 2x3");
     return {static_cast<int>(*windows), static_cast<int>(*frames)};
 }
 
@@ -113,7 +127,7 @@ std::vector<float> percents_from(const std::string& text) {
         const double percent = std::strtod(part.c_str(), &end);
         // chosen: less than a hundred thousandth of a pixel's light is not to be told from none in floats (1e-4..1e-2).
         if (part.empty() || *end != '\0' || !(percent >= 0.001) || percent > 100)
-            throw core::Error("tolerances " + text + ": expected per cent from 0.001 to 100, e.g. 8,4,2,1");
+            throw UsageError("tolerances " + text + ": expected per cent from 0.001 to 100, e.g. 8,4,2,1");
         shares.push_back(static_cast<float>(percent / 100));
     }
     return in_order(std::move(shares), std::greater<>());
@@ -125,7 +139,7 @@ std::vector<int> quantisers_from(const std::string& text) {
     for (const std::string& part : parts_of(text)) {
         const auto value = whole_number(part);
         if (!value || *value < 1 || *value > 31)
-            throw core::Error("quantisers " + text + ": expected numbers from 1 to 31, e.g. 2,8,31, or `none`");
+            throw UsageError("quantisers " + text + ": expected numbers from 1 to 31, e.g. 2,8,31, or `none`");
         quantisers.push_back(static_cast<int>(*value));
     }
     return in_order(std::move(quantisers), std::less<>());
@@ -147,12 +161,13 @@ double size_in_bytes(const std::string& text) {
         value = -1;
     // chosen: no file system holds more than an exabyte in one file.
     if (!number || !(value >= 1) || value > 1e18)
-        throw core::Error("max-size " + text + ": expected bytes as a number, or with k, M or G, e.g. 700M or 4.7G");
+        throw UsageError(text + ": expected bytes as a number, or with k, M or G, e.g. 700M or 4.7G");
     return value;
 }
 
 double time_in_seconds(const std::string& text) {
     double seconds = 0, last = 1e9;
+    if (const std::optional<double> clock = clock_time(text)) return *clock;
     const char* rest = text.c_str();
     bool sound = !text.empty();
     while (*rest != '\0' && sound) {
@@ -166,8 +181,12 @@ double time_in_seconds(const std::string& text) {
     }
     // chosen: a year is longer than anybody waits.
     if (!sound || !(seconds > 0) || seconds > 3.2e7)
-        throw core::Error("max-time " + text + ": expected hours, minutes and seconds, e.g. 2h, 90m, 1h30m or 45s");
+        throw UsageError(text + ": expected hours, minutes and seconds, e.g. 2h, 90m, 1h30m, 1:30 or 45s");
     return seconds;
+}
+
+double within_from(const std::string& text) {
+    return text == "0" ? 0 : time_in_seconds(text);
 }
 
 }  // namespace render2mpeg::app

@@ -9,7 +9,7 @@
 /// Each throws core::Error naming the option and what would be right.
 namespace render2mpeg::app {
 
-/// "WxH"
+/// "WxH" or "WXH"
 Size size_from(const std::string& text);
 /// "A:B"
 FrameRange frames_from(const std::string& text);
@@ -25,7 +25,9 @@ std::vector<int> quantisers_from(const std::string& text);
 
 /// Bytes: 700M, 4.7G, 25000k, 1234567. Throws core::Error.
 double size_in_bytes(const std::string& text);
-/// Seconds: 45s, 90m, 2h, 1h30m, 5400. Throws core::Error.
+/// Seconds: 45s, 90m, 2h, 1h30m, 1:30 (minutes and seconds), 2:00:00, 5400. Throws core::Error.
 double time_in_seconds(const std::string& text);
+/// The same, or 0: no time at all.
+double within_from(const std::string& text);
 
 }  // namespace render2mpeg::app

@@ -3,15 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 #include "app/options/coding_options.h"
 #include "app/options/encode_options.h"
 #include "app/options/experiment_options.h"
 #include "app/options/help_format.h"
+#include "app/options/mistakes.h"
 #include "app/options/scene_options.h"
 #include "app/options/tune_options.h"
+#include "app/options/usage_error.h"
 #include "app/system/memory_limit.h"
-#include "core/error.h"
+#include "app/system/progress.h"
+#include "core/isa.h"
 #include "core/rational.h"
 #include "core/text.h"
 #include "core/view.h"
@@ -59,7 +64,8 @@ void add_product_options(CLI::App& command, RenderOptions& options) {
 }
 
 void add_run_options(CLI::App& command, RenderOptions& options) {
-    command.add_option("--threads", options.threads, "Threads; 0: one per core. The film's bytes do not depend on it")
+    command
+        .add_option("-j,--threads", options.threads, "Threads; 0: one per core. The film's bytes do not depend on it")
         ->check(CLI::Range(0, 1024))
         ->capture_default_str()
         ->group(run_group);
@@ -68,6 +74,7 @@ void add_run_options(CLI::App& command, RenderOptions& options) {
                     "Instruction set (default: the best there is). Films differ in a few "
                     "roundings between them")
         ->type_name("sse2|sse4.2|avx|avx2|avx512")
+        ->check(checked(core::isa_from, ""))
         ->group(run_group);
     add_product_options(command, options);
     command
@@ -82,9 +89,16 @@ void add_run_options(CLI::App& command, RenderOptions& options) {
                   "Go on where a run of the same film was interrupted or killed, after its last whole chunk: the same "
                   "bytes as of one run. Begins the film where nothing was left of it (docs/resume.md)")
         ->group(run_group);
-    command.add_flag("--dry-run", options.dry_run, "Read and check everything, say what would be done, write nothing")
+    command
+        .add_flag("--dry-run", options.dry_run,
+                  "Read and check everything, say what would be done and what it would take, write nothing")
         ->group(run_group);
-    command.add_flag("--quiet", options.quiet, "Print nothing but errors")->group(run_group);
+    add_within_option(command, options.within, run_group);
+    add_consent_option(command, options.overwrite);
+    CLI::Option* quiet = command.add_flag("--quiet", options.quiet, "Print nothing but errors")->group(run_group);
+    command.add_flag("-v,--verbose", options.verbose, "Also say what runs and why, and what each chunk came to")
+        ->excludes(quiet)
+        ->group(run_group);
 }
 
 CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
@@ -106,60 +120,61 @@ CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
 }
 
 CLI::App* add_plan_command(CLI::App& app, PlanOptions& options) {
-    CLI::App* command = app.add_subcommand("plan", "Show which passes a scene calls for, and why");
+    CLI::App* command =
+        app.add_subcommand("plan", "Show what a film will take, which passes its scene calls for, and why");
     command->footer("Example: render2mpeg plan scene.glb --stats stats.json");
     add_scene_options(*command, options.render);
-    const std::string planned = "Plan for a render with this option";
     command->add_option("-o,--output", options.render.output, "Only its ending counts (default: a film)")
-        ->type_name("OUT")
-        ->group(planned);
-    add_tolerance_option(*command, options.render, planned);
-    command->add_option("--bitrate", options.render.coding.bitrate, "Films of a rate have a first pass")
-        ->type_name("RATE")
-        ->group(planned);
-    command->add_option("--passes", options.render.coding.passes, "With --bitrate: 1 or 2 (default: 2)")
-        ->check(CLI::Range(1, 2))
-        ->group(planned);
-    command->add_option("--exposure", options.render.exposure, "EV, or `auto`: then it is measured")
-        ->type_name("auto|EV")
-        ->check(checked(check_exposure, ""))
-        ->capture_default_str()
-        ->group(planned);
-    command->add_option("--view", options.render.view, "What bright light becomes (default: the scene's, or neutral)")
-        ->type_name("NAME")
-        ->check(checked(core::view_from, ""))
-        ->group(planned);
-    command->add_option("--cache", options.render.cache, "Light kept for other pixels and frames: on, off or auto")
-        ->check(CLI::IsMember({"on", "off", "auto"}))
-        ->capture_default_str()
-        ->group(planned);
-    command->add_option("--audit", options.render.audit, "Pixels of every frame")
+        ->type_name("OUT");
+    add_picture_options(*command, options.render);
+    add_light_options(*command, options.render);
+    add_coding_options(*command, options.render.coding);
+    command->add_option("--audit", options.render.audit, "Pixels of every frame that would be gathered again")
         ->type_name("N")
         ->check(CLI::Range(0, 1 << 20))
-        ->group(planned);
+        ->group(run_group);
     command->add_option("--aov", options.render.layers, "Folder of multilayer OpenEXR files")
         ->type_name("DIR")
-        ->group(planned);
+        ->group(run_group);
+    add_within_option(*command, options.render.within, run_group);
+    command->add_flag("--quiet", options.render.quiet, "Show no progress")->group(run_group);
+    command->add_option("-j,--threads", options.render.threads, "Threads; 0: one per core")
+        ->check(CLI::Range(0, 1024))
+        ->capture_default_str()
+        ->group(run_group);
+    command->add_option("--isa", options.render.isa, "Instruction set (default: the best there is)")
+        ->type_name("sse2|sse4.2|avx|avx2|avx512")
+        ->check(checked(core::isa_from, ""))
+        ->group(run_group);
     command->add_option("--stats", options.statistics, "Statistics of a render of this scene: adds what each pass cost")
         ->type_name("FILE.json")
         ->group(run_group);
     return command;
 }
 
-/// What was wrong with the command line, as one line that says where help is.
-std::string mistake_text(const CLI::App* app, const CLI::Error& error) {
-    std::string text = error.what(), command = "render2mpeg";
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    for (const CLI::App* chosen : app->get_subcommands()) command += " " + chosen->get_name();
-    return core::printable("render2mpeg: " + text + " (see " + command + " --help)") + "\n";
+/// `help COMMAND` is `COMMAND --help`.
+std::vector<std::string> without_help_command(std::vector<std::string> words) {
+    if (words.size() < 2 || words[1] != "help") return words;
+    words.erase(words.begin() + 1);
+    words.resize(std::min<std::size_t>(words.size(), 2));
+    words.emplace_back("--help");
+    return words;
 }
 
-/// "render, encode, plan, info"
-std::string commands_of(const CLI::App& app) {
-    std::string names;
-    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
-        names += (names.empty() ? "" : ", ") + command->get_name();
-    return names;
+/// Reads all words. Returns the exit status where a text was asked for, which is printed. Throws UsageError.
+std::optional<int> read(CLI::App& app, const std::vector<std::string>& words) {
+    const std::vector<std::string> said(words.begin() + std::min<std::ptrdiff_t>(1, std::ssize(words)), words.end());
+    refuse_unknown_command(app, said);
+    const auto named = [&](const CLI::App* command) { return command->get_name() == said.front(); };
+    const std::vector<const CLI::App*> chosen = std::as_const(app).get_subcommands(named);
+    if (!chosen.empty()) refuse_unknown_options(app, *chosen.front(), {said.begin() + 1, said.end()});
+    try {
+        app.parse(std::vector<std::string>(said.rbegin(), said.rend()));
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() == 0) return app.exit(error);
+        throw UsageError(core::printable(mistake_text(chosen.empty() ? app : *chosen.front(), error)));
+    }
+    return {};
 }
 
 /// Long names of the options that were given.
@@ -209,11 +224,10 @@ CommandLine parse(int argc, char** argv) {
     CLI::App app("Renders a 3D animation with global illumination straight into an MPEG-2 file.", "render2mpeg");
     app.set_version_flag("--version", "render2mpeg " RENDER2MPEG_VERSION);
     app.require_subcommand(1);
-    app.failure_message(mistake_text);
     app.footer(
-        "Exit status: 0 done; 1 refused or failed, with one line that says why; 130 interrupted (143 by SIGTERM, 129 "
-        "where the terminal was closed), with what there is of the film beside its name. `render2mpeg COMMAND --help` "
-        "shows a command's options.");
+        "Exit status: 0 done; 1 refused or failed, with one line that says why; 2 a mistake on the command line; 130 "
+        "interrupted (143 by SIGTERM, 129 where the terminal was closed), with what there is of the film beside its "
+        "name. `render2mpeg help COMMAND` shows a command's options.");
     app.formatter(help_format());
 
     const CLI::App* render = add_render_command(app, line.render);
@@ -224,20 +238,22 @@ CommandLine parse(int argc, char** argv) {
     const CLI::App* tune = add_tune_command(app, line.tune);
     const CLI::App* compare = add_compare_command(app, line.compare);
 
-    // CLI11 would only say that a command is missing.
-    const auto named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
-    if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(named).empty())
-        throw core::Error(std::string(argv[1]) + " is no command; there are " + commands_of(app));
-    if (argc < 2) throw core::Error("which command? There are " + commands_of(app) + " (see render2mpeg --help)");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        line.exit_code = app.exit(error) == 0 ? 0 : 1;
-        return line;
-    }
+    for (CLI::App* command : app.get_subcommands([](const CLI::App* c) { return c->get_name() != "info"; }))
+        command
+            ->add_option("--progress", line.progress,
+                         "How far it is: `line`, for people; `json`, a line for programs at every step; or `none`")
+            ->check(CLI::IsMember({"line", "json", "none"}))
+            ->capture_default_str()
+            ->group(run_group);
+    line.exit_code = read(app, without_help_command(line.words));
+    if (line.exit_code) return line;
+    show_progress_as(line.progress == "json"   ? ProgressStyle::json
+                     : line.progress == "none" ? ProgressStyle::none
+                                               : ProgressStyle::line);
     line.render.given = given_of(*render);
     line.render.said = said_of(*render);
     line.encode.given = given_of(*encode);
+    line.plan.render.given = given_of(*plan);
     line.cost.render.given = given_of(*cost);
     line.tune.render.given = given_of(*tune);
     line.tune.render.said = said_of(*tune);

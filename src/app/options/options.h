@@ -72,6 +72,10 @@ struct RenderOptions {
     bool dry_run = false;
     bool quiet = false;
     bool resume = false;
+    bool hold = false;       ///< frames outside the film are wanted
+    bool overwrite = false;  ///< replace films and make folders without a question
+    bool verbose = false;
+    std::string within = "10s";               ///< for sample frames that tell what the film takes; "0": none
     std::optional<std::string> memory;        ///< as memory_from() reads it; none: all that there is
     std::vector<std::string> given;           ///< long names of the options on the command line
     std::map<std::string, std::string> said;  ///< with these: the words behind each
@@ -96,7 +100,8 @@ struct EncodeOptions {
     int threads = 0;  ///< 0: all
     std::optional<std::filesystem::path> stats;
     bool quiet = false;
-    std::vector<std::string> given;  ///< as in RenderOptions
+    bool overwrite = false;          ///< as in RenderOptions
+    std::vector<std::string> given;  ///< likewise
 };
 
 /// Options of `info`.
@@ -113,10 +118,11 @@ struct Sample {
 
 /// Options of `cost`.
 struct CostOptions {
-    RenderOptions render;  ///< only what decides light and coding
-    std::string sample = "2x3";
-    std::string tolerances = "16,8,4,2,1,0.5,0.25";
-    std::string quantisers = "2,4,8,16,31";
+    RenderOptions render;               ///< only what decides light and coding
+    std::optional<std::string> sample;  ///< none: as much as there is time for
+    std::string within = "1m";          ///< as time_in_seconds reads it
+    std::string tolerances = "16,8,4,2,1";
+    std::optional<std::string> quantisers;  ///< none: the film's own
     std::optional<std::filesystem::path> json;
     std::optional<std::filesystem::path> report;           ///< HTML
     std::optional<std::filesystem::path> kept_references;  ///< folder
@@ -127,7 +133,7 @@ struct CompareOptions {
     RenderOptions render;  ///< only what decides light and coding
     std::string sample = "1x15";
     int references = 4;                              ///< of every window
-    int runs = 3;                                    ///< of everything that is timed
+    int runs = 1;                                    ///< of everything that is timed
     std::optional<std::filesystem::path> film;       ///< --film, with the next
     std::optional<std::filesystem::path> reference;  ///< --reference: numbered images, or a folder of them
     std::string quantisers = "2,4,8,16";
@@ -154,7 +160,7 @@ struct TuneOptions {
 enum class Command { render, encode, plan, info, cost, tune, compare, none };
 
 /// One command line, read and checked for form. `exit_code` is set where there is nothing left to do (--help,
-/// --version, a mistake, which is one line): the text was printed already.
+/// --version): the text was printed already.
 struct CommandLine {
     Command command = Command::none;
     RenderOptions render;
@@ -164,11 +170,13 @@ struct CommandLine {
     CostOptions cost;
     TuneOptions tune;
     CompareOptions compare;
+    std::string progress = "line";  ///< "line", "json" or "none"
     std::optional<int> exit_code;
     std::string text;                ///< as given, for the statistics
     std::vector<std::string> words;  ///< the same, one by one
 };
 
+/// Throws UsageError: one line that begins with the name of what is wrong and says what would be right.
 CommandLine parse(int argc, char** argv);
 
 /// A word of a command line as a shell takes it.

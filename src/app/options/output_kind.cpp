@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "app/options/usage_error.h"
 #include "core/error.h"
 #include "core/text.h"
 #include "encoder/av/av.h"
@@ -39,13 +40,13 @@ OutputKind kind_of(const std::filesystem::path& output) {
     if (ending == ".y4m") return OutputKind::y4m;
     if (ending == ".exr" || ending == ".png") {
         if (!is_numbered(output))
-            throw core::Error("writing", output.string(),
-                              "an image sequence needs one frame number in its name, e.g. frames.%04d" + ending);
+            throw UsageError("writing", output.string(),
+                             "an image sequence needs one frame number in its name, e.g. frames.%04d" + ending);
         return ending == ".exr" ? OutputKind::exr : OutputKind::png;
     }
-    throw core::Error("writing", output.string(),
-                      "the ending chooses what is written: .mpg, .vob, .ts, .m2v, .mkv, .mp4, .y4m, or images such as "
-                      "frames.%04d.exr or .png");
+    throw UsageError("writing", output.string(),
+                     "the ending chooses what is written: .mpg, .vob, .ts, .m2v, .mkv, .mp4, .y4m, or images such as "
+                     "frames.%04d.exr or .png");
 }
 
 bool is_numbered(const std::filesystem::path& pattern) {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "app/options/output_kind.h"
-#include "core/error.h"
+#include "app/options/usage_error.h"
 #include "core/text.h"
 
 namespace render2mpeg::app {
@@ -91,7 +91,7 @@ int Preset::usual_gop(const core::FrameRate& rate) const {
 void Preset::check_output(const std::filesystem::path& output) const {
     if (output.empty() || kind_of(output) != OutputKind::film) return;
     if (std::find(endings.begin(), endings.end(), core::ending_of(output)) == endings.end())
-        throw core::Error(fmt::format("--output {}: {} takes {}", output.string(), option(), fmt::join(endings, ", ")));
+        throw UsageError(fmt::format("--output {}: {} takes {}", output.string(), option(), fmt::join(endings, ", ")));
 }
 
 std::vector<std::string> preset_names() {
@@ -103,7 +103,7 @@ std::vector<std::string> preset_names() {
 const Preset& preset_from(const std::string& name) {
     for (const Preset& preset : presets())
         if (preset.name == name) return preset;
-    throw core::Error(fmt::format("--for {}: there are {}", name, fmt::join(preset_names(), ", ")));
+    throw UsageError(fmt::format("--for {}: there are {}", name, fmt::join(preset_names(), ", ")));
 }
 
 }  // namespace render2mpeg::app

@@ -5,18 +5,21 @@
 #include <cstdlib>
 
 #include "app/options/coding_options.h"
-#include "core/error.h"
+#include "app/options/usage_error.h"
 
 namespace render2mpeg::app {
 namespace {
 
 void refuse_conflicts(const CodingOptions& o) {
-    const auto refuse = [](const char* text) { throw core::Error(text); };
-    if (o.quantiser && o.quality) refuse("quantiser and quality: each decides the quantisers; give one");
-    if (o.quantiser && o.bitrate) refuse("quantiser and bitrate: each decides the quantisers; give one");
-    if (o.quality && o.bitrate) refuse("quality and bitrate: each decides the quantisers; give one");
-    if (o.constant_rate && !o.bitrate) refuse("cbr: which rate? give bitrate too");
-    if (o.passes && !o.bitrate) refuse("passes: without bitrate there is nothing to find out first");
+    const auto refuse = [](const char* text) { throw UsageError(text); };
+    if (o.quantiser && o.quality) refuse("--quantiser and --quality: each decides the quantisers; give one");
+    if (o.quantiser && o.bitrate) refuse("--quantiser and --bitrate: each decides the quantisers; give one");
+    if (o.quality && o.bitrate) refuse("--quality and --bitrate: each decides the quantisers; give one");
+    if (o.constant_rate && !o.bitrate) refuse("--cbr: which rate? Give --bitrate too, e.g. --bitrate 6M");
+    if (o.passes && !o.bitrate)
+        refuse(
+            "--passes: without --bitrate there is nothing to find out first; give --bitrate too, or leave --passes "
+            "out");
 }
 
 }  // namespace
@@ -33,7 +36,8 @@ void add_rate_options(CLI::App& command, CodingOptions& options) {
         ->check(CLI::Range(0.0, 100.0))
         ->group(coding);
     command
-        .add_option("--bitrate", options.bitrate, "Instead: bits per second of pictures, on average, e.g. 6M or 900k")
+        .add_option("-b,--bitrate", options.bitrate,
+                    "Instead: bits per second of pictures, on average, e.g. 6M or 900k")
         ->type_name("RATE")
         ->check(bits("bitrate"))
         ->group(coding);
@@ -83,7 +87,7 @@ std::int64_t bits_from(const std::string& text, const std::string& what) {
         value *= 1e6, ++end;
     // chosen: no level has more than 80 Mb/s; the limit keeps the number whole.
     if (!number || *end != '\0' || !(value >= 1) || value > 1e12)
-        throw core::Error(what + " " + text + ": expected bits as a number, or with k or M, e.g. 6000k or 1.5M");
+        throw UsageError(what + " " + text + ": expected bits as a number, or with k or M, e.g. 6000k or 1.5M");
     return std::llround(value);
 }
 

@@ -5,7 +5,7 @@
 
 #include "app/options/coding_options.h"
 #include "app/options/option_text.h"
-#include "core/error.h"
+#include "app/options/usage_error.h"
 #include "core/rational.h"
 #include "core/view.h"
 
@@ -16,7 +16,7 @@ std::string check_exposure(const std::string& text) {
     char* end = nullptr;
     const double ev = std::strtod(text.c_str(), &end);
     if (text.empty() || *end != '\0' || !std::isfinite(ev) || std::abs(ev) > 64)
-        throw core::Error("exposure " + text + ": expected `auto` or a number of EV from -64 to 64, e.g. -1.5");
+        throw UsageError("exposure " + text + ": expected `auto` or a number of EV from -64 to 64, e.g. -1.5");
     return {};
 }
 
@@ -121,7 +121,7 @@ void add_light_options(CLI::App& command, RenderOptions& options) {
 void add_picture_options(CLI::App& command, RenderOptions& options) {
     const std::string picture = "Picture and time";
     command
-        .add_option("--size", options.size,
+        .add_option("-s,--size", options.size,
                     "Picture size (default: the animation file's; 640 pixels along the longer side of the camera's "
                     "shape; 512x512 "
                     "where neither says anything)")
@@ -129,7 +129,7 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
         ->check(checked(size_from, ""))
         ->group(picture);
     command
-        .add_option("--fps", options.rate,
+        .add_option("-r,--fps", options.rate,
                     "Pictures per second (default: the animation file's, that of glTF's keys, or 25)")
         ->type_name("23.976|24|25|29.97|30|50|59.94|60")
         ->check(checked(core::frame_rate_from, ""))
@@ -139,6 +139,10 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
                     "First and last frame, counted from 0, both included (default: the whole film)")
         ->type_name("A:B")
         ->check(checked(frames_from, ""))
+        ->group(picture);
+    command
+        .add_flag("--hold", options.hold,
+                  "Frames outside the film are wanted: they hold what its end, or its beginning, shows")
         ->group(picture);
     add_shape_options(command, options.coding);
     command.add_option("--exposure", options.exposure, "EV, or `auto`: one value for the film")

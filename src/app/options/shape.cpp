@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/error.h"
+#include "app/options/usage_error.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -68,8 +68,8 @@ Size size_of_shape(core::Rational shape) {
 Size settle_size(const ShapeWishes& wishes, const Preset* preset) {
     const auto taken = [&](Size size, const std::string& who) {
         if (preset != nullptr && preset->picture_of(size) == nullptr)
-            throw core::Error(fmt::format("{}: {} has {}", who, preset->option(),
-                                          listed(preset->pictures, [](const auto& p) { return text_of(p.size); })));
+            throw UsageError(fmt::format("{}: {} has {}", who, preset->option(),
+                                         listed(preset->pictures, [](const auto& p) { return text_of(p.size); })));
         return size;
     };
     if (wishes.size) return taken(*wishes.size, "--size " + text_of(*wishes.size));
@@ -86,9 +86,9 @@ core::FrameRate settle_rate(const ShapeWishes& wishes, const PresetPicture* pict
         if (picture == nullptr) return rate;
         for (const char* name : picture->rates)
             if (core::frame_rate_from(name).code == rate.code) return rate;
-        throw core::Error(fmt::format("{}: {} has {} at {}", who, preset->option(),
-                                      listed(picture->rates, [](const char* name) { return std::string(name); }),
-                                      text_of(picture->size)));
+        throw UsageError(fmt::format("{}: {} has {} at {}", who, preset->option(),
+                                     listed(picture->rates, [](const char* name) { return std::string(name); }),
+                                     text_of(picture->size)));
     };
     if (wishes.rate) return taken(*wishes.rate, fmt::format("--fps {}", wishes.rate->name));
     if (wishes.finished && wishes.source_rate)
@@ -111,9 +111,9 @@ core::FrameRate settle_rate(const ShapeWishes& wishes, const PresetPicture* pict
 core::Rational display_for(const ShapeWishes& wishes, const PresetPicture& picture, const Preset& preset) {
     const auto& shapes = picture.display_aspects;
     const auto complaint = [&](const std::string& who, const std::string& advice) {
-        return core::Error(fmt::format("{}: {} has {} at {}{}", who, preset.option(),
-                                       listed(shapes, [](core::Rational r) { return text_of(r); }),
-                                       text_of(picture.size), advice));
+        return UsageError(fmt::format("{}: {} has {} at {}{}", who, preset.option(),
+                                      listed(shapes, [](core::Rational r) { return text_of(r); }),
+                                      text_of(picture.size), advice));
     };
     if (wishes.pixel_aspect)
         throw complaint("--pixel-aspect " + text_of(*wishes.pixel_aspect), "; --display-aspect chooses");
@@ -169,7 +169,7 @@ Shape settle_shape(const ShapeWishes& wishes, const Preset* preset, bool film) {
     if (display) shape.pixel_aspect = pixel_of(*display, shape.size);
     shape.aspect_ratio_code = aspect_ratio_code(shape.pixel_aspect, shape.size);
     if (film && shape.aspect_ratio_code == 0)
-        throw core::Error(fmt::format(
+        throw UsageError(fmt::format(
             "pixels of {} in a picture of {}, shown as {:.3f}:1: MPEG-2 has square ones, and pictures of 4:3, 16:9 and "
             "2.21:1",
             text_of(shape.pixel_aspect), text_of(shape.size), display_of(shape.pixel_aspect, shape.size).value()));

@@ -46,9 +46,11 @@ void add_targets(CLI::App& command, TuneOptions& options) {
 void add_tried(CLI::App& command, TuneOptions& options) {
     const std::string tried = "What is tried";
     command
-        .add_option("--sample", options.sample,
-                    "Windows spread over the film, by consecutive frames of each (default: 2 by a GOP of 15 to 60; "
-                    "with --max-time 2x3)")
+        .add_option(
+            "--sample", options.sample,
+            "Windows spread over the film, by consecutive frames of each (default: an eighth of the film, at most 2 by "
+            "a GOP of 15 to 60; "
+            "with --max-time 2x3)")
         ->type_name("WINDOWSxFRAMES")
         ->check(checked(sample_from, ""))
         ->group(tried);

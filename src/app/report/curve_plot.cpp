@@ -20,7 +20,7 @@ struct Paper {
     int columns, rows;  ///< values on the axes, about
 };
 constexpr Paper broad{"broad", 860, 380, 8, 6}, narrow{"narrow", 370, 330, 4, 6};
-constexpr double left = 52, right_margin = 14, top = 14, bottom_margin = 48, font = 12;
+constexpr double left = 66, right_margin = 14, top = 14, bottom_margin = 48, font = 12;
 
 struct Place {
     double x = 0, y = 0;
@@ -65,6 +65,12 @@ Scale scale_of(const CurvePlot& plot, bool horizontal) {
     if (axis.logarithmic) {
         const double factor = std::max(std::pow(high / low, room), 1.1);
         return {low / factor, high * factor, true};
+    }
+    // What nobody sees is no cliff: decibels span three at least. chosen: six times half a decibel.
+    if (axis.name.find("dB") != std::string::npos && high - low < 3) {
+        const double middle = (low + high) / 2;
+        low = middle - 1.5;
+        high = middle + 1.5;
     }
     // Equal values get an axis of some extent too.
     const double extent = std::max((high - low) * room, 1e-3 * std::max(std::abs(high), 1.0));
@@ -141,6 +147,8 @@ std::string Drawing::axes() const {
         text +=
             fmt::format(R"(<text x="{:.1f}" y="{}" text-anchor="middle">{}</text>)", x, bottom_ + 17, figure(value));
     }
+    text += fmt::format(R"~(<text transform="translate(12 {:.1f}) rotate(-90)" text-anchor="middle">{}</text>)~",
+                        (top + bottom_) / 2, escaped(plot_.y.name));
     return text + fmt::format(R"(<text x="{:.1f}" y="{}" text-anchor="middle">{}</text>)", (left + right_) / 2,
                               paper_.height - 8, escaped(plot_.x.name));
 }
@@ -267,9 +275,9 @@ std::string figure_of(const CurvePlot& plot) {
     for (std::size_t i = 0; i < plot.curves.size(); ++i)
         if (any(plot.curves[i])) legend += key(plot.curves[i], i);
     return fmt::format(
-        "<figure class=\"curves\"><figcaption><h3>{} <small>{}</small></h3><span>{}</span></figcaption>"
+        "<figure class=\"curves\"><figcaption><h3>{}</h3><span>{}</span></figcaption>"
         "{}{}</figure>\n",
-        escaped(plot.title), escaped(plot.y.name), legend, Drawing(plot, broad).text(), Drawing(plot, narrow).text());
+        escaped(plot.title), legend, Drawing(plot, broad).text(), Drawing(plot, narrow).text());
 }
 
 }  // namespace render2mpeg::app

@@ -13,7 +13,7 @@ namespace render2mpeg::app {
 namespace {
 
 /// Places in the SVG's own units, which are pixels of a page 860 wide.
-constexpr double bars_left = 58, bars_right = 850, bars_top = 10, bars_bottom = 150, bars_height = 176;
+constexpr double bars_left = 58, bars_right = 850, bars_top = 10, bars_bottom = 150, bars_height = 192;
 /// chosen: bars thinner than a pixel are no bars.
 constexpr std::size_t most_bars = 720;
 
@@ -101,7 +101,10 @@ std::string axes(const FramePlot& plot, const Bars& bars, const BarScale& scale)
         text += fmt::format(R"(<text x="{:.1f}" y="{}" text-anchor="middle">{:.0f}</text>)",
                             bars_left + (bars_right - bars_left) * (frame + 0.5) / static_cast<double>(bars.frames),
                             bars_bottom + 18, static_cast<double>(plot.first) + frame);
-    return text;
+    text += fmt::format(R"(<text x="{:.1f}" y="{}" text-anchor="middle">frame</text>)", (bars_left + bars_right) / 2,
+                        bars_bottom + 36);
+    return text + fmt::format(R"~(<text transform="translate(12 {:.1f}) rotate(-90)" text-anchor="middle">{}</text>)~",
+                              (bars_top + bars_bottom) / 2, escaped(plot.unit));
 }
 
 /// What a pointer over a bar shows.

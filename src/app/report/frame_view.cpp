@@ -45,10 +45,41 @@ std::string image_of(const std::string& name, const core::Picture& picture, perc
 }
 
 /// How wide a picture is shown where the page has room: thumbnails enlarged by a whole number, which keeps their pixels
-/// square. chosen: 240, the narrowest in which a heatmap's legend and a slider can be read.
+/// square. chosen: 320, a phone's width and the narrowest in which a heatmap's legend and a slider can be read.
 int shown_width(int width) {
-    constexpr int least = 240;
+    constexpr int least = 320;
     return width * std::max(1, (least + width - 1) / width);
+}
+
+/// chosen: differences that one hardly sees in a picture are seen as large as this (4..16).
+constexpr int difference_gain = 8;
+
+core::Picture difference_of(const core::Picture& a, const core::Picture& b) {
+    core::Picture difference = a;
+    const auto fill = [](core::Plane<std::uint8_t>& plane, const auto& first, const auto& second, int middle) {
+        for (std::size_t i = 0; i < plane.size(); ++i)
+            plane.values()[i] = static_cast<std::uint8_t>(
+                std::clamp(middle + difference_gain * (first.values()[i] - second.values()[i]), 16, 235));
+    };
+    fill(difference.y, a.y, b.y, 126);
+    fill(difference.cb, a.cb, b.cb, 128);
+    fill(difference.cr, a.cr, b.cr, 128);
+    return difference;
+}
+
+/// Two pictures upon each other; `third` may lie upon both, as `switch_html` says.
+std::string pair_figure(const std::string& title, const ShownPicture& left, const ShownPicture& right,
+                        perceptual::ColorMatrix matrix, const std::string& third, const std::string& switch_html) {
+    EXPECTS(left.picture.width() == right.picture.width() && left.picture.height() == right.picture.height());
+    return fmt::format(
+        "<figure class=\"pair\"><figcaption><h3>{}</h3></figcaption>\n<div class=\"two\" "
+        "style=\"max-width:{}px\">{}{}{}"
+        "</div>\n<div class=\"grip\" style=\"max-width:{}px\"><span>{}</span><span>{}</span>"
+        "<input type=\"range\" min=\"0\" max=\"100\" value=\"50\" aria-label=\"how much of {} is shown\" "
+        "oninput=\"this.closest('figure').style.setProperty('--at', this.value + '%')\"/>{}</div></figure>\n",
+        escaped(title), shown_width(left.picture.width()), image_of(left.name, left.picture, matrix),
+        image_of(right.name, right.picture, matrix), third, shown_width(left.picture.width()), escaped(left.name),
+        escaped(right.name), escaped(left.name), switch_html);
 }
 
 }  // namespace
@@ -74,15 +105,16 @@ core::Plane<float> part_of(const core::Plane<float>& plane, const ViewBox& box) 
 
 std::string slider_figure(const std::string& title, const ShownPicture& left, const ShownPicture& right,
                           perceptual::ColorMatrix matrix) {
-    EXPECTS(left.picture.width() == right.picture.width() && left.picture.height() == right.picture.height());
-    return fmt::format(
-        "<figure class=\"pair\"><figcaption><h3>{}</h3></figcaption>\n<div class=\"two\" style=\"max-width:{}px\">{}{}"
-        "</div>\n<div class=\"grip\" style=\"max-width:{}px\"><span>{}</span><span>{}</span>"
-        "<input type=\"range\" min=\"0\" max=\"100\" value=\"50\" aria-label=\"how much of {} is shown\" "
-        "oninput=\"this.closest('figure').style.setProperty('--at', this.value + '%')\"/></div></figure>\n",
-        escaped(title), shown_width(left.picture.width()), image_of(left.name, left.picture, matrix),
-        image_of(right.name, right.picture, matrix), shown_width(left.picture.width()), escaped(left.name),
-        escaped(right.name), escaped(left.name));
+    return pair_figure(title, left, right, matrix, "", "");
+}
+
+std::string difference_figure(const std::string& title, const ShownPicture& left, const ShownPicture& right,
+                              perceptual::ColorMatrix matrix) {
+    return pair_figure(title, left, right, matrix,
+                       image_of("difference", difference_of(left.picture, right.picture), matrix),
+                       fmt::format("<label><input type=\"checkbox\" onchange=\"this.closest('figure').classList."
+                                   "toggle('differs', this.checked)\"/> difference, {} times</label>",
+                                   difference_gain));
 }
 
 std::string heat_figure(const std::string& title, const core::Plane<float>& values,

@@ -31,6 +31,11 @@ struct ShownPicture {
 std::string slider_figure(const std::string& title, const ShownPicture& left, const ShownPicture& right,
                           perceptual::ColorMatrix matrix);
 
+/// The same with a switch that shows what the two differ by instead, so many times as large (difference_gain), upon
+/// grey.
+std::string difference_figure(const std::string& title, const ShownPicture& left, const ShownPicture& right,
+                              perceptual::ColorMatrix matrix);
+
 /// Values in false colours with their legend. `title` is plain text.
 std::string heat_figure(const std::string& title, const core::Plane<float>& values, const perceptual::HeatScale& scale);
 

@@ -9,6 +9,7 @@
 #include "app/files/assembly.h"
 #include "app/files/publish.h"
 #include "app/options/output_kind.h"
+#include "app/options/usage_error.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
@@ -155,7 +156,7 @@ nlohmann::json identity_of(HeatSubject subject, nlohmann::json film) {
 HeatSubject heat_subject_from(const std::string& name) {
     for (const auto& [known, subject] : subjects)
         if (name == known) return subject;
-    throw core::Error("heatmap " + name + ": expected tolerance, cut, error, quantiser, records, age or reuse");
+    throw UsageError("--heatmap " + name + ": expected tolerance, cut, error, quantiser, records, age or reuse");
 }
 
 HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const RenderJob& film,

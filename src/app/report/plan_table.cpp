@@ -28,6 +28,18 @@ json read_statistics(const std::filesystem::path& file) {
     }
 }
 
+/// What sample frames cost, as the statistics of a render say it.
+json sample_statistics(const RenderJob& film, const RunStatistics& sample) {
+    json passes = json::object();
+    for (const renderer::PlanRow& row : film.plan.rows())
+        passes[row.name] = sample.pass_seconds[static_cast<std::size_t>(row.pass)];
+    return {{"passes", passes},
+            {"seconds",
+             {{"cpu", sample.total_seconds()},
+              {"preview", sample.stage_seconds(Stage::preview)},
+              {"tolerate", sample.stage_seconds(Stage::tolerate)}}}};
+}
+
 /// CPU seconds of a row; 0 where it has none of its own.
 double seconds_of(const json& statistics, const std::string& row) {
     const auto number = [](const json& object, const std::string& key) {
@@ -65,8 +77,22 @@ Row light_budget_row(const RenderJob& film) {
         film.loss ? "would not pay: the film is short, or no light bounces" : "not wanted: nothing asks for a loss"};
 }
 
+/// Whether light is kept on surfaces: with static light only the light points tell in the end.
+Row records_row(const RenderJob& film, std::optional<bool> kept) {
+    if (film.cache.keeps() && kept == false)
+        return {"records", false, "would not pay: what moves holds too much of the light; sample frames kept none"};
+    return {"records", film.cache.keeps(), film.cache.reason};
+}
+
+/// What the statistics of a render say of it.
+std::optional<bool> kept_in(const json& statistics) {
+    if (!statistics.is_object() || !statistics.contains("records")) return {};
+    const json& records = statistics.at("records");
+    return records.is_object() && records.value("created", 0.0) > 0;
+}
+
 /// The passes in the order of their work: the film's own, and the renderer's.
-std::vector<Row> rows_of(const RenderJob& film) {
+std::vector<Row> rows_of(const RenderJob& film, std::optional<bool> kept_records) {
     const bool coupled = film.tolerance.coupled && film.kind == OutputKind::film;
     const bool measured = film.measures_exposure;
     std::vector<Row> rows{{"load", true, measured ? "scene, textures, exposure" : "scene, textures"},
@@ -77,7 +103,7 @@ std::vector<Row> rows_of(const RenderJob& film) {
                           first_pass_row(film)};
     for (const renderer::PlanRow& row : film.plan.rows()) {
         if (row.pass == renderer::Pass::shade) {
-            rows.push_back({"records", film.cache.keeps(), film.cache.reason});
+            rows.push_back(records_row(film, kept_records));
             rows.push_back({"preview", coupled,
                             coupled ? "first frames of chunks and shots follow no picture that tells tolerances"
                                     : "no cause: the tolerance is not coupled to coding"});
@@ -98,7 +124,7 @@ std::vector<Row> rows_of(const RenderJob& film) {
 
 json plan_of(const RenderJob& film, const json& statistics) {
     json plan = json::array();
-    for (const Row& row : rows_of(film)) {
+    for (const Row& row : rows_of(film, kept_in(statistics))) {
         const double seconds = seconds_of(statistics, row.name);
         plan.push_back({{"pass", row.name},
                         {"runs", row.runs},
@@ -108,11 +134,14 @@ json plan_of(const RenderJob& film, const json& statistics) {
     return plan;
 }
 
-std::string plan_table(const RenderJob& film, const std::filesystem::path& file) {
-    const json statistics = file.empty() ? json() : read_statistics(file);
+std::string plan_table(const RenderJob& film, const std::filesystem::path& file, std::optional<bool> kept_records,
+                       const RunStatistics* sample) {
+    const json statistics = !file.empty()       ? read_statistics(file)
+                            : sample != nullptr ? sample_statistics(film, *sample)
+                                                : json();
     const double total = statistics.is_object() ? statistics.at("seconds").at("cpu").get<double>() : 0.0;
     std::string text;
-    for (const Row& row : rows_of(film)) {
+    for (const Row& row : rows_of(film, file.empty() ? kept_records : kept_in(statistics))) {
         text += fmt::format("{:<3} {:<21}", row.runs ? "yes" : "no", row.name);
         const double seconds = seconds_of(statistics, row.name);
         if (seconds > 0)
@@ -121,7 +150,9 @@ std::string plan_table(const RenderJob& film, const std::filesystem::path& file)
             text += std::string(20, ' ');
         text += fmt::format("  {}\n", row.reason);
     }
-    if (total > 0) text += fmt::format("    {:<21} {:>9.2f} s {:>5.1f} %\n", "whole run", total, 100.0);
+    if (total > 0)
+        text += fmt::format("    {:<21} {:>9.2f} s {:>5.1f} %\n", file.empty() ? "these sample frames" : "whole run",
+                            total, 100.0);
     return text;
 }
 

@@ -2,15 +2,19 @@
 // The table of passes, with their reasons and costs.
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
 #include "app/loop/render_job.h"
+#include "app/loop/run_statistics.h"
 
 namespace render2mpeg::app {
 
 /// The plan as a table: each pass, whether it runs, why, and, if `statistics` names the file of a render, what it cost.
-/// Throws core::Error where that file is none.
-std::string plan_table(const RenderJob& film, const std::filesystem::path& statistics);
+/// `sample`: what sample frames cost instead; null: none were lit. `kept_records`: whether sample frames, or the
+/// render, kept light on surfaces; none: not known. Throws core::Error where that file is none.
+std::string plan_table(const RenderJob& film, const std::filesystem::path& statistics,
+                       std::optional<bool> kept_records = {}, const RunStatistics* sample = nullptr);
 
 /// The plan's rows as plan_table() shows them: `pass`, `runs`, `reason`, and `seconds` (CPU) or null, as the statistics
 /// of a render tell. Statistics may be null: not known.

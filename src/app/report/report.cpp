@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/files/text_file.h"
+#include "app/report/answer.h"
 #include "app/report/figures.h"
 #include "app/report/frame_plot.h"
 #include "app/report/plan_table.h"
@@ -127,7 +128,7 @@ std::string plots(const json& s) {
     std::string text = "<h2>Frame by frame</h2>\n";
     if (s.contains("rate")) {
         text += svg_of({"Size of the coded pictures", "bytes", first, by_type(s, field("bytes"))});
-        text += svg_of({"Quantiser, mean over macroblocks", "", first, by_type(s, field("mean_quantiser"))});
+        text += svg_of({"Quantiser, mean over macroblocks", "quantiser", first, by_type(s, field("mean_quantiser"))});
         FramePlot quality{"PSNR-Y of the decoded picture", "dB", first, by_type(s, [](const json& f) {
                               const double error = f.at("mse_y").get<double>();
                               return error > 0 ? perceptual::psnr(error) : 100.0;  // chosen: beyond any 8-bit error
@@ -136,7 +137,7 @@ std::string plots(const json& s) {
         text += svg_of(quality);
     }
     text += svg_of({"Cut: clusters of lights per point",
-                    "",
+                    "clusters",
                     first,
                     {layer(s, "direct", "one", cut("direct")), layer(s, "indirect", "two", cut("indirect"))}});
     return text + svg_of({"CPU time", "s", first, {layer(s, "CPU", "one", field("seconds"))}});
@@ -276,7 +277,9 @@ void write_report(const std::filesystem::path& html, const RenderJob& film, cons
     s["plan"] = plan_of(film, s);
     write_whole(html,
                 report_page(std::filesystem::path(facts.output).filename().string(), s.at("summary").get<std::string>(),
-                            cards(s) + plots(s) + views + time_table(s) + effect_table(s) + plan_rows(s.at("plan")) +
+                            answer_screen(cards(s), views, s.at("command").get<std::string>()) + time_table(s) +
+                                folded("Frame by frame, effects, passes, settings",
+                                       plots(s) + effect_table(s) + plan_rows(s.at("plan"))) +
                                 settings_table(s)));
     write_json(report_json_of(html), s);
 }

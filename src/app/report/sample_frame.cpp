@@ -45,12 +45,13 @@ std::string SampleFrameObserver::figures() const {
     if (!lit_) return {};
     std::string text;
     if (decoded_)
-        text += slider_figure(fmt::format("Frame {}: {}", frame_, coding_), {"decoded", *decoded_},
-                              {"as it was lit", *lit_}, matrix_);
+        text += difference_figure(fmt::format("Frame {}: {}", frame_, coding_), {"decoded", *decoded_},
+                                  {"as it was lit", *lit_}, matrix_);
     if (!tolerance_.empty())
         text += heat_figure("What each pixel's light may be off by", tolerance_, scale_of(HeatSubject::tolerance));
-    if (!error_.empty()) text += heat_figure("What it may be off by as gathered", error_, scale_of(HeatSubject::error));
-    return text.empty() ? "" : "<h2>A frame looked at</h2>\n" + text;
+    if (!error_.empty())
+        text += heat_figure("What it may be off by as gathered", error_, scale_of(HeatSubject::tolerance));
+    return text;
 }
 
 }  // namespace render2mpeg::app

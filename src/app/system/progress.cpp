@@ -12,6 +12,8 @@
 namespace render2mpeg::app {
 namespace {
 
+ProgressStyle style = ProgressStyle::line;  ///< set once, before any work
+
 std::string bar_text(double share, int cells) {
     const int full = static_cast<int>(std::lround(share * cells));
     return "[" + std::string(static_cast<std::size_t>(full), '#') +
@@ -25,10 +27,9 @@ std::string progress_line(const Standing& s, int columns, bool with_bar) {
     const double share =
         s.total > 0 ? std::clamp(static_cast<double>(s.done) / static_cast<double>(s.total), 0.0, 1.0) : 1;
     const bool last = s.done >= s.total;
-    const std::string eta = last ? "done in " + clock_text(s.seconds)
-                            : s.per_second > 0
-                                ? "ETA " + clock_text(static_cast<double>(s.total - s.done) / s.per_second)
-                                : "ETA -";
+    const std::string time = last     ? "done in " + clock_text(s.seconds)
+                             : s.left ? clock_text(s.seconds + *s.left) + " in all, ETA " + clock_text(*s.left)
+                                      : clock_text(s.seconds) + " so far, ETA -";
     // Slow frames are told by their time.
     const std::string rate = s.per_second <= 0 || !s.frames ? ""
                              : s.per_second < 0.5           ? fmt::format("  {:.1f} s/frame", 1 / s.per_second)
@@ -38,27 +39,75 @@ std::string progress_line(const Standing& s, int columns, bool with_bar) {
 
     // Leave out what tells least until it fits; a bar needs ten cells to say anything.
     constexpr int fewest_cells = 10, most_cells = 24;
-    for (const std::string& text :
-         {count + percent + rate + "  " + eta, count + percent + "  " + eta, count + "  " + eta}) {
-        const int left = columns - static_cast<int>(text.size());
+    for (const std::string& text : {count + percent + rate, count + percent, count}) {
+        const int left = columns - static_cast<int>(time.size() + 2 + text.size());
         if (left < 0) continue;
         const int cells = std::min(most_cells, left - 3);
-        return (with_bar && cells >= fewest_cells ? bar_text(share, cells) : "") + text;
+        return time + "  " + (with_bar && cells >= fewest_cells ? bar_text(share, cells) : "") + text;
     }
     return fmt::format("{}/{}", s.done, s.total).substr(0, static_cast<std::size_t>(columns));
 }
 
-Progress::Progress(std::int64_t total, bool quiet, const std::string& work, Counted counted, double seconds_ago)
-    : standing_{work, 0, total, 0, 0, counted != Counted::parts_of_step},
-      quiet_(quiet),
-      terminal_(can_rewrite_errors()),
+std::string progress_json(const Standing& s) {
+    std::string work;
+    for (const char c : core::printable(s.work))
+        work += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
+    const auto or_null = [](const std::optional<double>& seconds, double more) {
+        return seconds ? fmt::format("{:.3f}", *seconds + more) : std::string("null");
+    };
+    return fmt::format(R"({{"work":"{}","done":{},"total":{},"seconds":{:.3f},"left":{},"whole":{}}})", work, s.done,
+                       s.total, s.seconds, or_null(s.left, 0), or_null(s.left, s.seconds));
+}
+
+void show_progress_as(ProgressStyle wanted) {
+    style = wanted;
+}
+
+bool shows_steps() {
+    return style == ProgressStyle::json || (style == ProgressStyle::line && can_rewrite_errors());
+}
+
+Progress::Progress(std::int64_t total, bool quiet, const std::string& work, Counted counted, double seconds_ago,
+                   std::int64_t chunk)
+    : standing_{work, 0, total, 0, seconds_ago, counted != Counted::parts_of_step, {}},
+      pace_(chunk),
+      quiet_(quiet || style == ProgressStyle::none),
+      terminal_(style == ProgressStyle::line && can_rewrite_errors()),
       stays_(counted == Counted::frames),
-      start_(Clock::now() - std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds_ago))) {
-    if (!quiet_ && terminal_) draw();
+      json_(style == ProgressStyle::json),
+      before_(seconds_ago),
+      start_(Clock::now()),
+      advanced_at_(start_) {
+    if (quiet_) return;
+    if (terminal_ || json_) draw();
+    if (terminal_ || json_) ticker_ = std::thread([this] { tick(); });
 }
 
 Progress::~Progress() {
+    {
+        const std::lock_guard lock(mutex_);
+        ended_ = true;
+    }
+    ends_.notify_all();
+    if (ticker_.joinable()) ticker_.join();
     if (drawn_) std::fputs(stays_ ? "\n" : "\r\033[K", stderr);
+}
+
+void Progress::tick() {
+    std::unique_lock lock(mutex_);
+    while (!ends_.wait_for(lock, std::chrono::seconds(1), [this] { return ended_; })) {
+        reckon(Clock::now());
+        if (standing_.done < standing_.total) draw();
+    }
+}
+
+void Progress::reckon(Clock::time_point now) {
+    const auto seconds = [](Clock::duration d) { return std::chrono::duration<double>(d).count(); };
+    standing_.seconds = before_ + seconds(now - start_);
+    standing_.left = pace_.left(standing_.total);
+    standing_.per_second = pace_.per_second();
+    // What the frame at hand has taken already is not to come.
+    if (standing_.left) standing_.left = std::max(0.0, *standing_.left - seconds(now - advanced_at_));
 }
 
 void Progress::advance() {
@@ -66,23 +115,35 @@ void Progress::advance() {
 }
 
 void Progress::advance_to(std::int64_t done, std::int64_t total) {
+    const std::lock_guard lock(mutex_);
+    const Clock::time_point now = Clock::now();
+    const std::int64_t more = done - standing_.done;
+    const double took = std::chrono::duration<double>(now - advanced_at_).count();
+    // Many at once were done by an earlier run, or count parts of which each takes its share.
+    if (more > 1 && standing_.frames)
+        pace_.skip(more);
+    else
+        for (std::int64_t i = 0; i < more; ++i)
+            pace_.add((took + (standing_.done == 0 ? before_ : 0)) / static_cast<double>(more));
+    advanced_at_ = now;
     standing_.done = done;
     standing_.total = total;
     if (quiet_) return;
-    standing_.seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-    standing_.per_second = standing_.seconds > 0 ? static_cast<double>(standing_.done) / standing_.seconds : 0;
+    reckon(now);
     // chosen: ten redraws a second look alive and cost nothing; a log wants some ten lines a film.
     const bool last = standing_.done == standing_.total;
     if (terminal_) {
-        if (last || Clock::now() - drawn_at_ > std::chrono::milliseconds(100)) draw();
-    } else if (last || standing_.done >= next_plain_) {
+        if (last || now - drawn_at_ > std::chrono::milliseconds(100)) draw();
+    } else if (json_ || last || standing_.done >= next_plain_) {
         draw();
         next_plain_ = standing_.done + std::max<std::int64_t>(1, standing_.total / 10);
     }
 }
 
 void Progress::draw() {
-    if (terminal_) {
+    if (json_) {
+        std::fputs((progress_json(standing_) + "\n").c_str(), stderr);
+    } else if (terminal_) {
         // One column stays free: many terminals begin a new line once the last one is taken.
         std::fputs(("\r\033[K" + progress_line(standing_, std::max(20, columns_of_errors() - 1), true)).c_str(),
                    stderr);

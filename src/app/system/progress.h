@@ -1,8 +1,14 @@
 #pragma once
 // The progress line.
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
+#include <mutex>
+#include <optional>
 #include <string>
+#include <thread>
+
+#include "app/system/pace.h"
 
 namespace render2mpeg::app {
 
@@ -10,25 +16,38 @@ namespace render2mpeg::app {
 struct Standing {
     std::string work = "frame";  ///< what is counted
     std::int64_t done = 0, total = 0;
-    double per_second = 0;  ///< 0: not known yet
-    double seconds = 0;     ///< since the beginning
-    bool frames = true;     ///< they are counted: their rate is told
+    double per_second = 0;       ///< 0: not known yet
+    double seconds = 0;          ///< since the beginning
+    bool frames = true;          ///< they are counted: their rate is told
+    std::optional<double> left;  ///< seconds to go; none: not known
 };
 
-/// One line about it, at most `columns` characters (at least 20): what fits of a bar, counts, rate and time to go.
+/// One line about it, at most `columns` characters (at least 20): the time of the whole run and to go, then what fits
+/// of a bar, counts and rate.
 std::string progress_line(const Standing& standing, int columns, bool with_bar);
+
+/// The same as a JSON object on one line: `work`, `done`, `total`, `seconds`, and `left` and `whole` or null.
+std::string progress_json(const Standing& standing);
+
+/// How runs of this process tell how far they are: as a line for people, or as JSON for programs.
+enum class ProgressStyle { line, json, none };
+void show_progress_as(ProgressStyle style);
+
+/// Whether steps on the way are told, too: a log has their results alone.
+bool shows_steps();
 
 /// What is counted: frames, whose line stays; frames of a step on the way, or parts of one: a terminal's line goes with
 /// the object.
 enum class Counted { frames, frames_of_step, parts_of_step };
 
-/// How far a render is, on standard error: a bar that rewrites its line on a terminal, else a plain line every ten per
-/// cent.
+/// How far a render is, on standard error: a bar that rewrites its line on a terminal, every second also where nothing
+/// is finished; else a plain line every ten per cent; or JSON, a line for every part and every second.
 class Progress {
   public:
-    /// `total` frames or parts. Silent when `quiet`. `work` names what is counted; it began `seconds_ago`.
+    /// `total` frames or parts. Silent when `quiet`. `work` names what is counted; it began `seconds_ago`. `chunk`:
+    /// frames of a chunk, whose first takes longer; 0: all are alike.
     Progress(std::int64_t total, bool quiet, const std::string& work = "frame", Counted counted = Counted::frames,
-             double seconds_ago = 0);
+             double seconds_ago = 0, std::int64_t chunk = 0);
     ~Progress();
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
@@ -39,14 +58,23 @@ class Progress {
     void advance_to(std::int64_t done, std::int64_t total);
 
   private:
-    void draw();
-
     using Clock = std::chrono::steady_clock;
+    void draw();
+    void reckon(Clock::time_point now);
+    /// Draws every second until the object goes.
+    void tick();
+
     Standing standing_;
-    bool quiet_, terminal_, stays_;
+    Pace pace_;
+    bool quiet_, terminal_, stays_, json_;
     bool drawn_ = false;
     std::int64_t next_plain_ = 0;
-    Clock::time_point start_, drawn_at_;
+    double before_;  ///< seconds that it took before the object
+    Clock::time_point start_, drawn_at_, advanced_at_;
+    std::mutex mutex_;
+    std::condition_variable ends_;
+    bool ended_ = false;
+    std::thread ticker_;
 };
 
 /// "1:02:03", "2:03": hours only where there are any.

@@ -5,6 +5,7 @@
 #include <glm/gtc/constants.hpp>
 #include <string>
 
+#include "core/text.h"
 #include "scene/animation_file/keys.h"
 
 namespace render2mpeg::scene {
@@ -69,7 +70,7 @@ void read_shots(const JsonValue& shots, Animation& film, const FilmClock& clock)
         const std::string name = camera.text();
         const auto found = std::find(names.begin(), names.end(), name);
         if (found == names.end()) {
-            const std::string nearest = nearest_word(name, names);
+            const std::string nearest = core::nearest_word(name, names);
             camera.fail("there is no camera \"" + name + "\"" +
                         (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
         }

@@ -9,6 +9,7 @@
 
 #include "core/color.h"
 #include "core/error.h"
+#include "core/text.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -24,22 +25,6 @@ std::string shortened(double value) {
     return out.str();
 }
 
-/// Smallest number of single-letter edits. [Levenshtein1966]
-std::size_t edits(std::string_view a, std::string_view b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;
-    for (std::size_t i = 1; i <= a.size(); ++i) {
-        std::size_t diagonal = row[0];
-        row[0] = i;
-        for (std::size_t j = 1; j <= b.size(); ++j) {
-            const std::size_t above = row[j];
-            row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
-            diagonal = above;
-        }
-    }
-    return row[b.size()];
-}
-
 std::string joined(std::span<const std::string_view> words) {
     std::string all;
     for (const std::string_view w : words) all += (all.empty() ? "" : ", ") + std::string(w);
@@ -53,14 +38,17 @@ std::string shown(std::string_view name) {
     return out + (name.size() > 60 ? "...\"" : "\"");
 }
 
-}  // namespace
-
-std::string nearest_word(std::string_view word, std::span<const std::string_view> words) {
-    const auto nearest = std::min_element(words.begin(), words.end(), [&](std::string_view a, std::string_view b) {
-        return edits(word.substr(0, 100), a.substr(0, 100)) < edits(word.substr(0, 100), b.substr(0, 100));
-    });
-    return nearest == words.end() ? std::string() : std::string(*nearest);
+/// The word that may have been meant; where none is near, nothing, or all that there are.
+std::string meant(std::string_view said, std::span<const std::string_view> words) {
+    const std::string nearest = core::nearest_word(said, words);
+    return nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?";
 }
+std::string meant_or_all(std::string_view said, std::span<const std::string_view> words) {
+    const std::string near = meant(said, words);
+    return near.empty() ? "; there are " + joined(words) : near;
+}
+
+}  // namespace
 
 JsonValue::JsonValue(std::shared_ptr<const Json> root, const Json* value, std::string file, std::string path)
     : root_(std::move(root)), value_(value), file_(std::move(file)), path_(std::move(path)) {}
@@ -165,9 +153,7 @@ std::size_t JsonValue::word(std::span<const std::string_view> words) const {
     if (!value_->is_string()) expected("one of " + joined(words));
     const auto& said = value_->get_ref<const std::string&>();
     const auto at = std::find(words.begin(), words.end(), said);
-    if (at == words.end())
-        fail("knows no " + shown(said) + "; did you mean \"" + nearest_word(said, words) + "\"? There are " +
-             joined(words));
+    if (at == words.end()) fail("knows no " + shown(said) + meant(said, words) + "; there are " + joined(words));
     return static_cast<std::size_t>(at - words.begin());
 }
 
@@ -215,7 +201,7 @@ void JsonValue::allow_only(std::span<const std::string_view> keys) const {
     if (!value_->is_object()) expected("an object in braces");
     for (const auto& [key, unused] : value_->items())
         if (std::find(keys.begin(), keys.end(), key) == keys.end())
-            fail("knows no key " + shown(key) + "; did you mean \"" + nearest_word(key, keys) + "\"?");
+            fail("knows no key " + shown(key) + meant_or_all(key, keys));
 }
 
 std::optional<JsonValue> JsonValue::find(std::string_view key) const {

@@ -65,7 +65,4 @@ class JsonValue {
     std::string file_, path_;
 };
 
-/// The word that takes the fewest insertions, deletions and changes of letters to become; empty for an empty list.
-std::string nearest_word(std::string_view word, std::span<const std::string_view> words);
-
 }  // namespace render2mpeg::scene

@@ -6,6 +6,7 @@
 
 #include "core/color.h"
 #include "core/numeric.h"
+#include "core/text.h"
 #include "scene/animation_file/keys.h"
 #include "scene/model/png.h"
 
@@ -186,7 +187,7 @@ int Looks::material_of(const JsonValue& value, int base) {
             }
             names.emplace_back(film_.materials[i].name);
         }
-        const std::string nearest = nearest_word(name, names);
+        const std::string nearest = core::nearest_word(name, names);
         value.fail("there is no material \"" + name + "\"" +
                    (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
     }
@@ -275,7 +276,7 @@ void Looks::refuse_unused() const {
     std::vector<std::string_view> others;
     for (const Material& m : film_.materials)
         if (m.name != name) others.emplace_back(m.name);
-    const std::string nearest = nearest_word(name, others);
+    const std::string nearest = core::nearest_word(name, others);
     value.fail("nothing has this material" + (nearest.empty() ? std::string() : "; did you mean \"" + nearest + "\"?"));
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/text.h"
 #include "scene/animation_file/keys.h"
 #include "scene/animation_file/shapes.h"
 #include "scene/animation_file/sizes.h"
@@ -205,7 +206,7 @@ void Objects::read_changes(const JsonValue& changes) {
             names.emplace_back(object.name);
         }
         if (nodes.empty()) {
-            const std::string nearest = nearest_word(name, names);
+            const std::string nearest = core::nearest_word(name, names);
             value.fail("the scene has no object of this name" +
                        (nearest.empty() ? std::string() : "; did you mean \"" + nearest + "\"?"));
         }

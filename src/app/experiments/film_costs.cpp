@@ -1,0 +1,138 @@
+#include "app/experiments/film_costs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "app/report/figures.h"
+#include "app/system/progress.h"
+#include "core/numeric.h"
+#include "parallel/loops.h"
+#include "perceptual/metrics.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// [Ponomarenko2007]: below some 42 dB differences are seen. chosen: 4 and 8 dB more for errors that are not even.
+constexpr double invisible = 50, hardly = 46, slight = 42;
+
+double difference(double loss) {
+    return std::isfinite(loss) ? loss : 0;
+}
+
+FilmCost cost_of(const std::string& name, const Trial& trial, const Trial& best, const RenderJob& film, double once) {
+    const auto frames = static_cast<double>(film.frame_count());
+    FilmCost cost{name, once + trial.clock * frames, trial.bytes * frames, {}, 0, false};
+    const double added = trial.masked_error - best.masked_error;
+    if (added > 0) cost.added = perceptual::psnr(added);
+    cost.psnr_loss = std::max(0.0, difference(best.decoded.psnr_y() - trial.decoded.psnr_y()));
+    return cost;
+}
+
+/// Seconds on the clock of a frame that every light point lights: as the most exact row, but for its light.
+double reference_clock(const Sweep& sweep, const Trial& best) {
+    const double pace = 1.0 / std::max(1, parallel::thread_count());
+    return std::max(best.clock, best.clock + (sweep.reference_seconds - best.window_seconds) * pace);
+}
+
+}  // namespace
+
+std::string words_for(const std::optional<double>& added) {
+    if (!added || *added >= invisible) return "none you can see";
+    if (*added >= hardly) return "hardly any";
+    return *added >= slight ? "slight in flat areas" : "visible";
+}
+
+Grade grade_of(const std::optional<double>& added) {
+    if (!added || *added >= hardly) return Grade::good;
+    return *added >= slight ? Grade::fair : Grade::poor;
+}
+
+std::vector<FilmCost> film_costs(const Sweep& sweep, const RenderJob& film, double once) {
+    std::vector<FilmCost> costs;
+    if (sweep.fixed.empty()) return costs;
+    const Trial& best = sweep.fixed.back();
+    for (const Trial& trial : sweep.fixed)
+        costs.push_back(cost_of(fmt::format("fixed={:.4g}%", 100 * trial.tolerance.relative), trial, best, film, once));
+    for (const CoupledPair& pair : sweep.pairs)
+        if (pair.coupled.quantiser == film.coding.quantiser)
+            costs.push_back(cost_of("coupled", pair.coupled, best, film, once));
+    if (sweep.references > 0) {
+        FilmCost reference{"reference", 0, best.bytes * static_cast<double>(film.frame_count()), {}, 0, true};
+        reference.clock = once + reference_clock(sweep, best) * static_cast<double>(film.frame_count());
+        costs.push_back(reference);
+    }
+    std::stable_sort(costs.begin(), costs.end(),
+                     [](const FilmCost& a, const FilmCost& b) { return a.clock < b.clock; });
+    return costs;
+}
+
+bool is_free(const std::vector<FilmCost>& costs) {
+    if (costs.size() < 2) return false;
+    return costs.back().clock <= 1.1 * costs.front().clock;
+}
+
+bool buys_nothing(const std::vector<FilmCost>& costs) {
+    return std::all_of(costs.begin(), costs.end(), [](const FilmCost& c) { return c.psnr_loss < 0.5; });
+}
+
+std::optional<std::size_t> recommended(const std::vector<FilmCost>& costs) {
+    if (costs.empty()) return {};
+    if (is_free(costs)) {
+        for (std::size_t i = 0; i < costs.size(); ++i)
+            if (costs[i].is_reference) return i;
+        return costs.size() - 1;
+    }
+    for (std::size_t i = 0; i < costs.size(); ++i)
+        if (!costs[i].added || *costs[i].added >= invisible) return i;
+    return costs.size() - 1;
+}
+
+std::string answer_of(const std::vector<FilmCost>& costs, const RenderJob& film) {
+    const std::optional<std::size_t> taken = recommended(costs);
+    if (!taken) return {};
+    const FilmCost &here = costs[*taken], &slowest = costs.back();
+    const std::string frames = fmt::format("Your film of {} frames", film.frame_count());
+    if (is_free(costs))
+        return fmt::format("Accuracy is free here: {} takes about {} with {} as with any other setting.", frames,
+                           clock_text(here.clock), here.name);
+    std::string text = fmt::format("{} takes about {} with {}; the difference from the most exact light: {}.", frames,
+                                   clock_text(here.clock), here.name, words_for(here.added));
+    if (slowest.clock > here.clock)
+        text +=
+            fmt::format(" Finer settings take up to {} and buy {:.2f} dB.", clock_text(slowest.clock), here.psnr_loss);
+    if (buys_nothing(costs))
+        text += fmt::format(" No setting is worth more than {:.2f} dB here.",
+                            std::max_element(costs.begin(), costs.end(), [](const FilmCost& a, const FilmCost& b) {
+                                return a.psnr_loss < b.psnr_loss;
+                            })->psnr_loss);
+    return text;
+}
+
+std::string film_cost_table(const std::vector<FilmCost>& costs) {
+    const std::optional<std::size_t> taken = recommended(costs);
+    std::string text =
+        fmt::format("\nThe whole film on this machine's {} threads\n{:<14} {:>9} {:>10}  {}\n",
+                    parallel::thread_count(), "--tolerance", "time", "size", "difference from the most exact light");
+    for (std::size_t i = 0; i < costs.size(); ++i)
+        text += fmt::format("{:<14} {:>9} {:>10}  {} (-{:.2f} dB){}\n", costs[i].name, clock_text(costs[i].clock),
+                            size_text(costs[i].bytes), words_for(costs[i].added), costs[i].psnr_loss,
+                            taken == i ? "  <- take this" : "");
+    return text;
+}
+
+std::vector<AnswerRow> answer_rows(const std::vector<FilmCost>& costs) {
+    const std::optional<std::size_t> taken = recommended(costs);
+    std::vector<AnswerRow> rows;
+    for (std::size_t i = 0; i < costs.size(); ++i) {
+        const FilmCost& c = costs[i];
+        rows.push_back({c.is_reference ? "reference (exact)" : c.name,
+                        core::divide_or(c.clock, costs.back().clock, 0.0), clock_text(c.clock), words_for(c.added),
+                        grade_of(c.added), fmt::format("-{:.2f} dB", c.psnr_loss), size_text(c.bytes), taken == i});
+    }
+    return rows;
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,13 @@
+#pragma once
+// Mistakes on the command line.
+#include "core/error.h"
+
+namespace render2mpeg::app {
+
+/// A command line that cannot be meant, whatever the files hold: exit status 2.
+class UsageError : public core::Error {
+  public:
+    using core::Error::Error;
+};
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,37 @@
+#pragma once
+// What pages say first: a table of choices with bars, a large picture, the command to paste; all else behind a fold.
+#include <string>
+#include <vector>
+
+namespace render2mpeg::app {
+
+/// How good something is, for the colour of its word.
+enum class Grade { good, fair, poor, none };
+
+/// One choice.
+struct AnswerRow {
+    std::string name;
+    double share = 0;  ///< of the longest bar, 0 to 1
+    std::string bar;   ///< what the bar says, under it
+    std::string word;  ///< the difference in words
+    Grade grade = Grade::none;
+    std::string detail;  ///< under the word, soft
+    std::string size;
+    bool recommended = false;
+};
+
+/// Names of the columns.
+struct AnswerHeads {
+    std::string name, bar, word, size;
+};
+
+/// The table. Empty where there are no rows.
+std::string answer_table(const AnswerHeads& heads, const std::vector<AnswerRow>& rows, const std::string& note);
+
+/// Table and figure beside each other where there is room, the command below them.
+std::string answer_screen(const std::string& table, const std::string& figure, const std::string& command);
+
+/// HTML behind a fold that opens at a click and on paper. Empty where there is nothing.
+std::string folded(const std::string& title, const std::string& html);
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,226 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "support/program.h"
+
+/// Ninety mistakes that people make, each told in one line that names the cause and the cure. None renders.
+namespace render2mpeg {
+namespace {
+
+/// What is typed behind the program's name, with what it says: `S` stands for a scene. In a folder that holds a film
+/// there.mpg, a text notes.txt, a folder empty, and nothing else.
+struct Mistake {
+    const char* typed;
+    int status;  ///< 2: the command line itself; 1: what files hold
+    std::vector<const char*> told;
+};
+
+const std::vector<Mistake>& commands() {
+    static const std::vector<Mistake> all{
+        {"", 2, {"which command?", "render, encode, plan, info, cost, tune, compare"}},
+        {"rendr S -o x.mpg", 2, {"rendr is no command", "did you mean render?"}},
+        {"rednr S -o x.mpg", 2, {"rednr is no command", "did you mean render?"}},
+        {"transcode a.mpg b.mpg", 2, {"transcode is no command", "render, encode, plan"}},
+        {"S -o x.mpg", 2, {"is no command", "render2mpeg render", "-o film.mpg"}},
+        {"--size 64x64 render S", 2, {"--size", "the command comes first"}},
+        {"help rendr", 2, {"rendr is no command", "did you mean render?"}},
+        {"render", 2, {"INPUT is missing", "render2mpeg render scene.glb -o film.mpg"}},
+        {"render S", 2, {"-o is missing", "-o film.mpg"}},
+        {"render -o x.mpg", 2, {"INPUT is missing", "scene.glb"}},
+        {"encode -o x.mpg", 2, {"FRAMES is missing", "frames.%04d.png"}},
+        {"info", 2, {"FILE is missing", "render2mpeg info film.mpg"}},
+        {"plan", 2, {"INPUT is missing", "render2mpeg plan scene.glb"}},
+        {"tune S -o x.mpg", 2, {"what is to be reached?", "--target-psnr", "--max-size"}},
+        {"tune S --target-psnr 40", 2, {"which film is to be made?", "-o film.mpg", "--dry-run"}},
+        {"render S S -o x.mpg", 2, {"what is this for?"}},
+        {"render S x.mpg", 2, {"-o"}},
+    };
+    return all;
+}
+
+const std::vector<Mistake>& names() {
+    static const std::vector<Mistake> all{
+        {"render S -o x.mpg --siz 64x64", 2, {"--siz:", "did you mean --size?"}},
+        {"render S -o x.mpg --quantizer 5", 2, {"--quantizer:", "did you mean --quantiser?"}},
+        {"render S -o x.mpg --quantiser=5 --qualty=6", 2, {"--qualty:", "did you mean --quality?"}},
+        {"render S -o x.mpg --tolerence 2%", 2, {"--tolerence:", "did you mean --tolerance?"}},
+        {"render S -o x.mpg --thread 2", 2, {"--thread:", "did you mean --threads?"}},
+        {"render S -o x.mpg --resolution 64x64", 2, {"--resolution:", "it is --size WxH"}},
+        {"render S -o x.mpg --width 64", 2, {"--width:", "it is --size WxH"}},
+        {"render S -o x.mpg --framerate 25", 2, {"--framerate:", "it is --fps"}},
+        {"render S -o x.mpg --spp 4", 2, {"--spp:", "it is --samples"}},
+        {"render S -o x.mpg --crf 20", 2, {"--crf:", "it is --quality"}},
+        {"render S -o x.mpg --force", 2, {"--force:", "--overwrite (-y)"}},
+        {"render S -o x.mpg --gpu", 2, {"--gpu:", "on the CPU"}},
+        {"render S -o x.mpg --codec h264", 2, {"--codec:", "films are MPEG-2"}},
+        {"render S -o x.mpg --start 4", 2, {"--start:", "--frames A:B"}},
+        {"render S -o x.mpg -size 64x64", 2, {"-size:", "did you mean --size?"}},
+        {"render S -o x.mpg -x 3", 2, {"-x:", "has no such option"}},
+        {"render S -o x.mpg --target-psnr 40", 2, {"--target-psnr:", "`tune` has"}},
+        {"render S -o x.mpg --tolerances 8,4", 2, {"--tolerances:", "`cost` has", "did you mean --tolerance?"}},
+        {"cost S --tolerance 2%", 2, {"--tolerance:", "did you mean --tolerances?"}},
+        {"compare S --quantiser 4", 2, {"--quantiser:", "did you mean --quantisers?"}},
+        {"encode f.%d.png -o x.mpg --samples 4", 2, {"--samples:", "`render`"}},
+        {"info there.mpg --sumary", 2, {"--sumary:", "did you mean --summary?"}},
+        {"render S -o x.mpg --zzz", 2, {"--zzz:", "`render` has no such option"}},
+    };
+    return all;
+}
+
+const std::vector<Mistake>& words() {
+    static const std::vector<Mistake> all{
+        {"render S -o x.mpg --size", 2, {"--size: its value is missing", "WxH"}},
+        {"render S -o", 2, {"-o", "missing"}},
+        {"render S -o x.mpg --size 64 x 64", 2, {"--size 64: expected WIDTHxHEIGHT"}},
+        {"render S -o x.mpg --size 64x64 --size 32x32", 2, {"--size is said more than once", "give one"}},
+        {"render S -o x.mpg --quiet=3", 2, {"--quiet takes no value"}},
+        {"render S -o x.mpg --quiet --verbose", 2, {"--quiet", "--verbose", "give one"}},
+        {"render S -o x.mpg --heatmap tolerance --size 64x64", 2, {"--heatmap tolerance:", "heat.mpg"}},
+        {"render S -o x.mpg --heatmap", 2, {"--heatmap:", "heat.mpg"}},
+        {"render S -o x.mpg --heatmap colours h.mpg", 2, {"--heatmap colours:", "tolerance, cut, error"}},
+        {"compare S --film there.mpg", 2, {"--film: give --reference too"}},
+    };
+    return all;
+}
+
+const std::vector<Mistake>& values() {
+    static const std::vector<Mistake> all{
+        {"render S -o x.mpg --size 640", 2, {"--size 640: expected WIDTHxHEIGHT"}},
+        {"render S -o x.mpg --size 0x0", 2, {"--size 0x0: expected WIDTHxHEIGHT"}},
+        {"render S -o x.mpg -s 20000x20", 2, {"20000x20: expected WIDTHxHEIGHT"}},
+        {"render S -o x.mpg --size 4096x2304", 2, {"size 4096x2304", "at most 1920 columns"}},
+        {"render S -o x.mpg --fps 31", 2, {"--fps 31:", "23.976, 24, 25, 29.97, 30, 50, 59.94, 60"}},
+        {"render S -o x.mpg --fps 25fps", 2, {"--fps 25fps:", "23.976, 24, 25"}},
+        {"render S -o x.mpg --frames 9:3", 2, {"--frames 9:3: expected FIRST:LAST"}},
+        {"render S -o x.mpg --frames 0-9", 2, {"--frames 0-9: expected FIRST:LAST", "0:47"}},
+        {"render S -o x.mpg --frames 100:200", 2, {"--frames 100:200: the film has frames 0 to", "--hold"}},
+        {"plan S --frames 0:9999", 2, {"--frames 0:9999: the film has frames 0 to", "--hold"}},
+        {"render S -o x.mpg --quantiser 0", 2, {"--quantiser 0: expected a number from 1 to 31"}},
+        {"render S -o x.mpg -q 77", 2, {"77: expected a number from 1 to 31"}},
+        {"render S -o x.mpg --quantiser fine", 2, {"--quantiser fine: expected a number from 1 to 31"}},
+        {"render S -o x.mpg --quality 101", 2, {"--quality 101: expected a number from 0 to 100"}},
+        {"render S -o x.mpg --bitrate fast", 2, {"--bitrate fast: expected bits", "1.5M"}},
+        {"render S -o x.mpg -b 6 --dry-run", 2, {"bit rate 6", "at least 400"}},
+        {"render S -o x.mpg --tolerance 2", 2, {"--tolerance 2: expected", "2%"}},
+        {"render S -o x.mpg --tolerance fixed=2", 2, {"--tolerance fixed=2: expected", "fixed=2%"}},
+        {"render S -o x.mpg --tolerance 200%", 2, {"--tolerance 200%: expected", "0 to 100"}},
+        {"render S -o x.mpg --tolerance coupld", 2, {"--tolerance coupld: expected `coupled`"}},
+        {"render S -o x.mpg --exposure bright", 2, {"--exposure bright: expected `auto`", "-64 to 64"}},
+        {"render S -o x.mpg --cache maybe", 2, {"--cache maybe: expected on, off, auto"}},
+        {"render S -o x.mpg --clamp bound", 2, {"--clamp bound: expected", "did you mean bounded?"}},
+        {"render S -o x.mpg --masking wraped", 2, {"--masking wraped:", "did you mean warped?"}},
+        {"render S -o x.mpg --tune percep", 2, {"--tune percep:", "did you mean perceptual?"}},
+        {"render S -o x.mpg --encoder slow", 2, {"--encoder slow: expected fast, quality"}},
+        {"render S -o x.mpg --isa mmx", 2, {"--isa mmx:", "sse2, sse4.2, avx, avx2, avx512"}},
+        {"render S -o x.mpg --for dvd", 2, {"--for dvd: expected dvd-ntsc, dvd-pal, atsc", "did you mean dvd-"}},
+        {"render S -o x.mpg --threads -2", 2, {"--threads -2: expected a number from 0 to 1024"}},
+        {"render S -o x.mpg -j many", 2, {"many: expected a number from 0 to 1024"}},
+        {"render S -o x.mpg --samples 0", 2, {"--samples 0: expected a number from 1 to 256"}},
+        {"render S -o x.mpg --gop 0", 2, {"--gop 0: expected a number from 1 to 1000"}},
+        {"render S -o x.mpg --display-aspect wide", 2, {"--display-aspect wide: expected WIDTH:HEIGHT", "16:9"}},
+        {"render S -o x.mpg --memory lots", 2, {"--memory lots: expected a size such as 8G"}},
+        {"render S -o x.mpg --keyframes a,b", 2, {"--keyframes a,b: expected frame numbers", "0,48,96"}},
+        {"render S -o x.mpg --audio-offset later", 2, {"--audio-offset later: expected a number from"}},
+        {"render S -o x.mpg --loss much", 2, {"--loss much: expected decibels", "0.1dB"}},
+        {"cost S --tolerances 8,,2", 2, {"--tolerances 8,,2: expected per cent", "8,4,2,1"}},
+        {"cost S --quantisers 40", 2, {"--quantisers 40: expected numbers from 1 to 31"}},
+        {"cost S --sample 3", 2, {"--sample 3: expected WINDOWSxFRAMES", "2x3"}},
+        {"tune S --target-psnr 400 --dry-run", 2, {"--target-psnr 400: expected a number from 1 to 99"}},
+        {"tune S --max-time soon --dry-run", 2, {"--max-time soon: expected hours, minutes and seconds", "1:30"}},
+        {"tune S --max-size huge --dry-run", 2, {"--max-size huge: expected bytes", "700M"}},
+    };
+    return all;
+}
+
+const std::vector<Mistake>& contradictions() {
+    static const std::vector<Mistake> all{
+        {"render S -o x.mpg --quantiser 4 --quality 50", 2, {"--quantiser and --quality", "give one"}},
+        {"render S -o x.mpg --quality 50 --bitrate 1M", 2, {"--quality and --bitrate", "give one"}},
+        {"render S -o x.mpg --cbr", 2, {"--cbr:", "--bitrate 6M"}},
+        {"render S -o x.mpg --passes 2", 2, {"--passes:", "--bitrate"}},
+        {"render S -o x.mpg --display-aspect 4:3 --pixel-aspect 1:1",
+         2,
+         {"--pixel-aspect", "--display-aspect", "give one"}},
+        {"render S -o x.mpg --for dvd-pal --size 640x480", 2, {"--size 640x480:", "720x576"}},
+        {"render S -o x.mpg --for dvd-pal --fps 30", 2, {"--fps 30:", "dvd-pal has 25"}},
+        {"render S -o f.%d.png --tolerance coupled", 2, {"--tolerance coupled:", "fixed=P%"}},
+        {"tune S --target-psnr 40 --target-ssim 0.9 --dry-run", 2, {"Give one of --target-psnr"}},
+        {"tune S --target-psnr 40 --quality 3 --dry-run", 2, {"--quality: it is what is looked for"}},
+        {"render S -o x.avi", 2, {"x.avi", ".mpg, .vob, .ts"}},
+        {"render S -o x.png", 2, {"x.png", "frames.%04d.png"}},
+        {"render S -o empty", 2, {"empty", ".mpg, .vob, .ts"}},
+    };
+    return all;
+}
+
+const std::vector<Mistake>& files() {
+    static const std::vector<Mistake> all{
+        {"render ./plain_bx -o x.mpg", 1, {"./plain_bx", "there is no such file"}},
+        {"render note.txt -o x.mpg", 1, {"note.txt", "did you mean notes.txt?"}},
+        {"render notes.txt -o x.mpg", 1, {"notes.txt", "No suitable reader"}},
+        {"render empty -o x.mpg", 1, {"empty/film.json", "there is no such file"}},
+        {"render S -o none/x.mpg", 1, {"none/x.mpg", "there is no folder none", "-y makes it"}},
+        {"render S -o x.mpg --stats none/x.json", 1, {"none/x.json", "there is no folder none", "-y makes it"}},
+        {"render S -o there.mpg", 1, {"there.mpg", "is there already", "-y replaces it"}},
+        {"tune S -o there.mpg --target-psnr 40", 1, {"there.mpg", "is there already", "-y replaces it"}},
+        {"render S -o x.mpg --heatmap cut there.mpg", 1, {"there.mpg", "is there already", "-y replaces it"}},
+        {"render S -o x.mpg --report r.txt", 1, {"r.txt", ".html"}},
+        {"render S -o x.mpg --stats x.mpg", 1, {"x.mpg", "two outputs have this name"}},
+        {"render S -o x.mpg --camera nobody", 1, {"no camera \"nobody\"", "0 \"camera\""}},
+        {"render S -o x.mpg --sky none.exr", 1, {"none.exr", "there is no such file"}},
+        {"render S -o x.mpg --audio none.flac", 1, {"none.flac", "there is no such file"}},
+        {"info notes.txt", 1, {"notes.txt"}},
+        {"info nothing.mpg", 1, {"nothing.mpg", "No such file"}},
+        {"encode frames.png -o x.mpg", 1, {"frames.png", "frames.%04d.png"}},
+        {"encode f.%d.png -o x.mpg", 1, {"f.%d.png", "no file has such a name"}},
+    };
+    return all;
+}
+
+std::string with_scene(const std::string& typed) {
+    std::string text;
+    for (std::size_t i = 0; i < typed.size(); ++i) {
+        const bool alone =
+            typed[i] == 'S' && (i == 0 || typed[i - 1] == ' ') && (i + 1 == typed.size() || typed[i + 1] == ' ');
+        text += alone ? support::plain_film() : std::string(1, typed[i]);
+    }
+    return text;
+}
+
+class Mistakes : public testing::TestWithParam<const std::vector<Mistake>*> {};
+
+TEST_P(Mistakes, AreToldInOneLineWithTheirCure) {
+    const support::Folder folder;
+    std::ofstream(folder / "there.mpg") << "a film";
+    std::ofstream(folder / "notes.txt") << "no scene\n";
+    std::filesystem::create_directory(folder / "empty");
+    const std::size_t before = folder.entries();
+    for (const Mistake& mistake : *GetParam()) {
+        const auto outcome = support::run("cd " + folder.path().string() + " && " + support::program() + " " +
+                                          with_scene(mistake.typed));
+        EXPECT_EQ(outcome.status, mistake.status) << mistake.typed << "\n" << outcome.output;
+        EXPECT_TRUE(outcome.output.starts_with("render2mpeg: ")) << mistake.typed << "\n" << outcome.output;
+        EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
+        for (const char* words : mistake.told)
+            EXPECT_NE(outcome.output.find(words), std::string::npos) << mistake.typed << ": " << words << "\n"
+                                                                     << outcome.output;
+        EXPECT_EQ(folder.entries(), before) << mistake.typed;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, Mistakes,
+                         testing::Values(&commands(), &names(), &words(), &values(), &contradictions(), &files()));
+
+TEST(Mistakes90, AreThatMany) {
+    std::size_t count = 0;
+    for (const auto* list : {&commands(), &names(), &words(), &values(), &contradictions(), &files()})
+        count += list->size();
+    EXPECT_GE(count, 90u);
+}
+
+}  // namespace
+}  // namespace render2mpeg
