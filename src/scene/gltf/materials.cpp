@@ -66,6 +66,9 @@ class MaterialReader {
         if (const auto glass = element.extension("KHR_materials_transmission")) {
             material.transmission = static_cast<float>(glass->number("transmissionFactor", 0));
             material.transmission_texture = texture(*glass, "transmissionTexture");
+            // chosen: from here on frosted glass shows no more than colours of what is behind it.
+            if (material.transmission > 0 && material.roughness > 0.2f)
+                note_once(animation_, "rough glass is seen through as if it were clear");
         }
         if (const auto specular = element.extension("KHR_materials_specular")) {
             material.specular_weight = static_cast<float>(specular->number("specularFactor", 1));

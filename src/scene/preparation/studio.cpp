@@ -18,6 +18,7 @@ namespace {
 // All of this is chosen by eye on a dozen models (docs/models.md).
 constexpr double key_elevation = 0.87, rim_elevation = 0.6;  // radians over the horizon
 constexpr double key_heading = 0.95, rim_heading = -2.5;     // to the left of where the camera stands, radians
+constexpr double box_elevation = 1.1;                        // above what cameras see that look level
 constexpr float key_irradiance = 3.2f, rim_irradiance = 1.2f;
 constexpr float key_angle = 0.2f, rim_angle = 0.15f;  // radians: penumbrae of a large soft box
 constexpr float fill = 0.11f;                         // radiance of the sky between its soft boxes
@@ -46,9 +47,9 @@ class StudioSky {
     static constexpr int width = 256, height = 128;
 
     explicit StudioSky(double yaw)
-        : boxes_{{{direction(yaw + key_heading, key_elevation), 2.4f, 0.93f, 0.80f},
-                  {direction(yaw + rim_heading, rim_elevation), 2.0f, 0.96f, 0.86f},
-                  {direction(yaw - 0.9, 0.75), 0.4f, 0.93f, 0.80f}}} {
+        : boxes_{{{direction(yaw + key_heading, box_elevation), 3.2f, 0.97f, 0.90f},
+                  {direction(yaw + rim_heading, box_elevation), 2.6f, 0.97f, 0.90f},
+                  {direction(yaw - 0.9, box_elevation), 0.8f, 0.97f, 0.90f}}} {
         // What the floor sends back is what the backdrop shows.
         const double by_suns = static_cast<double>(key_irradiance) * std::sin(key_elevation) +
                                static_cast<double>(rim_irradiance) * std::sin(rim_elevation);
