@@ -70,7 +70,7 @@ int interrupted_before_frames(const RenderOptions& options) {
 /// What the film will take, as far as the options leave time to find it out, and what runs. The film is settled by it.
 std::string plan_text(RenderJob& film, const RenderOptions& options, const std::filesystem::path& statistics = {}) {
     const double within = within_from(options.within);
-    const auto estimate = within > 0 ? estimate_film(film, within, options.quiet) : std::nullopt;
+    const auto estimate = within > 0 ? estimate_film(film, options.output, within, options.quiet) : std::nullopt;
     return film_text(film) + "\n" + (estimate ? text_of(film, *estimate) : "") + "\n" +
            plan_table(film, statistics, estimate ? std::optional(estimate->kept_records) : std::nullopt,
                       estimate ? &estimate->sample : nullptr);

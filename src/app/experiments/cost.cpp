@@ -113,7 +113,7 @@ bool Cost::try_coupled() {
 std::optional<Sample> first_answer(const CostOptions& options, RenderJob& film) {
     if (options.sample) return sample_from(*options.sample);
     const double within = time_in_seconds(options.within);
-    const auto estimate = estimate_film(film, std::min(8.0, 0.2 * within), options.render.quiet);
+    const auto estimate = estimate_film(film, {}, std::min(8.0, 0.2 * within), options.render.quiet);
     if (!estimate) return {};
     if (!options.render.quiet) print(film_text(film) + "\n" + text_of(film, *estimate) + "\n");
     // Each setting lights all frames of the sample, and every light point one of each window.

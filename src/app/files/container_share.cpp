@@ -34,4 +34,9 @@ double pictures_in_file(double bytes, std::int64_t pictures, const std::filesyst
     return std::max(1.0, aim * (bytes - fixed) / (1 + overhead.share));
 }
 
+double file_of_pictures(double bytes, std::int64_t pictures, const std::filesystem::path& file, bool disc) {
+    const Overhead overhead = overhead_of(core::ending_of(file), disc);
+    return overhead.file + overhead.picture * static_cast<double>(pictures) + bytes * (1 + overhead.share);
+}
+
 }  // namespace render2mpeg::app

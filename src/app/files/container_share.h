@@ -9,4 +9,7 @@ namespace render2mpeg::app {
 /// by what its container, which its ending names, takes for itself (more for a DVD's `disc`); at least 1.
 double pictures_in_file(double bytes, std::int64_t pictures, const std::filesystem::path& file, bool disc);
 
+/// Bytes of the file that so many pictures of `bytes` make, about.
+double file_of_pictures(double bytes, std::int64_t pictures, const std::filesystem::path& file, bool disc);
+
 }  // namespace render2mpeg::app

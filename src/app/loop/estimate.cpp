@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "app/files/container_share.h"
 #include "app/loop/light_budget.h"
 #include "app/loop/memory_need.h"
 #include "app/loop/pipeline.h"
@@ -33,11 +34,11 @@ constexpr std::size_t least_frames = 3;
 constexpr int least_side = 96;
 
 /// Of the time, what frames may be planned to take: the first look, and what is misjudged, take the rest.
-constexpr double planned_share = 0.6;
+constexpr double planned_share = 0.9;
 
 /// Bits of pictures of one scene over those of smaller ones grow with this power of their pixels.
-/// fit: docs/fits/rate-model.md, 7 times for 16 times the pixels.
-constexpr double bits_power = 0.70;
+/// chosen: by cornell and still_room from 96 to 192 pixels; 0.7 where light is rough (docs/fits/rate-model.md).
+constexpr double bits_power = 0.80;
 
 /// What a first pass takes of the film's time. chosen: a sixteenth of the pixels, roughly lit.
 constexpr double first_pass_share = 0.05;
@@ -64,8 +65,9 @@ double pixels_of(const RenderJob& film) {
 
 /// What windows of one size took.
 struct Measured {
-    std::vector<std::vector<double>> seconds;  ///< CPU, of each window's frames; the first with what begins a chunk
-    double lights = 0;                         ///< of all of them: what does not depend on the picture's size
+    /// CPU, of each window's frames; the first with what begins a chunk.
+    std::vector<std::vector<double>> seconds;
+    std::vector<std::vector<double>> lights;  ///< of these: what does not depend on the picture's size
     double all = 0;
     double clock = 0;
     double first_bytes = 0, later_bytes = 0;  ///< means
@@ -98,9 +100,13 @@ std::optional<Measured> measure(const RenderJob& job, const std::vector<Chunk>& 
     for (const Chunk& chunk : chunks) {
         RunStatistics statistics;
         LoopObserver nobody;
-        const double before = cpu_seconds(), lights = light_seconds(renderer);
+        const double before = cpu_seconds();
+        double made = light_seconds(renderer);
+        std::vector<double> lights;
         render_chunk(job, renderer, chunk, nobody, statistics, [&] {
             progress.advance();
+            lights.push_back(light_seconds(renderer) - made);
+            made += lights.back();
             // Of the first window so many that there are some behind the first, whatever they take.
             const bool enough = !found.seconds.empty() || statistics.frames.size() >= least_frames;
             return !InterruptGuard::requested() && (!enough || clock_seconds() < limit);
@@ -112,7 +118,6 @@ std::optional<Measured> measure(const RenderJob& job, const std::vector<Chunk>& 
         for (std::size_t i = 0; i < statistics.pass_seconds.size(); ++i)
             found.statistics.pass_seconds[i] += statistics.pass_seconds[i];
         found.all += all;
-        found.lights += light_seconds(renderer) - lights;
         std::vector<double> seconds;
         double behind = 0;
         for (const FrameEntry& entry : statistics.frames) {
@@ -125,6 +130,7 @@ std::optional<Measured> measure(const RenderJob& job, const std::vector<Chunk>& 
         seconds.front() = std::max(seconds.front(), all - behind);
         found.frames += static_cast<int>(seconds.size());
         found.seconds.push_back(std::move(seconds));
+        found.lights.push_back(std::move(lights));
         found.kept = found.kept || kept_records(job.rendering, renderer.statistics());
         if (clock_seconds() >= limit) break;
     }
@@ -139,6 +145,17 @@ std::optional<Measured> measure(const RenderJob& job, const std::vector<Chunk>& 
     return found;
 }
 
+/// Seconds of pictures with so many times the pixels: light points take what they take at any size.
+std::vector<std::vector<double>> grown_by(const Measured& found, double times) {
+    std::vector<std::vector<double>> sized = found.seconds;
+    for (std::size_t w = 0; w < sized.size(); ++w)
+        for (std::size_t i = 0; i < sized[w].size(); ++i) {
+            const double light = i < found.lights[w].size() ? std::clamp(found.lights[w][i], 0.0, sized[w][i]) : 0.0;
+            sized[w][i] = light + (sized[w][i] - light) * times;
+        }
+    return sized;
+}
+
 /// The middles of equal parts of the film, at most its frames.
 std::vector<Chunk> middles(const FrameRange& film, int count, int length) {
     const std::int64_t all = film.last - film.first + 1;
@@ -151,20 +168,21 @@ std::vector<Chunk> middles(const FrameRange& film, int count, int length) {
     return chunks;
 }
 
-/// What a sample is to be: frames of each window, and how large.
+/// What a sample is to be: windows, frames of each, and how large.
 struct SampleSize {
-    int length = 3;
+    int count = 1, length = 5;
     double scale = 1;
 };
 
 /// The longest windows at the film's size that fit into `seconds` on the clock, or smaller pictures. `frame`: seconds
-/// on the clock of a frame of the film, about; a chunk's beginning counts as `start` frames.
+/// on the clock of a frame of the film, about; `start`: what a chunk's first frame takes more.
 SampleSize sample_for(const RenderJob& film, double frame, double start, double seconds) {
-    for (const int length : lengths)
-        if (windows * (length + start) * frame <= seconds) return {length, 1};
+    for (const int count : {windows, 1})
+        for (const int length : lengths)
+            if (count * (start + length * frame) <= seconds) return {count, length, 1};
     const double largest = std::max(film.format.width, film.format.height);
-    const double area = core::divide_or(seconds, windows * (lengths[2] + start) * frame, 1.0);
-    return {lengths[2], std::clamp(std::sqrt(area), std::min(1.0, least_side / largest), 1.0)};
+    const double area = core::divide_or(std::max(0.0, seconds - start), lengths[2] * frame, 1.0);
+    return {1, lengths[2], std::clamp(std::sqrt(area), std::min(1.0, least_side / largest), 1.0)};
 }
 
 /// How far apart windows are: half of the difference of their later frames over the sum.
@@ -211,7 +229,8 @@ double chunk_seconds(const std::vector<double>& window, std::int64_t frames) {
     return sum;
 }
 
-std::optional<FilmEstimate> estimate_film(RenderJob& film, double within, bool quiet) {
+std::optional<FilmEstimate> estimate_film(RenderJob& film, const std::filesystem::path& output, double within,
+                                          bool quiet) {
     const double began = clock_seconds(), cpu_before = cpu_seconds();
     if (!settle(film, quiet)) return {};
     const double once = cpu_seconds() - cpu_before;
@@ -219,22 +238,23 @@ std::optional<FilmEstimate> estimate_film(RenderJob& film, double within, bool q
     // A first look at small frames tells how many of the film's own there is time for.
     const double largest = std::max(film.format.width, film.format.height);
     const RenderJob tiny = resized(film, std::min(1.0, least_side / largest));
-    const double left = std::max(2.0, within - (clock_seconds() - began));
+    // What is settled first is needed by the film, whatever it takes; frames get four fifths of the time at least.
+    const double end = std::max(began + within, clock_seconds() + 0.8 * within), left = end - clock_seconds();
     Progress looking(2, quiet, "sample", Counted::parts_of_step);
     const auto look = measure(tiny, middles(film.frames, 1, 2), clock_seconds() + 0.3 * left, looking);
     if (!look || look->seconds.empty()) return {};
     const double ratio = core::divide_or(pixels_of(film), pixels_of(tiny), 1.0);
-    const double later = look->seconds.front().back(), first = look->seconds.front().front();
+    const std::vector<double> sized_look = grown_by(*look, ratio).front();
     const double pace = core::divide_or(look->clock, look->all, 1.0);
-    const SampleSize sample = sample_for(film, pace * later * ratio, std::min(20.0, core::divide_or(first, later, 1.0)),
-                                         planned_share * std::max(1.0, within - (clock_seconds() - began)));
+    const SampleSize sample =
+        sample_for(film, pace * sized_look.back(), pace * std::max(0.0, sized_look.front() - sized_look.back()),
+                   planned_share * std::max(1.0, end - clock_seconds()));
 
     const RenderJob job = sample.scale < 1 ? resized(film, sample.scale) : resized(film, 1);
-    const std::vector<Chunk> chunks = middles(film.frames, windows, sample.length);
-    std::int64_t frames = 0;
-    for (const Chunk& chunk : chunks) frames += chunk.frames();
+    const std::vector<Chunk> chunks = middles(film.frames, sample.count, sample.length);
+    const auto frames = static_cast<std::int64_t>(chunks.size()) * chunks.front().frames();
     Progress progress(frames, quiet, "sample", Counted::frames_of_step);
-    const auto found = measure(job, chunks, std::max(clock_seconds() + 0.3 * within, began + within), progress);
+    const auto found = measure(job, chunks, end + 0.2 * within, progress);
     if (!found || found->seconds.empty()) return {};
 
     FilmEstimate estimate;
@@ -242,17 +262,14 @@ std::optional<FilmEstimate> estimate_film(RenderJob& film, double within, bool q
     estimate.size = {job.format.width, job.format.height};
     estimate.kept_records = found->kept;
     estimate.sample = found->statistics;
-    // Light points take what they take at any size; all else grows with the pixels.
     const double grown = core::divide_or(pixels_of(film), pixels_of(job), 1.0);
-    const double fixed = std::min(1.0, core::divide_or(found->lights, found->all, 0.0));
-    const double factor = fixed + (1 - fixed) * grown;
+    const std::vector<std::vector<double>> sized = grown_by(*found, grown);
     const std::vector<Chunk> all = chunks_of(film.frames, film.coding.gop);
     for (const Chunk& chunk : all)
-        for (const std::vector<double>& window : found->seconds)
-            estimate.cpu += factor * chunk_seconds(window, chunk.frames()) / static_cast<double>(found->seconds.size());
-    estimate.first = factor * found->seconds.front().front();
-    estimate.later =
-        factor * (chunk_seconds(found->seconds.front(), 1000) - chunk_seconds(found->seconds.front(), 900)) / 100;
+        for (const std::vector<double>& window : sized)
+            estimate.cpu += chunk_seconds(window, chunk.frames()) / static_cast<double>(sized.size());
+    estimate.first = sized.front().front();
+    estimate.later = (chunk_seconds(sized.front(), 1000) - chunk_seconds(sized.front(), 900)) / 100;
     if (film.two_passes) estimate.cpu *= 1 + first_pass_share;
     estimate.cpu += once + found->built + cpu_before;
     estimate.clock = estimate.cpu * core::divide_or(found->clock, found->all, 1.0);
@@ -263,8 +280,9 @@ std::optional<FilmEstimate> estimate_film(RenderJob& film, double within, bool q
             groups += std::ceil(static_cast<double>(chunk.frames()) / static_cast<double>(film.coding.gop));
         const double bits = groups * found->first_bytes + (count - groups) * found->later_bytes;
         const std::int64_t rate = film.coding.rate_control.bit_rate;
-        estimate.bytes = rate > 0 ? static_cast<double>(rate) / 8 * count / film.rate.hertz.value()
-                                  : bits * std::pow(grown, bits_power);
+        const double pictures = rate > 0 ? static_cast<double>(rate) / 8 * count / film.rate.hertz.value()
+                                         : bits * std::pow(grown, bits_power);
+        estimate.bytes = file_of_pictures(pictures, film.frame_count(), output, film.disc);
     }
     // chosen: a tenth where windows are alike; what they differ by, and as much again for other sizes.
     estimate.spread = std::min(0.5, std::max(0.1, difference_of(found->seconds)) + (grown > 1.01 ? 0.1 : 0.0));

@@ -1,6 +1,7 @@
 #pragma once
 // What a whole film will take, from a few of its frames that are lit now.
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,7 +17,7 @@ struct FilmEstimate {
     Size size;       ///< at which they were lit: the film's, or smaller where that would have taken too long
     double cpu = 0;  ///< seconds of all threads, for the whole film
     double clock = 0;
-    double bytes = 0;             ///< of the film's pictures; 0 where it is not coded
+    double bytes = 0;             ///< of the file, sound apart; 0 where it is not coded
     double spread = 0;            ///< the film's time and size are likely within this share of them
     double first = 0, later = 0;  ///< CPU seconds of a chunk's first frame, with what begins a chunk, and of others
     std::uint64_t memory = 0;     ///< bytes
@@ -28,9 +29,11 @@ struct FilmEstimate {
 /// behind it as they are, and what the window does not reach as its last half.
 double chunk_seconds(const std::vector<double>& window, std::int64_t frames);
 
-/// Lights and codes windows of the film, and what is measured before them, in about `within` seconds on the clock.
-/// Settles the film's exposure and light points where they are open. None where it was interrupted.
-std::optional<FilmEstimate> estimate_film(RenderJob& film, double within, bool quiet);
+/// `output`: its ending says what its container takes; empty: .mpg. Lights and codes windows of the film, and what is
+/// measured before them, in about `within` seconds on the clock. Settles the film's exposure and light points where
+/// they are open. None where it was interrupted.
+std::optional<FilmEstimate> estimate_film(RenderJob& film, const std::filesystem::path& output, double within,
+                                          bool quiet);
 
 /// What is rendered, in one line: frames, size, rate, camera, lights.
 std::string film_text(const RenderJob& film);
