@@ -18,6 +18,7 @@
 #include "renderer/lights/whole_lamps.h"
 #include "renderer/tree/light_trees.h"
 #include "renderer/truth/pixel_truth.h"
+#include "renderer/view/look_closer.h"
 #include "renderer/view/see.h"
 #include "scene/preparation/traits.h"
 
@@ -330,6 +331,19 @@ Seen Renderer::see(const scene::Snapshot& snapshot) {
     return seen;
 }
 
+void Renderer::look_closer(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, Seen& seen) {
+    if (impl_->settings.most_samples == 0) return;
+    impl_->pose(snapshot);
+    const SeeSettings settings = impl_->see_settings(snapshot);
+    const Stopwatch timer(impl_->row(Pass::see));
+    SeeCounts counts;
+    renderer::look_closer(impl_->posed_scene, settings, impl_->plan, tolerance, impl_->settings.most_samples, seen,
+                          counts);
+    impl_->statistics.primary_rays += counts.primary_rays;
+    impl_->statistics.specular_rays += counts.specular_rays;
+    impl_->statistics.sky_seconds += counts.sky_seconds;
+}
+
 core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance) {
     Impl& i = *impl_;
     // Update the lights,
@@ -402,7 +416,7 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
         requests.push_back({{a.x, a.y},
                             points.subspan(pixel.first, pixel.last - pixel.first),
                             std::max(core::luminance(p.at_points), p.least),
-                            !seen.at_edge.empty() && seen.at_edge.at(a.x, a.y) != 0});
+                            seen.samples.empty() ? i.settings.samples : seen.samples.at(a.x, a.y)});
     }
     SeeSettings see;
     see.format = i.settings.format;

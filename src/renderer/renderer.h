@@ -34,6 +34,7 @@ struct Settings {
     scene::PictureFormat format;
     int samples = 4;           ///< eye samples per pixel, >= 1
     int edge_samples = 0;      ///< of pixels with edges; 0: as many
+    int most_samples = 0;      ///< of pixels whose edges could show all the same (look_closer.h), 64 or 256; 0: no more
     int direct_points = 1024;  ///< light points for emissive surfaces; twice as many for a sky, or for both
     int vpls = 4096;           ///< anchor lights, about: light points of indirect light; 0: none
     int bounces = 0;           ///< longest photon path; 0: any
@@ -84,6 +85,9 @@ class Renderer {
 
     /// Primary visibility with antialiasing. May run ahead of `shade` by some frames.
     Seen see(const scene::Snapshot& snapshot);
+
+    /// Looks again where edges could show by more than the tolerance (look_closer.h). After `see` of the same instant.
+    void look_closer(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, Seen& seen);
 
     /// Gathers light for all gather points of a frame until every pixel's error bound is below its tolerance.
     core::Radiance shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance);

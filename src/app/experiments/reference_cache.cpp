@@ -80,8 +80,9 @@ std::uint64_t ReferenceCache::key_of(const RenderJob& film, renderer::Renderer& 
     add_text(sum, std::string(core::name_of(s.isa)));
     for (const std::int64_t value :
          {world.frame, std::int64_t{s.format.width}, std::int64_t{s.format.height}, std::int64_t{s.samples},
-          std::int64_t{s.edge_samples}, std::int64_t{s.vpls}, std::int64_t{s.direct_points},
-          static_cast<std::int64_t>(s.clamp), static_cast<std::int64_t>(s.bounces), static_cast<std::int64_t>(s.seed)})
+          std::int64_t{s.edge_samples}, std::int64_t{s.most_samples}, std::int64_t{s.vpls},
+          std::int64_t{s.direct_points}, static_cast<std::int64_t>(s.clamp), static_cast<std::int64_t>(s.bounces),
+          static_cast<std::int64_t>(s.seed)})
         add(sum, value);
     for (const renderer::GatherTile& tile : seen.tiles) {
         add(sum, tile.size());

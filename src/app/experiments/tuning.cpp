@@ -195,7 +195,7 @@ std::vector<Rung> ladder_of(const ToleranceRequest& tolerance, int samples, int 
 RenderJob on_rung(const RenderJob& film, const Rung& rung) {
     RenderJob changed = film;
     changed.tolerance = rung.tolerance;
-    if (rung.samples != film.rendering.samples) changed.rendering.edge_samples = 0;
+    if (rung.samples != film.rendering.samples) changed.rendering.edge_samples = changed.rendering.most_samples = 0;
     changed.rendering.samples = rung.samples;
     changed.rendering.vpls = rung.vpls;
     return changed;

@@ -36,7 +36,7 @@ RenderJob small(const RenderJob& film) {
     pass.format.height = (film.format.height + shrink - 1) / shrink;
     pass.rendering.format = pass.format;
     pass.rendering.samples = 1;
-    pass.rendering.edge_samples = 0;
+    pass.rendering.edge_samples = pass.rendering.most_samples = 0;
     pass.rendering.calibrate = false;  // nothing is promised of its light
     // chosen: textures, edges and motion make most of the bits, not the last light points (64..4096).
     pass.rendering.vpls = std::min(film.rendering.vpls, 256);

@@ -74,7 +74,7 @@ RenderJob small(const RenderJob& film, double factor) {
     job.format.height = std::max(8, static_cast<int>(std::lround(static_cast<float>(film.format.height) * scale)));
     job.rendering.format = job.format;
     job.rendering.samples = 1;
-    job.rendering.edge_samples = 0;
+    job.rendering.edge_samples = job.rendering.most_samples = 0;
     job.rendering.cache = renderer::CacheUse::off;
     job.rendering.vpls = static_cast<int>(std::lround(factor * film.rendering.vpls));
     return job;

@@ -26,6 +26,7 @@ class ChunkLoop {
 
   private:
     renderer::Seen see(const scene::Snapshot& world);
+    void look_closer(const scene::Snapshot& world, const core::ToleranceMap& tolerance, renderer::Seen& seen);
     /// How the frame will be coded; nothing of it matters where it will not be.
     encoder::PicturePlan plan(const scene::Snapshot& world, Motion& motion);
     /// What the frame's light may be off by, before it is lit. Valid until the next frame.
@@ -81,13 +82,15 @@ ChunkLoop::ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const C
 void ChunkLoop::frame(std::int64_t n) {
     const FrameTimer timer(statistics_);
     const std::shared_ptr<const scene::Snapshot> world = posed_.at(n);
-    const renderer::Seen seen = see(*world);
+    renderer::Seen seen = see(*world);
     RenderedMotion motion(job_, posed_, seen.visible, *world, statistics_);
 
     // Plan how it will be coded, and what that and the eye allow its light to be off by.
     const encoder::PicturePlan coding = plan(*world, motion);
     const PlannedPicture planned = terms_.planned(coding);
     const core::ToleranceMap& tolerance = tolerate(*world, seen, planned, motion);
+
+    look_closer(*world, tolerance, seen);
 
     // Light it. What a first, rough look took is no frame's.
     const renderer::Statistics before = renderer_.statistics();
@@ -107,6 +110,11 @@ void ChunkLoop::finish() {
 renderer::Seen ChunkLoop::see(const scene::Snapshot& world) {
     const StageTimer timer(statistics_, Stage::see);
     return renderer_.see(world);
+}
+
+void ChunkLoop::look_closer(const scene::Snapshot& world, const core::ToleranceMap& tolerance, renderer::Seen& seen) {
+    const StageTimer timer(statistics_, Stage::see);
+    renderer_.look_closer(world, tolerance, seen);
 }
 
 encoder::PicturePlan ChunkLoop::plan(const scene::Snapshot& world, Motion& motion) {

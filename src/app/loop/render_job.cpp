@@ -102,6 +102,12 @@ int edge_samples_of(const RenderOptions& options, const RenderJob& film) {
     return film.kind == OutputKind::film ? 16 : 64;
 }
 
+/// Eye samples where even these would let edges show.
+int most_samples_of(const RenderOptions& options, const RenderJob& film) {
+    const bool by_hand = options.edge_samples || film.rendering.edge_samples == 0;
+    return film.tolerance.coupled && film.kind == OutputKind::film && !by_hand ? 256 : 0;
+}
+
 /// What light points may cost, where they are chosen by it.
 std::optional<double> loss_of(const RenderOptions& options, const RenderJob& film) {
     const bool by_hand = std::find(options.given.begin(), options.given.end(), "--vpls") != options.given.end();
@@ -249,6 +255,7 @@ RenderJob prepare(const RenderOptions& options) {
     film.sound = sound_of(options.coding, animation->sound, options.output, film.frames, film.rate);
     if (film.kind == OutputKind::film) check_settings(film.coding);
     film.rendering.edge_samples = edge_samples_of(options, film);
+    film.rendering.most_samples = most_samples_of(options, film);
 
     decide_passes(film, options);
     return film;
@@ -264,7 +271,7 @@ float measure_exposure(const RenderJob& film) {
     small.format.height = std::max(1, static_cast<int>(std::lround(static_cast<float>(film.format.height) * scale)));
     small.rendering.format = small.format;
     small.rendering.samples = 1;
-    small.rendering.edge_samples = 0;
+    small.rendering.edge_samples = small.rendering.most_samples = 0;
     small.exposure.reset();
     small.tolerance = {false, 0.1f, false, {}};
 

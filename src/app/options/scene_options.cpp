@@ -70,7 +70,7 @@ void add_tolerance_option(CLI::App& command, RenderOptions& options, const std::
         .add_option(
             "--tolerance", options.tolerance,
             "Error allowed in a pixel's light. `coupled`: what the film's coding and the eye hide; coupled=K: K times "
-            "what they hide at most (default: 0.25), less in pictures that others are predicted from; fixed=P% of its "
+            "what they hide at most (default: 0.5), less in pictures that others are predicted from; fixed=P% of its "
             "luminance; `reference`: every light point, slow (default: coupled for films, fixed=2% for frames)")
         ->type_name("coupled|fixed=P%|reference")
         ->check(checked(tolerance_from, ""))

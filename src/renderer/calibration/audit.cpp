@@ -35,6 +35,7 @@ GatherPoint lit_at(GatherPoint p, const MovedPoint* moved) {
     p.point.shading_normal = moved->shading_normal;
     p.point.outgoing = moved->outgoing;
     p.others = 0;
+    p.more_places = nullptr;
     return p;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/numeric.h"
 #include "renderer/base/isa_clones.h"
 #include "renderer/cut/shadow_rays.h"
 
@@ -68,6 +69,19 @@ void ShadowTester::trace(LightType type, const TreeLight& light, const Spot* spo
     }
 }
 
+/// Of the places that a lane's shadow rays leave: how many were asked, how many a light reaches, and what of it.
+struct ShadowTester::PlaceCounts {
+    int asked[lane_count]{}, lit[lane_count]{};
+    glm::vec3 passed[lane_count]{};
+
+    void add(int lane, bool reached, glm::vec3 passes) {
+        ++asked[lane];
+        if (!reached) return;
+        ++lit[lane];
+        passed[lane] += passes;
+    }
+};
+
 void ShadowTester::trace_from_places(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp,
                                      LightContribution& contribution) {
     const GatherLanes& lanes = *lanes_;
@@ -79,31 +93,58 @@ void ShadowTester::trace_from_places(LightType type, const TreeLight& light, con
     evaluate_light(lanes, type, light, spot, clamp, unit);
     const std::uint32_t active = reached(unit);
     if (active == 0) return;
-    int count[lane_count]{};
-    glm::vec3 passed[lane_count]{};
+    PlaceCounts counts;
     for (int place = 0; place < lanes.places; ++place) {
         ShadowPacket packet;
         aim<Aimed::at_one>(origins(lanes, place), type, &light.position.x, &light.position.y, &light.position.z,
                            packet);
-        packet.active = active;
+        packet.active = 0;
+        for (int i = 0; i < lane_count; ++i) packet.active |= place < lanes.own_places[i] ? active & 1u << i : 0u;
         glm::vec3 passes[lane_count];
-        std::fill(std::begin(passes), std::end(passes), glm::vec3(1));
-        const std::uint32_t lit = active & ~blocked(packet, light_trees_.translucent ? passes : nullptr);
-        for (int i = 0; i < lane_count; ++i) {
-            if ((lit >> i & 1u) == 0) continue;
-            ++count[i];
-            passed[i] += passes[i];
-        }
+        const std::uint32_t lit = reach(packet, passes);
+        for (int i = 0; i < lane_count; ++i)
+            if ((packet.active >> i & 1u) != 0) counts.add(i, (lit >> i & 1u) != 0, passes[i]);
     }
+    for (int i = 0; i < lane_count; ++i)
+        if (lanes.more_places[i] != nullptr && (active >> i & 1u) != 0)
+            trace_further(type, light, *lanes.more_places[i], i, counts);
     for (int i = 0; i < lane_count; ++i) {
-        const float share = static_cast<float>(count[i]) / static_cast<float>(lanes.places);
-        for (int c = 0; c < 3; ++c)
-            contribution.tint.passes[i][c] = count[i] > 0 ? passed[i][c] / static_cast<float>(count[i]) : 1.0f;
+        const auto lit = static_cast<float>(counts.lit[i]);
+        const float share = core::divide_or(lit, static_cast<float>(counts.asked[i]), 0.0f);
+        for (int c = 0; c < 3; ++c) contribution.tint.passes[i][c] = core::divide_or(counts.passed[i][c], lit, 1.0f);
         unit.diffuse[i] *= share;
         if (!lanes.glossy) continue;
         unit.f0[i] *= share;
         unit.schlick[i] *= share;
     }
+}
+
+/// Of one lane; stops where 16 and all before say the same.
+void ShadowTester::trace_further(LightType type, const TreeLight& light, const std::vector<glm::vec3>& places, int lane,
+                                 PlaceCounts& counts) {
+    for (std::size_t first = 0; first < places.size(); first += lane_count) {
+        const std::size_t size = std::min<std::size_t>(lane_count, places.size() - first);
+        Vec3Lanes from;
+        for (std::size_t k = 0; k < lane_count; ++k) {
+            const glm::vec3 place = places[first + std::min(k, size - 1)];
+            from.x[k] = place.x;
+            from.y[k] = place.y;
+            from.z[k] = place.z;
+        }
+        ShadowPacket packet;
+        aim<Aimed::at_one>(from, type, &light.position.x, &light.position.y, &light.position.z, packet);
+        packet.active = (1u << size) - 1u;
+        glm::vec3 passes[lane_count];
+        const std::uint32_t lit = reach(packet, passes);
+        for (std::size_t k = 0; k < size; ++k) counts.add(lane, (lit >> k & 1u) != 0, passes[k]);
+        if (counts.lit[lane] == 0 || counts.lit[lane] == counts.asked[lane]) return;
+    }
+}
+
+/// Bit i: ray i reaches the light; passes[i]: what of it passes, 1 where layers of the scene let nothing but all pass.
+std::uint32_t ShadowTester::reach(const ShadowPacket& packet, glm::vec3* passes) {
+    std::fill(passes, passes + lane_count, glm::vec3(1));
+    return packet.active & ~blocked(packet, light_trees_.translucent ? passes : nullptr);
 }
 
 std::uint32_t ShadowTester::blocked(const ShadowPacket& packet, glm::vec3* passes) {

@@ -48,7 +48,7 @@ class ShadowTester {
                LightContribution& contribution);
 
     /// The same of a light that is gathered by itself: `unit` times the share of each lane's places that it reaches.
-    /// `lit` and `unknown` say nothing then.
+    /// `lit` and `unknown` say nothing then. Further places are asked 16 at a time, until all agree.
     void trace_from_places(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp,
                            LightContribution& contribution);
 
@@ -70,6 +70,10 @@ class ShadowTester {
     std::uint32_t blocked(const ShadowPacket& packet, glm::vec3* passes = nullptr);
 
   private:
+    struct PlaceCounts;
+    void trace_further(LightType type, const TreeLight& light, const std::vector<glm::vec3>& places, int lane,
+                       PlaceCounts& counts);
+    std::uint32_t reach(const ShadowPacket& packet, glm::vec3* passes);
     void count(std::uint32_t active) { rays_ += static_cast<std::uint64_t>(__builtin_popcount(active)); }
 
     const LightTrees& light_trees_;

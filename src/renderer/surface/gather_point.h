@@ -2,6 +2,7 @@
 // A gather point: a surface point that light is gathered for.
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/visible.h"
@@ -38,6 +39,8 @@ struct GatherPoint {
     /// edges within pixels.
     std::array<glm::vec3, most_other_places> elsewhere{};
     std::uint8_t others = 0;
+    /// Further places; null: none. Only where contrast is high (look_closer.h).
+    std::shared_ptr<const std::vector<glm::vec3>> more_places{};
 
     bool reached_by_specular() const { return way != straight_way; }
 };
@@ -62,7 +65,7 @@ struct Seen {
     core::Plane<glm::vec3> emitted;           ///< radiance that needs no gathering: emission, sky, unlit surfaces
     core::Plane<glm::vec3> emitted_specular;  ///< the part of `emitted` seen by mirrors or glass; empty without them
     core::Plane<glm::vec3> emitted_glossy{};  ///< the rest that lobe rays brought; empty without them
-    core::Plane<std::uint8_t> at_edge{};      ///< 1: the pixel got SeeSettings::edge_samples; empty where none may
+    core::Plane<std::uint16_t> samples{};     ///< eye samples of each pixel; empty where all have SeeSettings::samples
     int tiles_across() const { return (visible.width() + tile_size - 1) / tile_size; }
 };
 

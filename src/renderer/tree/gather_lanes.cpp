@@ -58,6 +58,8 @@ void fill(GatherLanes& lanes, std::span<const GatherPoint* const> points) {
         const SurfacePoint& p = point.point;
         const glm::vec3 share = used ? core::luminance_weights * point.weight : glm::vec3(0);
         set(lanes.position, i, p.position);
+        lanes.own_places[i] = 1 + point.others;
+        lanes.more_places[i] = used ? point.more_places.get() : nullptr;
         const glm::vec3 origin = shadow_origin(p);
         set(lanes.origin, i, origin);
         for (int k = 1; k < lanes.places; ++k) {

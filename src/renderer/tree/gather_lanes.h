@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
+#include <vector>
 
 #include "renderer/surface/gather_point.h"
 
@@ -37,9 +38,11 @@ struct alignas(64) GatherLanes {
     bool glossy = false;  ///< any lane has a GGX lobe; without, everything below `schlick_weight` is unset
     Vec3Lanes position;   ///< world
     Vec3Lanes origin;     ///< of shadow rays: on the smooth surface, moved off it along the geometric normal
-    int places = 1;       ///< origins of the lane that has most of them
+    int places = 1;       ///< origins of the lane that has most of them, further ones not counted
     /// The other origins (GatherPoint::elsewhere); those of lanes that have fewer repeat. Unset from `places` - 1 on.
     Vec3Lanes elsewhere[most_other_places];
+    int own_places[lane_count];                             ///< origins that do not repeat
+    const std::vector<glm::vec3>* more_places[lane_count];  ///< GatherPoint::more_places, of a point that lives on
     Vec3Lanes geometric;       ///< the smooth surface's normal: light from behind it is none
     FrameLanes normal;         ///< shading normal
     Vec3Lanes diffuse_weight;  ///< luminance that one unit of irradiance gives the pixel: luminance weights x share x

@@ -38,8 +38,11 @@ glm::vec3 origin_of(const Fragment& f, PathNumbers&) {
     return shadow_origin(f.point);
 }
 glm::vec3 origin_of(const GatherPoint& g, PathNumbers& numbers) {
-    const auto place = static_cast<std::size_t>(numbers.first(FirstNumber::pixel_u) * (1.0f + g.others));
-    return place == 0 || place > g.others ? shadow_origin(g.point) : g.elsewhere[place - 1];
+    const std::size_t some = 1u + g.others, all = some + (g.more_places ? g.more_places->size() : 0);
+    const auto place =
+        std::min(static_cast<std::size_t>(numbers.first(FirstNumber::pixel_u) * static_cast<float>(all)), all - 1);
+    if (place >= some) return (*g.more_places)[place - some];
+    return place == 0 ? shadow_origin(g.point) : g.elsewhere[place - 1];
 }
 
 /// Radiance of one surface out of several, over the chance of its choice.
@@ -67,15 +70,11 @@ struct PathSums {
 class Estimator {
   public:
     Estimator(const PosedScene& posed_scene, const SeeSettings& see, const Plan& plan)
-        : posed_scene_(posed_scene),
-          pattern_(sample_pattern(see.samples)),
-          finer_(sample_pattern(std::max(see.samples, see.edge_samples))),
-          eye_(posed_scene, see, plan),
-          paths_(posed_scene, plan) {}
+        : posed_scene_(posed_scene), eye_(posed_scene, see, plan), paths_(posed_scene, plan) {}
 
     /// What the pixel's own eye samples show without gathering, but for lobe rays.
     glm::vec3 shown_by_pattern(const TruthRequest& request) const {
-        const std::vector<glm::vec2>& pattern = request.at_edge ? finer_ : pattern_;
+        const std::vector<glm::vec2> pattern = sample_pattern(request.samples);
         glm::vec3 sum(0);
         const float spacing = 1.0f / std::sqrt(static_cast<float>(pattern.size()));
         EyeSample sample;
@@ -116,8 +115,6 @@ class Estimator {
     }
 
     const PosedScene& posed_scene_;
-    std::vector<glm::vec2> pattern_;
-    std::vector<glm::vec2> finer_;  ///< of pixels at edges
     EyePaths eye_;
     LightPaths paths_;
 };

@@ -17,7 +17,7 @@ struct TruthRequest {
     glm::ivec2 place{0};
     std::span<const GatherPoint> points;  ///< its gather points; none: nothing there wants light
     float luminance = 0;                  ///< about, >= 0: errors count by it
-    bool at_edge = false;                 ///< Seen::at_edge
+    int samples = 1;                      ///< eye samples of the pixel
 };
 
 /// The mean of two independent halves of equal weight.

@@ -185,7 +185,7 @@ std::uint64_t LobeRays::light(std::size_t tile, Seen& seen) const {
     const auto across = static_cast<std::size_t>(seen.tiles_across());
     std::uint64_t rays = 0;
     for (GatherPoint& p : seen.tiles[tile]) {
-        if (!p.point.bsdf.has_narrow_lobe()) continue;
+        if (p.has_lobe_rays || !p.point.bsdf.has_narrow_lobe()) continue;
         p.has_lobe_rays = true;
         const int x = static_cast<int>(tile % across) * tile_size + p.pixel % tile_size;
         const int y = static_cast<int>(tile / across) * tile_size + p.pixel / tile_size;

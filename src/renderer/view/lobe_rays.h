@@ -18,8 +18,8 @@ class LobeRays {
     /// Whether there are any.
     bool trace_rays() const { return traces_; }
 
-    /// Marks the points of a tile whose lobes have rays, and adds what these bring to `emitted` and to the part of it
-    /// that it belongs to. Returns the rays. Reads and writes nothing of other tiles.
+    /// Marks those points of a tile, not marked yet, whose lobes have rays, and adds what these bring to `emitted` and
+    /// to the part of it that it belongs to. Returns the rays. Reads and writes nothing of other tiles.
     std::uint64_t light(std::size_t tile, Seen& seen) const;
 
   private:

@@ -1,0 +1,40 @@
+#pragma once
+// Looks through the pixels of a tile, and again through some of them.
+#include <array>
+#include <cstddef>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "renderer/surface/gather_point.h"
+#include "renderer/view/eye_path.h"
+#include "renderer/view/see.h"
+
+namespace render2mpeg::renderer {
+
+/// How pixels are looked through: what all tiles share.
+struct Looking {
+    const RayTracer& tracer;
+    const EyePaths& paths;
+    const scene::Camera& camera;
+    const std::vector<glm::vec2>& pattern;  ///< samples of each pixel
+    float spacing;                          ///< of samples, pixels
+    bool keeps_places = false;              ///< GatherPoint::more_places
+};
+
+/// Which pixels of a tile are meant, by row and column.
+using PixelMarks = std::array<std::array<bool, tile_size>, tile_size>;
+
+/// A tile's pixels in the picture, `end` not included.
+struct TileArea {
+    glm::ivec2 first, end;
+};
+TileArea area_of(const Seen& seen, std::size_t tile);
+
+/// Looks through all pixels of a tile; tells whose samples differ.
+PixelMarks look_through(const Looking& looking, std::size_t tile, Seen& seen, SeeCounts& counts);
+
+/// Looks again through those pixels of a tile that are marked; the others keep what they have. What Visible records
+/// stays.
+void look_again(const Looking& looking, std::size_t tile, const PixelMarks& marks, Seen& seen, SeeCounts& counts);
+
+}  // namespace render2mpeg::renderer
