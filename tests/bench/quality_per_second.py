@@ -58,8 +58,8 @@ truth_frames, layers, large, statistics = (given.out / n for n in ("truth", "lay
 if not statistics.exists():
     for folder in (truth_frames, layers, large):
         folder.mkdir(exist_ok=True)
-    run("render", given.film, "-o", given.out / "motion.y4m", "--aov", layers, *frames, "--samples", 1)
-    run("render", given.film, "-o", large / "%04d.exr", *frames[:2], "--size", f"{3 * width}x{3 * height}",
+    run("render", given.film, "-y", "-o", given.out / "motion.y4m", "--aov", layers, *frames, "--samples", 1)
+    run("render", given.film, "-y", "-o", large / "%04d.exr", *frames[:2], "--size", f"{3 * width}x{3 * height}",
         *given.converged.split(), "--stats", statistics)
     for path in large.iterdir():
         pixels = oiio.ImageBuf(str(path)).get_pixels(oiio.FLOAT)[..., :3]
@@ -73,8 +73,8 @@ truth = np.stack([developed(oiio.ImageBuf(str(p)).get_pixels(oiio.FLOAT)[..., :3
 for q in given.quantisers.split(","):
     coded, film, seconds = given.out / f"coded_{q}.m2v", given.out / f"film_{q}.m2v", given.out / f"film_{q}.json"
     first = sorted(layers.iterdir())[0].name
-    run("encode", truth_frames / "%04d.exr", "--exposure", exposure, "-o", coded, "--quantiser", q, "--motion", layers / first.replace("0000", "%04d"))
-    run("render", given.film, "-o", film, "--quantiser", q, "--threads", 1, "--exposure", exposure, "--stats", seconds, *frames, *options)
+    run("encode", truth_frames / "%04d.exr", "-y", "--exposure", exposure, "-o", coded, "--quantiser", q, "--motion", layers / first.replace("0000", "%04d"))
+    run("render", given.film, "-y", "-o", film, "--quantiser", q, "--threads", 1, "--exposure", exposure, "--stats", seconds, *frames, *options)
     base, base_flicker = figures(luma(coded), truth)
     ours, flicker = figures(luma(film), truth)
     s = json.loads(seconds.read_text())

@@ -84,7 +84,7 @@ ClosePicture look(int most_samples, float tolerated) {
     core::ToleranceMap tolerance = core::ToleranceMap::uniform(size, size, {});
     for (int y = 0; y < size; ++y)
         for (int x = 0; x < size; ++x)
-            tolerance.pixels.at(x, y) = {tolerated, 0.02f, core::luminance(rough.combined.at(x, y)) + tolerated};
+            tolerance.pixels.at(x, y) = {tolerated, 0.001f, core::luminance(rough.combined.at(x, y)) + tolerated};
     stage.renderer().look_closer(world, tolerance, picture.seen);
     picture.radiance = stage.renderer().shade(world, picture.seen, tolerance);
     double squares = 0, pixels = 0;

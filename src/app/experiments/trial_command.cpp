@@ -43,7 +43,8 @@ void check_trial_outputs(const RenderJob& film, const RenderOptions& options,
 
 RenderJob prepare_trials(const RenderOptions& options) {
     RenderJob film = prepare(options);
-    // References know no tolerance, so they would not look closer at edges: what light does is to be compared, not that.
+    // References know no tolerance, so they would not look closer at edges: what light does is to be compared, not
+    // that.
     film.rendering.most_samples = 0;
     for (const std::string& note : film.animation->notes)
         if (!options.quiet && !note.empty()) print_line(note);

@@ -102,10 +102,11 @@ int edge_samples_of(const RenderOptions& options, const RenderJob& film) {
     return film.kind == OutputKind::film ? 16 : 64;
 }
 
-/// Eye samples where even these would let edges show.
-int most_samples_of(const RenderOptions& options, const RenderJob& film) {
+/// Eye samples of pixels with edges, and of those whose edges would show all the same.
+void settle_edges(RenderJob& film, const RenderOptions& options) {
+    film.rendering.edge_samples = edge_samples_of(options, film);
     const bool by_hand = options.edge_samples || film.rendering.edge_samples == 0;
-    return film.tolerance.coupled && film.kind == OutputKind::film && !by_hand ? 256 : 0;
+    film.rendering.most_samples = film.tolerance.coupled && !by_hand ? 256 : 0;
 }
 
 /// What light points may cost, where they are chosen by it.
@@ -254,8 +255,7 @@ RenderJob prepare(const RenderOptions& options) {
     film.disc = preset != nullptr && preset->disc;
     film.sound = sound_of(options.coding, animation->sound, options.output, film.frames, film.rate);
     if (film.kind == OutputKind::film) check_settings(film.coding);
-    film.rendering.edge_samples = edge_samples_of(options, film);
-    film.rendering.most_samples = most_samples_of(options, film);
+    settle_edges(film, options);
 
     decide_passes(film, options);
     return film;

@@ -86,10 +86,10 @@ void add_light_options(CLI::App& command, RenderOptions& options) {
         ->capture_default_str()
         ->group(light);
     command
-        .add_option(
-            "--edge-samples", options.edge_samples,
-            "Eye samples of pixels that show an edge (default: 16 for films, 64 for frames; as many as --samples "
-            "where that is given)")
+        .add_option("--edge-samples", options.edge_samples,
+                    "Eye samples of pixels that show an edge (default: 16 for films, and 64 or 256 where the edge "
+                    "would show; 64 "
+                    "for frames; as many as --samples where that is given)")
         ->check(CLI::Range(1, 256))
         ->group(light);
     add_tolerance_option(command, options, light);

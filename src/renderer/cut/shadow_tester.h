@@ -48,7 +48,7 @@ class ShadowTester {
                LightContribution& contribution);
 
     /// The same of a light that is gathered by itself: `unit` times the share of each lane's places that it reaches.
-    /// `lit` and `unknown` say nothing then. Further places are asked 16 at a time, until all agree.
+    /// `lit` and `unknown` say nothing then. Further places are asked 16 at a time.
     void trace_from_places(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp,
                            LightContribution& contribution);
 
