@@ -41,7 +41,8 @@ json cost_of(const std::string& scene, const std::string& options) {
 /// Without what a clock says.
 json timeless(json value) {
     if (value.is_object())
-        for (const char* key : {"seconds", "window_seconds", "time_ratio", "knee", "summary", "command"})
+        for (const char* key : {"seconds", "window_seconds", "time_ratio", "knee", "summary", "command", "answer",
+                                "clock", "recommended"})
             value.erase(key);
     if (value.is_structured())
         for (json& part : value) part = timeless(part);

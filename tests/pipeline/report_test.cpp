@@ -180,7 +180,7 @@ TEST(FramePlot, KeepsAllInsideItsFrame) {
             for (std::size_t at = svg.find(" y=\""); at != std::string::npos; at = svg.find(" y=\"", at + 1)) {
                 const double y = std::stod(svg.substr(at + 4));
                 EXPECT_GE(y, 8.0) << most;
-                EXPECT_LE(y, 176.0) << most;
+                EXPECT_LE(y, 192.0) << most;
             }
         }
 }

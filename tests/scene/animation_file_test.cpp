@@ -100,8 +100,8 @@ TEST_F(AnimationFile, RefusesWhatContradictsItself) {
     expect_complaint(R"({"camera": {}, "cameras": {}})", {"camera"});
     expect_complaint(R"({"frames": 3, "seconds": 2})", {"seconds", "frames"});
     expect_complaint(R"({"frames": 3, "frames": 4})", {"\"frames\" twice"});
-    expect_complaint(R"({"cameras": {"a": {}}, "shots": [{"at": 0, "camera": "b"}]})",
-                     {"shots[0].camera", "\"b\"", "\"a\""});
+    expect_complaint(R"({"cameras": {"side": {}}, "shots": [{"at": 0, "camera": "sdie"}]})",
+                     {"shots[0].camera", "\"sdie\"", "did you mean \"side\""});
     expect_complaint(R"({"cameras": {"a": {}}, "shots": [{"at": 1, "camera": "a"}]})", {"shots[0].at", "0"});
     expect_complaint(R"({"objects": [{"shape": "box", "material": "wite"}], "materials": {"white": {}}})",
                      {"objects[0].material", "\"wite\"", "\"white\""});
