@@ -266,7 +266,7 @@ TEST(BlendViewsSlow, AreShownAsBlenderShowsThem) {
     EXPECT_NEAR(rows[0].mean, 1, 0.02) << "of code values";
     EXPECT_GE(rows[0].psnr, 30) << "of Blender's own picture";
     // Another view than the one that is asked for would be far off.
-    EXPECT_EQ(run(program() + " render " + blend + " -o " + path(folder, "ours%04d.png") + " --view standard" +
+    EXPECT_EQ(run(program() + " render " + blend + " -o " + path(folder, "ours%04d.png") + " --view standard -y" +
                   " --frames 0:0 --tolerance fixed=5% --vpls 1024 --quiet")
                   .status,
               0);
