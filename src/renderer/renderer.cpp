@@ -154,6 +154,12 @@ struct Renderer::Impl {
         statistics.photon_energy_lost += lit_anchors.lost;
     }
 
+    void count(const SeeCounts& counts) {
+        statistics.primary_rays += counts.primary_rays;
+        statistics.specular_rays += counts.specular_rays;
+        statistics.sky_seconds += counts.sky_seconds;
+    }
+
     /// What `see` needs; lights the anchors that lobe rays meet.
     SeeSettings see_settings(const scene::Snapshot& snapshot) {
         SeeSettings s{settings.format,         settings.samples,        settings.edge_samples,
@@ -325,9 +331,7 @@ Seen Renderer::see(const scene::Snapshot& snapshot) {
     const Stopwatch timer(impl_->row(Pass::see));
     SeeCounts counts;
     Seen seen = renderer::see(impl_->posed_scene, settings, impl_->plan, counts);
-    impl_->statistics.primary_rays += counts.primary_rays;
-    impl_->statistics.specular_rays += counts.specular_rays;
-    impl_->statistics.sky_seconds += counts.sky_seconds;
+    impl_->count(counts);
     return seen;
 }
 
@@ -339,9 +343,7 @@ void Renderer::look_closer(const scene::Snapshot& snapshot, const core::Toleranc
     SeeCounts counts;
     renderer::look_closer(impl_->posed_scene, settings, impl_->plan, tolerance, impl_->settings.most_samples, seen,
                           counts);
-    impl_->statistics.primary_rays += counts.primary_rays;
-    impl_->statistics.specular_rays += counts.specular_rays;
-    impl_->statistics.sky_seconds += counts.sky_seconds;
+    impl_->count(counts);
 }
 
 core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance) {

@@ -18,10 +18,27 @@ bool shines_alike(const LightPoint& a, const LightPoint& b) {
            a.spot_scale == b.spot_scale && a.spot_offset == b.spot_offset && a.range == b.range && a.kind == b.kind;
 }
 
+/// Makes all[i] all[from(i)] for i below `count`, what comes from nowhere empty, in place, since there are many and
+/// they are large. `from` rises where it is not `none`.
+template <typename T, typename From>
+void rearrange(std::vector<T>& all, std::size_t count, std::uint32_t none, From from) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count; ++i)
+        if (from(i) != none) all[kept++] = all[from(i)];
+    // To where they belong, the last first, so that none meets one that has not moved yet.
+    all.resize(kept);
+    all.reserve(count);
+    all.resize(count);
+    for (std::size_t i = count; i-- > 0;) all[i] = from(i) != none ? all[--kept] : T();
+}
+
 }  // namespace
 
 void KeptPhotons::start(std::span<const LightPoint> lights, const WorldBox& box, std::uint64_t paths) {
     next_ = {};
+    next_.reserve(paths, now_.places.size());
+    sources_.clear();
+    new_hits_.clear();
     taken_hits_ = 0;
     const bool beams = std::any_of(lights.begin(), lights.end(),
                                    [](const LightPoint& l) { return l.kind == LightPointKind::directional; });
@@ -29,8 +46,28 @@ void KeptPhotons::start(std::span<const LightPoint> lights, const WorldBox& box,
         std::equal(lights.begin(), lights.end(), lights_.begin(), lights_.end(), shines_alike))
         return;
     now_ = {};
+    hits_.clear();
+    shares_.clear();
     lights_.assign(lights.begin(), lights.end());
     box_ = box;
+}
+
+/// A little more than before, so that nothing grows to twice its size on the way.
+void KeptPhotons::Paths::reserve(std::uint64_t count, std::size_t place_count) {
+    paths.reserve(count);
+    first_place.reserve(count);
+    places.reserve(place_count + place_count / 16);
+}
+
+void KeptPhotons::finish() {
+    now_ = std::exchange(next_, {});
+    rearrange(hits_, sources_.size(), none, [&](std::size_t i) { return sources_[i].hit; });
+    rearrange(shares_, sources_.size(), none, [&](std::size_t i) { return sources_[i].shares; });
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < sources_.size(); ++i)
+        if (sources_[i].hit == none) hits_[i] = new_hits_[next++];
+    sources_ = {};
+    new_hits_ = {};
 }
 
 bool KeptPhotons::passes_clear(std::uint64_t path, const RayTracer& scene) const {
@@ -59,12 +96,12 @@ std::vector<std::uint64_t> KeptPhotons::changed(std::uint64_t first, std::uint64
 }
 
 /// Of the k-th hit of a path that is followed anew: up to where its way changes the hits are those of before.
-KeptShares KeptPhotons::shares_of(std::uint64_t path, std::uint32_t k, const PhotonHit& hit) const {
-    if (now_.paths.empty() || k >= now_.paths[path].vpls) return {};
-    const PhotonHit& before = now_.hits[taken_hits_ + k];
+std::uint32_t KeptPhotons::shares_of(std::uint64_t path, std::uint32_t k, const PhotonHit& hit) const {
+    if (now_.paths.empty() || k >= now_.paths[path].vpls) return none;
+    const PhotonHit& before = hits_[taken_hits_ + k];
     const bool same =
         before.group == hit.group && before.at.position == hit.at.position && before.at.normal == hit.at.normal;
-    return same ? now_.shares[taken_hits_ + k] : KeptShares();
+    return same ? static_cast<std::uint32_t>(taken_hits_ + k) : none;
 }
 
 void KeptPhotons::take(std::uint64_t count, std::span<const std::uint64_t> changed, const PhotonResult& traced,
@@ -83,16 +120,18 @@ void KeptPhotons::take(std::uint64_t count, std::span<const std::uint64_t> chang
         next_.first_place.push_back(next_.places.size());
         if (is_new) {
             append(next_.places, traced.places, place, path.places);
-            append(next_.hits, hits, hit, path.vpls);
+            append(new_hits_, hits, hit, path.vpls);
             for (std::uint32_t k = 0; k < path.vpls; ++k)
-                next_.shares.push_back(shares_of(first + i, k, hits[hit + k]));
+                sources_.push_back({none, shares_of(first + i, k, hits[hit + k])});
             ++anew;
             place += path.places;
             hit += path.vpls;
         } else {
             append(next_.places, now_.places, now_.first_place[first + i], path.places);
-            append(next_.hits, now_.hits, taken_hits_, path.vpls);
-            append(next_.shares, now_.shares, taken_hits_, path.vpls);
+            for (std::uint32_t k = 0; k < path.vpls; ++k) {
+                const auto from = static_cast<std::uint32_t>(taken_hits_ + k);
+                sources_.push_back({from, from});
+            }
         }
         if (!now_.paths.empty()) taken_hits_ += now_.paths[first + i].vpls;
     }

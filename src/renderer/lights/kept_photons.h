@@ -16,8 +16,8 @@ namespace render2mpeg::renderer {
 /// come into its way. What is kept never changes the light: it is what would be found anew.
 class KeptPhotons {
   public:
-    /// How many photons are kept at most: they take some 250 bytes each, twice
-    /// while they are brought up to date. Changing light has 131,072, unless it is asked for more.
+    /// How many hits are kept at most: they take some 240 bytes each. Changing light has 131,072, unless it is asked
+    /// for more.
     static constexpr std::size_t most = 1u << 18;
 
     /// Forgets all unless it started from these lights, beams of light in this box.
@@ -33,28 +33,38 @@ class KeptPhotons {
     void take(std::uint64_t count, std::span<const std::uint64_t> changed, const PhotonResult& traced,
               std::span<const PhotonHit> hits);
     /// After all were taken.
-    void finish() { now_ = std::exchange(next_, {}); }
+    void finish();
 
     std::span<const PhotonPath> paths() const { return now_.paths; }
-    std::span<const PhotonHit> hits() const { return now_.hits; }
-    std::span<KeptShares> shares() { return now_.shares; }
+    std::span<const PhotonHit> hits() const { return hits_; }
+    std::span<KeptShares> shares() { return shares_; }
 
   private:
-    /// All paths, their hits and places, in the order of the paths.
+    /// All paths and where they pass, in the order of the paths.
     struct Paths {
         std::vector<PhotonPath> paths;
         std::vector<std::size_t> first_place;  ///< of each
         std::vector<glm::vec3> places;
-        std::vector<PhotonHit> hits;
-        std::vector<KeptShares> shares;  ///< of each hit
+
+        void reserve(std::uint64_t count, std::size_t place_count);
+    };
+
+    static constexpr std::uint32_t none = 0xffffffffu;
+    /// Where a hit of this instant comes from: places in hits_ and shares_, rising; none: it is new.
+    struct Source {
+        std::uint32_t hit, shares;
     };
 
     bool passes_clear(std::uint64_t path, const RayTracer& scene) const;
-    KeptShares shares_of(std::uint64_t path, std::uint32_t k, const PhotonHit& hit) const;
+    std::uint32_t shares_of(std::uint64_t path, std::uint32_t k, const PhotonHit& hit) const;
 
     std::vector<LightPoint> lights_;
     WorldBox box_;
     Paths now_, next_;
+    std::vector<PhotonHit> hits_;     ///< of now_
+    std::vector<KeptShares> shares_;  ///< of each of them
+    std::vector<Source> sources_;     ///< of the hits of next_
+    std::vector<PhotonHit> new_hits_;
     std::size_t taken_hits_ = 0;  ///< of now_, by those that next_ has
 };
 

@@ -79,10 +79,7 @@ void look_closer(const PosedScene& posed_scene, const SeeSettings& settings, con
     if (lobes.trace_rays())
         parallel::for_each(seen.tiles.size(),
                            [&](std::size_t t) { tile_counts[t].specular_rays += lobes.light(t, seen); });
-    for (const SeeCounts& c : tile_counts) {
-        counts.primary_rays += c.primary_rays;
-        counts.specular_rays += c.specular_rays;
-    }
+    for (const SeeCounts& c : tile_counts) counts.add(c);
     counts.sky_seconds += paths.sky_seconds();
 }
 

@@ -27,6 +27,12 @@ struct SeeCounts {
     std::uint64_t primary_rays = 0;   ///< from the eye, and on through layers
     std::uint64_t specular_rays = 0;  ///< from mirrors, and along lobes
     double sky_seconds = 0;           ///< CPU, about: looking at the sky
+
+    void add(const SeeCounts& more) {
+        primary_rays += more.primary_rays;
+        specular_rays += more.specular_rays;
+        sky_seconds += more.sky_seconds;
+    }
 };
 
 /// Primary visibility of the posed snapshot, with antialiasing (docs/model/visibility.md). Pixels whose samples show

@@ -154,15 +154,10 @@ class TileLook {
         if (p.others < most_other_places) {
             p.elsewhere[p.others++] = place;
         } else if (looking_.keeps_places) {
-            if (more_places_.empty() || more_places_.back().first != point) {
-                const auto known = std::find_if(more_places_.begin(), more_places_.end(),
-                                                [&](const auto& entry) { return entry.first == point; });
-                if (known == more_places_.end())
-                    more_places_.emplace_back(point, std::vector<glm::vec3>());
-                else
-                    std::swap(*known, more_places_.back());
-            }
-            more_places_.back().second.push_back(place);
+            auto entry = std::find_if(more_places_.begin(), more_places_.end(),
+                                      [&](const auto& other) { return other.first == point; });
+            if (entry == more_places_.end()) entry = more_places_.insert(entry, {point, {}});
+            entry->second.push_back(place);
         }
     }
 

@@ -1,7 +1,8 @@
 """blender -b -noaudio --factory-startup --python-exit-code 1 -P cycles.py -- FOLDER SAMPLES [WIDTH HEIGHT]
 
-Renders FOLDER/film.json (as scenes.py writes it: first frame, constant sky) with Cycles, twice with SAMPLES samples and
-different seeds: FOLDER/cycles0.exr, cycles1.exr. No denoiser, no clamp, no adaptive sampling, box filter of one pixel, paths
+Renders FOLDER/film.json (as scenes.py writes it: linear keys, constant sky) with Cycles, twice with SAMPLES samples and
+different seeds: FOLDER/cycles0.exr, cycles1.exr; of a film of several frames cycles0_0000.exr and so on, with a seed for each
+frame, and FOLDER/cycles_film_seconds: CPU seconds of one sample of one frame, starting and loading aside. No denoiser, no clamp, no adaptive sampling, box filter of one pixel, paths
 of up to 128 surfaces.
 
 Units. A sun's strength is its irradiance. Panels and spheres are meshes of that radiance. The power of a point lamp is
@@ -18,6 +19,18 @@ from mathutils import Matrix, Quaternion, Vector
 
 POINT_POWER = 4 * math.pi  # watts of a Blender point lamp per W/sr
 TO_BLENDER = Matrix(((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, 1)))  # y up to z up
+
+
+def at(thing, seconds):
+    """A thing with keys as it is then."""
+    if "keys" not in thing:
+        return thing
+    first, last = thing["keys"]
+    part = seconds / last["at"]
+
+    def between(a, b):
+        return [between(x, y) for x, y in zip(a, b)] if isinstance(a, list) else a + part * (b - a)
+    return {**thing, **{k: between(v, last[k]) for k, v in first.items() if k != "at"}}
 
 
 def colour(value, length=3):
@@ -209,6 +222,7 @@ def add_mesh(vertices, faces, material, matrix, smooth, normals=None):
     thing = bpy.data.objects.new("object", mesh)
     thing.matrix_world = TO_BLENDER @ matrix
     bpy.context.scene.collection.objects.link(thing)
+    return thing
 
 
 def add_model(path):
@@ -283,10 +297,14 @@ def add_camera(says):
     camera.sensor_fit, camera.lens_unit, camera.angle_y = "VERTICAL", "FOV", math.radians(says["fov"])
     camera.clip_start, camera.clip_end = 1e-3, 1e5
     thing = bpy.data.objects.new("camera", camera)
-    place, aim = (TO_BLENDER @ Vector(says[k]) for k in ("position", "look_at"))
-    thing.location, thing.rotation_euler = place, (aim - place).to_track_quat("-Z", "Y").to_euler()
     bpy.context.scene.collection.objects.link(thing)
     bpy.context.scene.camera = thing
+    return thing
+
+
+def aim_camera(thing, says):
+    place, aim = (TO_BLENDER @ Vector(says[k]) for k in ("position", "look_at"))
+    thing.location, thing.rotation_euler = place, (aim - place).to_track_quat("-Z", "Y").to_euler()
 
 
 def set_up(film, samples, size, bounces, caustics):
@@ -319,20 +337,37 @@ def main():
     bpy.ops.wm.read_factory_settings(use_empty=True)
     set_up(film, int(samples), size, side.get("bounces", 128), side.get("caustics", True))
     materials = {name: surface(name, says, side) for name, says in film.get("materials", {}).items()}
+    movers = []
     for thing in film.get("objects", []):
         vertices, faces, smooth = shape(thing)
-        add_mesh(vertices, faces, materials[thing["material"]], pose(thing), smooth)
+        made = add_mesh(vertices, faces, materials[thing["material"]], pose(at(thing, 0)), smooth)
+        if "keys" in thing:
+            movers.append((made, thing))
     for light in film.get("lights", []):
         add_light(light)
     if "scene" in film:
         add_model(os.path.join(folder, film["scene"]))
-    add_camera(film["camera"])
-    for seed in (0, 1):
-        bpy.context.scene.cycles.seed = 2 * side["seed"] + seed
-        bpy.context.scene.render.filepath = os.path.join(folder, f"cycles{seed}.exr")
-        bpy.ops.render.render(write_still=True)
+    camera = add_camera(film["camera"])
+    begin = None
+    for frame in range(film["frames"]):
+        aim_camera(camera, at(film["camera"], frame / film["frame_rate"]))
+        for made, thing in movers:
+            made.matrix_world = TO_BLENDER @ pose(at(thing, frame / film["frame_rate"]))
+        for seed in (0, 1):
+            bpy.context.scene.cycles.seed = 2 * side["seed"] + seed + 10000 * frame
+            name = f"cycles{seed}_{frame:04d}" if film["frames"] > 1 else f"cycles{seed}"
+            bpy.context.scene.render.filepath = os.path.join(folder, name + ".exr")
+            bpy.ops.render.render(write_still=True)
+            begin = begin or cpu_seconds()  # after the first, which loads
+    open(os.path.join(folder, "cycles_seconds"), "w").write(f"{cpu_seconds():.0f}")
+    if film["frames"] > 1:
+        each = (cpu_seconds() - begin) / (2 * film["frames"] - 1)
+        open(os.path.join(folder, "cycles_film_seconds"), "w").write(f"{each / int(samples):.6f}")
+
+
+def cpu_seconds():
     times = os.times()
-    open(os.path.join(folder, "cycles_seconds"), "w").write(f"{times.user + times.system:.0f}")
+    return times.user + times.system
 
 
 main()

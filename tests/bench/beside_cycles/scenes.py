@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""scenes.py [--models SCENES_FOLDER] OUT_FOLDER [NAME...]
+"""scenes.py [--models SCENES_FOLDER] [--frames N] OUT_FOLDER [NAME...]
 
 Writes scenes as animation files, OUT_FOLDER/NAME/film.json, which render2mpeg and cycles.py both read: one description for
 both. Scenes whose names begin with "check_" are a matt plane under one lamp, with the closed form of its radiance in
 OUT_FOLDER/NAME/closed_form. Models become matt and rigid: each material keeps its colour factor, loses textures and
 highlights, and shows both sides, so that the comparison is of light and not of material conventions; skins and morphs go.
+Films of more than one frame: in cornell the short box slides and turns, elsewhere the camera goes sideways.
 """
 import argparse
 import json
@@ -272,10 +273,32 @@ def matt_model(source, left_out):
     return struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(binary), len(text), b"JSON") + text + binary
 
 
+def moved(name, film, frames):
+    """The film with linear motion, as much a frame however many there are."""
+    end = (frames - 1) / 25
+
+    def keyed(thing, change):
+        keys = {k: thing.pop(k) for k in ("position", "look_at", "rotate") if k in thing}
+        thing.update({"interpolation": "linear", "keys": [{"at": 0, **keys}, {"at": end, **change(keys)}]})
+
+    if name == "cornell":
+        # A box a thirtieth of a unit and four degrees a frame.
+        keyed(film["objects"][-1], lambda at: {"position": [at["position"][0] - (frames - 1) / 30, 0, at["position"][2]],
+                                               "rotate": at["rotate"] + 4 * (frames - 1)})
+        return
+    camera = film["camera"]
+    way = [b - a for a, b in zip(camera["position"], camera["look_at"])]
+    across = [-way[2], 0, way[0]]
+    step = (frames - 1) / 250  # of the distance that it looks
+
+    keyed(camera, lambda at: {k: [v + step * a for v, a in zip(at[k], across)] for k in ("position", "look_at")})
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("out")
     parser.add_argument("--models")
+    parser.add_argument("--frames", type=int, default=1)
     parser.add_argument("names", nargs="*")
     arguments = parser.parse_args()
     scenes = list(checks()) + list(own()) + list(hard())
@@ -286,7 +309,11 @@ def main():
             continue
         folder = os.path.join(arguments.out, name)
         os.makedirs(folder, exist_ok=True)
-        film = {"size": [192, 128], "frames": 1, "frame_rate": 25, "exposure": 0, **film}
+        film = {"size": [192, 128], "frames": arguments.frames, "frame_rate": 25, **film}
+        if arguments.frames > 1:
+            moved(name, film, arguments.frames)
+        else:
+            film["exposure"] = 0
         if "model" in side:
             film["scene"] = "model.glb"
             with open(os.path.join(folder, "model.glb"), "wb") as file:
