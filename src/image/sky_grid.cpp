@@ -1,7 +1,8 @@
 // Skies as lights. The division into parts of equal power is Debevec's median cut [Debevec2005]. We changed: parts are
 // divided in proportion to the number of lights they still get, so that any count works; cells that alone exceed a
 // part's power are taken out first, so that a sun does not draw the borders of all other parts to itself; the longer
-// side is measured on the sphere, not in the image.
+// side is measured on the sphere, not in the image; and power may be weighed by what it counts for, so that a room has
+// most of its lights where its windows look.
 #include "image/sky_grid.h"
 
 #include <algorithm>
@@ -128,8 +129,8 @@ SkySample SkyGrid::sample_of(const Part& part, const core::Plane<float>& power) 
     glm::vec3 fallback{0, 1, 0};
     for (int y = part.y0; y < part.y1; ++y)
         for (int x = part.x0; x < part.x1; ++x) {
-            const float p = power.at(x, y);
-            if (!(p > 0)) continue;
+            if (!(power.at(x, y) > 0)) continue;  // a part of its own
+            const float p = core::luminance(light_.at(x, y));
             light += glm::dvec3(light_.at(x, y));
             center += glm::dvec3(center_.at(x, y)) * static_cast<double>(p);
             if (p > brightest) {
@@ -142,13 +143,15 @@ SkySample SkyGrid::sample_of(const Part& part, const core::Plane<float>& power) 
     return {direction, glm::vec3(light), static_cast<float>(solid_angle(part)), 0};
 }
 
-std::vector<SkySample> SkyGrid::divide(int count) const {
+std::vector<SkySample> SkyGrid::divide(int count, const SkyImportance& importance) const {
     std::vector<SkySample> samples;
     if (count <= 0 || empty()) return samples;
 
     // Weigh the cells, and take out those that are parts of their own.
     core::Plane<float> power(columns(), rows());
-    std::transform(light_.values().begin(), light_.values().end(), power.values().begin(), core::luminance);
+    for (int y = 0; y < rows(); ++y)
+        for (int x = 0; x < columns(); ++x)
+            power.at(x, y) = core::luminance(light_.at(x, y)) * (importance ? importance(center_.at(x, y)) : 1.0f);
     double total = 0, rest = 0;
     for (const float p : power.values()) total += p;
     for (int y = 0; y < rows(); ++y)

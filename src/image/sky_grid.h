@@ -1,6 +1,7 @@
 #pragma once
 // Divides a sky into directional lights.
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <vector>
 
@@ -15,6 +16,9 @@ struct SkySample {
     float solid_angle = 0;    ///< of the part, steradian, > 0
     std::uint32_t id = 0;     ///< 0, 1, 2, ... in the order of the parts; the same for the same arguments
 };
+
+/// How much light from a direction (unit) counts, > 0, relative to other directions.
+using SkyImportance = std::function<float(glm::vec3)>;
 
 /// A latitude-longitude image as cells of light: what is divided into lights. A cell is a pixel, or as many pixels as
 /// are not more than a quarter of a degree (half the sun), or a piece of a pixel where the image has only a few.
@@ -33,7 +37,7 @@ class SkyGrid {
     glm::vec3 total() const { return total_; }
 
     /// SkyMap::samples, in the map's own space.
-    std::vector<SkySample> divide(int count) const;
+    std::vector<SkySample> divide(int count, const SkyImportance& importance = {}) const;
 
   private:
     struct Part;

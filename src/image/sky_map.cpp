@@ -16,6 +16,9 @@ constexpr float largest_radiance = 1e18f;
 /// Probes that a texture has for a long footprint; longer ones would be blurred across, too.
 constexpr float longest_footprint = 16;
 
+/// Columns of the grid that an even sky is divided by. chosen: 512, cells of 0.7 degrees; a hundred thousand of them.
+constexpr int even_columns = 512;
+
 float usable(float radiance) {
     if (!(radiance > 0)) return 0.0f;
     return std::isinf(radiance) ? overflowed : std::min(radiance, largest_radiance);
@@ -83,18 +86,21 @@ glm::vec3 SkyMap::radiance(glm::vec3 direction, float solid_angle) const {
     return glm::vec3(texture_.sample(uv, {{wide, 0}, {0, high}}));
 }
 
-std::vector<SkySample> SkyMap::samples(int count) const {
+std::vector<SkySample> SkyMap::samples(int count, const SkyImportance& importance) const {
     if (count <= 0 || !(core::luminance(mean_) > 0)) return {};
-    if (!uniform()) {
-        std::vector<SkySample> samples = grid_.divide(count);
-        for (SkySample& sample : samples) sample.direction = to_world(sample.direction);
+    std::vector<SkySample> samples;
+    if (uniform() && !importance) {
+        const float solid_angle = 4 * std::numbers::pi_v<float> / static_cast<float>(count);
+        for (int i = 0; i < count; ++i)
+            samples.push_back(
+                {spiral_direction(i, count), mean_ * solid_angle, solid_angle, static_cast<std::uint32_t>(i)});
         return samples;
     }
-    std::vector<SkySample> samples;
-    const float solid_angle = 4 * std::numbers::pi_v<float> / static_cast<float>(count);
-    for (int i = 0; i < count; ++i)
-        samples.push_back(
-            {spiral_direction(i, count), mean_ * solid_angle, solid_angle, static_cast<std::uint32_t>(i)});
+    SkyImportance in_map;
+    if (importance) in_map = [&](glm::vec3 direction) { return importance(to_world(direction)); };
+    samples = (uniform() ? SkyGrid(core::Plane<glm::vec4>(even_columns, even_columns / 2, glm::vec4(mean_, 1))) : grid_)
+                  .divide(count, in_map);
+    for (SkySample& sample : samples) sample.direction = to_world(sample.direction);
     return samples;
 }
 

@@ -34,8 +34,9 @@ class SkyMap {
     /// irradiances sum to 4 pi x mean(). Pixels that alone hold more than 1 / count of the power, like a sun, are parts
     /// of their own, but pixels that lie within a quarter of a degree are one. Fewer than `count` where the map has
     /// fewer bright pixels; none where the sky is black or `count` is 0. A sky of one colour gives exactly `count`
-    /// directions, spread evenly.
-    std::vector<SkySample> samples(int count) const;
+    /// directions, spread evenly. With `importance` (of directions in the world) parts are of about equal power times
+    /// importance.
+    std::vector<SkySample> samples(int count, const SkyImportance& importance = {}) const;
 
     /// Whether the sky has one colour.
     bool uniform() const { return grid_.empty(); }

@@ -97,6 +97,11 @@ struct Renderer::Impl {
 
     void start_chunk(const scene::Snapshot& first) {
         first_frame = first.frame;
+        if (!looked_at_sky) {
+            const Stopwatch timer(row(Pass::sky_light));
+            statistics.photon_rays += light_points.look_at_sky(posed_scene);
+            looked_at_sky = true;
+        }
         pose(first);
         if (!anchors && plan.runs(Pass::photons) && settings.vpls > 0) {
             const Stopwatch timer(row(Pass::photons));
@@ -293,6 +298,7 @@ struct Renderer::Impl {
     Plan plan;
     PosedScene posed_scene;
     LightPoints light_points;
+    bool looked_at_sky = false;
     std::optional<Anchors> anchors;  ///< of the film
     WholeLamps lamps;                ///< of the film
     PersistentLightTrees lasting;    ///< of the chunk

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 #include <set>
 
@@ -165,6 +166,50 @@ TEST(LightPoints, OfTheSkyCarryItsWholePower) {
     double solid_angle = 0;
     for (const LightPoint& p : points) solid_angle += p.disc2 * float_pi;
     EXPECT_NEAR(solid_angle, 4 * float_pi, 0.05);
+}
+
+/// The sky's points over a floor that the camera looks at, or away from; looked at it or not.
+std::vector<LightPoint> sky_points(glm::vec3 target, bool looks) {
+    SceneBuilder b;
+    b.add_quad({-50, 0, 50}, {100, 0, 0}, {0, 0, -100}, b.add_material());
+    b.film().sky.color = {1, 2, 3};
+    b.add_camera({0, 2, 0}, target);
+    const scene::Animation film = b.build();
+    const Plan plan = make_plan(scene::traits_of(film), {});
+    PosedScene posed_scene(film, core::detect_isa(), plan);
+    LightPoints points(posed_scene, plan, 1000, 1);
+    if (looks) points.look_at_sky(posed_scene);
+    posed_scene.pose(test::snapshot(film, 0, 8, 8));
+    return points.at(posed_scene);
+}
+
+TEST(LightPoints, OfTheSkyLieWhereSeenSurfacesLook) {
+    const auto shining_down = [](const std::vector<LightPoint>& points) {
+        return std::count_if(points.begin(), points.end(), [](const LightPoint& p) { return p.normal.y < 0; });
+    };
+    const auto even = sky_points({0, 0, -2}, false), looked_at = sky_points({0, 0, -2}, true);
+    EXPECT_NEAR(static_cast<double>(even.size()), 1000.0, 10.0);
+    EXPECT_NEAR(static_cast<double>(looked_at.size()), 1000.0, 10.0);
+    EXPECT_NEAR(static_cast<double>(shining_down(even)), 500.0, 20.0);
+    // A tenth of the power is below for the even share of a fifth.
+    EXPECT_NEAR(static_cast<double>(shining_down(looked_at)), 900.0, 20.0);
+
+    // No light is lost, and each part's direction and size are its own.
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(flux_of(looked_at)[k], flux_of(even)[k], 1e-3 * flux_of(even)[k]);
+    glm::dvec3 up(0);
+    double solid_angle = 0;
+    for (const LightPoint& p : looked_at) {
+        if (p.normal.y < 0) up -= static_cast<double>(p.normal.y) * glm::dvec3(p.intensity);
+        solid_angle += p.disc2 * float_pi;
+    }
+    EXPECT_NEAR(up.x, float_pi, 0.01 * float_pi);  // irradiance of a floor
+    EXPECT_NEAR(solid_angle, 4 * float_pi, 0.05);
+}
+
+TEST(LightPoints, OfTheSkyStayEvenWhereNoSurfaceIsSeen) {
+    const auto even = sky_points({0, 4, 0.1f}, false), looked_at = sky_points({0, 4, 0.1f}, true);
+    ASSERT_EQ(even.size(), looked_at.size());
+    for (std::size_t i = 0; i < even.size(); ++i) EXPECT_EQ(even[i].normal, looked_at[i].normal);
 }
 
 }  // namespace

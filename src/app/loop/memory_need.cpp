@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "image/image.h"
 #include "renderer/lights/anchors.h"
+#include "renderer/lights/kept_photons.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -20,6 +21,7 @@ namespace {
 constexpr std::uint64_t per_triangle = 135;
 constexpr std::uint64_t per_lamp = 1300;
 constexpr std::uint64_t per_candidate = 400;  ///< of the places that anchors are chosen from
+constexpr std::uint64_t per_kept_photon = 350;
 constexpr std::uint64_t per_pixel = 250, per_sample = 60;
 constexpr std::uint64_t per_decoded_pixel = 48;
 constexpr std::uint64_t always = std::uint64_t{24} << 20;
@@ -57,6 +59,11 @@ MemoryNeed memory_need(const RenderJob& film) {
     }
     need.lights = per_lamp * (static_cast<std::uint64_t>(film.rendering.direct_points) + scene.lights.size()) +
                   per_candidate * renderer::candidates_for(static_cast<std::uint64_t>(most_light_points(film)));
+    const bool keeps_photons = film.rendering.vpls > 0 &&
+                               std::any_of(scene.objects.begin(), scene.objects.end(), [](const scene::Object& object) {
+                                   return object.mobility != scene::Mobility::still;
+                               });
+    if (keeps_photons) need.lights += per_kept_photon * renderer::KeptPhotons::most;
     need.frames = always + (per_pixel + per_sample * static_cast<std::uint64_t>(film.rendering.samples)) *
                                static_cast<std::uint64_t>(film.format.width) *
                                static_cast<std::uint64_t>(film.format.height);

@@ -7,6 +7,7 @@
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
+#include "renderer/lights/average_light.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -17,25 +18,6 @@ constexpr int looks = 8;
 /// Places nearer to a seen point than this share of the usual distance count as if they were there: one pair must not
 /// outweigh all others. chosen: a tenth.
 constexpr double nearest_share = 0.1;
-
-struct SeenPoint {
-    glm::vec3 position, normal;
-};
-
-std::vector<SeenPoint> seen_points(const PosedScene& posed_scene) {
-    const scene::Camera& camera = posed_scene.posed().camera;
-    std::vector<SeenPoint> seen;
-    for (int y = 0; y < importance_format.height; ++y)
-        for (int x = 0; x < importance_format.width; ++x) {
-            const scene::Ray ray = camera.ray_through(glm::vec2(x, y) + 0.5f);
-            const Hit hit =
-                posed_scene.tracer().nearest(ray.origin, ray.direction, std::numeric_limits<float>::infinity());
-            if (!hit.found()) continue;
-            const SurfacePoint p = posed_scene.surface_at(hit.address, -ray.direction);
-            seen.push_back({offset_origin(p, p.geometric_normal), p.geometric_normal});
-        }
-    return seen;
-}
 
 /// What passes between a place and a seen point: both cosines, and the squared distance; 0 where something is between.
 struct Look {
@@ -66,6 +48,29 @@ double usual_distance2(std::span<const Look> looked) {
 }
 
 }  // namespace
+
+std::vector<SeenPoint> seen_points(const PosedScene& posed_scene) {
+    const scene::Camera& camera = posed_scene.posed().camera;
+    std::vector<SeenPoint> seen;
+    for (int y = 0; y < importance_format.height; ++y)
+        for (int x = 0; x < importance_format.width; ++x) {
+            const scene::Ray ray = camera.ray_through(glm::vec2(x, y) + 0.5f);
+            const Hit hit =
+                posed_scene.tracer().nearest(ray.origin, ray.direction, std::numeric_limits<float>::infinity());
+            if (!hit.found()) continue;
+            const SurfacePoint p = posed_scene.surface_at(hit.address, -ray.direction);
+            seen.push_back({offset_origin(p, p.geometric_normal), p.geometric_normal});
+        }
+    return seen;
+}
+
+scene::Snapshot importance_instant(const scene::Animation& film, int i, int count) {
+    const auto microseconds = static_cast<std::int64_t>(1e6 * film.duration * (i + 0.5) / count);
+    const std::size_t shots = film.shots.size();
+    const std::int64_t frame =
+        shots == 0 ? 0 : film.shots[static_cast<std::size_t>(i) * shots / static_cast<std::size_t>(count)].frame;
+    return with_average_light(scene::snapshot_at(film, frame, {microseconds, 1000000}, importance_format));
+}
 
 std::vector<float> EyeImportance::of(const PosedScene& posed_scene, std::span<const LightPoint> places) {
     std::vector<float> importance(places.size(), 1.0f);

@@ -12,6 +12,19 @@ namespace render2mpeg::renderer {
 /// Picture format of the cameras that importance is judged by: few rays serve.
 inline constexpr scene::PictureFormat importance_format{24, 14, 1.0f};
 
+/// A place that a camera sees, off its surface.
+struct SeenPoint {
+    glm::vec3 position, normal;
+};
+
+/// What the camera of the posed instant sees, which is made for `importance_format`: one for each of its pixels that
+/// shows a surface.
+std::vector<SeenPoint> seen_points(const PosedScene& posed_scene);
+
+/// The film at one of `count` instants spread over it, its lights at their average strength, its camera one of its
+/// shots'.
+scene::Snapshot importance_instant(const scene::Animation& film, int i, int count);
+
 /// How much of the light that leaves places reaches what cameras see.
 class EyeImportance {
   public:

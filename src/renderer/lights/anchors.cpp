@@ -16,7 +16,6 @@
 #include "renderer/lights/anchor_importance.h"
 #include "renderer/lights/anchor_paths.h"
 #include "renderer/lights/anchor_places.h"
-#include "renderer/lights/average_light.h"
 #include "renderer/lights/emission_guide.h"
 #include "renderer/lights/even_points.h"
 #include "renderer/lights/photon_splat.h"
@@ -74,16 +73,6 @@ LightPoint still_light(const PhotonSplatter& anchors, std::uint32_t id) {
     p.disc2 = anchors.disc2(id);
     p.id = id;
     return p;
-}
-
-/// The film at one of `count` instants spread over it, its lights at their average strength, its camera one of its
-/// shots'.
-scene::Snapshot average_instant(const scene::Animation& film, int i, int count) {
-    const auto microseconds = static_cast<std::int64_t>(1e6 * film.duration * (i + 0.5) / count);
-    const std::size_t shots = film.shots.size();
-    const std::int64_t frame =
-        shots == 0 ? 0 : film.shots[static_cast<std::size_t>(i) * shots / static_cast<std::size_t>(count)].frame;
-    return with_average_light(scene::snapshot_at(film, frame, {microseconds, 1000000}, importance_format));
 }
 
 }  // namespace
@@ -158,12 +147,12 @@ void Anchors::Impl::look(PosedScene& posed_scene, LightPoints& lights) {
     const std::uint64_t wanted = candidates_for(static_cast<std::uint64_t>(settings.count));
     const bool deforms = std::any_of(film.objects.begin(), film.objects.end(),
                                      [](const scene::Object& o) { return o.mobility == scene::Mobility::deforming; });
-    for (int i = 0; deforms && i < shapes; ++i) rest.consider(average_instant(film, i, shapes));
-    const scene::Snapshot first = average_instant(film, 0, count);
+    for (int i = 0; deforms && i < shapes; ++i) rest.consider(importance_instant(film, i, shapes));
+    const scene::Snapshot first = importance_instant(film, 0, count);
     lights.place(posed_scene, first);
     scene::Snapshot instant;
     for (int i = 0; i < count; ++i) {
-        scene::Snapshot next = average_instant(film, i, count);
+        scene::Snapshot next = importance_instant(film, i, count);
         std::swap(instant, next);
         posed_scene.pose(instant);
         look_at(posed_scene, lights.at(posed_scene),

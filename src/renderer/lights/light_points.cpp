@@ -8,6 +8,7 @@
 #include "renderer/base/lobe.h"
 #include "renderer/lights/average_light.h"
 #include "renderer/lights/emitters.h"
+#include "renderer/lights/sky_importance.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -55,7 +56,20 @@ LightPoints::LightPoints(const PosedScene& posed_scene, const Plan& plan, int co
     const int share = std::max(1, emissive_ && sky ? count / 2 : count);
     if (emissive_) emissive_count_ = share;
     if (!sky) return;
-    for (const image::SkySample& sample : posed_scene.sky()->samples(share)) {
+    sky_count_ = share;
+    divide_sky(posed_scene, {});
+}
+
+std::uint64_t LightPoints::look_at_sky(PosedScene& posed_scene) {
+    if (sky_count_ == 0) return 0;
+    std::uint64_t rays = 0;
+    if (const image::SkyImportance importance = sky_importance(posed_scene, rays)) divide_sky(posed_scene, importance);
+    return rays;
+}
+
+void LightPoints::divide_sky(const PosedScene& posed_scene, const image::SkyImportance& importance) {
+    sky_.clear();
+    for (const image::SkySample& sample : posed_scene.sky()->samples(sky_count_, importance)) {
         LightPoint p;
         p.kind = LightPointKind::directional;
         p.normal = -sample.direction;

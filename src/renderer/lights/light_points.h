@@ -29,6 +29,10 @@ class LightPoints {
     /// and half where both are there.
     LightPoints(const PosedScene& posed_scene, const Plan& plan, int count, std::uint64_t seed);
 
+    /// Divides the sky by where light comes from that cameras see. A function of the animation, whose instants get
+    /// posed. Returns the rays that it took.
+    std::uint64_t look_at_sky(PosedScene& posed_scene);
+
     /// Chooses the places on emissive surfaces. A function of the animation and this snapshot, which gets posed.
     void place(PosedScene& posed_scene, const scene::Snapshot& first);
 
@@ -44,11 +48,12 @@ class LightPoints {
     float sky_part() const { return sky_part_; }
 
   private:
+    void divide_sky(const PosedScene& posed_scene, const image::SkyImportance& importance);
     LightPoint emitter_point(const PosedScene& posed_scene, std::size_t index) const;
 
     const scene::Animation& animation_;
     bool punctual_, emissive_;
-    int emissive_count_ = 0;
+    int emissive_count_ = 0, sky_count_ = 0;
     std::uint64_t seed_;
     std::vector<EmitterPoint> emitters_;
     std::vector<LightPoint> sky_;  ///< never changes
