@@ -13,10 +13,15 @@
 #include "app/experiments/compare.h"
 #include "app/experiments/cost.h"
 #include "app/experiments/tune.h"
+#include "app/farm/farm_status.h"
+#include "app/farm/join.h"
+#include "app/farm/part.h"
+#include "app/farm/planning.h"
 #include "app/options/options.h"
 #include "app/options/usage_error.h"
 #include "app/probe.h"
 #include "app/system/allocator.h"
+#include "app/system/progress.h"
 #include "app/system/terminal.h"
 #include "scene/isolation/probed.h"
 
@@ -52,6 +57,7 @@ int main(int argc, char** argv) {
     try {
         const CommandLine line = parse(argc, argv);
         if (line.exit_code) return *line.exit_code;
+        show_progress_as(progress_style_from(line.progress));
         switch (line.command) {
             case Command::render:
                 return render(line.render, line.text);
@@ -67,6 +73,14 @@ int main(int argc, char** argv) {
                 return tune(line.tune, line.words, render);
             case Command::compare:
                 return compare(line.compare, line.text);
+            case Command::farm:
+                return farm(line.farm, line.words);
+            case Command::part:
+                return make_parts(line.part);
+            case Command::join:
+                return join(line.join);
+            case Command::farm_status:
+                return farm_status(line.farm_status);
             case Command::none:
                 break;
         }
@@ -79,6 +93,9 @@ int main(int argc, char** argv) {
     } catch (const UsageError& error) {
         print_error(error.what());
         return 2;
+    } catch (const Refusal& error) {
+        print_error(error.what());
+        return 3;
     } catch (const std::exception& error) {
         print_error(error.what());
     }

@@ -64,11 +64,13 @@ const std::vector<Building>& buildings() {
            {"files", "options", "system"},
            {"core", "parallel", "image", "scene", "renderer", "perceptual", "encoder"}},
           {"report", {"loop", "files", "options", "system"}, {"core", "image", "perceptual", "encoder"}},
+          {"production", {"report", "loop", "files", "options", "system"}, {"core", "parallel", "renderer"}},
+          {"farm", {"production", "report", "loop", "files", "options", "system"}, {"core", "parallel", "encoder"}},
           {"experiments",
            {"report", "loop", "files", "options", "system"},
            {"core", "parallel", "scene", "renderer", "perceptual", "encoder"}},
           {"commands",
-           {"experiments", "report", "loop", "files", "options", "system"},
+           {"experiments", "production", "report", "loop", "files", "options", "system"},
            {"core", "parallel", "perceptual", "encoder"}}}},
     };
     return all;

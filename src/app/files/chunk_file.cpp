@@ -64,7 +64,10 @@ std::optional<ChunkFile> ChunkFile::reopened(const std::filesystem::path& file, 
         const bool sound = std::filesystem::file_size(file) == bytes &&
                            record.at("checksum") == text_of(checksum_of(file)) && record.contains("facts");
         if (!sound) return {};
-        return ChunkFile(file, chunk, std::move(pictures));
+        ChunkFile whole(file, chunk, std::move(pictures));
+        record.at("vbv_in").get_to(whole.vbv_in_);
+        record.at("vbv_out").get_to(whole.vbv_out_);
+        return whole;
     } catch (const std::exception&) {
         return {};  // a record that is none, or a stream that is gone
     }

@@ -39,6 +39,9 @@ class ChunkFile {
     const Chunk& chunk() const { return chunk_; }
     const std::filesystem::path& file() const { return file_; }
     const std::vector<PictureRecord>& pictures() const { return pictures_; }
+    /// Bits in the decoder's buffer before its first picture is taken out, and before that of the chunk behind it.
+    std::int64_t vbv_in() const { return vbv_in_; }
+    std::int64_t vbv_out() const { return vbv_out_; }
     /// What finish() was told; throws core::Error where the record cannot be read.
     nlohmann::json facts() const;
 

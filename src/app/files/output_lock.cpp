@@ -21,7 +21,7 @@ namespace {
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::filesystem::path& output) {
     std::string process;
     std::ifstream(file) >> process;
-    throw core::Error("writing", output.string(),
+    throw OutputInUse("writing", output.string(),
                       "another run is writing it" + (process.empty() ? "" : " (process " + process + ")"));
 }
 

@@ -195,6 +195,14 @@ void decide_passes(RenderJob& film, const RenderOptions& options) {
 
 }  // namespace
 
+std::vector<Chunk> RenderJob::chunks() const {
+    std::vector<Chunk> all = chunks_of(frames, coding.gop);
+    if (!part) return all;
+    EXPECTS(part->first <= part->last && part->last < all.size());
+    return {all.begin() + static_cast<std::ptrdiff_t>(part->first),
+            all.begin() + static_cast<std::ptrdiff_t>(part->last) + 1};
+}
+
 core::ToleranceMap RenderJob::tolerance_map() const {
     if (tolerance.reference) return core::ToleranceMap::reference();
     // What changes a black pixel by less than half a code value changes no picture. No tolerance at all stays none, and

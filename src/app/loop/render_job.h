@@ -7,6 +7,7 @@
 
 #include "app/loop/cache_choice.h"
 #include "app/loop/coupling.h"
+#include "app/options/chunk.h"
 #include "app/options/film.h"
 #include "app/options/options.h"
 #include "app/options/output_kind.h"
@@ -59,8 +60,11 @@ struct RenderJob {
     std::optional<double> loss;         ///< dB of PSNR-Y that light points may cost; none: nobody counts it
     std::optional<LightBudget> budget;  ///< where `loss` decides how many light points there are
     int audit = 0;                      ///< pixels of every frame that are gathered again without clustering
+    std::optional<ChunkRange> part;     ///< chunks that this run makes of it; none: all
 
     std::int64_t frame_count() const { return frames.last - frames.first + 1; }
+    /// The chunks that are to be made.
+    std::vector<Chunk> chunks() const;
     scene::Snapshot snapshot(std::int64_t frame) const {
         return scene::snapshot_at(*animation, frame, core::time_of(frame, rate), format);
     }

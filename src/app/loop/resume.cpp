@@ -155,7 +155,7 @@ json chunk_record_of(const RenderJob& film, const RenderOptions& options, const 
 std::vector<ChunkFile> take_up(const RenderJob& film, const RenderOptions& options, WorkFolder& work,
                                const std::function<void(std::size_t)>& kept, RunStatistics& statistics) {
     if (!options.resume) return {};
-    std::vector<ChunkFile> left = work.finished(chunks_of(film.frames, film.coding.gop)), chunks;
+    std::vector<ChunkFile> left = work.finished(film.chunks()), chunks;
     RunStatistics earlier;
     for (ChunkFile& chunk : left) {
         if (!take_in(film, options, work, chunk, earlier)) break;
@@ -205,7 +205,7 @@ void settle(RenderJob& film, const RenderOptions& options, WorkFolder& work, Run
 }
 
 std::string resuming_text(const RenderJob& film, std::size_t whole_chunks, const std::string& command) {
-    const std::vector<Chunk> chunks = chunks_of(film.frames, film.coding.gop);
+    const std::vector<Chunk> chunks = film.chunks();
     if (whole_chunks == 0)
         return fmt::format("no chunk of {} frames is whole yet, so that --resume would begin anew",
                            chunks.front().frames());

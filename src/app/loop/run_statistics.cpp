@@ -59,6 +59,22 @@ renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer:
     return sum;
 }
 
+RunStatistics sum_of(const RunStatistics& earlier, const RunStatistics& later) {
+    RunStatistics sum = earlier;
+    for (std::size_t i = 0; i < sum.seconds.size(); ++i) sum.seconds[i] += later.seconds[i];
+    for (std::size_t i = 0; i < sum.pass_seconds.size(); ++i) sum.pass_seconds[i] += later.pass_seconds[i];
+    sum.earlier_cpu += later.earlier_cpu;
+    sum.earlier_wall += later.earlier_wall;
+    sum.frames.insert(sum.frames.end(), later.frames.begin(), later.frames.end());
+    sum.brightest_luma = std::max(sum.brightest_luma, later.brightest_luma);
+    sum.rendering = sum_of(earlier.rendering, later.rendering);
+    sum.audit.errors.add(later.audit.errors);
+    sum.audit.over += later.audit.over;
+    sum.audit.split.add(later.audit.split);
+    sum.audit.seconds += later.audit.seconds;
+    return sum;
+}
+
 double RunStatistics::total_seconds() const {
     return std::accumulate(seconds.begin(), seconds.end(), 0.0);
 }

@@ -1,5 +1,6 @@
 #pragma once
 // Chunks: runs of whole GOPs, the unit of resuming and of parallel rendering.
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -13,6 +14,13 @@ struct Chunk {
     std::int64_t first = 0, last = 0;  ///< frames, both inclusive
 
     std::int64_t frames() const { return last - first + 1; }
+};
+
+/// Chunks that follow each other, by their index.
+struct ChunkRange {
+    std::size_t first = 0, last = 0;  ///< both inclusive
+
+    std::size_t count() const { return last - first + 1; }
 };
 
 /// Cuts a film into chunks of a whole number of closed GOPs on a fixed grid from its first frame. A function of the

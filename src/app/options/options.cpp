@@ -9,6 +9,7 @@
 #include "app/options/coding_options.h"
 #include "app/options/encode_options.h"
 #include "app/options/experiment_options.h"
+#include "app/options/farm_options.h"
 #include "app/options/help_format.h"
 #include "app/options/mistakes.h"
 #include "app/options/scene_options.h"
@@ -63,7 +64,21 @@ void add_product_options(CLI::App& command, RenderOptions& options) {
         ->group(run_group);
 }
 
-void add_run_options(CLI::App& command, RenderOptions& options) {
+void add_whole_run_options(CLI::App& command, RenderOptions& options) {
+    command
+        .add_flag("--resume", options.resume,
+                  "Go on where a run of the same film was interrupted or killed, after its last whole chunk: the same "
+                  "bytes as of one run. Begins the film where nothing was left of it (docs/resume.md)")
+        ->group(run_group);
+    command
+        .add_flag("--dry-run", options.dry_run,
+                  "Read and check everything, say what would be done and what it would take, write nothing")
+        ->group(run_group);
+    add_within_option(command, options.within, run_group);
+}
+
+/// `whole`: of a command that renders by itself.
+void add_run_options(CLI::App& command, RenderOptions& options, bool whole) {
     command
         .add_option("-j,--threads", options.threads, "Threads; 0: one per core. The film's bytes do not depend on it")
         ->check(CLI::Range(0, 1024))
@@ -84,16 +99,7 @@ void add_run_options(CLI::App& command, RenderOptions& options) {
         ->type_name("SIZE")
         ->check(checked(memory_from, ""))
         ->group(run_group);
-    command
-        .add_flag("--resume", options.resume,
-                  "Go on where a run of the same film was interrupted or killed, after its last whole chunk: the same "
-                  "bytes as of one run. Begins the film where nothing was left of it (docs/resume.md)")
-        ->group(run_group);
-    command
-        .add_flag("--dry-run", options.dry_run,
-                  "Read and check everything, say what would be done and what it would take, write nothing")
-        ->group(run_group);
-    add_within_option(command, options.within, run_group);
+    if (whole) add_whole_run_options(command, options);
     add_consent_option(command, options.overwrite);
     CLI::Option* quiet = command.add_flag("--quiet", options.quiet, "Print nothing but errors")->group(run_group);
     command.add_flag("-v,--verbose", options.verbose, "Also say what runs and why, and what each chunk came to")
@@ -115,7 +121,7 @@ CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
     add_light_options(*command, options);
     add_coding_options(*command, options.coding);
     add_sound_options(*command, options.coding);
-    add_run_options(*command, options);
+    add_run_options(*command, options, true);
     return command;
 }
 
@@ -149,6 +155,25 @@ CLI::App* add_plan_command(CLI::App& app, PlanOptions& options) {
     command->add_option("--stats", options.statistics, "Statistics of a render of this scene: adds what each pass cost")
         ->type_name("FILE.json")
         ->group(run_group);
+    return command;
+}
+
+CLI::App* add_farm_command(CLI::App& app, FarmOptions& options) {
+    CLI::App* command = app.add_subcommand("farm", "Spread a film over many machines");
+    command->footer(
+        "Settles what is settled once for a film, and writes a plan and job files into OUT.farm. `part` makes a part, "
+        "`join` the film: the same bytes as of `render`. Given again, it keeps what is made already (docs/farm.md).\n"
+        "Example: render2mpeg farm scene.glb -o film.mpg --to slurm --parts 8 --submit");
+    add_scene_options(*command, options.render);
+    command->add_option("-o,--output", options.render.output, "File to write; the ending chooses its kind")
+        ->type_name("OUT")
+        ->required();
+    add_spreading_options(*command, options);
+    add_picture_options(*command, options.render);
+    add_light_options(*command, options.render);
+    add_coding_options(*command, options.render.coding);
+    add_sound_options(*command, options.render.coding);
+    add_run_options(*command, options.render, false);
     return command;
 }
 
@@ -225,7 +250,8 @@ CommandLine parse(int argc, char** argv) {
     app.set_version_flag("--version", "render2mpeg " RENDER2MPEG_VERSION);
     app.require_subcommand(1);
     app.footer(
-        "Exit status: 0 done; 1 refused or failed, with one line that says why; 2 a mistake on the command line; 130 "
+        "Exit status: 0 done; 1 refused or failed, with one line that says why; 2 a mistake on the command line; 3 no "
+        "part of a farm's film is made here; 130 "
         "interrupted (143 by SIGTERM, 129 where the terminal was closed), with what there is of the film beside its "
         "name. `render2mpeg help COMMAND` shows a command's options.");
     app.formatter(help_format());
@@ -238,18 +264,24 @@ CommandLine parse(int argc, char** argv) {
     const CLI::App* tune = add_tune_command(app, line.tune);
     const CLI::App* compare = add_compare_command(app, line.compare);
 
-    for (CLI::App* command : app.get_subcommands([](const CLI::App* c) { return c->get_name() != "info"; }))
+    const CLI::App* farm = add_farm_command(app, line.farm);
+    const CLI::App* part = add_part_command(app, line.part);
+    const CLI::App* join = add_join_command(app, line.join);
+    const CLI::App* status = add_farm_status_command(app, line.farm_status);
+
+    const auto shows_progress = [&](const CLI::App* c) { return c != info && c != join && c != status; };
+    for (CLI::App* command : app.get_subcommands(shows_progress))
         command
             ->add_option("--progress", line.progress,
-                         "How far it is: `line`, for people; `json`, a line for programs at every step; or `none`")
-            ->check(CLI::IsMember({"line", "json", "none"}))
+                         "How far it is: `line`, for people; `minute`, a line a minute, for logs; `json`, a line for "
+                         "programs at every step; `openjd`, as OpenJD reads it; or `none`")
+            ->check(CLI::IsMember({"line", "minute", "json", "openjd", "none"}))
             ->capture_default_str()
             ->group(run_group);
     line.exit_code = read(app, without_help_command(line.words));
     if (line.exit_code) return line;
-    show_progress_as(line.progress == "json"   ? ProgressStyle::json
-                     : line.progress == "none" ? ProgressStyle::none
-                                               : ProgressStyle::line);
+    // Parts run where nobody looks on.
+    if (part->parsed() && part->get_option("--progress")->empty()) line.progress = "minute";
     line.render.given = given_of(*render);
     line.render.said = said_of(*render);
     line.encode.given = given_of(*encode);
@@ -258,13 +290,12 @@ CommandLine parse(int argc, char** argv) {
     line.tune.render.given = given_of(*tune);
     line.tune.render.said = said_of(*tune);
     line.compare.render.given = given_of(*compare);
-    line.command = render->parsed()   ? Command::render
-                   : encode->parsed() ? Command::encode
-                   : plan->parsed()   ? Command::plan
-                   : info->parsed()   ? Command::info
-                   : cost->parsed()   ? Command::cost
-                   : tune->parsed()   ? Command::tune
-                                      : Command::compare;
+    const std::pair<const CLI::App*, Command> commands[] = {
+        {render, Command::render}, {encode, Command::encode},      {plan, Command::plan},      {info, Command::info},
+        {cost, Command::cost},     {tune, Command::tune},          {farm, Command::farm},      {part, Command::part},
+        {join, Command::join},     {status, Command::farm_status}, {compare, Command::compare}};
+    for (const auto& [app_command, which] : commands)
+        if (app_command->parsed()) line.command = which;
     return line;
 }
 

@@ -157,7 +157,41 @@ struct TuneOptions {
     std::optional<std::filesystem::path> kept_references;  ///< folder
 };
 
-enum class Command { render, encode, plan, info, cost, tune, compare, none };
+/// Options of `farm`: those of `render`, and how its film is spread.
+struct FarmOptions {
+    RenderOptions render;                         ///< as they were read; parts read them again from the plan
+    std::string scheduler;                        ///< a name of scheduler_names
+    std::optional<int> parts;                     ///< not with the next; none of both: a part per chunk
+    std::optional<std::int64_t> frames_per_part;  ///< at least one chunk's, rounded to whole ones
+    bool submit = false;
+    bool pack = false;  ///< with copies of all inputs
+};
+
+/// Options of `part`.
+struct PartOptions {
+    std::filesystem::path plan;         ///< a farm's folder, or its plan.json
+    std::optional<int> number;          ///< of the part, from 1; not with the next
+    std::optional<std::string> frames;  ///< "A-B": all parts that begin with one of these frames
+    int threads = 0;                    ///< 0: all
+    std::optional<std::string> memory;  ///< as in RenderOptions
+    bool quiet = false;
+};
+
+/// Options of `join`.
+struct JoinOptions {
+    std::filesystem::path plan;                   ///< as in PartOptions
+    std::optional<std::filesystem::path> folder;  ///< where everything is put; none: as `farm` was told
+    int threads = 0;
+    bool quiet = false;
+};
+
+/// Options of `farm-status`.
+struct FarmStatusOptions {
+    std::filesystem::path plan;  ///< as in PartOptions
+    bool left = false;           ///< only the numbers of parts that are not whole, with commas
+};
+
+enum class Command { render, encode, plan, info, cost, tune, compare, farm, part, join, farm_status, none };
 
 /// One command line, read and checked for form. `exit_code` is set where there is nothing left to do (--help,
 /// --version): the text was printed already.
@@ -170,7 +204,11 @@ struct CommandLine {
     CostOptions cost;
     TuneOptions tune;
     CompareOptions compare;
-    std::string progress = "line";  ///< "line", "json" or "none"
+    FarmOptions farm;
+    PartOptions part;
+    JoinOptions join;
+    FarmStatusOptions farm_status;
+    std::string progress = "line";  ///< "line", "minute", "json", "openjd" or "none"
     std::optional<int> exit_code;
     std::string text;                ///< as given, for the statistics
     std::vector<std::string> words;  ///< the same, one by one

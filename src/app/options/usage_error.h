@@ -10,4 +10,10 @@ class UsageError : public core::Error {
     using core::Error::Error;
 };
 
+/// A part of a film that cannot be made here, however often it is tried: exit status 3.
+class Refusal : public core::Error {
+  public:
+    using core::Error::Error;
+};
+
 }  // namespace render2mpeg::app

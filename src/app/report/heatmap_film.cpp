@@ -167,7 +167,7 @@ HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& outpu
       work_((whole.remember_companion(output, identity_of(subject, identity)), output), identity_of(subject, identity),
             earlier),
       film_(film.film()),
-      grid_(chunks_of(film.frames, film.coding.gop)),
+      grid_(film.chunks()),
       matrix_(perceptual::matrix_for(film.format.height)),
       scale_(scale_of(subject)) {
     film_.coding = heatmap_settings(film);
@@ -192,6 +192,11 @@ void HeatmapFilm::take_up(std::size_t chunks) {
                           "anew without --resume");
     while (chunks_.size() > chunks) chunks_.pop_back();
     work_.drop_all_but(chunks_);
+}
+
+void HeatmapFilm::append(HeatmapFilm& part) {
+    for (ChunkFile& chunk : part.chunks_) chunks_.push_back(std::move(chunk));
+    part.chunks_.clear();
 }
 
 void HeatmapFilm::begins(const Chunk& chunk) {

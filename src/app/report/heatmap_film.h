@@ -49,6 +49,8 @@ class HeatmapFilm : public LoopObserver {
 
     /// Goes on after so many chunks that an earlier run left. Throws core::Error where it left fewer.
     void take_up(std::size_t chunks);
+    /// Takes over the chunks of a part, which stay where they are.
+    void append(HeatmapFilm& part);
     void begins(const Chunk& chunk) override;
     void ends(const Chunk& chunk) override;
 
@@ -90,6 +92,10 @@ class HeatmapFilms : public LoopObserver {
     /// As HeatmapFilm::take_up().
     void take_up(std::size_t chunks) {
         for (const std::unique_ptr<HeatmapFilm>& film : films_) film->take_up(chunks);
+    }
+    /// The same films of a part of this one, behind what there is of them.
+    void append(HeatmapFilms& part) {
+        for (std::size_t i = 0; i < films_.size(); ++i) films_[i]->append(*part.films_[i]);
     }
     void begins(const Chunk& chunk) override {
         each([&](HeatmapFilm& film) { film.begins(chunk); });

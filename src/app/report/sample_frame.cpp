@@ -42,7 +42,7 @@ void SampleFrameObserver::coded(const encoder::CodedPicture& coded) {
 }
 
 std::string SampleFrameObserver::figures() const {
-    if (!lit_) return {};
+    if (!lit_) return earlier_;
     std::string text;
     if (decoded_)
         text += difference_figure(fmt::format("Frame {}: {}", frame_, coding_), {"decoded", *decoded_},

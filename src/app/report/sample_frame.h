@@ -5,6 +5,7 @@
 #include <string>
 
 #include "app/loop/observer.h"
+#include "app/options/chunk.h"
 #include "app/report/frame_view.h"
 
 namespace render2mpeg::app {
@@ -15,6 +16,11 @@ class SampleFrameObserver : public LoopObserver {
   public:
     /// The frame in the middle of the film.
     explicit SampleFrameObserver(const RenderJob& film);
+
+    /// Whether the frame that is kept is among these.
+    bool is_in(const Chunk& chunk) const { return frame_ >= chunk.first && frame_ <= chunk.last; }
+    /// What figures() said in the run that made the frame.
+    void take_up(const std::string& figures) { earlier_ = figures; }
 
     void lit(const LitFrame& frame) override;
     void coded(const encoder::CodedPicture& coded) override;
@@ -28,6 +34,7 @@ class SampleFrameObserver : public LoopObserver {
     perceptual::ColorMatrix matrix_;
     std::optional<core::Picture> lit_, decoded_;
     core::Plane<float> tolerance_, error_;  ///< over luminance; empty: not known
+    std::string earlier_;                   ///< of an earlier run
     std::string coding_;                    ///< "a B picture, quantiser 6, 1.2 kB"
 };
 

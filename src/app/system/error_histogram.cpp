@@ -16,6 +16,11 @@ void ErrorHistogram::add(float error) {
     ++count_;
 }
 
+void ErrorHistogram::add(const ErrorHistogram& others) {
+    for (std::size_t i = 0; i < counts_.size(); ++i) counts_[i] += others.counts_[i];
+    count_ += others.count_;
+}
+
 double ErrorHistogram::quantile(double q) const {
     const double wanted = std::max(q * static_cast<double>(count_), 1.0);
     std::uint64_t sum = 0;

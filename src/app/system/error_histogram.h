@@ -13,6 +13,8 @@ class ErrorHistogram {
     /// error >= 0; what is not a number counts as infinite.
     void add(float error);
 
+    void add(const ErrorHistogram& others);
+
     std::uint64_t count() const { return count_; }
 
     /// The error that a share `q` (0..1) of all does not exceed: rounded up by at most 1.1 %. 0 up to 2^-24, and

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "app/system/terminal.h"
 #include "core/text.h"
@@ -59,6 +60,15 @@ std::string progress_json(const Standing& s) {
                        s.total, s.seconds, or_null(s.left, 0), or_null(s.left, s.seconds));
 }
 
+ProgressStyle progress_style_from(const std::string& name) {
+    for (const auto& [known, wanted] : {std::pair{"minute", ProgressStyle::minute},
+                                        {"json", ProgressStyle::json},
+                                        {"openjd", ProgressStyle::openjd},
+                                        {"none", ProgressStyle::none}})
+        if (name == known) return wanted;
+    return ProgressStyle::line;
+}
+
 void show_progress_as(ProgressStyle wanted) {
     style = wanted;
 }
@@ -75,12 +85,13 @@ Progress::Progress(std::int64_t total, bool quiet, const std::string& work, Coun
       terminal_(style == ProgressStyle::line && can_rewrite_errors()),
       stays_(counted == Counted::frames),
       json_(style == ProgressStyle::json),
+      timed_(style == ProgressStyle::minute || style == ProgressStyle::openjd),
       before_(seconds_ago),
       start_(Clock::now()),
       advanced_at_(start_) {
     if (quiet_) return;
-    if (terminal_ || json_) draw();
-    if (terminal_ || json_) ticker_ = std::thread([this] { tick(); });
+    if (terminal_ || json_ || timed_) draw();
+    if (terminal_ || json_ || timed_) ticker_ = std::thread([this] { tick(); });
 }
 
 Progress::~Progress() {
@@ -95,7 +106,8 @@ Progress::~Progress() {
 
 void Progress::tick() {
     std::unique_lock lock(mutex_);
-    while (!ends_.wait_for(lock, std::chrono::seconds(1), [this] { return ended_; })) {
+    const std::chrono::seconds pause(timed_ ? 60 : 1);
+    while (!ends_.wait_for(lock, pause, [this] { return ended_; })) {
         reckon(Clock::now());
         if (standing_.done < standing_.total) draw();
     }
@@ -134,14 +146,30 @@ void Progress::advance_to(std::int64_t done, std::int64_t total) {
     const bool last = standing_.done == standing_.total;
     if (terminal_) {
         if (last || now - drawn_at_ > std::chrono::milliseconds(100)) draw();
+    } else if (timed_) {
+        // chosen: OpenJD's monitors show it live, and each line costs them a message.
+        const bool live = style == ProgressStyle::openjd && now - drawn_at_ > std::chrono::seconds(5);
+        if (last || live) draw();
     } else if (json_ || last || standing_.done >= next_plain_) {
         draw();
         next_plain_ = standing_.done + std::max<std::int64_t>(1, standing_.total / 10);
     }
 }
 
+void Progress::draw_openjd() const {
+    // A step on the way is a status alone, else the bar would begin again and again.
+    const double share =
+        static_cast<double>(standing_.done) / static_cast<double>(std::max<std::int64_t>(1, standing_.total));
+    if (stays_) fmt::print("openjd_progress: {:.1f}\n", 100 * std::clamp(share, 0.0, 1.0));
+    fmt::print("openjd_status: {}\n", progress_line(standing_, 1000, false));
+    std::fflush(stdout);
+}
+
 void Progress::draw() {
-    if (json_) {
+    if (style == ProgressStyle::openjd) {
+        draw_openjd();
+        drawn_at_ = Clock::now();
+    } else if (json_) {
         std::fputs((progress_json(standing_) + "\n").c_str(), stderr);
     } else if (terminal_) {
         // One column stays free: many terminals begin a new line once the last one is taken.

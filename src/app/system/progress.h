@@ -29,8 +29,11 @@ std::string progress_line(const Standing& standing, int columns, bool with_bar);
 /// The same as a JSON object on one line: `work`, `done`, `total`, `seconds`, and `left` and `whole` or null.
 std::string progress_json(const Standing& standing);
 
-/// How runs of this process tell how far they are: as a line for people, or as JSON for programs.
-enum class ProgressStyle { line, json, none };
+/// How runs of this process tell how far they are: as a line for people, a line a minute for logs, as JSON for
+/// programs, or on standard output as OpenJD reads it [OpenJD, How Jobs Are Run].
+enum class ProgressStyle { line, minute, json, openjd, none };
+/// The style of that name, as --progress has it.
+ProgressStyle progress_style_from(const std::string& name);
 void show_progress_as(ProgressStyle style);
 
 /// Whether steps on the way are told, too: a log has their results alone.
@@ -41,7 +44,7 @@ bool shows_steps();
 enum class Counted { frames, frames_of_step, parts_of_step };
 
 /// How far a render is, on standard error: a bar that rewrites its line on a terminal, every second also where nothing
-/// is finished; else a plain line every ten per cent; or JSON, a line for every part and every second.
+/// is finished; else a plain line every ten per cent, or every minute; or JSON, a line for every part and every second.
 class Progress {
   public:
     /// `total` frames or parts. Silent when `quiet`. `work` names what is counted; it began `seconds_ago`. `chunk`:
@@ -60,13 +63,14 @@ class Progress {
   private:
     using Clock = std::chrono::steady_clock;
     void draw();
+    void draw_openjd() const;
     void reckon(Clock::time_point now);
     /// Draws every second until the object goes.
     void tick();
 
     Standing standing_;
     Pace pace_;
-    bool quiet_, terminal_, stays_, json_;
+    bool quiet_, terminal_, stays_, json_, timed_;
     bool drawn_ = false;
     std::int64_t next_plain_ = 0;
     double before_;  ///< seconds that it took before the object

@@ -114,4 +114,23 @@ MeanError ErrorSplit::dark_bias(ErrorCause cause) const {
                       sums_.pixels);
 }
 
+void ErrorSplit::add(const ErrorSplit& others) {
+    sums_.pixels += others.sums_.pixels;
+    sums_.paths += others.sums_.paths;
+    sums_.light += others.sums_.light;
+    sums_.dark_light += others.sums_.dark_light;
+    for (std::size_t c = 0; c < cause_count; ++c) {
+        CauseSums& sum = sums_.causes[c];
+        const CauseSums& more = others.sums_.causes[c];
+        sum.difference += more.difference;
+        sum.difference_squares += more.difference_squares;
+        sum.dark_difference += more.dark_difference;
+        sum.dark_difference_squares += more.dark_difference_squares;
+        for (std::size_t m = 0; m < measure_count; ++m) {
+            sum.squares[m] += more.squares[m];
+            sum.square_squares[m] += more.square_squares[m];
+        }
+    }
+}
+
 }  // namespace render2mpeg::renderer

@@ -59,6 +59,9 @@ class ErrorSplit {
     /// radiance.
     void add(std::span<const JudgedPixel> pixels, const std::function<double(glm::vec3)>& luma);
 
+    /// Adds what another run has summed up.
+    void add(const ErrorSplit& others);
+
     std::uint64_t pixels() const { return sums_.pixels; }
     /// Mean square of the pixels' errors.
     MeanError mean_square(ErrorCause cause, ErrorMeasure measure) const;

@@ -1,0 +1,211 @@
+#include "app/farm/farm_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "app/files/build_identity.h"
+#include "app/files/identity_difference.h"
+#include "app/files/text_file.h"
+#include "app/files/work_folder.h"
+#include "app/loop/film_identity.h"
+#include "app/options/usage_error.h"
+#include "core/error.h"
+#include "core/isa.h"
+
+namespace render2mpeg::app {
+namespace {
+
+using nlohmann::json;
+
+/// Of the file's form: another number is not read.
+constexpr int plan_format = 1;
+constexpr const char* plan_name = "plan.json";
+
+std::filesystem::path inputs_folder_of(const FarmPlan& plan) {
+    return plan.folder / "inputs";
+}
+
+json json_of(const FilmPart& part) {
+    return {{"part", part.number},
+            {"chunks", {part.chunks.first, part.chunks.last}},
+            {"frames", {part.frames.first, part.frames.last}}};
+}
+
+/// Throws json::exception for what json_of() would not write.
+FilmPart part_from(const json& written) {
+    FilmPart part;
+    written.at("part").get_to(part.number);
+    part.chunks = {written.at("chunks").at(0).get<std::size_t>(), written.at("chunks").at(1).get<std::size_t>()};
+    part.frames = {written.at("frames").at(0).get<std::int64_t>(), written.at("frames").at(1).get<std::int64_t>()};
+    return part;
+}
+
+std::filesystem::path absolute_of(const std::filesystem::path& place) {
+    std::error_code error;
+    return std::filesystem::absolute(place, error).lexically_normal();
+}
+
+/// What of an identity tells of the program and not of the film.
+json program_of(const json& identity) {
+    return {{"version", identity.value("version", json())},
+            {"build", identity.value("build", json())},
+            {"isa", identity.value("isa", json())}};
+}
+
+}  // namespace
+
+std::filesystem::path FarmPlan::folder_of(const FilmPart& part) const {
+    return folder / fmt::format("part_{:05}", part.number);
+}
+
+bool FarmPlan::is_joined() const {
+    std::error_code error;
+    return std::filesystem::exists(joined_mark(), error);
+}
+
+bool FarmPlan::is_made(const FilmPart& part) const {
+    const std::filesystem::path output = folder_of(part) / output_name;
+    std::vector<Chunk> chunks;
+    for (std::size_t i = part.chunks.first; i <= part.chunks.last; ++i) chunks.push_back({static_cast<int>(i), 0, 0});
+    return WorkFolder::left(output, facts->at("identity"), chunks) == chunks.size();
+}
+
+std::filesystem::path farm_folder_of(const std::filesystem::path& output) {
+    return std::filesystem::path(output) += ".farm";
+}
+
+std::vector<FilmPart> parts_of(const std::vector<Chunk>& chunks, std::optional<int> parts,
+                               std::optional<std::int64_t> frames_per_part) {
+    EXPECTS(!chunks.empty());
+    std::size_t count = chunks.size();
+    if (parts) {
+        count = std::min(count, static_cast<std::size_t>(std::max(1, *parts)));
+    } else if (frames_per_part) {
+        const std::int64_t length = chunks.front().frames();
+        const auto each = static_cast<std::size_t>(std::max<std::int64_t>(1, (*frames_per_part + length / 2) / length));
+        count = (chunks.size() + each - 1) / each;
+    }
+    std::vector<FilmPart> cut;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t first = i * chunks.size() / count, last = (i + 1) * chunks.size() / count - 1;
+        cut.push_back({static_cast<int>(i) + 1, {first, last}, {chunks[first].first, chunks[last].last}});
+    }
+    return cut;
+}
+
+bool has_plan(const std::filesystem::path& folder) {
+    std::error_code error;
+    return std::filesystem::is_regular_file(folder / plan_name, error);
+}
+
+FarmPlan read_plan(const std::filesystem::path& place) {
+    std::error_code error;
+    const bool is_folder = std::filesystem::is_directory(place, error);
+    const std::filesystem::path file = is_folder ? place / plan_name : place;
+    std::ifstream stream(file);
+    if (!stream) throw core::Error("reading", file.string(), "there is no plan; `render2mpeg farm` makes one");
+    const json written = json::parse(stream, nullptr, false);
+    try {
+        if (written.at("format") != plan_format)
+            throw Refusal("reading", file.string(), "the plan is of another version of render2mpeg");
+        FarmPlan plan;
+        plan.folder = absolute_of(file).parent_path();
+        written.at("render").get_to(plan.words);
+        written.at("packed").get_to(plan.packed);
+        plan.start =
+            plan.packed ? inputs_folder_of(plan) : std::filesystem::path(written.at("start").get<std::string>());
+        written.at("scheduler").get_to(plan.scheduler);
+        written.at("output").get_to(plan.output_name);
+        for (const json& part : written.at("parts")) plan.parts.push_back(part_from(part));
+        plan.facts = std::make_shared<json>(json{{"identity", written.at("identity")},
+                                                 {"settled", written.at("settled")},
+                                                 {"cost", written.at("cost")},
+                                                 {"vbv", written.at("vbv")}});
+        if (plan.parts.empty() || plan.words.size() < 3) throw json::other_error::create(501, "empty", nullptr);
+        return plan;
+    } catch (const json::exception&) {
+        throw core::Error("reading", file.string(), "it is no plan that `render2mpeg farm` has written");
+    }
+}
+
+void write_plan(const FarmPlan& plan) {
+    json written = *plan.facts;
+    written["format"] = plan_format;
+    written["render"] = plan.words;
+    written["packed"] = plan.packed;
+    written["start"] = plan.start.string();
+    written["scheduler"] = plan.scheduler;
+    written["output"] = plan.output_name;
+    written["parts"] = json::array();
+    for (const FilmPart& part : plan.parts) written["parts"].push_back(json_of(part));
+    write_json(plan.folder / plan_name, written);
+}
+
+RenderOptions options_of(const FarmPlan& plan) {
+    std::error_code error;
+    std::filesystem::current_path(plan.start, error);
+    if (error)
+        throw Refusal("reading", plan.start.string(),
+                      error.message() + "; are the film's inputs on this machine? `farm --pack` takes them along");
+    std::vector<std::string> words = plan.words;
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    RenderOptions options = parse(static_cast<int>(arguments.size()), arguments.data()).render;
+    options.isa = plan.facts->at("identity").at("isa").get<std::string>();
+    return options;
+}
+
+RenderOptions part_options(const FarmPlan& plan, const FilmPart& part, const RenderOptions& film) {
+    const std::filesystem::path folder = plan.folder_of(part);
+    RenderOptions options = film;
+    options.output = folder / film.output.filename();
+    options.stats.reset();
+    if (options.report) options.report = folder / "report.html";
+    if (options.layers) options.layers = folder / "layers";
+    for (std::size_t i = 0; i < options.heatmaps.size(); ++i) {
+        std::string& name = options.heatmaps[i].second;
+        name = (folder / fmt::format("heatmap_{}{}", i + 1, std::filesystem::path(name).extension().string())).string();
+    }
+    options.resume = true;
+    options.overwrite = true;
+    return options;
+}
+
+json farm_identity(const FarmPlan& plan, const RenderJob& film, RenderOptions options) {
+    // Where layers go may differ on the machine that joins.
+    options.layers.reset();
+    json identity = json::parse(json_text(identity_of(film, options)));
+    std::error_code error;
+    const std::string here = std::filesystem::weakly_canonical(plan.folder, error).string() + "/";
+    for (json& input : identity["inputs"]) {
+        const auto file = input["file"].get<std::string>();
+        if (file.starts_with(here)) input["file"] = file.substr(here.size());
+    }
+    return identity;
+}
+
+void refuse_other_machine(const FarmPlan& plan) {
+    const json before = program_of(plan.facts->at("identity"));
+    try {
+        core::isa_from(before.value("isa", std::string()));
+    } catch (const core::Error& error) {
+        throw Refusal("making", plan.folder.string(),
+                      std::string(error.what()) + "; `farm --isa` pins a level that all machines have");
+    }
+    json now = before;  // a machine that has more can do with less
+    now["version"] = RENDER2MPEG_VERSION;
+    now["build"] = build_identity();
+    const std::string difference = difference_of(before, now);
+    if (!difference.empty()) throw Refusal("making", plan.folder.string(), difference);
+}
+
+void refuse_other_film(const FarmPlan& plan, const RenderJob& film, const RenderOptions& options) {
+    const std::string difference = difference_of(plan.facts->at("identity"), farm_identity(plan, film, options));
+    if (!difference.empty()) throw Refusal("making", plan.folder.string(), difference + " since `farm` planned it");
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,194 @@
+#include "app/farm/join.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "app/farm/farm_plan.h"
+#include "app/farm/part_list.h"
+#include "app/files/disk.h"
+#include "app/files/text_file.h"
+#include "app/files/work_folder.h"
+#include "app/loop/film_identity.h"
+#include "app/loop/resume.h"
+#include "app/options/command_words.h"
+#include "app/options/output_kind.h"
+#include "app/production/outputs.h"
+#include "app/production/preparation.h"
+#include "app/production/production.h"
+#include "app/report/heatmap_film.h"
+#include "app/report/sample_frame.h"
+#include "app/system/interrupt.h"
+#include "app/system/terminal.h"
+#include "core/error.h"
+#include "parallel/loops.h"
+
+namespace render2mpeg::app {
+namespace {
+
+using nlohmann::json;
+
+/// Where everything goes by its own name.
+RenderOptions moved_into(const std::filesystem::path& folder, const RenderOptions& options) {
+    RenderOptions moved = options;
+    moved.output = folder / options.output.filename();
+    if (options.stats) moved.stats = folder / options.stats->filename();
+    if (options.report) moved.report = folder / options.report->filename();
+    if (options.layers) moved.layers = folder / options.layers->lexically_normal().filename();
+    for (auto& [subject, name] : moved.heatmaps) name = (folder / std::filesystem::path(name).filename()).string();
+    return moved;
+}
+
+/// A part that was made, with what came of it.
+struct MadePart {
+    RenderOptions options;  ///< that it was made by
+    std::vector<ChunkFile> chunks;
+    RunStatistics statistics;
+};
+
+/// Takes in what a part left: all of its chunks, proved by their checksums. None where it is not whole.
+std::optional<MadePart> made_part(const FarmPlan& plan, const FilmPart& part, const RenderJob& film,
+                                  const RenderOptions& options, HeatmapFilms& heatmaps) {
+    const json& identity = plan.facts->at("identity");
+    MadePart made{part_options(plan, part, options), {}, {}};
+    made.options.quiet = true;
+    if (!WorkFolder::is_of(made.options.output, identity)) return {};
+    RenderJob job = film;
+    job.part = part.chunks;
+    WorkFolder work(made.options.output, identity, WorkFolder::Earlier::resumed);
+    HeatmapFilms shown(made.options, job, identity, work);
+    std::size_t whole = 0;
+    made.chunks = take_up(
+        job, made.options, work, [&](std::size_t kept) { whole = kept; }, made.statistics);
+    if (whole < part.chunks.count()) return {};
+    shown.take_up(whole);
+    heatmaps.append(shown);
+    return made;
+}
+
+/// Refuses parts whose streams do not meet: a chunk begins with the decoder's buffer as the plan says, and leaves it at
+/// least as full as the next one finds it.
+void check_buffer(const FarmPlan& plan, const std::vector<ChunkFile>& chunks) {
+    if (plan.facts->at("vbv").is_null()) return;
+    const auto fullness = plan.facts->at("vbv").get<std::int64_t>();
+    for (std::size_t i = 0; i < chunks.size(); ++i) {
+        // At a constant rate bits arrive between whole bytes.
+        const std::int64_t more = chunks[i].vbv_in() - fullness;
+        const bool meets = i + 1 == chunks.size() || chunks[i].vbv_out() >= chunks[i + 1].vbv_in();
+        if (more < 0 || more >= 8 || !meets)
+            throw core::Error("joining", chunks[i].file().string(),
+                              "the decoder's buffer does not begin or end as the plan says");
+    }
+}
+
+/// Gives a part's image its name for good; the part keeps its own. Throws core::Error.
+void place(const std::filesystem::path& from, const std::filesystem::path& to) {
+    const std::filesystem::path beside = std::filesystem::path(to) += ".joining";
+    std::error_code error;
+    std::filesystem::remove(beside, error);
+    std::filesystem::create_hard_link(from, beside, error);
+    // Another file system, or one without such links.
+    if (error) std::filesystem::copy_file(from, beside, std::filesystem::copy_options::overwrite_existing, error);
+    if (!error) bring_to_disk(beside);
+    if (!error) std::filesystem::rename(beside, to, error);
+    if (error) throw core::Error("writing", to.string(), error.message());
+    // A name that is the same file's already takes no other's place.
+    std::filesystem::remove(beside, error);
+}
+
+void place_images(const RenderJob& film, const RenderOptions& from, const RenderOptions& to, const FrameRange& frames) {
+    const bool images = film.kind == OutputKind::exr || film.kind == OutputKind::png;
+    for (std::int64_t n = frames.first; n <= frames.last; ++n) {
+        if (images) place(numbered(from.output, n), numbered(to.output, n));
+        if (to.layers) place(numbered(layers_in(*from.layers), n), numbered(layers_in(*to.layers), n));
+    }
+}
+
+/// All parts of the film, proved and placed: its chunks, what was counted, and its heatmaps. Throws core::Error, naming
+/// the parts that are not whole.
+std::vector<ChunkFile> gather(const FarmPlan& plan, const RenderJob& film, const RenderOptions& options,
+                              HeatmapFilms& heatmaps, RunStatistics& statistics) {
+    std::vector<ChunkFile> chunks;
+    std::vector<int> missing;
+    for (const FilmPart& part : plan.parts) {
+        std::optional<MadePart> made = made_part(plan, part, film, options, heatmaps);
+        if (!made) {
+            missing.push_back(part.number);
+            continue;
+        }
+        statistics = sum_of(statistics, made->statistics);
+        for (ChunkFile& chunk : made->chunks) chunks.push_back(std::move(chunk));
+    }
+    if (!missing.empty())
+        throw core::Error(
+            "joining", plan.folder.string(),
+            fmt::format("{} of {} parts are not whole: {}; `render2mpeg part {} {}` goes on with the first",
+                        missing.size(), plan.parts.size(), part_list(missing), quoted(plan.folder.string()),
+                        missing.front()));
+    check_buffer(plan, chunks);
+    for (const FilmPart& part : plan.parts) place_images(film, part_options(plan, part, options), options, part.frames);
+    return chunks;
+}
+
+/// What the plan's step took.
+RunStatistics cost_of(const FarmPlan& plan) {
+    RunStatistics statistics;
+    const json& cost = plan.facts->at("cost");
+    cost.at("seconds").get_to(statistics.seconds);
+    statistics.earlier_wall = cost.at("wall").get<double>();
+    statistics.earlier_cpu = cost.at("cpu").get<double>();
+    return statistics;
+}
+
+/// Removes what the parts were made of: the film is there.
+void remove_parts(const FarmPlan& plan, const std::filesystem::path& film) {
+    std::error_code ignored;
+    write_whole(plan.joined_mark(), film.string() + "\n");
+    for (const FilmPart& part : plan.parts) std::filesystem::remove_all(plan.folder_of(part), ignored);
+}
+
+}  // namespace
+
+int join(const JoinOptions& wish) {
+    const WallClock clock;
+    const parallel::ThreadLimit threads(wish.threads);
+    const FarmPlan plan = read_plan(wish.plan);
+    std::error_code error;
+    const std::filesystem::path into = wish.folder ? std::filesystem::absolute(*wish.folder, error) : "";
+    refuse_other_machine(plan);
+    RenderOptions options = options_of(plan);
+    const std::string command = line_of(plan.words);
+    if (wish.folder) options = moved_into(into, options);
+    options.quiet = options.quiet || wish.quiet;
+    const InterruptGuard guard(options.quiet);
+
+    RunStatistics statistics = cost_of(plan);
+    RenderJob film = timed(statistics, Stage::load, [&] { return prepare_within_memory(options); });
+    timed(statistics, Stage::load, [&] { refuse_other_film(plan, film, options_of(plan)); });
+    const json identity = identity_of(film, options);
+    options.resume = true;
+    if (is_done_already(film, options, identity)) {
+        remove_parts(plan, options.output);
+        return 0;
+    }
+    options.resume = false;
+    check_outputs(film, options);
+    const std::unique_ptr<WorkFolder> work = open_outputs(options, identity);
+    for (const auto& [name, value] : plan.facts->at("settled").items()) work->keep(name, value);
+    settle(film, options, *work, statistics);
+    HeatmapFilms heatmaps(options, film, identity, *work);
+    std::vector<ChunkFile> files = gather(plan, film, options, heatmaps, statistics);
+    SampleFrameObserver sample_frame(film);
+    if (options.report) take_up(sample_frame, files);
+    const OpenRender open{film, options, identity, clock, *work, heatmaps, sample_frame, statistics, files};
+    RunFacts facts{command, options.input.string(), options.output.string(), 0, false};
+    if (publish_all(open, true, facts, "the same command")) remove_parts(plan, options.output);
+    return 0;
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,131 @@
+#include "app/farm/pack.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "app/files/tar_file.h"
+#include "core/error.h"
+
+namespace render2mpeg::app {
+namespace {
+
+std::filesystem::path full_of(const std::filesystem::path& file) {
+    std::error_code error;
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(file, error), error);
+}
+
+bool is_file(const std::filesystem::path& file) {
+    std::error_code error;
+    return !file.empty() && std::filesystem::is_regular_file(file, error);
+}
+
+/// The folder that both are in.
+std::filesystem::path common_folder(const std::filesystem::path& a, const std::filesystem::path& b) {
+    std::filesystem::path common;
+    for (auto one = a.begin(), other = b.begin(); one != a.end() && other != b.end() && *one == *other; ++one, ++other)
+        common /= *one;
+    return common;
+}
+
+void copy_input(const std::filesystem::path& from, const std::filesystem::path& to) {
+    std::error_code error;
+    std::filesystem::create_directories(to.parent_path(), error);
+    if (!error) std::filesystem::copy_file(from, to, std::filesystem::copy_options::overwrite_existing, error);
+    if (error) throw core::Error("packing", from.string(), error.message());
+}
+
+/// What an option's value becomes in a pack: the name of a copy, or a full name.
+class PackedNames {
+  public:
+    explicit PackedNames(std::filesystem::path inputs) : inputs_(std::move(inputs)) {}
+
+    std::string of(const std::string& option, const std::string& value) {
+        constexpr std::array<std::string_view, 5> outputs{"-o", "--output", "--stats", "--report", "--aov"};
+        constexpr std::array<std::string_view, 3> inputs{"--sky", "--audio", "--keyframes"};
+        if (std::find(outputs.begin(), outputs.end(), option) != outputs.end()) return full_name(value);
+        if (std::find(inputs.begin(), inputs.end(), option) == inputs.end() || !is_file(value)) return value;
+        const std::filesystem::path name =
+            std::filesystem::path("more") /
+            fmt::format("{}_{}", ++copied_, std::filesystem::path(value).filename().string());
+        copy_input(value, inputs_ / name);
+        return name.string();
+    }
+    static std::string full_name(const std::string& file) {
+        std::error_code error;
+        return std::filesystem::absolute(file, error).lexically_normal().string();
+    }
+
+  private:
+    std::filesystem::path inputs_;
+    int copied_ = 0;
+};
+
+/// Copies a scene with all its files, their places beside each other kept. Returns the scene's new name.
+std::filesystem::path copy_scene(const RenderJob& film, const RenderOptions& options,
+                                 const std::filesystem::path& inputs) {
+    std::vector<std::filesystem::path> files;
+    for (const std::filesystem::path& file : film.animation->files) files.push_back(file);
+    for (const scene::ImageSource& image : film.animation->images) files.push_back(image.path);
+    if (is_file(options.input)) files.push_back(options.input);
+    std::erase_if(files, [&](const std::filesystem::path& file) {
+        return !is_file(file) || (options.sky && full_of(file) == full_of(*options.sky));
+    });
+    const std::filesystem::path input = full_of(options.input);
+    std::filesystem::path folder = is_file(input) ? input.parent_path() : input;
+    for (const std::filesystem::path& file : files) folder = common_folder(folder, full_of(file).parent_path());
+    for (const std::filesystem::path& file : files)
+        copy_input(file, inputs / "scene" / full_of(file).lexically_relative(folder));
+    return std::filesystem::path("scene") / input.lexically_relative(folder);
+}
+
+}  // namespace
+
+void pack_inputs(FarmPlan& plan, const RenderJob& film, const RenderOptions& options) {
+    const std::filesystem::path inputs = plan.folder / "inputs";
+    std::error_code error;
+    std::filesystem::remove_all(inputs, error);
+    PackedNames names(inputs);
+    std::vector<std::string> words(plan.words.begin(), plan.words.begin() + 2);
+    bool named = false;
+    for (std::size_t i = 2; i < plan.words.size(); ++i) {
+        const std::string& word = plan.words[i];
+        const std::string& before = plan.words[i - 1];
+        const std::size_t equals = word.find('=');
+        if (word.starts_with("--") && equals != std::string::npos)
+            words.push_back(word.substr(0, equals + 1) + names.of(word.substr(0, equals), word.substr(equals + 1)));
+        else if (i >= 2 && plan.words[i - 2] == "--heatmap")
+            words.push_back(PackedNames::full_name(word));
+        else if (!named && word == options.input.string() && !before.starts_with("-"))
+            named = true, words.push_back(copy_scene(film, options, inputs).string());
+        else
+            words.push_back(names.of(before, word));
+    }
+    if (!named) {
+        // The scene's name stands behind a flag.
+        const auto place = std::find(words.begin() + 2, words.end(), options.input.string());
+        if (place == words.end()) throw core::Error("packing", options.input.string(), "it is not in the command line");
+        *place = copy_scene(film, options, inputs).string();
+    }
+    plan.words = words;
+    plan.start = inputs;
+}
+
+void write_pack(const FarmPlan& plan) {
+    std::vector<std::filesystem::path> files;
+    std::error_code error;
+    for (std::filesystem::recursive_directory_iterator entry(plan.folder, error), end; !error && entry != end;
+         entry.increment(error)) {
+        const std::string first = entry->path().lexically_relative(plan.folder).begin()->string();
+        if (!first.starts_with("part_") && first != "log" && is_file(entry->path())) files.push_back(entry->path());
+    }
+    if (error) throw core::Error("packing", plan.folder.string(), error.message());
+    std::sort(files.begin(), files.end());
+    write_tar(std::filesystem::path(plan.folder) += ".tar", plan.folder.parent_path(), files);
+}
+
+}  // namespace render2mpeg::app

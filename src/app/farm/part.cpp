@@ -1,0 +1,155 @@
+#include "app/farm/part.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <memory>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "app/farm/farm_plan.h"
+#include "app/farm/part_status.h"
+#include "app/files/output_lock.h"
+#include "app/files/work_folder.h"
+#include "app/loop/resume.h"
+#include "app/options/farm_options.h"
+#include "app/options/usage_error.h"
+#include "app/production/preparation.h"
+#include "app/production/production.h"
+#include "app/report/heatmap_film.h"
+#include "app/report/sample_frame.h"
+#include "app/system/interrupt.h"
+#include "app/system/probes.h"
+#include "app/system/terminal.h"
+#include "core/error.h"
+#include "parallel/loops.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// The parts that are asked for.
+std::vector<FilmPart> wanted_of(const FarmPlan& plan, const PartOptions& options) {
+    std::vector<FilmPart> wanted;
+    if (options.frames) {
+        const FrameRange frames = contiguous_from(*options.frames);
+        for (const FilmPart& part : plan.parts)
+            if (part.frames.first >= frames.first && part.frames.first <= frames.last) wanted.push_back(part);
+        return wanted;
+    }
+    if (!options.number) throw UsageError("I is missing: which part, from 1? Or --frames A-B");
+    if (*options.number > static_cast<int>(plan.parts.size()))
+        throw UsageError(fmt::format("part {}: the plan has parts 1 to {}", *options.number, plan.parts.size()));
+    return {plan.parts[static_cast<std::size_t>(*options.number) - 1]};
+}
+
+/// The part's work folder; waits while another process makes the same part. None after an interruption.
+std::unique_ptr<WorkFolder> open_part(const FarmPlan& plan, const RenderOptions& options, bool quiet) {
+    for (bool told = quiet; !InterruptGuard::requested(); told = true) {
+        try {
+            return std::make_unique<WorkFolder>(options.output, plan.facts->at("identity"),
+                                                WorkFolder::Earlier::resumed);
+        } catch (const OutputInUse& in_use) {
+            if (!told) print_line(std::string(in_use.what()) + "; waiting for it");
+        }
+        // chosen: a part takes minutes.
+        std::this_thread::sleep_for(std::chrono::seconds(1));
+    }
+    return nullptr;
+}
+
+/// What is settled for the whole film, where the part's folder does not have it yet.
+void keep_settled(const FarmPlan& plan, WorkFolder& work) {
+    for (const auto& [name, value] : plan.facts->at("settled").items())
+        if (work.kept(name).is_null()) work.keep(name, value);
+}
+
+int render_part(const FarmPlan& plan, const FilmPart& part, const PartOptions& wish, PartReporter& reporter) {
+    const WallClock clock;
+    const parallel::ThreadLimit threads(wish.threads);
+    const InterruptGuard guard(wish.quiet);
+    RenderOptions whole = options_of(plan);
+    whole.quiet = whole.quiet || wish.quiet;
+    if (wish.memory) whole.memory = wish.memory;
+    const RenderOptions options = part_options(plan, part, whole);
+    const std::unique_ptr<WorkFolder> work = open_part(plan, options, whole.quiet);
+    if (work == nullptr) return InterruptGuard::status();
+    if (options.layers) std::filesystem::create_directories(*options.layers);
+
+    RunStatistics statistics;
+    RenderJob film = timed(statistics, Stage::load, [&] { return prepare_within_memory(options); });
+    timed(statistics, Stage::load, [&] { refuse_other_film(plan, film, whole); });
+    if (!options.memory)
+        timed(statistics, Stage::load, [&] { return probe_images(*film.animation, image_probes(false)); });
+    if (InterruptGuard::requested()) return InterruptGuard::status();
+    film.part = part.chunks;
+    keep_settled(plan, *work);
+
+    HeatmapFilms heatmaps(options, film, plan.facts->at("identity"), *work);
+    RenderOptions silent = options;
+    silent.quiet = true;
+    std::vector<ChunkFile> files = take_up(
+        film, silent, *work, [&](std::size_t kept) { heatmaps.take_up(kept); }, statistics);
+    settle(film, silent, *work, statistics);
+    if (!options.quiet)
+        print_line(fmt::format("part {}: frames {} to {}{}", part.number, part.frames.first, part.frames.last,
+                               files.empty() ? "" : fmt::format(", {} are there", statistics.frames.size())));
+    reporter.advance_to(static_cast<std::int64_t>(statistics.frames.size()));
+    SampleFrameObserver sample_frame(film);
+    const OpenRender open{film,
+                          options,
+                          plan.facts->at("identity"),
+                          clock,
+                          *work,
+                          heatmaps,
+                          sample_frame,
+                          statistics,
+                          files,
+                          [&](std::int64_t done) { reporter.advance_to(done); }};
+    const bool complete = render_chunks(open);
+    try {
+        heatmaps.rethrow();
+    } catch (...) {
+        // Nothing goes on from a heatmap that broke off.
+        work->remove();
+        throw;
+    }
+    return complete ? 0 : InterruptGuard::status();
+}
+
+int make_part(const FarmPlan& plan, const FilmPart& part, const PartOptions& options) {
+    std::error_code error;
+    std::filesystem::create_directories(plan.folder_of(part), error);
+    PartReporter reporter(plan.folder_of(part), part.frames.last + 1 - part.frames.first);
+    try {
+        refuse_other_machine(plan);
+        const int status = render_part(plan, part, options, reporter);
+        reporter.end(status == 0 ? PartState::done : PartState::interrupted);
+        return status;
+    } catch (const std::bad_alloc&) {
+        reporter.end(PartState::failed, "out of memory");
+        throw;
+    } catch (const std::exception& failure) {
+        reporter.end(PartState::failed, failure.what());
+        throw;
+    }
+}
+
+}  // namespace
+
+int make_parts(const PartOptions& options) {
+    const FarmPlan plan = read_plan(options.plan);
+    const std::vector<FilmPart> wanted = wanted_of(plan, options);
+    if (plan.is_joined()) {
+        if (!options.quiet) print_line(plan.folder.string() + ": the film is joined already: nothing is to be done");
+        return 0;
+    }
+    if (wanted.empty() && !options.quiet) print_line("no part begins with one of these frames: nothing is to be done");
+    for (const FilmPart& part : wanted)
+        if (const int status = make_part(plan, part, options); status != 0) return status;
+    return 0;
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,26 @@
+#pragma once
+// What a render writes: checked before hours go into it, and opened.
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+
+#include "app/files/consent.h"
+#include "app/files/work_folder.h"
+#include "app/loop/render_job.h"
+#include "app/options/options.h"
+
+namespace render2mpeg::app {
+
+/// Whether the output is one file, which is made in a work folder.
+bool is_one_file(const RenderJob& film);
+
+/// Refuses outputs that would take the place of other files, or show what there is none of. Writes nothing. Throws
+/// core::Error.
+void check_outputs(const RenderJob& film, const RenderOptions& options);
+
+/// What is written, for those who are asked.
+Wishes written_by(const RenderJob& film, const RenderOptions& options);
+
+/// Sees that all outputs can be written before hours go into them; from now on no other run has the film.
+std::unique_ptr<WorkFolder> open_outputs(const RenderOptions& options, const nlohmann::json& identity);
+
+}  // namespace render2mpeg::app

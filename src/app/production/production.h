@@ -1,0 +1,62 @@
+#pragma once
+// Makes the frames of a film that is settled, and gives what is whole its name.
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "app/files/chunk_file.h"
+#include "app/files/work_folder.h"
+#include "app/loop/render_job.h"
+#include "app/loop/run_statistics.h"
+#include "app/options/options.h"
+#include "app/report/heatmap_film.h"
+#include "app/report/sample_frame.h"
+#include "app/report/statistics.h"
+
+namespace render2mpeg::app {
+
+/// Seconds on the clock of this run, and of those that it goes on from.
+class WallClock {
+  public:
+    double seconds(const RunStatistics& statistics) const {
+        return statistics.earlier_wall +
+               std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    }
+
+  private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// A render whose film is settled and whose outputs are open.
+struct OpenRender {
+    const RenderJob& film;
+    const RenderOptions& options;
+    const nlohmann::json& identity;
+    const WallClock& clock;
+    WorkFolder& work;
+    HeatmapFilms& heatmaps;
+    SampleFrameObserver& sample_frame;
+    RunStatistics& statistics;
+    std::vector<ChunkFile>& files;                       ///< of the chunks that were begun
+    std::function<void(std::int64_t)> frames_done = {};  ///< told of the frames that are whole, after each; or empty
+};
+
+/// What the records of chunks that an earlier run finished keep of the report's sample frame.
+void take_up(SampleFrameObserver& sample_frame, const std::vector<ChunkFile>& chunks);
+
+/// Renders the chunks that have no file yet, the last of them incompletely after an interruption. Returns whether all
+/// that the job makes is whole. The message of a failure ends with what is not lost by it.
+bool render_chunks(const OpenRender& open);
+
+/// How many of the chunks are whole.
+std::size_t whole_of(const std::vector<ChunkFile>& chunks);
+
+/// Publishes what is whole; leaves what is not beside the target. `facts` get what came of it. `again`: the command
+/// that goes on after an interruption. Returns whether all is written that was asked for. Whatever fails costs no more
+/// than itself; throws the first failure at the end.
+bool publish_all(const OpenRender& open, bool complete, RunFacts& facts, const std::string& again);
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "support/program.h"
+
+/// A film for farms: eight chunks of ten frames, rendered in a second, and what one run makes of it.
+namespace render2mpeg::test {
+
+/// Lamps and a box change, so that chunks differ.
+inline constexpr const char* farm_scene =
+    R"({ "frames": 80, "camera": { "position": [0, 1.5, 4], "look_at": [0, 0.5, 0] },
+  "lights": [{ "kind": "point", "position": [1, 2, 1], "intensity": 9 },
+             { "kind": "point", "position": [-2, 2, 1], "intensity": 3, "keys": [{ "at": 0, "power": 1 }, { "at": 3, "power": 6 }] }],
+  "objects": [{ "name": "floor", "shape": "plane", "size": [6, 6] },
+              { "name": "box", "shape": "box", "keys": [{ "at": 0, "position": [-1, 0, 0] }, { "at": 3, "position": [1, 0, 0], "rotate": 200 }] }] })";
+
+/// A scene in a folder of its own, and commands on it.
+class FarmFilm {
+  public:
+    /// `more`: options of the film. `gop` frames, of which chunks of some 60 are made.
+    explicit FarmFilm(const std::string& more = "", int frames = 240) : more_(more), frames_(frames) {
+        std::ofstream(folder_ / "scene.json") << farm_scene;
+    }
+    std::string path(const std::string& name) const { return (folder_ / name).string(); }
+    std::filesystem::path operator/(const std::string& name) const { return folder_ / name; }
+    std::string options() const {
+        return " " + path("scene.json") + " --hold --frames 0:" + std::to_string(frames_ - 1) +
+               " --size 32x48 --samples 1 --vpls 8 --gop 30 --overwrite --quiet " + more_ + " ";
+    }
+    /// `names`: of outputs, as options.
+    support::Outcome render(const std::string& names) const {
+        return support::run(support::program() + " render --threads 1" + options() + names);
+    }
+    support::Outcome farm(const std::string& names, const std::string& how) const {
+        return support::run(support::program() + " farm --threads 1" + options() + names + " " + how);
+    }
+    /// Of a plan `film.mpg.farm` and the like.
+    std::string part(const std::string& plan, int number) const {
+        return support::program() + " part --threads 1 --quiet " + path(plan) + " " + std::to_string(number);
+    }
+    support::Outcome join(const std::string& plan, const std::string& more = "") const {
+        return support::run(support::program() + " join --threads 1 --quiet " + path(plan) + " " + more);
+    }
+    bool same(const std::string& one, const std::string& other) const {
+        const std::string bytes = support::contents(folder_ / one);
+        return !bytes.empty() && bytes == support::contents(folder_ / other);
+    }
+    std::filesystem::path folder() const { return folder_.path(); }
+
+  private:
+    support::Folder folder_;
+    std::string more_;
+    int frames_;
+};
+
+/// Statistics without what another run measures otherwise: times, memory, and the photons that every run needs anew.
+inline nlohmann::json lasting_statistics(const std::filesystem::path& file) {
+    nlohmann::json s = nlohmann::json::parse(support::contents(file));
+    for (const char* key : {"seconds", "passes", "effects", "peak_rss_mib", "command", "output"}) s.erase(key);
+    s["rays"].erase("photon");
+    if (s["error_scale"].is_object()) s["error_scale"].erase("seconds");
+    if (s["audit"].is_object()) s["audit"].erase("seconds");
+    // Sums of sums differ in their last digits.
+    const auto rounded = [](const nlohmann::json& value) { return std::round(1e9 * value.get<double>()); };
+    s["clamped_energy"] = rounded(s["clamped_energy"]);
+    if (s["error_scale"].is_object()) s["error_scale"]["mean"] = rounded(s["error_scale"]["mean"]);
+    for (nlohmann::json& frame : s["per_frame"]) frame.erase("seconds");
+    return s;
+}
+
+}  // namespace render2mpeg::test

@@ -1,0 +1,228 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "app/farm/farm_plan.h"
+#include "app/farm/part_list.h"
+#include "app/options/farm_options.h"
+#include "core/error.h"
+#include "farm/farm_film.h"
+
+/// A film that many machines make has the bytes of a film that one machine makes.
+namespace render2mpeg {
+namespace {
+
+using nlohmann::json;
+using support::contents;
+using support::run;
+using test::FarmFilm;
+
+std::vector<app::Chunk> chunks(int count) {
+    return app::chunks_of({0, 60 * count - 1}, 15);
+}
+
+TEST(FilmParts, AreWholeChunksThatCoverTheFilm) {
+    for (const auto& [count, asked, made] : {std::tuple{8, 8, 8}, {8, 3, 3}, {8, 100, 8}, {1, 5, 1}, {7, 2, 2}}) {
+        const auto parts = app::parts_of(chunks(count), asked, {});
+        ASSERT_EQ(parts.size(), static_cast<std::size_t>(made));
+        std::size_t next = 0, least = 100, most = 0;
+        for (const app::FilmPart& part : parts) {
+            EXPECT_EQ(part.chunks.first, next);
+            EXPECT_EQ(part.frames.first, static_cast<std::int64_t>(60 * next));
+            next = part.chunks.last + 1;
+            least = std::min(least, part.chunks.count());
+            most = std::max(most, part.chunks.count());
+        }
+        EXPECT_EQ(next, static_cast<std::size_t>(count));
+        EXPECT_LE(most - least, 1u);
+    }
+    EXPECT_EQ(app::parts_of(chunks(8), {}, 120).size(), 4u);
+    EXPECT_EQ(app::parts_of(chunks(8), {}, 10).size(), 8u) << "a chunk is the least";
+    EXPECT_EQ(app::parts_of(chunks(8), {}, {}).size(), 8u);
+}
+
+TEST(FilmParts, AreListedAsSchedulersReadThem) {
+    EXPECT_EQ(app::part_list({}), "");
+    EXPECT_EQ(app::part_list({3}), "3");
+    EXPECT_EQ(app::part_list({1, 3, 4, 5, 9, 10}), "1,3-5,9-10");
+}
+
+TEST(FarmOptions, KeepWhatMakesTheFilm) {
+    EXPECT_EQ(
+        app::render_words({"render2mpeg", "farm", "a.glb", "-o", "f.mpg", "--to=slurm", "--parts", "8", "--pack",
+                           "--gop", "12", "--submit", "-j", "4", "--quantiser", "6"}),
+        (std::vector<std::string>{"render2mpeg", "render", "a.glb", "-o", "f.mpg", "--gop", "12", "--quantiser", "6"}));
+    EXPECT_EQ(app::contiguous_from("60-119").last, 119);
+    for (const char* wrong : {"60", "9-3", "-3-9", "a-b", "1-2-3", "1-99999999999999999999"})
+        EXPECT_THROW(app::contiguous_from(wrong), core::Error) << wrong;
+}
+
+/// Statistics, report, layers and a heatmap beside a film.
+std::string all_of(const FarmFilm& film, const std::string& name) {
+    return "-o " + film.path(name + ".mpg") + " --stats " + film.path(name + ".json") + " --report " +
+           film.path(name + ".html") + " --aov " + film.path(name + "_layers") + " --heatmap quantiser " +
+           film.path(name + "_q.mpg");
+}
+
+TEST(Farm, MakesAllThatOneRunMakes) {
+    const FarmFilm film("--audit 2");
+    ASSERT_EQ(film.render(all_of(film, "one")).status, 0);
+    const auto planned = film.farm(all_of(film, "film"), "--to parallel --parts 3");
+    ASSERT_EQ(planned.status, 0) << planned.output;
+    for (const int part : {3, 1}) ASSERT_EQ(run(film.part("film.mpg.farm", part)).status, 0);
+    const auto early = film.join("film.mpg.farm");
+    EXPECT_EQ(early.status, 1);
+    EXPECT_NE(early.output.find("1 of 3 parts are not whole: 2;"), std::string::npos) << early.output;
+    EXPECT_EQ(run(support::program() + " farm-status --left " + film.path("film.mpg.farm")).output, "2\n");
+
+    ASSERT_EQ(run(film.part("film.mpg.farm", 2)).status, 0);
+    const auto joined = film.join("film.mpg.farm");
+    ASSERT_EQ(joined.status, 0) << joined.output;
+    EXPECT_TRUE(film.same("one.mpg", "film.mpg"));
+    EXPECT_TRUE(film.same("one_q.mpg", "film_q.mpg"));
+    EXPECT_EQ(run("diff -r " + film.path("one_layers") + " " + film.path("film_layers")).output, "");
+    EXPECT_EQ(test::lasting_statistics(film / "film.json"), test::lasting_statistics(film / "one.json"));
+    EXPECT_NE(contents(film / "film.html").find("as it was lit"), std::string::npos) << "the sample frame";
+    EXPECT_FALSE(std::filesystem::exists(film / "film.mpg.farm/part_00001")) << "parts go";
+    EXPECT_EQ(film.join("film.mpg.farm").status, 0) << "nothing is left to be done";
+    EXPECT_EQ(run(film.part("film.mpg.farm", 1)).status, 0);
+    EXPECT_FALSE(std::filesystem::exists(film / "film.mpg.farm/part_00001"));
+}
+
+TEST(Farm, MakesFilmsOfEveryKindAsOneRunDoes) {
+    const std::pair<const char*, const char*> kinds[] = {
+        {"f.mkv", "--bitrate 300k --passes 2"}, {"f.mp4", ""}, {"f.ts", "--bitrate 400k --cbr"}, {"f.y4m", ""}};
+    for (const auto& [name, options] : kinds) {
+        const FarmFilm film(options, 120);
+        const std::string farm = std::string(name) + ".farm";
+        ASSERT_EQ(film.render("-o " + film.path("one_" + std::string(name))).status, 0);
+        ASSERT_EQ(film.farm("-o " + film.path(name), "--to parallel").status, 0);
+        for (const int part : {1, 2}) {
+            const auto made = run(film.part(farm, part));
+            ASSERT_EQ(made.status, 0) << name << ": " << made.output;
+        }
+        const auto joined = film.join(farm);
+        ASSERT_EQ(joined.status, 0) << joined.output;
+        EXPECT_TRUE(film.same("one_" + std::string(name), name)) << name;
+    }
+    const FarmFilm film("", 62);
+    ASSERT_EQ(film.render("-o " + film.path("one.%04d.png")).status, 0);
+    ASSERT_EQ(film.farm("-o " + film.path("f.%04d.png"), "--to parallel").status, 0);
+    for (const int part : {1, 2}) ASSERT_EQ(run(film.part("f.%04d.png.farm", part)).status, 0);
+    ASSERT_EQ(film.join("f.%04d.png.farm").status, 0);
+    for (const char* number : {"0000", "0061"})
+        EXPECT_TRUE(film.same(std::string("one.") + number + ".png", std::string("f.") + number + ".png"));
+}
+
+TEST(Farm, RefusesByNameWhatIsNotThePlans) {
+    const FarmFilm film("", 120);
+    ASSERT_EQ(film.farm("-o " + film.path("f.mpg"), "--to parallel").status, 0);
+    const auto refused = [&](const std::string& words) {
+        for (const std::string& command :
+             {film.part("f.mpg.farm", 1), support::program() + " join " + film.path("f.mpg.farm")}) {
+            const auto outcome = run(command);
+            EXPECT_EQ(outcome.status, 3) << outcome.output;
+            EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
+        }
+    };
+    const std::filesystem::path plan = film / "f.mpg.farm/plan.json", scene = film / "scene.json";
+    const std::string before = contents(plan);
+    const auto change = [&](const char* name, const char* value) {
+        json other = json::parse(before);
+        other["identity"][name] = value;
+        std::ofstream(plan, std::ios::trunc) << other;
+    };
+    change("version", "0.0.9");
+    refused("the version of render2mpeg was 0.0.9 and is ");
+    change("build", "another");
+    refused("render2mpeg was built anew since");
+    change("isa", "avx1024");
+    refused("instruction set avx1024: ");
+    std::ofstream(plan, std::ios::trunc) << before;
+    std::ofstream(scene, std::ios::app) << " ";
+    refused("the input " + scene.string() + " has changed since `farm` planned it");
+    std::ofstream(scene, std::ios::trunc) << test::farm_scene;
+
+    EXPECT_EQ(run(film.part("f.mpg.farm", 3)).status, 2) << "there are two";
+    EXPECT_EQ(run(film.part("g.mpg.farm", 1)).status, 1) << "there is no plan";
+    EXPECT_EQ(film.farm("-o " + film.path("f.mpg"), "--to sge --submit").output.find("render2mpeg: submitting "), 0u);
+    EXPECT_EQ(run(film.part("f.mpg.farm", 1)).status, 0) << "and this is it";
+}
+
+TEST(Farm, KeepsWhatIsMadeWhereItIsGivenAgain) {
+    const FarmFilm film("", 120);
+    const std::string name = "-o " + film.path("f.mpg");
+    ASSERT_EQ(film.farm(name, "--to parallel").status, 0);
+    ASSERT_EQ(run(film.part("f.mpg.farm", 2)).status, 0);
+    const auto left = [&] { return run(support::program() + " farm-status --left " + film.path("f.mpg.farm")).output; };
+    ASSERT_EQ(film.farm(name, "--to slurm").status, 0);
+    EXPECT_EQ(left(), "1\n");
+    ASSERT_EQ(film.farm(name + " --quantiser 9", "--to slurm").status, 0);
+    EXPECT_EQ(left(), "1-2\n") << "another film";
+}
+
+TEST(Farm, PacksItsInputs) {
+    const FarmFilm film("", 120);
+    ASSERT_EQ(film.render("-o " + film.path("one.mpg")).status, 0);
+    ASSERT_EQ(film.farm("-o " + film.path("f.mpg"), "--to kubernetes --pack").status, 0);
+    std::filesystem::create_directory(film / "elsewhere");
+    std::filesystem::remove(film / "scene.json");
+    ASSERT_EQ(run("cd " + film.path("elsewhere") + " && tar xf ../f.mpg.farm.tar").status, 0);
+    std::filesystem::remove_all(film / "f.mpg.farm");
+    for (const int part : {1, 2}) {
+        const auto made = run(film.part("elsewhere/f.mpg.farm", part));
+        ASSERT_EQ(made.status, 0) << made.output;
+    }
+    const auto joined = film.join("elsewhere/f.mpg.farm", "--into " + film.path("elsewhere"));
+    ASSERT_EQ(joined.status, 0) << joined.output;
+    EXPECT_TRUE(film.same("one.mpg", "elsewhere/f.mpg"));
+}
+
+TEST(Farm, MakesEachPartOnceHoweverFramesAreSpread) {
+    const FarmFilm film("", 240);
+    ASSERT_EQ(film.render("-o " + film.path("one.mpg")).status, 0);
+    ASSERT_EQ(film.farm("-o " + film.path("f.mpg"), "--to openjd").status, 0);
+    for (const char* frames : {"0-0", "1-59", "60-179", "180-239"}) {
+        const auto made =
+            run(support::program() + " part --progress openjd " + film.path("f.mpg.farm") + " --frames " + frames);
+        ASSERT_EQ(made.status, 0) << made.output;
+        EXPECT_EQ(made.output.find("openjd_progress: 100.0\nopenjd_status: ") == std::string::npos,
+                  std::string(frames) == "1-59")
+            << made.output;
+    }
+    ASSERT_EQ(film.join("f.mpg.farm").status, 0);
+    EXPECT_TRUE(film.same("one.mpg", "f.mpg"));
+}
+
+TEST(Farm, SurvivesKillsAndAFullDisk) {
+    const FarmFilm plain("", 240);
+    ASSERT_EQ(plain.render("-o " + plain.path("one.mpg")).status, 0);
+    ASSERT_EQ(plain.farm("-o " + plain.path("f.mpg"), "--to parallel --parts 2").status, 0);
+    const std::string first = plain.part("f.mpg.farm", 1), record = plain.path("f.mpg.farm/part_00001/f.mpg.partial/");
+    // Kill it behind its first chunk.
+    run(first + " & job=$!; while [ ! -s " + record +
+        "chunk_00000.json ] && kill -0 $job; do sleep 0.01; done; kill -KILL $job");
+    ASSERT_TRUE(std::filesystem::exists(record + "chunk_00000.json"));
+    const auto written = std::filesystem::last_write_time(record + "chunk_00000.json");
+    // Twice at once: both end well, and what was whole stays.
+    const auto twice = run(first + " & one=$!; " + first + " & two=$!; wait $one && wait $two");
+    EXPECT_EQ(twice.status, 0) << twice.output;
+    EXPECT_EQ(std::filesystem::last_write_time(record + "chunk_00000.json"), written);
+    // No room: the part says so, and another try makes it.
+    const auto full = run("ulimit -f 1; " + plain.part("f.mpg.farm", 2));
+    EXPECT_EQ(full.status, 1) << full.output;
+    EXPECT_NE(full.output.find("render2mpeg: writing "), std::string::npos) << full.output;
+    ASSERT_EQ(run(plain.part("f.mpg.farm", 2)).status, 0);
+    // The join, killed again and again.
+    const std::string join = support::program() + " join --quiet " + plain.path("f.mpg.farm");
+    for (const char* seconds : {"0.02", "0.1", "0.2", "0.3"})
+        run(join + " & job=$!; sleep " + seconds + "; kill -KILL $job; wait $job");
+    EXPECT_EQ(run(join).status, 0);
+    EXPECT_TRUE(plain.same("one.mpg", "f.mpg"));
+}
+
+}  // namespace
+}  // namespace render2mpeg
