@@ -58,6 +58,13 @@ class FarmFilm {
     int frames_;
 };
 
+/// Every number of a JSON value to nine digits: sums of sums differ in their last ones.
+inline void round_numbers(nlohmann::json& value) {
+    if (value.is_number_float()) value = std::round(value.get<double>() * 1e9) / 1e9;
+    if (value.is_structured())
+        for (nlohmann::json& inner : value) round_numbers(inner);
+}
+
 /// Statistics without what another run measures otherwise: times, memory, and the photons that every run needs anew.
 inline nlohmann::json lasting_statistics(const std::filesystem::path& file) {
     nlohmann::json s = nlohmann::json::parse(support::contents(file));
@@ -65,11 +72,8 @@ inline nlohmann::json lasting_statistics(const std::filesystem::path& file) {
     s["rays"].erase("photon");
     if (s["error_scale"].is_object()) s["error_scale"].erase("seconds");
     if (s["audit"].is_object()) s["audit"].erase("seconds");
-    // Sums of sums differ in their last digits.
-    const auto rounded = [](const nlohmann::json& value) { return std::round(1e9 * value.get<double>()); };
-    s["clamped_energy"] = rounded(s["clamped_energy"]);
-    if (s["error_scale"].is_object()) s["error_scale"]["mean"] = rounded(s["error_scale"]["mean"]);
     for (nlohmann::json& frame : s["per_frame"]) frame.erase("seconds");
+    round_numbers(s);
     return s;
 }
 

@@ -39,6 +39,7 @@ TEST(SlurmSlow, MakesTheFilmThatOneRunMakesAlsoWhenAPartAndASlurmdAreKilled) {
                        wait_for_film + "cat f.mpg.farm/log/*.txt; ls f.mpg");
     if (made.status == 77) GTEST_SKIP() << made.output;
     EXPECT_EQ(made.status, 0) << made.output;
+    EXPECT_NE(made.output.find("Killed"), std::string::npos) << made.output;
     EXPECT_TRUE(film.same("one.mpg", "f.mpg")) << made.output;
     EXPECT_TRUE(film.same("one_q.mpg", "f_q.mpg"));
 }
