@@ -59,7 +59,8 @@ TEST(Wrapping, BreaksBetweenWordsAndKeepsLineEnds) {
 }
 
 TEST(Help, FitsEightyColumns) {
-    for (const char* command : {"", "render ", "encode ", "plan ", "info ", "cost ", "tune ", "compare "}) {
+    for (const char* command : {"", "render ", "encode ", "plan ", "info ", "cost ", "tune ", "compare ", "farm ",
+                                "part ", "join ", "farm-status "}) {
         const auto help = run(program() + " " + command + "--help");
         EXPECT_EQ(help.status, 0);
         std::istringstream lines(help.output);
@@ -83,9 +84,11 @@ std::set<std::string> completions(const std::string& words) {
 }
 
 TEST(Completion, OffersEveryCommandAndOption) {
-    EXPECT_EQ(completions("\"\""), (std::set<std::string>{"render", "encode", "plan", "info", "cost", "tune", "compare",
-                                                          "--help", "--version"}));
-    for (const char* command : {"render", "encode", "plan", "info", "cost", "tune", "compare"}) {
+    EXPECT_EQ(completions("\"\""),
+              (std::set<std::string>{"render", "encode", "plan", "info", "cost", "tune", "compare", "farm", "part",
+                                     "join", "farm-status", "--help", "--version"}));
+    for (const char* command :
+         {"render", "encode", "plan", "info", "cost", "tune", "compare", "farm", "part", "join", "farm-status"}) {
         const std::set<std::string> offers = completions(std::string(command) + " --");
         std::istringstream help(run(program() + " " + command + " --help").output);
         int options = 0;
@@ -95,7 +98,7 @@ TEST(Completion, OffersEveryCommandAndOption) {
             ++options;
             EXPECT_TRUE(offers.contains(line.substr(at, line.find_first_of(" ,", at) - at))) << command << line;
         }
-        EXPECT_GE(options, 3) << command;
+        EXPECT_GE(options, 2) << command;
         EXPECT_EQ(offers.size(), static_cast<std::size_t>(options)) << command;
     }
 }
@@ -118,7 +121,8 @@ TEST(Completion, OffersTheValuesOfOptionsThatHaveFew) {
 TEST(Completion, OfZshAndFishOffersEveryOption) {
     const std::string zsh = support::contents(support::binary_folder() / "shell/_render2mpeg");
     const std::string fish = support::contents(support::binary_folder() / "shell/render2mpeg.fish");
-    for (const std::string command : {"render", "encode", "plan", "info", "cost", "tune", "compare"}) {
+    for (const std::string command :
+         {"render", "encode", "plan", "info", "cost", "tune", "compare", "farm", "part", "join", "farm-status"}) {
         const std::size_t begin = zsh.find("\n    " + command + ")\n");
         ASSERT_NE(begin, std::string::npos) << command;
         const std::string part = zsh.substr(begin, zsh.find(";;", begin) - begin);
