@@ -74,7 +74,7 @@ bool same_light(const scene::Snapshot& a, const scene::Snapshot& b) {
     return std::equal(a.objects.begin(), a.objects.end(), b.objects.begin(), b.objects.end(), same_object) &&
            std::equal(a.lights.begin(), a.lights.end(), b.lights.begin(), b.lights.end(), same_lamp) &&
            std::equal(a.deformed.begin(), a.deformed.end(), b.deformed.begin(), b.deformed.end(), same_shape) &&
-           a.emission_factor == b.emission_factor;
+           a.emission_factor == b.emission_factor && a.base_color == b.base_color;
 }
 
 }  // namespace

@@ -102,7 +102,9 @@ TEST_F(GltfExtensions, PointersMoveLampsEmissionAndLenses) {
     point(file, "/cameras/0/perspective/yfov", {0.5, 0.75});
     point(file, "/materials/0/emissiveFactor", {0.25, 0.5, 0, 0, 0, 0}, "VEC3");
     point(file, "/nodes/0/translation", {0, 0, 0, 0, 7, 0}, "VEC3");
-    point(file, "/materials/0/pbrMetallicRoughness/baseColorFactor", {1, 1, 1, 1, 0, 0, 0, 1}, "VEC4");
+    point(file, "/materials/0/pbrMetallicRoughness/baseColorFactor", {0.5, 1, 0, 1, 1, 0, 0, 0.5}, "VEC4");
+    point(file, "/extensions/KHR_lights_punctual/lights/0/color", {1, 0, 0, 0, 1, 0}, "VEC3");
+    point(file, "/materials/0/pbrMetallicRoughness/roughnessFactor", {1, 0});
     const Animation film = loaded(file);
     const Snapshot begin = at(film, 0), end = at(film, 1);
     EXPECT_FLOAT_EQ(begin.lights[0].intensity.x, 10);
@@ -112,7 +114,12 @@ TEST_F(GltfExtensions, PointersMoveLampsEmissionAndLenses) {
     EXPECT_EQ(film.materials[0].emission * begin.emission_factor[0], glm::vec3(1, 2, 0));
     EXPECT_EQ(end.emission_factor[0], 0);
     EXPECT_FLOAT_EQ(end.objects[0].to_world[3].y - begin.objects[0].to_world[3].y, 7);
-    EXPECT_TRUE(has_note(film, "baseColorFactor"));
+    EXPECT_EQ(begin.base_color[0], glm::vec4(0.5f, 1, 0, 1));
+    EXPECT_EQ(end.base_color[0], glm::vec4(1, 0, 0, 0.5f));
+    EXPECT_EQ(film.materials[0].base_color, glm::vec4(1, 1, 0, 1));
+    EXPECT_EQ(film.objects[0].mobility, Mobility::rigid);
+    EXPECT_EQ(end.lights[0].intensity, glm::vec3(0, 20, 0));
+    EXPECT_TRUE(has_note(film, "roughnessFactor"));
 }
 
 TEST_F(GltfExtensions, VariantsChooseMaterials) {

@@ -85,6 +85,25 @@ TEST_F(GltfLooks, ExtensionsOfMaterialsAreRead) {
     EXPECT_EQ(m.alpha_mode, AlphaMode::blend);
 }
 
+TEST_F(GltfLooks, LeavesAndBrushedSurfacesAreRead) {
+    const Material m = material(
+        {{"extensions",
+          {{"KHR_materials_anisotropy",
+            {{"anisotropyStrength", 0.5}, {"anisotropyRotation", 1.25}, {"anisotropyTexture", {{"index", 0}}}}},
+           {"KHR_materials_diffuse_transmission",
+            {{"diffuseTransmissionFactor", 0.25},
+             {"diffuseTransmissionTexture", {{"index", 0}}},
+             {"diffuseTransmissionColorFactor", {1, 0.5, 0.25}},
+             {"diffuseTransmissionColorTexture", {{"index", 0}}}}}}}});
+    EXPECT_EQ(m.anisotropy, 0.5f);
+    EXPECT_EQ(m.anisotropy_rotation, 1.25f);
+    EXPECT_TRUE(m.anisotropy_texture.present());
+    EXPECT_EQ(m.diffuse_transmission, 0.25f);
+    EXPECT_TRUE(m.diffuse_transmission_texture.present());
+    EXPECT_EQ(m.diffuse_transmission_color, glm::vec3(1, 0.5f, 0.25f));
+    EXPECT_TRUE(m.diffuse_transmission_color_texture.present());
+}
+
 TEST_F(GltfLooks, SpecularGlossinessReplacesMetallicRoughness) {
     const Material m = material({{"pbrMetallicRoughness", {{"baseColorFactor", {1, 0, 0, 1}}}},
                                  {"extensions",

@@ -20,6 +20,7 @@
 #include "perceptual/exposure.h"
 #include "renderer/cache/light_split.h"
 #include "scene/load.h"
+#include "scene/preparation/framing.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::app {
@@ -238,6 +239,8 @@ RenderJob prepare(const RenderOptions& options) {
     if (preset != nullptr) preset->check_output(options.output);
     const Shape shape = settle_shape(wishes_of(options, *loaded), preset, film.kind == OutputKind::film);
     film.rate = shape.rate;
+    scene::fit_automatic_camera(*loaded,
+                                static_cast<double>(shape.size.width) / shape.size.height * shape.pixel_aspect.value());
     if (loaded->frame_rate) change_rate(*loaded, core::frame_rate_from(*loaded->frame_rate), film.rate);
     const std::shared_ptr<const scene::Animation> animation = loaded;
     film.animation = animation;

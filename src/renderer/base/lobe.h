@@ -38,6 +38,23 @@ RENDER2MPEG_ALWAYS_INLINED float masking(float nl, float nv, float a2) {
     return 0.5f / inlined::max(nv * light + nl * view, 1e-12f);
 }
 
+/// D V of a stretched lobe [Burley2012, eq. 13; Heitz2014, eq. 99], by its squared widths and the cosines to its axes:
+/// of light and eye, and `half2`, the squared length of their sum.
+struct StretchedCosines {
+    float along, across, normal;
+};
+RENDER2MPEG_ALWAYS_INLINED float stretched_value(StretchedCosines light, StretchedCosines eye, float half2,
+                                                 float along2, float across2) {
+    const float x = light.along + eye.along, y = light.across + eye.across, z = light.normal + eye.normal;
+    const float e = inlined::max((x * x / along2 + y * y / across2 + z * z) / half2, 1e-12f);
+    const float d = inverse_pi / (inlined::sqrt(along2 * across2) * e * e);
+    const auto length = [&](StretchedCosines v) {
+        return inlined::sqrt(along2 * v.along * v.along + across2 * v.across * v.across + v.normal * v.normal);
+    };
+    const float nl = inlined::max(light.normal, 0.0f);
+    return d * 0.5f / inlined::max(eye.normal * length(light) + nl * length(eye), 1e-12f);
+}
+
 /// Schlick's fifth power: the Fresnel reflectance is f0 (1 - s) + s. [Schlick1994, eq. 15]
 RENDER2MPEG_ALWAYS_INLINED float schlick(float vh) {
     const float m = inlined::min(inlined::max(1.0f - vh, 0.0f), 1.0f);

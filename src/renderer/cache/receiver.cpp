@@ -20,8 +20,8 @@ constexpr float least_alpha = 0.04f;
 
 bool uses_cache(const GatherPoint& p, const GlossyPayoff& payoff) {
     const Bsdf& bsdf = p.point.bsdf;
-    return !p.reached_by_specular() &&
-           (!bsdf.has_glossy() || (bsdf.alpha >= least_alpha && payoff.uses_cache(p.point.material)));
+    return !p.reached_by_specular() && (!bsdf.has_glossy() || (bsdf.alpha >= least_alpha && !bsdf.is_stretched() &&
+                                                               payoff.uses_cache(p.point.material)));
 }
 
 float receives(const GatherPoint& p) {

@@ -25,6 +25,15 @@ RENDER2MPEG_ALWAYS_INLINED float density_over_d(float nv, float a2) {
     return 0.5f / (nv + inlined::sqrt(a2 + (1.0f - a2) * nv * nv));
 }
 
+RENDER2MPEG_ALWAYS_INLINED float stretched_at(const GatherLanes& lanes, const LampSamples& samples, int i,
+                                              float half2) {
+    const lobe::StretchedCosines light{product(lanes.along, samples.direction, i),
+                                       product(lanes.across, samples.direction, i),
+                                       product(lanes.normal.axis, samples.direction, i)};
+    return lobe::stretched_value(light, {lanes.view_along[i], lanes.view_across[i], lanes.cos_outgoing[i]}, half2,
+                                 lanes.along2[i], lanes.across2[i]);
+}
+
 }  // namespace
 
 RENDER2MPEG_CLONES
@@ -46,7 +55,8 @@ void respond(const GatherLanes& __restrict lanes, const LampSamples& __restrict 
         const float d = lobe::distribution(nh2, a2), inverse = samples.inverse_density[i];
         const float along = nl > 0.0f ? d * density_over_d(nv, a2) * inverse : 0.0f;
         const float share = 1.0f / (1.0f + (peaks[i] > 0.0f ? along : 0.0f)), weight = nl * inverse * share;
-        const float f = d * lobe::masking(nl, nv, a2) * weight;
+        const float f =
+            (lanes.stretched ? stretched_at(lanes, samples, i, half2) : d * lobe::masking(nl, nv, a2)) * weight;
         out.plain[i] = nl * inverse;
         out.geometry[i] = weight;
         out.along[i] = along * share;
@@ -67,6 +77,9 @@ LobeIntegral::LobeIntegral(const WholeLamp& lamp, const GatherLanes& lanes, cons
     : lamp_(lamp), lanes_(lanes), sampler_(sampler), whole_(whole) {
     choose_lobes();
     lobe_coverage(lamp, lanes, coverage_);
+    // The closed form and its samples are of round lobes.
+    for (int i = 0; lanes.stretched && i < lane_count; ++i)
+        if (lanes.along2[i] > lanes.across2[i]) coverage_[i] = 0.0f;
     constexpr int quarter = first_samples / 4;
     for (int q = 0; q < 4; ++q) take(q, q * quarter, (q + 1) * quarter);
     count_ = first_samples;

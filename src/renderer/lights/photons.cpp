@@ -42,6 +42,7 @@ struct Onward {
     glm::vec3 direction{0};
     glm::vec3 flux{0};
     bool straight = false;  ///< through the surface
+    bool beyond = false;    ///< scattered to the surface's other side
     float lost = 0;         ///< luminance that largest_albedo took
 };
 
@@ -53,30 +54,35 @@ Onward scatter(const SurfacePoint& p, glm::vec3 flux, float choice, glm::vec2 u)
     // do to other light. [Szecsi2003]
     const float before = flux.x + flux.y + flux.z;
     const auto kept = [&](glm::vec3 albedo) { return core::divide_or(glm::dot(flux, albedo), before, 0.0f); };
-    float chance[4] = {kept(diffuse), kept(glossy), kept(b.mirror), kept(b.transmission)};
-    const float sum = chance[0] + chance[1] + chance[2] + chance[3];
+    float chance[5] = {kept(diffuse), kept(glossy), kept(b.mirror), kept(b.transmission), kept(b.diffuse_transmission)};
+    const float sum = chance[0] + chance[1] + chance[2] + chance[3] + chance[4];
     // What is brighter than any real surface is taken as the brightest: probabilities fall, weights do not rise.
     const float lost = std::max(sum - largest_albedo, 0.0f) * core::luminance(flux);
     const float kept_share = sum > largest_albedo ? largest_albedo / sum : 1.0f;
     choice = core::divide_or(choice, kept_share, 1.0f);
     if (choice < chance[0]) {
         const glm::vec3 direction = core::sample_cosine_hemisphere(p.shading_normal, u);
-        return {direction, flux * diffuse_weight(b, p.outgoing, direction) / chance[0], false, lost};
+        return {direction, flux * diffuse_weight(b, p.outgoing, direction) / chance[0], false, false, lost};
     }
     choice -= chance[0];
     if (choice < chance[1]) {
         const LobeSample sample = sample_glossy(b, p.shading_normal, p.outgoing, u);
-        return {sample.direction, flux * sample.weight / chance[1], false, lost};
+        return {sample.direction, flux * sample.weight / chance[1], false, false, lost};
     }
     choice -= chance[1];
     if (choice < chance[2]) {
         const float nv = glm::dot(p.shading_normal, p.outgoing);
         return {core::normalize_or(2.0f * nv * p.shading_normal - p.outgoing, p.shading_normal),
-                flux * b.mirror / chance[2], false, lost};
+                flux * b.mirror / chance[2], false, false, lost};
     }
     choice -= chance[2];
-    if (choice < chance[3]) return {-p.outgoing, flux * b.transmission / chance[3], true, lost};
-    return {{}, {}, false, lost};
+    if (choice < chance[3]) return {-p.outgoing, flux * b.transmission / chance[3], true, false, lost};
+    choice -= chance[3];
+    if (choice < chance[4]) {
+        const glm::vec3 direction = core::sample_cosine_hemisphere(-p.shading_normal, u);
+        return {direction, flux * b.diffuse_transmission / chance[4], false, true, lost};
+    }
+    return {{}, {}, false, false, lost};
 }
 
 /// Notes the way of a path.
@@ -117,6 +123,15 @@ class PathNotes {
     PhotonPath path_;
 };
 
+/// Leaves a VPL where a photon landed; `landed`: of its flux.
+void leave(const SurfacePoint& p, glm::vec3 flux, glm::vec3 landed, std::uint64_t path, PhotonResult& out) {
+    out.vpls.push_back(vpl_at(p, flux));
+    out.addresses.push_back(p.address);
+    out.fluxes.push_back(landed);
+    out.paths.push_back(path);
+    out.landed += static_cast<double>(core::luminance(landed));
+}
+
 /// One path; appends its VPLs, not yet divided by the number of paths, and returns the rays it took.
 int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint64_t path,
            const PhotonSettings& settings, PhotonResult& out) {
@@ -153,17 +168,15 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
         if (p.unlit) break;
         choice = core::divide_or(choice - (1.0f - p.alpha), p.alpha, 0.0f);
         if (p.bsdf.has_diffuse() || p.bsdf.has_glossy()) {
-            out.vpls.push_back(vpl_at(p, photon.flux));
-            out.addresses.push_back(p.address);
-            out.fluxes.push_back(photon.flux);
-            out.paths.push_back(path);
-            out.landed += static_cast<double>(core::luminance(photon.flux));
+            leave(p, photon.flux, photon.flux, path, out);
             --left;
         }
+        if (p.bsdf.has_diffuse_transmission()) leave(posed_scene.other_side(p), photon.flux, glm::vec3(0), path, out);
         const Onward onward = scatter(p, photon.flux, choice, {number(dimension + 1), number(dimension + 2)});
         out.lost += static_cast<double>(onward.lost);
         // A bounce below the horizon of the true surface would leak through it.
-        if (!onward.straight && !(glm::dot(onward.direction, p.geometric_normal) > 0.0f)) break;
+        const float up = glm::dot(onward.direction, p.geometric_normal);
+        if (!onward.straight && !((onward.beyond ? -up : up) > 0.0f)) break;
         photon = {offset_origin(p, onward.direction), onward.direction, onward.flux};
     }
     if (settings.keeps) notes.end();

@@ -24,6 +24,13 @@ glm::vec3 evaluate(const Bsdf& bsdf, glm::vec3 normal, glm::vec3 outgoing, glm::
     glm::vec3 f = diffuse_weight(bsdf, outgoing, to_light) * lobe::inverse_pi;
     if (bsdf.has_glossy()) {
         const glm::vec3 h = core::normalize_or(to_light + outgoing, normal);
+        if (bsdf.is_stretched()) {
+            const StretchedLobe stretched(bsdf, normal);
+            const float s = lobe::schlick(glm::dot(outgoing, h));
+            return f + stretched.distribution(stretched.local(h)) *
+                           stretched.masking(stretched.local(to_light), stretched.local(outgoing)) *
+                           (bsdf.f0 * (1.0f - s) + bsdf.f90 * s);
+        }
         const float nh = glm::dot(normal, h);
         const float a2 = bsdf.alpha * bsdf.alpha;
         const float s = lobe::schlick(glm::dot(outgoing, h));
@@ -39,11 +46,58 @@ glm::vec3 diffuse_albedo(const Bsdf& bsdf, float cosine) {
 
 glm::vec3 glossy_albedo(const Bsdf& bsdf, float cosine) {
     if (!bsdf.has_glossy()) return glm::vec3(0);
-    const LobeAlbedo albedo = lobe_albedo(cosine, bsdf.alpha);
+    const LobeAlbedo albedo = lobe_albedo(cosine, bsdf.mean_alpha());
     return albedo.f0 * bsdf.f0 + albedo.f90 * bsdf.f90;
 }
 
+namespace {
+
+LobeSample sample_stretched(const Bsdf& bsdf, glm::vec3 normal, glm::vec3 outgoing, glm::vec2 u) {
+    const StretchedLobe stretched(bsdf, normal);
+    const glm::vec3 v = stretched.local(outgoing);
+    if (!(v.z > 0.0f)) return {normal, glm::vec3(0)};
+    const glm::vec3 h = visible_normal(v, stretched.alpha, u);
+    const float vh = std::max(glm::dot(v, h), 0.0f);
+    const glm::vec3 l = 2.0f * vh * h - v;
+    LobeSample sample;
+    sample.direction = core::normalize_or(stretched.world(l), normal);
+    const float density = stretched.density(h, v);
+    if (!(l.z > 0.0f) || !(density > 0.0f)) return sample;
+    const float s = lobe::schlick(vh);
+    sample.weight =
+        (stretched.distribution(h) * stretched.masking(l, v) * l.z / density) * (bsdf.f0 * (1.0f - s) + bsdf.f90 * s);
+    return sample;
+}
+
+}  // namespace
+
+StretchedLobe::StretchedLobe(const Bsdf& bsdf, glm::vec3 normal) : z(normal), alpha(bsdf.alpha_along, bsdf.alpha) {
+    glm::vec3 t, b;
+    core::make_frame(normal, t, b);
+    x = core::normalize_or(bsdf.along - glm::dot(bsdf.along, normal) * normal, t);
+    y = glm::cross(normal, x);
+}
+
+float StretchedLobe::distribution(glm::vec3 half) const {
+    const glm::vec3 h(half.x / alpha.x, half.y / alpha.y, half.z);
+    const float e = std::max(glm::dot(h, h), 1e-12f);
+    return lobe::inverse_pi / (alpha.x * alpha.y * e * e);
+}
+
+float StretchedLobe::length(glm::vec3 v) const {
+    return glm::length(glm::vec3(alpha.x * v.x, alpha.y * v.y, v.z));
+}
+
+float StretchedLobe::masking(glm::vec3 light, glm::vec3 view) const {
+    return 0.5f / std::max(view.z * length(light) + light.z * length(view), 1e-12f);
+}
+
+float StretchedLobe::density(glm::vec3 half, glm::vec3 view) const {
+    return 0.5f * distribution(half) / std::max(view.z + length(view), 1e-12f);
+}
+
 LobeSample sample_glossy(const Bsdf& bsdf, glm::vec3 normal, glm::vec3 outgoing, glm::vec2 u) {
+    if (bsdf.is_stretched()) return sample_stretched(bsdf, normal, outgoing, u);
     // Choose the half vector in proportion to D n.h.
     const float a2 = bsdf.alpha * bsdf.alpha;
     const float cos2 = core::divide_or(1.0f - u.x, 1.0f + (a2 - 1.0f) * u.x, 1.0f);
@@ -65,7 +119,11 @@ LobeSample sample_glossy(const Bsdf& bsdf, glm::vec3 normal, glm::vec3 outgoing,
 }
 
 glm::vec3 visible_normal(glm::vec3 outgoing, float alpha, glm::vec2 u) {
-    const glm::vec3 v = glm::normalize(glm::vec3(alpha * outgoing.x, alpha * outgoing.y, outgoing.z));
+    return visible_normal(outgoing, glm::vec2(alpha), u);
+}
+
+glm::vec3 visible_normal(glm::vec3 outgoing, glm::vec2 alpha, glm::vec2 u) {
+    const glm::vec3 v = glm::normalize(glm::vec3(alpha.x * outgoing.x, alpha.y * outgoing.y, outgoing.z));
     const float across2 = v.x * v.x + v.y * v.y;
     const glm::vec3 t1 = across2 > 0.0f ? glm::vec3(-v.y, v.x, 0) / std::sqrt(across2) : glm::vec3(1, 0, 0);
     const glm::vec3 t2 = glm::cross(v, t1);
@@ -73,7 +131,7 @@ glm::vec3 visible_normal(glm::vec3 outgoing, float alpha, glm::vec2 u) {
     const float a = r * std::cos(phi), s = 0.5f * (1.0f + v.z);
     const float b = std::lerp(core::sqrt_or_zero(1.0f - a * a), r * std::sin(phi), s);
     const glm::vec3 n = a * t1 + b * t2 + core::sqrt_or_zero(1.0f - a * a - b * b) * v;
-    return glm::normalize(glm::vec3(alpha * n.x, alpha * n.y, std::max(n.z, 1e-6f)));
+    return glm::normalize(glm::vec3(alpha.x * n.x, alpha.y * n.y, std::max(n.z, 1e-6f)));
 }
 
 }  // namespace render2mpeg::renderer

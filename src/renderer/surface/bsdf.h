@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <glm/glm.hpp>
 
 #include "scene/preparation/traits.h"
@@ -20,7 +21,10 @@ struct Bsdf {
     glm::vec3 mirror{0};        ///< share of light from the mirrored direction (smooth surfaces); 0: none
     glm::vec3 transmission{0};  ///< share that passes (glass), tinted
     float ior = 1.5f;           ///< inside over outside, for glass
-    glm::vec3 f90{1};           ///< reflectance of the GGX lobe at grazing incidence; as f0 above 1 on rough metals
+    glm::vec3 diffuse_transmission{0};  ///< Lambert's to the other side (leaves), 0..1; all losses are in it
+    glm::vec3 along{0};  ///< unit, in the surface: where the lobe is wider; 0: it is round [KHR_materials_anisotropy]
+    float alpha_along = 1;  ///< GGX width along it, >= `alpha`, which is that across it
+    glm::vec3 f90{1};       ///< reflectance of the GGX lobe at grazing incidence; as f0 above 1 on rough metals
 
     /// Multiplies all that leaves the surface.
     void scale(float by) {
@@ -29,10 +33,17 @@ struct Bsdf {
         f90 *= by;
         mirror *= by;
         transmission *= by;
+        diffuse_transmission *= by;
     }
     bool has_glossy() const { return f0.x > 0 || f0.y > 0 || f0.z > 0; }
+    bool is_stretched() const { return along != glm::vec3(0); }
+    /// Width of the round lobe that covers as much.
+    float mean_alpha() const { return is_stretched() ? std::sqrt(alpha * alpha_along) : alpha; }
     /// Whether rays look along the lobe (lobe_rays.h).
     bool has_narrow_lobe() const { return has_glossy() && alpha < narrow_alpha; }
+    bool has_diffuse_transmission() const {
+        return diffuse_transmission.x > 0 || diffuse_transmission.y > 0 || diffuse_transmission.z > 0;
+    }
     bool has_diffuse() const { return diffuse.x > 0 || diffuse.y > 0 || diffuse.z > 0; }
 };
 
@@ -58,5 +69,24 @@ LobeSample sample_glossy(const Bsdf& bsdf, glm::vec3 normal, glm::vec3 outgoing,
 /// A half vector in proportion to what is seen of facets of width `alpha` from `outgoing` (unit); z is along the
 /// normal. [Heitz2018, listing 1]
 glm::vec3 visible_normal(glm::vec3 outgoing, float alpha, glm::vec2 u);
+/// The same of a lobe of width `alpha.x` along x and `alpha.y` along y.
+glm::vec3 visible_normal(glm::vec3 outgoing, glm::vec2 alpha, glm::vec2 u);
+
+/// A stretched lobe in its own axes: x along, y across, z the normal. Directions are unit and given in them.
+struct StretchedLobe {
+    glm::vec3 x, y, z;
+    glm::vec2 alpha;
+
+    StretchedLobe(const Bsdf& bsdf, glm::vec3 normal);
+    glm::vec3 local(glm::vec3 v) const { return {glm::dot(x, v), glm::dot(y, v), glm::dot(z, v)}; }
+    glm::vec3 world(glm::vec3 v) const { return v.x * x + v.y * y + v.z * z; }
+    float distribution(glm::vec3 half) const;              ///< [Burley2012, eq. 13]
+    float masking(glm::vec3 light, glm::vec3 view) const;  ///< height-correlated, over 4 nl nv; z > 0 of both
+    /// Density of directions whose half vectors are visible normals, per steradian [Heitz2018, eq. 17].
+    float density(glm::vec3 half, glm::vec3 view) const;
+
+  private:
+    float length(glm::vec3 v) const;
+};
 
 }  // namespace render2mpeg::renderer

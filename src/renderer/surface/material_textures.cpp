@@ -27,7 +27,8 @@ struct TextureKey {
 
 bool is_color(TextureRole role) {
     return role == TextureRole::base_color || role == TextureRole::emission ||
-           role == TextureRole::specular_glossiness || role == TextureRole::specular_tint || role == TextureRole::sheen;
+           role == TextureRole::specular_glossiness || role == TextureRole::specular_tint ||
+           role == TextureRole::sheen || role == TextureRole::diffuse_transmission_color;
 }
 
 TextureKey key_of(const scene::Material& material, TextureRole role) {
@@ -65,6 +66,11 @@ bool is_looked_at(const scene::Material& material, TextureRole role, const Plan&
         case TextureRole::iridescence:
         case TextureRole::film:
             return !material.unlit && material.iridescence > 0;
+        case TextureRole::anisotropy:
+            return !material.unlit && material.anisotropy > 0;
+        case TextureRole::diffuse_transmission:
+        case TextureRole::diffuse_transmission_color:
+            return !material.unlit && material.diffuse_transmission > 0;
         default:
             return true;
     }
@@ -110,6 +116,12 @@ const scene::TextureUse& use_of(const scene::Material& material, TextureRole rol
             return material.iridescence_texture;
         case TextureRole::film:
             return material.film_texture;
+        case TextureRole::anisotropy:
+            return material.anisotropy_texture;
+        case TextureRole::diffuse_transmission:
+            return material.diffuse_transmission_texture;
+        case TextureRole::diffuse_transmission_color:
+            return material.diffuse_transmission_color_texture;
         default:
             return material.base_color_texture;
     }

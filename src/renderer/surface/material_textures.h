@@ -32,6 +32,9 @@ enum class TextureRole {
     sheen_roughness,
     iridescence,
     film,
+    anisotropy,
+    diffuse_transmission,
+    diffuse_transmission_color,
     count
 };
 

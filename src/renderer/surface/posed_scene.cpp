@@ -82,7 +82,8 @@ struct PosedScene::Impl {
         shape.corners = shape.mesh->triangles[address.primitive];
         shape.weights = {1.0f - address.u - address.v, address.u, address.v};
         const bool is_glass = animation.materials[material].transmission > 0.0f;
-        return materials.transmittance_at(material, shape, is_glass ? cosine_at(address, shape, direction) : 1.0f);
+        return materials.transmittance_at(material, shape, *snapshot,
+                                          is_glass ? cosine_at(address, shape, direction) : 1.0f);
     }
 
     const scene::Animation& animation;
@@ -140,6 +141,15 @@ SurfacePoint PosedScene::surface_at(const core::SurfaceAddress& address, glm::ve
     point.smooth = smooth_surface_at(*impl_->snapshot, address.object, shape, point.back_side);
     impl_->materials.fill(point, shape, *impl_->snapshot);
     return point;
+}
+
+SurfacePoint PosedScene::other_side(const SurfacePoint& point, const SurfaceFootprint& footprint) const {
+    const glm::vec3 n = point.geometric_normal;
+    SurfacePoint other = surface_at(point.address, point.outgoing - 2.0f * glm::dot(point.outgoing, n) * n, footprint);
+    other.bsdf = {};
+    other.bsdf.diffuse = point.bsdf.diffuse_transmission;
+    other.emission = glm::vec3{0.0f};
+    return other;
 }
 
 glm::vec3 PosedScene::transmittance_at(const core::SurfaceAddress& address, glm::vec3 direction) const {

@@ -42,6 +42,10 @@ class PosedScene {
     SurfacePoint surface_at(const core::SurfaceAddress& address, glm::vec3 outgoing,
                             const SurfaceFootprint& footprint = {}) const;
 
+    /// The same place of a surface that lets diffuse light through, as light meets it from the other side: a Lambert
+    /// surface of that transmittance, seen from the mirrored direction, without emission.
+    SurfacePoint other_side(const SurfacePoint& point, const SurfaceFootprint& footprint = {}) const;
+
     /// Share of light that goes straight through a surface, as shadow rays of that direction have it
     /// (RayTracer::Transmittance).
     glm::vec3 transmittance_at(const core::SurfaceAddress& address, glm::vec3 direction) const;

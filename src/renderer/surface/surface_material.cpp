@@ -65,7 +65,7 @@ void lay_below_lobe(Bsdf& bsdf, const Interface& surface, float cosine) {
     // What facets shadow of one another's light leaves metal after more reflections [Turquin2019]; elsewhere most of it
     // goes below. chosen: no more than a hundredth of that, so that glTF's formula is kept so exactly.
     constexpr float most_regain = 1.01f;
-    const LobeAlbedo lobe = lobe_albedo(cosine, bsdf.alpha);
+    const LobeAlbedo lobe = lobe_albedo(cosine, bsdf.mean_alpha());
     const glm::vec3 regained = surface.metal * (core::divide_or(1.0f, lobe.whole(), 1.0f) - 1.0f) * surface.metal_f0;
     bsdf.f90 += regained;
     bsdf.f0 += surface.metal_f0 * regained;
@@ -84,6 +84,24 @@ void lay_below_mirror(Bsdf& bsdf, const Interface& surface, float cosine) {
     const float even = 1.0f - mean_schlick(cosine);
     const float passes = surface.let_through(even) * even;
     bsdf.diffuse = glm::min(passes * bsdf.diffuse, glm::max(1.0f - bsdf.mirror - bsdf.transmission, glm::vec3{0.0f}));
+}
+
+/// Whether a track moves the material's base colour, and so its alpha.
+bool is_faded(const scene::Animation& animation, std::uint32_t material) {
+    return std::any_of(animation.tracks.begin(), animation.tracks.end(), [&](const scene::Track& track) {
+        return track.target == scene::TrackTarget::base_color && track.index == static_cast<int>(material);
+    });
+}
+
+/// Parts the Lambert reflectance of `bsdf`, made for the mixture of both colours, among the two sides.
+void part_sides(Bsdf& bsdf, glm::vec3 base_color, float share, glm::vec3 color, float cosine) {
+    const float passes = bsdf.has_glossy() ? 1.0f - mean_schlick(cosine) : 1.0f;
+    const glm::vec3 mixed = glm::mix(base_color, color, share);
+    for (int c = 0; c < 3; ++c) {
+        const float through = bsdf.diffuse[c] * core::divide_or(share * color[c], mixed[c], 0.0f);
+        bsdf.diffuse_transmission[c] = passes * through;
+        bsdf.diffuse[c] = std::max(bsdf.diffuse[c] - through, 0.0f);
+    }
 }
 
 /// A shading normal that `outgoing` and the geometric normal both see: below the horizon it would be black.
@@ -114,9 +132,9 @@ glm::vec4 SurfaceMaterials::look_up(std::uint32_t material, TextureRole role, co
     return texture->sample(site.uv, site.footprint);
 }
 
-glm::vec4 SurfaceMaterials::base_color_at(std::uint32_t material, const SurfaceShape& shape) const {
-    return animation_.materials[material].base_color * vertex_color(shape) *
-           look_up(material, TextureRole::base_color, shape);
+glm::vec4 SurfaceMaterials::base_color_at(std::uint32_t material, const SurfaceShape& shape,
+                                          const scene::Snapshot& snapshot) const {
+    return snapshot.base_color[material] * vertex_color(shape) * look_up(material, TextureRole::base_color, shape);
 }
 
 float SurfaceMaterials::coverage(std::uint32_t material, const SurfaceShape& shape, float base_alpha) const {
@@ -140,7 +158,7 @@ bool SurfaceMaterials::is_translucent(std::uint32_t material) const {
     // Without an image only the factor and the vertices can make holes.
     if (m.base_color_texture.present() || m.alpha_texture.present()) return true;
     const float full = m.alpha_mode == scene::AlphaMode::mask ? m.alpha_cutoff : 1.0f;
-    if (m.base_color.a < full) return true;
+    if (m.base_color.a < full || is_faded(animation_, material)) return true;
     for (const scene::Object& object : animation_.objects) {
         const auto mesh = static_cast<std::size_t>(object.mesh);
         if (object.material == static_cast<int>(material) && !animation_.meshes[mesh].colors.empty()) return true;
@@ -154,9 +172,10 @@ glm::vec3 SurfaceMaterials::emission_at(std::uint32_t material, const SurfaceSha
     return m.emission * glm::vec3(look_up(material, TextureRole::emission, shape));
 }
 
-glm::vec3 SurfaceMaterials::transmittance_at(std::uint32_t material, const SurfaceShape& shape, float cosine) const {
+glm::vec3 SurfaceMaterials::transmittance_at(std::uint32_t material, const SurfaceShape& shape,
+                                             const scene::Snapshot& snapshot, float cosine) const {
     const scene::Material& m = animation_.materials[material];
-    const glm::vec4 base = base_color_at(material, shape);
+    const glm::vec4 base = base_color_at(material, shape, snapshot);
     const float covered = coverage(material, shape, base.a);
     const glm::vec3 holes{1.0f - covered};
     if (m.unlit || covered <= 0.0f) return holes;
@@ -171,7 +190,7 @@ glm::vec3 SurfaceMaterials::transmittance_at(std::uint32_t material, const Surfa
 void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot) const {
     const std::uint32_t material = point.material;
     const scene::Material& m = animation_.materials[material];
-    const glm::vec4 base = base_color_at(material, shape);
+    const glm::vec4 base = base_color_at(material, shape, snapshot);
     point.alpha = coverage(material, shape, base.a);
     point.unlit = m.unlit;
     float variance = 0.0f;
@@ -183,7 +202,13 @@ void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, cons
     if (!point.back_side || m.double_sided)
         point.emission = snapshot.emission_factor[material] * emission_at(material, shape);
     const float cosine = glm::dot(point.shading_normal, point.outgoing);
-    point.bsdf = bsdf_at(material, shape, unit_range(glm::vec3(base)), cosine, variance);
+    const glm::vec3 color = unit_range(glm::vec3(base));
+    Detail detail;
+    detail.normal_variance = variance;
+    if (m.diffuse_transmission > 0.0f && !m.specular_glossiness) detail.leaf = leaf_at(material, shape);
+    if (m.anisotropy > 0.0f) brush(point, shape, snapshot, detail);
+    point.bsdf = bsdf_at(material, shape, color, cosine, detail);
+    if (detail.leaf.share > 0.0f) part_sides(point.bsdf, color, detail.leaf.share, detail.leaf.color, cosine);
     if (m.has_sheen()) add_sheen(material, shape, cosine, point.bsdf);
     if (m.coat > 0.0f) add_coat(material, shape, cosine, point.bsdf);
 }
@@ -229,6 +254,31 @@ glm::vec3 SurfaceMaterials::film_over(std::uint32_t material, const SurfaceShape
     return glm::mix(f0, schlick_f0(thin_film(m.film_ior, thickness, cosine, f0), cosine), share);
 }
 
+/// Where the surface is brushed, and how much [KHR_materials_anisotropy]; without texture coordinates not at all.
+void SurfaceMaterials::brush(const SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot,
+                             Detail& detail) const {
+    const scene::Material& m = animation_.materials[point.material];
+    const scene::TextureUse& use = m.anisotropy_texture.present() ? m.anisotropy_texture : m.normal_texture;
+    glm::vec3 right, up;
+    if (!tangents_of(snapshot, point.address.object, shape, use, right, up)) return;
+    const glm::vec4 texel = m.anisotropy_texture.present() ? look_up(point.material, TextureRole::anisotropy, shape)
+                                                           : glm::vec4(1.0f, 0.5f, 1.0f, 1.0f);
+    const glm::vec2 own = 2.0f * glm::vec2(texel) - 1.0f;
+    const float c = std::cos(m.anisotropy_rotation), s = std::sin(m.anisotropy_rotation);
+    const glm::vec2 turned(c * own.x - s * own.y, s * own.x + c * own.y);
+    const glm::vec3 n = point.shading_normal, along = turned.x * right + turned.y * up;
+    detail.along = core::normalize_or(along - glm::dot(along, n) * n, glm::vec3{0.0f});
+    if (detail.along != glm::vec3{0.0f}) detail.anisotropy = std::clamp(m.anisotropy * texel.b, 0.0f, 1.0f);
+}
+
+SurfaceMaterials::Leaf SurfaceMaterials::leaf_at(std::uint32_t material, const SurfaceShape& shape) const {
+    const scene::Material& m = animation_.materials[material];
+    return {
+        std::clamp(m.diffuse_transmission * look_up(material, TextureRole::diffuse_transmission, shape).a, 0.0f, 1.0f),
+        unit_range(m.diffuse_transmission_color *
+                   glm::vec3(look_up(material, TextureRole::diffuse_transmission_color, shape)))};
+}
+
 /// Fibres send light like a Lambert surface whose reflectance rises towards grazing angles, and take it from below
 /// [KHR_materials_sheen, "Albedo-Scaling"].
 void SurfaceMaterials::add_sheen(std::uint32_t material, const SurfaceShape& shape, float cos_outgoing,
@@ -271,10 +321,11 @@ void SurfaceMaterials::add_coat(std::uint32_t material, const SurfaceShape& shap
     bsdf.f0 = glm::vec3{share * f0};
     bsdf.f90 = glm::vec3{share};
     bsdf.alpha = roughness * roughness;
+    bsdf.along = glm::vec3{0.0f};
 }
 
 Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape, glm::vec3 base_color,
-                               float cos_outgoing, float normal_variance) const {
+                               float cos_outgoing, const Detail& detail) const {
     const scene::Material& m = animation_.materials[material];
     Bsdf bsdf;
     float roughness = 1.0f;
@@ -297,7 +348,8 @@ Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape
         roughness = std::clamp(m.roughness * texel.g, 0.0f, 1.0f);
         bsdf.f0 = glm::mix(interface.f0, base_color, metallic);
         bsdf.f90 = glm::vec3{1.0f - (1.0f - metallic) * (1.0f - interface.f90)};
-        bsdf.diffuse = base_color * ((1.0f - metallic) * (1.0f - transmission));
+        bsdf.diffuse =
+            glm::mix(base_color, detail.leaf.color, detail.leaf.share) * ((1.0f - metallic) * (1.0f - transmission));
         bsdf.transmission =
             passing_glass(base_color, metallic, transmission, interface.f0, interface.f90, cos_outgoing);
     }
@@ -307,11 +359,15 @@ Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape
         surface.metal_f0 = bsdf.f0;
     }
     const float alpha = std::pow(std::max(roughness, scene::mirror_roughness), 2.0f);
-    bsdf.alpha = std::min(std::sqrt(alpha * alpha + 2.0f * normal_variance), 1.0f);
+    bsdf.alpha = std::min(std::sqrt(alpha * alpha + 2.0f * detail.normal_variance), 1.0f);
     if (!bsdf.has_glossy()) return bsdf;
+    if (detail.anisotropy > 0.0f) {
+        bsdf.alpha_along = std::lerp(bsdf.alpha, 1.0f, detail.anisotropy * detail.anisotropy);
+        bsdf.along = detail.along;
+    }
 
     // Give the reflection to a traced ray or to the lobe.
-    const bool smooth = mirrors_ && roughness < scene::mirror_roughness;
+    const bool smooth = mirrors_ && roughness < scene::mirror_roughness && !bsdf.is_stretched();
     if (glossy_ && !smooth) {
         lay_below_lobe(bsdf, surface, cos_outgoing);
         return bsdf;

@@ -21,7 +21,8 @@ class SurfaceMaterials {
 
     /// Share of light that goes straight through at a point, for shadow rays: holes, and glass that the ray meets with
     /// this cosine to the normal, > 0.
-    glm::vec3 transmittance_at(std::uint32_t material, const SurfaceShape& shape, float cosine) const;
+    glm::vec3 transmittance_at(std::uint32_t material, const SurfaceShape& shape, const scene::Snapshot& snapshot,
+                               float cosine) const;
 
     /// Whether surfaces of a material may let light through somewhere.
     bool is_translucent(std::uint32_t material) const;
@@ -31,7 +32,7 @@ class SurfaceMaterials {
 
   private:
     glm::vec4 look_up(std::uint32_t material, TextureRole role, const SurfaceShape& shape) const;
-    glm::vec4 base_color_at(std::uint32_t material, const SurfaceShape& shape) const;
+    glm::vec4 base_color_at(std::uint32_t material, const SurfaceShape& shape, const scene::Snapshot& snapshot) const;
     float coverage(std::uint32_t material, const SurfaceShape& shape, float base_alpha) const;
     float transmission_at(std::uint32_t material, const SurfaceShape& shape) const;
     void bend_normal(SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot,
@@ -43,10 +44,25 @@ class SurfaceMaterials {
     };
     Dielectric dielectric_at(std::uint32_t material, const SurfaceShape& shape) const;
     glm::vec3 film_over(std::uint32_t material, const SurfaceShape& shape, float cos_outgoing, glm::vec3 f0) const;
+    /// How much of the Lambert part leaves on the other side, and its colour there.
+    struct Leaf {
+        float share = 0;
+        glm::vec3 color{0};
+    };
+    Leaf leaf_at(std::uint32_t material, const SurfaceShape& shape) const;
+    /// What a point's place in its surface adds to its material.
+    struct Detail {
+        Leaf leaf;
+        float normal_variance = 0;  ///< of the normal map's slopes within the footprint
+        float anisotropy = 0;       ///< 0..1
+        glm::vec3 along{0};         ///< see Bsdf
+    };
+    void brush(const SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot,
+               Detail& detail) const;
     void add_sheen(std::uint32_t material, const SurfaceShape& shape, float cos_outgoing, Bsdf& bsdf) const;
     void add_coat(std::uint32_t material, const SurfaceShape& shape, float cos_outgoing, Bsdf& bsdf) const;
     Bsdf bsdf_at(std::uint32_t material, const SurfaceShape& shape, glm::vec3 base_color, float cos_outgoing,
-                 float normal_variance) const;
+                 const Detail& detail) const;
 
     const scene::Animation& animation_;
     bool alpha_, mirrors_, glass_, glossy_;  ///< whether these passes run

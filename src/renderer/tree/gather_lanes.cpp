@@ -39,7 +39,19 @@ void fill_lobe(GatherLanes& lanes, int lane, const SurfacePoint& p, glm::vec3 lu
     set_frame(lanes.mirrored, lane, core::normalize_or(2.0f * nv * p.shading_normal - p.outgoing, p.shading_normal));
     lanes.cos_outgoing[lane] = std::max(nv, least_cosine);
     lanes.coat[lane] = has_lobe ? 1.0f : 0.0f;
-    lanes.lobe_width[lane] = has_lobe ? p.bsdf.alpha * p.bsdf.alpha : 1.0f;
+    const float width = p.bsdf.is_stretched() ? p.bsdf.alpha_along * p.bsdf.alpha : p.bsdf.alpha * p.bsdf.alpha;
+    lanes.lobe_width[lane] = has_lobe ? width : 1.0f;
+}
+
+void fill_stretch(GatherLanes& lanes, int lane, const SurfacePoint& p) {
+    const StretchedLobe axes(p.bsdf, p.shading_normal);
+    set(lanes.along, lane, axes.x);
+    set(lanes.across, lane, axes.y);
+    lanes.view_along[lane] = glm::dot(axes.x, p.outgoing);
+    lanes.view_across[lane] = glm::dot(axes.y, p.outgoing);
+    const bool stretched = p.bsdf.has_glossy() && p.bsdf.is_stretched();
+    lanes.along2[lane] = stretched ? p.bsdf.alpha_along * p.bsdf.alpha_along : lanes.lobe_width[lane];
+    lanes.across2[lane] = stretched ? p.bsdf.alpha * p.bsdf.alpha : lanes.lobe_width[lane];
 }
 
 }  // namespace
@@ -49,6 +61,9 @@ void fill(GatherLanes& lanes, std::span<const GatherPoint* const> points) {
     lanes.count = static_cast<int>(points.size());
     lanes.glossy = false;
     for (const GatherPoint* point : points) lanes.glossy = lanes.glossy || point->point.bsdf.has_glossy();
+    lanes.stretched = false;
+    for (const GatherPoint* point : points)
+        lanes.stretched = lanes.stretched || (point->point.bsdf.has_glossy() && point->point.bsdf.is_stretched());
     lanes.places = 1;
     for (const GatherPoint* point : points) lanes.places = std::max(lanes.places, 1 + point->others);
     for (int i = 0; i < lane_count; ++i) {
@@ -72,6 +87,7 @@ void fill(GatherLanes& lanes, std::span<const GatherPoint* const> points) {
         set(lanes.diffuse_weight, i, share * p.bsdf.diffuse * lobe::inverse_pi);
         if (!lanes.glossy) continue;
         fill_lobe(lanes, i, p, share);
+        if (lanes.stretched) fill_stretch(lanes, i, p);
         lanes.rays_see[i] = point.has_lobe_rays ? 1.0f / lobe::lobe_rays_disc2 : 0.0f;
     }
 }

@@ -51,7 +51,11 @@ struct alignas(64) GatherLanes {
     Vec3Lanes schlick_weight;
     FrameLanes outgoing, mirrored;  ///< to the eye; and that direction mirrored about the normal
     Lanes cos_outgoing;             ///< > 0
-    Lanes lobe_width;               ///< alpha squared
+    Lanes lobe_width;               ///< alpha squared, of stretched lobes their mean's
+    bool stretched = false;         ///< any lane has a stretched lobe; without, what follows is unset
+    Vec3Lanes along, across;        ///< the lobe's axes in the surface
+    Lanes along2, across2;          ///< its squared widths there; alike in lanes whose lobe is round
+    Lanes view_along, view_across;  ///< cosines of these axes to the eye
     Lanes rays_see;                 ///< what of the sky lobe rays see; 0: no rays. See `by_trees`
     Lanes coat;                     ///< 1: the diffuse part lies under the lobe and gets 1 - s of light; 0: all of it
 };

@@ -46,6 +46,23 @@ RENDER2MPEG_ALWAYS_INLINED void glossy_value(const GatherLanes& lanes, int i, fl
     out.schlick[i] = dv * s;
 }
 
+/// The same where lobes may be stretched.
+RENDER2MPEG_ALWAYS_INLINED void stretched_value(const GatherLanes& lanes, int i, float x, float y, float z,
+                                                float spread2, float irradiance, LightLanes& out) {
+    const lobe::StretchedCosines light{dot(lanes.along, i, x, y, z), dot(lanes.across, i, x, y, z),
+                                       dot(lanes.normal.axis, i, x, y, z)};
+    const lobe::StretchedCosines eye{lanes.view_along[i], lanes.view_across[i], lanes.cos_outgoing[i]};
+    const float lv = dot(lanes.outgoing.axis, i, x, y, z);
+    const float half2 = inlined::max(2.0f + 2.0f * lv, 1e-7f);
+    const float s = lobe::schlick(inlined::sqrt(inlined::max(0.5f * (1.0f + lv), 0.0f)));
+    const float dv = lobe::stretched_value(light, eye, half2, inlined::min(lanes.along2[i] + widening * spread2, 1.0f),
+                                           inlined::min(lanes.across2[i] + widening * spread2, 1.0f)) *
+                     irradiance;
+    out.diffuse[i] = irradiance * (1.0f - lanes.coat[i] * s);
+    out.f0[i] = dv * (1.0f - s);
+    out.schlick[i] = dv * s;
+}
+
 /// The clamp of G, 1 / (disc2 / scale), with one division.
 RENDER2MPEG_ALWAYS_INLINED float largest_g(float disc2, float scale) {
     return scale / inlined::max(disc2, lobe::tiny * scale);
@@ -72,7 +89,7 @@ RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(float x, float y, float z, float
 }
 
 /// Writes lane i of `out`; returns G before the clamp.
-template <LightType type, bool glossy>
+template <LightType type, bool glossy, bool stretched = false>
 RENDER2MPEG_ALWAYS_INLINED float evaluate_lane(const GatherLanes& lanes, int i, const LaneLight& l, LightLanes& out) {
     float x = l.x, y = l.y, z = l.z, inverse2 = 1.0f, emit = 1.0f;
     if constexpr (type != LightType::directional) {
@@ -107,8 +124,10 @@ RENDER2MPEG_ALWAYS_INLINED float evaluate_lane(const GatherLanes& lanes, int i, 
     const float unclamped = g;
     if constexpr (type == LightType::oriented) g = inlined::min(g, l.clamp);
     if constexpr (!glossy) out.diffuse[i] = g;
-    if constexpr (glossy)
+    if constexpr (glossy && !stretched)
         glossy_value(lanes, i, x, y, z, type == LightType::punctual ? 0.0f : l.blur2 * inverse2, g, out);
+    if constexpr (stretched)
+        stretched_value(lanes, i, x, y, z, type == LightType::punctual ? 0.0f : l.blur2 * inverse2, g, out);
     if constexpr (glossy && type != LightType::punctual) {
         const float share = lobe::by_trees(l.rays, lanes.rays_see[i]);
         out.f0[i] *= share;
@@ -126,26 +145,26 @@ RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(LightType type, const TreeLight&
                       seen_by_rays(type, light.disc2, clamp));
 }
 
-template <LightType type, bool glossy>
+template <LightType type, bool glossy, bool stretched = false>
 RENDER2MPEG_ALWAYS_INLINED void evaluate_lanes(const GatherLanes& __restrict lanes, const TreeLight& light,
                                                const Spot* spot, GeometryClamp clamp, LightLanes& __restrict out) {
     const LaneLight l = lane_light(type, light, spot, clamp);
     Lanes unclamped;
-    for (int i = 0; i < lane_count; ++i) unclamped[i] = evaluate_lane<type, glossy>(lanes, i, l, out);
+    for (int i = 0; i < lane_count; ++i) unclamped[i] = evaluate_lane<type, glossy, stretched>(lanes, i, l, out);
     int clamped = 0;
     if constexpr (type == LightType::oriented)
         for (int i = 0; i < lane_count; ++i) clamped |= unclamped[i] > l.clamp ? 1 : 0;
     out.any_clamped = clamped != 0;
 }
 
-template <LightType type, bool glossy>
+template <LightType type, bool glossy, bool stretched = false>
 RENDER2MPEG_ALWAYS_INLINED void evaluate_each(const GatherLanes& __restrict lanes, const LightPacket& __restrict p,
                                               GeometryClamp clamp, LightLanes& __restrict out) {
     for (int i = 0; i < lane_count; ++i) {
         const LaneLight l = lane_light(p.position.x[i], p.position.y[i], p.position.z[i], p.normal.x[i], p.normal.y[i],
                                        p.normal.z[i], p.disc2[i], p.spot_scale[i], p.spot_offset[i], clamp.scale,
                                        seen_by_rays(type, p.disc2[i], clamp));
-        evaluate_lane<type, glossy>(lanes, i, l, out);
+        evaluate_lane<type, glossy, stretched>(lanes, i, l, out);
     }
     out.any_clamped = false;
 }
@@ -230,7 +249,7 @@ RENDER2MPEG_ALWAYS_INLINED LaneNode lane_node(LightType type, const LightNode& n
     return n;
 }
 
-template <LightType type, bool glossy>
+template <LightType type, bool glossy, bool stretched>
 RENDER2MPEG_ALWAYS_INLINED float bound_lane(const GatherLanes& __restrict lanes, int i, const LaneNode& n) {
     float x = n.cx, y = n.cy, z = n.cz, inverse2 = 1.0f, emit = 1.0f, spread2_low = 0.0f, spread2_high = 0.0f;
     if constexpr (type != LightType::directional) {
@@ -269,12 +288,15 @@ RENDER2MPEG_ALWAYS_INLINED float bound_lane(const GatherLanes& __restrict lanes,
     if constexpr (glossy) {
         const lobe::BoxCosines box{cosine, box_cosine(lanes.mirrored, i, x, y, z, n.hx, n.hy, n.hz),
                                    box_cosine(lanes.outgoing, i, -x, -y, -z, n.hx, n.hy, n.hz)};
-        const float a2 = lanes.lobe_width[i];
+        const float least = stretched ? lanes.across2[i] : lanes.lobe_width[i];
+        const float most = stretched ? lanes.along2[i] : lanes.lobe_width[i];
         const lobe::GlossyBound lobe_bound =
-            lobe::glossy_bound(box, lanes.cos_outgoing[i], inlined::min(a2 + widening * spread2_low, 1.0f),
-                               inlined::min(a2 + widening * spread2_high, 1.0f));
+            lobe::glossy_bound(box, lanes.cos_outgoing[i], inlined::min(least + widening * spread2_low, 1.0f),
+                               inlined::min(most + widening * spread2_high, 1.0f));
         float lit = lobe_bound.cosine * reach;
         if constexpr (type == LightType::oriented) lit = inlined::min(lit, lobe_bound.value * n.clamp);
+        // A stretched lobe is nowhere more than the round one of its larger width, times by how much it is narrower.
+        if constexpr (stretched) lit *= inlined::sqrt(most / least);
         lit = cosine > 0.0f ? lit : 0.0f;
         if constexpr (type != LightType::punctual) lit *= lobe::by_trees(n.rays, lanes.rays_see[i]);
         // The lobe's colour lies between f0 and f90; what is noticed of a mixture is no more than the mixture.
@@ -285,11 +307,11 @@ RENDER2MPEG_ALWAYS_INLINED float bound_lane(const GatherLanes& __restrict lanes,
     return bound;
 }
 
-template <LightType type, bool glossy>
+template <LightType type, bool glossy, bool stretched = false>
 RENDER2MPEG_ALWAYS_INLINED void bound_lanes(const GatherLanes& __restrict lanes, const BoxGrid& grid,
                                             const LightNode& node, GeometryClamp clamp, float* __restrict out) {
     const LaneNode n = lane_node(type, node, grid, clamp);
-    for (int i = 0; i < lane_count; ++i) out[i] = bound_lane<type, glossy>(lanes, i, n);
+    for (int i = 0; i < lane_count; ++i) out[i] = bound_lane<type, glossy, stretched>(lanes, i, n);
 }
 
 }  // namespace
@@ -298,14 +320,17 @@ RENDER2MPEG_CLONES
 void evaluate_light(const GatherLanes& lanes, LightType type, const TreeLight& light, const Spot* spot,
                     GeometryClamp clamp, LightLanes& out) {
     if (type == LightType::oriented) {
-        lanes.glossy ? evaluate_lanes<LightType::oriented, true>(lanes, light, spot, clamp, out)
-                     : evaluate_lanes<LightType::oriented, false>(lanes, light, spot, clamp, out);
+        lanes.stretched ? evaluate_lanes<LightType::oriented, true, true>(lanes, light, spot, clamp, out)
+        : lanes.glossy  ? evaluate_lanes<LightType::oriented, true>(lanes, light, spot, clamp, out)
+                        : evaluate_lanes<LightType::oriented, false>(lanes, light, spot, clamp, out);
     } else if (type == LightType::punctual) {
-        lanes.glossy ? evaluate_lanes<LightType::punctual, true>(lanes, light, spot, clamp, out)
-                     : evaluate_lanes<LightType::punctual, false>(lanes, light, spot, clamp, out);
+        lanes.stretched ? evaluate_lanes<LightType::punctual, true, true>(lanes, light, spot, clamp, out)
+        : lanes.glossy  ? evaluate_lanes<LightType::punctual, true>(lanes, light, spot, clamp, out)
+                        : evaluate_lanes<LightType::punctual, false>(lanes, light, spot, clamp, out);
     } else {
-        lanes.glossy ? evaluate_lanes<LightType::directional, true>(lanes, light, spot, clamp, out)
-                     : evaluate_lanes<LightType::directional, false>(lanes, light, spot, clamp, out);
+        lanes.stretched ? evaluate_lanes<LightType::directional, true, true>(lanes, light, spot, clamp, out)
+        : lanes.glossy  ? evaluate_lanes<LightType::directional, true>(lanes, light, spot, clamp, out)
+                        : evaluate_lanes<LightType::directional, false>(lanes, light, spot, clamp, out);
     }
 }
 
@@ -313,14 +338,17 @@ RENDER2MPEG_CLONES
 void evaluate_lights(const GatherLanes& lanes, LightType type, const LightPacket& lights, GeometryClamp clamp,
                      LightLanes& out) {
     if (type == LightType::oriented) {
-        lanes.glossy ? evaluate_each<LightType::oriented, true>(lanes, lights, clamp, out)
-                     : evaluate_each<LightType::oriented, false>(lanes, lights, clamp, out);
+        lanes.stretched ? evaluate_each<LightType::oriented, true, true>(lanes, lights, clamp, out)
+        : lanes.glossy  ? evaluate_each<LightType::oriented, true>(lanes, lights, clamp, out)
+                        : evaluate_each<LightType::oriented, false>(lanes, lights, clamp, out);
     } else if (type == LightType::punctual) {
-        lanes.glossy ? evaluate_each<LightType::punctual, true>(lanes, lights, clamp, out)
-                     : evaluate_each<LightType::punctual, false>(lanes, lights, clamp, out);
+        lanes.stretched ? evaluate_each<LightType::punctual, true, true>(lanes, lights, clamp, out)
+        : lanes.glossy  ? evaluate_each<LightType::punctual, true>(lanes, lights, clamp, out)
+                        : evaluate_each<LightType::punctual, false>(lanes, lights, clamp, out);
     } else {
-        lanes.glossy ? evaluate_each<LightType::directional, true>(lanes, lights, clamp, out)
-                     : evaluate_each<LightType::directional, false>(lanes, lights, clamp, out);
+        lanes.stretched ? evaluate_each<LightType::directional, true, true>(lanes, lights, clamp, out)
+        : lanes.glossy  ? evaluate_each<LightType::directional, true>(lanes, lights, clamp, out)
+                        : evaluate_each<LightType::directional, false>(lanes, lights, clamp, out);
     }
 }
 
@@ -364,14 +392,17 @@ void bound_node(const GatherLanes& lanes, const LightTree& tree, std::uint32_t i
     const BoxGrid& grid = tree.grid;
     const LightNode& node = tree.nodes.data()[index];
     if (type == LightType::oriented) {
-        lanes.glossy ? bound_lanes<LightType::oriented, true>(lanes, grid, node, clamp, out)
-                     : bound_lanes<LightType::oriented, false>(lanes, grid, node, clamp, out);
+        lanes.stretched ? bound_lanes<LightType::oriented, true, true>(lanes, grid, node, clamp, out)
+        : lanes.glossy  ? bound_lanes<LightType::oriented, true>(lanes, grid, node, clamp, out)
+                        : bound_lanes<LightType::oriented, false>(lanes, grid, node, clamp, out);
     } else if (type == LightType::punctual) {
-        lanes.glossy ? bound_lanes<LightType::punctual, true>(lanes, grid, node, clamp, out)
-                     : bound_lanes<LightType::punctual, false>(lanes, grid, node, clamp, out);
+        lanes.stretched ? bound_lanes<LightType::punctual, true, true>(lanes, grid, node, clamp, out)
+        : lanes.glossy  ? bound_lanes<LightType::punctual, true>(lanes, grid, node, clamp, out)
+                        : bound_lanes<LightType::punctual, false>(lanes, grid, node, clamp, out);
     } else {
-        lanes.glossy ? bound_lanes<LightType::directional, true>(lanes, grid, node, clamp, out)
-                     : bound_lanes<LightType::directional, false>(lanes, grid, node, clamp, out);
+        lanes.stretched ? bound_lanes<LightType::directional, true, true>(lanes, grid, node, clamp, out)
+        : lanes.glossy  ? bound_lanes<LightType::directional, true>(lanes, grid, node, clamp, out)
+                        : bound_lanes<LightType::directional, false>(lanes, grid, node, clamp, out);
     }
 }
 

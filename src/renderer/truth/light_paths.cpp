@@ -41,7 +41,11 @@ float direction_density(const SurfacePoint& p, float chance, glm::vec3 direction
     const float nl = glm::dot(p.shading_normal, direction), nv = glm::dot(p.shading_normal, p.outgoing);
     if (!(nl > 0.0f) || !(nv > 0.0f)) return 0.0f;
     float density = (1.0f - chance) * nl * lobe::inverse_pi;
-    if (chance > 0.0f) {
+    if (chance > 0.0f && p.bsdf.is_stretched()) {
+        const StretchedLobe stretched(p.bsdf, p.shading_normal);
+        const glm::vec3 h = stretched.local(core::normalize_or(direction + p.outgoing, p.shading_normal));
+        density += chance * stretched.density(h, stretched.local(p.outgoing));
+    } else if (chance > 0.0f) {
         const float nh = glm::dot(p.shading_normal, core::normalize_or(direction + p.outgoing, p.shading_normal));
         const float a2 = p.bsdf.alpha * p.bsdf.alpha;
         const float seen = 2.0f / (nv + std::sqrt(a2 + (1.0f - a2) * nv * nv));  // [Heitz2018, eq. 17], over 4 nv
@@ -52,6 +56,7 @@ float direction_density(const SurfacePoint& p, float chance, glm::vec3 direction
 
 glm::vec3 chosen_direction(const SurfacePoint& p, bool by_lobe, glm::vec2 u) {
     if (!by_lobe) return core::sample_cosine_hemisphere(p.shading_normal, u);
+    if (p.bsdf.is_stretched()) return sample_glossy(p.bsdf, p.shading_normal, p.outgoing, u).direction;
     glm::vec3 t, b;
     core::make_frame(p.shading_normal, t, b);
     const glm::vec3 v(glm::dot(t, p.outgoing), glm::dot(b, p.outgoing), glm::dot(p.shading_normal, p.outgoing));
@@ -216,15 +221,15 @@ LightPaths::Event LightPaths::go_on(Way& way, const SurfacePoint& met, float cho
     const float before = mean(way.throughput);
     const auto kept = [&](glm::vec3 share) { return core::divide_or(mean(way.throughput * share), before, 0.0f); };
     const glm::vec3 albedo = whole_albedo(met);
-    const float whole = kept(albedo + met.bsdf.mirror + met.bsdf.transmission);
+    const float whole = kept(albedo + met.bsdf.mirror + met.bsdf.transmission + met.bsdf.diffuse_transmission);
     const float cut = met.alpha * (whole > largest_albedo ? largest_albedo / whole : 1.0f);
     const bool translucent = met.alpha < 1.0f || mean(met.bsdf.transmission) > 0.0f;
     const glm::vec3 through = translucent ? posed_scene_.transmittance_at(met.address, way.direction) : glm::vec3(0);
     // No caustic on the first surface; its narrow lobe alone looks into mirrors.
     const glm::vec3 mirror = cut * met.bsdf.mirror * (way.first ? way.seen_in_lobe : glm::vec3(1));
 
-    float chances[3] = {kept(through), kept(mirror), cut * kept(albedo)};
-    const float sum = chances[0] + chances[1] + chances[2];
+    float chances[4] = {kept(through), kept(mirror), cut * kept(albedo), cut * kept(met.bsdf.diffuse_transmission)};
+    const float sum = chances[0] + chances[1] + chances[2] + chances[3];
     if (sum > 1.0f)
         for (float& c : chances) c /= sum;
     if (choice < chances[0]) {
@@ -243,10 +248,12 @@ LightPaths::Event LightPaths::go_on(Way& way, const SurfacePoint& met, float cho
         if (way.first) way.seen_in_lobe = glm::vec3(1);
         return Event::passes;
     }
-    if (!(choice - chances[1] < chances[2])) return Event::ends;
-    way.throughput *= cut / chances[2];
+    choice -= chances[1];
+    const bool beyond = !(choice < chances[2]);
+    if (beyond && !(choice - chances[2] < chances[3])) return Event::ends;
+    way.throughput *= cut / chances[beyond ? 3 : 2];
     way.first = false;
-    way.stand_on(met);
+    way.stand_on(beyond ? posed_scene_.other_side(met) : met);
     return Event::lands;
 }
 

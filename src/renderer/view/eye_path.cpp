@@ -152,6 +152,10 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
                 sample.main = {share, kind, point};
             }
             if (point.bsdf.has_diffuse() || point.bsdf.has_glossy()) sample.fragments.push_back(fragment);
+            if (point.bsdf.has_diffuse_transmission()) {
+                sample.fragments.push_back(fragment);
+                sample.fragments.back().point = posed_scene_.other_side(point, footprint);
+            }
             mirror(path, fragment, footprint, sample, counts);
             if (core::luminance(through) > 0.0f) path.way = longer_way(path.way, false);
         }

@@ -93,6 +93,9 @@ void LobeRays::trace(const GatherPoint& point, std::uint32_t first, glm::uvec2 s
     const glm::vec3 n = p.shading_normal, smooth = p.geometric_normal + p.smooth.tilt;
     glm::vec3 t, b;
     core::make_frame(n, t, b);
+    const StretchedLobe stretched(p.bsdf, n);
+    const bool is_stretched = p.bsdf.is_stretched();
+    if (is_stretched) t = stretched.x, b = stretched.y;
     const float nv = std::max(glm::dot(n, p.outgoing), 1e-3f), a2 = p.bsdf.alpha * p.bsdf.alpha;
     const glm::vec3 outgoing = glm::normalize(glm::vec3(glm::dot(t, p.outgoing), glm::dot(b, p.outgoing), nv));
     const glm::vec3 origin = offset_origin(p, p.geometric_normal) + p.smooth.lift;
@@ -102,15 +105,21 @@ void LobeRays::trace(const GatherPoint& point, std::uint32_t first, glm::uvec2 s
     std::uint32_t asked[rays_at_once], count = 0;
     float weight[rays_at_once], fresnel[rays_at_once], solid_angle[rays_at_once];
     for (std::uint32_t i = 0; i < rays_at_once; ++i) {
-        const glm::vec3 h = visible_normal(outgoing, p.bsdf.alpha, net_point(first + i, scramble));
+        const glm::vec2 u = net_point(first + i, scramble);
+        const glm::vec3 h =
+            is_stretched ? visible_normal(outgoing, stretched.alpha, u) : visible_normal(outgoing, p.bsdf.alpha, u);
         const float vh = std::max(glm::dot(outgoing, h), 0.0f);
         const glm::vec3 l = 2.0f * vh * h - outgoing;
         const glm::vec3 direction = core::normalize_or(l.x * t + l.y * b + l.z * n, n);
         fresnel[i] = lobe::schlick(vh);
         // G2 / G1, but for what is the same for all of them.
-        weight[i] = l.z > 0.0f ? lobe::masking(l.z, outgoing.z, a2) * l.z : 0.0f;
+        const auto masking = [&] {
+            return is_stretched ? stretched.masking(l, outgoing) : lobe::masking(l.z, outgoing.z, a2);
+        };
+        weight[i] = l.z > 0.0f ? masking() * l.z : 0.0f;
         const float g1 = 2.0f / (outgoing.z + std::sqrt(a2 + (1.0f - a2) * outgoing.z * outgoing.z));
-        const float pdf = 0.25f * g1 * lobe::distribution(std::min(h.z * h.z, 1.0f), a2);
+        const float pdf = is_stretched ? stretched.density(h, outgoing)
+                                       : 0.25f * g1 * lobe::distribution(std::min(h.z * h.z, 1.0f), a2);
         solid_angle[i] = core::divide_or(1.0f / static_cast<float>(most_lobe_rays), pdf, 0.0f);
         const float f0 = weight[i] * (1.0f - fresnel[i]), f90 = weight[i] * fresnel[i];
         sums.f0_weight += f0;
@@ -154,6 +163,11 @@ glm::vec3 LobeRays::radiance_along(RayQuery ray, Hit hit, float solid_angle, std
             sum += shown * (diffuse_albedo(bsdf, cosine) + glossy_albedo(bsdf, cosine)) * irradiance_(p, more);
             rays += static_cast<std::uint64_t>(more);
         }
+        if (irradiance_ && p.alpha > 0.0f && bsdf.has_diffuse_transmission()) {
+            int more = 0;
+            sum += shown * bsdf.diffuse_transmission * irradiance_(posed_scene_.other_side(p), more);
+            rays += static_cast<std::uint64_t>(more);
+        }
         passing = passing * (1.0f - p.alpha) + shown * bsdf.transmission;
         if (!(core::luminance(passing) > least_passing)) {
             passing = shown * bsdf.mirror;
@@ -167,7 +181,7 @@ glm::vec3 LobeRays::radiance_along(RayQuery ray, Hit hit, float solid_angle, std
 
 glm::vec3 LobeRays::radiance(const GatherPoint& p, std::uint64_t& rays) const {
     const Bsdf& bsdf = p.point.bsdf;
-    const LobeAlbedo albedo = lobe_albedo(glm::dot(p.point.shading_normal, p.point.outgoing), bsdf.alpha);
+    const LobeAlbedo albedo = lobe_albedo(glm::dot(p.point.shading_normal, p.point.outgoing), bsdf.mean_alpha());
     const glm::uvec2 scramble = scramble_of(p.point);
     Sums sums;
     trace(p, 0, scramble, sums);

@@ -47,6 +47,13 @@ void merge(GatherPoint& a, const Fragment& b, glm::vec3 weight) {
     Bsdf& bsdf = a.point.bsdf;
     const float heavy = a.weight.x + a.weight.y + a.weight.z, light = weight.x + weight.y + weight.z;
     bsdf.alpha = core::divide_or(heavy * bsdf.alpha + light * b.point.bsdf.alpha, heavy + light, bsdf.alpha);
+    if (bsdf.is_stretched() && b.point.bsdf.is_stretched()) {
+        const Bsdf& other = b.point.bsdf;
+        bsdf.alpha_along =
+            core::divide_or(heavy * bsdf.alpha_along + light * other.alpha_along, heavy + light, bsdf.alpha_along);
+        const float side = glm::dot(bsdf.along, other.along) < 0.0f ? -light : light;
+        bsdf.along = core::normalize_or(heavy * bsdf.along + side * other.along, bsdf.along);
+    }
     bsdf.diffuse = mean(bsdf.diffuse, b.point.bsdf.diffuse);
     bsdf.f0 = mean(bsdf.f0, b.point.bsdf.f0);
     bsdf.f90 = mean(bsdf.f90, b.point.bsdf.f90);

@@ -15,6 +15,7 @@
 
 #include "core/error.h"
 #include "core/numeric.h"
+#include "core/rational.h"
 #include "core/text.h"
 #include "scene/assimp/lights.h"
 #include "scene/assimp/parts.h"
@@ -71,6 +72,13 @@ class FolderOnly : public Assimp::DefaultIOSystem {
     bool told_materials_ = false;
 };
 
+/// Blender's FBX tries every action on every object, "OBJECT|ACTION"; an object's own is named after it where nobody
+/// gave it another name.
+bool is_own_take(const std::string& name) {
+    const auto bar = name.find('|');
+    return bar != std::string::npos && bar > 0 && name.compare(bar + 1, bar, name, 0, bar) == 0;
+}
+
 class SceneReader {
   public:
     SceneReader(const aiScene& scene, const fs::path& file, const LoadOptions& options, Animation& into)
@@ -82,6 +90,7 @@ class SceneReader {
         read_nodes();
         read_objects();
         read_animations();
+        if (format_ == "fbx") keep_last_key();
         to_world_ = rest_transforms(into_);
         if (format_ == "dae" && !into_.skins.empty() && is_of_blender())
             into_.notes.push_back(
@@ -102,6 +111,7 @@ class SceneReader {
     void read_nodes();
     void read_objects();
     void read_animations();
+    void keep_last_key();
     void read_channel(const aiNodeAnim& channel, double ticks_per_second, const std::string& name);
     void read_morphing(const aiMeshMorphAnim& channel, double ticks_per_second);
     void read_lights(const RestBounds& bounds);
@@ -217,20 +227,51 @@ void SceneReader::read_animations() {
     }
     std::string names;
     bool found = false;
+    std::vector<unsigned> others;
+    const auto read_take = [&](unsigned i) {
+        const aiAnimation& animation = *scene_.mAnimations[i];
+        // 0: not said; Assimp's own viewers take 25.
+        const double ticks = animation.mTicksPerSecond > 0 ? animation.mTicksPerSecond : 25;
+        for (unsigned c = 0; c < animation.mNumChannels; ++c)
+            read_channel(*animation.mChannels[c], ticks, animation.mName.C_Str());
+        for (unsigned c = 0; c < animation.mNumMorphMeshChannels; ++c)
+            read_morphing(*animation.mMorphMeshChannels[c], ticks);
+    };
     for (unsigned i = 0; i < scene_.mNumAnimations; ++i) {
         const aiAnimation& animation = *scene_.mAnimations[i];
         const std::string name = animation.mName.C_Str();
         names += (i ? ", " : "") + std::string("\"") + name + "\"";
         if (options_.animation && *options_.animation != name && *options_.animation != std::to_string(i)) continue;
         found = true;
-        // 0: not said; Assimp's own viewers take 25.
-        const double ticks = animation.mTicksPerSecond > 0 ? animation.mTicksPerSecond : 25;
-        for (unsigned c = 0; c < animation.mNumChannels; ++c) read_channel(*animation.mChannels[c], ticks, name);
-        for (unsigned c = 0; c < animation.mNumMorphMeshChannels; ++c)
-            read_morphing(*animation.mMorphMeshChannels[c], ticks);
+        if (is_own_take(name))
+            read_take(i);
+        else
+            others.push_back(i);
     }
+    for (const unsigned i : others) read_take(i);
     if (!found)
         throw core::Error("reading", file_.string(), "has no animation \"" + *options_.animation + "\", but " + names);
+}
+
+/// FBX is baked frame by frame, from the film's first to its last: the last key is a picture too, and no end.
+void SceneReader::keep_last_key() {
+    float least = 0, last = 0;
+    for (const Track& track : into_.tracks)
+        for (std::size_t k = 1; k < track.times.size(); ++k) {
+            const float step = track.times[k] - track.times[k - 1];
+            if (step > 0 && (least == 0 || step < least)) least = step;
+            last = std::max(last, track.times[k]);
+        }
+    if (!(least > 0)) return;
+    for (const char* name : {"24", "25", "30", "23.976", "29.97", "50", "60", "59.94"}) {
+        const double rate = core::frame_rate_from(name).hertz.value(), frame = static_cast<double>(last) * rate;
+        if (std::abs(static_cast<double>(least) * rate - 1) > 5e-4 || std::abs(frame - std::round(frame)) > 2e-2)
+            continue;
+        into_.frame_rate = name;
+        into_.first_frame = 0;
+        into_.last_frame = std::llround(frame);
+        return;
+    }
 }
 
 void SceneReader::read_channel(const aiNodeAnim& channel, double ticks, const std::string& name) {

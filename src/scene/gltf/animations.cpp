@@ -1,4 +1,5 @@
 // Animations of a glTF file.
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -84,6 +85,13 @@ class AnimationReader {
                 for (std::size_t i = 0; i < carried_.lights.size(); ++i)
                     if (carried_.lights[i] == pointed.index) add_intensity(i, sampler, name);
                 return;
+            case What::light_color:
+                for (std::size_t i = 0; i < carried_.lights.size(); ++i)
+                    if (carried_.lights[i] == pointed.index)
+                        add_color(TrackTarget::light_color, static_cast<int>(i), 3, sampler, name);
+                return;
+            case What::base_color:
+                return add_color(TrackTarget::base_color, pointed.index, 4, sampler, name);
             case What::emission:
             case What::emission_strength:
                 return add_emission(pointed, sampler, name);
@@ -124,6 +132,28 @@ class AnimationReader {
         track.target = what;
         track.index = index;
         for (float& value : track.values) value /= unit;
+        animation_.tracks.push_back(std::move(track));
+    }
+
+    void add_color(TrackTarget what, int index, int components, const Element& sampler, const std::string& name) {
+        if (!is_first(what, index, name)) return;
+        Track track = keys_of(sampler, components);
+        track.target = what;
+        track.index = index;
+        // What the film asks before it looks at keys: whether there is anything to see, or to shine.
+        const auto n = static_cast<std::size_t>(components);
+        const std::size_t step = track.interpolation == Interpolation::cubic_spline ? 3 * n : n;
+        for (std::size_t c = 0; c < n; ++c) {
+            float largest = 0;
+            for (std::size_t k = step == n ? 0 : n; k + n <= track.values.size(); k += step)
+                largest = std::max(largest, track.values[k + c]);
+            const auto i = static_cast<std::size_t>(index);
+            const auto channel = static_cast<int>(c);
+            if (what == TrackTarget::light_color)
+                animation_.lights[i].color[channel] = largest;
+            else
+                animation_.materials[i].base_color[channel] = largest;
+        }
         animation_.tracks.push_back(std::move(track));
     }
 

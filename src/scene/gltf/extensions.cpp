@@ -11,7 +11,7 @@
 namespace render2mpeg::scene::gltf {
 namespace {
 
-constexpr std::array<std::string_view, 19> read_extensions{"EXT_mesh_gpu_instancing",
+constexpr std::array<std::string_view, 21> read_extensions{"EXT_mesh_gpu_instancing",
                                                            "EXT_meshopt_compression",
                                                            "EXT_texture_webp",
                                                            "KHR_animation_pointer",
@@ -22,7 +22,9 @@ constexpr std::array<std::string_view, 19> read_extensions{"EXT_mesh_gpu_instanc
                                                            "KHR_materials_pbrSpecularGlossiness",
                                                            "KHR_materials_transmission",
                                                            "KHR_materials_unlit",
+                                                           "KHR_materials_anisotropy",
                                                            "KHR_materials_clearcoat",
+                                                           "KHR_materials_diffuse_transmission",
                                                            "KHR_materials_sheen",
                                                            "KHR_materials_iridescence",
                                                            "KHR_materials_specular",
@@ -35,12 +37,10 @@ struct Meaning {
     std::string_view extension, meaning;
 };
 
-constexpr std::array<Meaning, 11> meanings{{
+constexpr std::array<Meaning, 9> meanings{{
     {"EXT_lights_ies", "lamps shine evenly instead of by their profile"},
     {"EXT_lights_image_based", "its surroundings give no light; --sky can"},
     {"KHR_gaussian_splatting", "splats are not drawn"},
-    {"KHR_materials_anisotropy", "brushed surfaces have round highlights"},
-    {"KHR_materials_diffuse_transmission", "leaves and paper let no light through"},
     {"KHR_materials_dispersion", "glass does not split colours"},
     {"KHR_materials_volume", "glass is thin: it neither bends light nor tints it with depth"},
     {"KHR_materials_volume_scatter", "nothing scatters light inside"},

@@ -102,6 +102,17 @@ class MaterialReader {
             material.film_thickest = static_cast<float>(film->number("iridescenceThicknessMaximum", 400));
             material.film_texture = texture(*film, "iridescenceThicknessTexture");
         }
+        if (const auto brushed = element.extension("KHR_materials_anisotropy")) {
+            material.anisotropy = static_cast<float>(brushed->number("anisotropyStrength", 0));
+            material.anisotropy_rotation = static_cast<float>(brushed->number("anisotropyRotation", 0));
+            material.anisotropy_texture = texture(*brushed, "anisotropyTexture");
+        }
+        if (const auto leaf = element.extension("KHR_materials_diffuse_transmission")) {
+            material.diffuse_transmission = static_cast<float>(leaf->number("diffuseTransmissionFactor", 0));
+            material.diffuse_transmission_texture = texture(*leaf, "diffuseTransmissionTexture");
+            set_triple(*leaf, "diffuseTransmissionColorFactor", material.diffuse_transmission_color);
+            material.diffuse_transmission_color_texture = texture(*leaf, "diffuseTransmissionColorTexture");
+        }
         if (const auto sheen = element.extension("KHR_materials_sheen")) {
             set_triple(*sheen, "sheenColorFactor", material.sheen);
             material.sheen_texture = texture(*sheen, "sheenColorTexture");

@@ -80,6 +80,8 @@ struct PointedTrack {
         visibility,
         field_of_view,
         light_intensity,
+        light_color,
+        base_color,
         emission,           ///< emissiveFactor
         emission_strength,  ///< KHR_materials_emissive_strength
         unknown

@@ -15,7 +15,7 @@ struct Place {
     What what;
 };
 
-constexpr std::array<Place, 9> places{{
+constexpr std::array<Place, 11> places{{
     {"/nodes/", "/translation", "nodes", What::translation},
     {"/nodes/", "/rotation", "nodes", What::rotation},
     {"/nodes/", "/scale", "nodes", What::scale},
@@ -23,6 +23,8 @@ constexpr std::array<Place, 9> places{{
     {"/nodes/", "/extensions/KHR_node_visibility/visible", "nodes", What::visibility},
     {"/cameras/", "/perspective/yfov", "cameras", What::field_of_view},
     {"/extensions/KHR_lights_punctual/lights/", "/intensity", "", What::light_intensity},
+    {"/extensions/KHR_lights_punctual/lights/", "/color", "", What::light_color},
+    {"/materials/", "/pbrMetallicRoughness/baseColorFactor", "materials", What::base_color},
     {"/materials/", "/emissiveFactor", "materials", What::emission},
     {"/materials/", "/extensions/KHR_materials_emissive_strength/emissiveStrength", "materials",
      What::emission_strength},

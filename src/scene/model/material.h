@@ -69,6 +69,17 @@ struct Material {
     float film_thinnest = 100, film_thickest = 400;  ///< nanometres, where the texture is 0 and 1
     TextureUse film_texture;                         ///< g
 
+    /// KHR_materials_anisotropy: the lobe is wider along a direction of the surface.
+    float anisotropy = 0;           ///< 0..1
+    float anisotropy_rotation = 0;  ///< of that direction from the tangent, radians, counter-clockwise
+    TextureUse anisotropy_texture;  ///< rg: another turn, as a direction; b: strength
+
+    /// KHR_materials_diffuse_transmission: this share of the Lambert part leaves on the other side.
+    float diffuse_transmission = 0;                 ///< 0..1
+    TextureUse diffuse_transmission_texture;        ///< a
+    glm::vec3 diffuse_transmission_color{1, 1, 1};  ///< 0..1
+    TextureUse diffuse_transmission_color_texture;  ///< sRGB
+
     bool changes_specular() const {
         return specular_weight != 1 || specular_tint != glm::vec3(1) || specular_weight_texture.present() ||
                specular_tint_texture.present();
@@ -92,6 +103,9 @@ inline constexpr TextureUse Material::*texture_uses[] = {&Material::base_color_t
                                                          &Material::sheen_texture,
                                                          &Material::sheen_roughness_texture,
                                                          &Material::iridescence_texture,
-                                                         &Material::film_texture};
+                                                         &Material::film_texture,
+                                                         &Material::anisotropy_texture,
+                                                         &Material::diffuse_transmission_texture,
+                                                         &Material::diffuse_transmission_color_texture};
 
 }  // namespace render2mpeg::scene

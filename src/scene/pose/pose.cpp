@@ -62,6 +62,12 @@ void apply(const Track& track, double seconds, std::vector<LocalTransform>& loca
         case TrackTarget::scale:
             local[i].scale = {v[0], v[1], v[2]};
             break;
+        case TrackTarget::light_color:
+            pose.light_color[i] = glm::clamp(glm::vec3(v[0], v[1], v[2]), 0.0f, 1.0f);
+            break;
+        case TrackTarget::base_color:
+            pose.base_color[i] = glm::clamp(glm::vec4(v[0], v[1], v[2], v[3]), 0.0f, 1.0f);
+            break;
         default:
             apply_scalar(track, v[0], own_visible, pose);
             break;
@@ -95,6 +101,8 @@ Pose pose_at(const Animation& animation, double seconds) {
     pose.weights.resize(animation.nodes.size());
     pose.light_factor.assign(animation.lights.size(), 1.0f);
     pose.emission_factor.assign(animation.materials.size(), 1.0f);
+    for (const Light& light : animation.lights) pose.light_color.push_back(light.color);
+    for (const Material& material : animation.materials) pose.base_color.push_back(material.base_color);
     for (const CameraLens& lens : animation.cameras) pose.vertical_fov.push_back(lens.vertical_fov);
 
     // Let the tracks, in their order, replace what the nodes say.

@@ -16,6 +16,8 @@ struct Pose {
     std::vector<std::vector<float>> weights;  ///< per node: morph weights, empty where no track moves them
     std::vector<float> light_factor;          ///< per light
     std::vector<float> emission_factor;       ///< per material
+    std::vector<glm::vec3> light_color;       ///< per light
+    std::vector<glm::vec4> base_color;        ///< per material
     std::vector<float> vertical_fov;          ///< per camera, radians
 
     /// World matrix of a node; -1 is the world itself.

@@ -72,7 +72,7 @@ LightState pose_light(const Animation& animation, std::size_t index, const Pose&
     state.direction = glm::vec3(unit_or(-glm::dvec3(to_world[2]), {0, 0, -1}));
     const float factor = pose.is_visible(light.node) ? std::max(0.0f, pose.light_factor[index]) : 0.0f;
     // chosen: 1e30, far above any real light, so that sums of light points stay in single precision.
-    state.intensity = glm::min(light.color * (light.intensity * factor), glm::vec3(1e30f));
+    state.intensity = glm::min(pose.light_color[index] * (light.intensity * factor), glm::vec3(1e30f));
     state.range = light.range;
     // Below a fiftieth of the real sun's, a disc is a point, and its radiance stays finite.
     state.angle = light.kind == LightKind::directional && light.angle >= 1e-4f ? light.angle : 0.0f;
@@ -122,6 +122,7 @@ Snapshot snapshot_at(const Animation& animation, std::int64_t frame, core::Ratio
     snapshot.animation = &animation;
     snapshot.frame = frame;
     snapshot.time = time;
+    snapshot.base_color = pose.base_color;
     snapshot.emission_factor = pose.emission_factor;
     for (float& factor : snapshot.emission_factor) factor = std::max(0.0f, factor);
 

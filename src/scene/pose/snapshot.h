@@ -46,6 +46,7 @@ struct Snapshot {
     std::vector<DeformedMesh> deformed;
     std::vector<LightState> lights;
     std::vector<float> emission_factor;  ///< per material, 1 where nothing animates it
+    std::vector<glm::vec4> base_color;   ///< per material: Material::base_color, or what animates it
     Camera camera;
     bool cut_before = false;  ///< the camera is another one than in the frame before
 };

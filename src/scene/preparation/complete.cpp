@@ -23,6 +23,10 @@ void set_mobility(Animation& animation) {
     std::vector<char> morphs(animation.nodes.size(), 0);
     for (const Track& track : animation.tracks)
         if (track.target == TrackTarget::weights) morphs[static_cast<std::size_t>(track.index)] = 1;
+    std::vector<char> recoloured(animation.materials.size(), 0);
+    for (const Track& track : animation.tracks)
+        if (track.target == TrackTarget::base_color && varies(track))
+            recoloured[static_cast<std::size_t>(track.index)] = 1;
 
     for (Object& object : animation.objects) {
         const Mesh& mesh = animation.meshes[static_cast<std::size_t>(object.mesh)];
@@ -33,8 +37,11 @@ void set_mobility(Animation& animation) {
         if (object.skin >= 0 || is_morphed)
             object.mobility = Mobility::deforming;
         else
-            object.mobility =
-                object.node >= 0 && moves[static_cast<std::size_t>(object.node)] ? Mobility::rigid : Mobility::still;
+            // What changes its colour sends other light on, as what moves does.
+            object.mobility = (object.node >= 0 && moves[static_cast<std::size_t>(object.node)]) ||
+                                      recoloured[static_cast<std::size_t>(object.material)]
+                                  ? Mobility::rigid
+                                  : Mobility::still;
     }
 }
 

@@ -40,6 +40,8 @@ constexpr double studio_fov = 0.5235988;  // 30 degrees
 constexpr double studio_turns = 1 / 16.0, studio_start = 0.7;
 constexpr double orbit_period = 8, turn_period = 16, sway_period = 8;  // seconds
 
+constexpr const char* automatic_name = "automatic";
+
 double heading_of(int k) {
     return 2 * glm::pi<double>() * k / headings;
 }
@@ -180,8 +182,9 @@ Track turning_track(int node, const Framing& framing, double duration) {
     return track;
 }
 
-/// Moves an orbit up or down and as near as it can go, so that what the film shows fills the picture from all sides.
-void fill_picture(const Animation& animation, Framing& framing) {
+/// `aspect`: width of the picture over its height, at most 1. Moves an orbit up or down and as near as it can go, so
+/// that what the film shows fills the picture from all sides.
+void fill_picture(const Animation& animation, Framing& framing, double aspect) {
     std::vector<glm::dvec3> points;
     // chosen: a film is looked at 33 times, one of very many vertices 5 times; dancers' arms are seen in between.
     std::size_t vertices = 0;
@@ -190,6 +193,8 @@ void fill_picture(const Animation& animation, Framing& framing) {
     for (int k = 0; k < looks; ++k) {
         const Pose pose = pose_at(animation, animation.duration * k / std::max(1, looks - 1));
         for (const Object& object : animation.objects) {
+            if (animation.stage >= 0 && &object == &animation.objects[static_cast<std::size_t>(animation.stage)])
+                continue;
             const std::vector<glm::dvec3> positions = world_positions(animation, object, pose);
             // chosen: some 1,000 points of an object tell its outline.
             const std::size_t step = positions.size() / 1024 + 1;
@@ -205,7 +210,7 @@ void fill_picture(const Animation& animation, Framing& framing) {
             const glm::dmat3 axes = axes_for(2 * glm::pi<double>() * k / sides, -framing.elevation);
             for (const glm::dvec3& p : points) {
                 const glm::dvec3 seen = glm::transpose(axes) * (p - glm::dvec3(0, rise, 0));
-                nearest = std::max(nearest, seen.z + std::max(std::abs(seen.x), std::abs(seen.y)) / tangent);
+                nearest = std::max(nearest, seen.z + std::max(std::abs(seen.x) / aspect, std::abs(seen.y)) / tangent);
                 if (round == 0 || distance <= seen.z) continue;
                 const double up = seen.y / (distance - seen.z);
                 highest = std::max(highest, up);
@@ -246,7 +251,7 @@ AutomaticCamera add_automatic_camera(Animation& animation, bool in_studio) {
     const bool studio = in_studio && framing.kind == View::orbit && !animation.objects.empty();
     if (studio) {
         framing.elevation = studio_elevation;
-        fill_picture(animation, framing);
+        fill_picture(animation, framing, 1);
     }
 
     Node pivot;
@@ -258,7 +263,7 @@ AutomaticCamera add_automatic_camera(Animation& animation, bool in_studio) {
     eye.translation = framing.distance * glm::dvec3(0, std::sin(framing.elevation), std::cos(framing.elevation));
     eye.rotation = glm::angleAxis(-framing.elevation, glm::dvec3(1, 0, 0));
     CameraLens lens;
-    lens.name = "automatic";
+    lens.name = automatic_name;
     lens.node = eye.parent + 1;
     // Within a room walls are near: a wider view.
     lens.vertical_fov = static_cast<float>(framing.kind == View::turn ? 1.4 * vertical_fov
@@ -278,6 +283,21 @@ AutomaticCamera add_automatic_camera(Animation& animation, bool in_studio) {
         default:
             return {studio ? "no camera: turns slowly about the scene" : "no camera: orbits the scene", View::orbit};
     }
+}
+
+void fit_automatic_camera(Animation& animation, double aspect) {
+    if (!(aspect < 1) || !(aspect > 0) || animation.cameras.size() != 1) return;
+    const CameraLens& lens = animation.cameras.front();
+    if (lens.name != automatic_name || lens.node < 1) return;
+    Node& eye = animation.nodes[static_cast<std::size_t>(lens.node)];
+    Node& pivot = animation.nodes[static_cast<std::size_t>(eye.parent)];
+    Framing framing;
+    framing.pivot = pivot.translation;
+    framing.distance = glm::length(eye.translation) / aspect;
+    framing.elevation = std::atan2(eye.translation.y, eye.translation.z);
+    if (lens.vertical_fov == static_cast<float>(studio_fov)) fill_picture(animation, framing, aspect);
+    pivot.translation = framing.pivot;
+    eye.translation = framing.distance * glm::dvec3(0, std::sin(framing.elevation), std::cos(framing.elevation));
 }
 
 }  // namespace render2mpeg::scene

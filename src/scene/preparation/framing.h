@@ -20,4 +20,8 @@ struct AutomaticCamera {
 /// valid otherwise.
 AutomaticCamera add_automatic_camera(Animation& animation, bool in_studio);
 
+/// Moves that camera, if it is the film's, so that what it shows fills a picture that is higher than wide. `aspect`:
+/// width of the picture over its height, as it is shown.
+void fit_automatic_camera(Animation& animation, double aspect);
+
 }  // namespace render2mpeg::scene

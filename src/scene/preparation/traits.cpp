@@ -102,7 +102,9 @@ Traits traits_of(const Animation& animation) {
         if (light.node >= 0 && moves[static_cast<std::size_t>(light.node)]) traits.lights_change = true;
     }
     for (const Track& track : animation.tracks)
-        if ((track.target == TrackTarget::light_intensity || track.target == TrackTarget::emission) && varies(track))
+        if ((track.target == TrackTarget::light_intensity || track.target == TrackTarget::emission ||
+             track.target == TrackTarget::light_color || track.target == TrackTarget::base_color) &&
+            varies(track))
             traits.lights_change = true;
     return traits;
 }

@@ -35,6 +35,11 @@ class MaterialCheck {
         // chosen: a tenth of a millimetre, where no wave is told from the next.
         clamp(material_.film_thinnest, 0, 1e5f, "thickness of the thin film");
         clamp(material_.film_thickest, 0, 1e5f, "thickness of the thin film");
+        clamp(material_.anisotropy, 0, 1, "anisotropy");
+        clamp(material_.anisotropy_rotation, -largest, largest, "anisotropy's rotation");
+        clamp(material_.diffuse_transmission, 0, 1, "diffuse transmission");
+        for (int k = 0; k < 3; ++k)
+            clamp(material_.diffuse_transmission_color[k], 0, 1, "diffuse transmission's colour");
         // chosen: 100 is beyond every substance; glTF itself sets no limit.
         clamp(material_.ior, 1, 100, "index of refraction");
         clamp(material_.alpha_cutoff, 0, largest, "alpha cutoff");
@@ -56,6 +61,9 @@ class MaterialCheck {
         check(material_.sheen_roughness_texture, "sheen roughness texture");
         check(material_.iridescence_texture, "iridescence texture");
         check(material_.film_texture, "thin film's texture");
+        check(material_.anisotropy_texture, "anisotropy texture");
+        check(material_.diffuse_transmission_texture, "diffuse transmission texture");
+        check(material_.diffuse_transmission_color_texture, "diffuse transmission colour texture");
     }
 
   private:

@@ -27,6 +27,10 @@ const char* word_for(TrackTarget target) {
             return "emission";
         case TrackTarget::field_of_view:
             return "field of view";
+        case TrackTarget::light_color:
+            return "colour";
+        case TrackTarget::base_color:
+            return "base colour";
     }
     return "value";
 }
@@ -43,8 +47,10 @@ std::string target_of(const Animation& animation, const Track& track) {
     };
     switch (track.target) {
         case TrackTarget::light_intensity:
+        case TrackTarget::light_color:
             return named("light", animation.lights);
         case TrackTarget::emission:
+        case TrackTarget::base_color:
             return named("material", animation.materials);
         case TrackTarget::field_of_view:
             return named("camera", animation.cameras);
@@ -57,8 +63,10 @@ int natural_width(TrackTarget target, int width) {
     switch (target) {
         case TrackTarget::translation:
         case TrackTarget::scale:
+        case TrackTarget::light_color:
             return 3;
         case TrackTarget::rotation:
+        case TrackTarget::base_color:
             return 4;
         case TrackTarget::weights:
             return width;
