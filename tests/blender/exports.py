@@ -70,7 +70,6 @@ def bent_bar():
     bone = bones.pose.bones["upper"]
     bone.rotation_mode = "XYZ"
     for frame, angle in ((1, 0), (LAST, 1.2)):
-        bone.rotation_euler = (0, 0, angle)
         bone.rotation_euler = (angle, 0, 0)
         bone.keyframe_insert("rotation_euler", frame=frame)
     bpy.ops.object.mode_set(mode="OBJECT")
@@ -82,6 +81,7 @@ def bent_bar():
 def make(folder):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y = 240, 160
     scene.frame_start, scene.frame_end, scene.render.fps = 1, LAST, 25
     bpy.ops.mesh.primitive_plane_add(size=8)
     wear(material("floor", (0.5, 0.5, 0.5), roughness=1.0))
@@ -115,7 +115,6 @@ def render(folder, samples):
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.samples, scene.cycles.use_denoising = samples, False
-    scene.render.resolution_x, scene.render.resolution_y = 240, 160
     scene.render.image_settings.file_format = "OPEN_EXR"
     for frame in (1, LAST):
         scene.frame_set(frame)

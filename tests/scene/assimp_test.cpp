@@ -302,6 +302,36 @@ TEST_F(Assimp, LampsOfBlendersColladaAreWatts) {
     }
 }
 
+TEST_F(Assimp, ArmaturesOfBlendersColladaStandAtTheirPlace) {
+    std::string text = collada;
+    const auto put = [&](const std::string& what, const std::string& instead) {
+        const auto at = text.find(what);
+        ASSERT_NE(at, std::string::npos) << what;
+        text.replace(at, what.size(), instead);
+    };
+    put("<asset>", "<asset><contributor><authoring_tool>Blender 3.4.1</authoring_tool></contributor>");
+    put(R"(<node id="n" name="n"><translate sid="place">0 0 0</translate><instance_geometry url="#g">)",
+        R"(<node id="A" name="A"><translate>-150 0 0</translate><node id="j" name="j" sid="j" type="JOINT"></node>)"
+        R"(<node id="n" name="n"><translate sid="place">0 0 0</translate><instance_controller url="#c">)");
+    put("</instance_geometry></node>", "</instance_controller></node></node>");
+    // What Blender writes: the joint's place undone together with the armature's, and the mesh's place in the armature.
+    put("<library_animations>",
+        R"(<library_controllers><controller id="c"><skin source="#g"><bind_shape_matrix>1 0 0 0 0 1 0 0 0 0 1 80 0 0 0 1</bind_shape_matrix>
+<source id="cj"><Name_array id="cja" count="1">j</Name_array><technique_common><accessor source="#cja" count="1" stride="1"><param name="JOINT" type="name"/></accessor></technique_common></source>
+<source id="cb"><float_array id="cba" count="16">1 0 0 150 0 1 0 0 0 0 1 0 0 0 0 1</float_array><technique_common><accessor source="#cba" count="1" stride="16"><param name="TRANSFORM" type="float4x4"/></accessor></technique_common></source>
+<source id="cw"><float_array id="cwa" count="1">1</float_array><technique_common><accessor source="#cwa" count="1" stride="1"><param name="WEIGHT" type="float"/></accessor></technique_common></source>
+<joints><input semantic="JOINT" source="#cj"/><input semantic="INV_BIND_MATRIX" source="#cb"/></joints>
+<vertex_weights count="4"><input semantic="JOINT" source="#cj" offset="0"/><input semantic="WEIGHT" source="#cw" offset="1"/><vcount>1 1 1 1</vcount><v>0 0 0 0 0 0 0 0</v></vertex_weights></skin></controller></library_controllers>
+<library_animations>)");
+    Animation a = read("skin.dae", text);
+    complete(a);
+    ASSERT_EQ(a.skins.size(), 1u);
+    const Snapshot s = snapshot_at(a, 0, {0, 1}, {64, 48, 1});
+    glm::vec3 low(1e9f);
+    for (const glm::vec3& p : s.deformed[0].positions) low = glm::min(low, p + glm::vec3(a.origin));
+    EXPECT_LT(glm::length(low - glm::vec3(-1.5f, 0.8f, -1)), 1e-4f);
+}
+
 TEST(AssimpAxes, AreTurnedUprightWhateverTheFileCallsUp) {
     const auto near = [](glm::dvec3 a, glm::dvec3 b) { return glm::length(a - b) < 1e-12; };
     // As 3ds Max writes: z up, -y to the front.

@@ -10,6 +10,7 @@
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <new>
+#include <set>
 #include <string_view>
 #include <unordered_map>
 
@@ -92,9 +93,7 @@ class SceneReader {
         read_animations();
         if (format_ == "fbx") keep_last_key();
         to_world_ = rest_transforms(into_);
-        if (format_ == "dae" && !into_.skins.empty() && is_of_blender())
-            into_.notes.push_back(
-                "skinned meshes stand where the file's bind poses put them: Blender leaves their armature's place out");
+        if (format_ == "dae" && is_of_blender()) place_armatures();
         const RestBounds bounds = rest_bounds(into_, to_world_);
         settle_sides_of_lamps(into_, to_world_, bounds);
         read_lights(bounds);
@@ -112,6 +111,7 @@ class SceneReader {
     void read_objects();
     void read_animations();
     void keep_last_key();
+    void place_armatures();
     void read_channel(const aiNodeAnim& channel, double ticks_per_second, const std::string& name);
     void read_morphing(const aiMeshMorphAnim& channel, double ticks_per_second);
     void read_lights(const RestBounds& bounds);
@@ -271,6 +271,36 @@ void SceneReader::keep_last_key() {
         into_.first_frame = 0;
         into_.last_frame = std::llround(frame);
         return;
+    }
+}
+
+/// Blender's COLLADA leaves the armature's place out of its bind poses: puts it back where joints stand at rest, so
+/// that what they say of the mesh agrees.
+void SceneReader::place_armatures() {
+    std::set<int> placed;
+    for (const Object& object : into_.objects) {
+        const int parent = object.node < 0 ? -1 : into_.nodes[static_cast<std::size_t>(object.node)].parent;
+        if (object.skin < 0 || parent < 0 || !placed.insert(object.skin).second) continue;
+        Skin& skin = into_.skins[static_cast<std::size_t>(object.skin)];
+        if (skin.joints.empty()) continue;
+        const auto bound = [&](std::size_t k) {
+            return to_world_[static_cast<std::size_t>(skin.joints[k])] * skin.inverse_bind[k];
+        };
+        const glm::dmat4 shape = bound(0);
+        bool agree = true;
+        for (std::size_t k = 1; k < skin.joints.size(); ++k)
+            for (int c = 0; c < 4; ++c)
+                // chosen: a thousandth, what exporters round to; joints in another pose are off by far more.
+                agree = agree && glm::length(bound(k)[c] - shape[c]) <= 1e-3 * (1 + glm::length(shape[c]));
+        if (!agree) {
+            note_once(into_,
+                      "skinned meshes stand where the file's bind poses put them: Blender leaves their armature's "
+                      "place out");
+            continue;
+        }
+        const glm::dmat4 armature = to_world_[static_cast<std::size_t>(parent)] * glm::inverse(to_world_.front());
+        for (std::size_t k = 0; k < skin.joints.size(); ++k)
+            skin.inverse_bind[k] = glm::inverse(to_world_[static_cast<std::size_t>(skin.joints[k])]) * armature * shape;
     }
 }
 
