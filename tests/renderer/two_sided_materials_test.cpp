@@ -178,7 +178,8 @@ TEST(Anisotropy, KernelsGatherWhatItScatters) {
         ASSERT_TRUE(p.point.bsdf.is_stretched());
         EXPECT_NEAR(p.point.bsdf.alpha_along, 0.25f + 0.75f * 0.49f, 1e-5f);
         EXPECT_NEAR(p.point.bsdf.along.x, std::cos(0.3f), 1e-5f);
-        EXPECT_NEAR(p.point.bsdf.along.z, -std::sin(0.3f), 1e-5f);
+        // The image's up is towards smaller v, which here is +z.
+        EXPECT_NEAR(p.point.bsdf.along.z, std::sin(0.3f), 1e-5f);
         const glm::vec3 l = glm::normalize(glm::vec3(-0.5f, 1, -0.2f));
         const glm::vec3 expected = evaluate(p.point.bsdf, {0, 1, 0}, p.point.outgoing, l) * (3.0f * l.y);
         EXPECT_NEAR(test::gather_all(stage, trees, p).glossy.x / static_cast<double>(expected.x), 1, 1e-3);

@@ -108,7 +108,7 @@ TEST_F(GltfExtensions, PointersMoveLampsEmissionAndLenses) {
     const Animation film = loaded(file);
     const Snapshot begin = at(film, 0), end = at(film, 1);
     EXPECT_FLOAT_EQ(begin.lights[0].intensity.x, 10);
-    EXPECT_FLOAT_EQ(end.lights[0].intensity.x, 20);
+    EXPECT_FLOAT_EQ(end.lights[0].intensity.y, 20);
     EXPECT_FLOAT_EQ(begin.camera.lens().vertical_fov, 0.5f);
     EXPECT_FLOAT_EQ(end.camera.lens().vertical_fov, 0.75f);
     EXPECT_EQ(film.materials[0].emission * begin.emission_factor[0], glm::vec3(1, 2, 0));
