@@ -1,7 +1,7 @@
-"""blender -b -noaudio --factory-startup --python-exit-code 1 -P cycles.py -- FOLDER SAMPLES SIZE
+"""blender -b -noaudio --factory-startup --python-exit-code 1 -P cycles.py -- FOLDER SAMPLES SIZE [NAME...]
 
 Renders the balls of models.py with Cycles, FOLDER/NAME_cycles.exr, as far as it has their materials: 3.4 has neither thin
-films nor Charlie's sheen.
+films nor Charlie's sheen, and no pane whose two sides are alike.
 """
 import math
 import os
@@ -36,16 +36,12 @@ def shader(tree, says):
     base = says["pbrMetallicRoughness"]
     color, metallic, roughness = base["baseColorFactor"], base["metallicFactor"], base["roughnessFactor"]
     extensions = {name.removeprefix("KHR_materials_"): values for name, values in says.get("extensions", {}).items()}
-    if "sheen" in extensions or "iridescence" in extensions:
+    if extensions.keys() & {"sheen", "iridescence", "transmission"}:
         return None
-    if "transmission" in extensions:
-        mirror = node(tree, "ShaderNodeBsdfGlossy", Roughness=0.0)
-        return mix(tree, node(tree, "ShaderNodeFresnel", IOR=1.5).outputs[0], node(tree, "ShaderNodeBsdfTransparent", Color=color), mirror)
     if "diffuse_transmission" in extensions:
         leaf = extensions["diffuse_transmission"]
         back = node(tree, "ShaderNodeBsdfTranslucent", Color=(*leaf["diffuseTransmissionColorFactor"], 1))
-        below = mix(tree, leaf["diffuseTransmissionFactor"], node(tree, "ShaderNodeBsdfDiffuse", Color=color), back)
-        return mix(tree, node(tree, "ShaderNodeFresnel", IOR=1.5).outputs[0], below, node(tree, "ShaderNodeBsdfGlossy", Roughness=roughness))
+        return mix(tree, leaf["diffuseTransmissionFactor"], node(tree, "ShaderNodeBsdfDiffuse", Color=color), back)
     made = node(tree, "ShaderNodeBsdfPrincipled", Base_Color=color, Metallic=metallic, Roughness=roughness)
     made.distribution = "GGX"
     if "ior" in extensions:
@@ -102,7 +98,7 @@ def to_blender(v):
 
 
 def main():
-    folder, samples, size = sys.argv[sys.argv.index("--") + 1:]
+    folder, samples, size, *names = sys.argv[sys.argv.index("--") + 1:]
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
@@ -147,7 +143,7 @@ def main():
         tree = material.node_tree
         tree.nodes.clear()
         last = shader(tree, says)
-        if last is None:
+        if last is None or (names and name not in names):
             continue
         tree.links.new(last.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
         mesh.materials.clear()

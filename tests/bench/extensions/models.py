@@ -61,7 +61,7 @@ def materials():
         "anisotropy_turned": with_extension(pbr(STEEL, 1, 0.3), anisotropy={
             "anisotropyStrength": 0.7, "anisotropyRotation": math.pi / 2}),
         "transmission": {**with_extension(pbr((0.7, 0.9, 0.8), 0, 0), transmission={"transmissionFactor": 1}), "doubleSided": True},
-        "diffuse_transmission": {**with_extension(pbr((0.25, 0.5, 0.1), 0, 1), diffuse_transmission={
+        "diffuse_transmission": {**with_extension(pbr((0.25, 0.5, 0.1), 0, 1), ior={"ior": 1}, diffuse_transmission={
             "diffuseTransmissionFactor": 0.5, "diffuseTransmissionColorFactor": [0.7, 0.8, 0.2]}), "doubleSided": True},
         "emissive_strength": with_extension({**pbr(RED, 0, 0.6), "emissiveFactor": [0.1, 0.2, 0.4]}, emissive_strength={"emissiveStrength": 1.5}),
     }
