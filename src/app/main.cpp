@@ -68,11 +68,11 @@ int main(int argc, char** argv) {
             case Command::info:
                 return info(line.info);
             case Command::cost:
-                return cost(line.cost, line.text);
+                return cost(line.cost, line.words);
             case Command::tune:
                 return tune(line.tune, line.words, render);
             case Command::compare:
-                return compare(line.compare, line.text);
+                return compare(line.compare, line.words);
             case Command::farm:
                 return farm(line.farm, line.words);
             case Command::part:

@@ -42,7 +42,7 @@ json cost_of(const std::string& scene, const std::string& options) {
 json timeless(json value) {
     if (value.is_object())
         for (const char* key : {"seconds", "window_seconds", "time_ratio", "knee", "summary", "command", "answer",
-                                "clock", "recommended"})
+                                "clock", "recommended", "time_share"})
             value.erase(key);
     if (value.is_structured())
         for (json& part : value) part = timeless(part);
@@ -103,7 +103,7 @@ app::Sweep sweep_of(const std::vector<std::array<double, 3>>& rows) {
     for (const auto& [share, seconds, off] : rows) {
         app::Trial& trial = sweep.fixed.emplace_back();
         trial.tolerance.relative = static_cast<float>(share);
-        trial.seconds = seconds;
+        trial.seconds = trial.cpu = seconds;
         trial.points = 1;
         trial.decoded.add(grey(100 + static_cast<int>(off)), grey(100));
     }

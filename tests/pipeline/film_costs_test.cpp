@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "app/experiments/film_costs.h"
-#include "app/loop/estimate.h"
 #include "app/options/option_text.h"
 #include "app/report/answer.h"
 #include "support/program.h"
@@ -44,12 +43,6 @@ TEST(FilmCosts, SayWhereAccuracyIsFree) {
     EXPECT_TRUE(app::is_free(costs));
     EXPECT_EQ(app::recommended(costs), 2u) << "then the most exact";
     EXPECT_FALSE(app::recommended({}).has_value());
-}
-
-TEST(Estimate, CountsFirstFramesOnceAndTheRestAsTheLastOnes) {
-    EXPECT_DOUBLE_EQ(app::chunk_seconds({8, 3, 1, 1}, 10), 8 + 3 + 8 * 1);
-    EXPECT_DOUBLE_EQ(app::chunk_seconds({8, 2}, 5), 8 + 4 * 2);
-    EXPECT_DOUBLE_EQ(app::chunk_seconds({8}, 2), 16);
 }
 
 TEST(Estimate, IsWhatPlanBeginsWith) {

@@ -30,7 +30,7 @@ std::string browser() {
 /// moving a slider does. Says it to the page around it.
 constexpr const char* probe = R"(<script>
 addEventListener('load', () => {
-  const at = (s) => getComputedStyle(s.closest('figure').querySelector('.two img + img')).clipPath;
+  const at = (s) => getComputedStyle(s.closest('figure').querySelector('.upon img + img')).clipPath;
   const sliders = [...document.querySelectorAll('input[type=range]')].map((s) => {
     const before = at(s);
     s.value = 20;

@@ -98,6 +98,25 @@ TEST(Plan, WithoutIndirectLightTracesNoPhotons) {
     EXPECT_EQ(plan.rows()[static_cast<std::size_t>(Pass::photons)].reason, "not wanted");
 }
 
+TEST(Plan, LeavesOutEachEffectByItself) {
+    const Plan whole = make_plan(all_traits(), {});
+    int effects = 0;
+    for (const auto& row : whole.rows()) {
+        if (std::string(row.effect).empty()) continue;
+        ++effects;
+        Wanted wanted;
+        wanted.without = row.pass;
+        const Plan plan = make_plan(all_traits(), wanted);
+        EXPECT_FALSE(plan.runs(row.pass));
+        EXPECT_EQ(plan.rows()[static_cast<std::size_t>(row.pass)].reason, "not wanted");
+        // Beside it only what nobody else reads.
+        for (const auto& other : plan.rows())
+            if (!other.runs && whole.runs(other.pass) && other.pass != row.pass)
+                EXPECT_EQ(other.reason, "nobody reads it") << row.name << " takes " << other.name << " along";
+    }
+    EXPECT_GE(effects, 13);
+}
+
 TEST(Plan, FollowsEachCauseAlone) {
     const auto changes = [](auto set) {
         Traits without = all_traits(), with = all_traits();

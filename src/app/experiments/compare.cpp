@@ -8,6 +8,7 @@
 #include "app/experiments/ffmpeg_program.h"
 #include "app/experiments/trial_command.h"
 #include "app/files/text_file.h"
+#include "app/options/command_words.h"
 #include "app/options/option_text.h"
 #include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
@@ -30,6 +31,7 @@ class Comparing {
     /// Makes the times those of all runs.
     void conclude();
     void look_at_foreign_film();
+    void settle(const std::string& render) { found_.render = render; }
 
     const Comparison& found() const { return found_; }
     const RenderJob& film() const { return trials_.film(); }
@@ -154,7 +156,8 @@ void Comparing::look_at_foreign_film() {
 
 }  // namespace
 
-int compare(const CompareOptions& options, const std::string& command) {
+int compare(const CompareOptions& options, const std::vector<std::string>& words) {
+    const std::string command = line_of(words);
     const parallel::ThreadLimit threads(options.render.threads);
     const InterruptGuard guard(options.render.quiet);
     const bool quiet = options.render.quiet;
@@ -171,6 +174,7 @@ int compare(const CompareOptions& options, const std::string& command) {
     check_trial_outputs(film, options.render, options.json, options.report);
 
     Comparing comparing(options, film, ffmpeg);
+    comparing.settle(render_command(words, options.render.input, ""));
     comparing.look_at_foreign_film();
     if (comparing.light_references())
         for (int i = 0; i < options.runs && comparing.run_all(); ++i) {

@@ -183,7 +183,7 @@ std::string first_screen(const RenderJob& film, const Comparison& found) {
         "over quantisers {} to {}. From {} sample frames.",
         rows.front().quantiser, rows.back().quantiser, rows.front().frames);
     return answer_screen(answer_table({"way", "bits, coupled = 100 %", "difference", "time"}, winners(found), note),
-                         figure, fmt::format("render2mpeg render {} -o film.mpg", quoted(film.animation->source)));
+                         figure, found.render);
 }
 
 std::string foreign_paragraph(const Comparison& found) {

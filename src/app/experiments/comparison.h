@@ -41,6 +41,7 @@ struct Comparison {
     /// strongest command, and with that one's for free GOPs.
     std::vector<Way> ways;
     std::optional<ForeignFilm> foreign;
+    std::string render;     ///< the command that makes the coupled film
     bool complete = false;  ///< false: interrupted
 };
 inline constexpr std::size_t coupled_way = 0, fixed_way = 1, free_way = 2, usual_way = 3, strongest_way = 4,

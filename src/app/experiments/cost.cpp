@@ -3,16 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
 
 #include "app/experiments/cost_report.h"
 #include "app/experiments/cost_table.h"
+#include "app/experiments/effect_costs.h"
 #include "app/experiments/film_costs.h"
 #include "app/experiments/trial_command.h"
 #include "app/files/text_file.h"
 #include "app/loop/estimate.h"
+#include "app/options/command_words.h"
 #include "app/options/option_text.h"
 #include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
@@ -43,6 +46,9 @@ class Cost {
     bool light_references();
     bool try_fixed();
     bool try_coupled();
+    /// The film, as it was asked for, without each of its effects.
+    bool try_effects(const RenderJob& asked, const EffectSample& sample, double limit);
+    void settle(const std::string& render) { sweep_.render = render; }
     void complete() { sweep_.complete = true; }
 
     const Sweep& sweep() const { return sweep_; }
@@ -109,25 +115,50 @@ bool Cost::try_coupled() {
     return true;
 }
 
+bool Cost::try_effects(const RenderJob& asked, const EffectSample& sample, double limit) {
+    log(effects_heading());
+    sweep_.effects =
+        effect_costs(asked, sample, limit, is_quiet(), [&](const EffectCost& cost) { log(effect_row(cost)); });
+    if (sweep_.effects.left > 0 && !InterruptGuard::requested())
+        log(fmt::format("({} more: no time within --within)\n", sweep_.effects.left));
+    return !InterruptGuard::requested();
+}
+
+/// How much of the film is looked at, and of its effects.
+struct CostSample {
+    Sample sweep;
+    EffectSample effects;
+};
+
 /// The film as asked for, told within seconds, and the sample that there is time for. None where it was interrupted.
-std::optional<Sample> first_answer(const CostOptions& options, RenderJob& film) {
-    if (options.sample) return sample_from(*options.sample);
+std::optional<CostSample> first_answer(const CostOptions& options, RenderJob& film) {
+    if (options.sample) {
+        const Sample sample = sample_from(*options.sample);
+        return CostSample{sample, {std::min(sample.windows, 2), std::min(sample.frames, 3)}};
+    }
     const double within = time_in_seconds(options.within);
     const auto estimate = estimate_film(film, {}, std::min(8.0, 0.2 * within), options.render.quiet);
     if (!estimate) return {};
-    if (!options.render.quiet) print(film_text(film) + "\n" + text_of(film, *estimate) + "\n");
+    if (!options.render.quiet) print(film_text(film) + "\n" + text_of(*estimate) + "\n");
     // Each setting lights all frames of the sample, and every light point one of each window.
     // chosen: light by every light point takes some ten times a frame's.
     const double frame = estimate->later * core::divide_or(estimate->clock, estimate->cpu, 1.0);
     const double settings = static_cast<double>(percents_from(options.tolerances).size()) + 1;
-    for (const Sample& sample : {Sample{2, 3}, Sample{1, 3}, Sample{1, 2}})
-        if (sample.windows * (settings * sample.frames + 10) * frame < within) return sample;
-    return Sample{1, 1};
+    const double pace = core::divide_or(estimate->clock, estimate->cpu, 1.0);
+    const auto effects = static_cast<double>(left_out_of(film).size()) + 1;
+    CostSample chosen{{1, 1}, {1, 2}};
+    for (const Sample& sample : {Sample{1, 2}, Sample{1, 3}, Sample{2, 3}}) {
+        if (sample.windows * (settings * sample.frames + 10) * frame < 0.6 * within) chosen.sweep = sample;
+        const double window = estimate->first + (sample.frames - 1) * estimate->later;
+        if (sample.windows * effects * window * pace < 0.3 * within) chosen.effects = {sample.windows, sample.frames};
+    }
+    return chosen;
 }
 
 }  // namespace
 
-int cost(const CostOptions& options, const std::string& command) {
+int cost(const CostOptions& options, const std::vector<std::string>& words) {
+    const std::string command = line_of(words);
     const parallel::ThreadLimit threads(options.render.threads);
     const InterruptGuard guard(options.render.quiet);
     const bool quiet = options.render.quiet;
@@ -141,15 +172,21 @@ int cost(const CostOptions& options, const std::string& command) {
     if (InterruptGuard::requested()) return interrupted();
     check_trial_outputs(film, options.render, options.json, options.report);
     const double once = clock_seconds() - began;
-    const std::optional<Sample> sample = first_answer(options, film);
+    const std::optional<CostSample> sample = first_answer(options, film);
     if (!sample) return interrupted();
 
-    Cost sweep(options, film, *sample, once);
-    if (sweep.light_references() && sweep.try_fixed() && sweep.try_coupled()) sweep.complete();
+    Cost sweep(options, film, sample->sweep, once);
+    const bool whole = sweep.light_references() && sweep.try_fixed() && sweep.try_coupled();
     const Sweep& found = sweep.sweep();
     if (found.fixed.empty() && found.pairs.empty()) return interrupted();
+    // Whoever says which sample gets all of it.
+    const double limit = options.sample ? std::numeric_limits<double>::infinity()
+                                        : std::max(began + time_in_seconds(options.within), clock_seconds() + 5);
+    if (whole && sweep.try_effects(film, sample->effects, limit)) sweep.complete();
 
     const std::vector<FilmCost> rows = sweep.film_rows();
+    if (const auto taken = recommended(rows))
+        sweep.settle(render_command(words, options.render.input, rows[*taken].name));
     ErrorCollector errors;
     if (options.json) errors.attempt([&] { write_json(*options.json, cost_json(sweep.film(), found, rows, command)); });
     if (options.report) errors.attempt([&] { write_cost_report(*options.report, sweep.film(), found, rows, command); });
@@ -158,6 +195,7 @@ int cost(const CostOptions& options, const std::string& command) {
             print(film_cost_table(rows));
             print_sentence(sentence_of(found, sweep.film().coding.quantiser));
             print_sentence(answer_of(rows, sweep.film()));
+            if (!found.render.empty()) print("\n" + found.render + "\n");
         });
     if (!found.complete && !quiet) print_line("interrupted: this is a part of the table");
     errors.rethrow();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "app/options/options.h"
 
@@ -8,6 +9,6 @@ namespace render2mpeg::app {
 
 /// `render2mpeg cost`: lights and codes a sample of a film with one tolerance after the other (docs/cost.md). Returns
 /// the exit status: 0, or 130 after an interruption, with what was finished until then. Throws core::Error.
-int cost(const CostOptions& options, const std::string& command);
+int cost(const CostOptions& options, const std::vector<std::string>& words);
 
 }  // namespace render2mpeg::app

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "app/experiments/effect_table.h"
 #include "app/experiments/sample_frame_view.h"
 #include "app/files/text_file.h"
 #include "app/report/answer.h"
@@ -218,6 +219,18 @@ json film_json(const std::vector<FilmCost>& rows) {
     return film;
 }
 
+json effects_json(const EffectCosts& effects) {
+    json rows = json::array();
+    for (const EffectCost& e : effects.rows)
+        rows.push_back({{"effect", e.name},
+                        {"option", e.option.empty() ? json(nullptr) : json(e.option)},
+                        {"time_share", e.share},
+                        {"difference", words_for(e.difference)},
+                        {"psnr_hvs_m", e.difference ? finite_or_null(*e.difference) : json(nullptr)},
+                        {"psnr_y", finite_or_null(e.psnr_y)}});
+    return {{"width", effects.size.width}, {"height", effects.size.height}, {"frames", effects.frames}, {"rows", rows}};
+}
+
 /// The table, the loosest light beside the most exact, and the command to paste.
 std::string first_screen(const RenderJob& film, const Sweep& sweep, const std::vector<FilmCost>& rows) {
     const std::optional<std::size_t> taken = recommended(rows);
@@ -230,13 +243,13 @@ std::string first_screen(const RenderJob& film, const Sweep& sweep, const std::v
         film.format.width, film.format.height, film.coding.quantiser);
     std::string figure;
     if (const auto& own = sweep.fixed.front().sample_frame)
-        figure = difference_figure(fmt::format("Frame {}: the loosest light beside the most exact", own->frame),
-                                   {"fixed=" + tolerance_text(sweep.fixed.front().tolerance.relative), own->decoded},
-                                   {"exact, not coded", own->truth}, perceptual::matrix_for(film.format.height));
+        figure = difference_figure(
+            fmt::format("Frame {}, before coding: the loosest light beside the most exact", own->frame),
+            {"fixed=" + tolerance_text(sweep.fixed.front().tolerance.relative), own->lit}, {"exact", own->truth},
+            perceptual::matrix_for(film.format.height));
     return answer_screen(
         answer_table({"accuracy of light", "time, whole film", "difference", "film"}, answer_rows(rows), note), figure,
-        fmt::format("render2mpeg render {} -o film.mpg --tolerance {}", quoted(film.animation->source),
-                    rows[*taken].name));
+        sweep.render);
 }
 
 }  // namespace
@@ -269,6 +282,8 @@ json cost_json(const RenderJob& film, const Sweep& sweep, const std::vector<Film
             {"fixed", fixed},
             {"coupled", coupled},
             {"film", film_json(rows)},
+            {"render", sweep.render.empty() ? json(nullptr) : json(sweep.render)},
+            {"effects", effects_json(sweep.effects)},
             {"answer", answer_of(rows, film)},
             {"knee", knee ? json(plain(sweep.fixed[*knee].tolerance.relative)) : json(nullptr)},
             {"summary", sentence_of(sweep, film.coding.quantiser)},
@@ -281,6 +296,7 @@ void write_cost_report(const std::filesystem::path& html, const RenderJob& film,
     const std::filesystem::path source = film.animation->source;
     const std::string name = (source.has_filename() ? source : source.parent_path()).filename().string();
     std::string body = first_screen(film, sweep, rows);
+    body += effects_section(sweep.effects, perceptual::matrix_for(film.format.height));
     body += folded("All curves and tables: rays, cuts, percentiles, quantisers",
                    "<p>" + escaped(sentence_of(sweep, quantiser)) + "</p>\n" + cards(film, sweep) +
                        plots(sweep, quantiser) + views(film, sweep) + tables(sweep, quantiser));

@@ -15,6 +15,11 @@
 namespace render2mpeg::app {
 namespace {
 
+/// "-0.62 dB"; empty where two digits show nothing.
+std::string loss_text(const FilmCost& cost) {
+    return cost.psnr_loss < 0.005 ? "" : fmt::format("-{:.2f} dB", cost.psnr_loss);
+}
+
 /// [Ponomarenko2007]: below some 42 dB differences are seen. chosen: 4 and 8 dB more for errors that are not even.
 constexpr double invisible = 50, hardly = 46, slight = 42;
 
@@ -22,9 +27,22 @@ double difference(double loss) {
     return std::isfinite(loss) ? loss : 0;
 }
 
-FilmCost cost_of(const std::string& name, const Trial& trial, const Trial& best, const RenderJob& film, double once) {
+/// Seconds on the clock for one of CPU: over all rows, so that a machine that is busy for a while favours none.
+double pace_of(const Sweep& sweep) {
+    double clock = 0, cpu = 0;
+    const auto add = [&](const Trial& trial) {
+        clock += trial.clock;
+        cpu += trial.cpu;
+    };
+    for (const Trial& trial : sweep.fixed) add(trial);
+    for (const CoupledPair& pair : sweep.pairs) add(pair.coupled);
+    return core::divide_or(clock, cpu, 1.0 / std::max(1, parallel::thread_count()));
+}
+
+FilmCost cost_of(const std::string& name, const Trial& trial, const Trial& best, const RenderJob& film, double once,
+                 double pace) {
     const auto frames = static_cast<double>(film.frame_count());
-    FilmCost cost{name, once + trial.clock * frames, trial.bytes * frames, {}, 0, false};
+    FilmCost cost{name, once + pace * trial.cpu * frames, trial.bytes * frames, {}, 0, false};
     const double added = trial.masked_error - best.masked_error;
     if (added > 0) cost.added = perceptual::psnr(added);
     cost.psnr_loss = std::max(0.0, difference(best.decoded.psnr_y() - trial.decoded.psnr_y()));
@@ -32,9 +50,8 @@ FilmCost cost_of(const std::string& name, const Trial& trial, const Trial& best,
 }
 
 /// Seconds on the clock of a frame that every light point lights: as the most exact row, but for its light.
-double reference_clock(const Sweep& sweep, const Trial& best) {
-    const double pace = 1.0 / std::max(1, parallel::thread_count());
-    return std::max(best.clock, best.clock + (sweep.reference_seconds - best.window_seconds) * pace);
+double reference_clock(const Sweep& sweep, const Trial& best, double pace) {
+    return pace * std::max(best.cpu, best.cpu + sweep.reference_seconds - best.window_seconds);
 }
 
 }  // namespace
@@ -54,14 +71,16 @@ std::vector<FilmCost> film_costs(const Sweep& sweep, const RenderJob& film, doub
     std::vector<FilmCost> costs;
     if (sweep.fixed.empty()) return costs;
     const Trial& best = sweep.fixed.back();
+    const double pace = pace_of(sweep);
     for (const Trial& trial : sweep.fixed)
-        costs.push_back(cost_of(fmt::format("fixed={:.4g}%", 100 * trial.tolerance.relative), trial, best, film, once));
+        costs.push_back(
+            cost_of(fmt::format("fixed={:.4g}%", 100 * trial.tolerance.relative), trial, best, film, once, pace));
     for (const CoupledPair& pair : sweep.pairs)
         if (pair.coupled.quantiser == film.coding.quantiser)
-            costs.push_back(cost_of("coupled", pair.coupled, best, film, once));
+            costs.push_back(cost_of("coupled", pair.coupled, best, film, once, pace));
     if (sweep.references > 0) {
         FilmCost reference{"reference", 0, best.bytes * static_cast<double>(film.frame_count()), {}, 0, true};
-        reference.clock = once + reference_clock(sweep, best) * static_cast<double>(film.frame_count());
+        reference.clock = once + reference_clock(sweep, best, pace) * static_cast<double>(film.frame_count());
         costs.push_back(reference);
     }
     std::stable_sort(costs.begin(), costs.end(),
@@ -103,7 +122,7 @@ std::string answer_of(const std::vector<FilmCost>& costs, const RenderJob& film)
     if (slowest.clock > here.clock)
         text +=
             fmt::format(" Finer settings take up to {} and buy {:.2f} dB.", clock_text(slowest.clock), here.psnr_loss);
-    if (buys_nothing(costs))
+    else if (buys_nothing(costs))
         text += fmt::format(" No setting is worth more than {:.2f} dB here.",
                             std::max_element(costs.begin(), costs.end(), [](const FilmCost& a, const FilmCost& b) {
                                 return a.psnr_loss < b.psnr_loss;
@@ -117,8 +136,9 @@ std::string film_cost_table(const std::vector<FilmCost>& costs) {
         fmt::format("\nThe whole film on this machine's {} threads\n{:<14} {:>9} {:>10}  {}\n",
                     parallel::thread_count(), "--tolerance", "time", "size", "difference from the most exact light");
     for (std::size_t i = 0; i < costs.size(); ++i)
-        text += fmt::format("{:<14} {:>9} {:>10}  {} (-{:.2f} dB){}\n", costs[i].name, clock_text(costs[i].clock),
-                            size_text(costs[i].bytes), words_for(costs[i].added), costs[i].psnr_loss,
+        text += fmt::format("{:<14} {:>9} {:>10}  {}{}{}\n", costs[i].name, clock_text(costs[i].clock),
+                            size_text(costs[i].bytes), words_for(costs[i].added),
+                            loss_text(costs[i]).empty() ? "" : " (" + loss_text(costs[i]) + ")",
                             taken == i ? "  <- take this" : "");
     return text;
 }
@@ -130,7 +150,7 @@ std::vector<AnswerRow> answer_rows(const std::vector<FilmCost>& costs) {
         const FilmCost& c = costs[i];
         rows.push_back({c.is_reference ? "reference (exact)" : c.name,
                         core::divide_or(c.clock, costs.back().clock, 0.0), clock_text(c.clock), words_for(c.added),
-                        grade_of(c.added), fmt::format("-{:.2f} dB", c.psnr_loss), size_text(c.bytes), taken == i});
+                        grade_of(c.added), loss_text(c), size_text(c.bytes), taken == i});
     }
     return rows;
 }

@@ -24,7 +24,7 @@ std::size_t usual(const Sweep& sweep) {
 }
 
 /// "0.12 dB of PSNR-Y", "nothing of PSNR-Y" below what two digits show.
-std::string decibels(double difference) {
+std::string gain_text(double difference) {
     return difference < 0.005 ? "nothing of PSNR-Y" : fmt::format("{:.2f} dB of PSNR-Y", difference);
 }
 
@@ -39,7 +39,7 @@ bool differs(const Trial& t) {
 std::string tighter_text(const Trial& here, const Trial& next) {
     return fmt::format("the next step tighter, {}, takes {:.2f} times its time ({} a frame instead of {}) and buys {}",
                        tolerance_text(next.tolerance.relative), next.seconds / here.seconds, seconds_text(next.seconds),
-                       seconds_text(here.seconds), decibels(next.decoded.psnr_y() - here.decoded.psnr_y()));
+                       seconds_text(here.seconds), gain_text(next.decoded.psnr_y() - here.decoded.psnr_y()));
 }
 
 std::string looser_text(const Trial& here, const Trial& next) {
@@ -47,7 +47,7 @@ std::string looser_text(const Trial& here, const Trial& next) {
                                                                          100 * (1 - next.seconds / here.seconds))
                                                            : std::string("would save no time");
     return fmt::format("the next looser, {}, {} and lose {}", tolerance_text(next.tolerance.relative), saving,
-                       decibels(here.decoded.psnr_y() - next.decoded.psnr_y()));
+                       gain_text(here.decoded.psnr_y() - next.decoded.psnr_y()));
 }
 
 /// Why there is no knee.
@@ -58,7 +58,7 @@ std::string no_knee_text(const Sweep& sweep) {
     for (const Trial& t : sweep.fixed) best = std::max(best, t.decoded.psnr_y() - loosest.decoded.psnr_y());
     if (best >= least_range) return "No knee: no step buys much less than the one before. ";
     return fmt::format("No knee: from {} to {} the decoded film gains {}. ", tolerance_text(loosest.tolerance.relative),
-                       tolerance_text(tightest.tolerance.relative), decibels(best));
+                       tolerance_text(tightest.tolerance.relative), gain_text(best));
 }
 
 std::string steps_sentence(const Sweep& sweep, int quantiser) {
@@ -110,7 +110,7 @@ std::optional<double> CoupledPair::psnr_loss() const {
 
 std::optional<std::size_t> knee_of(const Sweep& sweep) {
     std::vector<Offer> offers;
-    for (const Trial& t : sweep.fixed) offers.push_back({t.points > 0 ? t.seconds : 0.0, t.decoded.psnr_y()});
+    for (const Trial& t : sweep.fixed) offers.push_back({t.points > 0 ? t.cpu : 0.0, t.decoded.psnr_y()});
     const auto [least, most] = std::minmax_element(offers.begin(), offers.end(),
                                                    [](const Offer& a, const Offer& b) { return a.cost < b.cost; });
     if (!offers.empty() && most->cost <= least_times * least->cost) return {};

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/experiments/effect_costs.h"
 #include "app/experiments/trial.h"
 
 namespace render2mpeg::app {
@@ -29,6 +30,8 @@ struct Sweep {
     std::size_t direct_points = 0, indirect_points = 0;
     std::vector<Trial> fixed;  ///< from loose to tight
     std::vector<CoupledPair> pairs;
+    EffectCosts effects;
+    std::string render;     ///< the command for the row to take; empty: none is known
     bool complete = false;  ///< false: interrupted
 };
 

@@ -31,6 +31,9 @@ RenderJob plainly_coded(RenderJob film) {
     film.coding.rate_control.mode = encoder::RateMode::constant_quantiser;
     film.two_passes = false;
     film.audit = 0;
+    // References know no tolerance, so they would not look closer at edges: what light does is to be compared, not
+    // that.
+    film.rendering.most_samples = 0;
     return film;
 }
 
@@ -285,6 +288,7 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
     trial.bytes /= trial.frames;
     trial.window_seconds = trial.seconds / trial.frames;
     trial.seconds = (trial.seconds - once + once * share_of_chunk()) / trial.frames;
+    trial.cpu = (cpu - once * (1 - share_of_chunk())) / trial.frames;
     trial.clock = clock * (1 - core::divide_or(once * (1 - share_of_chunk()), cpu, 0.0)) / trial.frames;
     trial.code_seconds = (statistics.stage_seconds(Stage::encode) +
                           statistics.pass_seconds[static_cast<std::size_t>(renderer::Pass::motion)]) /

@@ -87,6 +87,7 @@ struct Trial {
     double bytes = 0;         ///< per frame
     int requantised = 0;      ///< pictures that the decoder's buffer had no room for at their quantiser
     double code_seconds = 0;  ///< CPU per frame for coding, and for motion where that is not searched for
+    double cpu = 0;           ///< seconds per frame of all of it, seeing included; as in the film, too
     double clock = 0;         ///< seconds on the clock per frame for all of it, seeing included; as in the film, too
     std::shared_ptr<const SampleFrame> sample_frame;  ///< null without references
     perceptual::FilmQuality shown;                    ///< decoded, against the pictures as they were lit: of all frames

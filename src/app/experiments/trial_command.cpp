@@ -10,6 +10,7 @@
 #include "app/files/text_file.h"
 #include "app/loop/film_identity.h"
 #include "app/loop/light_budget.h"
+#include "app/options/command_words.h"
 #include "app/options/help_format.h"
 #include "app/report/report.h"
 #include "app/system/interrupt.h"
@@ -24,6 +25,17 @@ void ask_trial_consent(const RenderOptions& options, const std::optional<std::fi
     Wishes wishes{{}, {json.value_or(""), report.value_or("")}};
     if (!options.output.empty() && !options.dry_run) wishes.films.emplace_back(options.output);
     ask_consent(wishes, options.overwrite);
+}
+
+std::string render_command(const std::vector<std::string>& words, const std::filesystem::path& input,
+                           const std::string& tolerance) {
+    std::vector<std::pair<std::string, std::string>> with;
+    if (!tolerance.empty()) with.emplace_back("--tolerance", tolerance);
+    with.emplace_back("-o", std::filesystem::absolute(input).lexically_normal().stem().string() + ".mpg");
+    return line_of(changed_command(words, "render",
+                                   {"--sample", "--within", "--tolerances", "--quantisers", "--json", "--report",
+                                    "--keep-references", "--references", "--runs", "--film", "--reference"},
+                                   {"--quiet", "-y"}, with));
 }
 
 void check_trial_outputs(const RenderJob& film, const RenderOptions& options,
@@ -43,9 +55,6 @@ void check_trial_outputs(const RenderJob& film, const RenderOptions& options,
 
 RenderJob prepare_trials(const RenderOptions& options) {
     RenderJob film = prepare(options);
-    // References know no tolerance, so they would not look closer at edges: what light does is to be compared, not
-    // that.
-    film.rendering.most_samples = 0;
     for (const std::string& note : film.animation->notes)
         if (!options.quiet && !note.empty()) print_line(note);
     if (!probe_images(*film.animation, image_probes(false))) return film;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/experiments/trial.h"
 #include "app/options/options.h"
@@ -15,6 +16,10 @@ namespace render2mpeg::app {
 /// Asks before a film is replaced or a folder made (ask_consent).
 void ask_trial_consent(const RenderOptions& options, const std::optional<std::filesystem::path>& json,
                        const std::optional<std::filesystem::path>& report);
+
+/// The command that renders the film which `words` try, with the tolerance if any.
+std::string render_command(const std::vector<std::string>& words, const std::filesystem::path& input,
+                           const std::string& tolerance);
 
 /// Refuses outputs that would take the place of other files, and such as cannot be written.
 void check_trial_outputs(const RenderJob& film, const RenderOptions& options,

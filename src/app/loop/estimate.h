@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
@@ -25,10 +24,6 @@ struct FilmEstimate {
     RunStatistics sample;         ///< CPU by stage and by row of the plan, of the frames that were lit
 };
 
-/// CPU seconds that a chunk of `frames` frames takes, from those of a window's frames: the first counts once, those
-/// behind it as they are, and what the window does not reach as its last half.
-double chunk_seconds(const std::vector<double>& window, std::int64_t frames);
-
 /// `output`: its ending says what its container takes; empty: .mpg. Lights and codes windows of the film, and what is
 /// measured before them, in about `within` seconds on the clock. Settles the film's exposure and light points where
 /// they are open. None where it was interrupted.
@@ -39,6 +34,6 @@ std::optional<FilmEstimate> estimate_film(RenderJob& film, const std::filesystem
 std::string film_text(const RenderJob& film);
 
 /// What it takes, as lines of a text.
-std::string text_of(const RenderJob& film, const FilmEstimate& estimate);
+std::string text_of(const FilmEstimate& estimate);
 
 }  // namespace render2mpeg::app

@@ -177,7 +177,7 @@ float studio_exposure(float to_mid_grey) {
 
 /// Decides what runs.
 void decide_passes(RenderJob& film, const RenderOptions& options) {
-    renderer::Wanted wanted;
+    renderer::Wanted& wanted = film.wanted;
     wanted.film = film.kind == OutputKind::film;
     wanted.developed = film.kind == OutputKind::y4m || film.kind == OutputKind::png;
     wanted.layers = options.layers.has_value();
@@ -213,6 +213,13 @@ core::ToleranceMap RenderJob::tolerance_map() const {
         floor = core::luminance(display().with_luma(glm::vec3(1), 16.5f));
     }
     return core::ToleranceMap::uniform(format.width, format.height, {floor, tolerance.relative});
+}
+
+RenderJob without(const RenderJob& film, renderer::Pass effect) {
+    RenderJob less = film;
+    less.wanted.without = effect;
+    less.plan = renderer::make_plan(scene::traits_of(*film.animation), less.wanted);
+    return less;
 }
 
 renderer::Renderer renderer_of(const RenderJob& film) {

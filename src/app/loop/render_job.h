@@ -40,6 +40,7 @@ struct RenderJob {
     FrameRange frames;
     scene::PictureFormat format;
     renderer::Settings rendering;
+    renderer::Wanted wanted;  ///< of the plan
     renderer::Plan plan{{}};
     CacheChoice cache;  ///< as `rendering` has it
     encoder::Settings coding;
@@ -75,6 +76,9 @@ struct RenderJob {
         return {animation->source, frames, coding, keyframes, disc, core::name_of(rendering.isa), sound};
     }
 };
+
+/// The film without what a row of its plan gives (renderer::PlanRow::effect).
+RenderJob without(const RenderJob& film, renderer::Pass effect);
 
 /// The film's renderer, its textures read.
 renderer::Renderer renderer_of(const RenderJob& film);

@@ -37,13 +37,6 @@ std::string base64(const std::vector<unsigned char>& bytes) {
     return text;
 }
 
-std::string image_of(const std::string& name, const core::Picture& picture, perceptual::ColorMatrix matrix) {
-    const std::vector<std::uint8_t> rgb = perceptual::shown_rgb(picture, matrix);
-    return fmt::format(R"(<img alt="{}" width="{}" height="{}" src="data:image/png;base64,{}"/>)", escaped(name),
-                       picture.width(), picture.height(),
-                       base64(image::png_bytes(picture.width(), picture.height(), rgb, name)));
-}
-
 /// How wide a picture is shown where the page has room: thumbnails enlarged by a whole number, which keeps their pixels
 /// square. chosen: 320, a phone's width and the narrowest in which a heatmap's legend and a slider can be read.
 int shown_width(int width) {
@@ -72,7 +65,7 @@ std::string pair_figure(const std::string& title, const ShownPicture& left, cons
                         perceptual::ColorMatrix matrix, const std::string& third, const std::string& switch_html) {
     EXPECTS(left.picture.width() == right.picture.width() && left.picture.height() == right.picture.height());
     return fmt::format(
-        "<figure class=\"pair\"><figcaption><h3>{}</h3></figcaption>\n<div class=\"two\" "
+        "<figure class=\"pair\"><figcaption><h3>{}</h3></figcaption>\n<div class=\"upon\" "
         "style=\"max-width:{}px\">{}{}{}"
         "</div>\n<div class=\"grip\" style=\"max-width:{}px\"><span>{}</span><span>{}</span>"
         "<input type=\"range\" min=\"0\" max=\"100\" value=\"50\" aria-label=\"how much of {} is shown\" "
@@ -101,6 +94,14 @@ core::Picture part_of(const core::Picture& picture, const ViewBox& box) {
 
 core::Plane<float> part_of(const core::Plane<float>& plane, const ViewBox& box) {
     return cut_out(plane, box.left, box.top, box.width, box.height);
+}
+
+std::string image_of(const std::string& name, const core::Picture& picture, perceptual::ColorMatrix matrix,
+                     const std::string& id) {
+    const std::vector<std::uint8_t> rgb = perceptual::shown_rgb(picture, matrix);
+    return fmt::format(R"(<img{} alt="{}" width="{}" height="{}" src="data:image/png;base64,{}"/>)",
+                       id.empty() ? "" : " id=\"" + id + "\"", escaped(name), picture.width(), picture.height(),
+                       base64(image::png_bytes(picture.width(), picture.height(), rgb, name)));
 }
 
 std::string slider_figure(const std::string& title, const ShownPicture& left, const ShownPicture& right,

@@ -26,6 +26,10 @@ struct ShownPicture {
     core::Picture picture;
 };
 
+/// A picture as an HTML element, by that `id` if any. `name` is plain text.
+std::string image_of(const std::string& name, const core::Picture& picture, perceptual::ColorMatrix matrix,
+                     const std::string& id = "");
+
 /// Two pictures of one size upon each other, with a slider that shows more of the one or of the other: by mouse, finger
 /// or arrow keys; on paper half of each. Pictures are PNG files within the page. `title` is plain text.
 std::string slider_figure(const std::string& title, const ShownPicture& left, const ShownPicture& right,

@@ -43,22 +43,22 @@ svg g:hover rect { opacity: .6; }
 .b { fill: var(--b); background: var(--b); }
 .one { fill: var(--one); background: var(--one); } .two { fill: var(--two); background: var(--two); }
 .pair { --at: 50%; }
-.two { position: relative; }
-.two img, .heat img { display: block; width: 100%; height: auto; image-rendering: pixelated; }
-.two img + img { position: absolute; inset: 0; clip-path: inset(0 0 0 var(--at)); }
+.upon { position: relative; }
+.upon img, .heat img { display: block; width: 100%; height: auto; image-rendering: pixelated; }
+.upon img + img { position: absolute; inset: 0; clip-path: inset(0 0 0 var(--at)); }
 .heat { display: inline-block; width: min(100%, 27rem); margin: 1.2rem 1rem 0 0; vertical-align: top; }
 .grip { display: flex; flex-wrap: wrap; justify-content: space-between; color: var(--soft); font-size: .85rem; }
 .grip input { width: 100%; margin: .3rem 0; height: 1.6rem; accent-color: var(--one); }
 @media print { .grip input { display: none; } }
-.two img + img + img { clip-path: none; visibility: hidden; }
-.differs .two img + img + img { visibility: visible; }
-.two::after { content: ""; position: absolute; top: 0; bottom: 0; left: var(--at); width: 2px; background: #fff;
+.upon img + img + img { clip-path: none; visibility: hidden; }
+.differs .upon img + img + img { visibility: visible; }
+.upon::after { content: ""; position: absolute; top: 0; bottom: 0; left: var(--at); width: 2px; background: #fff;
               box-shadow: 0 0 2px #000; }
-.differs .two::after { display: none; }
+.differs .upon::after { display: none; }
 .grip label { width: 100%; cursor: pointer; }
 .grip label input { width: auto; height: auto; margin: 0 .3rem 0 0; vertical-align: middle; }
 .screen { display: grid; grid-template-columns: minmax(0, 1.15fr) minmax(0, 1fr); gap: 1.5rem; align-items: start; }
-.screen figure { margin-top: 0; } .screen .two, .screen .grip { max-width: 100% !important; }
+.screen figure { margin-top: 0; } .screen .upon, .screen .grip { max-width: 100% !important; }
 @media (max-width: 54rem) { .screen { grid-template-columns: minmax(0, 1fr); } }
 .answer td { padding: .45rem .7rem .45rem 0; } .answer .taken { background: var(--card); font-weight: 600; }
 .answer th { color: var(--soft); font-weight: normal; font-size: .85rem; }
@@ -67,6 +67,9 @@ svg g:hover rect { opacity: .6; }
 .badge { background: var(--one); color: var(--page); border-radius: 1rem; padding: .05rem .6rem; font-size: .75rem;
          white-space: nowrap; }
 .good { color: var(--good); } .fair { color: var(--fair); } .poor { color: var(--poor); }
+.thumb { display: block; width: 7rem; padding: 0; border: 0; background: none; cursor: pointer; }
+@media (max-width: 40rem) { .thumb { width: 4.5rem; } }
+.thumb img { display: block; width: 100%; height: auto; border-radius: .2rem; }
 details { margin: 1.4rem 0; } summary { cursor: pointer; font-weight: 600; }
 table { border-collapse: collapse; width: 100%; font-size: .92rem; }
 th, td { text-align: left; padding: .25rem .8rem .25rem 0; border-bottom: 1px solid var(--line); vertical-align: top; }

@@ -51,35 +51,37 @@ struct Rule {
     bool (*wanted)(const Wanted&);
     const char* reads;
     const char* writes;
+    const char* effect = "";  ///< see PlanRow; the pass does without it where the plan says that it does not run
     bool (*refused)(const Wanted&) = &never;
 };
 
 using enum Pass;
 
-/// The table. A new effect is one row here and one file beside it.
+/// The table. A new effect is one row here and one file beside it; with its name in the last column `cost` shows what
+/// it takes and what pictures are without it.
 constexpr Rule rules[] = {
     {pose, "pose", "the scene has surfaces", "there are no surfaces", [](const Traits& t) { return t.has_surfaces; },
      set_of({see, emissive_lights, photons, shade}), never, "snapshot (n)", "traced geometry (n)"},
     {textures, "textures", "materials have images", "no material has an image",
      [](const Traits& t) { return t.has_textures; }, set_of({see, emissive_lights, photons, shade}), never,
-     "images (film)", "filtered images (film)"},
+     "images (film)", "filtered images (film)", "textures"},
     {normal_maps, "normal maps", "materials have normal maps", "no material has a normal map",
      [](const Traits& t) { return t.has_normal_maps; }, set_of({see, photons}), never, "images (film)",
-     "bent normals (n)"},
+     "bent normals (n)", "normal maps"},
     {alpha, "alpha", "surfaces have holes or are see-through", "nothing has holes or is see-through",
      [](const Traits& t) { return t.has_alpha_mask || t.has_alpha_blend; }, set_of({see, photons, shade}), never,
-     "materials (n)", "layers met by rays (n)"},
+     "materials (n)", "layers met by rays (n)", "holes and veils"},
     {mirrors, "mirrors", "surfaces are smooth enough to mirror", "nothing is smooth enough to mirror",
      [](const Traits& t) { return t.has_mirrors; }, set_of({see, photons}), never, "geometry (n)",
-     "surfaces seen in mirrors (n)"},
+     "surfaces seen in mirrors (n)", "mirrors"},
     {lobe_rays, "lobe rays", "surfaces are glossy, but not rough", "nothing is glossy, but not rough",
      [](const Traits& t) { return t.has_narrow_lobes && has_light(t); }, set_of({shade}), never,
-     "geometry, anchor lights (n), sky (film)", "what narrow lobes see (n)"},
+     "geometry, anchor lights (n), sky (film)", "what narrow lobes see (n)", "sharp gloss"},
     {glass, "glass", "surfaces transmit light", "nothing is transparent", [](const Traits& t) { return t.has_glass; },
-     set_of({see, photons, shade}), never, "geometry (n)", "surfaces seen through glass, tinted light (n)"},
+     set_of({see, photons, shade}), never, "geometry (n)", "surfaces seen through glass, tinted light (n)", "glass"},
     {sky_background, "sky background", "the sky shines", "the sky is black",
      [](const Traits& t) { return t.has_shining_sky; }, set_of({see}), never, "sky (film), camera (n)",
-     "background (n)"},
+     "background (n)", "the sky seen"},
     {see, "see", "frames are looked at", "", always, set_of({motion, shade, layers}), never,
      "geometry, materials, camera (n)", "visible surfaces, gather points (n)"},
     {motion, "motion", "the camera or the scene moves", "nothing moves",
@@ -87,28 +89,30 @@ constexpr Rule rules[] = {
      "visible surfaces (n), snapshots (references)", "motion (n to its references)"},
     {punctual_lights, "punctual lights", "there are punctual lights", "there is no punctual light",
      [](const Traits& t) { return t.has_punctual_lights; }, set_of({direct_tree, photons, shade}), never, "lights (n)",
-     "light points (n)"},
+     "light points (n)", "lamps"},
     {emissive_lights, "emissive surfaces", "surfaces shine", "no surface shines",
      [](const Traits& t) { return t.has_emissive_surfaces; }, set_of({direct_tree, photons}), never,
-     "emission (n), places (chunk)", "light points (n)"},
+     "emission (n), places (chunk)", "light points (n)", "light of shining surfaces"},
     {sky_light, "sky light", "the sky shines", "the sky is black",
      [](const Traits& t) { return t.has_shining_sky && t.has_surfaces; }, set_of({direct_tree, photons}), never,
-     "sky (film)", "light points (film)"},
+     "sky (film)", "light points (film)", "light of the sky"},
     {whole_lamps, "whole lamps", "lamps shine evenly", "no lamp has a size and shines evenly",
      [](const Traits& t) { return t.has_surfaces && t.has_even_lamps; }, set_of({shade}), never,
-     "lamps (n), choice (film)", "lamps in closed form (n)"},
+     "lamps (n), choice (film)", "lamps in closed form (n)", "lamps as a whole"},
     {direct_tree, "direct light tree", "there are lights to cluster", "there is no light to cluster",
      [](const Traits& t) { return t.has_surfaces && has_light(t); }, set_of({shade}), never,
      "light points (n), topology (chunk)", "direct light tree (n)"},
     {photons, "photons", "light bounces off surfaces", "no light bounces off anything",
      [](const Traits& t) { return has_light(t) && (t.has_diffuse_surfaces || t.has_glossy_surfaces); },
      set_of({indirect_tree}), never, "light points, geometry (n), places (film)", "intensities of anchor lights (n)",
-     without_indirect},
+     "", without_indirect},
     {indirect_tree, "indirect light tree", "light bounces off diffuse surfaces",
      "no light bounces off diffuse surfaces", [](const Traits& t) { return has_light(t) && t.has_diffuse_surfaces; },
-     set_of({shade}), never, "anchor lights (n), topology (film)", "indirect light tree (n)", without_indirect},
+     set_of({shade}), never, "anchor lights (n), topology (film)", "indirect light tree (n)", "bounced light",
+     without_indirect},
     {glossy, "glossy lobes", "surfaces have glossy lobes", "nothing is glossy",
-     [](const Traits& t) { return t.has_glossy_surfaces; }, set_of({shade}), never, "materials (n)", "lobes (n)"},
+     [](const Traits& t) { return t.has_glossy_surfaces; }, set_of({shade}), never, "materials (n)", "lobes (n)",
+     "gloss"},
     {shade, "shade", "pictures are wanted", "", always, set_of({layers, develop}),
      [](const Wanted& w) { return w.picture; }, "gather points, light trees, tolerance (n)", "radiance (n)"},
     {layers, "layers", "layers are wanted", "", always, 0, [](const Wanted& w) { return w.layers; },
@@ -152,7 +156,8 @@ Plan make_plan(const Traits& traits, const Wanted& wanted) {
         row.name = rule.name;
         row.reads = rule.reads;
         row.writes = rule.writes;
-        const bool cause = rule.cause_in(traits), refused = rule.refused(wanted);
+        row.effect = rule.effect;
+        const bool cause = rule.cause_in(traits), refused = rule.refused(wanted) || wanted.without == rule.pass;
         const bool read = rule.wanted(wanted) || (rule.feeds & running) != 0;
         row.runs = cause && read && !refused;
         if (row.runs) {

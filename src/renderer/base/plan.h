@@ -1,6 +1,7 @@
 #pragma once
 // The plan: which passes run for a frame, and why.
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,11 +38,12 @@ enum class Pass {
 
 /// What the user asked for, as far as it decides which passes run.
 struct Wanted {
-    bool picture = true;     ///< shaded pixels at all
-    bool film = true;        ///< coded pictures: develop, motion, encode
-    bool layers = false;     ///< --aov
-    bool indirect = true;    ///< --vpls above 0
-    bool developed = false;  ///< pictures for a display that are not coded (.y4m, .png): develop alone
+    bool picture = true;          ///< shaded pixels at all
+    bool film = true;             ///< coded pictures: develop, motion, encode
+    bool layers = false;          ///< --aov
+    bool indirect = true;         ///< --vpls above 0
+    bool developed = false;       ///< pictures for a display that are not coded (.y4m, .png): develop alone
+    std::optional<Pass> without;  ///< an effect that is left out although the scene calls for it
 };
 
 /// One row of the plan: whether a pass runs, and why.
@@ -53,6 +55,7 @@ struct PlanRow {
     const char* reads =
         "";  ///< what it reads, and of which frames: n this one, n-1, the chunk (its first frame), the film
     const char* writes = "";
+    const char* effect = "";  ///< what pictures lose where it is left out; empty: it cannot be left out by itself
 };
 
 /// Which passes run: a pass runs if its cause is in the scene and its product is wanted.

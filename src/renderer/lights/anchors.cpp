@@ -377,6 +377,7 @@ void Anchors::Impl::follow_changed(const PosedScene& posed_scene, std::span<cons
         const PhotonResult photons =
             trace_photons(posed_scene, lights, {1 + done, count, settings.bounces, &guide, changed, true});
         lit.rays += photons.rays;
+        if (photons.each.size() < changed.size()) return kept.forget();  // nothing shines now
         kept.take(count, changed, photons, hits_of(posed_scene, photons, count));
     }
     kept.finish();
