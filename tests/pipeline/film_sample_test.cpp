@@ -107,8 +107,8 @@ TEST(FilmSample, GrowsWithThePixelsButForItsLightPoints) {
 TEST(Effects, LeaveOutTheOnlyLightOfMovingThings) {
     // The same as a lamp that goes out: no photon starts, and none can be kept.
     const RenderJob film = small_film(support::plain_film());
-    const app::EffectCosts costs = app::effect_costs(film, {1, 2}, std::numeric_limits<double>::infinity(), true,
-                                                     [](const app::EffectCost&) {});
+    const app::EffectCosts costs =
+        app::effect_costs(film, {1, 2}, std::numeric_limits<double>::infinity(), true, [](const app::EffectCost&) {});
     const auto lamps = std::find_if(costs.rows.begin(), costs.rows.end(),
                                     [](const app::EffectCost& cost) { return cost.name == "lamps"; });
     ASSERT_NE(lamps, costs.rows.end());

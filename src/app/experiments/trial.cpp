@@ -279,17 +279,16 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
             once += std::max(0.0, lit_first - later - lights / static_cast<double>(windows_.size()));
         }
     }
-
     const double clock = clock_seconds() - began, cpu = cpu_seconds() - cpu_began;
     set_counts(trial, before, renderer_.statistics());
     trial.seconds = statistics.stage_seconds(Stage::shade) + statistics.stage_seconds(Stage::preview);
     if (tolerance.coupled) trial.seconds += statistics.stage_seconds(Stage::tolerate);
-    once = std::clamp(once, 0.0, trial.seconds);
+    const double spared = std::clamp(once, 0.0, trial.seconds) * (1 - share_of_chunk());
     trial.bytes /= trial.frames;
     trial.window_seconds = trial.seconds / trial.frames;
-    trial.seconds = (trial.seconds - once + once * share_of_chunk()) / trial.frames;
-    trial.cpu = (cpu - once * (1 - share_of_chunk())) / trial.frames;
-    trial.clock = clock * (1 - core::divide_or(once * (1 - share_of_chunk()), cpu, 0.0)) / trial.frames;
+    trial.seconds = (trial.seconds - spared) / trial.frames;
+    trial.cpu = (cpu - spared) / trial.frames;
+    trial.clock = trial.cpu * core::divide_or(clock, cpu, 0.0);
     trial.code_seconds = (statistics.stage_seconds(Stage::encode) +
                           statistics.pass_seconds[static_cast<std::size_t>(renderer::Pass::motion)]) /
                          trial.frames;
