@@ -61,6 +61,7 @@ std::vector<Example> examples_of(const std::string& page) {
 std::string timeless(std::string text) {
     static const std::pair<std::regex, const char*> forms[] = {
         {std::regex("(^|\n)( *[0-9.]+ (?:%|coup\\.) +)[0-9.]+"), "$1$2T"},                         // cost: a row
+        {std::regex("(?:saves |under )?[0-9]+ %(  (?:none|hardly|slight|visible))"), "T$1"},       // cost: an effect
         {std::regex("[0-9.]+ times the time"), "T times the time"},                                //
         {std::regex("\nThe whole film on this machine's[^]*"), "\n"},                              //
         {std::regex("\nThe knee is[^]*"), "\n"},                                                   //

@@ -13,6 +13,13 @@
 namespace render2mpeg::app {
 namespace {
 
+/// Of a row's button: puts its picture, and the whole of the same frame, into the large figure.
+constexpr const char* show_effect =
+    "const large = document.querySelector('#effects .pair'), chosen = this.querySelector('img'), both = "
+    "large.querySelectorAll('.upon img'); both[0].src = chosen.src; both[1].src = "
+    "document.getElementById(this.dataset.whole).src; large.querySelector('.grip span').textContent = chosen.alt; "
+    "large.scrollIntoView({ block: 'nearest' })";
+
 constexpr const char* grades[] = {"good", "fair", "poor", "plain"};
 
 std::string row_of(const EffectCost& cost, double longest, perceptual::ColorMatrix matrix) {
@@ -26,19 +33,11 @@ std::string row_of(const EffectCost& cost, double longest, perceptual::ColorMatr
     return fmt::format(
         "<tr><td>{}{}</td><td class=\"bars\">{}{}</td><td><span "
         "class=\"{}\">{}</span><br/><small>{}</small></td><td><button class=\"thumb\" data-whole=\"whole-{}\" "
-        "onclick=\"showEffect(this)\">{}</button></td></tr>\n",
+        "onclick=\"{}\">{}</button></td></tr>\n",
         escaped(cost.name), option, bar, share_text(cost.share), grades[static_cast<int>(grade_of(cost.difference))],
         words_for(cost.difference), cost.difference ? fmt::format("{:.0f} dB", *cost.difference) : "the same",
-        cost.whole.number, image_of("without " + cost.name, cost.without, matrix));
+        cost.whole.number, show_effect, image_of("without " + cost.name, cost.without, matrix));
 }
-
-/// Puts the picture of a row, and the whole of the same frame, into the large figure.
-constexpr const char* show_effect =
-    "<script>function showEffect(row) { const large = document.querySelector('#effects .pair'), "
-    "chosen = row.querySelector('img'), both = large.querySelectorAll('.upon img'); both[0].src = chosen.src; "
-    "both[1].src = document.getElementById(row.dataset.whole).src; "
-    "large.querySelector('.grip span').textContent = chosen.alt; "
-    "large.scrollIntoView({ block: 'nearest' }); }</script>\n";
 
 /// The wholes that rows ask for, each once.
 std::string whole_images(const EffectCosts& effects, perceptual::ColorMatrix matrix) {
@@ -75,7 +74,7 @@ std::string effects_section(const EffectCosts& effects, perceptual::ColorMatrix 
         slider_figure(fmt::format("Frame {}", first->whole.number), {"without " + first->name, first->without},
                       {"all effects", first->whole}, matrix);
     return "<h2>What each effect takes, and what it gives</h2>\n<div id=\"effects\">" +
-           answer_screen(table, figure, "") + whole_images(effects, matrix) + "</div>\n" + show_effect;
+           answer_screen(table, figure, "") + whole_images(effects, matrix) + "</div>\n";
 }
 
 }  // namespace render2mpeg::app
