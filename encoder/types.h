@@ -62,6 +62,7 @@ struct Settings {
     int aspect_ratio_code = 1;         ///< aspect_ratio_information [H262, table 6-3]; 1: square pixels
     int matrix_coefficients = 1;       ///< [H262, table 6-9]; 1: BT.709, 6: BT.601
     int transfer_characteristics = 1;  ///< [H262, table 6-8]; 1: BT.709's curve, 2: none that the table has
+    std::string user_data;  ///< printable ASCII that stands behind every sequence header [H262, 6.2.2.2.2]; empty: none
 };
 
 /// What headers declare of a stream with these settings.

@@ -55,6 +55,7 @@ bool is_film(const std::filesystem::path& file) {
 
 struct Muxer::Impl {
     std::filesystem::path file;
+    ByteSink sink;  ///< empty: into the file
     const char* format = nullptr;
     encoder::Settings settings;
     std::size_t largest_picture = 0;
@@ -77,7 +78,15 @@ Muxer::Muxer(const std::filesystem::path& file, const std::filesystem::path& nam
         throw core::Error("writing", file.string(), "cannot create the file");
     if (!sound.file.empty() && !can_have_sound(name))
         throw core::Error("writing", name.string(), "an elementary stream has no sound; .mpg, .ts, .mkv and .mp4 have");
-    *impl_ = {file, format, settings, largest_picture, sound, nullptr, 0};
+    *impl_ = {file, {}, format, settings, largest_picture, sound, nullptr, 0};
+}
+
+Muxer::Muxer(ByteSink sink, const std::filesystem::path& name, const encoder::Settings& settings, const Sound& sound)
+    : impl_(std::make_unique<Impl>()) {
+    const char* format = format_of(name);
+    EXPECTS(sink && format != nullptr && (std::string_view(format) == "mpegts" || !can_have_sound(name)));
+    backend();
+    *impl_ = {"a stream", std::move(sink), format, settings, 0, sound, nullptr, 0};
 }
 
 Muxer::~Muxer() = default;
@@ -91,7 +100,8 @@ void Muxer::write(std::span<const std::uint8_t> bytes, std::int64_t display_numb
         // ones.
         facts.largest_picture = impl_->largest_picture > 0 ? impl_->largest_picture : 2 * bytes.size();
         impl_->decoding_delay = facts.low_delay ? 0 : 1;
-        impl_->container = backend().create(impl_->file, impl_->format, impl_->settings, facts, impl_->sound);
+        impl_->container =
+            backend().create(impl_->file, impl_->sink, impl_->format, impl_->settings, facts, impl_->sound);
     }
     // A picture is decoded when the one before it in display order begins to be shown (encoder/cadence.h).
     const std::int64_t decoding = coding_order - impl_->decoding_delay;

@@ -22,6 +22,9 @@ bool is_film(const std::filesystem::path& file);
 /// before each video object unit, as tools that make DVDs take them; for streams of at most 9.8 Mb/s.
 enum class ProgramStream { plain, dvd };
 
+/// Takes the bytes of a film as they come, in order; false: it takes no more. Throws nothing.
+using ByteSink = std::function<bool(std::span<const std::uint8_t>)>;
+
 /// Writes coded pictures to a file of the kind that `name`'s ending tells: mpg, mpeg and vob are MPEG-2 program
 /// streams. The same pictures give the same bytes: no dates, no random identifiers.
 class Muxer {
@@ -34,6 +37,9 @@ class Muxer {
     Muxer(const std::filesystem::path& file, const std::filesystem::path& name, const encoder::Settings& settings,
           std::size_t largest_picture = 0, ProgramStream program_stream = ProgramStream::plain,
           const Sound& sound = {});
+    /// The same without a file: a transport stream or an elementary stream (.ts, .m2v), each picture's bytes handed to
+    /// `sink` within write().
+    Muxer(ByteSink sink, const std::filesystem::path& name, const encoder::Settings& settings, const Sound& sound = {});
     /// Closes the file; it is not whole unless finish() was called.
     ~Muxer();
     Muxer(const Muxer&) = delete;

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/picture.h"
+#include "encoder/av/av.h"
 #include "encoder/av/inspect.h"
 #include "encoder/av/sequence_facts.h"
 #include "encoder/av/sound.h"
@@ -32,10 +33,11 @@ class Container {
 class Backend {
   public:
     virtual ~Backend() = default;
-    /// Creates `file` as libavformat's `format`, for a stream with these facts and this sound.
-    virtual std::unique_ptr<Container> create(const std::filesystem::path& file, const char* format,
-                                              const encoder::Settings& settings, const SequenceFacts& facts,
-                                              const Sound& sound) const = 0;
+    /// Creates `file` as libavformat's `format`, for a stream with these facts and this sound. With a `sink` the bytes
+    /// go there, and `file` is no more than what messages call it.
+    virtual std::unique_ptr<Container> create(const std::filesystem::path& file, const ByteSink& sink,
+                                              const char* format, const encoder::Settings& settings,
+                                              const SequenceFacts& facts, const Sound& sound) const = 0;
     virtual double length_of_sound(const std::filesystem::path& file) const = 0;
     virtual void decode(const std::filesystem::path& file,
                         const std::function<void(const core::Picture&)>& picture) const = 0;

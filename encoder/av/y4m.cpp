@@ -1,20 +1,28 @@
 #include "encoder/av/y4m.h"
 
+#include <array>
 #include <cerrno>
 #include <cstring>
+#include <sstream>
 #include <string>
 #include <system_error>
 
 #include "core/error.h"
 
 namespace render2mpeg::av {
-namespace {
-
-void put(std::ofstream& stream, const core::Plane<std::uint8_t>& plane) {
-    stream.write(reinterpret_cast<const char*>(plane.values().data()), static_cast<std::streamsize>(plane.size()));
+std::string y4m_header(int width, int height, const core::FrameRate& rate, core::Rational pixel_aspect) {
+    std::ostringstream text;
+    text << "YUV4MPEG2 W" << width << " H" << height << " F" << rate.hertz.num << ':' << rate.hertz.den << " Ip A"
+         << pixel_aspect.num << ':' << pixel_aspect.den << " C420mpeg2 XCOLORRANGE=LIMITED\n";
+    return text.str();
 }
 
-}  // namespace
+void put_y4m_frame(const core::Picture& picture, const std::function<bool(std::span<const std::uint8_t>)>& sink) {
+    static constexpr std::array<std::uint8_t, 6> word{'F', 'R', 'A', 'M', 'E', '\n'};
+    if (!sink(word)) return;
+    for (const core::Plane<std::uint8_t>* plane : {&picture.y, &picture.cb, &picture.cr})
+        if (!sink(plane->values())) return;
+}
 
 Y4mWriter::Y4mWriter(const std::filesystem::path& file, int width, int height, const core::FrameRate& rate,
                      core::Rational pixel_aspect)
@@ -24,8 +32,7 @@ Y4mWriter::Y4mWriter(const std::filesystem::path& file, int width, int height, c
     errno = 0;
     stream_.open(temporary_, std::ios::binary | std::ios::trunc);
     check("creating");
-    stream_ << "YUV4MPEG2 W" << width << " H" << height << " F" << rate.hertz.num << ':' << rate.hertz.den << " Ip A"
-            << pixel_aspect.num << ':' << pixel_aspect.den << " C420mpeg2 XCOLORRANGE=LIMITED\n";
+    stream_ << y4m_header(width, height, rate, pixel_aspect);
     check("writing");
 }
 
@@ -41,10 +48,10 @@ void Y4mWriter::write(const core::Picture& picture) {
     EXPECTS(picture.cb.width() == (width_ + 1) / 2 && picture.cb.height() == (height_ + 1) / 2);
     EXPECTS(picture.cr.width() == picture.cb.width() && picture.cr.height() == picture.cb.height());
     errno = 0;
-    stream_ << "FRAME\n";
-    put(stream_, picture.y);
-    put(stream_, picture.cb);
-    put(stream_, picture.cr);
+    put_y4m_frame(picture, [&](std::span<const std::uint8_t> bytes) {
+        stream_.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+        return true;
+    });
     check("writing");
 }
 

@@ -3,11 +3,20 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <span>
+#include <string>
 
 #include "core/picture.h"
 #include "core/rational.h"
 
 namespace render2mpeg::av {
+
+/// The first line of a YUV4MPEG2 stream [Y4M] of such pictures, as Y4mWriter writes them.
+std::string y4m_header(int width, int height, const core::FrameRate& rate, core::Rational pixel_aspect);
+
+/// Hands over a picture as it stands in such a stream, piece by piece, until `sink` returns false.
+void put_y4m_frame(const core::Picture& picture, const std::function<bool(std::span<const std::uint8_t>)>& sink);
 
 /// Writes uncompressed pictures as YUV4MPEG2 [Y4M]: 8-bit 4:2:0 with MPEG-2's chroma siting, limited range. The file
 /// has a temporary name beside the wanted one until it is whole. Needs no outside library.

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "core/error.h"
 
@@ -112,6 +113,84 @@ std::optional<std::string> line_of(std::istream& stream, std::size_t longest) {
 /// chosen: ffmpeg's lines are below 100 bytes; comments (X...) may lengthen them.
 constexpr std::size_t longest_line = 4096;
 
+/// What a stream's first line says. Throws core::Error.
+Y4mFormat read_header(std::istream& stream, const std::string& name) {
+    Y4mFormat format;
+    const auto header = line_of(stream, longest_line);
+    if (!header || !(*header + " ").starts_with("YUV4MPEG2 "))
+        throw core::Error("reading", name, "not a Y4M file: it does not begin with a YUV4MPEG2 header");
+    std::istringstream words(header->substr(9));
+    for (std::string word; words >> word;) {
+        const std::string_view value = std::string_view(word).substr(1);
+        switch (word[0]) {
+            case 'W':
+                format.width = extent(value, name);
+                break;
+            case 'H':
+                format.height = extent(value, name);
+                break;
+            case 'F':
+                format.hertz = ratio(value, name);
+                break;
+            case 'A':
+                format.pixel_aspect = ratio(value, name);
+                break;
+            case 'I':
+                check_scanning(value, name);
+                break;
+            case 'C':
+                format.siting = siting_of(value, name);
+                break;
+            case 'X':
+                if (value == "COLORRANGE=FULL") format.full_range = true;
+                break;
+            default:
+                break;  // [Y4M]: what is not known is to be passed over
+        }
+    }
+    if (format.width == 0 || format.height == 0)
+        throw core::Error("reading", name, "the header does not say how large the pictures are");
+    return format;
+}
+
+/// Checks the line that stands before a picture; `line`: none where there was none.
+void check_frame(const std::optional<std::string>& line, const std::string& name, const std::string& object) {
+    if (!line || !(*line + " ").starts_with("FRAME "))
+        throw core::Error("reading", name, object, "it does not begin with the word FRAME");
+    // [Y4M]: streams of mixed scanning say with each frame which field comes first.
+    std::istringstream words(line->substr(5));
+    for (std::string word; words >> word;)
+        if (word[0] == 'I' && word.find_first_of("tTbB") == 1)
+            throw core::Error("reading", name, object, "interlaced pictures are not read");
+}
+
+/// Reads the samples of a picture and makes them MPEG-2's. The stream has failed where they are not all there.
+core::Picture read_picture(std::istream& stream, const Y4mFormat& format, std::int64_t frame) {
+    core::Picture picture;
+    picture.number = frame;
+    picture.y = Samples(format.width, format.height);
+    picture.cb = picture.cr = Samples((format.width + 1) / 2, (format.height + 1) / 2);
+    for (Samples* plane : {&picture.y, &picture.cb, &picture.cr})
+        stream.read(reinterpret_cast<char*>(plane->values().data()), static_cast<std::streamsize>(plane->size()));
+    if (!stream) return picture;
+
+    // Move chroma to where MPEG-2 has it. In its own samples: `jpeg` lies a quarter too far right; `paldv` has Cr a
+    // quarter too high and Cb a quarter too low.
+    if (format.siting == Siting::jpeg) {
+        picture.cb = moved_across(picture.cb, -1);
+        picture.cr = moved_across(picture.cr, -1);
+    } else if (format.siting == Siting::paldv) {
+        picture.cb = moved_down(picture.cb, -1);
+        picture.cr = moved_down(picture.cr, 1);
+    }
+    if (format.full_range) limit_range(picture);
+    return picture;
+}
+
+std::string frame_name(std::int64_t number) {
+    return "frame " + std::to_string(number);
+}
+
 }  // namespace
 
 Y4mReader::Y4mReader(const std::filesystem::path& file) : file_(file) {
@@ -120,46 +199,8 @@ Y4mReader::Y4mReader(const std::filesystem::path& file) : file_(file) {
     if (!std::filesystem::is_regular_file(file_, ignored)) throw core::Error("reading", file_.string(), "not a file");
     stream_.open(file_, std::ios::binary);
     if (!stream_) throw core::Error("reading", file_.string(), "cannot be opened");
-    read_header();
+    format_ = read_header(stream_, file_.string());
     find_frames();
-}
-
-void Y4mReader::read_header() {
-    const std::string name = file_.string();
-    const auto header = line_of(stream_, longest_line);
-    if (!header || !(*header + " ").starts_with("YUV4MPEG2 "))
-        throw core::Error("reading", name, "not a Y4M file: it does not begin with a YUV4MPEG2 header");
-    std::istringstream words(header->substr(9));
-    for (std::string word; words >> word;) {
-        const std::string_view value = std::string_view(word).substr(1);
-        switch (word[0]) {
-            case 'W':
-                format_.width = extent(value, name);
-                break;
-            case 'H':
-                format_.height = extent(value, name);
-                break;
-            case 'F':
-                format_.hertz = ratio(value, name);
-                break;
-            case 'A':
-                format_.pixel_aspect = ratio(value, name);
-                break;
-            case 'I':
-                check_scanning(value, name);
-                break;
-            case 'C':
-                format_.siting = siting_of(value, name);
-                break;
-            case 'X':
-                if (value == "COLORRANGE=FULL") format_.full_range = true;
-                break;
-            default:
-                break;  // [Y4M]: what is not known is to be passed over
-        }
-    }
-    if (format_.width == 0 || format_.height == 0)
-        throw core::Error("reading", name, "the header does not say how large the pictures are");
 }
 
 void Y4mReader::find_frames() {
@@ -169,15 +210,8 @@ void Y4mReader::find_frames() {
     const std::uint64_t frame = columns * rows + 2 * ((columns + 1) / 2) * ((rows + 1) / 2);
     std::uint64_t at = static_cast<std::uint64_t>(stream_.tellg());
     while (at < size) {
-        const std::string object = "frame " + std::to_string(offsets_.size());
-        const auto line = line_of(stream_, longest_line);
-        if (!line || !(*line + " ").starts_with("FRAME "))
-            throw core::Error("reading", file_.string(), object, "it does not begin with the word FRAME");
-        // [Y4M]: streams of mixed scanning say with each frame which field comes first.
-        std::istringstream words(line->substr(5));
-        for (std::string word; words >> word;)
-            if (word[0] == 'I' && word.find_first_of("tTbB") == 1)
-                throw core::Error("reading", file_.string(), object, "interlaced pictures are not read");
+        const std::string object = frame_name(frames());
+        check_frame(line_of(stream_, longest_line), file_.string(), object);
         const std::uint64_t first = static_cast<std::uint64_t>(stream_.tellg());
         if (size - first < frame) throw core::Error("reading", file_.string(), object, "it is cut off");
         offsets_.push_back(first);
@@ -189,26 +223,22 @@ void Y4mReader::find_frames() {
 
 core::Picture Y4mReader::read(std::int64_t frame) {
     EXPECTS(frame >= 0 && frame < frames());
-    core::Picture picture;
-    picture.number = frame;
-    picture.y = Samples(format_.width, format_.height);
-    picture.cb = picture.cr = Samples((format_.width + 1) / 2, (format_.height + 1) / 2);
     stream_.clear();
     stream_.seekg(static_cast<std::streamoff>(offsets_[static_cast<std::size_t>(frame)]));
-    for (Samples* plane : {&picture.y, &picture.cb, &picture.cr})
-        stream_.read(reinterpret_cast<char*>(plane->values().data()), static_cast<std::streamsize>(plane->size()));
-    if (!stream_) throw core::Error("reading", file_.string(), "frame " + std::to_string(frame), "it cannot be read");
+    core::Picture picture = read_picture(stream_, format_, frame);
+    if (!stream_) throw core::Error("reading", file_.string(), frame_name(frame), "it cannot be read");
+    return picture;
+}
 
-    // Move chroma to where MPEG-2 has it. In its own samples: `jpeg` lies a quarter too far right; `paldv` has Cr a
-    // quarter too high and Cb a quarter too low.
-    if (format_.siting == Siting::jpeg) {
-        picture.cb = moved_across(picture.cb, -1);
-        picture.cr = moved_across(picture.cr, -1);
-    } else if (format_.siting == Siting::paldv) {
-        picture.cb = moved_down(picture.cb, -1);
-        picture.cr = moved_down(picture.cr, 1);
-    }
-    if (format_.full_range) limit_range(picture);
+Y4mPipe::Y4mPipe(std::istream& stream, std::string name)
+    : stream_(stream), name_(std::move(name)), format_(read_header(stream, name_)) {}
+
+std::optional<core::Picture> Y4mPipe::next() {
+    if (stream_.peek() == std::istream::traits_type::eof()) return {};
+    check_frame(line_of(stream_, longest_line), name_, frame_name(frames_));
+    core::Picture picture = read_picture(stream_, format_, frames_);
+    if (!stream_) throw core::Error("reading", name_, frame_name(frames_), "it is cut off");
+    ++frames_;
     return picture;
 }
 

@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <istream>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/picture.h"
@@ -40,13 +42,30 @@ class Y4mReader {
     core::Picture read(std::int64_t frame);
 
   private:
-    void read_header();
     void find_frames();
 
     std::filesystem::path file_;
     std::ifstream stream_;
     Y4mFormat format_;
     std::vector<std::uint64_t> offsets_;  ///< of each frame's first sample
+};
+
+/// Reads the same from a pipe: one picture after the other, none twice.
+class Y4mPipe {
+  public:
+    /// Waits for the header. `stream` must outlive it; messages call it `name`. Throws as Y4mReader does.
+    Y4mPipe(std::istream& stream, std::string name);
+
+    const Y4mFormat& format() const { return format_; }
+
+    /// Waits for the next picture, numbered from 0; none where the stream ends behind a whole one. Throws core::Error.
+    std::optional<core::Picture> next();
+
+  private:
+    std::istream& stream_;
+    std::string name_;
+    Y4mFormat format_;
+    std::int64_t frames_ = 0;  ///< that were read
 };
 
 }  // namespace render2mpeg::av

@@ -10,6 +10,7 @@
 #include "app/commands/encode.h"
 #include "app/commands/info.h"
 #include "app/commands/render.h"
+#include "app/commands/watch.h"
 #include "app/experiments/compare.h"
 #include "app/experiments/cost.h"
 #include "app/experiments/tune.h"
@@ -81,6 +82,8 @@ int main(int argc, char** argv) {
                 return join(line.join);
             case Command::farm_status:
                 return farm_status(line.farm_status);
+            case Command::watch:
+                return watch(line.watch, line.text);
             case Command::none:
                 break;
         }

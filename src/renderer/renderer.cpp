@@ -13,6 +13,7 @@
 #include "renderer/calibration/audit.h"
 #include "renderer/calibration/calibration.h"
 #include "renderer/cut/shade.h"
+#include "renderer/draft/draft_light.h"
 #include "renderer/lights/anchors.h"
 #include "renderer/lights/light_points.h"
 #include "renderer/lights/whole_lamps.h"
@@ -108,7 +109,7 @@ struct Renderer::Impl {
             // Light that never changes is traced once: it can be traced well.
             const bool still = !scene::traits_of(posed_scene.animation()).changes_light();
             anchors.emplace(posed_scene, light_points,
-                            AnchorSettings{settings.vpls, settings.bounces, 0, still ? still_photons : 1,
+                            AnchorSettings{settings.vpls, settings.bounces, settings.photons, still ? still_photons : 1,
                                            still ? still_sharers : shared_among});
             statistics.photon_rays += anchors->rays();
         }
@@ -138,6 +139,7 @@ struct Renderer::Impl {
         last_seen.reset();
         cache.forget();
         calibration.forget();
+        draft_light.forget();
         started = true;
     }
 
@@ -318,6 +320,7 @@ struct Renderer::Impl {
     std::optional<Sight> last_seen;  ///< by calibration
     float calibrated_share = 0;      ///< typical_share of the coarsest frame calibrated
     IrradianceCache cache;
+    DraftLight draft_light;
     Statistics statistics;
     double gathered = 0, clamped = 0;
     std::array<double, static_cast<std::size_t>(Pass::count)> rows{};
@@ -387,6 +390,23 @@ core::Radiance Renderer::sketch(const scene::Snapshot& snapshot, const Seen& see
     core::Radiance radiance = renderer::shade(impl_->light_trees, impl_->posed_scene.tracer(), seen,
                                               snapshot.camera.position(), tolerance, impl_->shade_settings(), counts);
     impl_->share_time(cpu_seconds() - start, counts);
+    return radiance;
+}
+
+core::Radiance Renderer::draft(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance,
+                               const core::MotionField* motion) {
+    Impl& i = *impl_;
+    const double start = i.prepare(snapshot, seen);
+    if (snapshot.cut_before) i.draft_light.forget();
+    ShadeCounts counts;
+    const glm::vec3 eye = snapshot.camera.position();
+    const ShadeSettings settings = i.shade_settings();
+    const FrameLight light = i.draft_light.light({i.light_trees, i.posed_scene.tracer(), seen, eye, tolerance, motion},
+                                                 settings.limits, counts);
+    core::Radiance radiance =
+        renderer::shade(i.light_trees, i.posed_scene.tracer(), seen, eye, tolerance, settings, counts, &light);
+    i.count(counts, seen.visible);
+    i.share_time(cpu_seconds() - start, counts);
     return radiance;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/isa.h"
+#include "core/motion_field.h"
 #include "core/radiance.h"
 #include "core/tolerance_map.h"
 #include "renderer/base/plan.h"
@@ -42,7 +43,8 @@ struct Settings {
     int max_cut = 1000;
     int specular_depth = 6;  ///< mirrors and glass after one another
     Clamp clamp = Clamp::bounded;
-    bool calibrate = true;  ///< let the film's own light decide the error scale of its cuts (calibration.h)
+    std::uint64_t photons = 0;  ///< that each instant's anchors are lit by; 0: as many as `vpls` asks for
+    bool calibrate = true;      ///< let the film's own light decide the error scale of its cuts (calibration.h)
     CacheUse cache = CacheUse::off;
     core::Isa isa = core::Isa::sse2;
     std::uint64_t seed = 1;  ///< of representatives and light samples; photons use a fixed Halton sequence
@@ -95,6 +97,11 @@ class Renderer {
     /// The same for a first, rough look that is no frame of the film: counts nowhere in the statistics, teaches
     /// nothing, and takes the law of the stopping rule as it is.
     core::Radiance sketch(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance);
+
+    /// The same for a draft of a film (draft_light.h): a lattice of points is lit within the tolerance, and what the
+    /// frame before knew is carried along. `motion`: to that frame; null: there is none in the chunk, or no motion.
+    core::Radiance draft(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance,
+                         const core::MotionField* motion);
 
     /// Gathers `count` pixels of the frame shaded last again, from every light point, where they were lit: how well its
     /// tolerances were kept (audit.h). Counts nowhere in the statistics.

@@ -11,10 +11,10 @@ namespace {
 
 class FfmpegBackend final : public Backend {
   public:
-    std::unique_ptr<Container> create(const std::filesystem::path& file, const char* format,
+    std::unique_ptr<Container> create(const std::filesystem::path& file, const ByteSink& sink, const char* format,
                                       const encoder::Settings& settings, const SequenceFacts& facts,
                                       const Sound& sound) const override {
-        return create_container(file, format, settings, facts, sound);
+        return create_container(file, sink, format, settings, facts, sound);
     }
     void decode(const std::filesystem::path& file,
                 const std::function<void(const core::Picture&)>& picture) const override {

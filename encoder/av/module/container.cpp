@@ -59,9 +59,10 @@ AVRational frame_of(const core::FrameRate& rate) {
 
 class File final : public Container {
   public:
-    File(const std::filesystem::path& file, const char* format, const encoder::Settings& settings,
+    File(const std::filesystem::path& file, const ByteSink& sink, const char* format, const encoder::Settings& settings,
          const SequenceFacts& facts, const Sound& sound)
         : file_(file.string()),
+          sink_(sink),
           is_plain_program_(std::strcmp(format, "vob") == 0),
           is_dvd_(std::strcmp(format, "dvd") == 0),
           frame_(frame_of(facts.rate)),
@@ -83,7 +84,10 @@ class File final : public Container {
         if (is_dvd_ || is_plain_program_)
             av_dict_set_int(&options, "muxrate",
                             is_dvd_ ? dvd_program_rate : program_rate(facts, sound_ ? sound_->bit_rate() : 0), 0);
-        check(avio_open(&context->pb, ("file:" + file_).c_str(), AVIO_FLAG_WRITE), messages);
+        if (sink_)
+            open_sink(messages);
+        else
+            check(avio_open(&context->pb, ("file:" + file_).c_str(), AVIO_FLAG_WRITE), messages);
         const int result = avformat_write_header(context, &options);
         av_dict_free(&options);
         check(result, messages);
@@ -115,7 +119,7 @@ class File final : public Container {
         if (is_plain_program_) avio_wb32(context_->pb, 0x000001b9);
         avio_flush(context_->pb);
         const int error = context_->pb->error;
-        const int closed = avio_closep(&context_->pb);
+        const int closed = close(*context_);
         check(error, messages);
         check(closed, messages);
     }
@@ -123,10 +127,32 @@ class File final : public Container {
   private:
     struct Closed {
         void operator()(AVFormatContext* context) const {
-            if (context->pb != nullptr) avio_closep(&context->pb);
+            if (context->pb != nullptr) close(*context);
             avformat_free_context(context);
         }
     };
+
+    static int close(AVFormatContext& context) {
+        if ((context.flags & AVFMT_FLAG_CUSTOM_IO) == 0) return avio_closep(&context.pb);
+        av_freep(&context.pb->buffer);
+        avio_context_free(&context.pb);
+        return 0;
+    }
+
+    /// libavformat hands what it writes to the sink, after every picture.
+    void open_sink(const Messages& messages) {
+        constexpr int size = 1 << 15;  // chosen: libavformat's own for files
+        const auto hand_over = [](void* file, std::uint8_t* bytes, int count) {
+            const ByteSink& sink = static_cast<File*>(file)->sink_;
+            return sink({bytes, static_cast<std::size_t>(count)}) ? count : AVERROR(EPIPE);
+        };
+        auto* buffer = static_cast<unsigned char*>(av_malloc(size));
+        context_->pb =
+            buffer == nullptr ? nullptr : avio_alloc_context(buffer, size, 1, this, nullptr, hand_over, nullptr);
+        if (context_->pb == nullptr) av_free(buffer);
+        check(context_->pb == nullptr ? AVERROR(ENOMEM) : 0, messages);
+        context_->flags |= AVFMT_FLAG_CUSTOM_IO | AVFMT_FLAG_FLUSH_PACKETS;
+    }
 
     void check(int result, const Messages& messages) const {
         if (result < 0) throw core::Error("writing", file_, cause_of(result, messages));
@@ -182,6 +208,7 @@ class File final : public Container {
     }
 
     std::string file_;
+    ByteSink sink_;  ///< empty: into the file
     bool is_plain_program_, is_dvd_;
     AVRational frame_, field_;  ///< seconds
     std::unique_ptr<AVFormatContext, Closed> context_;
@@ -191,10 +218,10 @@ class File final : public Container {
 
 }  // namespace
 
-std::unique_ptr<Container> create_container(const std::filesystem::path& file, const char* format,
+std::unique_ptr<Container> create_container(const std::filesystem::path& file, const ByteSink& sink, const char* format,
                                             const encoder::Settings& settings, const SequenceFacts& facts,
                                             const Sound& sound) {
-    return std::make_unique<File>(file, format, settings, facts, sound);
+    return std::make_unique<File>(file, sink, format, settings, facts, sound);
 }
 
 }  // namespace render2mpeg::av

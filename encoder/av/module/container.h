@@ -9,7 +9,7 @@
 namespace render2mpeg::av {
 
 /// `Backend::create` inside the module.
-std::unique_ptr<Container> create_container(const std::filesystem::path& file, const char* format,
+std::unique_ptr<Container> create_container(const std::filesystem::path& file, const ByteSink& sink, const char* format,
                                             const encoder::Settings& settings, const SequenceFacts& facts,
                                             const Sound& sound);
 

@@ -10,7 +10,7 @@ namespace {
 
 // Start codes and extension identifiers. [H262, tables 6-1 and 6-2]
 constexpr std::uint8_t picture_start = 0x00, first_slice_start = 0x01, sequence_start = 0xb3, extension_start = 0xb5,
-                       sequence_end_code = 0xb7, gop_start = 0xb8;
+                       user_data_start = 0xb2, sequence_end_code = 0xb7, gop_start = 0xb8;
 constexpr std::uint32_t sequence_extension = 1, sequence_display_extension = 2, picture_coding_extension = 8;
 
 constexpr std::uint32_t main_profile = 4;
@@ -81,6 +81,9 @@ void write_sequence(BitWriter& out, const Settings& settings, const Level& level
     write_sequence_header(out, settings, channel, matrices);
     write_sequence_extension(out, settings, level, channel);
     write_sequence_display_extension(out, settings);
+    if (settings.user_data.empty()) return;
+    out.start_code(user_data_start);
+    for (const char c : settings.user_data) out.put(static_cast<std::uint8_t>(c), 8);
 }
 
 void write_gop(BitWriter& out, const Settings& settings, std::int64_t first_number) {

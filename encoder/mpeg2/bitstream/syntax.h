@@ -15,8 +15,8 @@ namespace render2mpeg::encoder::mpeg2 {
 
 inline constexpr int start_code_bits = 32;
 
-/// Sequence header, sequence extension and sequence display extension. Bit rate and buffer size are channel_for's;
-/// matrices other than the default ones are sent.
+/// Sequence header, sequence extension, sequence display extension and user data. Bit rate and buffer size are
+/// channel_for's; matrices other than the default ones are sent.
 void write_sequence(BitWriter& out, const Settings& settings, const Level& level, const Matrices& matrices);
 
 /// Header of a closed GOP whose first picture in display order is `first_number`. The time code counts frames at the

@@ -1,6 +1,7 @@
 #include "app/commands/encode.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -12,6 +13,8 @@
 #include <vector>
 
 #include "app/files/consent.h"
+#include "app/files/film_stream.h"
+#include "app/files/output_stream.h"
 #include "app/files/publish.h"
 #include "app/files/sound.h"
 #include "app/files/text_file.h"
@@ -20,6 +23,7 @@
 #include "app/loop/frame_source.h"
 #include "app/loop/frames_ahead.h"
 #include "app/loop/motion.h"
+#include "app/loop/motion_pipe.h"
 #include "app/loop/picture_coder.h"
 #include "app/loop/statistics_recorder.h"
 #include "app/loop/vector_layers.h"
@@ -27,6 +31,7 @@
 #include "app/options/output_kind.h"
 #include "app/options/rate_options.h"
 #include "app/options/unused_options.h"
+#include "app/options/usage_error.h"
 #include "app/report/statistics.h"
 #include "app/report/summary.h"
 #include "app/system/error_collector.h"
@@ -45,15 +50,30 @@ namespace {
 /// Frames, motion, and the film that they become.
 struct Job {
     std::unique_ptr<FrameSource> frames;
-    std::optional<VectorLayers> motion;  ///< none: not given
+    std::unique_ptr<MotionSource> motion;  ///< null: not given
     Film film;
     std::vector<encoder::BitAllocation> allocations;  ///< one per frame, where there is a first pass
 };
 
+/// The film's chunks one after the other: the first, and the one after `before`; none behind the last. Those of an
+/// open-ended film are as long as if it had no end.
+std::optional<Chunk> chunk_after(const Film& film, const std::optional<Chunk>& before) {
+    // chosen: longer than any chunk is.
+    const std::int64_t far = film.frames.first + 100'000;
+    const Chunk first = chunks_of({film.frames.first, std::min(film.frames.last, far)}, film.coding.gop).front();
+    if (!before) return first;
+    if (before->last >= film.frames.last) return {};
+    return Chunk{before->index + 1, before->last + 1, std::min(before->last + first.frames(), film.frames.last)};
+}
+
+std::string input_name(const EncodeOptions& options) {
+    return options.input == "-" ? "standard input" : options.input.string();
+}
+
 /// What the command line and the frames say of the pictures' shape.
 ShapeWishes wishes_of(const EncodeOptions& options, const FrameSource& frames) {
     ShapeWishes wishes = shape_wishes(options.coding);
-    wishes.source = options.input.string();
+    wishes.source = input_name(options);
     wishes.finished = true;
     wishes.source_size = frames.size();
     if (options.rate) wishes.rate = core::frame_rate_from(*options.rate);
@@ -74,21 +94,44 @@ void check_outputs(const EncodeOptions& options, const FrameRange& frames) {
         {Files(options.output), Files(options.stats.value_or(""))});
 }
 
+/// The frames' motion; null where none is given.
+std::unique_ptr<MotionSource> motion_of(const EncodeOptions& options, const FrameSource& frames,
+                                        const std::shared_ptr<SharedChannels>& shared) {
+    if (!options.motion) return nullptr;
+    const Size size = frames.size();
+    if (MotionPipe::is_one(*options.motion))
+        return std::make_unique<MotionPipe>(*options.motion, size.width, size.height);
+    if (!is_numbered(*options.motion))
+        throw core::Error("motion " + options.motion->string() +
+                          ": expected numbered OpenEXR files, e.g. layers/frame_%04d.exr, or a motion stream: fd:3, "
+                          "or a pipe whose name ends in .motion");
+    const auto convention = options.motion_convention == "nuke" ? MotionConvention::nuke : MotionConvention::blender;
+    auto files = std::make_unique<VectorLayers>(*options.motion, convention, size.width, size.height, shared);
+    // The first frame refers to none.
+    if (!frames.is_open_ended()) files->check(frames.frames().first + 1, frames.frames().last);
+    return files;
+}
+
 Job prepare(const EncodeOptions& options) {
     if (kind_of(options.output) != OutputKind::film)
         throw core::Error("writing", options.output.string(), "a film is coded: .mpg, .vob, .ts, .m2v, .mkv or .mp4");
-    check_apart({Files(options.input)}, {Files(options.output), Files(options.stats.value_or(""))});
+    if (!options.as) check_apart({Files(options.input)}, {Files(options.output), Files(options.stats.value_or(""))});
     Job job;
     const auto wanted = options.frames ? std::optional(frames_from(*options.frames)) : std::nullopt;
     // Frames and their motion are often the same files.
     const auto shared =
         options.motion && *options.motion == options.input ? std::make_shared<SharedChannels>() : nullptr;
     const core::View view{options.view ? core::view_from(*options.view) : core::ViewName::neutral};
-    if (options.view && core::ending_of(options.input) == ".y4m")
+    if (options.view && (options.input == "-" || core::ending_of(options.input) == ".y4m"))
         throw core::Error("view: the frames of " + options.input.string() + " are a film's signals already");
+    if (options.input == "-" && options.coding.passes == 2)
+        throw UsageError("--passes 2: standard input is read once; choose --passes 1, or encode a file");
+    if (options.input == "-" && options.as && options.coding.audio && *options.coding.audio != "none")
+        throw UsageError(
+            "--audio: where standard input is encoded to standard output nobody knows where sound ends; "
+            "add it when the film is there");
     const bool blenders = view.name != core::ViewName::neutral;
     job.frames = open_frames(options.input, options.exposure, wanted, {{}, blenders, view}, shared);
-    const Size size = job.frames->size();
     encoder::Settings& coding = job.film.coding;
     const Preset* preset = preset_of(options.coding);
     if (preset != nullptr) preset->check_output(options.output);
@@ -99,22 +142,13 @@ Job prepare(const EncodeOptions& options) {
     job.film.keyframes = keyframes_of(options.coding);
     job.film.disc = preset != nullptr && preset->disc;
     encoder::check(coding);
-    job.film.source = options.input.string();
-    check_outputs(options, job.film.frames);
+    job.film.source = input_name(options);
+    if (!options.as && options.input != "-") check_outputs(options, job.film.frames);
     // Finished frames are a film from their first one on, whatever their numbers.
     const FrameRange whole{0, job.film.frame_count() - 1};
     job.film.sound = sound_of(options.coding, std::nullopt, options.output, whole, coding.rate);
 
-    if (options.motion) {
-        if (!is_numbered(*options.motion))
-            throw core::Error("motion " + options.motion->string() +
-                              ": expected numbered OpenEXR files, e.g. layers/frame_%04d.exr");
-        const auto convention =
-            options.motion_convention == "nuke" ? MotionConvention::nuke : MotionConvention::blender;
-        job.motion.emplace(*options.motion, convention, size.width, size.height, shared);
-        // The first frame refers to none.
-        job.motion->check(job.film.frames.first + 1, job.film.frames.last);
-    }
+    job.motion = motion_of(options, *job.frames, shared);
     return job;
 }
 
@@ -126,7 +160,7 @@ class FileMotion : public Motion {
 
     /// Null where that is too far for files that lead from frame to frame.
     const core::MotionField* onward(std::int64_t horizon) override {
-        return horizon - frame_ > VectorLayers::reach ? nullptr : to(horizon);
+        return !job_.motion || horizon - frame_ > job_.motion->reach_onward() ? nullptr : to(horizon);
     }
 
   private:
@@ -160,7 +194,9 @@ bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, RunStatistics&
     for (std::int64_t n = chunk.first; n <= chunk.last && whole; ++n) {
         {
             const FrameTimer timer(statistics);
-            const core::Picture picture = ahead.next(statistics);
+            const std::optional<core::Picture> next = ahead.next(statistics);
+            if (!next) break;  // an open-ended source has ended
+            const core::Picture& picture = *next;
             FileMotion motion(job, n, statistics);
             const encoder::PicturePlan coding = coder.plan(n, ahead.look().cut_before(n), motion);
             steps.read(picture, n > chunk.first ? motion.to(n - 1) : nullptr);
@@ -223,39 +259,135 @@ std::vector<encoder::BitAllocation> first_pass(Job& job, bool quiet) {
     }
 }
 
-std::vector<ChunkFile> encode_chunks(Job& job, const EncodeOptions& options, WorkFolder& work,
-                                     RunStatistics& statistics) {
-    Progress progress(job.film.frame_count(), options.quiet, "frame", Counted::frames, 0,
-                      chunks_of(job.film.frames, job.film.coding.gop).front().frames());
-    std::vector<ChunkFile> files;
-    for (const Chunk& chunk : chunks_of(job.film.frames, job.film.coding.gop)) {
-        files.push_back(work.open(chunk));
-        StatisticsRecorder recorder(statistics, true);
-        const bool whole = encode_chunk(
-            job, job.film, chunk, statistics,
-            {[&](const core::Picture& picture, const core::MotionField* motion) { recorder.read(picture, motion); },
-             [&](const encoder::CodedPicture& coded) {
-                 recorder.coded(coded);
-                 files.back().append(coded);
-             },
-             [&] { progress.advance(); }});
+/// Where coded pictures go.
+class PictureSink {
+  public:
+    virtual ~PictureSink() = default;
+    virtual void begin(const Chunk&) {}
+    virtual void coded(const encoder::CodedPicture& picture) = 0;
+    /// After a chunk, which is whole or not.
+    virtual void end(bool) {}
+};
+
+class FileSink : public PictureSink {
+  public:
+    explicit FileSink(WorkFolder& work) : work_(work) {}
+    void begin(const Chunk& chunk) override { files_.push_back(work_.open(chunk)); }
+    void coded(const encoder::CodedPicture& picture) override { files_.back().append(picture); }
+    void end(bool whole) override {
         if (whole)
-            files.back().finish({});
+            files_.back().finish({});
         else
-            files.back().abandon();
-        if (!whole || InterruptGuard::requested()) break;
+            files_.back().abandon();
     }
-    return files;
+    const std::vector<ChunkFile>& files() const { return files_; }
+
+  private:
+    WorkFolder& work_;
+    std::vector<ChunkFile> files_;
+};
+
+class StreamSink : public PictureSink {
+  public:
+    explicit StreamSink(FilmStream& stream) : stream_(stream) {}
+    void coded(const encoder::CodedPicture& picture) override { stream_.write(picture); }
+
+  private:
+    FilmStream& stream_;
+};
+
+/// Codes the film, whose last frame is known afterwards. Returns whether it is whole.
+bool encode_chunks(Job& job, const EncodeOptions& options, PictureSink& sink, RunStatistics& statistics) {
+    const bool open_ended = job.frames->is_open_ended();
+    std::optional<Chunk> chunk = chunk_after(job.film, {});
+    // Whoever makes the frames knows how many will come.
+    Progress progress(job.film.frame_count(), options.quiet || open_ended, "frame", Counted::frames, 0,
+                      chunk->frames());
+    bool whole = true;
+    for (; chunk && whole; chunk = chunk_after(job.film, chunk)) {
+        StatisticsRecorder recorder(statistics, true);
+        std::int64_t frames = 0;
+        whole = encode_chunk(job, job.film, *chunk, statistics,
+                             {[&](const core::Picture& picture, const core::MotionField* motion) {
+                                  if (frames++ == 0) sink.begin(*chunk);
+                                  recorder.read(picture, motion);
+                              },
+                              [&](const encoder::CodedPicture& coded) {
+                                  recorder.coded(coded);
+                                  sink.coded(coded);
+                              },
+                              [&] { progress.advance(); }});
+        if (frames > 0) sink.end(whole);
+        if (open_ended && whole && frames < chunk->frames()) break;
+        whole = whole && (chunk->last == job.film.frames.last || !InterruptGuard::requested());
+    }
+    if (open_ended) job.film.frames.last = job.film.frames.first + std::ssize(statistics.frames) - 1;
+    return whole;
 }
 
 /// Prints what the film will lack, and which options do nothing.
 void print_notes(const Job& job, const EncodeOptions& options) {
     std::vector<std::string> notes = unused_options(options);
     notes.push_back(unused_keyframes(job.film.keyframes, job.film.frames));
-    notes.push_back(keyframes_without_chapter(job.film));
+    if (!job.frames->is_open_ended()) notes.push_back(keyframes_without_chapter(job.film));
     if (!job.motion) notes.emplace_back("no --motion: vectors are searched for");
     for (const std::string& note : notes)
         if (!note.empty()) print_line(note);
+}
+
+/// Prints and writes what is to be told of the film. What fails costs no more than itself.
+void tell(const Job& job, const EncodeOptions& options, RunStatistics& statistics, const RunFacts& facts) {
+    statistics.rendering.non_finite = job.frames->non_finite();
+    ErrorCollector errors;
+    if (options.stats)
+        errors.attempt(
+            [&] { write_encode_statistics(*options.stats, job.film, job.motion != nullptr, statistics, facts); });
+    if (!options.quiet)
+        errors.attempt([&] {
+            const std::string text = encode_summary(job.film, statistics, facts);
+            if (options.as)
+                print_lines(text);
+            else
+                print(text);
+        });
+    if (!facts.complete && !options.quiet)
+        print_line(job.frames->is_open_ended() ? fmt::format("interrupted after {} frames", statistics.frames.size())
+                                               : fmt::format("interrupted after {} of {} frames",
+                                                             statistics.frames.size(), job.film.frame_count()));
+    errors.rethrow();
+}
+
+/// Codes the film into a file.
+RunFacts encode_to_file(Job& job, const EncodeOptions& options, const std::string& command, RunStatistics& statistics) {
+    WorkFolder work(options.output, identity_of(job.film, command));
+    if (two_passes(options.coding) && !job.frames->is_open_ended())
+        job.allocations = timed(statistics, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
+    if (InterruptGuard::requested()) return {};
+    FileSink sink(work);
+    const bool complete = encode_chunks(job, options, sink, statistics);
+    if (sink.files().empty()) throw core::Error("reading", input_name(options), "it holds no pictures");
+
+    // Publish what is whole, leave what is not beside the target.
+    const Published published = publish(sink.files(), job.film, work, options.output, complete);
+    if (complete) work.clear_away();
+    return {command, input_name(options), published.name.string(), published.bytes, complete};
+}
+
+/// Codes the film to standard output.
+RunFacts encode_to_stream(Job& job, const EncodeOptions& options, const std::string& command,
+                          RunStatistics& statistics) {
+    check_pipe(STDOUT_FILENO);
+    OutputStream out(STDOUT_FILENO, stream_name);
+    if (two_passes(options.coding) && !job.frames->is_open_ended())
+        job.allocations = timed(statistics, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
+    if (InterruptGuard::requested()) return {};
+    FilmStream stream(out, options.output, job.film);
+    StreamSink sink(stream);
+    const bool complete = encode_chunks(job, options, sink, statistics);
+    if (statistics.frames.empty()) throw core::Error("reading", input_name(options), "it holds no pictures");
+    stream.finish();
+    out.finish();
+    return {command, input_name(options), stream_name, out.bytes(), complete};
 }
 
 }  // namespace
@@ -269,36 +401,21 @@ int encode(const EncodeOptions& options, const std::string& command) {
     RunStatistics statistics;
     Job job = timed(statistics, Stage::load, [&] { return prepare(options); });
     if (!options.quiet) print_notes(job, options);
-    ask_consent({{Files(options.output)}, {options.stats.value_or("")}}, options.overwrite);
-    check_writable(options.output);
+    std::vector<Files> films;
+    if (!options.as) films.emplace_back(options.output);
+    ask_consent({films, {options.stats.value_or("")}}, options.overwrite);
+    if (!options.as) check_writable(options.output);
     if (options.stats) check_writable(*options.stats);
-    WorkFolder work(options.output, identity_of(job.film, command));
 
-    if (two_passes(options.coding))
-        job.allocations = timed(statistics, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
-    if (InterruptGuard::requested()) {
+    const RunFacts facts = options.as ? encode_to_stream(job, options, command, statistics)
+                                      : encode_to_file(job, options, command, statistics);
+    if (facts.output.empty()) {
         if (!options.quiet) print_line("interrupted before the first frame: nothing was written");
         return InterruptGuard::status();
     }
-
-    // Encode; publish what is whole, leave what is not beside the target.
-    const std::vector<ChunkFile> chunks = encode_chunks(job, options, work, statistics);
-    const bool complete = static_cast<std::int64_t>(statistics.frames.size()) == job.film.frame_count();
-    const Published published = publish(chunks, job.film, work, options.output, complete);
-    if (complete) work.clear_away();
-    const RunFacts facts{command, options.input.string(), published.name.string(), published.bytes, complete};
     statistics.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    statistics.rendering.non_finite = job.frames->non_finite();
-
-    ErrorCollector errors;  // the film is there: what fails of the rest costs no more than itself
-    if (options.stats)
-        errors.attempt(
-            [&] { write_encode_statistics(*options.stats, job.film, job.motion.has_value(), statistics, facts); });
-    if (!options.quiet) errors.attempt([&] { print(encode_summary(job.film, statistics, facts)); });
-    if (!complete && !options.quiet)
-        print_line(fmt::format("interrupted after {} of {} frames", statistics.frames.size(), job.film.frame_count()));
-    errors.rethrow();
-    return complete ? 0 : InterruptGuard::status();
+    tell(job, options, statistics, facts);
+    return facts.complete ? 0 : InterruptGuard::status();
 }
 
 }  // namespace render2mpeg::app

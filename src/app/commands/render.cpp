@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "app/commands/render_stream.h"
 #include "app/files/consent.h"
 #include "app/files/text_file.h"
 #include "app/loop/estimate.h"
@@ -75,6 +76,7 @@ bool is_agreed(const RenderJob& film, const RenderOptions& options, const nlohma
 }  // namespace
 
 int render(const RenderOptions& options, const std::string& command, Rendered* rendered) try {
+    if (options.as) return render_stream(options, command);
     const WallClock clock;
     const parallel::ThreadLimit threads(options.threads);
     const InterruptGuard guard(options.quiet);

@@ -117,7 +117,7 @@ ForeignFilm look_at_foreign(const std::filesystem::path& film, const std::filesy
     av::decode(film, [&](const core::Picture& picture) {
         const std::int64_t frame = frames->frames().first + picture.number;
         if (frame > frames->frames().last) return;
-        const core::Picture truth = frames->read(frame);
+        const core::Picture truth = frames->read(frame).value();
         quality.add(picture, truth);
         masked += perceptual::masked_error(picture.y, truth.y);
     });

@@ -4,6 +4,8 @@
 
 #include <atomic>
 #include <cmath>
+#include <iostream>
+#include <map>
 #include <mutex>
 #include <utility>
 
@@ -37,7 +39,7 @@ class Y4mFrames : public FrameSource {
     FrameRange frames() const override { return frames_; }
     std::optional<core::Rational> rate() const override { return reader_.format().hertz; }
     std::optional<core::Rational> pixel_aspect() const override { return reader_.format().pixel_aspect; }
-    core::Picture read(std::int64_t frame) override {
+    std::optional<core::Picture> read(std::int64_t frame) override {
         const std::lock_guard lock(mutex_);
         return reader_.read(frame);
     }
@@ -46,6 +48,39 @@ class Y4mFrames : public FrameSource {
     std::mutex mutex_;
     av::Y4mReader reader_;
     FrameRange frames_;
+};
+
+/// Y4M from standard input. Whoever asks first reads for those who ask for later frames, too.
+class PipedFrames : public FrameSource {
+  public:
+    explicit PipedFrames(const std::optional<FrameRange>& wanted)
+        : pipe_(std::cin, "standard input"), frames_{0, most_piped_frames - 1} {
+        if (wanted)
+            throw core::Error("frames: standard input has no frames to choose from; choose where they are made");
+    }
+    Size size() const override { return {pipe_.format().width, pipe_.format().height}; }
+    FrameRange frames() const override { return frames_; }
+    bool is_open_ended() const override { return true; }
+    std::optional<core::Rational> rate() const override { return pipe_.format().hertz; }
+    std::optional<core::Rational> pixel_aspect() const override { return pipe_.format().pixel_aspect; }
+    std::optional<core::Picture> read(std::int64_t frame) override {
+        const std::lock_guard lock(mutex_);
+        for (; !ended_ && next_ <= frame; ++next_) {
+            std::optional<core::Picture> picture = pipe_.next();
+            ended_ = !picture;
+            if (picture) waiting_.emplace(next_, std::move(*picture));
+        }
+        const auto found = waiting_.extract(frame);
+        return found.empty() ? std::nullopt : std::optional(std::move(found.mapped()));
+    }
+
+  private:
+    std::mutex mutex_;
+    av::Y4mPipe pipe_;
+    FrameRange frames_;
+    std::map<std::int64_t, core::Picture> waiting_;  ///< read, and not asked for yet
+    std::int64_t next_ = 0;
+    bool ended_ = false;
 };
 
 /// The numbers of the files that a pattern names, which must follow one another.
@@ -90,7 +125,7 @@ class ImageFrames : public FrameSource {
         return core::product({std::lround(10000 * pixel_aspect_), 10000}, {1, 1});
     }
 
-    core::Picture read(std::int64_t frame) override {
+    std::optional<core::Picture> read(std::int64_t frame) override {
         const image::Image image = read_image(frame);
         if (image.pixels.width() != size_.width || image.pixels.height() != size_.height)
             throw core::Error("reading", numbered(pattern_, frame).string(),
@@ -149,6 +184,10 @@ class ImageFrames : public FrameSource {
 std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std::optional<float> exposure,
                                          const std::optional<FrameRange>& wanted, const FilmSignals& film,
                                          std::shared_ptr<SharedChannels> shared) {
+    if (input == "-") {
+        if (exposure) throw core::Error("exposure: the frames of standard input are as a display shows them");
+        return std::make_unique<PipedFrames>(wanted);
+    }
     const std::string ending = core::ending_of(input);
     if (ending == ".y4m") {
         if (exposure)

@@ -14,20 +14,26 @@
 
 namespace render2mpeg::app {
 
-/// Finished frames from outside: a Y4M file, or numbered images.
+/// Frames that a pipe may bring, at most: more than a year of them.
+inline constexpr std::int64_t most_piped_frames = std::int64_t{1} << 31;
+
+/// Finished frames from outside: a Y4M file, numbered images, or Y4M from a pipe.
 class FrameSource {
   public:
     virtual ~FrameSource() = default;
 
     /// Of every frame.
     virtual Size size() const = 0;
-    /// The frames there are, without a gap.
+    /// The frames there are, without a gap; of an open-ended source all that there may be.
     virtual FrameRange frames() const = 0;
+    /// Whether only reading tells where it ends.
+    virtual bool is_open_ended() const { return false; }
     /// Pictures per second, and width by height of a pixel; none: the frames do not say.
     virtual std::optional<core::Rational> rate() const { return {}; }
     virtual std::optional<core::Rational> pixel_aspect() const { return {}; }
-    /// Reads one of frames(). Threads may read at once. Throws core::Error, also where its size is another.
-    virtual core::Picture read(std::int64_t frame) = 0;
+    /// Reads one of frames(), each once; none behind the end of an open-ended source. Threads may read at once. Throws
+    /// core::Error, also where its size is another.
+    virtual std::optional<core::Picture> read(std::int64_t frame) = 0;
     /// Values that were not finite and became 0 in the frames read so far.
     virtual std::uint64_t non_finite() const { return 0; }
 };
@@ -39,11 +45,11 @@ struct FilmSignals {
     core::View view = {};      ///< of scene-linear images
 };
 
-/// Opens FRAMES: `film.y4m`, `frames.%04d.exr` (scene-linear; developed with `exposure` EV, 0 where none is given) or
-/// `frames.%04d.png` (display-referred sRGB). `wanted`: only these frames need be there; else all from the first number
-/// to the last. `film`: what pictures the images become. Throws core::Error, also for an exposure that frames have no
-/// use for. `shared` gets the motion channels (vector_layers.h) of every OpenEXR frame that is read; null: nobody wants
-/// them.
+/// Opens FRAMES: `-`, Y4M from standard input, `film.y4m`, `frames.%04d.exr` (scene-linear; developed with `exposure`
+/// EV, 0 where none is given) or `frames.%04d.png` (display-referred sRGB). `wanted`: only these frames need be there;
+/// else all from the first number to the last. `film`: what pictures the images become. Throws core::Error, also for an
+/// exposure that frames have no use for. `shared` gets the motion channels (vector_layers.h) of every OpenEXR frame
+/// that is read; null: nobody wants them.
 std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std::optional<float> exposure,
                                          const std::optional<FrameRange>& wanted, const FilmSignals& film = {},
                                          std::shared_ptr<SharedChannels> shared = nullptr);

@@ -21,7 +21,7 @@ FramesAhead::FramesAhead(FrameSource& frames, const Chunk& chunk, const encoder:
 }
 
 FramesAhead::~FramesAhead() {
-    for (const std::future<core::Picture>& frame : reading_) frame.wait();
+    for (const std::future<std::optional<core::Picture>>& frame : reading_) frame.wait();
 }
 
 void FramesAhead::start_reading() {
@@ -29,15 +29,21 @@ void FramesAhead::start_reading() {
         reading_.push_back(std::async(std::launch::async, [this, n = next_] { return frames_.read(n); }));
 }
 
-core::Picture FramesAhead::next(RunStatistics& statistics) {
+std::optional<core::Picture> FramesAhead::next(RunStatistics& statistics) {
     while (!reading_.empty() && static_cast<std::int64_t>(read_.size()) <= encoder::LookAhead::depth) {
-        std::future<core::Picture> frame = std::move(reading_.front());
+        std::future<std::optional<core::Picture>> frame = std::move(reading_.front());
         reading_.pop_front();
-        read_.push_back(timed(statistics, Stage::develop, [&] { return frame.get(); }));
+        std::optional<core::Picture> picture = timed(statistics, Stage::develop, [&] { return frame.get(); });
+        if (!picture) {  // the source has ended, and what is being read lies behind its end
+            last_ = -1;
+            continue;
+        }
+        read_.push_back(std::move(*picture));
         start_reading();
         timed(statistics, Stage::encode, [&] { look_.add(read_.back()); });
     }
     if (reading_.empty()) look_.end();
+    if (read_.empty()) return {};
     core::Picture picture = std::move(read_.front());
     read_.pop_front();
     look_.forget_before(picture.number - 4);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <future>
+#include <optional>
 
 #include "app/loop/frame_source.h"
 #include "app/loop/run_statistics.h"
@@ -20,8 +21,9 @@ class FramesAhead {
     FramesAhead(FrameSource& frames, const Chunk& chunk, const encoder::Settings& coding);
     ~FramesAhead();
 
-    /// The next frame; those that look() needs are there then. Waiting counts as reading. Throws core::Error.
-    core::Picture next(RunStatistics& statistics);
+    /// The next frame; those that look() needs are there then. None behind the last one, which of an open-ended source
+    /// only comes to be known. Waiting counts as reading. Throws core::Error.
+    std::optional<core::Picture> next(RunStatistics& statistics);
     encoder::LookAhead& look() { return look_; }
 
   private:
@@ -29,7 +31,7 @@ class FramesAhead {
 
     FrameSource& frames_;
     std::int64_t next_, last_;  ///< frame to be read next, and the chunk's last
-    std::deque<std::future<core::Picture>> reading_;
+    std::deque<std::future<std::optional<core::Picture>>> reading_;
     std::deque<core::Picture> read_;
     encoder::LookAhead look_;
 };

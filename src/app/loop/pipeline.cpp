@@ -35,6 +35,8 @@ class ChunkLoop {
     /// Rough light for the visibility model, where there is no picture before.
     void imagine(const scene::Snapshot& world, const renderer::Seen& seen, const PlannedPicture& plan);
     core::Radiance shade(const scene::Snapshot& world, const renderer::Seen& seen, const core::ToleranceMap& tolerance);
+    core::Radiance draft(const scene::Snapshot& world, const renderer::Seen& seen, const core::ToleranceMap& tolerance,
+                         RenderedMotion& motion);
     core::Picture develop(const core::Radiance& radiance, std::int64_t n);
     /// Keeps what the coupling needs to judge the picture once it is coded.
     void keep(const core::Picture& picture, const core::Radiance& radiance, const renderer::Seen& seen,
@@ -94,7 +96,8 @@ void ChunkLoop::frame(std::int64_t n) {
 
     // Light it. What a first, rough look took is no frame's.
     const renderer::Statistics before = renderer_.statistics();
-    const core::Radiance radiance = shade(*world, seen, tolerance);
+    const core::Radiance radiance =
+        job_.preview ? draft(*world, seen, tolerance, motion) : shade(*world, seen, tolerance);
     const core::Picture picture = develop(radiance, n);
     observers_.lit({*world, seen, tolerance, radiance, picture, motion, before, renderer_.statistics()});
 
@@ -148,6 +151,14 @@ core::Radiance ChunkLoop::shade(const scene::Snapshot& world, const renderer::Se
                                 const core::ToleranceMap& tolerance) {
     const StageTimer timer(statistics_, Stage::shade);
     return renderer_.shade(world, seen, tolerance);
+}
+
+core::Radiance ChunkLoop::draft(const scene::Snapshot& world, const renderer::Seen& seen,
+                                const core::ToleranceMap& tolerance, RenderedMotion& motion) {
+    const bool goes_on = world.frame > chunk_.first && !world.cut_before;
+    const core::MotionField* to_before = goes_on ? &motion.exact_to(world.frame - 1) : nullptr;
+    const StageTimer timer(statistics_, Stage::shade);
+    return renderer_.draft(world, seen, tolerance, to_before);
 }
 
 core::Picture ChunkLoop::develop(const core::Radiance& radiance, std::int64_t n) {

@@ -10,6 +10,7 @@
 
 #include "app/files/sound.h"
 #include "app/options/option_text.h"
+#include "app/options/preview_options.h"
 #include "app/options/rate_options.h"
 #include "app/options/usage_error.h"
 #include "core/color.h"
@@ -194,6 +195,20 @@ void decide_passes(RenderJob& film, const RenderOptions& options) {
     film.rendering.cache = film.cache.use;
 }
 
+/// The same in half the size: whole macroblocks' worth of neither is needed, even numbers are.
+ShapeWishes half_of(ShapeWishes wishes, const Shape& shape) {
+    const auto half = [](int length) { return std::max(16, (length + 3) / 4 * 2); };
+    wishes.size = Size{half(shape.size.width), half(shape.size.height)};
+    return wishes;
+}
+
+/// What no option says of a draft.
+void settle_preview(RenderJob& film) {
+    film.rendering.calibrate = false;
+    film.rendering.photons = preview_photons;
+    film.coding.user_data = "draft: render2mpeg --preview";
+}
+
 }  // namespace
 
 std::vector<Chunk> RenderJob::chunks() const {
@@ -228,8 +243,10 @@ renderer::Renderer renderer_of(const RenderJob& film) {
     return renderer::Renderer(*film.animation, film.rendering, film.plan);
 }
 
-RenderJob prepare(const RenderOptions& options) {
+RenderJob prepare(const RenderOptions& wanted) {
+    const RenderOptions options = wanted.preview ? preview_options(wanted) : wanted;
     RenderJob film;
+    film.preview = options.preview;
     film.kind = options.output.empty() ? OutputKind::film : kind_of(options.output);
     film.tolerance = tolerance_from(options.tolerance.value_or(film.kind == OutputKind::film ? "coupled" : "fixed=2%"));
     film.coupling = coupling_settings(options, film.tolerance);
@@ -244,7 +261,9 @@ RenderJob prepare(const RenderOptions& options) {
         options.input, {options.camera, options.animation, options.sky, options.variant, light_of(options.light)}));
     const Preset* preset = preset_of(options.coding);
     if (preset != nullptr) preset->check_output(options.output);
-    const Shape shape = settle_shape(wishes_of(options, *loaded), preset, film.kind == OutputKind::film);
+    Shape shape = settle_shape(wishes_of(options, *loaded), preset, film.kind == OutputKind::film);
+    if (film.preview && !options.size && preset == nullptr)
+        shape = settle_shape(half_of(wishes_of(options, *loaded), shape), preset, film.kind == OutputKind::film);
     film.rate = shape.rate;
     scene::fit_automatic_camera(*loaded,
                                 static_cast<double>(shape.size.width) / shape.size.height * shape.pixel_aspect.value());
@@ -276,6 +295,7 @@ RenderJob prepare(const RenderOptions& options) {
     settle_edges(film, options);
 
     decide_passes(film, options);
+    if (film.preview) settle_preview(film);
     return film;
 }
 

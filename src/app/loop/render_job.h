@@ -54,6 +54,7 @@ struct RenderJob {
     std::optional<float> exposure;   ///< EV; none: to be measured
     bool measures_exposure = false;  ///< nobody says it
     core::View view;
+    bool preview = false;     ///< a draft (app/options/preview_options.h)
     bool rough = false;       ///< a first pass: its light is too rough to tell whether it changes
     bool two_passes = false;  ///< the first one finds `allocations`
     std::vector<encoder::BitAllocation> allocations;  ///< one per frame, or none

@@ -84,8 +84,7 @@ encoder::BitAllocation allocation_from(const json& written) {
 }
 
 /// The allocations that an earlier run found; none where it did not come so far.
-std::vector<encoder::BitAllocation> kept_allocations(const RenderJob& film, const WorkFolder& work) {
-    const json written = work.kept("allocations");
+std::vector<encoder::BitAllocation> allocations_from(const RenderJob& film, const json& written) {
     if (!written.is_array() || static_cast<std::int64_t>(written.size()) != film.frame_count()) return {};
     std::vector<encoder::BitAllocation> allocations;
     try {
@@ -178,30 +177,34 @@ std::vector<ChunkFile> take_up(const RenderJob& film, const RenderOptions& optio
     return chunks;
 }
 
-void settle(RenderJob& film, const RenderOptions& options, WorkFolder& work, RunStatistics& statistics) {
-    if (const json exposure = work.kept("exposure"); !film.exposure && exposure.is_number())
+void settle(RenderJob& film, const RenderOptions& options, WorkFolder* work, RunStatistics& statistics) {
+    const auto kept = [&](const char* name) { return work == nullptr ? json() : work->kept(name); };
+    const auto keep = [&](const char* name, const json& value) {
+        if (work != nullptr) work->keep(name, value);
+    };
+    if (const json exposure = kept("exposure"); !film.exposure && exposure.is_number())
         film.exposure = exposure.get<float>();
     if (!film.exposure) {
         film.exposure = timed(statistics, Stage::load, [&] { return measure_exposure(film); });
-        work.keep("exposure", *film.exposure);
+        keep("exposure", *film.exposure);
     }
     if (InterruptGuard::requested()) return;
     if (has_budget(film)) {
-        film.budget = budget_from(work.kept("light"));
+        film.budget = budget_from(kept("light"));
         if (!film.budget) {
             film.budget = timed(statistics, Stage::load, [&] { return measure_light(film, options.quiet); });
             if (!film.budget) return;
-            work.keep("light", json_of(*film.budget));
+            keep("light", json_of(*film.budget));
         }
         spend(film, *film.budget);
     }
     if (!film.two_passes || InterruptGuard::requested()) return;
-    film.allocations = kept_allocations(film, work);
+    film.allocations = allocations_from(film, kept("allocations"));
     if (!film.allocations.empty()) return;
     film.allocations = timed(statistics, Stage::first_pass, [&] { return first_pass(film, options.quiet); });
     json written = json::array();
     for (const encoder::BitAllocation& a : film.allocations) written.push_back(json_of(a));
-    if (!film.allocations.empty()) work.keep("allocations", written);
+    if (!film.allocations.empty()) keep("allocations", written);
 }
 
 std::string resuming_text(const RenderJob& film, std::size_t whole_chunks, const std::string& command) {

@@ -40,8 +40,11 @@ std::vector<ChunkFile> take_up(const RenderJob& film, const RenderOptions& optio
                                const std::function<void(std::size_t)>& kept, RunStatistics& statistics);
 
 /// Finds out what is settled before the first frame, or takes it over from the earlier run: the exposure, and what a
-/// first pass says.
-void settle(RenderJob& film, const RenderOptions& options, WorkFolder& work, RunStatistics& statistics);
+/// first pass says. `work`: where it is kept for later runs; null: nowhere.
+void settle(RenderJob& film, const RenderOptions& options, WorkFolder* work, RunStatistics& statistics);
+inline void settle(RenderJob& film, const RenderOptions& options, WorkFolder& work, RunStatistics& statistics) {
+    settle(film, options, &work, statistics);
+}
 
 /// What a later run of `command` with --resume would make of these chunks, as a part of a sentence.
 std::string resuming_text(const RenderJob& film, std::size_t whole_chunks,

@@ -75,6 +75,16 @@ RunStatistics sum_of(const RunStatistics& earlier, const RunStatistics& later) {
     return sum;
 }
 
+RunStatistics totals_of(const RunStatistics& statistics, const renderer::Renderer& renderer) {
+    RunStatistics sum = statistics;
+    sum.rendering = sum_of(statistics.rendering, renderer.statistics());
+    for (std::size_t i = 0; i < sum.pass_seconds.size(); ++i)
+        sum.pass_seconds[i] += renderer.seconds(static_cast<renderer::Pass>(i));
+    sum.pass_seconds[static_cast<std::size_t>(renderer::Pass::develop)] = sum.stage_seconds(Stage::develop);
+    sum.pass_seconds[static_cast<std::size_t>(renderer::Pass::encode)] = sum.stage_seconds(Stage::encode);
+    return sum;
+}
+
 double RunStatistics::total_seconds() const {
     return std::accumulate(seconds.begin(), seconds.end(), 0.0);
 }

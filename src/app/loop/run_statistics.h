@@ -119,6 +119,9 @@ renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer:
 /// `earlier_wall` of the sum.
 RunStatistics sum_of(const RunStatistics& earlier, const RunStatistics& later);
 
+/// The statistics with what the renderer has done since it was made.
+RunStatistics totals_of(const RunStatistics& statistics, const renderer::Renderer& renderer);
+
 /// Adds the CPU time of its scope to a stage, or to a row of the plan.
 class StageTimer {
   public:

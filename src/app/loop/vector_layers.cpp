@@ -180,7 +180,7 @@ void VectorLayers::check(std::int64_t first, std::int64_t last) {
     if (first <= last) frame(first);
 }
 
-core::MotionField VectorLayers::between(std::int64_t picture, std::int64_t reference) {
+core::MotionField MotionSource::between(std::int64_t picture, std::int64_t reference) {
     EXPECTS(picture != reference);
     const std::int64_t direction = reference > picture ? 1 : -1;
     const auto step = [&](std::int64_t n) -> const core::MotionField& {

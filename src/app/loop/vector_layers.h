@@ -27,9 +27,25 @@ FrameMotion read_motion(const std::filesystem::path& file, std::int64_t frame, i
 /// Whether a channel tells of motion, or of what kind of thing moves.
 bool is_motion(const std::string& channel);
 
-/// Motion of numbered files between any two frames. Files lead from a frame to its neighbours; over several frames the
-/// way is put together from steps, and ends (class `none`) where it leaves the picture or meets another class of thing.
-class VectorLayers {
+/// Motion between any two frames, from whatever leads from a frame to its neighbours: over several frames the way is
+/// put together from steps, and ends (class `none`) where it leaves the picture or meets another class of thing.
+class MotionSource {
+  public:
+    virtual ~MotionSource() = default;
+
+    /// Reads what it needs of the frames from `picture` to `reference`, which differ. Throws core::Error.
+    core::MotionField between(std::int64_t picture, std::int64_t reference);
+
+    /// Frames onward from the one that is coded over which it may be asked.
+    virtual std::int64_t reach_onward() const = 0;
+
+  private:
+    /// Valid until it is asked for another.
+    virtual const FrameMotion& frame(std::int64_t number) = 0;
+};
+
+/// Motion of numbered files.
+class VectorLayers : public MotionSource {
   public:
     /// `shared`: where channels of these files may have been left by whoever reads the frames; null: nowhere.
     VectorLayers(std::filesystem::path pattern, MotionConvention convention, int width, int height,
@@ -43,11 +59,10 @@ class VectorLayers {
     /// neighbour; more would take more than 18 MB of memory per frame at 1280x720.
     static constexpr std::int64_t reach = 16;
 
-    /// Reads what it needs of the frames from `picture` to `reference`, which differ. Throws core::Error.
-    core::MotionField between(std::int64_t picture, std::int64_t reference);
+    std::int64_t reach_onward() const override { return reach; }
 
   private:
-    const FrameMotion& frame(std::int64_t number);
+    const FrameMotion& frame(std::int64_t number) override;
 
     std::filesystem::path pattern_;
     MotionConvention convention_;

@@ -2,6 +2,7 @@
 
 #include "app/options/keyframes.h"
 #include "app/options/option_text.h"
+#include "app/options/output_kind.h"
 #include "app/options/preset.h"
 #include "app/options/rate_options.h"
 #include "core/rational.h"
@@ -54,6 +55,17 @@ void add_coding_options(CLI::App& command, CodingOptions& options) {
         ->type_name("LIST|FILE")
         ->check(checked(keyframes_from, ""))
         ->group(coding);
+}
+
+void add_as_option(CLI::App& command, std::optional<std::string>& as, const std::string& kinds) {
+    command
+        .add_option("--as", as,
+                    "With -o -: what goes to standard output, picture by picture as it is made: a transport stream, "
+                    "bare MPEG-2" +
+                        std::string(kinds.find("y4m") != std::string::npos ? ", or uncompressed pictures" : "") +
+                        " (default: ts)")
+        ->type_name(kinds)
+        ->check(checked([kinds](const std::string& kind) { check_stream_kind(kind, kinds); }, ""));
 }
 
 void add_sound_options(CLI::App& command, CodingOptions& options) {

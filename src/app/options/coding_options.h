@@ -27,6 +27,8 @@ CLI::Validator checked(Parser parser, const std::string& type) {
 void add_coding_options(CLI::App& command, CodingOptions& options);
 /// What is heard: `render`, `encode` and `tune` share these.
 void add_sound_options(CLI::App& command, CodingOptions& options);
+/// What goes to standard output, of "ts|m2v|y4m" or fewer kinds.
+void add_as_option(CLI::App& command, std::optional<std::string>& as, const std::string& kinds);
 /// Whether films may be replaced, and missing folders made.
 void add_consent_option(CLI::App& command, bool& overwrite);
 /// How long sample frames may take that tell what a film takes.

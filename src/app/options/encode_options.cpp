@@ -14,11 +14,15 @@ CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
         "Example: render2mpeg encode shot.%04d.exr -o shot.mpg --motion shot.%04d.exr --exposure 0.5");
     command
         ->add_option("FRAMES", options.input,
-                     "A .y4m file (8-bit 4:2:0), or numbered images: frames.%04d.exr (scene-linear) or .png")
+                     "A .y4m file (8-bit 4:2:0), numbered images: frames.%04d.exr (scene-linear) or .png; or `-`: Y4M "
+                     "from standard input, as another program makes it")
         ->required();
-    command->add_option("-o,--output", options.output, "Film to write: .mpg, .vob, .ts, .m2v, .mkv or .mp4")
+    command
+        ->add_option("-o,--output", options.output,
+                     "Film to write: .mpg, .vob, .ts, .m2v, .mkv or .mp4; `-`: standard output")
         ->type_name("OUT")
         ->required();
+    add_as_option(*command, options.as, "ts|m2v");
     const std::string picture = "Picture and time", motion = "Motion", run = "Run";
     command->add_option("-r,--fps", options.rate, "Pictures per second (default: the Y4M file's, or 25)")
         ->type_name("23.976|24|25|29.97|30|50|59.94|60")
@@ -42,8 +46,12 @@ CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
         ->type_name("NAME")
         ->check(checked(core::view_from, ""))
         ->group(picture);
-    command->add_option("--motion", options.motion, "Numbered OpenEXR files with the frames' exact motion")
-        ->type_name("PATTERN")
+    command
+        ->add_option(
+            "--motion", options.motion,
+            "Numbered OpenEXR files with the frames' exact motion; or a motion stream, which other programs write "
+            "beside their pictures: fd:N, an open descriptor, or PIPE.motion")
+        ->type_name("PATTERN|fd:N|PIPE.motion")
         ->group(motion);
     command->add_option("--motion-convention", options.motion_convention, "What their channels mean: blender or nuke")
         ->check(CLI::IsMember({"blender", "nuke"}))

@@ -114,14 +114,46 @@ CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
         ".y4m; or numbered images, e.g. frames.%04d.exr or frames.%04d.png.\n"
         "Example: render2mpeg render animations/cornell -o cornell.mpg --quantiser 6");
     add_scene_options(*command, options);
-    command->add_option("-o,--output", options.output, "File to write; the ending chooses its kind")
+    command
+        ->add_option("-o,--output", options.output, "File to write; the ending chooses its kind; `-`: standard output")
         ->type_name("OUT")
         ->required();
+    add_as_option(*command, options.as, "ts|m2v|y4m");
+    command
+        ->add_flag("--preview", options.preview,
+                   "A draft of every frame, in minutes: half the size unless --size is given, rough light, coded fast; "
+                   "timing, framing, light and cuts are the film's (docs/preview.md)")
+        ->group("Picture and time");
     add_picture_options(*command, options);
     add_light_options(*command, options);
     add_coding_options(*command, options.coding);
     add_sound_options(*command, options.coding);
     add_run_options(*command, options, true);
+    return command;
+}
+
+CLI::App* add_watch_command(CLI::App& app, RenderOptions& options) {
+    CLI::App* command = app.add_subcommand("watch", "Show a draft, and a new one whenever the scene's files change");
+    command->footer(
+        "The draft is that of `render --preview` (docs/preview.md), shown over and over in ffplay or mpv until the "
+        "player is closed. A scene that cannot be read is told in one line; what was shown last stays.\n"
+        "Example: render2mpeg watch scene.glb");
+    add_scene_options(*command, options);
+    command->add_option("-o,--output", options.output, "Write each draft to this file instead of showing it")
+        ->type_name("OUT");
+    command->add_option("--player", options.player, "Player to start: ffplay, mpv, or a program that reads bare MPEG-2")
+        ->type_name("PROGRAM")
+        ->group(run_group);
+    add_picture_options(*command, options);
+    add_light_options(*command, options);
+    add_coding_options(*command, options.coding);
+    command->add_option("-j,--threads", options.threads, "Threads; 0: one per core")
+        ->check(CLI::Range(0, 1024))
+        ->capture_default_str()
+        ->group(run_group);
+    command->add_flag("--quiet", options.quiet, "Print nothing but errors")->group(run_group);
+    options.preview = true;
+    options.overwrite = true;
     return command;
 }
 
@@ -263,6 +295,7 @@ CommandLine parse(int argc, char** argv) {
     const CLI::App* cost = add_cost_command(app, line.cost);
     const CLI::App* tune = add_tune_command(app, line.tune);
     const CLI::App* compare = add_compare_command(app, line.compare);
+    const CLI::App* watch = add_watch_command(app, line.watch);
 
     const CLI::App* farm = add_farm_command(app, line.farm);
     const CLI::App* part = add_part_command(app, line.part);
@@ -282,6 +315,8 @@ CommandLine parse(int argc, char** argv) {
     if (line.exit_code) return line;
     // Parts run where nobody looks on.
     if (part->parsed() && part->get_option("--progress")->empty()) line.progress = "minute";
+    if (render->parsed()) settle_stream(line.render.output, line.render.as);
+    if (encode->parsed()) settle_stream(line.encode.output, line.encode.as);
     line.render.given = given_of(*render);
     line.render.said = said_of(*render);
     line.encode.given = given_of(*encode);
@@ -290,10 +325,13 @@ CommandLine parse(int argc, char** argv) {
     line.tune.render.given = given_of(*tune);
     line.tune.render.said = said_of(*tune);
     line.compare.render.given = given_of(*compare);
+    line.watch.given = given_of(*watch);
+    line.watch.said = said_of(*watch);
     const std::pair<const CLI::App*, Command> commands[] = {
         {render, Command::render}, {encode, Command::encode},      {plan, Command::plan},      {info, Command::info},
         {cost, Command::cost},     {tune, Command::tune},          {farm, Command::farm},      {part, Command::part},
-        {join, Command::join},     {status, Command::farm_status}, {compare, Command::compare}};
+        {join, Command::join},     {status, Command::farm_status}, {compare, Command::compare},
+        {watch, Command::watch}};
     for (const auto& [app_command, which] : commands)
         if (app_command->parsed()) line.command = which;
     return line;

@@ -43,6 +43,7 @@ struct CodingOptions {
 struct RenderOptions {
     std::filesystem::path input;
     std::filesystem::path output;
+    std::optional<std::string> as;    ///< what goes to standard output: "ts", "m2v" or "y4m"; `output` is "-.ts" then
     std::optional<std::string> size;  ///< "WxH"
     std::optional<std::string> rate;
     std::optional<std::string> frames;  ///< "A:B", inclusive
@@ -69,6 +70,8 @@ struct RenderOptions {
     std::optional<std::filesystem::path> report;                ///< HTML
     std::optional<std::filesystem::path> layers;                ///< --aov
     std::vector<std::pair<std::string, std::string>> heatmaps;  ///< subject, file
+    bool preview = false;                                       ///< a draft
+    std::string player;                                         ///< of `watch`; empty: whichever is at hand
     bool dry_run = false;
     bool quiet = false;
     bool resume = false;
@@ -88,9 +91,10 @@ struct PlanOptions {
 
 /// Options of `encode`.
 struct EncodeOptions {
-    std::filesystem::path input;  ///< a Y4M file, or numbered images
+    std::filesystem::path input;  ///< a Y4M file, numbered images, or "-": Y4M from standard input
     std::filesystem::path output;
-    std::optional<std::filesystem::path> motion;  ///< numbered OpenEXR files
+    std::optional<std::string> as;                ///< as in RenderOptions
+    std::optional<std::filesystem::path> motion;  ///< numbered OpenEXR files, or a motion stream: "fd:N" or a pipe
     std::string motion_convention = "blender";    ///< "blender" or "nuke"
     std::optional<std::string> rate;
     std::optional<std::string> frames;  ///< "A:B", inclusive
@@ -191,7 +195,7 @@ struct FarmStatusOptions {
     bool left = false;           ///< only the numbers of parts that are not whole, with commas
 };
 
-enum class Command { render, encode, plan, info, cost, tune, compare, farm, part, join, farm_status, none };
+enum class Command { render, encode, plan, info, cost, tune, compare, watch, farm, part, join, farm_status, none };
 
 /// One command line, read and checked for form. `exit_code` is set where there is nothing left to do (--help,
 /// --version): the text was printed already.
@@ -208,6 +212,7 @@ struct CommandLine {
     PartOptions part;
     JoinOptions join;
     FarmStatusOptions farm_status;
+    RenderOptions watch;
     std::string progress = "line";  ///< "line", "minute", "json", "openjd" or "none"
     std::optional<int> exit_code;
     std::string text;                ///< as given, for the statistics

@@ -1,6 +1,7 @@
 #include "app/options/output_kind.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
@@ -47,6 +48,25 @@ OutputKind kind_of(const std::filesystem::path& output) {
     throw UsageError("writing", output.string(),
                      "the ending chooses what is written: .mpg, .vob, .ts, .m2v, .mkv, .mp4, .y4m, or images such as "
                      "frames.%04d.exr or .png");
+}
+
+void settle_stream(std::filesystem::path& output, std::optional<std::string>& as) {
+    if (output != "-") {
+        if (as) throw UsageError("--as " + *as + ": it says what goes to standard output; write -o -");
+        return;
+    }
+    if (!as) as = "ts";
+    output = "-." + *as;
+}
+
+void check_pipe(int descriptor) {
+    if (isatty(descriptor) != 0)
+        throw UsageError("-o -: standard output is a terminal; write into a pipe, e.g. | ffplay -");
+}
+
+void check_stream_kind(const std::string& kind, const std::string& kinds) {
+    if (("|" + kinds + "|").find("|" + kind + "|") == std::string::npos || kind.find('|') != std::string::npos)
+        throw UsageError("--as " + kind + ": expected " + kinds);
 }
 
 bool is_numbered(const std::filesystem::path& pattern) {

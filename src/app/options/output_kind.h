@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace render2mpeg::app {
@@ -12,6 +13,19 @@ enum class OutputKind { film, y4m, exr, png };
 /// What the ending of an output name asks for. Throws core::Error with the list of endings; image sequences need one
 /// `%0Nd`.
 OutputKind kind_of(const std::filesystem::path& output);
+
+/// What is written to standard output instead of a file: where `output` is `-`, it becomes a name whose ending says
+/// what `as` says (.ts where that says nothing), and `as` is set. Throws UsageError where `as` has no use.
+void settle_stream(std::filesystem::path& output, std::optional<std::string>& as);
+
+/// Throws UsageError where a film would be written to a terminal.
+void check_pipe(int descriptor);
+
+/// Throws UsageError for a word that is not one of `kinds`, which have bars between them.
+void check_stream_kind(const std::string& kind, const std::string& kinds);
+
+/// What messages call standard output.
+inline constexpr const char* stream_name = "standard output";
 
 /// Whether a file name has the one frame number of an image sequence: `%d`, `%4d` or `%04d`.
 bool is_numbered(const std::filesystem::path& pattern);

@@ -28,17 +28,6 @@ namespace {
 /// In a chunk's record: figures for the report of the frame that it shows.
 constexpr const char* sample_frame_name = "sample_frame";
 
-/// The statistics with what the renderer has done since it was made.
-RunStatistics totals_of(const RunStatistics& statistics, const renderer::Renderer& renderer) {
-    RunStatistics sum = statistics;
-    sum.rendering = sum_of(statistics.rendering, renderer.statistics());
-    for (std::size_t i = 0; i < sum.pass_seconds.size(); ++i)
-        sum.pass_seconds[i] += renderer.seconds(static_cast<renderer::Pass>(i));
-    sum.pass_seconds[static_cast<std::size_t>(renderer::Pass::develop)] = sum.stage_seconds(Stage::develop);
-    sum.pass_seconds[static_cast<std::size_t>(renderer::Pass::encode)] = sum.stage_seconds(Stage::encode);
-    return sum;
-}
-
 /// What a chunk came to, for --verbose.
 std::string chunk_text(const Chunk& chunk, const RunStatistics& statistics) {
     double seconds = 0, bytes = 0, quantiser = 0;

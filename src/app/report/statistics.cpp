@@ -238,6 +238,7 @@ json statistics_of(const RenderJob& film, const RunStatistics& statistics, const
         {"exposure", film.exposure.value_or(0)},
         {"view", core::text_of(film.view)},
         {"isa", core::name_of(film.rendering.isa)},
+        {"preview", film.preview},
         {"tolerance", tolerance_of(film)},
         {"passes", passes_of(film, statistics)},
         {"effects", effects_json(film, statistics)},

@@ -4,6 +4,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -30,6 +31,14 @@ void hold_standard_descriptors() {
 
 void print_line(std::string_view text) {
     std::fputs((core::printable(text) + "\n").c_str(), stderr);
+}
+
+void print_lines(std::string_view text) {
+    while (!text.empty()) {
+        const std::size_t end = std::min(text.find('\n'), text.size());
+        print_line(text.substr(0, end));
+        text.remove_prefix(std::min(end + 1, text.size()));
+    }
 }
 
 void print_error(std::string_view text) {

@@ -14,6 +14,9 @@ void hold_standard_descriptors();
 /// (core::printable).
 void print_line(std::string_view text);
 
+/// The same for each line of a text.
+void print_lines(std::string_view text);
+
 /// The same for what went wrong: "render2mpeg: TEXT".
 void print_error(std::string_view text);
 

@@ -1,0 +1,200 @@
+#include "app/commands/watch.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <optional>
+#include <thread>
+
+#include "app/commands/render.h"
+#include "app/commands/render_stream.h"
+#include "app/files/output_stream.h"
+#include "app/files/publish.h"
+#include "app/files/watched_files.h"
+#include "app/loop/film_identity.h"
+#include "app/loop/resume.h"
+#include "app/options/usage_error.h"
+#include "app/production/preparation.h"
+#include "app/system/interrupt.h"
+#include "app/system/player.h"
+#include "app/system/terminal.h"
+#include "core/error.h"
+#include "encoder/encoder.h"
+#include "parallel/loops.h"
+
+namespace render2mpeg::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Files are taken to be whole when nothing has changed for so long. chosen: 500 ms; exporters that write a scene and
+/// its buffers pause for less.
+constexpr std::chrono::milliseconds settled{500};
+
+/// The scene's own file.
+std::filesystem::path scene_file(const RenderOptions& options) {
+    return std::filesystem::is_directory(options.input) ? options.input / "film.json" : options.input;
+}
+
+std::vector<std::filesystem::path> files_of(const RenderJob& film, const RenderOptions& options) {
+    std::vector<std::filesystem::path> files{scene_file(options)};
+    for (const Files& input : inputs_of(film, options))
+        if (input.name != options.input) files.push_back(input.name);
+    return files;
+}
+
+/// What is watched where the scene could not be read: it, and what lies beside it.
+std::vector<std::filesystem::path> files_about(const RenderOptions& options) {
+    const std::filesystem::path scene = scene_file(options);
+    return {scene, scene.has_parent_path() ? scene.parent_path() : "."};
+}
+
+/// Keeps what a player got of a film, to show it again.
+class Reel : public LoopObserver {
+  public:
+    void coded(const encoder::CodedPicture& picture) override { pictures_.push_back(picture.bytes); }
+    /// Shows it over and over at its own pace while `goes_on` says so.
+    void play(OutputStream& out, double rate, const std::function<bool()>& goes_on) const {
+        Clock::time_point due = Clock::now() + std::chrono::seconds(1);  // the end is seen for a while
+        while (!pictures_.empty())
+            for (const std::vector<std::uint8_t>& picture : pictures_) {
+                while (Clock::now() < due) {
+                    if (!goes_on()) return;
+                    std::this_thread::sleep_for(
+                        std::min<Clock::duration>(due - Clock::now(), std::chrono::milliseconds(100)));
+                }
+                if (!goes_on() || !out.put(picture)) return;
+                due += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / rate));
+            }
+    }
+
+  private:
+    std::vector<std::vector<std::uint8_t>> pictures_;
+};
+
+/// One draft after the other in a player.
+class Show {
+  public:
+    explicit Show(const RenderOptions& options) : options_(options) {}
+
+    /// A draft, then the same again until its files change. Throws core::Error for what cannot be read.
+    void show(const std::function<bool()>& goes_on) {
+        RunStatistics statistics;
+        files_.emplace(files_about(options_));
+        WatchedFiles scene({scene_file(options_)});  // it may change while it is read
+        RenderJob film = prepare_within_memory(options_);
+        files_.emplace(files_of(film, options_));
+        if (!options_.quiet) print_notes(film, options_);
+        settle(film, options_, nullptr, statistics);
+        open_player(film);
+        const auto is_current = [&] {
+            out_->check();
+            return goes_on() && !scene.have_changed() && !files_->have_changed();
+        };
+        if (!draw(film, statistics, is_current) && scene.have_changed()) files_->note_change();
+    }
+
+    /// Waits until there is something new to show; false where there will be nothing.
+    bool wait(const std::function<bool()>& goes_on) {
+        return files_->wait(settled, [&] {
+            if (out_) out_->check();
+            return goes_on();
+        });
+    }
+    bool has_closed() { return out_ && out_->has_lost_reader(); }
+
+  private:
+    /// False where it became stale or nobody wants it any more.
+    bool draw(const RenderJob& film, RunStatistics& statistics, const std::function<bool()>& is_current) {
+        const std::unique_ptr<StreamObserver> stream = stream_into(*out_, "-.m2v", film);
+        Reel reel;
+        LoopObservers both;
+        both.add(*stream);
+        both.add(reel);
+        const Clock::time_point start = Clock::now();
+        const bool whole = render_through(film, both, statistics, is_current);
+        stream->finish();
+        if (!whole) return false;
+        if (!options_.quiet)
+            print_line(fmt::format("{}: {} frames in {:.1f} s", options_.input.string(), film.frame_count(),
+                                   std::chrono::duration<double>(Clock::now() - start).count()));
+        reel.play(*out_, film.rate.hertz.value(), is_current);
+        return false;
+    }
+    void open_player(const RenderJob& film) {
+        const std::string rate = fmt::format("{}/{}", film.rate.hertz.num, film.rate.hertz.den);
+        if (player_ && rate == rate_) return;
+        out_.reset();
+        player_ = std::make_unique<Player>(options_.player, "render2mpeg draft: " + options_.input.string(), rate);
+        out_ = std::make_unique<OutputStream>(player_->descriptor(), player_->name());
+        rate_ = rate;
+    }
+
+    const RenderOptions& options_;
+    std::optional<WatchedFiles> files_;
+    std::unique_ptr<Player> player_;
+    std::unique_ptr<OutputStream> out_;  ///< after the player: it goes first
+    std::string rate_;
+};
+
+bool not_interrupted() {
+    return !InterruptGuard::requested();
+}
+
+int watch_in_player(const RenderOptions& options) {
+    const parallel::ThreadLimit threads(options.threads);
+    const InterruptGuard guard(true);
+    Show show(options);
+    try {
+        while (not_interrupted()) {
+            try {
+                show.show(not_interrupted);
+            } catch (const core::Error& error) {
+                if (show.has_closed()) throw;
+                print_error(error.what());
+            }
+            if (!show.wait(not_interrupted)) break;
+        }
+    } catch (const core::Error&) {
+        if (!show.has_closed()) throw;
+        print_line("the player was closed");
+        return 0;
+    }
+    return InterruptGuard::status();
+}
+
+/// Renders to a file as `render --preview` does, again and again.
+int watch_in_file(const RenderOptions& options, const std::string& command) {
+    for (;;) {
+        WatchedFiles files(files_about(options));
+        WatchedFiles scene({scene_file(options)});  // it may change while it is read
+        try {
+            {
+                const InterruptGuard guard(true);
+                files = WatchedFiles(files_of(prepare_within_memory(options), options));
+                if (!not_interrupted()) return InterruptGuard::status();
+            }
+            const int status = render(options, command);
+            if (status != 0) return status;
+        } catch (const core::Error& error) {
+            print_error(error.what());
+        }
+        const InterruptGuard guard(true);
+        if (scene.have_changed()) files.note_change();
+        if (!files.wait(settled, not_interrupted)) return InterruptGuard::status();
+    }
+}
+
+}  // namespace
+
+int watch(const RenderOptions& options, const std::string& command) {
+    if (options.resume) throw UsageError("--resume: what is watched is made anew whenever it changes");
+    if (options.output.empty()) {
+        Player::check(options.player);
+        return watch_in_player(options);
+    }
+    check_reachable(options.output);
+    return watch_in_file(options, command);
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,71 @@
+#pragma once
+// Rough light for every pixel of every frame: a lattice of points, and what earlier frames found.
+#include <cstdint>
+#include <vector>
+
+#include "core/motion_field.h"
+#include "core/plane.h"
+#include "core/tolerance_map.h"
+#include "core/visible.h"
+#include "renderer/cache/request_groups.h"
+#include "renderer/cut/cut.h"
+#include "renderer/cut/point_light.h"
+#include "renderer/cut/shade.h"
+#include "renderer/draft/upsample.h"
+#include "renderer/geometry/ray_tracer.h"
+#include "renderer/tree/light_trees.h"
+
+namespace render2mpeg::renderer {
+
+/// One frame to be lit roughly. `light_trees` is parted while it is lit, and whole again afterwards.
+struct DraftFrame {
+    LightTrees& light_trees;
+    const RayTracer& tracer;
+    const Seen& seen;
+    glm::vec3 eye{0};
+    const core::ToleranceMap& tolerance;
+    const core::MotionField* motion = nullptr;  ///< to the frame lit last; null: nothing of it is kept
+};
+
+/// A tile while it is lit.
+struct DraftTile {
+    std::vector<PointLight> light;
+    std::vector<PointRef> alone;  ///< points that no lit point speaks for
+    ShadeCounts counts;
+};
+
+/// Draft light [Render2MPEG, chapter 8]: in each frame one pixel in 4x4 is lit, another one in the next; between them
+/// light is interpolated along surfaces, and averaged with what earlier frames found, carried along by exact motion,
+/// the less the more the light changes. The strongest lights without size, and small suns, are gathered for every
+/// pixel: their shadows are sharp. Depends on the frames since forget() alone, not on the number of threads.
+class DraftLight {
+  public:
+    void forget();
+
+    /// The light of all gather points of the next frame. Adds what it took to `counts`.
+    FrameLight light(const DraftFrame& frame, const CutLimits& limits, ShadeCounts& counts);
+
+  private:
+    /// What is known of a pixel's main surface.
+    struct Kept {
+        SmoothLight light;
+        float weight = 0;  ///< lit points that it stands for; 0: nothing is known
+    };
+
+    /// What the frame before knows of a pixel [Render2MPEG, eq. 8.4].
+    Kept carried(const DraftFrame& frame, int x, int y) const;
+    /// By how much light has changed at a window's lit pixel, as a share of it, -1..1.
+    float change_at(const DraftFrame& frame, const Lattice& lattice, glm::ivec2 window,
+                    const core::Plane<Kept>& before) const;
+    /// How far what was known is to be trusted, 0..1, by windows [Render2MPEG, eq. 8.8].
+    core::Plane<float> trust(const DraftFrame& frame, const Lattice& lattice, const core::Plane<Kept>& before) const;
+    /// Lights a tile's points by lit points and by what was known [Render2MPEG, eq. 8.7].
+    void interpolate(const DraftFrame& frame, const Lattices& lattices, const core::Plane<Kept>& before,
+                     const core::Plane<float>& trust, std::size_t t, DraftTile& tile, core::Plane<Kept>& kept) const;
+
+    std::int64_t count_ = 0;  ///< frames since forget()
+    core::Visible visible_;   ///< of the frame lit last
+    core::Plane<Kept> kept_;
+};
+
+}  // namespace render2mpeg::renderer

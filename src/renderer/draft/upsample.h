@@ -1,0 +1,84 @@
+#pragma once
+// Light between the lit points of a lattice: joint bilateral weights.
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <utility>
+#include <vector>
+
+#include "core/visible.h"
+
+#include "renderer/cut/point_light.h"
+#include "renderer/surface/gather_point.h"
+
+namespace render2mpeg::renderer {
+
+/// Pixels from one lit pixel to the next, both ways. [Render2MPEG, 8.3.1]: a window of 4x4.
+inline constexpr int lattice_step = 4;
+
+/// The pixel of each window that is lit in the n-th frame: neighbours in time lie far apart, and sixteen frames light
+/// every pixel once. [Bayer1973]
+glm::ivec2 lattice_phase(std::int64_t n);
+
+/// Light that is smooth enough to be interpolated, textures not applied.
+struct SmoothLight {
+    glm::vec3 irradiance{0};  ///< over pi
+    glm::vec3 glossy{0};      ///< radiance over what the lobe reflects of even light
+};
+
+/// What the lobe of a point reflects of even light; 0 where it has none.
+glm::vec3 lobe_reflectance(const GatherPoint& p);
+
+/// A point of the lattice that was lit.
+struct LitSample {
+    glm::vec3 position{0}, normal{0};  ///< world; of the surface without its normal map
+    std::uint32_t object = 0;
+    std::uint8_t way = straight_way;
+    SmoothLight light;
+};
+
+/// The lit points of one frame, by the window of their pixels.
+class Lattice {
+  public:
+    Lattice(int width, int height, glm::ivec2 phase);
+
+    int across() const { return across_; }
+    int down() const { return down_; }
+    /// The lit pixel of a window, and what was lit there.
+    glm::ivec2 pixel_of(glm::ivec2 window) const { return window * lattice_step + phase_; }
+    const std::vector<LitSample>& samples(glm::ivec2 window) const {
+        return windows_[static_cast<std::size_t>(window.y) * static_cast<std::size_t>(across_) +
+                        static_cast<std::size_t>(window.x)];
+    }
+    bool is_lit(int x, int y) const { return x % lattice_step == phase_.x && y % lattice_step == phase_.y; }
+    /// Points of lit pixels, in any order of pixels that is the same in every run.
+    void add(int x, int y, const LitSample& sample);
+
+    /// The light of a point of a pixel, by the four lit pixels about it [Render2MPEG, eq. 8.1 and 8.2], and the sum of
+    /// their weights, 0 to about 1; 0 where all of them are unlike it. `carries_on`: more is known of it, so that only
+    /// near ones need count. `distance`: from the eye.
+    struct Interpolated {
+        SmoothLight light;
+        float weight = 0;
+    };
+    Interpolated at(glm::ivec2 pixel, const GatherPoint& p, bool carries_on, float distance) const;
+
+  private:
+    int across_, down_;
+    glm::ivec2 phase_;
+    std::vector<std::vector<LitSample>> windows_;
+};
+
+/// The lattices of a frame: of surfaces seen directly, and of what mirrors and glass show, which nobody carries along
+/// and which is therefore lit at the same pixels in every frame.
+struct Lattices {
+    Lattice straight, specular;
+    const Lattice& of(const GatherPoint& p, core::PixelClass kind) const {
+        return p.reached_by_specular() || kind != core::PixelClass::surface ? specular : straight;
+    }
+    Lattice& of(const GatherPoint& p, core::PixelClass kind) {
+        return const_cast<Lattice&>(std::as_const(*this).of(p, kind));
+    }
+};
+
+}  // namespace render2mpeg::renderer
