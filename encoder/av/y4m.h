@@ -1,4 +1,5 @@
 #pragma once
+// Writes uncompressed pictures as YUV4MPEG2, to files or piece by piece.
 
 #include <cstdint>
 #include <filesystem>

@@ -1,5 +1,5 @@
 // What shadows of bounced light cost on the lattice of a draft in a room where sixty balls fly about, and how many of
-// them are wrong: by rays, by imperfect shadow maps [Ritschel2008, 5] and by occluding spheres [Szecsi2009, 5]. One
+// them are wrong: by rays, by imperfect shadow maps [Ritschel2008, 5] and by occluding spheres. One
 // thread. Everything is done anew for the frame: the pose of what rays meet, the maps' points, the spheres' centres.
 #include <fmt/format.h>
 

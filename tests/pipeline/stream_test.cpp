@@ -33,10 +33,10 @@ TEST(Stream, HasTheBytesOfTheFile) {
     ASSERT_EQ(run(small_render() + "--frames 0:6 -y -o " + named(folder, "file.m2v")).status, 0);
     const auto piped = run(small_render() + "--frames 0:6 -o - --as m2v > " + named(folder, "pipe.m2v"));
     EXPECT_EQ(piped.status, 0) << piped.output;
-    EXPECT_EQ(contents(folder / "pipe.m2v"), contents(folder / "file.m2v"));
+    EXPECT_TRUE(contents(folder / "pipe.m2v") == contents(folder / "file.m2v"));
     ASSERT_EQ(run(small_render() + "--frames 0:1 -y -o " + named(folder, "file.y4m")).status, 0);
     ASSERT_EQ(run(small_render() + "--frames 0:1 -o - --as y4m > " + named(folder, "pipe.y4m")).status, 0);
-    EXPECT_EQ(contents(folder / "pipe.y4m"), contents(folder / "file.y4m"));
+    EXPECT_TRUE(contents(folder / "pipe.y4m") == contents(folder / "file.y4m"));
 }
 
 TEST(Stream, OfTransportPacketsDecodesWithRisingTimes) {
@@ -49,7 +49,9 @@ TEST(Stream, OfTransportPacketsDecodesWithRisingTimes) {
         run("ffprobe -v error -select_streams v -show_entries frame=pts -of csv=p=0 " + named(folder, "pipe.ts"));
     std::istringstream lines(times.output);
     long before = -1, count = 0;
-    for (std::string line; std::getline(lines, line); ++count) {
+    for (std::string line; std::getline(lines, line);) {
+        if (line.empty()) continue;
+        ++count;
         EXPECT_GT(std::atol(line.c_str()), before);
         before = std::atol(line.c_str());
     }
@@ -71,7 +73,7 @@ TEST(Stream, WaitsForASlowReader) {
         run(small_render() + "--frames 0:6 -o - --as y4m | { sleep 1; cat; } > " + named(folder, "slow.y4m"));
     EXPECT_EQ(slow.output, "");
     ASSERT_EQ(run(small_render() + "--frames 0:6 -o - --as y4m > " + named(folder, "quick.y4m")).status, 0);
-    EXPECT_EQ(contents(folder / "slow.y4m"), contents(folder / "quick.y4m"));
+    EXPECT_TRUE(contents(folder / "slow.y4m") == contents(folder / "quick.y4m"));
 }
 
 TEST(Stream, RefusesWhatItCannotHave) {
@@ -143,9 +145,9 @@ TEST(EncodePipe, GivesTheFilmOfTheFile) {
             run(program() + " encode " + named(folder, "pan.y4m") + " -y --quiet -q 6 -o " + named(folder, "file.m2v"))
                 .status,
             0);
-        EXPECT_EQ(contents(folder / "pipe.m2v"), contents(folder / "file.m2v")) << frames;
+        EXPECT_TRUE(contents(folder / "pipe.m2v") == contents(folder / "file.m2v")) << frames;
         ASSERT_EQ(run(encode_pipe(folder, "-o - --as m2v > " + named(folder, "both.m2v"))).status, 0);
-        EXPECT_EQ(contents(folder / "both.m2v"), contents(folder / "file.m2v")) << frames;
+        EXPECT_TRUE(contents(folder / "both.m2v") == contents(folder / "file.m2v")) << frames;
     }
 }
 
@@ -162,7 +164,7 @@ TEST(EncodePipe, TakesMotionFromASecondPipe) {
     ASSERT_EQ(run(encode_pipe(folder, "-o " + named(folder, "named.m2v") + " --motion " + named(folder, "pan.motion")))
                   .status,
               0);
-    EXPECT_EQ(contents(folder / "named.m2v"), contents(folder / "known.m2v"));
+    EXPECT_TRUE(contents(folder / "named.m2v") == contents(folder / "known.m2v"));
     ASSERT_EQ(run(encode_pipe(folder, "-o " + named(folder, "found.m2v"))).status, 0);
     // Noise that moves on: exact vectors leave next to nothing of all but what comes in.
     EXPECT_LE(contents(folder / "known.m2v").size(), contents(folder / "found.m2v").size() * 101 / 100);
@@ -191,7 +193,7 @@ for n in range(40):
     ASSERT_EQ(
         run(encode_pipe(folder, "-o " + named(folder, "file.m2v") + " --motion " + named(folder, "pan.motion"))).status,
         0);
-    EXPECT_EQ(contents(folder / "live.m2v"), contents(folder / "file.m2v"));
+    EXPECT_TRUE(contents(folder / "live.m2v") == contents(folder / "file.m2v"));
 }
 
 TEST(EncodePipe, RefusesGarbageWithItsPlace) {

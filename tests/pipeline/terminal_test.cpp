@@ -86,9 +86,9 @@ std::set<std::string> completions(const std::string& words) {
 TEST(Completion, OffersEveryCommandAndOption) {
     EXPECT_EQ(completions("\"\""),
               (std::set<std::string>{"render", "encode", "plan", "info", "cost", "tune", "compare", "farm", "part",
-                                     "join", "farm-status", "--help", "--version"}));
-    for (const char* command :
-         {"render", "encode", "plan", "info", "cost", "tune", "compare", "farm", "part", "join", "farm-status"}) {
+                                     "join", "farm-status", "watch", "--help", "--version"}));
+    for (const char* command : {"render", "encode", "plan", "info", "cost", "tune", "compare", "farm", "part", "join",
+                                "farm-status", "watch"}) {
         const std::set<std::string> offers = completions(std::string(command) + " --");
         std::istringstream help(run(program() + " " + command + " --help").output);
         int options = 0;
@@ -121,8 +121,8 @@ TEST(Completion, OffersTheValuesOfOptionsThatHaveFew) {
 TEST(Completion, OfZshAndFishOffersEveryOption) {
     const std::string zsh = support::contents(support::binary_folder() / "shell/_render2mpeg");
     const std::string fish = support::contents(support::binary_folder() / "shell/render2mpeg.fish");
-    for (const std::string command :
-         {"render", "encode", "plan", "info", "cost", "tune", "compare", "farm", "part", "join", "farm-status"}) {
+    for (const std::string command : {"render", "encode", "plan", "info", "cost", "tune", "compare", "farm", "part",
+                                      "join", "farm-status", "watch"}) {
         const std::size_t begin = zsh.find("\n    " + command + ")\n");
         ASSERT_NE(begin, std::string::npos) << command;
         const std::string part = zsh.substr(begin, zsh.find(";;", begin) - begin);

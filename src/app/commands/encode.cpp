@@ -94,13 +94,10 @@ void check_outputs(const EncodeOptions& options, const FrameRange& frames) {
         {Files(options.output), Files(options.stats.value_or(""))});
 }
 
-/// The frames' motion; null where none is given.
-std::unique_ptr<MotionSource> motion_of(const EncodeOptions& options, const FrameSource& frames,
-                                        const std::shared_ptr<SharedChannels>& shared) {
-    if (!options.motion) return nullptr;
+/// The frames' motion, of numbered files.
+std::unique_ptr<MotionSource> motion_files(const EncodeOptions& options, const FrameSource& frames,
+                                           const std::shared_ptr<SharedChannels>& shared) {
     const Size size = frames.size();
-    if (MotionPipe::is_one(*options.motion))
-        return std::make_unique<MotionPipe>(*options.motion, size.width, size.height);
     if (!is_numbered(*options.motion))
         throw core::Error("motion " + options.motion->string() +
                           ": expected numbered OpenEXR files, e.g. layers/frame_%04d.exr, or a motion stream: fd:3, "
@@ -131,6 +128,10 @@ Job prepare(const EncodeOptions& options) {
             "--audio: where standard input is encoded to standard output nobody knows where sound ends; "
             "add it when the film is there");
     const bool blenders = view.name != core::ViewName::neutral;
+    // Before the first picture is waited for: who writes both may open this one first.
+    std::unique_ptr<MotionPipe> motion_pipe;
+    if (options.motion && MotionPipe::is_one(*options.motion))
+        motion_pipe = std::make_unique<MotionPipe>(*options.motion);
     job.frames = open_frames(options.input, options.exposure, wanted, {{}, blenders, view}, shared);
     encoder::Settings& coding = job.film.coding;
     const Preset* preset = preset_of(options.coding);
@@ -148,7 +149,12 @@ Job prepare(const EncodeOptions& options) {
     const FrameRange whole{0, job.film.frame_count() - 1};
     job.film.sound = sound_of(options.coding, std::nullopt, options.output, whole, coding.rate);
 
-    job.motion = motion_of(options, *job.frames, shared);
+    if (motion_pipe) {
+        motion_pipe->start(job.frames->size().width, job.frames->size().height);
+        job.motion = std::move(motion_pipe);
+    } else if (options.motion) {
+        job.motion = motion_files(options, *job.frames, shared);
+    }
     return job;
 }
 

@@ -43,7 +43,8 @@ int open_motion(const std::string& name) {
         if (fcntl(*number, F_GETFD) < 0) throw core::Error("reading", name, "this descriptor is not open");
         return *number;
     }
-    const int descriptor = open(name.c_str(), O_RDONLY | O_CLOEXEC);
+    // Who writes may open it before a picture is written, and may not wait for us then.
+    const int descriptor = open(name.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     if (descriptor < 0) throw core::Error("reading", name, std::strerror(errno));
     return descriptor;
 }
@@ -69,8 +70,13 @@ void MotionBytes::refuse(const std::string& cause) const {
 bool MotionBytes::read(void* into, std::size_t size) {
     auto* to = static_cast<std::uint8_t*>(into);
     for (std::size_t done = 0; done < size;) {
+        pollfd state{descriptor_, POLLIN, 0};
+        if (poll(&state, 1, 100) <= 0) {
+            if (stopped_) refuse("nobody wants it any more");
+            continue;
+        }
         const ssize_t count = ::read(descriptor_, to + done, size - done);
-        if (count < 0 && errno == EINTR) continue;
+        if (count < 0 && (errno == EINTR || errno == EAGAIN)) continue;
         if (count < 0) refuse(std::strerror(errno));
         if (count == 0 && done == 0) return false;
         if (count == 0) refuse("it is cut off");
@@ -127,21 +133,22 @@ bool MotionPipe::is_one(const std::filesystem::path& name) {
     return descriptor_in(name.string()).has_value() || core::ending_of(name) == ".motion";
 }
 
-MotionPipe::MotionPipe(const std::filesystem::path& name, int width, int height)
-    : name_(name.string()),
-      descriptor_(open_motion(name_)),
-      own_(!descriptor_in(name_)),
-      bytes_(descriptor_, name_),
-      header_(bytes_.header(width, height)),
-      reader_([this] { read_ahead(); }) {}
+MotionPipe::MotionPipe(const std::filesystem::path& name)
+    : name_(name.string()), descriptor_(open_motion(name_)), own_(!descriptor_in(name_)), bytes_(descriptor_, name_) {}
+
+void MotionPipe::start(int width, int height) {
+    header_ = bytes_.header(width, height);
+    reader_ = std::thread([this] { read_ahead(); });
+}
 
 MotionPipe::~MotionPipe() {
     {
         const std::lock_guard lock(mutex_);
         stopped_ = true;
     }
+    bytes_.stop();
     changed_.notify_all();
-    reader_.join();
+    if (reader_.joinable()) reader_.join();
     if (own_) close(descriptor_);
 }
 
@@ -158,19 +165,17 @@ void MotionPipe::read_ahead() {
         }
         const std::int64_t number = next_;
         lock.unlock();
-        // Whoever ends the run does not wait for a writer that writes nothing.
-        pollfd state{descriptor_, POLLIN, 0};
         FrameMotion motion;
-        bool there = false, is_ready = poll(&state, 1, 100) > 0;
+        bool there = false;
         std::string failure;
         try {
-            if (is_ready) there = bytes_.frame(header_, number, motion);
+            there = bytes_.frame(header_, number, motion);
         } catch (const core::Error& error) {
             failure = error.what();
         }
         lock.lock();
         failure_ = std::move(failure);
-        if (!is_ready || !failure_.empty()) continue;
+        if (!failure_.empty()) continue;
         ended_ = !there;
         if (there) read_.emplace(next_++, std::move(motion));
         changed_.notify_all();

@@ -1,5 +1,6 @@
 #pragma once
 // Motion that another program writes beside its pictures, as it makes them.
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <filesystem>
@@ -7,6 +8,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "app/loop/vector_layers.h"
 
@@ -28,6 +30,8 @@ class MotionBytes {
     MotionHeader header(int width, int height);
     /// The next frame's; false where the stream ends behind a whole one. Throws core::Error.
     bool frame(const MotionHeader& header, std::int64_t number, FrameMotion& motion);
+    /// Whoever waits in another thread gives up.
+    void stop() { stopped_ = true; }
 
   private:
     /// Fills all of it; false where the stream had ended before. Throws core::Error where it ends within.
@@ -37,6 +41,7 @@ class MotionBytes {
     int descriptor_;
     std::string name_;
     std::uint64_t at_ = 0;
+    std::atomic<bool> stopped_{false};
 };
 
 /// Motion from a descriptor ("fd:3") or a pipe ("x.motion"). It is read ahead of the pictures, since who writes both
@@ -46,8 +51,10 @@ class MotionPipe : public MotionSource {
     /// Whether --motion names such a stream.
     static bool is_one(const std::filesystem::path& name);
 
-    /// Waits for the header. Throws core::Error.
-    MotionPipe(const std::filesystem::path& name, int width, int height);
+    /// Opens it. Throws core::Error.
+    explicit MotionPipe(const std::filesystem::path& name);
+    /// Waits for the header. Throws core::Error. To be called before anything is asked.
+    void start(int width, int height);
     ~MotionPipe() override;
 
     std::int64_t reach_onward() const override;

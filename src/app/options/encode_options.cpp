@@ -7,6 +7,24 @@
 
 namespace render2mpeg::app {
 
+namespace {
+
+void add_motion_options(CLI::App& command, EncodeOptions& options) {
+    command
+        .add_option(
+            "--motion", options.motion,
+            "Numbered OpenEXR files with the frames' exact motion; or a motion stream, which other programs write "
+            "beside their pictures: fd:N, an open descriptor, or PIPE.motion")
+        ->type_name("PATTERN|fd:N|PIPE.motion")
+        ->group("Motion");
+    command.add_option("--motion-convention", options.motion_convention, "What their channels mean: blender or nuke")
+        ->check(CLI::IsMember({"blender", "nuke"}))
+        ->capture_default_str()
+        ->group("Motion");
+}
+
+}  // namespace
+
 CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
     CLI::App* command = app.add_subcommand("encode", "Encode frames and motion of any renderer");
     command->footer(
@@ -23,7 +41,7 @@ CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
         ->type_name("OUT")
         ->required();
     add_as_option(*command, options.as, "ts|m2v");
-    const std::string picture = "Picture and time", motion = "Motion", run = "Run";
+    const std::string picture = "Picture and time", run = "Run";
     command->add_option("-r,--fps", options.rate, "Pictures per second (default: the Y4M file's, or 25)")
         ->type_name("23.976|24|25|29.97|30|50|59.94|60")
         ->check(checked(core::frame_rate_from, ""))
@@ -46,17 +64,7 @@ CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
         ->type_name("NAME")
         ->check(checked(core::view_from, ""))
         ->group(picture);
-    command
-        ->add_option(
-            "--motion", options.motion,
-            "Numbered OpenEXR files with the frames' exact motion; or a motion stream, which other programs write "
-            "beside their pictures: fd:N, an open descriptor, or PIPE.motion")
-        ->type_name("PATTERN|fd:N|PIPE.motion")
-        ->group(motion);
-    command->add_option("--motion-convention", options.motion_convention, "What their channels mean: blender or nuke")
-        ->check(CLI::IsMember({"blender", "nuke"}))
-        ->capture_default_str()
-        ->group(motion);
+    add_motion_options(*command, options);
     add_coding_options(*command, options.coding);
     add_sound_options(*command, options.coding);
     command

@@ -328,10 +328,10 @@ CommandLine parse(int argc, char** argv) {
     line.watch.given = given_of(*watch);
     line.watch.said = said_of(*watch);
     const std::pair<const CLI::App*, Command> commands[] = {
-        {render, Command::render}, {encode, Command::encode},      {plan, Command::plan},      {info, Command::info},
-        {cost, Command::cost},     {tune, Command::tune},          {farm, Command::farm},      {part, Command::part},
-        {join, Command::join},     {status, Command::farm_status}, {compare, Command::compare},
-        {watch, Command::watch}};
+        {render, Command::render},      {encode, Command::encode},   {plan, Command::plan},
+        {info, Command::info},          {cost, Command::cost},       {tune, Command::tune},
+        {farm, Command::farm},          {part, Command::part},       {join, Command::join},
+        {status, Command::farm_status}, {compare, Command::compare}, {watch, Command::watch}};
     for (const auto& [app_command, which] : commands)
         if (app_command->parsed()) line.command = which;
     return line;

@@ -1,4 +1,4 @@
-// Spatio-temporal upsampling [Render2MPEG, 8.3]. Changed: the lattice's points are gathered by cuts instead of being
+// Spatio-temporal upsampling [Herzog2010, 8.3]. Changed: the lattice's points are gathered by cuts instead of being
 // pixels of a smaller picture; a pixel's partner in the frame before is tested by object and depth; how much light
 // changes is judged at lit points alone, where a new value and an old one are there.
 #include "renderer/draft/draft_light.h"
@@ -18,7 +18,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Lights that are gathered for every pixel. [Render2MPEG, 8.4]: those whose shadows one looks at; chosen: 4.
+/// Lights that are gathered for every pixel. [Herzog2010, 8.4]: those whose shadows one looks at; chosen: 4.
 constexpr std::size_t most_sharp_lights = 4;
 
 /// Points of a tile that no lit point speaks for and that are gathered by themselves; the others take the nearest.

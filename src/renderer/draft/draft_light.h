@@ -34,7 +34,7 @@ struct DraftTile {
     ShadeCounts counts;
 };
 
-/// Draft light [Render2MPEG, chapter 8]: in each frame one pixel in 4x4 is lit, another one in the next; between them
+/// Draft light [Herzog2010, chapter 8]: in each frame one pixel in 4x4 is lit, another one in the next; between them
 /// light is interpolated along surfaces, and averaged with what earlier frames found, carried along by exact motion,
 /// the less the more the light changes. The strongest lights without size, and small suns, are gathered for every
 /// pixel: their shadows are sharp. Depends on the frames since forget() alone, not on the number of threads.
@@ -52,14 +52,14 @@ class DraftLight {
         float weight = 0;  ///< lit points that it stands for; 0: nothing is known
     };
 
-    /// What the frame before knows of a pixel [Render2MPEG, eq. 8.4].
+    /// What the frame before knows of a pixel [Herzog2010, eq. 8.4].
     Kept carried(const DraftFrame& frame, int x, int y) const;
     /// By how much light has changed at a window's lit pixel, as a share of it, -1..1.
     float change_at(const DraftFrame& frame, const Lattice& lattice, glm::ivec2 window,
                     const core::Plane<Kept>& before) const;
-    /// How far what was known is to be trusted, 0..1, by windows [Render2MPEG, eq. 8.8].
+    /// How far what was known is to be trusted, 0..1, by windows [Herzog2010, eq. 8.8].
     core::Plane<float> trust(const DraftFrame& frame, const Lattice& lattice, const core::Plane<Kept>& before) const;
-    /// Lights a tile's points by lit points and by what was known [Render2MPEG, eq. 8.7].
+    /// Lights a tile's points by lit points and by what was known [Herzog2010, eq. 8.7].
     void interpolate(const DraftFrame& frame, const Lattices& lattices, const core::Plane<Kept>& before,
                      const core::Plane<float>& trust, std::size_t t, DraftTile& tile, core::Plane<Kept>& kept) const;
 

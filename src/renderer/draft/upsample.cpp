@@ -1,4 +1,4 @@
-// Joint bilateral upsampling [Render2MPEG, 8.2].
+// Joint bilateral upsampling [Herzog2010, 8.2].
 #include "renderer/draft/upsample.h"
 
 #include <algorithm>
@@ -16,13 +16,13 @@ constexpr float normal_tolerance = 0.2f;
 /// 3 % of the whole depth range: depth along the axis rejects what lies on a floor seen at a low angle.
 constexpr float plane_tolerance = 0.02f;
 
-/// Floor of each weight [Render2MPEG, eq. 8.3]: whatever else lies about, the likest lit point has the say.
+/// Floor of each weight [Herzog2010, eq. 8.3]: whatever else lies about, the likest lit point has the say.
 constexpr float least_weight = 1e-3f;
 
 /// Part of a weight where the lit point is another object's: at contacts light jumps.
 constexpr float other_object = 0.05f;
 
-/// [Render2MPEG, eq. 8.3], exponent 3; the exponent by distance is 4, the most of [Render2MPEG, 8.3.3], where the past
+/// [Herzog2010, eq. 8.3], exponent 3; the exponent by distance is 4, the most of [Herzog2010, 8.3.3], where the past
 /// tells more, else 2.
 float triweight(float square, float width) {
     const float rest = std::max(least_weight, 1.0f - square / (width * width));
@@ -56,7 +56,7 @@ void Lattice::add(int x, int y, const LitSample& sample) {
 }
 
 Lattice::Interpolated Lattice::at(glm::ivec2 pixel, const GatherPoint& p, bool carries_on, float distance) const {
-    constexpr float radius = lattice_step * 1.4142136f;  // r of [Render2MPEG, 8.3.2]: a window's diagonal
+    constexpr float radius = lattice_step * 1.4142136f;  // r of [Herzog2010, 8.3.2]: a window's diagonal
     const float column = static_cast<float>(pixel.x - phase_.x) / lattice_step,
                 row = static_cast<float>(pixel.y - phase_.y) / lattice_step;
     const int left = static_cast<int>(std::floor(column)), top = static_cast<int>(std::floor(row));

@@ -13,7 +13,7 @@
 
 namespace render2mpeg::renderer {
 
-/// Pixels from one lit pixel to the next, both ways. [Render2MPEG, 8.3.1]: a window of 4x4.
+/// Pixels from one lit pixel to the next, both ways. [Herzog2010, 3]: a window of 4x4.
 inline constexpr int lattice_step = 4;
 
 /// The pixel of each window that is lit in the n-th frame: neighbours in time lie far apart, and sixteen frames light
@@ -54,7 +54,7 @@ class Lattice {
     /// Points of lit pixels, in any order of pixels that is the same in every run.
     void add(int x, int y, const LitSample& sample);
 
-    /// The light of a point of a pixel, by the four lit pixels about it [Render2MPEG, eq. 8.1 and 8.2], and the sum of
+    /// The light of a point of a pixel, by the four lit pixels about it [Herzog2010, eq. 8.1 and 8.2], and the sum of
     /// their weights, 0 to about 1; 0 where all of them are unlike it. `carries_on`: more is known of it, so that only
     /// near ones need count. `distance`: from the eye.
     struct Interpolated {
