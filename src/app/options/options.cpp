@@ -12,6 +12,7 @@
 #include "app/options/farm_options.h"
 #include "app/options/help_format.h"
 #include "app/options/mistakes.h"
+#include "app/options/output_kind.h"
 #include "app/options/scene_options.h"
 #include "app/options/tune_options.h"
 #include "app/options/usage_error.h"
@@ -253,6 +254,12 @@ std::map<std::string, std::string> said_of(const CLI::App& command) {
     return said;
 }
 
+/// Both, for options that are read again.
+void keep_words(const CLI::App& command, RenderOptions& options) {
+    options.given = given_of(command);
+    options.said = said_of(command);
+}
+
 }  // namespace
 
 std::string quoted(const std::string& word) {
@@ -317,16 +324,13 @@ CommandLine parse(int argc, char** argv) {
     if (part->parsed() && part->get_option("--progress")->empty()) line.progress = "minute";
     if (render->parsed()) settle_stream(line.render.output, line.render.as);
     if (encode->parsed()) settle_stream(line.encode.output, line.encode.as);
-    line.render.given = given_of(*render);
-    line.render.said = said_of(*render);
+    keep_words(*render, line.render);
     line.encode.given = given_of(*encode);
     line.plan.render.given = given_of(*plan);
     line.cost.render.given = given_of(*cost);
-    line.tune.render.given = given_of(*tune);
-    line.tune.render.said = said_of(*tune);
+    keep_words(*tune, line.tune.render);
     line.compare.render.given = given_of(*compare);
-    line.watch.given = given_of(*watch);
-    line.watch.said = said_of(*watch);
+    keep_words(*watch, line.watch);
     const std::pair<const CLI::App*, Command> commands[] = {
         {render, Command::render},      {encode, Command::encode},   {plan, Command::plan},
         {info, Command::info},          {cost, Command::cost},       {tune, Command::tune},
