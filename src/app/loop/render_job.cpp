@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "app/files/sound.h"
+#include "app/loop/exposure_choice.h"
 #include "app/options/option_text.h"
 #include "app/options/rate_options.h"
 #include "app/options/usage_error.h"
@@ -191,6 +192,7 @@ void decide_passes(RenderJob& film, const RenderOptions& options) {
                               film.tolerance.reference, film.frame_count(),
                               std::int64_t{film.format.width} * film.format.height);
     film.rendering.cache = film.cache.use;
+    tell_samples(film);
 }
 
 }  // namespace
@@ -231,6 +233,8 @@ RenderJob prepare(const RenderOptions& options) {
     const Shape shape = settle_shape(wishes_of(options, *loaded), preset, film.kind == OutputKind::film);
     film.rate = shape.rate;
     if (loaded->frame_rate) change_rate(*loaded, core::frame_rate_from(*loaded->frame_rate), film.rate);
+    set_exposure(*loaded, options);
+    film.exposure_samples = options.exposure_samples;
     const std::shared_ptr<const scene::Animation> animation = loaded;
     film.animation = animation;
     if (!std::filesystem::is_directory(options.input) && !options.output.empty() &&

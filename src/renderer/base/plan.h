@@ -19,6 +19,8 @@ enum class Pass {
     glass,
     sky_background,
     see,
+    shutter,
+    lens,
     motion,
     punctual_lights,
     emissive_lights,

@@ -11,14 +11,26 @@ namespace render2mpeg::scene {
 enum class Interpolation { step, linear, cubic_spline };
 
 /// What a track moves. `visibility` (0 or 1), `light_intensity` and `emission` (factors on the light's or material's
-/// own value) and `field_of_view` (CameraLens::vertical_fov, radians) come from animation files.
-enum class TrackTarget { translation, rotation, scale, weights, visibility, light_intensity, emission, field_of_view };
+/// own value), `field_of_view` (CameraLens::vertical_fov, radians), `f_stop` and `focus_distance` come from animation
+/// files.
+enum class TrackTarget {
+    translation,
+    rotation,
+    scale,
+    weights,
+    visibility,
+    light_intensity,
+    emission,
+    field_of_view,
+    f_stop,
+    focus_distance
+};
 
 /// A curve over time [glTF2, 3.11 and appendix C]. Key k has `width` values; with cubic_spline three times as many:
 /// in-tangent, value, out-tangent. Before the first key and after the last the curve is constant.
 struct Track {
     TrackTarget target = TrackTarget::translation;
-    int index = -1;  ///< node; for light_intensity the light, emission the material, field_of_view the camera
+    int index = -1;  ///< node; for light_intensity the light, emission the material, the last three the camera
     Interpolation interpolation = Interpolation::linear;
     int width = 3;  ///< translation, scale 3; rotation 4 (x, y, z, w); weights: number of morph targets; else 1
     std::vector<float> times;  ///< seconds, finite, strictly rising after validation

@@ -27,6 +27,10 @@ const char* word_for(TrackTarget target) {
             return "emission";
         case TrackTarget::field_of_view:
             return "field of view";
+        case TrackTarget::f_stop:
+            return "f-stop";
+        case TrackTarget::focus_distance:
+            return "focus distance";
     }
     return "value";
 }
@@ -47,6 +51,8 @@ std::string target_of(const Animation& animation, const Track& track) {
         case TrackTarget::emission:
             return named("material", animation.materials);
         case TrackTarget::field_of_view:
+        case TrackTarget::f_stop:
+        case TrackTarget::focus_distance:
             return named("camera", animation.cameras);
         default:
             return named("node", animation.nodes);
