@@ -62,6 +62,24 @@ def format_of(scene, film, lost):
             lost.add(scene, f"a picture of {shape:.3f}:1 by pixels that are not square; MPEG-2's nearest shape is {near}")
 
 
+def add_shutter(scene, film, lost):
+    """How long frames are exposed, and when."""
+    render, engine = scene.render, scene.cycles if scene.render.engine == "CYCLES" else scene.eevee
+    # In the film's frames, which may be more than the .blend's.
+    frames = render.motion_blur_shutter / max(1, scene.frame_step) * float(film["frame_rate"]) * render.fps_base / render.fps
+    place = getattr(render, "motion_blur_position", None) or getattr(engine, "motion_blur_position", "CENTER")
+    film["shutter"] = round(360 * min(frames, 1), 6)
+    if frames > 1:
+        lost.add(scene, f"a shutter of {frames:g} frames; it is open for one")
+    if place != "CENTER":
+        film["shutter_phase"] = round((0.5 if place == "START" else -0.5) * min(frames, 1), 6)
+    if getattr(engine, "rolling_shutter_type", "NONE") != "NONE":
+        lost.add(scene, "rolling shutter")
+    if render.engine == "CYCLES" and len(render.motion_blur_shutter_curve.curves) and any(
+            abs(p.location[1] - 1) > 1e-3 for p in render.motion_blur_shutter_curve.curves[0].points):
+        lost.add(scene, "curve of the shutter; it opens and closes at once")
+
+
 def look_of_film(scene, film, lost):
     """Exposure and view, and what of the film's look is not kept."""
     from film_export.view import view_of
@@ -73,7 +91,7 @@ def look_of_film(scene, film, lost):
     name, gamma = view_of(scene, lambda text: lost.add(scene, text))
     film["view"] = {"name": name, "gamma": round(gamma, 6)} if abs(gamma - 1) > 1e-4 else name
     if render.use_motion_blur:
-        lost.add(scene, f"motion blur (shutter {render.motion_blur_shutter:g} frames)")
+        add_shutter(scene, film, lost)
     if render.use_border:
         lost.add(scene, "render region; the whole picture is rendered")
     if render.film_transparent:

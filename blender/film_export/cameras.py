@@ -50,7 +50,8 @@ class Cameras:
             distance = focus.focus_distance
             if focus.focus_object:
                 there = focus.focus_object.evaluated_get(depsgraph).matrix_world.translation
-                distance = (there - now.matrix_world.translation).length
+                away = there - now.matrix_world.translation
+                distance = abs(away.dot(now.matrix_world.to_3x3().col[2].normalized()))
             self.poses[camera.name_full].append({
                 "position": matrix[:3, 3], "rotate": turns(rotation_of(matrix)), "lens": lens, "clip": data.clip_start,
                 "f": focus.aperture_fstop if focus.use_dof else None, "focus": distance})
@@ -62,10 +63,26 @@ class Cameras:
         first = poses[0]
         if np.max(np.ptp([self.shift_of(camera, p) for p in poses], axis=0)) > 1e-4:
             self.lost.add(camera, "animated lens shift; as on the first frame")
-        if first["f"] is not None:
+        if first["f"] is not None and not self.opens_wide(camera, first):
             self.lost.add(camera, f"depth of field (f/{first['f']:.3g}, focus at {first['focus']:.3g} m)")
         if data.type == "ORTHO" and any(abs(p["lens"][1, 1] / first["lens"][1, 1] - 1) > 1e-4 for p in poses):
             self.lost.add(camera, "animated scale of a parallel projection; as on the first frame")
+
+    @staticmethod
+    def opens_wide(camera, pose):
+        """Whether its lens is one that the film can have."""
+        return camera.data.type != "PANO" and 0.01 <= pose["f"] <= 1000 and pose["focus"] > 1e-6
+
+    def add_aperture(self, camera, first, says):
+        """What is out of focus. The film's focal length is that of a sensor as high as the picture."""
+        dof = camera.data.dof
+        size = 1000 if camera.data.type == "ORTHO" else 2 * camera.data.lens / first["lens"][1, 1]
+        says["sensor_height"] = json_number(min(max(size, 0.1), 1000))
+        if dof.aperture_blades >= 3:
+            says["blades"] = dof.aperture_blades
+            says["blade_rotation"] = json_number(math.degrees(dof.aperture_rotation))
+        if abs(dof.aperture_ratio - 1) > 1e-4:
+            says["squeeze"] = json_number(min(max(dof.aperture_ratio, 0.1), 10))
 
     def shift_of(self, camera, pose):
         """How far the picture is moved to the right and up, in its heights. The projection's matrix says it in halves of
@@ -89,12 +106,18 @@ class Cameras:
         else:
             fov = [[math.degrees(2 * math.atan(1 / p["lens"][1, 1]))] for p in poses]
             quantities["fov"] = (fov, 1e-4)
+        if poses[0]["f"] is not None and self.opens_wide(camera, poses[0]):
+            self.add_aperture(camera, poses[0], says)
+            stops = [min(max(p["f"] or 1000, 0.01), 1000) for p in poses]
+            distances = [min(max(p["focus"], 1e-6), 1e9) for p in poses]
+            quantities["f_stop"] = ([[s] for s in stops], 1e-3)
+            quantities["focus"] = ([[d] for d in distances], 1e-4)
         keys = {}
         for name, (values, tolerance) in quantities.items():
             needed = thinned(self.times, values, tolerance)
             for k in needed:
                 value = [json_number(v) for v in values[k]]
-                value = value[0] if name == "fov" else value
+                value = value[0] if name in ("fov", "f_stop", "focus") else value
                 if len(needed) == 1:
                     says[name] = value
                 else:

@@ -12,6 +12,7 @@
 #include "renderer/cache/light_split.h"
 #include "renderer/calibration/audit.h"
 #include "renderer/calibration/calibration.h"
+#include "renderer/cut/blurred_light.h"
 #include "renderer/cut/shade.h"
 #include "renderer/draft/draft_light.h"
 #include "renderer/lights/anchors.h"
@@ -19,6 +20,7 @@
 #include "renderer/lights/whole_lamps.h"
 #include "renderer/tree/light_trees.h"
 #include "renderer/truth/pixel_truth.h"
+#include "renderer/view/expose.h"
 #include "renderer/view/look_closer.h"
 #include "renderer/view/see.h"
 #include "scene/preparation/traits.h"
@@ -276,6 +278,12 @@ struct Renderer::Impl {
         statistics.mean_error_scale += (value - statistics.mean_error_scale) / static_cast<double>(frames);
     }
 
+    /// What the middle of a frame shows, whose pixels are the sum of their own points: another picture than `shown`
+    /// where it is exposed.
+    const core::Radiance& middle_of(const Seen& seen, const core::Radiance& shown) const {
+        return seen.exposure && sharp.frame == seen.visible.frame && !sharp.combined.empty() ? sharp : shown;
+    }
+
     /// Adds a frame to the statistics.
     void count(const ShadeCounts& counts, const core::Visible& visible) {
         Statistics& s = statistics;
@@ -321,6 +329,7 @@ struct Renderer::Impl {
     float calibrated_share = 0;      ///< typical_share of the coarsest frame calibrated
     IrradianceCache cache;
     DraftLight draft_light;
+    core::Radiance sharp;  ///< of the last frame that was exposed: its middle, whose points and pixels are audited
     Statistics statistics;
     double gathered = 0, clamped = 0;
     std::array<double, static_cast<std::size_t>(Pass::count)> rows{};
@@ -355,10 +364,23 @@ void Renderer::look_closer(const scene::Snapshot& snapshot, const core::Toleranc
     impl_->count(counts);
 }
 
-core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance) {
+void Renderer::expose(const scene::Snapshot& snapshot, int samples, Seen& seen) {
+    const Plan& plan = impl_->plan;
+    if (!plan.runs(Pass::shutter) && !plan.runs(Pass::lens)) return;
+    impl_->pose(snapshot);
+    const SeeSettings settings = impl_->see_settings(snapshot);
+    const Stopwatch timer(impl_->row(plan.runs(Pass::lens) ? Pass::lens : Pass::shutter));
+    ExposureCounts counts;
+    renderer::expose(impl_->posed_scene, settings, plan, samples, seen, counts);
+    impl_->statistics.exposure_rays += counts.rays;
+    impl_->statistics.exposed_pixels += counts.pixels;
+}
+
+core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& wanted) {
     Impl& i = *impl_;
     // Update the lights,
     const double start = i.prepare(snapshot, seen);
+    const core::ToleranceMap tolerance = tolerance_of_points(seen, wanted);
     ShadeSettings settings = i.shade_settings();
     // learn how far cuts err,
     const bool learns = i.settings.calibrate && !tolerance.is_reference();
@@ -371,13 +393,20 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
         cached = i.cache.light({i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(), tolerance},
                                snapshot, settings.limits, i.splits ? &i.split : nullptr, counts, i.statistics.cache);
     const FrameLight* known = cached ? &*cached : nullptr;
+    FrameLight light;
     // else gather all; sum up in pixels,
     core::Radiance radiance = renderer::shade(i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(),
-                                              tolerance, settings, counts, known);
+                                              tolerance, settings, counts, known, seen.exposure ? &light : nullptr);
     if (cached && settings.layers) radiance.record_density = i.cache.density(snapshot.camera, i.settings.format);
     // and learn from the frame.
     i.count(counts, seen.visible);
     if (learns) i.learn(snapshot, seen, tolerance, settings, radiance, counts, known);
+    if (seen.exposure) {
+        ShadeCounts blurred;
+        i.sharp = radiance;
+        spread_light(seen, light, settings.layers, radiance, blurred);
+        i.count(blurred, seen.visible);
+    }
     i.share_time(cpu_seconds() - start, counts);
     i.statistics.layer_seconds = i.posed_scene.layer_seconds();
     return radiance;
@@ -387,8 +416,12 @@ core::Radiance Renderer::sketch(const scene::Snapshot& snapshot, const Seen& see
                                 const core::ToleranceMap& tolerance) {
     const double start = impl_->prepare(snapshot, seen);
     ShadeCounts counts;
-    core::Radiance radiance = renderer::shade(impl_->light_trees, impl_->posed_scene.tracer(), seen,
-                                              snapshot.camera.position(), tolerance, impl_->shade_settings(), counts);
+    FrameLight light;
+    core::Radiance radiance =
+        renderer::shade(impl_->light_trees, impl_->posed_scene.tracer(), seen, snapshot.camera.position(),
+                        tolerance_of_points(seen, tolerance), impl_->shade_settings(), counts, nullptr,
+                        seen.exposure ? &light : nullptr);
+    spread_light(seen, light, impl_->plan.runs(Pass::layers), radiance, counts);
     impl_->share_time(cpu_seconds() - start, counts);
     return radiance;
 }
@@ -411,11 +444,12 @@ core::Radiance Renderer::draft(const scene::Snapshot& snapshot, const Seen& seen
 }
 
 std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const Seen& seen,
-                                          const core::ToleranceMap& tolerance, const core::Radiance& radiance,
-                                          int count) {
-    EXPECTS(seen.visible.frame == snapshot.frame && radiance.frame == snapshot.frame);
+                                          const core::ToleranceMap& wanted, const core::Radiance& shown, int count) {
+    EXPECTS(seen.visible.frame == snapshot.frame && shown.frame == snapshot.frame);
     if (count <= 0) return {};
     Impl& i = *impl_;
+    const core::ToleranceMap tolerance = tolerance_of_points(seen, wanted);
+    const core::Radiance& radiance = i.middle_of(seen, shown);
     i.light_unseen(snapshot);
     const std::vector<LitPixel> pixels = drawn(lit_pixels(seen), static_cast<std::size_t>(count), seen.visible.frame);
     const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
@@ -424,10 +458,12 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
 }
 
 std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const Seen& seen,
-                                         const core::ToleranceMap& tolerance, const core::Radiance& radiance,
+                                         const core::ToleranceMap& wanted, const core::Radiance& shown,
                                          std::span<const AuditedPixel> audited, const TruthSettings& finely) {
-    EXPECTS(seen.visible.frame == snapshot.frame && radiance.frame == snapshot.frame);
+    EXPECTS(seen.visible.frame == snapshot.frame && shown.frame == snapshot.frame);
     Impl& i = *impl_;
+    const core::ToleranceMap tolerance = tolerance_of_points(seen, wanted);
+    const core::Radiance& radiance = i.middle_of(seen, shown);
     i.light_unseen(snapshot);
     const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
     std::vector<JudgedPixel> judged;

@@ -54,7 +54,8 @@ struct Settings {
 /// What was done and found, summed since construction. Counts of rays are rays, not packets.
 struct Statistics {
     std::uint64_t primary_rays = 0, shadow_rays = 0, photon_rays = 0, specular_rays = 0;
-    std::uint64_t gather_points = 0, capped_points = 0;  ///< capped: stopped by max_cut, tolerance not reached
+    std::uint64_t exposure_rays = 0, exposed_pixels = 0;  ///< of pixels that shutter or lens blur, over frames
+    std::uint64_t gather_points = 0, capped_points = 0;   ///< capped: stopped by max_cut, tolerance not reached
     std::uint64_t direct_clusters = 0, indirect_clusters = 0;
     std::uint64_t non_finite = 0;                        ///< pixel values replaced by 0
     std::string first_non_finite;                        ///< where: "frame 3, pixel (10, 20)"
@@ -90,6 +91,10 @@ class Renderer {
 
     /// Looks again where edges could show by more than the tolerance (look_closer.h). After `see` of the same instant.
     void look_closer(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, Seen& seen);
+
+    /// Finds what the open shutter and the lens show of a frame, with so many samples at most where they blur it
+    /// (expose.h). After `look_closer` of the same instant.
+    void expose(const scene::Snapshot& snapshot, int samples, Seen& seen);
 
     /// Gathers light for all gather points of a frame until every pixel's error bound is below its tolerance.
     core::Radiance shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance);

@@ -138,6 +138,50 @@ def tracked_camera():
     driver.expression = "30 + frame"
 
 
+def street(last=4):
+    """Things on a chequered floor under a sky and a sun."""
+    scene = start(last)
+    world_of((0.5, 0.6, 0.8))
+    add_lamp("SUN", (0, 0, 5), (1, 2, 0), energy=2.0, angle=0.1)
+    add_primitive("plane", add_matt("Floor", (0.5, 0.5, 0.45)), size=30)
+    dark = add_matt("Dark", (0.1, 0.12, 0.15))
+    for x in range(-4, 5):
+        for y in range(-2, 7):
+            if (x + y) % 2:
+                add_primitive("plane", dark, name="Tile", size=0.5, location=(0.5 * x, y, 0.002))
+    for x in (-2.2, -0.8, 0.8, 2.2):
+        add_primitive("cube", add_matt(f"Box {x}", (0.2, 0.4, 0.3)), size=0.8, location=(x, 3, 0.4), rotation=(0, 0, 0.3 * x))
+    return scene
+
+
+def open_shutter():
+    """A camera that pans over a bar that turns and a ball that flies."""
+    scene = street()
+    bar = add_primitive("cube", add_matt("Bar", (0.7, 0.5, 0.1)), size=1, location=(-1, 0, 1.2), scale=(1.8, 0.1, 0.2))
+    ball = add_primitive("uv_sphere", add_matt("Ball", (0.7, 0.2, 0.1)), smooth=True, radius=0.4, location=(0, -0.5, 0.6), segments=48, ring_count=24)
+    camera = add_camera((0, -7, 2.2), (0, 0, 0.6))
+    for frame in (1, 2, 3, 4):
+        bar.rotation_euler.y = 0.5 * frame
+        bar.keyframe_insert("rotation_euler", frame=frame)
+        ball.location.x = 0.5 * frame - 0.5
+        ball.keyframe_insert("location", frame=frame)
+        camera.location.x = 0.15 * frame - 0.375
+        camera.keyframe_insert("location", frame=frame)
+    for thing in (bar, ball, camera):
+        linear(thing)
+    scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 0.5
+
+
+def shallow_focus():
+    """A still life before a lens with five blades, so wide open that small pictures are blurred, focused on an object."""
+    street()
+    for k, y in enumerate((-4, -2, 0.5)):
+        add_primitive("uv_sphere", add_matt(f"Ball {k}", (0.7, 0.2 + 0.2 * k, 0.1)), smooth=True, radius=0.4, location=(0.7 * k - 0.9, y, 0.4), segments=48, ring_count=24)
+    dof = add_camera((0, -7, 2.2), (0, 0, 0.2)).data.dof
+    dof.use_dof, dof.aperture_fstop, dof.aperture_blades = True, 0.05, 5
+    dof.focus_object = bpy.data.objects["Ball 1"]
+
+
 def markers():
     """Three cameras, cut by markers; one is parallel."""
     scene = start(12)
@@ -436,7 +480,7 @@ def hostile():
 
 
 FILMS = {film.__name__: film for film in (tracked_camera, markers, lamps_and_sky, looks, armature_and_shapes, instances, glass_and_emission,
-                                          procedural, odds_and_ends, hostile)}
+                                          procedural, odds_and_ends, hostile, open_shutter, shallow_focus)}
 
 
 def main():

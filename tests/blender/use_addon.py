@@ -17,13 +17,13 @@ assert addon_utils.check("render2mpeg") == (True, True) or addon_utils.check("re
 settings = bpy.context.scene.render2mpeg
 settings.output, settings.quantiser, settings.percentage = os.path.join(folder, "film.mpg"), 20, 40
 settings.folder = os.path.join(folder, "elsewhere")
-bpy.context.scene.render.use_motion_blur = True  # which is told
+bpy.context.scene.render.use_border = True  # which is told
 bpy.ops.wm.save_mainfile()
 assert bpy.ops.render2mpeg.film() == {"FINISHED"}
 assert os.path.getsize(settings.output) > 1000
 assert os.path.isfile(os.path.join(folder, "film.html"))
 said = bpy.data.texts["render2mpeg"].as_string()
-assert "not kept: Scene: motion blur" in said, said
+assert "not kept: Scene: render region" in said, said
 assert bpy.ops.render2mpeg.folder() == {"FINISHED"}
 for name in ("film.json", "scene.glb", "render.sh"):
     assert os.path.isfile(os.path.join(settings.folder, name)), name

@@ -150,11 +150,18 @@ TEST(BlendFile, TellsWhatIsNotKeptByObjectAndReason) {
     ASSERT_EQ(said.status, 0) << said.output;
     for (const char* line :
          {"not kept: Fur: hair Fur", "not kept: Growing: its shape has other corners",
-          "not kept: Camera: depth of field", "not kept: Scene: motion blur",
           "not kept: Scene: 12 frames per second; the film has 24", "not kept: Noisy: textures that cannot be baked"})
         EXPECT_NE(said.output.find(line), std::string::npos) << line << " is not in\n" << said.output;
     const fs::path exported = export_of(folder / "odds_and_ends.blend");
-    EXPECT_EQ(json::parse(contents(exported / "film.json"))["frames"], 6);
+    const json film = json::parse(contents(exported / "film.json"));
+    EXPECT_EQ(film["frames"], 6);
+    // The shutter is open for half of the .blend's frame, which is all of one of the film's; the lens is Blender's:
+    // f/2.8 of 50 mm on 36 mm, by its focus.
+    EXPECT_NEAR(film["shutter"].get<double>(), 360, 1e-3);
+    const json camera = film["cameras"].front();
+    EXPECT_NEAR(camera["f_stop"].get<double>(), 2.8, 1e-4);
+    EXPECT_GT(camera["focus"].get<double>(), 0.1);
+    EXPECT_LT(camera["sensor_height"].get<double>(), 36);
     const std::string glb = contents(exported / "scene.glb");
     for (const char* node : {"\"Sheared (shape)\"", "\"Text\"", "\"Scattered/Scattered"})
         EXPECT_NE(glb.find(node), std::string::npos) << node;
@@ -310,7 +317,8 @@ INSTANTIATE_TEST_SUITE_P(Films, BlendBesideCyclesSlow,
                                          Film{"lamps_and_sky", "0 5", 0.03, 30},
                                          Film{"armature_and_shapes", "0 7", 0.03, 30},
                                          Film{"instances", "0 7", 0.03, 30}, Film{"glass_and_emission", "5", 0.03, 30},
-                                         Film{"procedural", "0", 0.03, 30}),
+                                         Film{"procedural", "0", 0.03, 30}, Film{"open_shutter", "1 2", 0.01, 38},
+                                         Film{"shallow_focus", "0", 0.01, 37}),
                          [](const auto& film) { return film.param.name; });
 
 }  // namespace

@@ -78,7 +78,7 @@ TEST_P(Animations, SayInTwoLinesWhatTheyIsolate) {
 
 INSTANTIATE_TEST_SUITE_P(All, Animations,
                          ::testing::Values("cornell", "colonnade", "many_lamps", "mirror_and_glass", "character",
-                                           "still_room", "flash_cut"),
+                                           "still_room", "flash_cut", "wheel", "rack_focus"),
                          [](const auto& chosen) { return std::string(chosen.param); });
 
 TEST(AnimationsIsolate, CornellMovesBoxesUnderAPanelBeforeAStillCamera) {
@@ -189,6 +189,28 @@ TEST(AnimationsIsolate, InStillRoomNothingMovesAtAll) {
     EXPECT_FALSE(t.has_cuts);
     EXPECT_EQ(a.duration, 0);
     for (const Object& object : a.objects) EXPECT_EQ(object.mobility, Mobility::still);
+}
+
+TEST(AnimationsIsolate, WheelTurnsBeforeACameraThatPansWithAnOpenShutter) {
+    const Animation& a = film("wheel");
+    const Traits t = traits_of(a);
+    EXPECT_TRUE(t.shows_motion() && t.camera_moves && t.objects_move);
+    EXPECT_FALSE(t.has_aperture);
+    EXPECT_EQ(a.shutter.angle, 180);
+}
+
+TEST(AnimationsIsolate, RackFocusPullsTheFocusOfAStillCamera) {
+    const Animation& a = film("rack_focus");
+    const Traits t = traits_of(a);
+    EXPECT_TRUE(t.has_aperture);
+    EXPECT_FALSE(t.anything_moves() || t.has_open_shutter);
+    const Camera first = frame(a, 0).camera, last = frame(a, *a.last_frame).camera;
+    EXPECT_FLOAT_EQ(first.lens().focus_distance, 1.15f);
+    EXPECT_FLOAT_EQ(last.lens().focus_distance, 2.9f);
+    // 50 mm at f/1.4.
+    EXPECT_NEAR(first.lens().aperture_radius, 0.05f / 2.8f, 1e-4f);
+    EXPECT_EQ(first.circle_of_confusion(1.15f), 0);
+    EXPECT_GT(first.circle_of_confusion(2.9f), 8);
 }
 
 TEST(AnimationsIsolate, FlashCutHasOneCutAndLampsThatGoOnAndOff) {

@@ -194,7 +194,8 @@ int SceneBuilder::add_node(glm::dvec3 at, glm::dquat turned, glm::dvec3 scaled) 
 }
 
 scene::Snapshot snapshot(const scene::Animation& film, int seconds, int width, int height) {
-    return scene::snapshot_at(film, seconds, {seconds, 1}, {width, height, 1.0f});
+    return scene::snapshot_at(film, seconds, {seconds, 1}, {width, height, 1.0f},
+                              scene::interval_of(film.shutter, 1.0));
 }
 
 }  // namespace render2mpeg::test

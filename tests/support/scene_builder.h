@@ -72,7 +72,7 @@ class SceneBuilder {
     scene::Animation film_;
 };
 
-/// The film `seconds` after its start, at one frame per second, for a picture of this size.
+/// The film `seconds` after its start, at one frame per second, for a picture of this size, with the film's shutter.
 scene::Snapshot snapshot(const scene::Animation& film, int seconds, int width, int height);
 
 }  // namespace render2mpeg::test

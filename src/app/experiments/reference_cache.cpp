@@ -91,6 +91,16 @@ std::uint64_t ReferenceCache::key_of(const RenderJob& film, renderer::Renderer& 
     add_plane(sum, seen.emitted);
     add_plane(sum, seen.emitted_specular);
     add_plane(sum, seen.emitted_glossy);
+    if (seen.exposure) {
+        add_plane(sum, seen.exposure->exposed);
+        add_plane(sum, seen.exposure->emitted);
+        for (const auto& tile : seen.exposure->contributions)
+            for (const renderer::Contribution& c : tile) {
+                add(sum, c.point);
+                add(sum, c.weight);
+                add(sum, c.diffuse);
+            }
+    }
     core::Radiance nothing;
     nothing.frame = world.frame;
     nothing.combined = core::Plane<glm::vec3>(s.format.width, s.format.height, glm::vec3(0));

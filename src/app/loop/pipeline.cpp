@@ -7,6 +7,7 @@
 
 #include "app/loop/coding_terms.h"
 #include "app/loop/coupling.h"
+#include "app/loop/exposure_choice.h"
 #include "app/loop/picture_coder.h"
 #include "app/loop/preview.h"
 #include "app/loop/statistics_recorder.h"
@@ -27,6 +28,8 @@ class ChunkLoop {
   private:
     renderer::Seen see(const scene::Snapshot& world);
     void look_closer(const scene::Snapshot& world, const core::ToleranceMap& tolerance, renderer::Seen& seen);
+    /// Takes as many samples of the shutter and of the lens as a picture of this quantiser shows.
+    void expose(const scene::Snapshot& world, int quantiser, renderer::Seen& seen);
     /// How the frame will be coded; nothing of it matters where it will not be.
     encoder::PicturePlan plan(const scene::Snapshot& world, Motion& motion);
     /// What the frame's light may be off by, before it is lit. Valid until the next frame.
@@ -93,6 +96,7 @@ void ChunkLoop::frame(std::int64_t n) {
     const core::ToleranceMap& tolerance = tolerate(*world, seen, planned, motion);
 
     look_closer(*world, tolerance, seen);
+    expose(*world, coding.quantiser, seen);
 
     // Light it. What a first, rough look took is no frame's.
     const renderer::Statistics before = renderer_.statistics();
@@ -118,6 +122,11 @@ renderer::Seen ChunkLoop::see(const scene::Snapshot& world) {
 void ChunkLoop::look_closer(const scene::Snapshot& world, const core::ToleranceMap& tolerance, renderer::Seen& seen) {
     const StageTimer timer(statistics_, Stage::see);
     renderer_.look_closer(world, tolerance, seen);
+}
+
+void ChunkLoop::expose(const scene::Snapshot& world, int quantiser, renderer::Seen& seen) {
+    const StageTimer timer(statistics_, Stage::see);
+    renderer_.expose(world, exposure_samples(job_, quantiser), seen);
 }
 
 encoder::PicturePlan ChunkLoop::plan(const scene::Snapshot& world, Motion& motion) {

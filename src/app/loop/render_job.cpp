@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "app/files/sound.h"
+#include "app/loop/exposure_choice.h"
 #include "app/options/option_text.h"
 #include "app/options/preview_options.h"
 #include "app/options/rate_options.h"
@@ -193,6 +194,7 @@ void decide_passes(RenderJob& film, const RenderOptions& options) {
                               film.tolerance.reference, film.frame_count(),
                               std::int64_t{film.format.width} * film.format.height);
     film.rendering.cache = film.cache.use;
+    tell_samples(film);
 }
 
 /// The same in half the size: whole macroblocks' worth of neither is needed, even numbers are.
@@ -268,6 +270,8 @@ RenderJob prepare(const RenderOptions& wanted) {
     scene::fit_automatic_camera(*loaded,
                                 static_cast<double>(shape.size.width) / shape.size.height * shape.pixel_aspect.value());
     if (loaded->frame_rate) change_rate(*loaded, core::frame_rate_from(*loaded->frame_rate), film.rate);
+    set_exposure(*loaded, options);
+    film.exposure_samples = options.exposure_samples;
     const std::shared_ptr<const scene::Animation> animation = loaded;
     film.animation = animation;
     if (!std::filesystem::is_directory(options.input) && !options.output.empty() &&

@@ -59,16 +59,22 @@ struct RenderJob {
     bool two_passes = false;  ///< the first one finds `allocations`
     std::vector<encoder::BitAllocation> allocations;  ///< one per frame, or none
     bool images_in_turn = false;                      ///< decode one at a time: memory is short
-    std::optional<double> loss;         ///< dB of PSNR-Y that light points may cost; none: nobody counts it
-    std::optional<LightBudget> budget;  ///< where `loss` decides how many light points there are
-    int audit = 0;                      ///< pixels of every frame that are gathered again without clustering
-    std::optional<ChunkRange> part;     ///< chunks that this run makes of it; none: all
+    std::optional<double> loss;           ///< dB of PSNR-Y that light points may cost; none: nobody counts it
+    std::optional<LightBudget> budget;    ///< where `loss` decides how many light points there are
+    std::optional<int> exposure_samples;  ///< none: by quantiser
+    int audit = 0;                        ///< pixels of every frame that are gathered again without clustering
+    std::optional<ChunkRange> part;       ///< chunks that this run makes of it; none: all
 
     std::int64_t frame_count() const { return frames.last - frames.first + 1; }
     /// The chunks that are to be made.
     std::vector<Chunk> chunks() const;
     scene::Snapshot snapshot(std::int64_t frame) const {
-        return scene::snapshot_at(*animation, frame, core::time_of(frame, rate), format);
+        return scene::snapshot_at(*animation, frame, core::time_of(frame, rate), format, shutter());
+    }
+    /// Closed where no frame would show that it is open.
+    scene::ShutterInterval shutter() const {
+        return plan.runs(renderer::Pass::shutter) ? scene::interval_of(animation->shutter, rate.hertz.value())
+                                                  : scene::ShutterInterval();
     }
     core::ToleranceMap tolerance_map() const;
     /// With 0 EV before the exposure is known.

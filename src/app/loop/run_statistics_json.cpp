@@ -44,6 +44,8 @@ void each_count(Counts& s, Visit&& visit) {
     visit("shadow_rays", s.shadow_rays);
     visit("photon_rays", s.photon_rays);
     visit("specular_rays", s.specular_rays);
+    visit("exposure_rays", s.exposure_rays);
+    visit("exposed_pixels", s.exposed_pixels);
     visit("gather_points", s.gather_points);
     visit("capped_points", s.capped_points);
     visit("direct_clusters", s.direct_clusters);

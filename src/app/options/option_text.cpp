@@ -110,6 +110,31 @@ std::optional<double> loss_from(const std::string& text) {
     throw UsageError("loss " + text + ": expected decibels from 0.01 to 10, e.g. 0.1dB, or `any`");
 }
 
+ShutterRequest shutter_from(const std::string& text) {
+    const auto colon = text.find(':');
+    const auto number = [&](const std::string& part) {
+        char* end = nullptr;
+        const double value = std::strtod(part.c_str(), &end);
+        return part.empty() || *end != '\0' ? std::nan("") : value;
+    };
+    const double angle = number(text.substr(0, colon)),
+                 phase = colon == std::string::npos ? 0.0 : number(text.substr(colon + 1));
+    if (!(angle >= 0 && angle <= 360))
+        throw UsageError("shutter " + text + ": expected degrees from 0 (closed) to 360, e.g. 180");
+    if (!(phase >= -0.5 && phase <= 0.5))
+        throw UsageError("shutter " + text + ": expected a phase from -0.5 to 0.5 frames, e.g. 180:0.25");
+    return {static_cast<float>(angle), static_cast<float>(phase)};
+}
+
+float f_stop_from(const std::string& text) {
+    if (text == "off") return 0;
+    char* end = nullptr;
+    const double number = std::strtod(text.c_str(), &end);
+    if (text.empty() || *end != '\0' || !(number >= 0.01 && number <= 1000))
+        throw UsageError("f-stop " + text + ": expected a number from 0.01 to 1000, e.g. 2.8, or `off`");
+    return static_cast<float>(number);
+}
+
 Sample sample_from(const std::string& text) {
     const std::size_t x = text.find('x');
     const auto windows = x == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(0, x));

@@ -16,6 +16,10 @@ FrameRange frames_from(const std::string& text);
 ToleranceRequest tolerance_from(const std::string& text);
 /// "0.1dB" or "0.1", 0.01 to 10; "any": none.
 std::optional<double> loss_from(const std::string& text);
+/// "180" or "180:0.25": degrees and frames.
+ShutterRequest shutter_from(const std::string& text);
+/// "2.8"; "off": 0, all is sharp.
+float f_stop_from(const std::string& text);
 /// "2x3": windows by frames of each.
 Sample sample_from(const std::string& text);
 /// "4,2,0.5": shares of 1, from the largest to the least, each once.

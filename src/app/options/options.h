@@ -18,6 +18,11 @@ struct ToleranceRequest {
     std::optional<float> fraction;  ///< of it, > 0; none: what the quantiser allows
 };
 
+/// What --shutter asks for, as scene::Shutter has it.
+struct ShutterRequest {
+    float angle = 0, phase = 0;
+};
+
 /// How pictures are coded: `render` and `encode` share these.
 struct CodingOptions {
     std::optional<int> quantiser;        ///< none: 4, where neither quality nor bit rate are asked for
@@ -56,6 +61,10 @@ struct RenderOptions {
     std::string masking = "warped";        ///< "warped" or "quantised"
     int audit = 0;                         ///< pixels of every frame
     std::string exposure = "auto";         ///< "auto" or a number of EV; the animation file's wins over "auto"
+    std::optional<std::string> shutter;    ///< as shutter_from() reads it; wins over the animation file's
+    std::optional<std::string> f_stop;     ///< a number, or "off"; likewise
+    std::optional<std::string> focus;      ///< a distance, or an object's name; likewise
+    std::optional<int> exposure_samples;   ///< none: by quantiser
     std::optional<std::string> view;       ///< a name of core::view_names; wins over the animation file's
     std::string clamp = "bounded";         ///< "bounded" or "none"
     std::string cache = "auto";            ///< "on", "off" or "auto"

@@ -92,6 +92,12 @@ void add_light_options(CLI::App& command, RenderOptions& options) {
                     "for frames; as many as --samples where that is given)")
         ->check(CLI::Range(1, 256))
         ->group(light);
+    command
+        .add_option("--exposure-samples", options.exposure_samples,
+                    "Samples over the shutter and the lens of each pixel that they blur (default: by quantiser, what "
+                    "coding keeps of them; `plan` tells)")
+        ->check(CLI::Range(1, 1024))
+        ->group(light);
     add_tolerance_option(command, options, light);
     command
         .add_option(
@@ -117,6 +123,35 @@ void add_light_options(CLI::App& command, RenderOptions& options) {
         ->capture_default_str()
         ->group(light);
 }
+
+namespace {
+
+/// Shutter and lens.
+void add_exposure_options(CLI::App& command, RenderOptions& options, const std::string& picture) {
+    command
+        .add_option(
+            "--shutter", options.shutter,
+            "How long each frame is exposed, in degrees of a frame's time: 180 is half of it, 0 none; and where "
+            "the middle of that time lies from the frame's own, in frames, -0.5 to 0.5 (default: the animation "
+            "file's or the .blend's, or 0)")
+        ->type_name("ANGLE[:PHASE]")
+        ->check(checked(shutter_from, ""))
+        ->group(picture);
+    command
+        .add_option("--f-stop", options.f_stop,
+                    "Aperture of all cameras: what is out of focus is blurred, more by smaller numbers; `off`: nothing "
+                    "is (default: the animation file's or the .blend's, or off)")
+        ->type_name("NUMBER|off")
+        ->check(checked(f_stop_from, ""))
+        ->group(picture);
+    command
+        .add_option("--focus", options.focus,
+                    "What is in focus: a distance along the camera's axis, or the middle of the objects of a name")
+        ->type_name("DISTANCE|NAME")
+        ->group(picture);
+}
+
+}  // namespace
 
 void add_picture_options(CLI::App& command, RenderOptions& options) {
     const std::string picture = "Picture and time";
@@ -150,6 +185,7 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
         ->check(checked(check_exposure, ""))
         ->capture_default_str()
         ->group(picture);
+    add_exposure_options(command, options, picture);
     command
         .add_option("--view", options.view,
                     "What bright light becomes: neutral, or Blender's standard, filmic (also filmic-high-contrast and "

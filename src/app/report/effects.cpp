@@ -35,10 +35,15 @@ std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& stati
     const auto pass = [&](Pass p) { return statistics.pass_seconds[static_cast<std::size_t>(p)]; };
     std::vector<Effect> effects;
     // What a clock that samples tells may come to more than the whole it is part of.
-    const double see = statistics.stage_seconds(Stage::see), sky = std::min(r.sky_seconds, see);
+    const double exposing = pass(Pass::shutter) + pass(Pass::lens);
+    const double see = std::max(statistics.stage_seconds(Stage::see) - exposing, 0.0),
+                 sky = std::min(r.sky_seconds, see);
     effects.push_back({"seeing", see - sky, r.primary_rays, {}, ""});
     if (plan.runs(Pass::sky_background))
         effects.push_back({"the sky seen", sky, {}, {}, "about; what it lights is in direct light"});
+    const std::string blur = list_of(plan, {{Pass::shutter, "open shutter"}, {Pass::lens, "lens"}});
+    if (!blur.empty())
+        effects.push_back({blur, exposing, r.exposure_rays, {}, "what they show of all that is blurred"});
     const std::string specular =
         list_of(plan, {{Pass::lobe_rays, "narrow lobes"}, {Pass::mirrors, "mirrors"}, {Pass::glass, "glass"}});
     if (!specular.empty())

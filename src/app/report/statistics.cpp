@@ -245,6 +245,7 @@ json statistics_of(const RenderJob& film, const RunStatistics& statistics, const
         {"rays",
          {{"primary", r.primary_rays},
           {"specular", r.specular_rays},
+          {"exposure", r.exposure_rays},
           {"shadow", r.shadow_rays},
           {"photon", r.photon_rays}}},
         {"light_budget", film.budget ? json_of(*film.budget) : nlohmann::json()},

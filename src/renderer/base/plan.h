@@ -20,6 +20,8 @@ enum class Pass {
     glass,
     sky_background,
     see,
+    shutter,
+    lens,
     motion,
     punctual_lights,
     emissive_lights,

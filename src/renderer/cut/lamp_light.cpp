@@ -70,7 +70,12 @@ class LampGatherer {
     void trace_all();
     void trace_as_needed();
     void trace(std::uint32_t asked, int first, int end);
-    void trace_sample(const LampSamples& samples, const LampResponse& response, std::uint32_t asked, bool along_lobe,
+    /// Which of the samples, of the lamp or of a lobe.
+    struct Which {
+        int sample;
+        bool along_lobe;
+    };
+    void trace_sample(const LampSamples& samples, const LampResponse& response, std::uint32_t asked, Which which,
                       const Vec3Lanes& from);
     std::uint32_t too_rough(std::uint32_t reached, int count);
     void add_errors(const SeenShare& seen, const Lanes& luminance, std::uint32_t reached, float least_count);
@@ -170,18 +175,25 @@ void LampGatherer::trace(std::uint32_t asked, int first, int end) {
         sampler_->start_at(k, from);
         sampler_->take(k, samples);
         respond(lanes_, samples, lobes_ ? lobes_->peaks() : none, response);
-        trace_sample(samples, response, asked, false, from);
+        trace_sample(samples, response, asked, {k, false}, from);
         if ((asked & along_lobes_) == 0) continue;
         sampler_->take_lobe(k, samples);
         respond(lanes_, samples, lobes_->peaks(), response);
-        trace_sample(samples, response, asked & along_lobes_, true, from);
+        trace_sample(samples, response, asked & along_lobes_, {k, true}, from);
     }
 }
 
 /// What lies behind the surface itself is not seen, and needs no ray.
 void LampGatherer::trace_sample(const LampSamples& samples, const LampResponse& response, std::uint32_t asked,
-                                bool along_lobe, const Vec3Lanes& from) {
+                                Which which, const Vec3Lanes& from) {
+    const bool along_lobe = which.along_lobe;
     ShadowPacket packet;
+    ShadowTimes times;
+    if (lanes_.timed) {
+        for (int i = 0; i < lane_count; ++i)
+            times.at[i] = ShadowTimes::kth(lanes_, i, static_cast<std::size_t>(which.sample));
+        packet.times = times.at;
+    }
     const LightType type = type_of(lamp_);
     Vec3Lanes targets;
     sampler_->aim(samples, targets);

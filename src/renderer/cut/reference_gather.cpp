@@ -78,6 +78,13 @@ void gather_all(const LightTrees& light_trees, const RayTracer& tracer, const Ga
             fill_lights(lights, tree, first, count);
             evaluate_lights(lanes, tree.type, lights, light_trees.clamp(t), unit);
             aim_at_each(lanes, tree.type, lights, unit, packet);
+            ShadowTimes times;
+            packet.times = nullptr;
+            if (lanes.timed && t != LightTrees::dynamic_tree) {
+                for (int i = 0; i < lane_count; ++i)
+                    times.set_for(lanes, i, lights.position.x[i], lights.position.y[i], lights.position.z[i]);
+                packet.times = times.at;
+            }
             if (packet.active == 0) continue;
             std::fill(std::begin(passes), std::end(passes), glm::vec3(1));
             const std::uint32_t blocked = tracer.occluded(packet, light_trees.translucent ? passes : nullptr);

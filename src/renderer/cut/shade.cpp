@@ -31,6 +31,8 @@ class TileShader {
           gatherer_(light_trees, tracer) {}
 
     ShadeCounts shade(std::size_t tile_index);
+    /// Of the tile shaded last: light of its points.
+    std::vector<PointLight> take_light() { return std::move(light_); }
 
   private:
     void gather_groups(std::size_t tile_index);
@@ -241,7 +243,7 @@ void ShadeCounts::add(const ShadeCounts& more) {
 
 core::Radiance shade(const LightTrees& light_trees, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
                      const core::ToleranceMap& tolerance, const ShadeSettings& settings, ShadeCounts& counts,
-                     const FrameLight* known) {
+                     const FrameLight* known, FrameLight* light) {
     EXPECTS(known == nullptr || known->size() == seen.tiles.size());
     const int width = seen.visible.width(), height = seen.visible.height();
     EXPECTS(tolerance.is_reference() || (tolerance.pixels.width() == width && tolerance.pixels.height() == height));
@@ -259,9 +261,13 @@ core::Radiance shade(const LightTrees& light_trees, const RayTracer& tracer, con
         if (known != nullptr) radiance.record_age = radiance.record_reuse = core::Plane<float>(width, height, 0.0f);
     }
     std::vector<ShadeCounts> of_tile(seen.tiles.size());
+    if (light != nullptr) light->resize(seen.tiles.size());
     parallel::for_ranges(seen.tiles.size(), tiles_at_once, [&](std::size_t first, std::size_t last) {
         TileShader shader(light_trees, tracer, seen, eye, tolerance, settings, known, radiance);
-        for (std::size_t i = first; i < last; ++i) of_tile[i] = shader.shade(i);
+        for (std::size_t i = first; i < last; ++i) {
+            of_tile[i] = shader.shade(i);
+            if (light != nullptr) (*light)[i] = shader.take_light();
+        }
     });
     for (const ShadeCounts& c : of_tile) counts.add(c);
     return radiance;

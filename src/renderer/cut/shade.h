@@ -35,10 +35,10 @@ struct ShadeCounts {
 };
 
 /// Gathers the light of every gather point of a frame, multiplies it by its textures and adds it up in pixels
-/// (docs/model/lightcut.md). Where all of it is `known` already, nothing is gathered. The same bytes for any number
-/// of threads.
+/// (docs/model/lightcut.md). Where all of it is `known` already, nothing is gathered. `light` gets that of all points.
+/// The same bytes for any number of threads.
 core::Radiance shade(const LightTrees& light_trees, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
                      const core::ToleranceMap& tolerance, const ShadeSettings& settings, ShadeCounts& counts,
-                     const FrameLight* known = nullptr);
+                     const FrameLight* known = nullptr, FrameLight* light = nullptr);
 
 }  // namespace render2mpeg::renderer

@@ -1,5 +1,8 @@
 #pragma once
 // Aims and traces packets of shadow rays.
+#include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -38,6 +41,35 @@ RENDER2MPEG_ALWAYS_INLINED void aim(const Vec3Lanes& __restrict origin, LightTyp
         packet.far[i] = far;
     }
 }
+
+/// Shutter times of a packet's rays.
+struct ShadowTimes {
+    Lanes at;
+
+    /// Of a lane's ray at a place of its own among so many.
+    void set(const GatherLanes& lanes, int lane, int place, int places) {
+        const float part = lanes.shadow_part[lane];
+        at[lane] = part < 0.0f ? scene::middle_time
+                               : (static_cast<float>(place) + part) / static_cast<float>(std::max(places, 1));
+    }
+    /// Of its only ray to a light: another part for each light, so that many lights see all of the time.
+    void set_for(const GatherLanes& lanes, int lane, float x, float y, float z) {
+        const std::uint32_t bits =
+            (std::bit_cast<std::uint32_t>(x) * 0x9e3779b1u ^ std::bit_cast<std::uint32_t>(y)) * 0x85ebca6bu ^
+            std::bit_cast<std::uint32_t>(z) * 0xc2b2ae35u;
+        at[lane] = turned(lanes, lane, static_cast<float>(bits >> 8) * 0x1p-24f);
+    }
+    /// Of a lane's k-th ray, where the first of them are as even in time as all are.
+    static float kth(const GatherLanes& lanes, int lane, std::size_t k) {
+        return turned(lanes, lane, static_cast<float>(std::fmod(0.6180339887498949 * static_cast<double>(k), 1.0)));
+    }
+
+  private:
+    static float turned(const GatherLanes& lanes, int lane, float by) {
+        const float part = lanes.shadow_part[lane], sum = part + by;
+        return part < 0.0f ? scene::middle_time : sum - std::floor(sum);
+    }
+};
 
 /// The same, of a light.
 RENDER2MPEG_ALWAYS_INLINED void aim(const GatherLanes& lanes, LightType type, const TreeLight& light,

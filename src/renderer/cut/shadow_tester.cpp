@@ -13,6 +13,10 @@ namespace {
 /// of a hundredth of the pixel may be missed; with 16 one of a sixteenth, which a sun makes seen.
 constexpr int enough_places = 64;
 
+/// Rays from each place of a pixel over the time of the shutter, where what moves may hide a light. chosen: 4, which
+/// make 16 times with a pixel's four places, as many as samples that blur what is seen; not tuned.
+constexpr int times_of_place = 4;
+
 /// Bit i: the light could reach lane i.
 RENDER2MPEG_ALWAYS_INLINED std::uint32_t reached(const LightLanes& unit) {
     std::uint32_t lanes = 0;
@@ -41,11 +45,17 @@ void ShadowTester::choose_occluders() {
 
 RENDER2MPEG_CLONES
 void ShadowTester::trace(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp,
-                         LightContribution& contribution) {
+                         LightContribution& contribution, bool on_mover) {
     const GatherLanes& lanes = *lanes_;
     evaluate_light(lanes, type, light, spot, clamp, contribution.unit);
     ShadowPacket packet;
     aim(lanes, type, light, packet);
+    ShadowTimes times;
+    if (lanes.timed && !on_mover) {
+        for (int i = 0; i < lane_count; ++i)
+            times.set_for(lanes, i, light.position.x, light.position.y, light.position.z);
+        packet.times = times.at;
+    }
     packet.active = reached(contribution.unit);
     contribution.is_blocked = false;
     if (packet.active == 0) return;
@@ -78,18 +88,31 @@ struct ShadowTester::PlaceCounts {
     int asked[lane_count]{}, lit[lane_count]{};
     glm::vec3 passed[lane_count]{};
 
-    void add(int lane, bool reached, glm::vec3 passes) {
-        ++asked[lane];
+    /// `times`: as many rays as the one stands for.
+    void add(int lane, bool reached, glm::vec3 passes, int times = 1) {
+        asked[lane] += times;
         if (!reached) return;
-        ++lit[lane];
-        passed[lane] += passes;
+        lit[lane] += times;
+        passed[lane] += static_cast<float>(times) * passes;
     }
 };
+
+/// Lanes whose rays to a light may meet what moves while the shutter is open.
+std::uint32_t ShadowTester::swept(const ShadowPacket& packet, std::uint32_t active) const {
+    std::uint32_t lanes = 0;
+    for (int i = 0; i < lane_count; ++i) {
+        if ((active >> i & 1u) == 0 || lanes_->shadow_part[i] < 0.0f) continue;
+        const glm::vec3 origin{packet.origin_x[i], packet.origin_y[i], packet.origin_z[i]},
+            direction{packet.direction_x[i], packet.direction_y[i], packet.direction_z[i]};
+        lanes |= tracer_.may_meet_dynamic(origin, direction, packet.far[i]) ? 1u << i : 0u;
+    }
+    return lanes;
+}
 
 void ShadowTester::trace_from_places(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp,
                                      LightContribution& contribution) {
     const GatherLanes& lanes = *lanes_;
-    if (lanes.places == 1) {
+    if (lanes.places == 1 && !lanes.timed) {
         trace(type, light, spot, clamp, contribution);
         return;
     }
@@ -104,10 +127,7 @@ void ShadowTester::trace_from_places(LightType type, const TreeLight& light, con
                            packet);
         packet.active = 0;
         for (int i = 0; i < lane_count; ++i) packet.active |= place < lanes.own_places[i] ? active & 1u << i : 0u;
-        glm::vec3 passes[lane_count];
-        const std::uint32_t lit = reach(packet, passes);
-        for (int i = 0; i < lane_count; ++i)
-            if ((packet.active >> i & 1u) != 0) counts.add(i, (lit >> i & 1u) != 0, passes[i]);
+        trace_place(packet, place, counts);
     }
     for (int i = 0; i < lane_count; ++i)
         if (lanes.more_places[i] != nullptr && (active >> i & 1u) != 0)
@@ -123,9 +143,33 @@ void ShadowTester::trace_from_places(LightType type, const TreeLight& light, con
     }
 }
 
+/// One ray of each lane, or some over the time of the shutter where what moves may be in the way.
+void ShadowTester::trace_place(ShadowPacket& packet, int place, PlaceCounts& counts) {
+    const GatherLanes& lanes = *lanes_;
+    const std::uint32_t over_time = lanes.timed ? swept(packet, packet.active) : 0;
+    for (int turn = 0; turn < (over_time != 0 ? times_of_place : 1); ++turn) {
+        if (turn > 0) packet.active = over_time;
+        ShadowTimes times;
+        if (lanes.timed) {
+            for (int i = 0; i < lane_count; ++i)
+                times.set(lanes, i, place * times_of_place + turn, lanes.own_places[i] * times_of_place);
+            packet.times = times.at;
+        }
+        glm::vec3 passes[lane_count];
+        const std::uint32_t lit = reach(packet, passes);
+        for (int i = 0; i < lane_count; ++i) {
+            if ((packet.active >> i & 1u) == 0) continue;
+            // What nothing moving hides it sees at all times.
+            const bool at_all = lanes.timed && (over_time >> i & 1u) == 0;
+            counts.add(i, (lit >> i & 1u) != 0, passes[i], at_all ? times_of_place : 1);
+        }
+    }
+}
+
 /// Of one lane; stops where `enough_places` say the same.
 void ShadowTester::trace_further(LightType type, const TreeLight& light, const std::vector<glm::vec3>& places, int lane,
                                  PlaceCounts& counts) {
+    const int rays = lanes_->timed ? times_of_place : 1;  ///< that each stands for
     for (std::size_t first = 0; first < places.size(); first += lane_count) {
         const std::size_t size = std::min<std::size_t>(lane_count, places.size() - first);
         Vec3Lanes from;
@@ -137,11 +181,17 @@ void ShadowTester::trace_further(LightType type, const TreeLight& light, const s
         }
         ShadowPacket packet;
         aim<Aimed::at_one>(from, type, &light.position.x, &light.position.y, &light.position.z, packet);
+        ShadowTimes times;
+        if (lanes_->timed) {
+            for (std::size_t k = 0; k < lane_count; ++k) times.at[k] = ShadowTimes::kth(*lanes_, lane, first + k);
+            packet.times = times.at;
+        }
         packet.active = (1u << size) - 1u;
         glm::vec3 passes[lane_count];
         const std::uint32_t lit = reach(packet, passes);
-        for (std::size_t k = 0; k < size; ++k) counts.add(lane, (lit >> k & 1u) != 0, passes[k]);
-        if (counts.asked[lane] >= enough_places && (counts.lit[lane] == 0 || counts.lit[lane] == counts.asked[lane]))
+        for (std::size_t k = 0; k < size; ++k) counts.add(lane, (lit >> k & 1u) != 0, passes[k], rays);
+        if (counts.asked[lane] >= enough_places * rays &&
+            (counts.lit[lane] == 0 || counts.lit[lane] == counts.asked[lane]))
             return;
     }
 }

@@ -43,9 +43,10 @@ class ShadowTester {
     /// Looks for the occluders and dynamic objects that the following questions are held against.
     void choose_occluders();
 
-    /// Evaluates a light with the visibility of one shadow ray from each lane that it could reach.
+    /// Evaluates a light with the visibility of one shadow ray from each lane that it could reach. `on_mover`: it lies
+    /// on what moves, which would throw its shadow on it at other times than the shutter's middle.
     void trace(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp,
-               LightContribution& contribution);
+               LightContribution& contribution, bool on_mover = false);
 
     /// The same of a light that is gathered by itself: `unit` times the share of each lane's places that it reaches.
     /// `lit` and `unknown` say nothing then. Further places are asked 16 at a time.
@@ -73,6 +74,8 @@ class ShadowTester {
     struct PlaceCounts;
     void trace_further(LightType type, const TreeLight& light, const std::vector<glm::vec3>& places, int lane,
                        PlaceCounts& counts);
+    void trace_place(ShadowPacket& packet, int place, PlaceCounts& counts);
+    std::uint32_t swept(const ShadowPacket& packet, std::uint32_t active) const;
     std::uint32_t reach(const ShadowPacket& packet, glm::vec3* passes);
     void count(std::uint32_t active) { rays_ += static_cast<std::uint64_t>(__builtin_popcount(active)); }
 

@@ -124,15 +124,20 @@ bool EmbreeScene::is_still(std::uint32_t object) const {
 }
 
 /// The object's triangles, in Embree's own buffers: it reads some bytes past the end of shared ones.
-RTCGeometry EmbreeScene::new_triangles(const std::vector<glm::vec3>& positions, std::uint32_t object) const {
+RTCGeometry EmbreeScene::new_triangles(std::span<const std::vector<glm::vec3>* const> steps,
+                                       std::uint32_t object) const {
     const auto mesh = static_cast<std::size_t>(animation_.objects[object].mesh);
     const std::vector<glm::uvec3>& triangles = animation_.meshes[mesh].triangles;
     RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-    void* const vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                   sizeof(glm::vec3), positions.size());
+    rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(steps.size()));
+    for (unsigned k = 0; k < steps.size(); ++k) {
+        const std::vector<glm::vec3>& positions = *steps[k];
+        void* const vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, k, RTC_FORMAT_FLOAT3,
+                                                       sizeof(glm::vec3), positions.size());
+        if (vertices != nullptr) std::memcpy(vertices, positions.data(), positions.size() * sizeof(glm::vec3));
+    }
     void* const indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                                   sizeof(glm::uvec3), triangles.size());
-    if (vertices != nullptr) std::memcpy(vertices, positions.data(), positions.size() * sizeof(glm::vec3));
     if (indices != nullptr) std::memcpy(indices, triangles.data(), triangles.size() * sizeof(glm::uvec3));
     if (is_filtered(object)) rtcSetGeometryOccludedFilterFunction(geometry, filter_);
     rtcCommitGeometry(geometry);
@@ -212,12 +217,21 @@ std::vector<MiddleBox> EmbreeScene::dynamic_object_boxes() const {
         const glm::vec3 low{bounds.lower_x, bounds.lower_y, bounds.lower_z},
             high{bounds.upper_x, bounds.upper_y, bounds.upper_z};
         if (!(low.x <= high.x)) continue;
-        // The box about a box that is turned.
-        const glm::mat4& m = placed.own ? glm::mat4(1.0f) : placed.to_world;
-        const glm::vec3 half = 0.5f * (high - low);
-        boxes.push_back({glm::vec3(m * glm::vec4(0.5f * (low + high), 1.0f)), half.x * glm::abs(glm::vec3(m[0])) +
-                                                                                  half.y * glm::abs(glm::vec3(m[1])) +
-                                                                                  half.z * glm::abs(glm::vec3(m[2]))});
+        // The box about boxes that are turned.
+        const auto turned = [&](const glm::mat4& m) {
+            const glm::vec3 half = 0.5f * (high - low);
+            return MiddleBox{glm::vec3(m * glm::vec4(0.5f * (low + high), 1.0f)),
+                             half.x * glm::abs(glm::vec3(m[0])) + half.y * glm::abs(glm::vec3(m[1])) +
+                                 half.z * glm::abs(glm::vec3(m[2]))};
+        };
+        MiddleBox box = turned(placed.own ? glm::mat4(1.0f) : placed.to_world);
+        for (const glm::mat4& step : placed.steps) {
+            const MiddleBox other = turned(step);
+            const glm::vec3 least = glm::min(box.middle - box.half, other.middle - other.half),
+                            most = glm::max(box.middle + box.half, other.middle + other.half);
+            box = {0.5f * (least + most), 0.5f * (most - least)};
+        }
+        boxes.push_back(box);
     }
     return boxes;
 }
@@ -238,10 +252,10 @@ bool EmbreeScene::place(std::uint32_t object, const scene::Snapshot& snapshot) {
             changed = bake(object, state.to_world);
             break;
         case Kind::instanced:
-            changed = move_instance(object, state.to_world);
+            changed = move_instance(object, snapshot);
             break;
         case Kind::deforming:
-            changed = deform(object, snapshot.deformed[static_cast<std::size_t>(state.deformed)]);
+            changed = deform(object, snapshot);
             break;
     }
     if (!placed.present) rtcEnableGeometry(placed.geometry);
@@ -262,35 +276,69 @@ bool EmbreeScene::bake(std::uint32_t object, const glm::mat4& to_world) {
     return true;
 }
 
-bool EmbreeScene::move_instance(std::uint32_t object, const glm::mat4& to_world) {
+bool EmbreeScene::move_instance(std::uint32_t object, const scene::Snapshot& snapshot) {
     Placed& placed = placed_[object];
-    if (placed.geometry == nullptr)
+    const glm::mat4& to_world = snapshot.objects[object].to_world;
+    std::vector<glm::mat4> steps;
+    if (snapshot.sweep && snapshot.sweep->object_moves(object))
+        for (const scene::SweepKnot& knot : snapshot.sweep->knots) steps.push_back(knot.objects[object].to_world);
+    if (placed.geometry == nullptr || placed.steps.size() != steps.size()) {
+        if (placed.geometry != nullptr) rtcDetachGeometry(top_.get(), object);
         placed.geometry = new_instance(shared_mesh(object), object, is_still(object) ? copied_mask : dynamic_mask);
-    else if (placed.to_world == to_world)
+        rtcSetGeometryTimeStepCount(placed.geometry, static_cast<unsigned>(std::max<std::size_t>(steps.size(), 1)));
+    } else if (placed.to_world == to_world && placed.steps == steps) {
         return false;
-    rtcSetGeometryTransform(placed.geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &to_world[0][0]);
+    }
+    if (steps.empty()) rtcSetGeometryTransform(placed.geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &to_world[0][0]);
+    for (unsigned k = 0; k < steps.size(); ++k)
+        rtcSetGeometryTransform(placed.geometry, k, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &steps[k][0][0]);
     rtcCommitGeometry(placed.geometry);
     placed.to_world = to_world;
     placed.wound_normal = cofactors(to_world);
+    placed.steps = std::move(steps);
     return true;
 }
 
-bool EmbreeScene::deform(std::uint32_t object, const scene::DeformedMesh& mesh) {
+glm::vec3 EmbreeScene::swept_normal(const Placed& placed, glm::vec3 normal, float time) {
+    const scene::SweepPlace place(static_cast<int>(placed.steps.size()) - 1, time);
+    return cofactors((1.0f - place.share) * placed.steps[place.knot] + place.share * placed.steps[place.knot + 1]) *
+           normal;
+}
+
+bool EmbreeScene::deform(std::uint32_t object, const scene::Snapshot& snapshot) {
     Placed& placed = placed_[object];
-    if (placed.geometry == nullptr) {
-        placed.own = new_scene(false);
-        placed.triangles = new_triangles(mesh.positions, object);
+    const auto vertices_in = [&](const auto& posed) -> const std::vector<glm::vec3>& {
+        return posed.deformed[static_cast<std::size_t>(posed.objects[object].deformed)].positions;
+    };
+    std::vector<const std::vector<glm::vec3>*> steps;
+    if (snapshot.sweep && snapshot.sweep->object_moves(object))
+        for (const scene::SweepKnot& knot : snapshot.sweep->knots) steps.push_back(&vertices_in(knot));
+    else
+        steps.push_back(&vertices_in(snapshot));
+    if (placed.geometry == nullptr) placed.own = new_scene(false);
+    if (placed.geometry == nullptr || placed.vertex_steps != static_cast<int>(steps.size())) {
+        if (placed.geometry != nullptr) rtcDetachGeometry(placed.own.get(), 0);
+        placed.triangles = new_triangles(steps, object);
         rtcAttachGeometryByID(placed.own.get(), placed.triangles, 0);
         rtcReleaseGeometry(placed.triangles);
         rtcCommitScene(placed.own.get());
-        placed.geometry = new_instance(placed.own.get(), object, dynamic_mask);
+        placed.vertex_steps = static_cast<int>(steps.size());
+        if (placed.geometry == nullptr)
+            placed.geometry = new_instance(placed.own.get(), object, dynamic_mask);
+        else
+            rtcCommitGeometry(placed.geometry);
         return true;
     }
-    void* const vertices = rtcGetGeometryBufferData(placed.triangles, RTC_BUFFER_TYPE_VERTEX, 0);
-    const std::size_t bytes = mesh.positions.size() * sizeof(glm::vec3);
-    if (std::memcmp(vertices, mesh.positions.data(), bytes) == 0) return false;
-    std::memcpy(vertices, mesh.positions.data(), bytes);
-    rtcUpdateGeometryBuffer(placed.triangles, RTC_BUFFER_TYPE_VERTEX, 0);
+    bool changed = false;
+    for (unsigned k = 0; k < steps.size(); ++k) {
+        void* const vertices = rtcGetGeometryBufferData(placed.triangles, RTC_BUFFER_TYPE_VERTEX, k);
+        const std::size_t bytes = steps[k]->size() * sizeof(glm::vec3);
+        if (std::memcmp(vertices, steps[k]->data(), bytes) == 0) continue;
+        std::memcpy(vertices, steps[k]->data(), bytes);
+        rtcUpdateGeometryBuffer(placed.triangles, RTC_BUFFER_TYPE_VERTEX, k);
+        changed = true;
+    }
+    if (!changed) return false;
     rtcCommitGeometry(placed.triangles);
     rtcCommitScene(placed.own.get());
     rtcCommitGeometry(placed.geometry);

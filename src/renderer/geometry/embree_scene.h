@@ -76,14 +76,16 @@ class EmbreeScene {
     }
 
     /// An Embree normal in world space, along the triangle's winding there; any length.
-    glm::vec3 world_normal(std::uint32_t object, glm::vec3 normal) const {
-        return is_instanced(object) ? placed_[object].wound_normal * normal : normal;
+    glm::vec3 world_normal(std::uint32_t object, glm::vec3 normal, float time) const {
+        if (!is_instanced(object)) return normal;
+        return placed_[object].steps.empty() ? placed_[object].wound_normal * normal
+                                             : swept_normal(placed_[object], normal, time);
     }
 
     /// Whether a ray along `direction` meets the back of a triangle, whose normal in Embree's sense is this.
-    bool is_back(std::uint32_t object, glm::vec3 normal, glm::vec3 direction) const {
+    bool is_back(std::uint32_t object, glm::vec3 normal, glm::vec3 direction, float time) const {
         const bool mirrored = glm::determinant(glm::mat3(placed_[object].to_world)) < 0.0f;
-        return (glm::dot(world_normal(object, normal), direction) > 0.0f) != mirrored;
+        return (glm::dot(world_normal(object, normal, time), direction) > 0.0f) != mirrored;
     }
 
   private:
@@ -107,18 +109,26 @@ class EmbreeScene {
         Scene own;                           ///< deforming
         glm::mat4 to_world{0.0f};
         glm::mat3 wound_normal{1.0f};  ///< instanced: cofactors of to_world
+        std::vector<glm::mat4> steps;  ///< instanced: `to_world` evenly over the shutter; empty: it stays
+        int vertex_steps = 1;          ///< deforming: of `triangles`
     };
+    static glm::vec3 swept_normal(const Placed& placed, glm::vec3 normal, float time);
 
     Scene new_scene(bool instances) const;
     bool is_filtered(std::uint32_t object) const;
-    RTCGeometryTy* new_triangles(const std::vector<glm::vec3>& positions, std::uint32_t object) const;
+    /// `steps`: vertices evenly over the shutter, at least once.
+    RTCGeometryTy* new_triangles(std::span<const std::vector<glm::vec3>* const> steps, std::uint32_t object) const;
+    RTCGeometryTy* new_triangles(const std::vector<glm::vec3>& positions, std::uint32_t object) const {
+        const std::vector<glm::vec3>* const still[] = {&positions};
+        return new_triangles(still, object);
+    }
     RTCGeometryTy* new_instance(RTCSceneTy* of, unsigned id, unsigned mask) const;
     RTCSceneTy* shared_mesh(std::uint32_t object);
     bool is_still(std::uint32_t object) const;
     bool place(std::uint32_t object, const scene::Snapshot& snapshot);
     bool bake(std::uint32_t object, const glm::mat4& to_world);
-    bool move_instance(std::uint32_t object, const glm::mat4& to_world);
-    bool deform(std::uint32_t object, const scene::DeformedMesh& mesh);
+    bool move_instance(std::uint32_t object, const scene::Snapshot& snapshot);
+    bool deform(std::uint32_t object, const scene::Snapshot& snapshot);
     void check(const char* doing);
 
     const scene::Animation& animation_;

@@ -35,9 +35,9 @@ struct TieContext {
 };
 
 /// What wins is less: a front before a back, which a thin body has in one place with it; then the lowest id.
-auto rank(const EmbreeScene& scene, const Hit& hit, glm::vec3 direction) {
-    return std::tuple(scene.is_back(hit.address.object, hit.geometric_normal, direction), hit.address.object,
-                      hit.address.primitive);
+auto rank(const EmbreeScene& scene, const Hit& hit, const RayQuery& query) {
+    return std::tuple(scene.is_back(hit.address.object, hit.geometric_normal, query.direction, query.time),
+                      hit.address.object, hit.address.primitive);
 }
 
 /// Remembers which of all surfaces that a ray meets wins, and refuses every hit so that all are seen.
@@ -57,8 +57,8 @@ void take_lowest(const RTCFilterFunctionNArguments* arguments) {
         const Hit other{address,
                         RTCRayN_tfar(arguments->ray, n, i),
                         {RTCHitN_Ng_x(hit, n, i), RTCHitN_Ng_y(hit, n, i), RTCHitN_Ng_z(hit, n, i)}};
-        const glm::vec3 direction = context.queries[ray].direction;
-        if (rank(*context.scene, other, direction) < rank(*context.scene, best, direction)) best = other;
+        const RayQuery& query = context.queries[ray];
+        if (rank(*context.scene, other, query) < rank(*context.scene, best, query)) best = other;
     }
 }
 
@@ -94,7 +94,8 @@ class HitPacket {
         trace(ties.embree);
         for (std::size_t i = 0; i < queries_.size(); ++i) {
             if (!hits[i].found()) continue;
-            hits[i].geometric_normal = scene_.world_normal(hits[i].address.object, hits[i].geometric_normal);
+            hits[i].geometric_normal =
+                scene_.world_normal(hits[i].address.object, hits[i].geometric_normal, queries_[i].time);
         }
     }
 
@@ -105,7 +106,7 @@ class HitPacket {
         ray.dir_x[i] = query.direction.x, ray.dir_y[i] = query.direction.y, ray.dir_z[i] = query.direction.z;
         ray.tnear[i] = near;
         ray.tfar[i] = far;
-        ray.time[i] = 0.0f;
+        ray.time[i] = query.time;
         ray.mask[i] = 0xffffffffu;
         ray.id[i] = static_cast<unsigned>(i);
         ray.flags[i] = 0;
@@ -159,6 +160,7 @@ RTCRay ray_of(const RayQuery& query, float near, float far) {
     ray.dir_x = query.direction.x, ray.dir_y = query.direction.y, ray.dir_z = query.direction.z;
     ray.tnear = near;
     ray.tfar = far;
+    ray.time = query.time;
     ray.mask = 0xffffffffu;
     return ray;
 }
@@ -180,7 +182,7 @@ Hit nearest_hit(const EmbreeScene& scene, const RayQuery& query) {
     begin(ties, scene, &query, &hit);
     RTCRayHit again = unanswered(query, t * (1.0f - coplanar), std::min(query.far, t * (1.0f + coplanar)));
     rtcIntersect1(scene.root(), &ties.embree, &again);
-    hit.geometric_normal = scene.world_normal(hit.address.object, hit.geometric_normal);
+    hit.geometric_normal = scene.world_normal(hit.address.object, hit.geometric_normal, query.time);
     return hit;
 }
 

@@ -78,7 +78,7 @@ bool load(const ShadowPacket& packet, RTCRay16& rays, int* valid) {
         rays.dir_z[i] = traced ? packet.direction_z[i] : 0.0f;
         rays.tnear[i] = 0.0f;
         rays.tfar[i] = traced ? packet.far[i] : 0.0f;
-        rays.time[i] = 0.0f;
+        rays.time[i] = traced && packet.times != nullptr ? packet.times[i] : scene::middle_time;
         rays.mask[i] = 0xffffffffu;
         rays.id[i] = static_cast<unsigned>(i);
         rays.flags[i] = 0;
@@ -248,8 +248,8 @@ bool RayTracer::is_instanced(std::uint32_t object) const {
     return impl_->scene.is_instanced(object);
 }
 
-Hit RayTracer::nearest(glm::vec3 origin, glm::vec3 direction, float far) const {
-    return nearest_hit(impl_->scene, {origin, direction, far});
+Hit RayTracer::nearest(glm::vec3 origin, glm::vec3 direction, float far, float time) const {
+    return nearest_hit(impl_->scene, {origin, direction, far, time});
 }
 
 void RayTracer::nearest(std::span<const RayQuery> rays, std::span<Hit> hits) const {

@@ -9,7 +9,7 @@
 
 #include "core/isa.h"
 #include "core/surface_address.h"
-#include "scene/pose/snapshot.h"
+#include "scene/pose/sweep.h"
 
 namespace render2mpeg::renderer {
 
@@ -20,6 +20,7 @@ struct MiddleBox;
 struct RayQuery {
     glm::vec3 origin{0}, direction{0, 0, -1};
     float far = 0;
+    float time = scene::middle_time;  ///< of the shutter, 0..1
 };
 
 /// What a ray meets. The normal is that of the triangle as it is wound, not turned to the ray, not normalised.
@@ -35,7 +36,8 @@ struct alignas(64) ShadowPacket {
     float origin_x[16], origin_y[16], origin_z[16];           ///< already moved off their surfaces (offset_origin)
     float direction_x[16], direction_y[16], direction_z[16];  ///< need not be unit
     float far[16];                                            ///< end of the ray in units of the direction's length
-    std::uint32_t active = 0;  ///< bit i: ray i is asked for; the others' values do not matter
+    std::uint32_t active = 0;      ///< bit i: ray i is asked for; the others' values do not matter
+    const float* times = nullptr;  ///< of the shutter, of sixteen rays; null: all of its middle
 };
 
 /// The only class that knows Embree. Non-finite rays are answered as misses (Debian's Embree aborts on them); the scene
@@ -55,14 +57,15 @@ class RayTracer {
     ~RayTracer();
     RayTracer(RayTracer&&) noexcept;
 
-    /// Moves everything to where it is in the snapshot; cheap for what has not moved since the last call. Before the
-    /// first call every ray misses. Not to be called while rays are traced.
+    /// Moves everything to where it is in the snapshot and while its shutter is open; cheap for what has not moved
+    /// since the last call. Before the first call every ray misses. Not to be called while rays are traced.
     void pose(const scene::Snapshot& snapshot);
 
     /// The nearest surface at a distance in (0, far), translucent ones included. Of surfaces that lie in one plane
     /// (within 2^-19 of the distance) a front wins over a back, then the lowest object, then primitive, so that they do
     /// not flicker.
-    Hit nearest(glm::vec3 origin, glm::vec3 direction, float far) const;
+    /// `time`: of the shutter; all other questions are about its middle.
+    Hit nearest(glm::vec3 origin, glm::vec3 direction, float far, float time = scene::middle_time) const;
 
     /// The same for many rays, as many as `hits`; for less than half of the price where sixteen in a row are
     /// neighbours.

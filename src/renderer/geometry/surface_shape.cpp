@@ -20,10 +20,8 @@ T mix3(const std::vector<T>& values, glm::uvec3 corners, glm::vec3 weights) {
     return weights.x * values[corners.x] + weights.y * values[corners.y] + weights.z * values[corners.z];
 }
 
-const std::vector<glm::vec3>& normals_of(const scene::Snapshot& snapshot, std::uint32_t object,
-                                         const scene::Mesh& mesh) {
-    const int deformed = snapshot.objects[object].deformed;
-    return deformed >= 0 ? snapshot.deformed[static_cast<std::size_t>(deformed)].normals : mesh.normals;
+scene::Triangle triangle_of(const ObjectInstant& object, glm::uvec3 corners) {
+    return {object.position(corners.x), object.position(corners.y), object.position(corners.z)};
 }
 
 /// The footprint's edge as a change of barycentrics: least squares over the triangle's plane, 0 for triangles without
@@ -89,28 +87,23 @@ float distortion_of(const glm::mat4& m) {
     return core::divide_or(high, low, 1.0f);
 }
 
-glm::vec3 smooth_normal_at(const scene::Snapshot& snapshot, std::uint32_t object, const SurfaceShape& shape, float u,
-                           float v) {
-    const std::vector<glm::vec3>& normals = normals_of(snapshot, object, *shape.mesh);
-    if (normals.empty()) return shape.front_normal;
-    const glm::vec3 mixed = mix3(normals, shape.corners, {1.0f - u - v, u, v});
-    const scene::ObjectState& state = snapshot.objects[object];
-    const glm::vec3 world = state.deformed >= 0 ? mixed : state.normal_to_world * mixed;
+glm::vec3 smooth_normal_at(const ObjectInstant& object, const SurfaceShape& shape, float u, float v) {
+    if (!object.has_normals()) return shape.front_normal;
+    const glm::uvec3 c = shape.corners;
+    const glm::vec3 mixed = (1.0f - u - v) * object.normal(c.x) + u * object.normal(c.y) + v * object.normal(c.z);
+    const glm::vec3 world = object.deforms() ? mixed : object.state().normal_to_world * mixed;
     const glm::vec3 normal = core::normalize_or(world, shape.front_normal);
     // Normals on the wrong side come from files that are wrong; the triangle's own is right.
     return glm::dot(normal, shape.front_normal) > 0.0f ? normal : shape.front_normal;
 }
 
-SurfaceShape shape_at(const scene::Snapshot& snapshot, const core::SurfaceAddress& address,
+SurfaceShape shape_at(const ObjectInstant& object, const core::SurfaceAddress& address,
                       const SurfaceFootprint& footprint, bool instanced) {
-    const scene::Animation& animation = *snapshot.animation;
-    const scene::ObjectState& state = snapshot.objects[address.object];
-    const auto mesh = static_cast<std::size_t>(animation.objects[address.object].mesh);
-    const scene::Triangle triangle = scene::triangle_of(snapshot, address.object, address.primitive);
-
+    const scene::ObjectState& state = object.state();
     SurfaceShape shape;
-    shape.mesh = &animation.meshes[mesh];
+    shape.mesh = &object.mesh();
     shape.corners = shape.mesh->triangles[address.primitive];
+    const scene::Triangle triangle = triangle_of(object, shape.corners);
     shape.weights = {1.0f - address.u - address.v, address.u, address.v};
     shape.edge1 = triangle.b - triangle.a;
     shape.edge2 = triangle.c - triangle.a;
@@ -119,7 +112,7 @@ SurfaceShape shape_at(const scene::Snapshot& snapshot, const core::SurfaceAddres
     const bool mirrored = state.deformed < 0 && glm::determinant(glm::mat3(state.to_world)) < 0.0f;
     const glm::vec3 wound = glm::cross(shape.edge1, shape.edge2);
     shape.front_normal = core::normalize_or(mirrored ? -wound : wound, {0, 0, 1});
-    shape.smooth_normal = smooth_normal_at(snapshot, address.object, shape, address.u, address.v);
+    shape.smooth_normal = smooth_normal_at(object, shape, address.u, address.v);
     shape.position_error = error_at(shape, triangle, state, instanced);
     const glm::vec3 inside =
         off_edges(shape.weights, shape,
@@ -138,24 +131,23 @@ SurfaceShape shape_at(const scene::Snapshot& snapshot, const core::SurfaceAddres
 /// After [Hanika2021], for triangles whose normals can be meant. Changed: half of the lift, which is the curved surface
 /// to second order (the whole lies as far above that again); and the surface has a normal too, that of shading, which
 /// takes the triangle's place in deciding what light comes from behind.
-SmoothSurface smooth_surface_at(const scene::Snapshot& snapshot, std::uint32_t object, const SurfaceShape& shape,
-                                bool back_side) {
+SmoothSurface smooth_surface_at(const ObjectInstant& object, const SurfaceShape& shape, bool back_side) {
     // Normals of coarse meshes stand off their triangles; those that do by more, as of a box with the normals of a
     // ball, stand for no surface. chosen: 30 degrees, as of spheres of 8 segments around, fading out to 45.
     constexpr float meant = 0.866f, senseless = 0.707f;
-    const std::vector<glm::vec3>& normals = normals_of(snapshot, object, *shape.mesh);
-    if (normals.empty()) return {};
+    if (!object.has_normals()) return {};
     const glm::uvec3 c = shape.corners;
-    if (normals[c.x] == normals[c.y] && normals[c.y] == normals[c.z]) return {};
-    const scene::ObjectState& state = snapshot.objects[object];
+    const glm::vec3 normals[3] = {object.normal(c.x), object.normal(c.y), object.normal(c.z)};
+    if (normals[0] == normals[1] && normals[1] == normals[2]) return {};
+    const scene::ObjectState& state = object.state();
     const float side = back_side ? -1.0f : 1.0f;
     const glm::vec3 first = shape.position - shape.weights.y * shape.edge1 - shape.weights.z * shape.edge2;
     const glm::vec3 corner[3] = {first, first + shape.edge1, first + shape.edge2};
     SmoothSurface smooth;
     float least = 1.0f;
     for (int k = 0; k < 3; ++k) {
-        const glm::vec3& own = normals[c[k]];
-        const glm::vec3 world = state.deformed >= 0 ? own : state.normal_to_world * own;
+        const glm::vec3& own = normals[k];
+        const glm::vec3 world = object.deforms() ? own : state.normal_to_world * own;
         const glm::vec3 normal = side * core::normalize_or(world, shape.front_normal);
         least = std::min(least, side * glm::dot(normal, shape.front_normal));
         // Move onto the corner's tangent plane where that lies above, and mix the three places.
@@ -187,14 +179,13 @@ TextureSite site_of(const SurfaceShape& shape, const scene::TextureUse& use) {
     return site;
 }
 
-bool tangents_of(const scene::Snapshot& snapshot, std::uint32_t object, const SurfaceShape& shape,
-                 const scene::TextureUse& use, glm::vec3& right, glm::vec3& up) {
+bool tangents_of(const ObjectInstant& object, const SurfaceShape& shape, const scene::TextureUse& use, glm::vec3& right,
+                 glm::vec3& up) {
     // Take the mesh's own tangents where its vertices have not moved among themselves.
     const glm::vec3 n = shape.smooth_normal;
-    const scene::ObjectState& state = snapshot.objects[object];
-    if (!shape.mesh->tangents.empty() && state.deformed < 0) {
+    if (!shape.mesh->tangents.empty() && !object.deforms()) {
         const glm::vec4 t = mix3(shape.mesh->tangents, shape.corners, shape.weights);
-        const glm::mat3 turn(state.to_world);
+        const glm::mat3 turn(object.state().to_world);
         const float mirror = glm::determinant(turn) < 0.0f ? -1.0f : 1.0f;
         const glm::vec3 along = turn * glm::vec3(t);
         right = core::normalize_or(along - glm::dot(along, n) * n, glm::vec3{0.0f});

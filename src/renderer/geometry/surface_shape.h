@@ -4,12 +4,12 @@
 
 #include "core/surface_address.h"
 #include "image/texture.h"
+#include "renderer/geometry/object_instant.h"
 #include "renderer/geometry/surface_footprint.h"
-#include "scene/pose/snapshot.h"
 
 namespace render2mpeg::renderer {
 
-/// The geometry of a surface about one point, at the instant of a snapshot. Normals are on the side of the triangle's
+/// The geometry of a surface about one point, at one instant. Normals are on the side of the triangle's
 /// front: the side from which it runs counter-clockwise, or clockwise where a transform mirrors it [glTF2, 3.7.4].
 struct SurfaceShape {
     const scene::Mesh* mesh = nullptr;
@@ -29,12 +29,11 @@ struct SurfaceShape {
 float distortion_of(const glm::mat4& m);
 
 /// `instanced`: rays meet the object through a transform of its own (RayTracer::is_instanced).
-SurfaceShape shape_at(const scene::Snapshot& snapshot, const core::SurfaceAddress& address,
+SurfaceShape shape_at(const ObjectInstant& object, const core::SurfaceAddress& address,
                       const SurfaceFootprint& footprint, bool instanced);
 
 /// The normal that smooth shading interpolates at weights (1 - u - v, u, v), which may lie outside the triangle.
-glm::vec3 smooth_normal_at(const scene::Snapshot& snapshot, std::uint32_t object, const SurfaceShape& shape, float u,
-                           float v);
+glm::vec3 smooth_normal_at(const ObjectInstant& object, const SurfaceShape& shape, float u, float v);
 
 /// The smooth surface that a mesh with interpolated normals stands for, as seen from a point of its triangle. Shadow
 /// rays start there and light reaches what lies before it, so that shadows of a surface on itself end where its shading
@@ -45,8 +44,7 @@ struct SmoothSurface {
 };
 
 /// `back_side`: as seen from behind the triangle's front.
-SmoothSurface smooth_surface_at(const scene::Snapshot& snapshot, std::uint32_t object, const SurfaceShape& shape,
-                                bool back_side);
+SmoothSurface smooth_surface_at(const ObjectInstant& object, const SurfaceShape& shape, bool back_side);
 
 /// Where and how widely a texture is looked up.
 struct TextureSite {
@@ -57,8 +55,8 @@ TextureSite site_of(const SurfaceShape& shape, const scene::TextureUse& use);
 
 /// The directions in the surface in which a texture's image runs right and up, at right angles to the smooth normal;
 /// false where the texture coordinates do not say [glTF2, 3.7.2.1].
-bool tangents_of(const scene::Snapshot& snapshot, std::uint32_t object, const SurfaceShape& shape,
-                 const scene::TextureUse& use, glm::vec3& right, glm::vec3& up);
+bool tangents_of(const ObjectInstant& object, const SurfaceShape& shape, const scene::TextureUse& use, glm::vec3& right,
+                 glm::vec3& up);
 
 /// Vertex colour at the point; white where the mesh has none.
 glm::vec4 vertex_color(const SurfaceShape& shape);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/visible.h"
@@ -39,6 +40,9 @@ struct GatherPoint {
     /// edges within pixels.
     std::array<glm::vec3, most_other_places> elsewhere{};
     std::uint8_t others = 0;
+    /// When its shadow rays leave: 0 in the middle of the shutter; else in strata of its time, each in the same one of
+    /// 16 parts, this less one: where what moves may throw shadows on what does not.
+    std::uint8_t shadow_part = 0;
     /// Further places; null: none. Only where contrast is high (look_closer.h).
     std::shared_ptr<const std::vector<glm::vec3>> more_places{};
 
@@ -58,6 +62,32 @@ using MovedPoints = std::vector<std::vector<MovedPoint>>;
 /// All gather points of one 16x16 tile, by pixel in raster order.
 using GatherTile = std::vector<GatherPoint>;
 
+/// What one gather point gives one pixel that is exposed.
+struct Contribution {
+    std::uint32_t point = 0;  ///< of all points of the frame: Exposure::first_point of its tile and its place there
+    glm::vec3 weight{0};      ///< share of the pixel x what mirrors, glass and layers let through, summed over samples
+    glm::vec3 diffuse{0};     ///< the same times each sample's own diffuse reflectance: textures are the samples' own
+};
+
+/// How points give light to the pixels that the shutter or the lens blurs (docs/model/exposure.md). Light is gathered
+/// once for a surface point, in the middle of the shutter's time; where it goes is sampled.
+struct Exposure {
+    core::Plane<std::uint8_t> exposed;  ///< 1: the pixel is the sum of its contributions and `emitted`
+    std::vector<std::vector<Contribution>> contributions;  ///< by tile, by pixel in raster order
+    std::vector<std::vector<std::uint32_t>> starts;  ///< by tile: where each of its pixels' begin, and the end; or none
+    core::Plane<glm::vec3> emitted, emitted_specular;  ///< as Seen's, of exposed pixels
+    std::vector<std::uint32_t> first_point;            ///< by tile: points of all tiles before it; one more: of all
+    std::vector<glm::vec3> lobe_light;  ///< by point of the frame: radiance that lobe rays found; empty without them
+
+    bool is_exposed(std::size_t tile) const { return !starts[tile].empty(); }
+    /// Of a pixel of a tile that has any: GatherPoint::pixel.
+    std::span<const Contribution> of_pixel(std::size_t tile, int pixel) const {
+        const std::vector<std::uint32_t>& s = starts[tile];
+        const auto p = static_cast<std::size_t>(pixel);
+        return std::span(contributions[tile]).subspan(s[p], s[p + 1] - s[p]);
+    }
+};
+
 /// What `see` finds in one frame: what is kept for other frames, and what this frame's `shade` consumes.
 struct Seen {
     core::Visible visible;
@@ -66,6 +96,7 @@ struct Seen {
     core::Plane<glm::vec3> emitted_specular;  ///< the part of `emitted` seen by mirrors or glass; empty without them
     core::Plane<glm::vec3> emitted_glossy{};  ///< the rest that lobe rays brought; empty without them
     core::Plane<std::uint16_t> samples{};     ///< eye samples of each pixel; empty where all have SeeSettings::samples
+    std::shared_ptr<const Exposure> exposure{};  ///< null: no pixel is blurred
     int tiles_across() const { return (visible.width() + tile_size - 1) / tile_size; }
 };
 

@@ -51,9 +51,13 @@ struct PosedScene::Impl {
         return static_cast<std::uint32_t>(animation.objects[object].material);
     }
 
-    SurfaceShape shape(const core::SurfaceAddress& address, const SurfaceFootprint& footprint) const {
+    SurfaceShape shape(const ObjectInstant& object, const core::SurfaceAddress& address,
+                       const SurfaceFootprint& footprint) const {
         EXPECTS_DEBUG(snapshot != nullptr && address.object < animation.objects.size());
-        return shape_at(*snapshot, address, footprint, tracer.is_instanced(address.object));
+        return renderer::shape_at(object, address, footprint, tracer.is_instanced(address.object));
+    }
+    SurfaceShape shape(const core::SurfaceAddress& address, const SurfaceFootprint& footprint) const {
+        return shape(ObjectInstant(*snapshot, address.object), address, footprint);
     }
 
     /// Between a ray and the normal that is interpolated, whatever its side; 1 where there is none.
@@ -128,8 +132,9 @@ const image::SkyMap* PosedScene::sky() const {
 }
 
 SurfacePoint PosedScene::surface_at(const core::SurfaceAddress& address, glm::vec3 outgoing,
-                                    const SurfaceFootprint& footprint) const {
-    const SurfaceShape shape = impl_->shape(address, footprint);
+                                    const SurfaceFootprint& footprint, float time) const {
+    const ObjectInstant object(*impl_->snapshot, address.object, time);
+    const SurfaceShape shape = impl_->shape(object, address, footprint);
     SurfacePoint point;
     point.address = address;
     point.material = impl_->material_of(address.object);
@@ -138,8 +143,8 @@ SurfacePoint PosedScene::surface_at(const core::SurfaceAddress& address, glm::ve
     point.outgoing = outgoing;
     point.back_side = glm::dot(shape.front_normal, outgoing) < 0.0f;
     point.geometric_normal = point.back_side ? -shape.front_normal : shape.front_normal;
-    point.smooth = smooth_surface_at(*impl_->snapshot, address.object, shape, point.back_side);
-    impl_->materials.fill(point, shape, *impl_->snapshot);
+    point.smooth = smooth_surface_at(object, shape, point.back_side);
+    impl_->materials.fill(point, shape, object);
     return point;
 }
 
@@ -150,6 +155,10 @@ SurfacePoint PosedScene::other_side(const SurfacePoint& point, const SurfaceFoot
     other.bsdf.diffuse = point.bsdf.diffuse_transmission;
     other.emission = glm::vec3{0.0f};
     return other;
+}
+
+SurfaceShape PosedScene::shape_at(const core::SurfaceAddress& address, float time) const {
+    return impl_->shape(ObjectInstant(*impl_->snapshot, address.object, time), address, {});
 }
 
 glm::vec3 PosedScene::transmittance_at(const core::SurfaceAddress& address, glm::vec3 direction) const {
@@ -185,14 +194,14 @@ glm::vec3 PosedScene::mean_emission(std::uint32_t object, std::uint32_t primitiv
     return factor * sum / static_cast<float>(split * split);
 }
 
-SurfaceFootprint PosedScene::normal_change(const core::SurfaceAddress& address,
-                                           const SurfaceFootprint& footprint) const {
-    const SurfaceShape shape = impl_->shape(address, footprint);
+SurfaceFootprint PosedScene::normal_change(const core::SurfaceAddress& address, const SurfaceFootprint& footprint,
+                                           float time) const {
+    const ObjectInstant object(*impl_->snapshot, address.object, time);
+    const SurfaceShape shape = impl_->shape(object, address, footprint);
     const auto change = [&](glm::vec2 d) {
         // Beyond the triangle's neighbours its own curvature says nothing.
         const glm::vec2 step = glm::clamp(d, glm::vec2{-1.0f}, glm::vec2{1.0f});
-        return smooth_normal_at(*impl_->snapshot, address.object, shape, address.u + step.x, address.v + step.y) -
-               shape.smooth_normal;
+        return smooth_normal_at(object, shape, address.u + step.x, address.v + step.y) - shape.smooth_normal;
     };
     return {change(shape.barycentric_dx), change(shape.barycentric_dy)};
 }

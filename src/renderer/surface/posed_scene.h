@@ -39,8 +39,12 @@ class PosedScene {
     /// Emission leaves the front (the side from which the winding runs counter-clockwise, mirrored transforms
     /// included), and the back as well where the material is double-sided: emissive light points must keep the same
     /// rule (`front_normal`).
+    /// `time`: of the shutter (scene::Sweep).
     SurfacePoint surface_at(const core::SurfaceAddress& address, glm::vec3 outgoing,
-                            const SurfaceFootprint& footprint = {}) const;
+                            const SurfaceFootprint& footprint = {}, float time = scene::middle_time) const;
+
+    /// The geometry of a surface alone.
+    SurfaceShape shape_at(const core::SurfaceAddress& address, float time) const;
 
     /// The same place of a surface that lets diffuse light through, as light meets it from the other side: a Lambert
     /// surface of that transmittance, seen from the mirrored direction, without emission.
@@ -59,7 +63,8 @@ class PosedScene {
 
     /// How the unit normal that smooth shading interpolates changes over a footprint: `dx`, `dy` are differences of
     /// normals, 0 on flat triangles. On the side of the triangle's front.
-    SurfaceFootprint normal_change(const core::SurfaceAddress& address, const SurfaceFootprint& footprint) const;
+    SurfaceFootprint normal_change(const core::SurfaceAddress& address, const SurfaceFootprint& footprint,
+                                   float time = scene::middle_time) const;
 
     /// What is seen where there is no surface, and its light; null where the plan wants neither.
     const image::SkyMap* sky() const;

@@ -187,20 +187,20 @@ glm::vec3 SurfaceMaterials::transmittance_at(std::uint32_t material, const Surfa
                                            interface.f90, cosine);
 }
 
-void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot) const {
+void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object) const {
     const std::uint32_t material = point.material;
     const scene::Material& m = animation_.materials[material];
     const glm::vec4 base = base_color_at(material, shape, snapshot);
     point.alpha = coverage(material, shape, base.a);
     point.unlit = m.unlit;
     float variance = 0.0f;
-    bend_normal(point, shape, snapshot, variance);
+    bend_normal(point, shape, object, variance);
     if (m.unlit) {
         point.emission = glm::max(glm::vec3(base), glm::vec3{0.0f});
         return;
     }
     if (!point.back_side || m.double_sided)
-        point.emission = snapshot.emission_factor[material] * emission_at(material, shape);
+        point.emission = object.snapshot().emission_factor[material] * emission_at(material, shape);
     const float cosine = glm::dot(point.shading_normal, point.outgoing);
     const glm::vec3 color = unit_range(glm::vec3(base));
     Detail detail;
@@ -214,13 +214,13 @@ void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, cons
 }
 
 /// Applies the normal map, and turns everything to the viewer. `variance`: of the map's slopes within the footprint.
-void SurfaceMaterials::bend_normal(SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot,
+void SurfaceMaterials::bend_normal(SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object,
                                    float& variance) const {
     glm::vec3 normal = shape.smooth_normal;
     const scene::Material& m = animation_.materials[point.material];
     glm::vec3 right, up;
     if (const image::Texture* map = textures_.of(point.material, TextureRole::normal);
-        map != nullptr && tangents_of(snapshot, point.address.object, shape, m.normal_texture, right, up)) {
+        map != nullptr && tangents_of(object, shape, m.normal_texture, right, up)) {
         const TextureSite site = site_of(shape, m.normal_texture);
         const glm::vec3 mean = 2.0f * glm::vec3(map->sample(site.uv, site.footprint)) - 1.0f;
         const glm::vec3 bent = m.normal_scale * (mean.x * right + mean.y * up) + mean.z * normal;

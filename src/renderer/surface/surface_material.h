@@ -14,7 +14,7 @@ class SurfaceMaterials {
 
     /// Fills in normals, bsdf, emission, alpha and unlit of a point whose geometry (`shape`, `outgoing`, `back_side`,
     /// geometric normal) is known.
-    void fill(SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot) const;
+    void fill(SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object) const;
 
     /// Light of the front, textured, without the animated factor; 0 for unlit materials.
     glm::vec3 emission_at(std::uint32_t material, const SurfaceShape& shape) const;
@@ -35,7 +35,7 @@ class SurfaceMaterials {
     glm::vec4 base_color_at(std::uint32_t material, const SurfaceShape& shape, const scene::Snapshot& snapshot) const;
     float coverage(std::uint32_t material, const SurfaceShape& shape, float base_alpha) const;
     float transmission_at(std::uint32_t material, const SurfaceShape& shape) const;
-    void bend_normal(SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot,
+    void bend_normal(SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object,
                      float& variance) const;
     /// What a dielectric interface reflects at normal and at grazing incidence [KHR_materials_specular].
     struct Dielectric {

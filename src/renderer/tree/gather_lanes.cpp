@@ -64,6 +64,8 @@ void fill(GatherLanes& lanes, std::span<const GatherPoint* const> points) {
     lanes.stretched = false;
     for (const GatherPoint* point : points)
         lanes.stretched = lanes.stretched || (point->point.bsdf.has_glossy() && point->point.bsdf.is_stretched());
+    lanes.timed = false;
+    for (const GatherPoint* point : points) lanes.timed = lanes.timed || point->shadow_part != 0;
     lanes.places = 1;
     for (const GatherPoint* point : points) lanes.places = std::max(lanes.places, 1 + point->others);
     for (int i = 0; i < lane_count; ++i) {
@@ -81,6 +83,9 @@ void fill(GatherLanes& lanes, std::span<const GatherPoint* const> points) {
             const int other = k % (1 + point.others);
             set(lanes.elsewhere[k - 1], i, other == 0 ? origin : point.elsewhere[static_cast<std::size_t>(other - 1)]);
         }
+        if (lanes.timed)
+            lanes.shadow_part[i] =
+                point.shadow_part == 0 ? -1.0f : (static_cast<float>(point.shadow_part) - 0.5f) / 16.0f;
         set(lanes.geometric, i, used ? p.geometric_normal + p.smooth.tilt : glm::vec3(0));
         set_frame(lanes.normal, i, p.shading_normal);
         if (!used) set(lanes.normal.axis, i, glm::vec3(0));

@@ -43,6 +43,8 @@ struct alignas(64) GatherLanes {
     Vec3Lanes elsewhere[most_other_places];
     int own_places[lane_count];                             ///< origins that do not repeat
     const std::vector<glm::vec3>* more_places[lane_count];  ///< GatherPoint::more_places, of a point that lives on
+    bool timed = false;  ///< some lane's shadow rays leave while the shutter is open, not all in its middle
+    Lanes shadow_part;  ///< where within strata of the shutter's time, 0..1; below 0: in its middle. Unset if not timed
     Vec3Lanes geometric;       ///< the smooth surface's normal: light from behind it is none
     FrameLanes normal;         ///< shading normal
     Vec3Lanes diffuse_weight;  ///< luminance that one unit of irradiance gives the pixel: luminance weights x share x

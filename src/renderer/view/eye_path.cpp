@@ -52,10 +52,13 @@ SurfaceFootprint EyeRay::footprint_at(float distance, glm::vec3 normal) const {
             moved_in_plane(origin_change.dy + distance * direction_change.dy, direction, normal)};
 }
 
-EyeRay eye_ray(const scene::Camera& camera, glm::vec2 position, float spacing, float& far) {
-    const scene::Ray middle = camera.ray_through(position);
-    const scene::Ray right = camera.ray_through(position + glm::vec2{spacing, 0.0f});
-    const scene::Ray below = camera.ray_through(position + glm::vec2{0.0f, spacing});
+EyeRay eye_ray(const scene::Camera& camera, glm::vec2 position, float spacing, float& far, glm::vec2 lens) {
+    const auto through = [&](glm::vec2 p) {
+        return lens == glm::vec2{0.0f} ? camera.ray_through(p) : camera.ray_through(p, lens);
+    };
+    const scene::Ray middle = through(position);
+    const scene::Ray right = through(position + glm::vec2{spacing, 0.0f});
+    const scene::Ray below = through(position + glm::vec2{0.0f, spacing});
     EyeRay ray;
     ray.origin = middle.origin;
     ray.direction = middle.direction;
@@ -102,7 +105,7 @@ void EyePaths::look(const EyeRay& ray, float far, const Hit& first, EyeSample& s
 }
 
 Hit EyePaths::meet(const PathState& path) const {
-    return posed_scene_.tracer().nearest(path.ray.origin, path.ray.direction, path.far);
+    return posed_scene_.tracer().nearest(path.ray.origin, path.ray.direction, path.far, path.ray.time);
 }
 
 void EyePaths::see_sky(const PathState& path, EyeSample& sample) const {
@@ -131,7 +134,7 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
         const SurfaceFootprint footprint = path.ray.footprint_at(hit.distance, plane);
         Fragment fragment;
         SurfacePoint& point = fragment.point;
-        point = posed_scene_.surface_at(hit.address, -path.ray.direction, footprint);
+        point = posed_scene_.surface_at(hit.address, -path.ray.direction, footprint, path.ray.time);
 
         // Take what the layer shows.
         glm::vec3 passing = path.weight;
@@ -181,10 +184,11 @@ void EyePaths::mirror(const PathState& path, const Fragment& fragment, const Sur
     next.ray.direction = mirrored(path.ray.direction, point);
     next.ray.origin = offset_origin(point, next.ray.direction);
     next.ray.origin_change = footprint;
+    next.ray.time = path.ray.time;
 
     // [Igehy1999, "Reflection"]: neighbours are mirrored by the normal they meet.
     const glm::vec3 n = point.shading_normal, d = path.ray.direction;
-    const SurfaceFootprint bend = posed_scene_.normal_change(point.address, footprint);
+    const SurfaceFootprint bend = posed_scene_.normal_change(point.address, footprint, path.ray.time);
     const float side = point.back_side ? -1.0f : 1.0f;
     const auto turned = [&](glm::vec3 change, glm::vec3 normal_change) {
         const glm::vec3 dn = side * normal_change;

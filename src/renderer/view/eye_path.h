@@ -17,13 +17,15 @@ struct EyeRay {
     glm::vec3 origin{0}, direction{0, 0, -1};  ///< direction unit
     SurfaceFootprint origin_change;            ///< differences of origins
     SurfaceFootprint direction_change;         ///< differences of unit directions
+    float time = scene::middle_time;           ///< of the shutter
 
     /// What the ray and its neighbours cut out of the plane at `distance` with this normal.
     SurfaceFootprint footprint_at(float distance, glm::vec3 normal) const;
 };
 
 /// The camera's ray through a picture position, whose samples are `spacing` pixels apart; `far` is where it ends.
-EyeRay eye_ray(const scene::Camera& camera, glm::vec2 position, float spacing, float& far);
+/// `lens`: where it leaves the aperture (Camera::ray_through).
+EyeRay eye_ray(const scene::Camera& camera, glm::vec2 position, float spacing, float& far, glm::vec2 lens = {0, 0});
 
 /// One surface that a sample shows.
 struct Fragment {

@@ -22,12 +22,14 @@ class LobeRays {
     /// to the part of it that it belongs to. Returns the rays. Reads and writes nothing of other tiles.
     std::uint64_t light(std::size_t tile, Seen& seen) const;
 
+    /// Radiance that a point with a narrow lobe reflects; adds the rays.
+    glm::vec3 radiance(const GatherPoint& p, std::uint64_t& rays) const;
+
   private:
     struct Sums;
     void trace(const GatherPoint& p, std::uint32_t first, glm::uvec2 scramble, Sums& sums) const;
     glm::vec3 radiance_along(RayQuery ray, Hit hit, float solid_angle, std::uint64_t& rays) const;
     glm::vec3 sky(glm::vec3 direction, float solid_angle) const;
-    glm::vec3 radiance(const GatherPoint& p, std::uint64_t& rays) const;
     glm::uvec2 scramble_of(const SurfacePoint& p) const;
 
     const PosedScene& posed_scene_;

@@ -20,16 +20,6 @@ constexpr float same_plane = 0.5f;
 /// chosen: a tenth, of 0.03, 0.1, 0.25 (docs/fits/edge-samples.md).
 constexpr float same_reflectance = 0.1f;
 
-bool same_surface(const GatherPoint& a, const Fragment& b, float pixel_extent) {
-    if (a.point.address.object != b.point.address.object || a.point.back_side != b.point.back_side) return false;
-    if (a.way != b.way) return false;
-    if (glm::dot(a.point.shading_normal, b.point.shading_normal) < same_normal) return false;
-    const glm::vec3 apart = b.point.position - a.point.position;
-    const float off = std::max(std::abs(glm::dot(apart, a.point.geometric_normal)),
-                               std::abs(glm::dot(apart, b.point.geometric_normal)));
-    return off <= same_plane * pixel_extent + a.point.position_error + b.point.position_error;
-}
-
 /// Whether two samples of one surface reflect white light alike: where they do not, a texture has detail.
 bool reflect_alike(const Bsdf& a, const Bsdf& b) {
     const float x = core::luminance(a.diffuse + a.f0), y = core::luminance(b.diffuse + b.f0);
@@ -178,6 +168,16 @@ class TileLook {
 };
 
 }  // namespace
+
+bool same_surface(const GatherPoint& a, const Fragment& b, float pixel_extent) {
+    if (a.point.address.object != b.point.address.object || a.point.back_side != b.point.back_side) return false;
+    if (a.way != b.way) return false;
+    if (glm::dot(a.point.shading_normal, b.point.shading_normal) < same_normal) return false;
+    const glm::vec3 apart = b.point.position - a.point.position;
+    const float off = std::max(std::abs(glm::dot(apart, a.point.geometric_normal)),
+                               std::abs(glm::dot(apart, b.point.geometric_normal)));
+    return off <= same_plane * pixel_extent + a.point.position_error + b.point.position_error;
+}
 
 TileArea area_of(const Seen& seen, std::size_t tile) {
     const int across = seen.tiles_across();

@@ -9,6 +9,9 @@ namespace render2mpeg::scene {
 /// Puts the file's cameras before those of the scene: one under `camera`, or several by name under `cameras`.
 void read_cameras(const JsonValue& film_value, Animation& film, const FilmClock& clock);
 
+/// Focuses cameras on the objects that they name, once all are read.
+void focus_on_objects(const JsonValue& film_value, Animation& film);
+
 /// Which camera the film shows from when on. Cameras of the scene file can be named too.
 void read_shots(const JsonValue& shots, Animation& film, const FilmClock& clock);
 

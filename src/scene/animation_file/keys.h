@@ -9,16 +9,20 @@ namespace render2mpeg::scene::animation_file_keys {
 
 using K = std::string_view;
 
-inline constexpr std::array film{K("$schema"),    K("title"),     K("scene"),   K("size"),  K("display_aspect"),
-                                 K("frame_rate"), K("frames"),    K("seconds"), K("times"), K("sky"),
-                                 K("exposure"),   K("camera"),    K("cameras"), K("shots"), K("lights"),
-                                 K("objects"),    K("materials"), K("change"),  K("sound"), K("view")};
+inline constexpr std::array film{K("$schema"),    K("title"),        K("scene"),   K("size"),  K("display_aspect"),
+                                 K("frame_rate"), K("frames"),       K("seconds"), K("times"), K("sky"),
+                                 K("exposure"),   K("camera"),       K("cameras"), K("shots"), K("lights"),
+                                 K("objects"),    K("materials"),    K("change"),  K("sound"), K("view"),
+                                 K("shutter"),    K("shutter_phase")};
 
 inline constexpr std::array view{K("name"), K("gamma")};
 
-inline constexpr std::array camera{K("position"),      K("look_at"), K("rotate"), K("roll"), K("fov"),  K("height"),
-                                   K("interpolation"), K("keys"),    K("loop"),   K("near"), K("shift")};
-inline constexpr std::array camera_key{K("at"), K("position"), K("look_at"), K("rotate"), K("roll"), K("fov")};
+inline constexpr std::array camera{
+    K("position"),      K("look_at"),       K("rotate"), K("roll"),           K("fov"),    K("height"),
+    K("interpolation"), K("keys"),          K("loop"),   K("near"),           K("shift"),  K("f_stop"),
+    K("focus"),         K("sensor_height"), K("blades"), K("blade_rotation"), K("squeeze")};
+inline constexpr std::array camera_key{K("at"),   K("position"), K("look_at"), K("rotate"),
+                                       K("roll"), K("fov"),      K("f_stop"),  K("focus")};
 
 inline constexpr std::array shot{K("at"), K("camera")};
 

@@ -104,6 +104,9 @@ FilmClock read_format(const JsonValue& value, Animation& film) {
         else if (exposure->text() != "auto")
             exposure->fail("is a number (EV) or \"auto\"");
     }
+    if (const auto shutter = value.find("shutter")) film.shutter.angle = static_cast<float>(shutter->number(0, 360));
+    if (const auto phase = value.find("shutter_phase"))
+        film.shutter.phase = static_cast<float>(phase->number(-0.5, 0.5));
     if (const auto view = value.find("view")) film.view = view_of(*view);
     return clock;
 }
@@ -147,6 +150,7 @@ Animation load_animation_file(const fs::path& given, const LoadOptions& options,
     if (const auto v = value.find("objects")) objects.read(*v);
     if (const auto v = value.find("lights")) read_lights(*v, film, clock);
     if (const auto v = value.find("sky")) looks.read_sky(*v);
+    focus_on_objects(value, film);
     if (const auto v = value.find("shots")) read_shots(*v, film, clock);
     if (const auto v = value.find("sound")) film.sound = Looks::file_below(folder, *v);
     looks.refuse_unused();

@@ -14,6 +14,7 @@
 #include "scene/model/light.h"
 #include "scene/model/material.h"
 #include "scene/model/mesh.h"
+#include "scene/model/shutter.h"
 #include "scene/model/track.h"
 
 namespace render2mpeg::scene {
@@ -81,6 +82,7 @@ struct Animation {
     double duration = 0;                                  ///< seconds until the last key; 0: nothing moves
     std::optional<std::string> frame_rate;                ///< as the animation file says
     std::optional<std::int64_t> first_frame, last_frame;  ///< likewise
+    Shutter shutter;                                      ///< likewise, or as the command line says
     std::optional<float> exposure;                        ///< EV, likewise; none: automatic
     std::optional<core::View> view;                       ///< likewise; none: neutral
     std::optional<glm::ivec2> size;                       ///< picture width and height, likewise

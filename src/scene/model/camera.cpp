@@ -1,5 +1,6 @@
 #include "scene/model/camera.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -27,6 +28,13 @@ Camera::Camera(const CameraLens& lens, const glm::mat4& to_world, int width, int
     shift_ = 2.0f * lens.shift / glm::vec2(aspect, 1);
     EXPECTS(core::is_finite(shift_));
     EXPECTS(half_extent_.y > 0 && core::is_finite(half_extent_));
+    EXPECTS(lens.aperture_radius == 0 || (lens.aperture_radius > 0 && lens.focus_distance > 0));
+}
+
+Camera Camera::moved(const glm::mat4& to_world, float vertical_fov) const {
+    CameraLens lens = lens_;
+    lens.vertical_fov = std::clamp(vertical_fov, 1e-6f, 3.1415f);
+    return Camera(lens, to_world, width_, height_, half_extent_.x / half_extent_.y);
 }
 
 Ray Camera::ray_through(glm::vec2 position) const {
@@ -37,6 +45,26 @@ Ray Camera::ray_through(glm::vec2 position) const {
     if (!lens_.perspective)
         return {glm::vec3(axis(to_world_, 3) + x * right + y * up), glm::vec3(glm::normalize(-back))};
     return {glm::vec3(to_world_[3]), glm::vec3(glm::normalize(x * right + y * up - back))};
+}
+
+Ray Camera::ray_through(glm::vec2 position, glm::vec2 lens) const {
+    const Ray middle = ray_through(position);
+    if (!has_aperture()) return middle;
+    // In units of depth along the axis no two far points are subtracted, however far the focus is.
+    const double radius = static_cast<double>(lens_.aperture_radius);
+    const glm::dvec3 across =
+        radius * (static_cast<double>(lens.x) * axis(to_world_, 0) + static_cast<double>(lens.y) * axis(to_world_, 1));
+    const glm::dvec3 direction(middle.direction);
+    const double cosine = -glm::dot(direction, axis(to_world_, 2));
+    const glm::dvec3 per_depth = direction / cosine - across / static_cast<double>(lens_.focus_distance);
+    return {glm::vec3(glm::dvec3(middle.origin) + across), glm::vec3(glm::normalize(per_depth))};
+}
+
+float Camera::circle_of_confusion(float depth) const {
+    if (!has_aperture()) return 0;
+    const float per_depth = std::abs(1 / lens_.focus_distance - 1 / depth);
+    const float apart = 2 * lens_.aperture_radius * per_depth * (lens_.perspective ? 1 : depth);
+    return apart / pixel_size();
 }
 
 std::optional<ScreenPoint> Camera::project_exact(glm::dvec3 world) const {

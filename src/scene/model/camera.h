@@ -3,6 +3,7 @@
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace render2mpeg::scene {
 
@@ -17,6 +18,17 @@ struct CameraLens {
     float near = 0;             ///< scene units; nothing nearer is seen
     float far = 0;              ///< 0: infinite
     float aspect = 0;           ///< width over height of the picture that its maker framed; 0: not said
+
+    /// What is sharp. `focus_objects`: the middle of these objects' box; else `focus_point`; else `focus_distance`.
+    float f_stop = 0;              ///< focal length over the aperture's diameter; 0: a pinhole, all is sharp
+    float sensor_height = 0.024f;  ///< scene units, of the picture's height: says what the focal length is
+    float focus_distance = 0;      ///< along the axis, scene units, > 0
+    std::vector<int> focus_objects;
+    std::optional<glm::dvec3> focus_point;  ///< in the file's own space
+    int blades = 0;                         ///< corners of the aperture; below 3: round
+    float blade_rotation = 0;               ///< radians
+    float squeeze = 1;                      ///< anamorphic: the aperture's height over its width, > 0
+    float aperture_radius = 0;              ///< scene units, what follows from all this at one instant; 0: a pinhole
 };
 
 struct Ray {
@@ -38,8 +50,21 @@ class Camera {
     /// shown, pixel aspect included.
     Camera(const CameraLens& lens, const glm::mat4& to_world, int width, int height, float aspect);
 
+    /// The same camera elsewhere, and with another field of view.
+    Camera moved(const glm::mat4& to_world, float vertical_fov) const;
+
     /// The ray through a position on the picture.
     Ray ray_through(glm::vec2 position) const;
+
+    /// The ray that leaves the aperture at `lens` (unit disc, x right and y up) towards what the middle of the lens has
+    /// in focus there. (0, 0) is the ray above.
+    Ray ray_through(glm::vec2 position, glm::vec2 lens) const;
+
+    /// Whether things out of focus are blurred.
+    bool has_aperture() const { return lens_.aperture_radius > 0; }
+
+    /// Diameter in pixels of the disc that a point at this depth becomes, across; down it is `squeeze` times that.
+    float circle_of_confusion(float depth) const;
 
     /// Where a world point appears; nothing for points on or behind the plane of the eye.
     std::optional<ScreenPoint> project(glm::vec3 world) const;
@@ -55,6 +80,7 @@ class Camera {
     /// World size of one pixel: at unit depth for a perspective camera, everywhere for an orthographic one.
     float pixel_size() const;
     bool perspective() const { return lens_.perspective; }
+    glm::vec2 size() const { return {width_, height_}; }  ///< of the picture, pixels
     const CameraLens& lens() const { return lens_; }
     const glm::mat4& to_world() const { return to_world_; }
     /// World points to OpenEXR's camera space: x right, y up, z along the view.

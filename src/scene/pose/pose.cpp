@@ -1,5 +1,6 @@
 #include "scene/pose/pose.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
@@ -37,9 +38,42 @@ void apply_scalar(const Track& track, float value, std::vector<std::uint8_t>& ow
         case TrackTarget::field_of_view:
             pose.vertical_fov[i] = value;
             break;
+        case TrackTarget::f_stop:
+            pose.f_stop[i] = value;
+            break;
+        case TrackTarget::focus_distance:
+            pose.focus_distance[i] = value;
+            break;
         default:
             break;
     }
+}
+
+/// Whether a track is looked at where steps are.
+bool jumps(const Track& track) {
+    return track.interpolation == Interpolation::step || track.target == TrackTarget::visibility;
+}
+
+/// Tracks that move a node; false for all others.
+bool move_node(const Track& track, const std::array<float, 4>& v, LocalTransform& local) {
+    switch (track.target) {
+        case TrackTarget::translation:
+            local.translation = {v[0], v[1], v[2]};
+            return true;
+        case TrackTarget::rotation:
+            local.rotation = glm::normalize(glm::dquat(v[3], v[0], v[1], v[2]));
+            return true;
+        case TrackTarget::scale:
+            local.scale = {v[0], v[1], v[2]};
+            return true;
+        default:
+            return false;
+    }
+}
+
+bool moves_nodes(const Track& track) {
+    return track.target == TrackTarget::translation || track.target == TrackTarget::rotation ||
+           track.target == TrackTarget::scale;
 }
 
 void apply(const Track& track, double seconds, std::vector<LocalTransform>& local,
@@ -53,15 +87,6 @@ void apply(const Track& track, double seconds, std::vector<LocalTransform>& loca
     std::array<float, 4> v{};
     track.sample(seconds, v);
     switch (track.target) {
-        case TrackTarget::translation:
-            local[i].translation = {v[0], v[1], v[2]};
-            break;
-        case TrackTarget::rotation:
-            local[i].rotation = glm::normalize(glm::dquat(v[3], v[0], v[1], v[2]));
-            break;
-        case TrackTarget::scale:
-            local[i].scale = {v[0], v[1], v[2]};
-            break;
         case TrackTarget::light_color:
             pose.light_color[i] = glm::clamp(glm::vec3(v[0], v[1], v[2]), 0.0f, 1.0f);
             break;
@@ -69,7 +94,7 @@ void apply(const Track& track, double seconds, std::vector<LocalTransform>& loca
             pose.base_color[i] = glm::clamp(glm::vec4(v[0], v[1], v[2], v[3]), 0.0f, 1.0f);
             break;
         default:
-            apply_scalar(track, v[0], own_visible, pose);
+            if (!moves_nodes(track) || !move_node(track, v, local[i])) apply_scalar(track, v[0], own_visible, pose);
             break;
     }
 }
@@ -94,7 +119,7 @@ std::vector<int> parents_first(const std::vector<Node>& nodes) {
     return order;
 }
 
-Pose pose_at(const Animation& animation, double seconds) {
+Pose pose_at(const Animation& animation, double seconds, double steps) {
     Pose pose;
     pose.to_world.resize(animation.nodes.size(), glm::dmat4(1.0));
     pose.visible.assign(animation.nodes.size(), 1);
@@ -103,14 +128,18 @@ Pose pose_at(const Animation& animation, double seconds) {
     pose.emission_factor.assign(animation.materials.size(), 1.0f);
     for (const Light& light : animation.lights) pose.light_color.push_back(light.color);
     for (const Material& material : animation.materials) pose.base_color.push_back(material.base_color);
-    for (const CameraLens& lens : animation.cameras) pose.vertical_fov.push_back(lens.vertical_fov);
+    for (const CameraLens& lens : animation.cameras) {
+        pose.vertical_fov.push_back(lens.vertical_fov);
+        pose.f_stop.push_back(lens.f_stop);
+        pose.focus_distance.push_back(lens.focus_distance);
+    }
 
     // Let the tracks, in their order, replace what the nodes say.
     std::vector<LocalTransform> local;
     local.reserve(animation.nodes.size());
     for (const Node& node : animation.nodes) local.push_back({node.translation, node.rotation, node.scale});
     std::vector<std::uint8_t> own_visible(animation.nodes.size(), 1);
-    for (const Track& track : animation.tracks) apply(track, seconds, local, own_visible, pose);
+    for (const Track& track : animation.tracks) apply(track, jumps(track) ? steps : seconds, local, own_visible, pose);
 
     // Compose from the roots down.
     for (const int n : parents_first(animation.nodes)) {
@@ -121,6 +150,40 @@ Pose pose_at(const Animation& animation, double seconds) {
         pose.visible[i] = own_visible[i] != 0 && pose.is_visible(node.parent);
     }
     return pose;
+}
+
+CameraPath::CameraPath(const Animation& animation, int camera) : animation_(animation), camera_(camera) {
+    for (int n = animation.cameras[static_cast<std::size_t>(camera)].node; n >= 0;
+         n = animation.nodes[static_cast<std::size_t>(n)].parent)
+        chain_.insert(chain_.begin(), n);
+    for (const Track& track : animation.tracks) {
+        const bool moves = moves_nodes(track) && std::find(chain_.begin(), chain_.end(), track.index) != chain_.end();
+        if (moves || (track.target == TrackTarget::field_of_view && track.index == camera)) tracks_.push_back(&track);
+    }
+}
+
+glm::dmat4 CameraPath::to_world(double seconds, double steps) const {
+    glm::dmat4 world(1.0);
+    for (const int n : chain_) {
+        const Node& node = animation_.nodes[static_cast<std::size_t>(n)];
+        LocalTransform local{node.translation, node.rotation, node.scale};
+        for (const Track* track : tracks_) {
+            if (track->index != n || !moves_nodes(*track)) continue;
+            std::array<float, 4> v{};
+            track->sample(jumps(*track) ? steps : seconds, v);
+            move_node(*track, v, local);
+        }
+        world = world * (node.matrix ? *node.matrix : compose(local));
+    }
+    return world;
+}
+
+float CameraPath::vertical_fov(double seconds, double steps) const {
+    float fov = animation_.cameras[static_cast<std::size_t>(camera_)].vertical_fov;
+    for (const Track* track : tracks_)
+        if (track->target == TrackTarget::field_of_view)
+            track->sample(jumps(*track) ? steps : seconds, std::span<float>(&fov, 1));
+    return fov;
 }
 
 NormalMatrix normal_matrix(const glm::dmat3& m) {

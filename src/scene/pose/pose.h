@@ -11,14 +11,15 @@ namespace render2mpeg::scene {
 /// What the tracks say at one instant, in double precision and in the file's own space (Animation::origin not
 /// subtracted).
 struct Pose {
-    std::vector<glm::dmat4> to_world;         ///< per node
-    std::vector<std::uint8_t> visible;        ///< per node, its ancestors included
-    std::vector<std::vector<float>> weights;  ///< per node: morph weights, empty where no track moves them
-    std::vector<float> light_factor;          ///< per light
-    std::vector<float> emission_factor;       ///< per material
-    std::vector<glm::vec3> light_color;       ///< per light
-    std::vector<glm::vec4> base_color;        ///< per material
-    std::vector<float> vertical_fov;          ///< per camera, radians
+    std::vector<glm::dmat4> to_world;           ///< per node
+    std::vector<std::uint8_t> visible;          ///< per node, its ancestors included
+    std::vector<std::vector<float>> weights;    ///< per node: morph weights, empty where no track moves them
+    std::vector<float> light_factor;            ///< per light
+    std::vector<float> emission_factor;         ///< per material
+    std::vector<glm::vec3> light_color;         ///< per light
+    std::vector<glm::vec4> base_color;          ///< per material
+    std::vector<float> vertical_fov;            ///< per camera, radians
+    std::vector<float> f_stop, focus_distance;  ///< per camera
 
     /// World matrix of a node; -1 is the world itself.
     glm::dmat4 world_of(int node) const {
@@ -27,8 +28,28 @@ struct Pose {
     bool is_visible(int node) const { return node < 0 || visible[static_cast<std::size_t>(node)] != 0; }
 };
 
-/// Needs a valid animation (`complete`).
-Pose pose_at(const Animation& animation, double seconds);
+/// Needs a valid animation (`complete`). `steps`: when what jumps or is switched is looked at; elsewhere than at
+/// `seconds` while a shutter is open, in which nothing jumps.
+Pose pose_at(const Animation& animation, double seconds, double steps);
+inline Pose pose_at(const Animation& animation, double seconds) {
+    return pose_at(animation, seconds, seconds);
+}
+
+/// A camera's node and lens at many instants: what moves them alone.
+class CameraPath {
+  public:
+    /// `animation` outlives it.
+    CameraPath(const Animation& animation, int camera);
+    glm::dmat4 to_world(double seconds, double steps) const;
+    /// Radians.
+    float vertical_fov(double seconds, double steps) const;
+
+  private:
+    const Animation& animation_;
+    int camera_;
+    std::vector<int> chain_;  ///< nodes from the root down
+    std::vector<const Track*> tracks_;
+};
 
 /// The nodes, each after its parent. Nodes in or below a cycle are missing, so that the list is shorter than the
 /// animation's.

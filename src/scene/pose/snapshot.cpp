@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/error.h"
 #include "core/numeric.h"
 #include "scene/pose/extent.h"
 #include "scene/pose/pose.h"
+#include "scene/pose/posing.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -33,35 +35,6 @@ bool is_finite(const std::vector<glm::vec3>& positions) {
     return std::all_of(positions.begin(), positions.end(), [](glm::vec3 p) { return core::is_finite(p); });
 }
 
-/// Poses one object; adds to `snapshot.deformed` where its vertices move one by one.
-ObjectState pose_object(const Animation& animation, const Object& object, const Pose& pose, Snapshot& snapshot) {
-    ObjectState state;
-    state.present = pose.is_visible(object.node);
-    if (object.mobility == Mobility::deforming) {
-        if (object.skin < 0 && !normal_matrix(glm::dmat3(pose.world_of(object.node))).finite) state.present = false;
-        if (!state.present) return state;
-        DeformedMesh deformed;
-        for (const glm::dvec3& p : deformed_positions(animation, object, pose))
-            deformed.positions.emplace_back(p - animation.origin);
-        deformed.normals = deformed_normals(animation, object, pose);
-        state.present = is_finite(deformed.positions);
-        if (!state.present) return state;
-        state.deformed = static_cast<int>(snapshot.deformed.size());
-        snapshot.deformed.push_back(std::move(deformed));
-        return state;
-    }
-    const glm::dmat4 to_world = pose.world_of(object.node);
-    const NormalMatrix normal = normal_matrix(glm::dmat3(to_world));
-    state.to_world = recentred(to_world, animation.origin);
-    state.normal_to_world = glm::mat3(normal.matrix);
-    state.present = state.present && normal.finite && core::is_finite(state.to_world);
-    if (!state.present) {
-        state.to_world = glm::mat4(1.0f);
-        state.normal_to_world = glm::mat3(1.0f);
-    }
-    return state;
-}
-
 LightState pose_light(const Animation& animation, std::size_t index, const Pose& pose) {
     const Light& light = animation.lights[index];
     const glm::dmat4 to_world = pose.world_of(light.node);
@@ -83,7 +56,93 @@ LightState pose_light(const Animation& animation, std::size_t index, const Pose&
     return state;
 }
 
-/// A camera's place without its scale; mirrored and sheared nodes keep the direction of sight and the side that is up.
+glm::vec3 position_of(const Snapshot& snapshot, std::size_t object, std::uint32_t vertex) {
+    const ObjectState& state = snapshot.objects[object];
+    if (state.deformed >= 0) return snapshot.deformed[static_cast<std::size_t>(state.deformed)].positions[vertex];
+    const Mesh& mesh = snapshot.animation->meshes[static_cast<std::size_t>(snapshot.animation->objects[object].mesh)];
+    return glm::vec3(state.to_world * glm::vec4(mesh.positions[vertex], 1));
+}
+
+Camera camera_of(const CameraLens& lens, const glm::dmat4& to_world, float vertical_fov, glm::dvec3 origin,
+                 PictureFormat format) {
+    CameraLens at_instant = lens;
+    // A spline may leave the range of its keys.
+    at_instant.vertical_fov = std::clamp(vertical_fov, 1e-6f, 3.1415f);
+    const float aspect = static_cast<float>(format.width) * format.pixel_aspect / static_cast<float>(format.height);
+    return Camera(at_instant, rigid(to_world, origin), format.width, format.height, aspect);
+}
+
+/// Middle of the box about objects that are there; none where none is.
+std::optional<glm::vec3> middle_of(const Snapshot& snapshot, const std::vector<int>& objects) {
+    glm::vec3 low(farthest), high(-farthest);
+    for (const int index : objects) {
+        const auto object = static_cast<std::size_t>(index);
+        if (!snapshot.objects[object].present) continue;
+        const Mesh& mesh =
+            snapshot.animation->meshes[static_cast<std::size_t>(snapshot.animation->objects[object].mesh)];
+        for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+            const glm::vec3 p = position_of(snapshot, object, v);
+            low = glm::min(low, p);
+            high = glm::max(high, p);
+        }
+    }
+    return low.x <= high.x ? std::optional(0.5f * (low + high)) : std::nullopt;
+}
+
+/// What a lens has in focus, and how wide it is open: a thin lens (docs/model/exposure.md).
+void open_aperture(const CameraLens& described, const Pose& pose, std::size_t camera, const Snapshot& snapshot,
+                   PictureFormat format, Camera& result) {
+    const float f_stop = pose.f_stop[camera];
+    if (!(described.f_stop > 0) || !(f_stop > 0)) return;
+    CameraLens lens = result.lens();
+    std::optional<glm::vec3> point;
+    if (!described.focus_objects.empty())
+        point = middle_of(snapshot, described.focus_objects);
+    else if (described.focus_point)
+        point = glm::vec3(*described.focus_point - snapshot.animation->origin);
+    const float distance = point ? glm::dot(*point - result.position(), result.forward()) : pose.focus_distance[camera];
+    // An orthographic camera's lens is as far open as that of the picture's height in focus would be.
+    const float focal_length =
+        lens.perspective ? lens.sensor_height / (2 * std::tan(0.5f * lens.vertical_fov)) : lens.sensor_height;
+    lens.aperture_radius = 0.5f * focal_length / f_stop;
+    // Nothing can be in focus on the eye or behind it.
+    lens.focus_distance = std::max(distance, 1e-3f * lens.aperture_radius);
+    if (!std::isfinite(lens.focus_distance) || !std::isfinite(lens.aperture_radius)) return;
+    const float aspect = static_cast<float>(format.width) * format.pixel_aspect / static_cast<float>(format.height);
+    result = Camera(lens, result.to_world(), format.width, format.height, aspect);
+}
+
+}  // namespace
+
+ObjectState pose_object(const Animation& animation, const Object& object, const Pose& pose,
+                        std::vector<DeformedMesh>& meshes) {
+    ObjectState state;
+    state.present = pose.is_visible(object.node);
+    if (object.mobility == Mobility::deforming) {
+        if (object.skin < 0 && !normal_matrix(glm::dmat3(pose.world_of(object.node))).finite) state.present = false;
+        if (!state.present) return state;
+        DeformedMesh deformed;
+        for (const glm::dvec3& p : deformed_positions(animation, object, pose))
+            deformed.positions.emplace_back(p - animation.origin);
+        deformed.normals = deformed_normals(animation, object, pose);
+        state.present = is_finite(deformed.positions);
+        if (!state.present) return state;
+        state.deformed = static_cast<int>(meshes.size());
+        meshes.push_back(std::move(deformed));
+        return state;
+    }
+    const glm::dmat4 to_world = pose.world_of(object.node);
+    const NormalMatrix normal = normal_matrix(glm::dmat3(to_world));
+    state.to_world = recentred(to_world, animation.origin);
+    state.normal_to_world = glm::mat3(normal.matrix);
+    state.present = state.present && normal.finite && core::is_finite(state.to_world);
+    if (!state.present) {
+        state.to_world = glm::mat4(1.0f);
+        state.normal_to_world = glm::mat3(1.0f);
+    }
+    return state;
+}
+
 glm::mat4 rigid(const glm::dmat4& to_world, glm::dvec3 origin) {
     const glm::dvec3 back = unit_or(glm::dvec3(to_world[2]), {0, 0, 1});
     const glm::dvec3 fallback_up = std::abs(back.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, back.y > 0 ? -1 : 1);
@@ -97,7 +156,6 @@ glm::mat4 rigid(const glm::dmat4& to_world, glm::dvec3 origin) {
                                 glm::dvec4(within_reach(glm::dvec3(to_world[3]) - origin), 1)));
 }
 
-/// The camera of a frame: the last shot that began; before the first, the first.
 int camera_at(const Animation& animation, std::int64_t frame) {
     if (animation.shots.empty()) return 0;
     int camera = animation.shots.front().camera;
@@ -106,18 +164,11 @@ int camera_at(const Animation& animation, std::int64_t frame) {
     return camera;
 }
 
-glm::vec3 position_of(const Snapshot& snapshot, std::size_t object, std::uint32_t vertex) {
-    const ObjectState& state = snapshot.objects[object];
-    if (state.deformed >= 0) return snapshot.deformed[static_cast<std::size_t>(state.deformed)].positions[vertex];
-    const Mesh& mesh = snapshot.animation->meshes[static_cast<std::size_t>(snapshot.animation->objects[object].mesh)];
-    return glm::vec3(state.to_world * glm::vec4(mesh.positions[vertex], 1));
-}
-
-}  // namespace
-
-Snapshot snapshot_at(const Animation& animation, std::int64_t frame, core::Rational time, PictureFormat format) {
+Snapshot snapshot_at(const Animation& animation, std::int64_t frame, core::Rational time, PictureFormat format,
+                     const ShutterInterval& wanted) {
     EXPECTS(!animation.cameras.empty() && format.width > 0 && format.height > 0 && format.pixel_aspect > 0);
-    const Pose pose = pose_at(animation, time.value());
+    const ShutterInterval shutter = within_shot(animation, frame, wanted);
+    const Pose pose = pose_at(animation, time.value() + shutter.middle());
     Snapshot snapshot;
     snapshot.animation = &animation;
     snapshot.frame = frame;
@@ -128,17 +179,16 @@ Snapshot snapshot_at(const Animation& animation, std::int64_t frame, core::Ratio
 
     snapshot.objects.reserve(animation.objects.size());
     for (const Object& object : animation.objects)
-        snapshot.objects.push_back(pose_object(animation, object, pose, snapshot));
+        snapshot.objects.push_back(pose_object(animation, object, pose, snapshot.deformed));
     for (std::size_t i = 0; i < animation.lights.size(); ++i) snapshot.lights.push_back(pose_light(animation, i, pose));
 
     const int camera = camera_at(animation, frame);
-    CameraLens lens = animation.cameras[static_cast<std::size_t>(camera)];
-    // A spline may leave the range of its keys.
-    lens.vertical_fov = std::clamp(pose.vertical_fov[static_cast<std::size_t>(camera)], 1e-6f, 3.1415f);
-    const float aspect = static_cast<float>(format.width) * format.pixel_aspect / static_cast<float>(format.height);
-    snapshot.camera =
-        Camera(lens, rigid(pose.world_of(lens.node), animation.origin), format.width, format.height, aspect);
+    const CameraLens& lens = animation.cameras[static_cast<std::size_t>(camera)];
+    snapshot.camera = camera_of(lens, pose.world_of(lens.node), pose.vertical_fov[static_cast<std::size_t>(camera)],
+                                animation.origin, format);
+    open_aperture(lens, pose, static_cast<std::size_t>(camera), snapshot, format, snapshot.camera);
     snapshot.cut_before = camera != camera_at(animation, frame - 1);
+    if (shutter.is_open()) find_sweep(snapshot, pose, camera, shutter);
     return snapshot;
 }
 

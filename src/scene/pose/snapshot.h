@@ -2,6 +2,7 @@
 // The scene at one instant.
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "core/surface_address.h"
 #include "scene/model/animation.h"
 #include "scene/model/camera.h"
+#include "scene/model/shutter.h"
 
 namespace render2mpeg::scene {
 
@@ -37,6 +39,8 @@ struct LightState {
     std::uint32_t id = 0;  ///< index into Animation::lights
 };
 
+struct Sweep;
+
 /// The whole animation at one instant. Keeps a reference to the animation, which must outlive it.
 struct Snapshot {
     const Animation* animation = nullptr;
@@ -48,7 +52,8 @@ struct Snapshot {
     std::vector<float> emission_factor;  ///< per material, 1 where nothing animates it
     std::vector<glm::vec4> base_color;   ///< per material: Material::base_color, or what animates it
     Camera camera;
-    bool cut_before = false;  ///< the camera is another one than in the frame before
+    bool cut_before = false;               ///< the camera is another one than in the frame before
+    std::shared_ptr<const Sweep> sweep{};  ///< what moves while the shutter is open (sweep.h); null: nothing
 };
 
 /// Format of the pictures that a snapshot's camera is made for.
@@ -58,8 +63,10 @@ struct PictureFormat {
     float pixel_aspect = 1;  ///< width over height of one pixel as it is shown
 };
 
-/// The animation at frame `frame`, which lies at `time`. A pure function: no frame depends on another.
-Snapshot snapshot_at(const Animation& animation, std::int64_t frame, core::Rational time, PictureFormat format);
+/// The animation at frame `frame`, which lies at `time`, in the middle of the time that its shutter is open. A pure
+/// function: no frame depends on another. Light that changes meanwhile has its mean.
+Snapshot snapshot_at(const Animation& animation, std::int64_t frame, core::Rational time, PictureFormat format,
+                     const ShutterInterval& shutter = {});
 
 /// World position of the three corners of a triangle at this instant.
 struct Triangle {

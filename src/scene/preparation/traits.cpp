@@ -58,6 +58,14 @@ bool camera_moves(const Animation& animation, const std::vector<char>& moves) {
                        [&](const Shot& shot) { return moved(shot.camera); });
 }
 
+/// Whether any camera that the film shows blurs what is out of focus.
+bool has_aperture(const Animation& animation) {
+    const auto has = [&](int camera) { return animation.cameras[static_cast<std::size_t>(camera)].f_stop > 0; };
+    if (animation.shots.empty()) return !animation.cameras.empty() && has(0);
+    return std::any_of(animation.shots.begin(), animation.shots.end(),
+                       [&](const Shot& shot) { return has(shot.camera); });
+}
+
 bool has_cuts(const Animation& animation) {
     return std::any_of(animation.shots.begin(), animation.shots.end(),
                        [&](const Shot& shot) { return shot.camera != animation.shots.front().camera; });
@@ -83,6 +91,8 @@ Traits traits_of(const Animation& animation) {
     traits.has_shining_sky = animation.sky.shines();
     traits.camera_moves = camera_moves(animation, moves);
     traits.has_cuts = has_cuts(animation);
+    traits.has_open_shutter = animation.shutter.is_open();
+    traits.has_aperture = has_aperture(animation);
 
     for (const Object& object : animation.objects) {
         const Material& material = animation.materials[static_cast<std::size_t>(object.material)];

@@ -26,7 +26,12 @@ struct Traits {
     bool objects_deform = false;
     bool lights_change = false;  ///< move, or change their strength; emissive surfaces included
     bool has_cuts = false;
+    bool has_open_shutter = false;
+    bool has_aperture = false;  ///< a lens that blurs what is out of focus
 
+    bool shows_motion() const {
+        return has_open_shutter && (camera_moves || objects_move || objects_deform || lights_change);
+    }
     bool changes_light() const { return objects_move || objects_deform || lights_change; }
     bool anything_moves() const { return camera_moves || changes_light(); }
 };

@@ -74,6 +74,19 @@ void validate_nodes(Animation& animation) {
     refuse(animation, described("node", at, nodes[at].name), "the node graph has a cycle through it");
 }
 
+void validate_focus(const Animation& animation, const CameraLens& lens, const std::string& name) {
+    const auto above_zero = [](float value) { return value > 0 && std::isfinite(value); };
+    if (!(lens.f_stop >= 0) || !std::isfinite(lens.f_stop)) refuse(animation, name, "its f-stop must be 0 or more");
+    if (lens.f_stop == 0) return;
+    if (lens.focus_objects.empty() && !lens.focus_point && !above_zero(lens.focus_distance))
+        refuse(animation, name, "it has an f-stop, and nothing that it is focused on");
+    for (const int object : lens.focus_objects)
+        if (!in_range(object, animation.objects.size()))
+            refuse(animation, name, range_text("object", object, animation.objects.size()));
+    if (!above_zero(lens.sensor_height) || !above_zero(lens.squeeze) || !std::isfinite(lens.blade_rotation))
+        refuse(animation, name, "its sensor and its squeeze must be above 0");
+}
+
 void validate_cameras(Animation& animation) {
     for (std::size_t i = 0; i < animation.cameras.size(); ++i) {
         const CameraLens& lens = animation.cameras[i];
@@ -91,7 +104,12 @@ void validate_cameras(Animation& animation) {
             refuse(animation, name, "its near distance must be 0 or more");
         if (lens.far != 0 && !(lens.far > lens.near))
             refuse(animation, name, "its far distance must be above its near distance");
+        validate_focus(animation, lens, name);
     }
+    if (!Shutter::is_angle(static_cast<double>(animation.shutter.angle)))
+        refuse(animation, "shutter", "its angle must lie between 0 and 360 degrees");
+    if (!Shutter::is_phase(static_cast<double>(animation.shutter.phase)))
+        refuse(animation, "shutter", "its phase must lie between -0.5 and 0.5 frames");
     for (std::size_t i = 0; i < animation.shots.size(); ++i)
         if (!in_range(animation.shots[i].camera, animation.cameras.size()))
             refuse(animation, described("shot", i, ""),

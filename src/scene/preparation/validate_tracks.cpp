@@ -31,6 +31,10 @@ const char* word_for(TrackTarget target) {
             return "colour";
         case TrackTarget::base_color:
             return "base colour";
+        case TrackTarget::f_stop:
+            return "f-stop";
+        case TrackTarget::focus_distance:
+            return "focus distance";
     }
     return "value";
 }
@@ -53,6 +57,8 @@ std::string target_of(const Animation& animation, const Track& track) {
         case TrackTarget::base_color:
             return named("material", animation.materials);
         case TrackTarget::field_of_view:
+        case TrackTarget::f_stop:
+        case TrackTarget::focus_distance:
             return named("camera", animation.cameras);
         default:
             return named("node", animation.nodes);

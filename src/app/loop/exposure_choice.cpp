@@ -1,0 +1,112 @@
+#include "app/loop/exposure_choice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <string_view>
+
+#include "app/options/option_text.h"
+#include "app/options/usage_error.h"
+#include "core/text.h"
+#include "scene/preparation/traits.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// Objects of a name.
+std::vector<int> objects_named(const scene::Animation& animation, const std::string& name) {
+    std::vector<int> found;
+    std::vector<std::string_view> names;
+    for (std::size_t i = 0; i < animation.objects.size(); ++i) {
+        names.emplace_back(animation.objects[i].name);
+        if (animation.objects[i].name == name) found.push_back(static_cast<int>(i));
+    }
+    if (!found.empty()) return found;
+    const std::string nearest = core::nearest_word(name, names);
+    throw UsageError(fmt::format("--focus {}: neither a distance above 0 nor an object{}", name,
+                                 nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
+}
+
+void forget_tracks(scene::Animation& animation, scene::TrackTarget target) {
+    std::erase_if(animation.tracks, [&](const scene::Track& track) { return track.target == target; });
+}
+
+void set_focus(scene::Animation& animation, const std::string& focus) {
+    char* end = nullptr;
+    const double distance = std::strtod(focus.c_str(), &end);
+    const bool is_number = !focus.empty() && *end == '\0';
+    if (is_number && !(distance > 0 && distance <= 1e9))
+        throw UsageError("--focus " + focus + ": expected a distance above 0, or the name of an object");
+    const std::vector<int> objects = is_number ? std::vector<int>() : objects_named(animation, focus);
+    forget_tracks(animation, scene::TrackTarget::focus_distance);
+    for (scene::CameraLens& lens : animation.cameras) {
+        lens.focus_objects = objects;
+        lens.focus_point.reset();
+        lens.focus_distance = is_number ? static_cast<float>(distance) : 0.0f;
+    }
+}
+
+bool has_focus(const scene::CameraLens& lens) {
+    return lens.focus_distance > 0 || lens.focus_point || !lens.focus_objects.empty();
+}
+
+}  // namespace
+
+namespace {
+
+void set_f_stop(scene::Animation& animation, const RenderOptions& options) {
+    const float f_stop = f_stop_from(*options.f_stop);
+    forget_tracks(animation, scene::TrackTarget::f_stop);
+    for (scene::CameraLens& lens : animation.cameras) {
+        lens.f_stop = f_stop;
+        if (f_stop > 0 && !has_focus(lens))
+            throw UsageError("--f-stop " + *options.f_stop +
+                             ": nothing says what is in focus; give --focus a distance or an object's name");
+    }
+}
+
+}  // namespace
+
+void set_exposure(scene::Animation& animation, const RenderOptions& options) {
+    if (options.shutter) {
+        const ShutterRequest shutter = shutter_from(*options.shutter);
+        animation.shutter = {shutter.angle, shutter.phase};
+    }
+    if (options.focus) set_focus(animation, *options.focus);
+    if (options.f_stop) set_f_stop(animation, options);
+    const scene::Traits traits = scene::traits_of(animation);
+    if (options.shutter && animation.shutter.is_open() && !traits.shows_motion())
+        animation.notes.emplace_back("--shutter does nothing here: nothing moves");
+    if (options.focus && !traits.has_aperture)
+        animation.notes.emplace_back("--focus does nothing here: no camera has an f-stop");
+    if (options.exposure_samples && !traits.shows_motion() && !traits.has_aperture)
+        animation.notes.emplace_back("--exposure-samples does nothing here: neither shutter nor lens blur anything");
+}
+
+void tell_samples(RenderJob& film) {
+    std::vector<renderer::PlanRow> rows = film.plan.rows();
+    for (renderer::PlanRow& row : rows) {
+        if (!row.runs || (row.pass != renderer::Pass::shutter && row.pass != renderer::Pass::lens)) continue;
+        const bool fixed = film.coding.rate_control.mode == encoder::RateMode::constant_quantiser;
+        if (film.exposure_samples || film.kind != OutputKind::film || fixed)
+            row.reason += fmt::format("; {} samples ({})", exposure_samples(film, film.coding.quantiser),
+                                      film.exposure_samples           ? "as asked for"
+                                      : film.kind != OutputKind::film ? "not coded"
+                                                                      : "by quantiser");
+        else
+            row.reason += "; samples by each picture's quantiser";
+    }
+    film.plan = renderer::Plan(std::move(rows));
+}
+
+int exposure_samples(const RenderJob& film, int quantiser) {
+    if (film.exposure_samples) return *film.exposure_samples;
+    const int q = film.kind == OutputKind::film ? quantiser : 4;
+    // fit: docs/fits/exposure-samples.md
+    if (film.plan.runs(renderer::Pass::lens)) return q <= 6 ? 64 : q <= 12 ? 32 : 16;
+    return q <= 2 ? 32 : q <= 6 ? 16 : q <= 12 ? 8 : 4;
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,17 @@
+#pragma once
+// How frames are exposed: what the command line says of shutter and lens, and how many samples a picture shows.
+#include "app/loop/render_job.h"
+
+namespace render2mpeg::app {
+
+/// Lets --shutter, --f-stop and --focus win over what the scene says. Throws UsageError for what cannot be meant.
+void set_exposure(scene::Animation& animation, const RenderOptions& options);
+
+/// Lets the rows of the film's plan tell how many samples pixels get.
+void tell_samples(RenderJob& film);
+
+/// Samples of a pixel that shutter or lens blur, for a picture to be coded with this quantiser: as many as make a
+/// difference after coding (docs/fits/exposure-samples.md). What is not coded gets as many as quantiser 4.
+int exposure_samples(const RenderJob& film, int quantiser);
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,162 @@
+#include "renderer/cut/blurred_light.h"
+
+#include <algorithm>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "parallel/loops.h"
+#include "renderer/cut/point_light.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Which tile a point of the frame is in.
+std::size_t tile_of(const Exposure& exposure, std::uint32_t point) {
+    const auto after = std::upper_bound(exposure.first_point.begin(), exposure.first_point.end(), point);
+    return static_cast<std::size_t>(after - exposure.first_point.begin()) - 1;
+}
+
+/// Calls `visit(x, y, tile, pixel)` for all exposed pixels of a tile.
+template <class Visit>
+void for_each_exposed(const Seen& seen, std::size_t tile, Visit visit) {
+    const Exposure& exposure = *seen.exposure;
+    if (!exposure.is_exposed(tile)) return;
+    const auto across = static_cast<std::size_t>(seen.tiles_across());
+    const int left = static_cast<int>(tile % across) * tile_size, top = static_cast<int>(tile / across) * tile_size;
+    for (int pixel = 0; pixel < tile_size * tile_size; ++pixel) {
+        const int x = left + pixel % tile_size, y = top + pixel / tile_size;
+        if (x < seen.visible.width() && y < seen.visible.height() && exposure.exposed.at(x, y) != 0) visit(x, y, pixel);
+    }
+}
+
+/// One pixel's light.
+class PixelSum {
+  public:
+    void add(const Contribution& c, const GatherPoint& p, const PointLight& l, glm::vec3 lobe) {
+        const glm::vec3 shine = c.weight * (l.glossy + lobe), scattered = c.diffuse * (l.direct + l.indirect) + shine;
+        combined += scattered;
+        ++count;
+        direct_cut += l.direct_cut;
+        indirect_cut += l.indirect_cut;
+        error += core::divide_or(core::luminance(c.weight), core::luminance(p.weight), 0.0f) * l.error;
+        age += l.age;
+        reused += l.served ? 1.0f : 0.0f;
+        if (p.reached_by_specular()) {
+            specular += scattered;
+            return;
+        }
+        weight += c.weight;
+        albedo += c.diffuse;
+        direct += c.diffuse * l.direct;
+        indirect += c.diffuse * l.indirect;
+        plain_direct += c.weight * l.direct;
+        plain_indirect += c.weight * l.indirect;
+        glossy += shine;
+    }
+
+    void write_layers(int x, int y, core::Radiance& radiance) const {
+        const auto mean = [&](glm::vec3 sum, glm::vec3 plain) {
+            glm::vec3 r;
+            for (int k = 0; k < 3; ++k)
+                r[k] = core::divide_or(sum[k], albedo[k], core::divide_or(plain[k], weight[k], 0.0f));
+            return r;
+        };
+        radiance.albedo.at(x, y) = albedo;
+        radiance.direct_irradiance.at(x, y) = mean(direct, plain_direct);
+        radiance.indirect_irradiance.at(x, y) = mean(indirect, plain_indirect);
+        radiance.glossy.at(x, y) = glossy;
+        radiance.specular.at(x, y) += specular;
+        const auto points = static_cast<float>(std::max(count, 1));
+        radiance.direct_cut.at(x, y) = direct_cut / points;
+        radiance.indirect_cut.at(x, y) = indirect_cut / points;
+        radiance.error.at(x, y) = error;
+        if (radiance.record_age.empty()) return;
+        radiance.record_age.at(x, y) = age / points;
+        radiance.record_reuse.at(x, y) = reused / points;
+    }
+
+    glm::vec3 combined{0};
+
+  private:
+    glm::vec3 weight{0}, albedo{0}, direct{0}, indirect{0}, plain_direct{0}, plain_indirect{0}, glossy{0}, specular{0};
+    float direct_cut = 0, indirect_cut = 0, error = 0, age = 0, reused = 0;
+    int count = 0;
+};
+
+bool is_finite(const core::Radiance& radiance, int x, int y) {
+    bool finite = core::is_finite(radiance.combined.at(x, y));
+    for (const auto* layer : {&radiance.emission, &radiance.direct_irradiance, &radiance.indirect_irradiance,
+                              &radiance.albedo, &radiance.glossy, &radiance.specular})
+        finite = finite && (layer->empty() || core::is_finite(layer->at(x, y)));
+    return finite;
+}
+
+void blacken(core::Radiance& radiance, int x, int y) {
+    for (auto* layer : {&radiance.combined, &radiance.emission, &radiance.direct_irradiance,
+                        &radiance.indirect_irradiance, &radiance.albedo, &radiance.glossy, &radiance.specular})
+        if (!layer->empty()) layer->at(x, y) = glm::vec3(0);
+}
+
+}  // namespace
+
+core::ToleranceMap tolerance_of_points(const Seen& seen, const core::ToleranceMap& tolerance) {
+    if (!seen.exposure || tolerance.is_reference()) return tolerance;
+    const Exposure& exposure = *seen.exposure;
+    core::ToleranceMap least = tolerance;
+    const auto across = static_cast<std::size_t>(seen.tiles_across());
+    for (std::size_t t = 0; t < seen.tiles.size(); ++t)
+        for_each_exposed(seen, t, [&](int x, int y, int pixel) {
+            const core::Tolerance& own = tolerance.pixels.at(x, y);
+            for (const Contribution& c : exposure.of_pixel(t, pixel)) {
+                const std::size_t tile = tile_of(exposure, c.point);
+                const GatherPoint& p = seen.tiles[tile][c.point - exposure.first_point[tile]];
+                core::Tolerance& cell =
+                    least.pixels.at(static_cast<int>(tile % across) * tile_size + p.pixel % tile_size,
+                                    static_cast<int>(tile / across) * tile_size + p.pixel / tile_size);
+                const float relative = std::min(cell.relative, own.relative);
+                if (own.absolute < cell.absolute) cell = own;
+                cell.relative = relative;
+            }
+        });
+    return least;
+}
+
+void spread_light(const Seen& seen, const FrameLight& light, bool layers, core::Radiance& radiance,
+                  ShadeCounts& counts) {
+    if (!seen.exposure) return;
+    const Exposure& exposure = *seen.exposure;
+    struct Found {
+        std::uint64_t non_finite = 0;
+        std::int64_t first = -1;
+    };
+    std::vector<Found> of_tile(seen.tiles.size());
+    parallel::for_each(seen.tiles.size(), [&](std::size_t t) {
+        for_each_exposed(seen, t, [&](int x, int y, int pixel) {
+            PixelSum sum;
+            for (const Contribution& c : exposure.of_pixel(t, pixel)) {
+                const std::size_t tile = tile_of(exposure, c.point);
+                const std::size_t index = c.point - exposure.first_point[tile];
+                sum.add(c, seen.tiles[tile][index], light[tile][index],
+                        exposure.lobe_light.empty() ? glm::vec3(0) : exposure.lobe_light[c.point]);
+            }
+            radiance.combined.at(x, y) = glm::max(exposure.emitted.at(x, y) + sum.combined, glm::vec3(0));
+            if (layers) {
+                const glm::vec3 specular =
+                    exposure.emitted_specular.empty() ? glm::vec3(0) : exposure.emitted_specular.at(x, y);
+                radiance.emission.at(x, y) = glm::max(exposure.emitted.at(x, y) - specular, glm::vec3(0));
+                radiance.specular.at(x, y) = specular;
+                sum.write_layers(x, y, radiance);
+            }
+            if (is_finite(radiance, x, y)) return;
+            if (of_tile[t].non_finite++ == 0)
+                of_tile[t].first = static_cast<std::int64_t>(y) * seen.visible.width() + x;
+            blacken(radiance, x, y);
+        });
+    });
+    for (const Found& found : of_tile) {
+        if (counts.non_finite == 0) counts.first_non_finite = found.first;
+        counts.non_finite += found.non_finite;
+    }
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,418 @@
+// After decoupled sampling [RaganKelley2011]: light is gathered once for a surface point, visibility is sampled over
+// the shutter and the lens. Changed: points lie where the middle of the shutter and of the lens shows them, one for
+// each pixel there and surface, so that they are those of the sharp picture wherever that shows them; textures are the
+// samples' own.
+#include "renderer/view/expose.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <unordered_map>
+#include <utility>
+
+#include "core/color.h"
+#include "core/error.h"
+#include "core/numeric.h"
+#include "parallel/loops.h"
+#include "renderer/view/blur.h"
+#include "renderer/view/exposed_points.h"
+#include "renderer/view/exposure_pattern.h"
+#include "renderer/view/lobe_rays.h"
+#include "renderer/view/tile_look.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Rays that are traced together. chosen: as tile_look.cpp.
+constexpr int most_rays_together = 1024;
+
+/// Samples of a pixel where something is blurred at all. chosen: 4, of which the 16 pixels of a square make 64 times.
+constexpr int fewest_samples = 4;
+
+/// Looks for blur in tiles where none is known, sample by sample at other places. chosen: 16 a tile, one for each of
+/// its blocks of 4 x 4 pixels.
+constexpr int scouts = 16;
+
+/// Samples that so much blur needs: steps of a quarter of a pixel, or of a quarter of a pixel's area of the disc.
+int samples_for(float blur, bool lens, int most) {
+    const float wanted = lens ? std::max(4 * blur, 4 * blur * blur) : 4 * blur;
+    int samples = std::min(fewest_samples, most);
+    while (samples < most && static_cast<float>(samples) < wanted) samples *= 2;
+    return samples;
+}
+
+/// What all tiles share.
+struct Exposing {
+    const PosedScene& scene;
+    const EyePaths& paths;
+    const Blur& blur;
+    Seen& seen;
+    Exposure& exposure;
+    const std::vector<scene::Camera>& cameras;
+    std::map<int, std::vector<glm::vec2>> places;
+    std::map<int, ExposurePattern> patterns;
+    std::vector<std::vector<std::uint32_t>> starts;  ///< of pixels in `seen.tiles`
+
+    const scene::Camera& camera_at(float time) const {
+        const auto k = static_cast<std::size_t>(time * static_cast<float>(cameras.size()));
+        return cameras[std::min(k, cameras.size() - 1)];
+    }
+    void prepare(int samples) {
+        if (patterns.contains(samples)) return;
+        patterns.emplace(samples, samples);
+        places.emplace(samples, sample_pattern(samples));
+    }
+};
+
+/// Samples the pixels of one tile.
+class TileExposer {
+  public:
+    TileExposer(const Exposing& all, std::size_t tile, int samples)
+        : all_(all),
+          tile_(tile),
+          area_(area_of(all.seen, tile)),
+          pattern_(all.patterns.at(samples)),
+          places_(all.places.at(samples)),
+          spacing_(1.0f / std::sqrt(static_cast<float>(samples))) {}
+
+    void expose(TileExposure& found);
+    /// How far a few samples of the tile are blurred.
+    float scout(ExposureCounts& counts);
+
+  private:
+    void aim(int x, int y, int sample, int dither);
+    void look(int x, int y, std::size_t first, TileExposure& found);
+    bool was_blurred(int x, int y) const;
+    float blur_of(const EyeSample& sample, glm::vec2 position) const;
+    void to_middle(Fragment& fragment, float time) const;
+    void take(Fragment& fragment, int x, int y, float time, std::size_t first, TileExposure& found);
+    std::pair<std::uint32_t, std::uint32_t> point_for(const Fragment& fragment, int x, int y, TileExposure& found);
+    std::uint16_t pixel_at(int x, int y) const {
+        return static_cast<std::uint16_t>(y % tile_size * tile_size + x % tile_size);
+    }
+
+    const Exposing& all_;
+    std::size_t tile_;
+    TileArea area_;
+    const ExposurePattern& pattern_;
+    const std::vector<glm::vec2>& places_;
+    float spacing_;
+    EyeSample sample_;
+    SeeCounts see_counts_;
+    std::vector<EyeRay> rays_;
+    std::vector<RayQuery> queries_;
+    std::vector<Hit> hits_;
+};
+
+void TileExposer::aim(int x, int y, int sample, int dither) {
+    const float time = pattern_.time(sample, dither);
+    const scene::Camera& camera = all_.camera_at(time);
+    const glm::vec2 lens = camera.has_aperture() ? pattern_.lens(sample, dither, camera.lens()) : glm::vec2(0);
+    const glm::vec2 position =
+        glm::vec2{static_cast<float>(x), static_cast<float>(y)} + places_[static_cast<std::size_t>(sample)];
+    float far = 0;
+    EyeRay& ray = rays_.emplace_back(eye_ray(camera, position, spacing_, far, lens));
+    ray.time = time;
+    queries_.push_back({ray.origin, ray.direction, far, time});
+}
+
+float TileExposer::blur_of(const EyeSample& sample, glm::vec2 position) const {
+    float blur = 0;
+    switch (sample.main.kind) {
+        case core::PixelClass::none:
+            break;
+        case core::PixelClass::sky:
+            blur = all_.blur.of_sky(position);
+            break;
+        default:
+            blur = all_.blur.of(sample.main.point.address);
+    }
+    for (const Fragment& f : sample.fragments) {
+        blur = std::max(blur, all_.blur.of(f.point.address));
+        if (f.way == straight_way) continue;
+        const float pixel = all_.scene.posed().camera.pixel_size();
+        blur = std::max(blur, all_.blur.of_distance(core::divide_or(f.extent, spacing_ * pixel, 1.0f)));
+    }
+    return blur;
+}
+
+float TileExposer::scout(ExposureCounts& counts) {
+    constexpr int side = 4, step = tile_size / side;
+    rays_.clear();
+    queries_.clear();
+    std::vector<glm::vec2> places;
+    for (int k = 0; k < scouts; ++k) {
+        const int x = area_.first.x + k % side * step + k / side, y = area_.first.y + k / side * step + k % side;
+        if (x >= area_.end.x || y >= area_.end.y) continue;
+        aim(x, y, k % pattern_.samples(), dither_class(x, y));
+        places.emplace_back(x, y);
+    }
+    hits_.resize(queries_.size());
+    all_.scene.tracer().nearest(queries_, hits_);
+    float blur = 0;
+    for (std::size_t k = 0; k < hits_.size(); ++k) {
+        all_.paths.look(rays_[k], queries_[k].far, hits_[k], sample_, see_counts_);
+        blur = std::max(blur, blur_of(sample_, places[k]));
+    }
+    counts.rays += see_counts_.primary_rays + see_counts_.specular_rays;
+    return blur;
+}
+
+/// Whether what the sharp picture shows of a pixel is blurred.
+bool TileExposer::was_blurred(int x, int y) const {
+    if (all_.blur.of_pixel(all_.seen.visible, x, y) >= least_blur) return true;
+    const GatherTile& points = all_.seen.tiles[tile_];
+    const std::uint16_t pixel = pixel_at(x, y);
+    for (std::uint32_t i = all_.starts[tile_][pixel]; i < all_.starts[tile_][pixel + 1u]; ++i)
+        if (all_.blur.of(points[i].point.address) >= least_blur) return true;
+    return false;
+}
+
+/// Moves what a sample saw to where the middle of the shutter has it.
+void TileExposer::to_middle(Fragment& fragment, float time) const {
+    const scene::Snapshot& snapshot = all_.scene.posed();
+    SurfacePoint& p = fragment.point;
+    if (snapshot.sweep && snapshot.sweep->object_moves(p.address.object)) {
+        const SurfaceShape then = all_.scene.shape_at(p.address, time),
+                           middle = all_.scene.shape_at(p.address, scene::middle_time);
+        const float side = p.back_side ? -1.0f : 1.0f;
+        p.position = middle.position;
+        p.position_error = middle.position_error;
+        p.geometric_normal = side * middle.front_normal;
+        const glm::vec3 turned = p.shading_normal + side * (middle.smooth_normal - then.smooth_normal);
+        p.shading_normal = core::normalize_or(turned, p.geometric_normal);
+    }
+    if (fragment.way != straight_way) return;
+    // It is looked at from the eye, unless that sees its other side.
+    const glm::vec3 to_eye = core::normalize_or(
+        snapshot.camera.perspective() ? snapshot.camera.position() - p.position : -snapshot.camera.forward(),
+        p.outgoing);
+    if (glm::dot(to_eye, p.geometric_normal) > 0.0f)
+        p.outgoing = to_eye;
+    else if (!(glm::dot(p.outgoing, p.geometric_normal) > 0.0f))
+        p.outgoing = p.geometric_normal;
+}
+
+/// The point that a fragment's light is gathered at: one that is there, or a new one.
+std::pair<std::uint32_t, std::uint32_t> TileExposer::point_for(const Fragment& fragment, int x, int y,
+                                                               TileExposure& found) {
+    const float extent = core::divide_or(fragment.extent, spacing_, 0.0f);
+    int cell_x = x, cell_y = y;
+    if (fragment.way == straight_way) {
+        const auto place = all_.scene.posed().camera.project(fragment.point.position);
+        const core::Visible& visible = all_.seen.visible;
+        if (place && place->position.x >= 0 && place->position.y >= 0 &&
+            place->position.x < static_cast<float>(visible.width()) &&
+            place->position.y < static_cast<float>(visible.height())) {
+            cell_x = static_cast<int>(place->position.x);
+            cell_y = static_cast<int>(place->position.y);
+        }
+    }
+    const auto tile = static_cast<std::uint32_t>(cell_y / tile_size * all_.seen.tiles_across() + cell_x / tile_size);
+    const std::uint16_t pixel = pixel_at(cell_x, cell_y);
+    const GatherTile& points = all_.seen.tiles[tile];
+    for (std::uint32_t i = all_.starts[tile][pixel]; i < all_.starts[tile][pixel + 1u]; ++i)
+        if (same_surface(points[i], fragment, extent)) return {tile, i};
+    const auto known = found.in_cell.find(TileExposure::cell_of(tile, pixel));
+    if (known != found.in_cell.end())
+        for (const std::uint32_t k : known->second)
+            if (same_surface(found.points[k].point, fragment, extent)) return {tile, is_new | k};
+    NewPoint added;
+    added.point.point = fragment.point;
+    added.point.pixel = pixel;
+    added.point.way = fragment.way;
+    added.extent = extent;
+    added.tile = tile;
+    added.source = pixel_at(x, y);
+    added.found_tile = static_cast<std::uint32_t>(tile_);
+    found.add(std::move(added));
+    return {tile, is_new | static_cast<std::uint32_t>(found.points.size() - 1)};
+}
+
+void TileExposer::take(Fragment& fragment, int x, int y, float time, std::size_t first, TileExposure& found) {
+    const glm::vec3 weight = fragment.weight / static_cast<float>(pattern_.samples());
+    const glm::vec3 diffuse = weight * fragment.point.bsdf.diffuse;
+    to_middle(fragment, time);
+    const std::size_t new_points = found.points.size();
+    const auto [tile, point] = point_for(fragment, x, y, found);
+    if (found.points.size() > new_points) {
+        NewPoint& added = found.points.back();
+        added.point.weight = weight;
+        const scene::Snapshot& snapshot = all_.scene.posed();
+        if (snapshot.sweep && snapshot.sweep->object_moves(fragment.point.address.object)) {
+            SurfacePoint& p = added.point.point;
+            const SurfacePoint middle = all_.scene.surface_at(p.address, p.outgoing);
+            p.smooth = middle.smooth;
+        }
+    }
+    for (std::size_t k = first; k < found.parts.size(); ++k) {
+        TileExposure::Part& part = found.parts[k];
+        if (part.tile != tile || part.point != point) continue;
+        part.weight += weight;
+        part.diffuse += diffuse;
+        return;
+    }
+    found.parts.push_back({tile, point, weight, diffuse});
+}
+
+void TileExposer::look(int x, int y, std::size_t first_ray, TileExposure& found) {
+    const std::size_t first = found.parts.size(), new_points = found.points.size();
+    const glm::vec2 middle{static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f};
+    glm::vec3 emitted(0), specular(0);
+    bool blurred = was_blurred(x, y);
+    for (int s = 0; s < pattern_.samples(); ++s) {
+        const std::size_t ray = first_ray + static_cast<std::size_t>(s);
+        all_.paths.look(rays_[ray], queries_[ray].far, hits_[ray], sample_, see_counts_);
+        emitted += sample_.emitted;
+        specular += sample_.emitted_specular;
+        blurred = blurred || blur_of(sample_, middle) >= least_blur;
+        for (Fragment& fragment : sample_.fragments) take(fragment, x, y, rays_[ray].time, first, found);
+    }
+    found.counts.samples += static_cast<std::uint64_t>(pattern_.samples());
+    if (!blurred) {
+        found.forget_from(first, new_points);
+        return;
+    }
+    ++found.counts.pixels;
+    const auto share = 1.0f / static_cast<float>(pattern_.samples());
+    all_.exposure.exposed.at(x, y) = 1;
+    all_.exposure.emitted.at(x, y) = share * emitted;
+    if (!all_.exposure.emitted_specular.empty()) all_.exposure.emitted_specular.at(x, y) = share * specular;
+}
+
+void TileExposer::expose(TileExposure& found) {
+    found.starts.assign(tile_size * tile_size + 1, 0);
+    const int together = std::max(1, most_rays_together / pattern_.samples());
+    for (int y = area_.first.y; y < area_.first.y + tile_size; ++y)
+        for (int x = area_.first.x; x < area_.first.x + tile_size; ++x) {
+            found.starts[pixel_at(x, y)] = static_cast<std::uint32_t>(found.parts.size());
+            if (x >= area_.end.x || y >= area_.end.y) continue;
+            if ((x - area_.first.x) % together == 0) {
+                rays_.clear();
+                queries_.clear();
+                for (int k = x; k < std::min(x + together, area_.end.x); ++k)
+                    for (int s = 0; s < pattern_.samples(); ++s) aim(k, y, s, dither_class(k, y));
+                hits_.resize(queries_.size());
+                all_.scene.tracer().nearest(queries_, hits_);
+            }
+            look(x, y, static_cast<std::size_t>((x - area_.first.x) % together * pattern_.samples()), found);
+        }
+    found.starts.back() = static_cast<std::uint32_t>(found.parts.size());
+    found.counts.rays += see_counts_.primary_rays + see_counts_.specular_rays;
+    if (found.counts.pixels == 0) found = {{}, {}, {}, {}, found.counts};
+}
+
+/// Where pixels' points begin in their tile.
+std::vector<std::vector<std::uint32_t>> starts_of(const Seen& seen) {
+    std::vector<std::vector<std::uint32_t>> starts(seen.tiles.size());
+    parallel::for_each(seen.tiles.size(), [&](std::size_t t) {
+        starts[t].assign(tile_size * tile_size + 1, 0);
+        for (const GatherPoint& p : seen.tiles[t]) ++starts[t][p.pixel + 1u];
+        for (std::size_t k = 1; k < starts[t].size(); ++k) starts[t][k] += starts[t][k - 1];
+    });
+    return starts;
+}
+
+/// Looks along the lobes of points that are narrow.
+void light_lobes(const LobeRays& lobes, Seen& seen, Exposure& exposure, std::vector<std::uint64_t>& rays) {
+    if (!lobes.trace_rays()) return;
+    exposure.lobe_light.assign(exposure.first_point.back(), glm::vec3(0));
+    std::vector<std::uint8_t> used(exposure.first_point.back(), 0);
+    for (const auto& tile : exposure.contributions)
+        for (const Contribution& c : tile) used[c.point] = 1;
+    parallel::for_each(seen.tiles.size(), [&](std::size_t t) {
+        for (std::size_t i = 0; i < seen.tiles[t].size(); ++i) {
+            GatherPoint& p = seen.tiles[t][i];
+            const std::size_t index = exposure.first_point[t] + i;
+            if (used[index] == 0 || !p.point.bsdf.has_narrow_lobe()) continue;
+            p.has_lobe_rays = true;
+            exposure.lobe_light[index] = lobes.radiance(p, rays[t]);
+        }
+    });
+}
+
+/// Shadows of what moves are blurred on what does not; its own would fall on itself, and on lamps that move.
+void blur_shadows(const scene::Snapshot& snapshot, Seen& seen) {
+    if (!snapshot.sweep || snapshot.sweep->knots.empty()) return;
+    const scene::Animation& film = *snapshot.animation;
+    for (std::uint32_t o = 0; o < film.objects.size(); ++o)
+        if (snapshot.sweep->object_moves(o) &&
+            film.materials[static_cast<std::size_t>(film.objects[o].material)].emits())
+            return;
+    parallel::for_each(seen.tiles.size(), [&](std::size_t t) {
+        for (GatherPoint& p : seen.tiles[t])
+            if (!snapshot.sweep->object_moves(p.point.address.object))
+                p.shadow_part = static_cast<std::uint8_t>(1 + dither_class(p.pixel % tile_size, p.pixel / tile_size));
+    });
+}
+
+/// Samples all tiles that may be blurred.
+std::vector<TileExposure> sample_tiles(Exposing& all, int samples, ExposureCounts& counts) {
+    const scene::Snapshot& snapshot = all.scene.posed();
+    for (int n = std::min(fewest_samples, samples); n <= samples; n *= 2) all.prepare(n);
+    all.prepare(samples);
+    all.prepare(scouts);
+    const std::size_t tiles = all.seen.tiles.size();
+    std::vector<float> scouted(tiles, 0.0f);
+    std::vector<ExposureCounts> scout_counts(tiles);
+    parallel::for_each(tiles, [&](std::size_t t) { scouted[t] = TileExposer(all, t, scouts).scout(scout_counts[t]); });
+    const std::vector<float> blurs = blur_of_tiles(all.blur, snapshot, all.seen, scouted);
+    std::vector<TileExposure> found(tiles);
+    parallel::for_each(tiles, [&](std::size_t t) {
+        if (blurs[t] > 0)
+            TileExposer(all, t, samples_for(blurs[t], snapshot.camera.has_aperture(), samples)).expose(found[t]);
+    });
+    for (std::size_t t = 0; t < tiles; ++t) {
+        counts.rays += scout_counts[t].rays + found[t].counts.rays;
+        counts.pixels += found[t].counts.pixels;
+        counts.samples += found[t].counts.samples;
+    }
+    return found;
+}
+
+}  // namespace
+
+void expose(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan, int samples, Seen& seen,
+            ExposureCounts& counts) {
+    EXPECTS(samples >= 1 && samples <= 4096);
+    const scene::Snapshot& snapshot = posed_scene.posed();
+    const Blur blur(snapshot);
+    if (!blur.any()) return;
+    const EyePaths paths(posed_scene, settings, plan);
+    const std::vector<scene::Camera> cameras = scene::cameras_over(snapshot, samples * dither_classes);
+    auto exposure = std::make_shared<Exposure>();
+    exposure->exposed = core::Plane<std::uint8_t>(seen.visible.width(), seen.visible.height(), 0);
+    exposure->emitted = core::Plane<glm::vec3>(seen.visible.width(), seen.visible.height(), glm::vec3(0));
+    if (!seen.emitted_specular.empty()) exposure->emitted_specular = exposure->emitted;
+    Exposing all{posed_scene, paths, blur, seen, *exposure, cameras, {}, {}, starts_of(seen)};
+    std::vector<TileExposure> found = sample_tiles(all, samples, counts);
+    if (counts.pixels == 0) {
+        blur_shadows(snapshot, seen);
+        return;
+    }
+
+    const std::size_t tiles = seen.tiles.size();
+    PointMerger merger(found, *exposure, seen);
+    parallel::for_each(tiles, [&](std::size_t t) { merger.merge(t); });
+    blur_shadows(snapshot, seen);
+    exposure->first_point.push_back(0);
+    for (const GatherTile& tile : seen.tiles)
+        exposure->first_point.push_back(exposure->first_point.back() + static_cast<std::uint32_t>(tile.size()));
+    for (std::size_t t = 0; t < tiles; ++t)
+        counts.points += seen.tiles[t].size() - (all.starts[t].empty() ? 0 : all.starts[t].back());
+    exposure->contributions.resize(tiles);
+    exposure->starts.resize(tiles);
+    parallel::for_each(tiles, [&](std::size_t t) {
+        exposure->starts[t] = std::move(found[t].starts);
+        for (const TileExposure::Part& part : found[t].parts) {
+            const auto [tile, point] = merger.of(t, part);
+            exposure->contributions[t].push_back({exposure->first_point[tile] + point, part.weight, part.diffuse});
+        }
+    });
+    std::vector<std::uint64_t> rays(tiles, 0);
+    light_lobes(LobeRays(posed_scene, settings, plan), seen, *exposure, rays);
+    for (const std::uint64_t r : rays) counts.rays += r;
+    seen.exposure = std::move(exposure);
+}
+
+}  // namespace render2mpeg::renderer

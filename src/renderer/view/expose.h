@@ -1,0 +1,22 @@
+#pragma once
+// Exposure: which surface points each pixel shows while the shutter is open, through all of the lens.
+#include "renderer/view/see.h"
+
+namespace render2mpeg::renderer {
+
+/// What an exposure comes to, for the statistics.
+struct ExposureCounts {
+    std::uint64_t rays = 0;     ///< of exposed samples, and on through layers; mirrors included
+    std::uint64_t pixels = 0;   ///< that are blurred
+    std::uint64_t samples = 0;  ///< of all pixels that were sampled
+    std::uint64_t points = 0;   ///< gather points that the frame's middle does not show
+};
+
+/// Samples the pixels that the open shutter or the aperture of the posed snapshot's lens may blur, `samples` (a power
+/// of two) times or fewer where little is blurred, and says where light goes (Seen::exposure). Gather points that only
+/// they show are added to `seen`. Pixels in which nothing is blurred stay as they are. Nothing is done where nothing
+/// moves and the camera is a pinhole. Does not depend on the number of threads.
+void expose(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan, int samples, Seen& seen,
+            ExposureCounts& counts);
+
+}  // namespace render2mpeg::renderer
