@@ -117,6 +117,14 @@ void Looks::change(const JsonValue& value, int index) {
     fraction("normal_scale", material().normal_scale, 10);
     fraction("transmission", material().transmission);
     if (const auto v = value.find("ior")) material().ior = static_cast<float>(v->number(1, 5));
+    if (const auto v = value.find("solid")) material().thickness = v->boolean() ? Thickness::solid : Thickness::thin;
+    if (const auto v = value.find("attenuation")) {
+        material().attenuation_color = v->color(1);
+        if (!(material().attenuation_distance > 0)) material().attenuation_distance = 1;
+    }
+    if (const auto v = value.find("attenuation_distance"))
+        material().attenuation_distance = static_cast<float>(v->number(1e-6, 1e6));
+    fraction("dispersion", material().dispersion, 20);
     const bool derived = value.has("metallic") || value.has("roughness") || value.has("transmission");
     if (material().specular_glossiness && derived) material().specular_glossiness = false;
     if (const auto v = value.find("double_sided")) material().double_sided = v->boolean();
