@@ -56,9 +56,10 @@ void add_scene_options(CLI::App& command, RenderOptions& options) {
         ->check(CLI::Range(0, 1 << 22))
         ->group("Light");
     command
-        .add_option("--caustics", options.caustics,
-                    "Whether mirrors and solid glass throw light onto other things; `off`: they do not, and light passes "
-                    "solid glass straight")
+        .add_option(
+            "--caustics", options.caustics,
+            "Whether mirrors and solid glass throw light onto other things; `off`: they do not, and light passes "
+            "solid glass straight")
         ->check(CLI::IsMember({"on", "off"}))
         ->capture_default_str()
         ->group("Light");

@@ -35,6 +35,9 @@ constexpr bool never(const Wanted&) {
 constexpr bool has_light(const Traits& t) {
     return t.has_punctual_lights || t.has_emissive_surfaces || t.has_shining_sky;
 }
+constexpr bool throws_light_onto_others(const Traits& t) {
+    return t.throws_light && has_light(t) && (t.has_diffuse_surfaces || t.has_glossy_surfaces);
+}
 constexpr bool without_indirect(const Wanted& w) {
     return !w.indirect;
 }
@@ -105,11 +108,8 @@ constexpr Rule rules[] = {
      [](const Traits& t) { return t.has_surfaces && t.has_even_lamps; }, set_of({shade}), never,
      "lamps (n), choice (film)", "lamps in closed form (n)"},
     {caustics, "caustics", "things mirror or bend light onto others", "nothing mirrors or bends light onto others",
-     [](const Traits& t) {
-         return t.throws_light && has_light(t) && (t.has_diffuse_surfaces || t.has_glossy_surfaces);
-     },
-     set_of({shade}), never, "lights, geometry, gather points (n), photons' number (chunk)", "light on points (n)",
-     without_caustics},
+     throws_light_onto_others, set_of({shade}), never, "lights, geometry, gather points (n), photons' number (chunk)",
+     "light on points (n)", without_caustics},
     {direct_tree, "direct light tree", "there are lights to cluster", "there is no light to cluster",
      [](const Traits& t) { return t.has_surfaces && has_light(t); }, set_of({shade}), never,
      "light points (n), topology (chunk)", "direct light tree (n)"},

@@ -118,6 +118,18 @@ std::vector<std::vector<LightPoint>> points_by_lamp(std::span<const LightPoint> 
     }
     std::vector<std::vector<LightPoint>> lamps;
     for (auto& [key, points] : by_lamp) lamps.push_back(std::move(points));
+    if (lamps.size() <= most_lamps) return lamps;
+    // The weakest together.
+    const auto light_of = [](const std::vector<LightPoint>& lamp) {
+        double sum = 0;
+        for (const LightPoint& p : lamp) sum += static_cast<double>(core::luminance(p.intensity));
+        return sum;
+    };
+    std::stable_sort(lamps.begin(), lamps.end(),
+                     [&](const auto& a, const auto& b) { return light_of(a) > light_of(b); });
+    std::vector<LightPoint>& rest = lamps[most_lamps - 1];
+    for (std::size_t i = most_lamps; i < lamps.size(); ++i) rest.insert(rest.end(), lamps[i].begin(), lamps[i].end());
+    lamps.resize(most_lamps);
     return lamps;
 }
 
@@ -143,48 +155,35 @@ Casters::Casters(const PosedScene& posed_scene, std::span<const LightPoint> ligh
     for (std::vector<LightPoint>& points : points_by_lamp(lights)) {
         Lamp& lamp = lamps_.emplace_back();
         lamp.points = std::move(points);
-    }
-    const auto light_of = [](const Lamp& lamp) {
-        double sum = 0;
-        for (const LightPoint& p : lamp.points) sum += static_cast<double>(core::luminance(p.intensity));
-        return sum;
-    };
-    if (lamps_.size() > most_lamps) {
-        // The weakest together.
-        std::stable_sort(lamps_.begin(), lamps_.end(),
-                         [&](const Lamp& a, const Lamp& b) { return light_of(a) > light_of(b); });
-        Lamp& rest = lamps_[most_lamps - 1];
-        for (std::size_t i = most_lamps; i < lamps_.size(); ++i)
-            rest.points.insert(rest.points.end(), lamps_[i].points.begin(), lamps_[i].points.end());
-        lamps_.resize(most_lamps);
-    }
-    double all = 0;
-    for (std::uint32_t l = 0; l < lamps_.size(); ++l) {
-        Lamp& lamp = lamps_[l];
         double sum = 0;
         for (const LightPoint& p : lamp.points)
             lamp.running.push_back(sum += static_cast<double>(core::luminance(p.intensity)));
+    }
+    double all = 0;
+    for (std::uint32_t l = 0; l < lamps_.size(); ++l)
         for (std::uint32_t t = 0; t < things_.size(); ++t) {
-            // By a few of its points.
-            constexpr int probes = 4;
-            double light = 0;
-            for (int k = 0; k < probes; ++k) {
-                const LightPoint& p = lamp.points[pick(lamp.running, (k + 0.5) / probes)];
-                const Rectangle seen = seen_from(p, things_[t]);
-                const bool far = p.kind == LightPointKind::directional;
-                const glm::vec3 way = seen.middle - p.position;
-                const float distance2 = far ? 1.0f : std::max(glm::dot(way, way), 1e-30f);
-                light += static_cast<double>(seen.all_around ? 4.0f * std::numbers::pi_v<float>
-                                                             : emit_factor(p, seen.towards, std::sqrt(distance2)) *
-                                                                   seen.area() / distance2);
-            }
-            light *= sum / probes * static_cast<double>(things_[t].weight);
+            const double light = light_thrown(lamps_[l], things_[t]);
             if (light > 0.0) beams_.push_back({l, t, light, 0});
             all += light;
         }
-    }
     for (Beam& beam : beams_)
         beam.share = (1.0 - even_share) * beam.light / all + even_share / static_cast<double>(beams_.size());
+}
+
+/// By a few of its points.
+double Casters::light_thrown(const Lamp& lamp, const Thing& thing) {
+    constexpr int probes = 4;
+    double light = 0;
+    for (int k = 0; k < probes; ++k) {
+        const LightPoint& p = lamp.points[pick(lamp.running, (k + 0.5) / probes)];
+        const Rectangle seen = seen_from(p, thing);
+        const bool far = p.kind == LightPointKind::directional;
+        const glm::vec3 way = seen.middle - p.position;
+        const float distance2 = far ? 1.0f : std::max(glm::dot(way, way), 1e-30f);
+        const float beam = emit_factor(p, seen.towards, std::sqrt(distance2)) * seen.area() / distance2;
+        light += static_cast<double>(seen.all_around ? 4.0f * std::numbers::pi_v<float> : beam);
+    }
+    return light * lamp.running.back() / probes * static_cast<double>(thing.weight);
 }
 
 Casters::Rectangle Casters::seen_from(const LightPoint& light, const Thing& thing) {
@@ -227,81 +226,80 @@ Casters::Rectangle Casters::seen_from(const LightPoint& light, const Thing& thin
     return seen;
 }
 
+const Casters::Beam& Casters::beam_of(std::uint64_t index, std::uint64_t count, std::uint64_t& first,
+                                      std::uint64_t& end) const {
+    first = end = 0;
+    double sum = 0;
+    for (const Beam& beam : beams_) {
+        sum += beam.share;
+        first = end;
+        end = &beam == &beams_.back() ? count : static_cast<std::uint64_t>(sum * static_cast<double>(count));
+        if (index < end) return beam;
+    }
+    return beams_.back();
+}
+
+/// Lets a photon leave for a place of the rectangle; returns the share of the light's intensity that all of them carry.
+float Casters::leave(const LightPoint& light, const Rectangle& seen, glm::vec2 u, AimedPhoton& photon) const {
+    const bool far = light.kind == LightPointKind::directional;
+    photon.origin = light.position;
+    if (seen.all_around) {
+        constexpr float whole = 4.0f * std::numbers::pi_v<float>;
+        photon.direction = core::sample_sphere(u);
+        core::make_frame(photon.direction, photon.turn[0], photon.turn[1]);
+        for (std::size_t k = 0; k < 2; ++k) photon.turn[k] *= std::sqrt(whole);
+        return whole * emit_factor(light, photon.direction, 1.0f);
+    }
+    const glm::vec2 q = (2.0f * u - 1.0f) * seen.half;
+    const glm::vec3 at = seen.middle + q.x * seen.right + q.y * seen.up;
+    // Cells as wide as high.
+    const float side = std::sqrt(seen.area());
+    if (far) {
+        photon.direction = light.normal;
+        photon.place[0] = side * seen.right;
+        photon.place[1] = side * seen.up;
+        photon.origin = at - reach_ * photon.direction;
+        return seen.area();
+    }
+    const glm::vec3 way = at - light.position;
+    const float distance = glm::length(way);
+    photon.direction = core::normalize_or(way, seen.towards);
+    const auto turn = [&](glm::vec3 edge) {
+        return side / distance * (edge - glm::dot(edge, photon.direction) * photon.direction);
+    };
+    photon.turn[0] = turn(seen.right);
+    photon.turn[1] = turn(seen.up);
+    return seen.area() * glm::dot(photon.direction, seen.towards) / (distance * distance) *
+           emit_factor(light, photon.direction, distance);
+}
+
 AimedPhoton Casters::aim(std::uint64_t index, std::uint64_t count) const {
     // Each beam has a run of photons.
     std::uint64_t first = 0, end = 0;
-    double sum = 0;
-    const Beam* beam = nullptr;
-    for (const Beam& b : beams_) {
-        sum += b.share;
-        first = end;
-        end = &b == &beams_.back() ? count : static_cast<std::uint64_t>(sum * static_cast<double>(count));
-        beam = &b;
-        if (index < end) break;
-    }
-    const auto photons = static_cast<float>(end - first);
-    const Lamp& lamp = lamps_[beam->lamp];
-    const Thing& thing = things_[beam->thing];
+    const Beam& beam = beam_of(index, count, first, end);
+    const Lamp& lamp = lamps_[beam.lamp];
     AimedPhoton photon;
     photon.number = index - first + 1;
-    photon.object = thing.object;
+    photon.of = end - first;
+    photon.object = things_[beam.thing].object;
     const glm::vec2 u(core::halton(place_dimension, photon.number), core::halton(place_dimension + 1, photon.number));
     const std::size_t l = pick(lamp.running, static_cast<double>(core::halton(point_dimension, photon.number)));
     const LightPoint& light = lamp.points[l];
-    const Rectangle seen = seen_from(light, thing);
-    const bool far = light.kind == LightPointKind::directional;
-    const float disc = std::sqrt(light.disc2);
+    const float share = leave(light, seen_from(light, things_[beam.thing]), u, photon);
 
-    float share = 0, distance = 1;  // of the light's intensity; to the rectangle
-    if (seen.all_around) {
-        photon.direction = core::sample_sphere(u);
-        share = 4.0f * std::numbers::pi_v<float>;
-        glm::vec3 right, up;
-        core::make_frame(photon.direction, right, up);
-        photon.turn[0] = std::sqrt(share) * right;
-        photon.turn[1] = std::sqrt(share) * up;
-    } else {
-        const glm::vec2 q = (2.0f * u - 1.0f) * seen.half;
-        const glm::vec3 at = seen.middle + q.x * seen.right + q.y * seen.up;
-        // Cells as wide as high.
-        const float side = std::sqrt(seen.area());
-        share = seen.area();
-        if (far) {
-            photon.direction = light.normal;
-            photon.place[0] = side * seen.right;
-            photon.place[1] = side * seen.up;
-            photon.origin = at - reach_ * photon.direction;
-        } else {
-            const glm::vec3 way = at - light.position;
-            distance = glm::length(way);
-            photon.direction = core::normalize_or(way, seen.towards);
-            const float cosine = glm::dot(photon.direction, seen.towards);
-            share *= cosine / (distance * distance);
-            const auto turn = [&](glm::vec3 edge) {
-                return side / distance * (edge - glm::dot(edge, photon.direction) * photon.direction);
-            };
-            photon.turn[0] = turn(seen.right);
-            photon.turn[1] = turn(seen.up);
-        }
-    }
-    if (!far) photon.origin = light.position;
-    glm::vec3 right, up;
-    core::make_frame(photon.direction, right, up);
-    for (std::size_t k = 0; k < 2; ++k) {
-        const glm::vec3 edge = disc * (k == 0 ? right : up);
-        // Lamp points of surfaces lie side by side; far ones turn.
-        (far ? photon.turn[k + 2] : photon.place[k + 2]) = edge;
-    }
+    // Lamp points of surfaces lie side by side; far ones turn.
+    const bool far = light.kind == LightPointKind::directional;
+    auto& neighbours = far ? photon.turn : photon.place;
+    core::make_frame(photon.direction, neighbours[2], neighbours[3]);
     // The cell is parted among the beam's photons.
+    const float cell = 1.0f / std::sqrt(static_cast<float>(photon.of));
     for (std::size_t k = 0; k < 2; ++k) {
-        photon.place[k] /= std::sqrt(photons);
-        photon.turn[k] /= std::sqrt(photons);
+        neighbours[k + 2] *= std::sqrt(light.disc2);
+        photon.place[k] *= cell;
+        photon.turn[k] *= cell;
     }
-    const double density = chance_of(lamp.running, l) * static_cast<double>(photons);
-    photon.flux = light.intensity *
-                  static_cast<float>(core::divide_or(
-                      static_cast<double>(emit_factor(light, photon.direction, distance) * share), density, 0.0));
-    photon.of = static_cast<std::uint64_t>(end - first);
+    const double density = chance_of(lamp.running, l) * static_cast<double>(photon.of);
+    photon.flux = light.intensity * static_cast<float>(core::divide_or(static_cast<double>(share), density, 0.0));
     return photon;
 }
 

@@ -63,6 +63,9 @@ class Casters {
         float area() const { return 4.0f * half.x * half.y; }
     };
     static Rectangle seen_from(const LightPoint& light, const Thing& thing);
+    static double light_thrown(const Lamp& lamp, const Thing& thing);
+    const Beam& beam_of(std::uint64_t index, std::uint64_t count, std::uint64_t& first, std::uint64_t& end) const;
+    float leave(const LightPoint& light, const Rectangle& seen, glm::vec2 u, AimedPhoton& photon) const;
 
     std::vector<Thing> things_;
     std::vector<Lamp> lamps_;

@@ -29,7 +29,7 @@ constexpr int first_choice = 3;
 
 /// Semi-axis of a kernel in cells. fit: docs/fits/caustics.md
 float smoothness(float photons) {
-    return std::clamp(4.0f * std::pow(1e-4f * photons, 0.25f), 2.0f, 8.0f);
+    return std::clamp(2.8f * std::pow(1e-4f * photons, 0.25f), 2.0f, 8.0f);
 }
 
 /// A photon on its way, with its four neighbours: two on the caster, two on the lamp.

@@ -47,7 +47,8 @@ struct Material {
     TextureUse transmission_texture;  ///< r
     float ior = 1.5f;                 ///< index of refraction, >= 1
 
-    /// KHR_materials_volume: bodies bend light, and take from it on the way. `Object::body` says which meshes bound one.
+    /// KHR_materials_volume: bodies bend light, and take from it on the way. `Object::body` says which meshes bound
+    /// one.
     Thickness thickness = Thickness::thin;
     glm::vec3 attenuation_color{1, 1, 1};  ///< 0..1, what is left of white light after `attenuation_distance`
     float attenuation_distance = 0;        ///< > 0; 0: infinite, nothing is taken
