@@ -413,6 +413,8 @@ bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& st
     renderer::Seen seen = renderer_.see(world);
     // Twice what the finest pictures get: errors are halved and more.
     renderer_.expose(world, 2 * exposure_samples(film_, 1), seen);
+    const core::ToleranceMap none = core::ToleranceMap::reference();
+    renderer_.add_caustics(world, &none, seen);
     Truth truth;
     for (const renderer::LitPixel& pixel : renderer::lit_pixels(seen))
         truth.gathering.push_back(renderer::place_of(seen, pixel));

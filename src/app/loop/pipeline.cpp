@@ -30,13 +30,14 @@ class ChunkLoop {
     void look_closer(const scene::Snapshot& world, const core::ToleranceMap& tolerance, renderer::Seen& seen);
     /// Takes as many samples of the shutter and of the lens as a picture of this quantiser shows.
     void expose(const scene::Snapshot& world, int quantiser, renderer::Seen& seen);
+    void throw_light(const scene::Snapshot& world, const core::ToleranceMap& tolerance, renderer::Seen& seen);
     /// How the frame will be coded; nothing of it matters where it will not be.
     encoder::PicturePlan plan(const scene::Snapshot& world, Motion& motion);
     /// What the frame's light may be off by, before it is lit. Valid until the next frame.
-    const core::ToleranceMap& tolerate(const scene::Snapshot& world, const renderer::Seen& seen,
-                                       const PlannedPicture& plan, Motion& motion);
+    const core::ToleranceMap& tolerate(const scene::Snapshot& world, renderer::Seen& seen, const PlannedPicture& plan,
+                                       Motion& motion);
     /// Rough light for the visibility model, where there is no picture before.
-    void imagine(const scene::Snapshot& world, const renderer::Seen& seen, const PlannedPicture& plan);
+    void imagine(const scene::Snapshot& world, renderer::Seen& seen, const PlannedPicture& plan);
     core::Radiance shade(const scene::Snapshot& world, const renderer::Seen& seen, const core::ToleranceMap& tolerance);
     core::Radiance draft(const scene::Snapshot& world, const renderer::Seen& seen, const core::ToleranceMap& tolerance,
                          RenderedMotion& motion);
@@ -88,7 +89,7 @@ void ChunkLoop::frame(std::int64_t n) {
     const FrameTimer timer(statistics_);
     const std::shared_ptr<const scene::Snapshot> world = posed_.at(n);
     renderer::Seen seen = see(*world);
-    RenderedMotion motion(job_, posed_, seen.visible, *world, statistics_);
+    RenderedMotion motion(job_, posed_, seen.visible, *world, statistics_, &seen.imaged);
 
     // Plan how it will be coded, and what that and the eye allow its light to be off by.
     const encoder::PicturePlan coding = plan(*world, motion);
@@ -100,6 +101,7 @@ void ChunkLoop::frame(std::int64_t n) {
 
     // Light it. What a first, rough look took is no frame's.
     const renderer::Statistics before = renderer_.statistics();
+    throw_light(*world, tolerance, seen);
     const core::Radiance radiance =
         job_.preview ? draft(*world, seen, tolerance, motion) : shade(*world, seen, tolerance);
     const core::Picture picture = develop(radiance, n);
@@ -129,11 +131,16 @@ void ChunkLoop::expose(const scene::Snapshot& world, int quantiser, renderer::Se
     renderer_.expose(world, exposure_samples(job_, quantiser), seen);
 }
 
+void ChunkLoop::throw_light(const scene::Snapshot& world, const core::ToleranceMap& tolerance, renderer::Seen& seen) {
+    const StageTimer timer(statistics_, Stage::shade);
+    renderer_.add_caustics(world, &tolerance, seen);
+}
+
 encoder::PicturePlan ChunkLoop::plan(const scene::Snapshot& world, Motion& motion) {
     return coder_ ? coder_->plan(world.frame, world.cut_before, motion) : encoder::PicturePlan();
 }
 
-const core::ToleranceMap& ChunkLoop::tolerate(const scene::Snapshot& world, const renderer::Seen& seen,
+const core::ToleranceMap& ChunkLoop::tolerate(const scene::Snapshot& world, renderer::Seen& seen,
                                               const PlannedPicture& plan, Motion& motion) {
     if (!coupling_) return tolerance_;
     if (world.cut_before || plan.number == chunk_.first) coupling_->forget();
@@ -145,10 +152,17 @@ const core::ToleranceMap& ChunkLoop::tolerate(const scene::Snapshot& world, cons
     return tolerance_;
 }
 
-void ChunkLoop::imagine(const scene::Snapshot& world, const renderer::Seen& seen, const PlannedPicture& plan) {
+void ChunkLoop::imagine(const scene::Snapshot& world, renderer::Seen& seen, const PlannedPicture& plan) {
     const core::Radiance rough = [&] {
         const StageTimer timer(statistics_, Stage::preview);
-        return preview(renderer_, world, seen);
+        // Caustics of a rough look; the frame's own come with its tolerance.
+        core::Plane<glm::vec3> emitted = seen.emitted, specular = seen.emitted_specular;
+        renderer_.add_caustics(world, nullptr, seen);
+        core::Radiance look = preview(renderer_, world, seen);
+        seen.emitted = std::move(emitted);
+        seen.emitted_specular = std::move(specular);
+        seen.caustics = seen.caustics_specular = {};
+        return look;
     }();
     const StageTimer timer(statistics_, Stage::tolerate);
     core::Picture picture = display_.develop(rough);

@@ -60,7 +60,8 @@ void Cut::trace(std::uint32_t index, LightContribution& contribution) {
         contribution.is_blocked = true;
     } else {
         shadows_->trace(tree.type, tree.lights[cluster.representative], tree.spot(cluster.representative),
-                        light_trees_.clamp(cluster.tree), contribution, cluster.tree == LightTrees::dynamic_tree);
+                        light_trees_.clamp(cluster.tree), light_trees_.bodies_before(cluster.tree), contribution,
+                        cluster.tree == LightTrees::dynamic_tree);
     }
     clusters_.set(index, contribution);
 }

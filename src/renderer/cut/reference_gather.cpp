@@ -86,6 +86,7 @@ void gather_all(const LightTrees& light_trees, const RayTracer& tracer, const Ga
                 packet.times = times.at;
             }
             if (packet.active == 0) continue;
+            packet.bodies = light_trees.bodies_before(t);
             std::fill(std::begin(passes), std::end(passes), glm::vec3(1));
             const std::uint32_t blocked = tracer.occluded(packet, light_trees.translucent ? passes : nullptr);
             darken(lanes, packet.active & ~blocked, unit);

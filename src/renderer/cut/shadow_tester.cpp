@@ -44,7 +44,7 @@ void ShadowTester::choose_occluders() {
 }
 
 RENDER2MPEG_CLONES
-void ShadowTester::trace(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp,
+void ShadowTester::trace(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp, Bodies bodies,
                          LightContribution& contribution, bool on_mover) {
     const GatherLanes& lanes = *lanes_;
     evaluate_light(lanes, type, light, spot, clamp, contribution.unit);
@@ -57,6 +57,7 @@ void ShadowTester::trace(LightType type, const TreeLight& light, const Spot* spo
         packet.times = times.at;
     }
     packet.active = reached(contribution.unit);
+    packet.bodies = bodies;
     contribution.is_blocked = false;
     if (packet.active == 0) return;
     std::uint32_t hidden = 0;
@@ -113,7 +114,7 @@ void ShadowTester::trace_from_places(LightType type, const TreeLight& light, con
                                      LightContribution& contribution) {
     const GatherLanes& lanes = *lanes_;
     if (lanes.places == 1 && !lanes.timed) {
-        trace(type, light, spot, clamp, contribution);
+        trace(type, light, spot, clamp, light_trees_.bodies, contribution);
         return;
     }
     LightLanes& unit = contribution.unit;
@@ -125,6 +126,7 @@ void ShadowTester::trace_from_places(LightType type, const TreeLight& light, con
         ShadowPacket packet;
         aim<Aimed::at_one>(origins(lanes, place), type, &light.position.x, &light.position.y, &light.position.z,
                            packet);
+        packet.bodies = light_trees_.bodies;
         packet.active = 0;
         for (int i = 0; i < lane_count; ++i) packet.active |= place < lanes.own_places[i] ? active & 1u << i : 0u;
         trace_place(packet, place, counts);
@@ -186,6 +188,7 @@ void ShadowTester::trace_further(LightType type, const TreeLight& light, const s
             for (std::size_t k = 0; k < lane_count; ++k) times.at[k] = ShadowTimes::kth(*lanes_, lane, first + k);
             packet.times = times.at;
         }
+        packet.bodies = light_trees_.bodies;
         packet.active = (1u << size) - 1u;
         glm::vec3 passes[lane_count];
         const std::uint32_t lit = reach(packet, passes);
