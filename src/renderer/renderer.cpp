@@ -12,6 +12,7 @@
 #include "renderer/cache/light_split.h"
 #include "renderer/calibration/audit.h"
 #include "renderer/calibration/calibration.h"
+#include "renderer/caustics/caustics.h"
 #include "renderer/cut/shade.h"
 #include "renderer/draft/draft_light.h"
 #include "renderer/lights/anchors.h"
@@ -78,6 +79,13 @@ bool same_light(const scene::Snapshot& a, const scene::Snapshot& b) {
            a.emission_factor == b.emission_factor && a.base_color == b.base_color;
 }
 
+glm::vec3 caustics_at(const Seen& seen, glm::ivec2 place) {
+    glm::vec3 sum(0);
+    for (const auto* plane : {&seen.caustics, &seen.caustics_specular})
+        if (!plane->empty()) sum += plane->at(place.x, place.y);
+    return sum;
+}
+
 }  // namespace
 
 struct Renderer::Impl {
@@ -85,7 +93,8 @@ struct Renderer::Impl {
         : settings(s),
           plan(p),
           posed_scene(film, s.isa, p),
-          light_points(posed_scene, p, (p.runs(Pass::sky_light) ? 2 : 1) * s.direct_points, s.seed) {
+          light_points(posed_scene, p, (p.runs(Pass::sky_light) ? 2 : 1) * s.direct_points, s.seed),
+          thrown({s.caustic_photons}) {
         statistics.image_notes = posed_scene.notes();
     }
 
@@ -135,6 +144,7 @@ struct Renderer::Impl {
         }
         shone_at.reset();
         photons.forget();
+        thrown.forget();
         lit_frame.reset();
         last_seen.reset();
         cache.forget();
@@ -200,6 +210,7 @@ struct Renderer::Impl {
         light_trees.direct_clamp = bounded ? emitter_clamp : GeometryClamp::none();
         light_trees.indirect_clamp = bounded ? anchor_clamp : GeometryClamp::none();
         light_trees.lobe_rays = plan.runs(Pass::lobe_rays);
+        light_trees.bodies = plan.runs(Pass::caustics) ? Bodies::block : Bodies::pass;
         light_trees.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass);
         if (splits) cache.move(split.update(light_trees, lit_anchors.still, lasting));
         lit_frame = snapshot.frame;
@@ -311,6 +322,7 @@ struct Renderer::Impl {
     std::optional<scene::Snapshot> shone_at;  ///< the instant that the following are of
     std::vector<LightPoint> shining;          ///< direct light points, until trees take them
     Anchors::Lit lit_anchors;
+    Caustics thrown;                        ///< how many photons a frame of the chunk has
     KeptPhotons photons;                    ///< of the instant that `lit_anchors` are of
     bool has_trees = false;                 ///< `light_trees` are of that instant, too
     std::optional<std::int64_t> lit_frame;  ///< the first frame that `light_trees` are of
@@ -353,6 +365,22 @@ void Renderer::look_closer(const scene::Snapshot& snapshot, const core::Toleranc
     renderer::look_closer(impl_->posed_scene, settings, impl_->plan, tolerance, impl_->settings.most_samples, seen,
                           counts);
     impl_->count(counts);
+}
+
+void Renderer::add_caustics(const scene::Snapshot& snapshot, const core::ToleranceMap* tolerance, Seen& seen) {
+    Impl& i = *impl_;
+    if (!i.plan.runs(Pass::caustics)) return;
+    if (!i.started) i.start_chunk(snapshot);
+    i.pose(snapshot);
+    const Stopwatch timer(i.row(Pass::caustics));
+    CausticCounts counts;
+    i.thrown.add(i.posed_scene, i.light_points.at(i.posed_scene), tolerance, seen, counts);
+    if (tolerance == nullptr) return;
+    i.statistics.caustic_rays += counts.followed.rays + counts.splats.doubtful;
+    i.statistics.caustic_photons += counts.followed.photons;
+    i.statistics.caustic_landings += counts.landings;
+    i.statistics.caustic_pairs += counts.splats.pairs;
+    i.statistics.caustic_doubts += counts.splats.doubtful;
 }
 
 core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance) {
@@ -444,7 +472,8 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
         requests.push_back({{a.x, a.y},
                             points.subspan(pixel.first, pixel.last - pixel.first),
                             std::max(core::luminance(p.at_points), p.least),
-                            seen.samples.empty() ? i.settings.samples : seen.samples.at(a.x, a.y)});
+                            seen.samples.empty() ? i.settings.samples : seen.samples.at(a.x, a.y),
+                            caustics_at(seen, {a.x, a.y})});
     }
     SeeSettings see;
     see.format = i.settings.format;

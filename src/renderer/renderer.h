@@ -39,7 +39,8 @@ struct Settings {
     int direct_points = 1024;  ///< light points for emissive surfaces; twice as many for a sky, or for both
     int vpls = 4096;           ///< anchor lights, about: light points of indirect light; 0: none
     int bounces = 0;           ///< longest photon path; 0: any
-    int min_cut = 8;           ///< clusters per gather point, both trees together
+    std::uint64_t caustic_photons = 0;  ///< of a frame; 0: as many as its tolerance needs (caustics.h)
+    int min_cut = 8;                    ///< clusters per gather point, both trees together
     int max_cut = 1000;
     int specular_depth = 6;  ///< mirrors and glass after one another
     Clamp clamp = Clamp::bounded;
@@ -54,7 +55,9 @@ struct Settings {
 /// What was done and found, summed since construction. Counts of rays are rays, not packets.
 struct Statistics {
     std::uint64_t primary_rays = 0, shadow_rays = 0, photon_rays = 0, specular_rays = 0;
-    std::uint64_t gather_points = 0, capped_points = 0;  ///< capped: stopped by max_cut, tolerance not reached
+    std::uint64_t caustic_photons = 0, caustic_landings = 0, caustic_rays = 0;
+    std::uint64_t caustic_pairs = 0, caustic_doubts = 0;  ///< of landings and points; of them asked by a ray
+    std::uint64_t gather_points = 0, capped_points = 0;   ///< capped: stopped by max_cut, tolerance not reached
     std::uint64_t direct_clusters = 0, indirect_clusters = 0;
     std::uint64_t non_finite = 0;                        ///< pixel values replaced by 0
     std::string first_non_finite;                        ///< where: "frame 3, pixel (10, 20)"
@@ -90,6 +93,10 @@ class Renderer {
 
     /// Looks again where edges could show by more than the tolerance (look_closer.h). After `see` of the same instant.
     void look_closer(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, Seen& seen);
+
+    /// Adds what mirrors and glass throw onto surfaces to what needs no gathering, once, before `shade`. `tolerance`:
+    /// the frame's; null: for a rough look.
+    void add_caustics(const scene::Snapshot& snapshot, const core::ToleranceMap* tolerance, Seen& seen);
 
     /// Gathers light for all gather points of a frame until every pixel's error bound is below its tolerance.
     core::Radiance shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance);

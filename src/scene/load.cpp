@@ -29,6 +29,10 @@ void choose_camera(Animation& animation, const std::string& wanted) {
 Animation load_blend(const std::filesystem::path& file, const LoadOptions& options) {
     const BlenderExport exported = export_blend(file);
     Animation animation = load_animation_file(exported.film, options, load_as_is);
+    // Blender's renderers bend light at every glass; open meshes are its films.
+    for (Material& material : animation.materials)
+        if (material.transmission > 0 && material.thickness == Thickness::thin)
+            material.thickness = Thickness::solid_where_closed;
     animation.files.insert(animation.files.begin(), file);
     animation.notes.insert(animation.notes.begin(), exported.notes.begin(), exported.notes.end());
     return animation;

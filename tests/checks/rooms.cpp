@@ -40,6 +40,7 @@ const std::vector<Building>& buildings() {
           {"geometry", {"base"}, {"core", "scene", "image"}},
           {"surface", {"geometry", "base"}, {"core", "scene", "image", "parallel"}},
           {"lights", {"surface", "geometry", "base"}, {"core", "scene", "image", "parallel"}},
+          {"caustics", {"lights", "surface", "geometry", "base"}, {"core", "scene", "parallel"}},
           {"tree", {"surface", "base"}, {"core", "parallel"}},
           {"view", {"surface", "base"}, {"core", "parallel"}},
           {"truth", {"lights", "view", "surface", "geometry", "base"}, {"core", "scene", "image", "parallel"}},

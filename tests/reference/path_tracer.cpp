@@ -72,7 +72,9 @@ class PathTracer::Path {
                 meet_sky();
                 return light_;
             }
-            if (!meet(t_.surfaces_.at(hit.address, -direction_))) return light_;
+            const Surface surface = t_.surfaces_.at(hit.address, -direction_);
+            pass_bodies(surface, hit.distance);
+            if (!meet(surface)) return light_;
             if (surfaces < safe_surfaces) continue;
             const double lasts = std::min(1.0, largest(throughput_));
             if (!(random_.one() < lasts)) return light_;
@@ -107,6 +109,7 @@ class PathTracer::Path {
             return false;
         }
         if (counts()) light_ += throughput_ * s.look.emission;
+        if (s.look.solid) return bend(s);
 
         // Choose what light did here: mirrored, passed or scattered.
         const double cosine = glm::dot(s.normal, s.outgoing);
@@ -130,6 +133,48 @@ class PathTracer::Path {
         }
         throughput_ *= all / scattered;
         return scatter(s, f);
+    }
+
+    /// A body of glass that the path is in.
+    struct Inside {
+        std::uint32_t object;
+        double index;
+        glm::dvec3 absorption;
+    };
+    double index_now() const { return inside_.empty() ? 1.0 : inside_.back().index; }
+
+    /// What bodies take on the way to a surface; one whose back is met first was there from the beginning.
+    void pass_bodies(const Surface& s, double distance) {
+        const auto own = [&](const Inside& i) { return i.object == s.object; };
+        if (s.look.solid && s.from_behind && std::none_of(inside_.begin(), inside_.end(), own))
+            inside_.push_back({s.object, s.look.ior, s.look.absorption});
+        if (!inside_.empty()) throughput_ *= glm::exp(-distance * inside_.back().absorption);
+    }
+
+    /// At a boundary of glass, chooses by Fresnel's equations whether light was mirrored or bent.
+    bool bend(const Surface& s) {
+        if (scatterings_ == 1 && !settings_.caustics) return false;
+        std::vector<Inside> beyond = inside_;
+        if (s.from_behind)
+            std::erase_if(beyond, [&](const Inside& i) { return i.object == s.object; });
+        else
+            beyond.push_back({s.object, s.look.ior, s.look.absorption});
+        const double n1 = index_now(), n2 = beyond.empty() ? 1.0 : beyond.back().index, eta = n1 / n2;
+        const double c1 = glm::dot(s.normal, s.outgoing), sine2 = eta * eta * (1 - c1 * c1);
+        const double c2 = std::sqrt(std::max(0.0, 1 - sine2));
+        const double rs = (n1 * c1 - n2 * c2) / (n1 * c1 + n2 * c2), rp = (n2 * c1 - n1 * c2) / (n2 * c1 + n1 * c2);
+        const double reflected = sine2 >= 1 ? 1.0 : 0.5 * (rs * rs + rp * rp);
+        connected_ = false;
+        if (random_.one() < reflected) {
+            direction_ = glm::normalize(2 * c1 * s.normal - s.outgoing);
+            origin_ = s.origin(direction_);
+            return glm::dot(direction_, s.front) > 0;
+        }
+        throughput_ *= s.look.base;
+        direction_ = glm::normalize(eta * direction_ + (eta * c1 - c2) * s.normal);
+        origin_ = s.origin(direction_);
+        inside_ = std::move(beyond);
+        return glm::dot(direction_, s.front) < 0;
     }
 
     bool scatter(const Surface& s, const Scattering& f) {
@@ -173,6 +218,8 @@ class PathTracer::Path {
             if (!hit.found()) return share;
             const Surface s = t_.surfaces_.at(hit.address, -direction);
             const Scattering f = scattering_of(s.look, glm::dot(s.normal, s.outgoing));
+            // By chance alone light comes through bodies.
+            if (s.look.solid && settings_.caustics) return glm::dvec3(0);
             share *= 1 - s.look.coverage + s.look.coverage * f.transmission;
             origin = s.origin(direction);
             left -= hit.distance;
@@ -185,6 +232,7 @@ class PathTracer::Path {
     Random random_;
     glm::vec3 origin_{0};
     glm::dvec3 direction_{0}, light_{0}, throughput_{1};
+    std::vector<Inside> inside_;
     int scatterings_ = 0;
     bool connected_ = false;  ///< lamps that are met next have been connected to
 };

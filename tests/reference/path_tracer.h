@@ -27,15 +27,15 @@ struct PathSettings {
     int bounces = endless;  ///< how often light may scatter before it reaches the surface that is seen; 0: direct alone
     int least_bounces = 0;  ///< what scattered less often is left out
     Finding finding = Finding::by_chance;
-    /// Whether light counts that a mirror throws onto the first surface that scatters, which the renderer leaves out
-    /// (docs/model/lights.md).
+    /// Whether light counts that mirrors or bodies of glass throw onto the first surface that scatters
+    /// (docs/model/caustics.md). Without it bodies pass the light of lamps straight.
     bool caustics = false;
 };
 
 /// Light along rays by plain path tracing: slow, and as near to the rendering equation as code can be. No clamp, no
 /// cache, sums in double; roulette ends long paths without bias. It uses the renderer's rays, and the animation and its
 /// snapshot; none of the renderer's materials, textures, lights or kernels. As in the renderer, suns are seen neither
-/// by the eye nor in its mirrors, and glass is thin.
+/// by the eye nor in its mirrors. Glass is thin, or bounds bodies that are smooth and clear.
 class PathTracer {
   public:
     explicit PathTracer(const renderer::PosedScene& posed_scene);

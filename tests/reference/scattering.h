@@ -9,15 +9,17 @@ namespace render2mpeg::reference {
 /// What a material says of one point, images and vertex colours looked up.
 struct Look {
     bool specular_glossiness = false;
-    glm::dvec3 base{1};       ///< 0..1; the diffuse colour where `specular_glossiness`
-    double metallic = 0;      ///< 0..1
-    double roughness = 1;     ///< 0..1; 1 - glossiness
-    double ior = 1.5;         ///< >= 1
-    double transmission = 0;  ///< 0..1
-    glm::dvec3 specular{0};   ///< of `specular_glossiness`, 0..1
-    double coverage = 1;      ///< 0: a hole
-    glm::dvec3 emission{0};   ///< radiance of the side that is looked at
-    bool unlit = false;       ///< shows `emission`, scatters nothing
+    glm::dvec3 base{1};        ///< 0..1; the diffuse colour where `specular_glossiness`
+    double metallic = 0;       ///< 0..1
+    double roughness = 1;      ///< 0..1; 1 - glossiness
+    double ior = 1.5;          ///< >= 1
+    double transmission = 0;   ///< 0..1
+    bool solid = false;        ///< bounds a body that bends light; all of it smooth glass
+    glm::dvec3 absorption{0};  ///< of the body, per scene unit
+    glm::dvec3 specular{0};    ///< of `specular_glossiness`, 0..1
+    double coverage = 1;       ///< 0: a hole
+    glm::dvec3 emission{0};    ///< radiance of the side that is looked at
+    bool unlit = false;        ///< shows `emission`, scatters nothing
 };
 
 /// How a surface scatters light, written from the sources in double precision and without any code of the renderer's:

@@ -103,6 +103,62 @@ TruthCase light_through_glass() {
     return c;
 }
 
+int add_solid_glass(SceneBuilder& b) {
+    const int m = b.add_material();
+    b.material(m) = glass();
+    b.material(m).base_color = {1, 1, 1, 1};
+    b.material(m).thickness = scene::Thickness::solid;
+    return m;
+}
+
+/// A ball of tinted glass before the stage; lamps shine through it as if it were thin.
+TruthCase glass_ball() {
+    TruthCase c = stage_case();
+    const int m = add_solid_glass(c.scene);
+    c.scene.material(m).attenuation_color = {0.9f, 0.6f, 0.4f};
+    c.scene.material(m).attenuation_distance = 0.5f;
+    c.scene.add_sphere({0.4f, 0.6f, 0.8f}, 0.5f, m, 96);
+    c.scene.add_camera({0.4f, 0.9f, 3.2f}, {0.4f, 0.6f, 0.8f}, 0.28f);
+    // Ways of less than 2 % end.
+    c.allowed = {0.015, 0.05};
+    return c;
+}
+
+/// A box of water on glass, both seen from above; a red ball lies in the water.
+TruthCase water_on_glass() {
+    TruthCase c = stage_case();
+    const int base = add_solid_glass(c.scene), water = add_solid_glass(c.scene);
+    c.scene.material(water).ior = 1.33f;
+    c.scene.add_box({0.2f, 0.01f, 0.2f}, {1.2f, 0.3f, 1.2f}, base);
+    c.scene.add_box({0.2f, 0.299f, 0.2f}, {1.2f, 0.8f, 1.2f}, water);
+    c.scene.add_sphere({0.7f, 0.5f, 0.7f}, 0.15f, c.scene.add_material({0.7f, 0.1f, 0.1f}), 48);
+    c.scene.add_camera({0.5f, 1.9f, 2.6f}, {0.7f, 0.5f, 0.7f}, 0.3f);
+    c.allowed = {0.015, 0.05};
+    return c;
+}
+
+/// What a ball of glass throws onto the floor behind it.
+TruthCase caustic_of_a_ball() {
+    TruthCase c = stage_case();
+    c.scene.film().sky.color = glm::vec3(0);
+    c.scene.add_sphere({0.6f, 0.5f, 0.6f}, 0.3f, add_solid_glass(c.scene), 96);
+    c.scene.add_camera({1.4f, 1.6f, 2.0f}, {0.8f, 0, 0.9f}, 0.4f);
+    c.caustics = true;
+    c.allowed = {0.015, 0.06};
+    return c;
+}
+
+/// And half a ring of silver before it.
+TruthCase caustic_of_a_mirror() {
+    TruthCase c = stage_case();
+    c.scene.film().sky.color = glm::vec3(0);
+    c.scene.add_quad({1.2f, 0, 1.4f}, {0, 0, -1}, {0.3f, 1, 0}, add_mirror(c.scene, {0.9f, 0.9f, 0.9f}));
+    c.scene.add_camera({0.2f, 1.6f, 2.4f}, {0.7f, 0, 0.9f}, 0.5f);
+    c.caustics = true;
+    c.allowed = {0.015, 0.06};
+    return c;
+}
+
 /// Half glass, half paint, rough.
 TruthCase milky_glass() {
     TruthCase c = stage_case();
@@ -149,6 +205,10 @@ std::vector<NamedCase> specular_cases() {
             {"PaneOfGlass", pane_of_glass},
             {"LightThroughGlass", light_through_glass},
             {"MilkyGlass", milky_glass},
+            {"GlassBall", glass_ball},
+            {"WaterOnGlass", water_on_glass},
+            {"CausticOfABall", caustic_of_a_ball},
+            {"CausticOfAMirror", caustic_of_a_mirror},
             {"Blended", blended},
             {"CutOut", cut_out}};
 }

@@ -129,6 +129,8 @@ Surface Surfaces::at(const core::SurfaceAddress& address, glm::dvec3 outgoing) c
     }
     normal = mapped_normal(material, t, normal);
     const bool from_behind = glm::dot(front, outgoing) < 0;
+    s.object = address.object;
+    s.from_behind = from_behind;
     s.front = from_behind ? -front : front;
     s.normal = from_behind ? -normal : normal;
     if (!(glm::dot(s.normal, s.front) > 0) || !(glm::dot(s.normal, outgoing) > 0)) s.normal = s.front;
@@ -138,6 +140,10 @@ Surface Surfaces::at(const core::SurfaceAddress& address, glm::dvec3 outgoing) c
     s.clearance = 2e-6 * std::max({reach.x, reach.y, reach.z, 1e-6});
 
     s.look = look_at(material, t);
+    s.look.solid = object.body != scene::Body::none;
+    if (material.attenuation_distance > 0)
+        s.look.absorption = -glm::log(glm::max(glm::dvec3(material.attenuation_color), 1e-30)) /
+                            static_cast<double>(material.attenuation_distance);
     if (material.unlit) {
         s.look.emission = s.look.base;
     } else if (!from_behind || material.double_sided) {

@@ -16,7 +16,9 @@ struct Surface {
     glm::dvec3 front{0};     ///< unit normal of the triangle, on the side of `outgoing`
     glm::dvec3 normal{0};    ///< unit, for shading, on the same side
     glm::dvec3 outgoing{0};  ///< unit, to where it is seen from
-    double clearance = 0;    ///< how far off the triangle rays begin
+    std::uint32_t object = 0;
+    bool from_behind = false;
+    double clearance = 0;  ///< how far off the triangle rays begin
     Look look;
 
     glm::vec3 origin(glm::dvec3 direction) const {

@@ -26,6 +26,7 @@ struct TruthCase {
     int vpls = 0;              ///< of the renderer; 0: direct light alone, and paths with no bounce
     int direct_points = 1024;  ///< likewise
     int specular_depth = 6;    ///< likewise
+    bool caustics = false;     ///< of both; lamps without size throw none that paths find
     Finding finding = Finding::by_connection;
     std::uint64_t paths = 1536;  ///< of the path tracer, per pixel
     Allowed allowed;

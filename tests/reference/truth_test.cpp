@@ -45,6 +45,7 @@ PathSettings paths_of(const TruthCase& c) {
     PathSettings s;
     s.finding = c.finding;
     if (c.vpls == 0) s.bounces = 0;
+    s.caustics = c.caustics;
     return s;
 }
 
@@ -133,7 +134,7 @@ void judge(const NamedCase& named) {
     const TruthCase c = named.make();
     const std::uint64_t paths = c.paths * static_cast<std::uint64_t>(std::max(1, wanted_paths()));
     const Posed posed(c);
-    test::FilmStage stage(c.scene, settings_of(c));
+    test::FilmStage stage(c.scene, settings_of(c), c.caustics);
     const core::Radiance ours = stage.reference();
     const PathTracer tracer(posed.posed_scene);
     Found found;

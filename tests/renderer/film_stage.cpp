@@ -19,8 +19,11 @@ renderer::Settings small_frame(int width, int height) {
     return s;
 }
 
-FilmStage::FilmStage(const SceneBuilder& builder, const renderer::Settings& settings)
-    : film_(std::make_unique<scene::Animation>(builder.build())), settings_(settings), renderer_(make(false)) {}
+FilmStage::FilmStage(const SceneBuilder& builder, const renderer::Settings& settings, bool caustics)
+    : film_(std::make_unique<scene::Animation>(builder.build())),
+      settings_(settings),
+      caustics_(caustics),
+      renderer_(make(false)) {}
 
 scene::Snapshot FilmStage::at(int second) const {
     return snapshot(*film_, second, settings_.format.width, settings_.format.height);
@@ -28,7 +31,9 @@ scene::Snapshot FilmStage::at(int second) const {
 
 core::Radiance FilmStage::shade(int second, const core::ToleranceMap& tolerance) {
     const scene::Snapshot world = at(second);
-    return renderer_->shade(world, renderer_->see(world), tolerance);
+    renderer::Seen seen = renderer_->see(world);
+    renderer_->add_caustics(world, &tolerance, seen);
+    return renderer_->shade(world, seen, tolerance);
 }
 
 core::ToleranceMap FilmStage::uniform(float relative) const {
@@ -52,6 +57,7 @@ std::unique_ptr<renderer::Renderer> FilmStage::make(bool layers) const {
     renderer::Wanted wanted;
     wanted.layers = layers;
     wanted.indirect = settings_.vpls > 0;
+    wanted.caustics = caustics_;
     return std::make_unique<renderer::Renderer>(*film_, settings_,
                                                 renderer::make_plan(scene::traits_of(*film_), wanted));
 }

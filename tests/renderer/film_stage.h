@@ -14,7 +14,9 @@ renderer::Settings small_frame(int width = 24, int height = 24);
 /// A built film with a renderer, for small frames.
 class FilmStage {
   public:
-    explicit FilmStage(const SceneBuilder& builder, const renderer::Settings& settings = small_frame());
+    /// `caustics`: whether frames have those that the plan wants.
+    explicit FilmStage(const SceneBuilder& builder, const renderer::Settings& settings = small_frame(),
+                       bool caustics = false);
 
     /// Starts anew, with all layers filled or not.
     void restart(bool layers) { renderer_ = make(layers); }
@@ -35,6 +37,7 @@ class FilmStage {
 
     std::unique_ptr<scene::Animation> film_;
     renderer::Settings settings_;
+    bool caustics_;
     std::unique_ptr<renderer::Renderer> renderer_;
 };
 

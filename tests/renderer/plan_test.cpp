@@ -20,7 +20,7 @@ using scene::Traits;
 Traits all_traits() {
     Traits t;
     t.has_surfaces = t.has_punctual_lights = t.has_emissive_surfaces = t.has_shining_sky = true;
-    t.has_even_lamps = true;
+    t.has_even_lamps = t.has_bodies = t.throws_light = true;
     t.has_diffuse_surfaces = t.has_glossy_surfaces = t.has_narrow_lobes = t.has_mirrors = t.has_glass = true;
     t.has_alpha_mask = t.has_alpha_blend = t.has_normal_maps = t.has_textures = true;
     t.camera_moves = t.objects_move = t.objects_deform = t.lights_change = t.has_cuts = true;
@@ -117,6 +117,15 @@ TEST(Plan, LeavesOutEachEffectByItself) {
     EXPECT_GE(effects, 13);
 }
 
+TEST(Plan, WithoutCausticsThrowsNoLight) {
+    Wanted wanted;
+    wanted.caustics = false;
+    const Plan plan = make_plan(all_traits(), wanted);
+    EXPECT_FALSE(plan.runs(Pass::caustics));
+    EXPECT_TRUE(plan.runs(Pass::refraction));
+    EXPECT_EQ(plan.rows()[static_cast<std::size_t>(Pass::caustics)].reason, "not wanted");
+}
+
 TEST(Plan, FollowsEachCauseAlone) {
     const auto changes = [](auto set) {
         Traits without = all_traits(), with = all_traits();
@@ -132,6 +141,8 @@ TEST(Plan, FollowsEachCauseAlone) {
     using Names = std::set<std::string>;
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_glass = on; }), (Names{"glass"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_mirrors = on; }), (Names{"mirrors"}));
+    EXPECT_EQ(changes([](Traits& t, bool on) { t.has_bodies = on; }), (Names{"refraction"}));
+    EXPECT_EQ(changes([](Traits& t, bool on) { t.throws_light = on; }), (Names{"caustics"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_narrow_lobes = on; }), (Names{"lobe rays"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_textures = on; }), (Names{"textures"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_normal_maps = on; }), (Names{"normal maps"}));

@@ -77,8 +77,8 @@ TEST_P(Animations, SayInTwoLinesWhatTheyIsolate) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Animations,
-                         ::testing::Values("cornell", "colonnade", "many_lamps", "mirror_and_glass", "character",
-                                           "still_room", "flash_cut"),
+                         ::testing::Values("cornell", "colonnade", "many_lamps", "mirror_and_glass", "ring_and_lens",
+                                           "character", "still_room", "flash_cut"),
                          [](const auto& chosen) { return std::string(chosen.param); });
 
 TEST(AnimationsIsolate, CornellMovesBoxesUnderAPanelBeforeAStillCamera) {

@@ -131,6 +131,9 @@ TEST_F(Assimp, IlluminationModelsSayMirrorAndGlass) {
     EXPECT_FLOAT_EQ(glass.ior, 1.33f);
     EXPECT_EQ(glm::vec3(glass.base_color), glm::vec3(0.5f, 1, 0.5f));
     EXPECT_EQ(glass.roughness, 0);
+    EXPECT_EQ(glass.thickness, Thickness::solid_where_closed);
+    EXPECT_EQ(material("Kd 0 0 0\nNi 1.5\nillum 4").thickness, Thickness::thin);
+    EXPECT_EQ(material("Kd 0 0 0\nNi 1.5\nd 0.05").thickness, Thickness::solid_where_closed);
     EXPECT_EQ(glass.alpha_mode, AlphaMode::opaque);
     const Material opaque = material("Kd 0.5 0.5 0.5\nNi 1.5\nillum 2");
     EXPECT_EQ(opaque.transmission, 0);

@@ -156,13 +156,13 @@ TEST_F(GltfExtensions, WebpIsTakenBeforeTheOtherImage) {
 
 TEST_F(GltfExtensions, WhatIsNotReadIsToldOnceWithWhatItMeans) {
     GltfFile file = GltfFile::triangle();
-    file.json["extensionsUsed"] = {"KHR_materials_volume"};
-    file.append("materials", {{"extensions", {{"KHR_materials_volume", nlohmann::json::object()}}}});
-    file.append("materials", {{"extensions", {{"KHR_materials_dispersion", nlohmann::json::object()}}}});
+    file.json["extensionsUsed"] = {"KHR_gaussian_splatting"};
+    file.append("materials", {{"extensions", {{"KHR_gaussian_splatting", nlohmann::json::object()}}}});
+    file.append("materials", {{"extensions", {{"KHR_materials_volume_scatter", nlohmann::json::object()}}}});
     file.append("materials", {{"extensions", {{"KHR_materials_unlit", nlohmann::json::object()}}}});
     const Animation film = loaded(file);
-    EXPECT_TRUE(has_note(film, "tints it with depth"));
-    EXPECT_TRUE(has_note(film, "does not split colours (the file uses it and does not list it)"));
+    EXPECT_TRUE(has_note(film, "splats are not drawn"));
+    EXPECT_TRUE(has_note(film, "nothing scatters light inside (the file uses it and does not list it)"));
     EXPECT_TRUE(has_note(film, "\"KHR_materials_unlit\", which it does not list"));
 }
 

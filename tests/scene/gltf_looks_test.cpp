@@ -104,6 +104,24 @@ TEST_F(GltfLooks, LeavesAndBrushedSurfacesAreRead) {
     EXPECT_TRUE(m.diffuse_transmission_color_texture.present());
 }
 
+TEST_F(GltfLooks, VolumesBoundBodies) {
+    const auto volume = [](double thickness) {
+        return nlohmann::json{
+            {"extensions",
+             {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+              {"KHR_materials_volume",
+               {{"thicknessFactor", thickness}, {"attenuationDistance", 0.5}, {"attenuationColor", {0.5, 0.25, 1}}}},
+              {"KHR_materials_dispersion", {{"dispersion", 0.3}}}}}};
+    };
+    const Material m = material(volume(0.1));
+    EXPECT_EQ(m.thickness, Thickness::solid);
+    EXPECT_EQ(m.attenuation_distance, 0.5f);
+    EXPECT_EQ(m.attenuation_color, glm::vec3(0.5f, 0.25f, 1));
+    EXPECT_EQ(m.dispersion, 0.3f);
+    EXPECT_EQ(material(volume(0)).thickness, Thickness::thin);
+    EXPECT_EQ(material(nlohmann::json::object()).thickness, Thickness::thin);
+}
+
 TEST_F(GltfLooks, SpecularGlossinessReplacesMetallicRoughness) {
     const Material m = material({{"pbrMetallicRoughness", {{"baseColorFactor", {1, 0, 0, 1}}}},
                                  {"extensions",

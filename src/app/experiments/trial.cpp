@@ -410,6 +410,8 @@ bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& st
                              const std::function<bool(const ReferenceStanding&)>& part_done) {
     const scene::Snapshot world = film_.snapshot(frame);
     renderer::Seen seen = renderer_.see(world);
+    const core::ToleranceMap none = core::ToleranceMap::reference();
+    renderer_.add_caustics(world, &none, seen);
     Truth truth;
     for (const renderer::LitPixel& pixel : renderer::lit_pixels(seen))
         truth.gathering.push_back(renderer::place_of(seen, pixel));

@@ -11,6 +11,7 @@
 #include "app/loop/run_statistics.h"
 #include "core/motion_field.h"
 #include "core/visible.h"
+#include "scene/pose/motion.h"
 #include "scene/pose/snapshot.h"
 
 /// Where one frame's pixels are in other frames.
@@ -48,10 +49,11 @@ class PosedFrames {
 /// Exact motion of what the renderer sees.
 class RenderedMotion : public Motion {
   public:
-    /// `visible` is what `world` shows. All must outlive it. The time it takes counts as the pass `motion`.
+    /// `visible` is what `world` shows, `imaged` what its mirrors do. All must outlive it. The time it takes counts as
+    /// the pass `motion`.
     RenderedMotion(const RenderJob& job, PosedFrames& posed, const core::Visible& visible, const scene::Snapshot& world,
-                   RunStatistics& statistics)
-        : job_(job), posed_(posed), visible_(visible), world_(world), statistics_(statistics) {}
+                   RunStatistics& statistics, const scene::MirrorImages* imaged = nullptr)
+        : job_(job), posed_(posed), visible_(visible), world_(world), statistics_(statistics), imaged_(imaged) {}
 
     /// As to(); where nothing moves the field says so.
     const core::MotionField& exact_to(std::int64_t reference);
@@ -67,6 +69,7 @@ class RenderedMotion : public Motion {
     const core::Visible& visible_;
     const scene::Snapshot& world_;
     RunStatistics& statistics_;
+    const scene::MirrorImages* imaged_;
     std::map<std::int64_t, core::MotionField> still_;  ///< fields of a scene in which nothing moves
 };
 

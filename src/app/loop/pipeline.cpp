@@ -27,13 +27,14 @@ class ChunkLoop {
   private:
     renderer::Seen see(const scene::Snapshot& world);
     void look_closer(const scene::Snapshot& world, const core::ToleranceMap& tolerance, renderer::Seen& seen);
+    void throw_light(const scene::Snapshot& world, const core::ToleranceMap& tolerance, renderer::Seen& seen);
     /// How the frame will be coded; nothing of it matters where it will not be.
     encoder::PicturePlan plan(const scene::Snapshot& world, Motion& motion);
     /// What the frame's light may be off by, before it is lit. Valid until the next frame.
-    const core::ToleranceMap& tolerate(const scene::Snapshot& world, const renderer::Seen& seen,
-                                       const PlannedPicture& plan, Motion& motion);
+    const core::ToleranceMap& tolerate(const scene::Snapshot& world, renderer::Seen& seen, const PlannedPicture& plan,
+                                       Motion& motion);
     /// Rough light for the visibility model, where there is no picture before.
-    void imagine(const scene::Snapshot& world, const renderer::Seen& seen, const PlannedPicture& plan);
+    void imagine(const scene::Snapshot& world, renderer::Seen& seen, const PlannedPicture& plan);
     core::Radiance shade(const scene::Snapshot& world, const renderer::Seen& seen, const core::ToleranceMap& tolerance);
     core::Radiance draft(const scene::Snapshot& world, const renderer::Seen& seen, const core::ToleranceMap& tolerance,
                          RenderedMotion& motion);
@@ -85,7 +86,7 @@ void ChunkLoop::frame(std::int64_t n) {
     const FrameTimer timer(statistics_);
     const std::shared_ptr<const scene::Snapshot> world = posed_.at(n);
     renderer::Seen seen = see(*world);
-    RenderedMotion motion(job_, posed_, seen.visible, *world, statistics_);
+    RenderedMotion motion(job_, posed_, seen.visible, *world, statistics_, &seen.imaged);
 
     // Plan how it will be coded, and what that and the eye allow its light to be off by.
     const encoder::PicturePlan coding = plan(*world, motion);
@@ -93,9 +94,10 @@ void ChunkLoop::frame(std::int64_t n) {
     const core::ToleranceMap& tolerance = tolerate(*world, seen, planned, motion);
 
     look_closer(*world, tolerance, seen);
+    const renderer::Statistics before = renderer_.statistics();
+    throw_light(*world, tolerance, seen);
 
     // Light it. What a first, rough look took is no frame's.
-    const renderer::Statistics before = renderer_.statistics();
     const core::Radiance radiance =
         job_.preview ? draft(*world, seen, tolerance, motion) : shade(*world, seen, tolerance);
     const core::Picture picture = develop(radiance, n);
@@ -120,11 +122,16 @@ void ChunkLoop::look_closer(const scene::Snapshot& world, const core::ToleranceM
     renderer_.look_closer(world, tolerance, seen);
 }
 
+void ChunkLoop::throw_light(const scene::Snapshot& world, const core::ToleranceMap& tolerance, renderer::Seen& seen) {
+    const StageTimer timer(statistics_, Stage::shade);
+    renderer_.add_caustics(world, &tolerance, seen);
+}
+
 encoder::PicturePlan ChunkLoop::plan(const scene::Snapshot& world, Motion& motion) {
     return coder_ ? coder_->plan(world.frame, world.cut_before, motion) : encoder::PicturePlan();
 }
 
-const core::ToleranceMap& ChunkLoop::tolerate(const scene::Snapshot& world, const renderer::Seen& seen,
+const core::ToleranceMap& ChunkLoop::tolerate(const scene::Snapshot& world, renderer::Seen& seen,
                                               const PlannedPicture& plan, Motion& motion) {
     if (!coupling_) return tolerance_;
     if (world.cut_before || plan.number == chunk_.first) coupling_->forget();
@@ -136,10 +143,17 @@ const core::ToleranceMap& ChunkLoop::tolerate(const scene::Snapshot& world, cons
     return tolerance_;
 }
 
-void ChunkLoop::imagine(const scene::Snapshot& world, const renderer::Seen& seen, const PlannedPicture& plan) {
+void ChunkLoop::imagine(const scene::Snapshot& world, renderer::Seen& seen, const PlannedPicture& plan) {
     const core::Radiance rough = [&] {
         const StageTimer timer(statistics_, Stage::preview);
-        return preview(renderer_, world, seen);
+        // Caustics of a rough look; the frame's own come with its tolerance.
+        core::Plane<glm::vec3> emitted = seen.emitted, specular = seen.emitted_specular;
+        renderer_.add_caustics(world, nullptr, seen);
+        core::Radiance look = preview(renderer_, world, seen);
+        seen.emitted = std::move(emitted);
+        seen.emitted_specular = std::move(specular);
+        seen.caustics = seen.caustics_specular = {};
+        return look;
     }();
     const StageTimer timer(statistics_, Stage::tolerate);
     core::Picture picture = display_.develop(rough);

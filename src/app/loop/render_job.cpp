@@ -186,6 +186,7 @@ void decide_passes(RenderJob& film, const RenderOptions& options) {
     for (const auto& heatmap : options.heatmaps)
         wanted.layers = wanted.layers || (heatmap.first != "tolerance" && heatmap.first != "quantiser");
     wanted.indirect = options.vpls > 0;
+    wanted.caustics = options.caustics == "on";
     film.loss = loss_of(options, film);
     const scene::Traits traits = scene::traits_of(*film.animation);
     film.plan = renderer::make_plan(traits, wanted);
@@ -320,7 +321,8 @@ float measure_exposure(const RenderJob& film) {
         const std::int64_t frame = film.frames.first + (film.frame_count() - 1) * (2 * i + 1) / (2 * frames);
         const scene::Snapshot world = small.snapshot(frame);
         if (i == 0) renderer.start_chunk(world);
-        const renderer::Seen seen = renderer.see(world);
+        renderer::Seen seen = renderer.see(world);
+        renderer.add_caustics(world, nullptr, seen);
         const core::Radiance radiance = renderer.sketch(world, seen, small.tolerance_map());
         for (std::size_t p = 0; p < radiance.combined.size(); ++p) {
             const float luminance = core::luminance(radiance.combined.values()[p]);

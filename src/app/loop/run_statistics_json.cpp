@@ -44,6 +44,11 @@ void each_count(Counts& s, Visit&& visit) {
     visit("shadow_rays", s.shadow_rays);
     visit("photon_rays", s.photon_rays);
     visit("specular_rays", s.specular_rays);
+    visit("caustic_rays", s.caustic_rays);
+    visit("caustic_photons", s.caustic_photons);
+    visit("caustic_landings", s.caustic_landings);
+    visit("caustic_pairs", s.caustic_pairs);
+    visit("caustic_doubts", s.caustic_doubts);
     visit("gather_points", s.gather_points);
     visit("capped_points", s.capped_points);
     visit("direct_clusters", s.direct_clusters);

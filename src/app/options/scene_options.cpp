@@ -56,6 +56,14 @@ void add_scene_options(CLI::App& command, RenderOptions& options) {
         ->check(CLI::Range(0, 1 << 22))
         ->group("Light");
     command
+        .add_option(
+            "--caustics", options.caustics,
+            "Whether mirrors and solid glass throw light onto other things; `off`: they do not, and light passes "
+            "solid glass straight")
+        ->check(CLI::IsMember({"on", "off"}))
+        ->capture_default_str()
+        ->group("Light");
+    command
         .add_option("--loss", options.loss,
                     "PSNR-Y that a long film may lose by its light points: 1,024 to 32,768 of them are chosen by "
                     "measuring small frames for some seconds; `any`: not measured")

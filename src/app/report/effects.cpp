@@ -44,6 +44,9 @@ std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& stati
     if (!specular.empty())
         effects.push_back(
             {specular, {}, r.specular_rays, {}, "time in seeing, and in the light of what is seen there"});
+    if (plan.runs(Pass::caustics))
+        effects.push_back(
+            {"caustics", pass(Pass::caustics), r.caustic_rays, {}, "light that mirrors and glass throw, by photons"});
     // Layers are met by shadow rays to all lights alike.
     const bool photons = plan.runs(Pass::photons);
     const double direct = pass(Pass::punctual_lights) + pass(Pass::emissive_lights) + pass(Pass::direct_tree);

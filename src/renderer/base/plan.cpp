@@ -35,6 +35,12 @@ constexpr bool never(const Wanted&) {
 constexpr bool has_light(const Traits& t) {
     return t.has_punctual_lights || t.has_emissive_surfaces || t.has_shining_sky;
 }
+constexpr bool throws_light_onto_others(const Traits& t) {
+    return t.throws_light && has_light(t) && (t.has_diffuse_surfaces || t.has_glossy_surfaces);
+}
+constexpr bool without_caustics(const Wanted& w) {
+    return !w.caustics;
+}
 constexpr bool without_indirect(const Wanted& w) {
     return !w.indirect;
 }
@@ -61,44 +67,51 @@ using enum Pass;
 /// it takes and what pictures are without it.
 constexpr Rule rules[] = {
     {pose, "pose", "the scene has surfaces", "there are no surfaces", [](const Traits& t) { return t.has_surfaces; },
-     set_of({see, emissive_lights, photons, shade}), never, "snapshot (n)", "traced geometry (n)"},
+     set_of({see, emissive_lights, caustics, photons, shade}), never, "snapshot (n)", "traced geometry (n)"},
     {textures, "textures", "materials have images", "no material has an image",
-     [](const Traits& t) { return t.has_textures; }, set_of({see, emissive_lights, photons, shade}), never,
+     [](const Traits& t) { return t.has_textures; }, set_of({see, emissive_lights, caustics, photons, shade}), never,
      "images (film)", "filtered images (film)", "textures"},
     {normal_maps, "normal maps", "materials have normal maps", "no material has a normal map",
-     [](const Traits& t) { return t.has_normal_maps; }, set_of({see, photons}), never, "images (film)",
+     [](const Traits& t) { return t.has_normal_maps; }, set_of({see, caustics, photons}), never, "images (film)",
      "bent normals (n)", "normal maps"},
     {alpha, "alpha", "surfaces have holes or are see-through", "nothing has holes or is see-through",
-     [](const Traits& t) { return t.has_alpha_mask || t.has_alpha_blend; }, set_of({see, photons, shade}), never,
-     "materials (n)", "layers met by rays (n)", "holes and veils"},
+     [](const Traits& t) { return t.has_alpha_mask || t.has_alpha_blend; }, set_of({see, caustics, photons, shade}),
+     never, "materials (n)", "layers met by rays (n)", "holes and veils"},
     {mirrors, "mirrors", "surfaces are smooth enough to mirror", "nothing is smooth enough to mirror",
-     [](const Traits& t) { return t.has_mirrors; }, set_of({see, photons}), never, "geometry (n)",
+     [](const Traits& t) { return t.has_mirrors; }, set_of({see, caustics, photons}), never, "geometry (n)",
      "surfaces seen in mirrors (n)", "mirrors"},
     {lobe_rays, "lobe rays", "surfaces are glossy, but not rough", "nothing is glossy, but not rough",
      [](const Traits& t) { return t.has_narrow_lobes && has_light(t); }, set_of({shade}), never,
      "geometry, anchor lights (n), sky (film)", "what narrow lobes see (n)", "sharp gloss"},
     {glass, "glass", "surfaces transmit light", "nothing is transparent", [](const Traits& t) { return t.has_glass; },
-     set_of({see, photons, shade}), never, "geometry (n)", "surfaces seen through glass, tinted light (n)", "glass"},
+     set_of({see, caustics, photons, shade}), never, "geometry (n)", "surfaces seen through glass, tinted light (n)",
+     "glass"},
+    {refraction, "refraction", "glass has a thickness", "all glass is thin",
+     [](const Traits& t) { return t.has_bodies; }, set_of({see, photons, caustics}), never, "geometry (n)",
+     "ways of rays through glass (n)", "refraction"},
     {sky_background, "sky background", "the sky shines", "the sky is black",
      [](const Traits& t) { return t.has_shining_sky; }, set_of({see}), never, "sky (film), camera (n)",
      "background (n)", "the sky seen"},
-    {see, "see", "frames are looked at", "", always, set_of({motion, shade, layers}), never,
+    {see, "see", "frames are looked at", "", always, set_of({motion, caustics, shade, layers}), never,
      "geometry, materials, camera (n)", "visible surfaces, gather points (n)"},
     {motion, "motion", "the camera or the scene moves", "nothing moves",
      [](const Traits& t) { return t.anything_moves() || t.has_cuts; }, set_of({layers, encode}), never,
      "visible surfaces (n), snapshots (references)", "motion (n to its references)"},
     {punctual_lights, "punctual lights", "there are punctual lights", "there is no punctual light",
-     [](const Traits& t) { return t.has_punctual_lights; }, set_of({direct_tree, photons, shade}), never, "lights (n)",
-     "light points (n)", "lamps"},
+     [](const Traits& t) { return t.has_punctual_lights; }, set_of({caustics, direct_tree, photons, shade}), never,
+     "lights (n)", "light points (n)", "lamps"},
     {emissive_lights, "emissive surfaces", "surfaces shine", "no surface shines",
-     [](const Traits& t) { return t.has_emissive_surfaces; }, set_of({direct_tree, photons}), never,
+     [](const Traits& t) { return t.has_emissive_surfaces; }, set_of({caustics, direct_tree, photons}), never,
      "emission (n), places (chunk)", "light points (n)", "light of shining surfaces"},
     {sky_light, "sky light", "the sky shines", "the sky is black",
-     [](const Traits& t) { return t.has_shining_sky && t.has_surfaces; }, set_of({direct_tree, photons}), never,
-     "sky (film)", "light points (film)", "light of the sky"},
+     [](const Traits& t) { return t.has_shining_sky && t.has_surfaces; }, set_of({caustics, direct_tree, photons}),
+     never, "sky (film)", "light points (film)", "light of the sky"},
     {whole_lamps, "whole lamps", "lamps shine evenly", "no lamp has a size and shines evenly",
      [](const Traits& t) { return t.has_surfaces && t.has_even_lamps; }, set_of({shade}), never,
      "lamps (n), choice (film)", "lamps in closed form (n)", "lamps as a whole"},
+    {caustics, "caustics", "things mirror or bend light onto others", "nothing mirrors or bends light onto others",
+     throws_light_onto_others, set_of({shade}), never, "lights, geometry, gather points (n), photons' number (chunk)",
+     "light on points (n)", "caustics", without_caustics},
     {direct_tree, "direct light tree", "there are lights to cluster", "there is no light to cluster",
      [](const Traits& t) { return t.has_surfaces && has_light(t); }, set_of({shade}), never,
      "light points (n), topology (chunk)", "direct light tree (n)"},

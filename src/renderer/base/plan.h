@@ -18,6 +18,7 @@ enum class Pass {
     mirrors,
     lobe_rays,
     glass,
+    refraction,
     sky_background,
     see,
     motion,
@@ -25,6 +26,7 @@ enum class Pass {
     emissive_lights,
     sky_light,
     whole_lamps,
+    caustics,
     direct_tree,
     photons,
     indirect_tree,
@@ -42,6 +44,7 @@ struct Wanted {
     bool film = true;             ///< coded pictures: develop, motion, encode
     bool layers = false;          ///< --aov
     bool indirect = true;         ///< --vpls above 0
+    bool caustics = true;         ///< --caustics
     bool developed = false;       ///< pictures for a display that are not coded (.y4m, .png): develop alone
     std::optional<Pass> without;  ///< an effect that is left out although the scene calls for it
 };

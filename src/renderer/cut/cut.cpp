@@ -60,7 +60,7 @@ void Cut::trace(std::uint32_t index, LightContribution& contribution) {
         contribution.is_blocked = true;
     } else {
         shadows_->trace(tree.type, tree.lights[cluster.representative], tree.spot(cluster.representative),
-                        light_trees_.clamp(cluster.tree), contribution);
+                        light_trees_.clamp(cluster.tree), light_trees_.bodies_before(cluster.tree), contribution);
     }
     clusters_.set(index, contribution);
 }

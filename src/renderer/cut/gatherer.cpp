@@ -112,7 +112,8 @@ void Gatherer::gather_all(const GatherLanes& lanes, GatheredLight& out) {
         for (std::uint32_t i = 0; i < tree.lights.size(); ++i) {
             const TreeLight& light = tree.lights[i];
             if (!(core::luminance(light.intensity) > 0.0f)) continue;
-            shadows_.trace(tree.type, light, tree.spot(i), light_trees_.clamp(t), contribution);
+            shadows_.trace(tree.type, light, tree.spot(i), light_trees_.clamp(t), light_trees_.bodies_before(t),
+                           contribution);
             const UnitLight unit = contribution.visible(lanes, light_trees_.translucent);
             sums.add(unit, light.intensity, LightTrees::is_direct(t));
             if (contribution.unit.any_clamped) sums.add_clamped(light, unit, light.intensity, light_trees_.clamp(t));

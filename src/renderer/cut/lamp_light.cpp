@@ -186,6 +186,7 @@ void LampGatherer::trace_sample(const LampSamples& samples, const LampResponse& 
     Vec3Lanes targets;
     sampler_->aim(samples, targets);
     aim<Aimed::at_each>(from, type, targets.x, targets.y, targets.z, packet);
+    packet.bodies = shadows_.bodies();
     packet.active = 0;
     for (int i = 0; i < lane_count; ++i) {
         const bool in_front = glm::dot(lanes_.geometric.at(i), samples.direction.at(i)) > 0.0f;

@@ -79,6 +79,7 @@ void gather_all(const LightTrees& light_trees, const RayTracer& tracer, const Ga
             evaluate_lights(lanes, tree.type, lights, light_trees.clamp(t), unit);
             aim_at_each(lanes, tree.type, lights, unit, packet);
             if (packet.active == 0) continue;
+            packet.bodies = light_trees.bodies_before(t);
             std::fill(std::begin(passes), std::end(passes), glm::vec3(1));
             const std::uint32_t blocked = tracer.occluded(packet, light_trees.translucent ? passes : nullptr);
             darken(lanes, packet.active & ~blocked, unit);

@@ -118,6 +118,7 @@ void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size
             r[k] = core::divide_or(sum[k], weight[k], core::divide_or(plain[k], plain_weight[k], 0.0f));
         return r;
     };
+    if (!seen_.caustics.empty()) direct += seen_.caustics.at(x, y);
     radiance_.albedo.at(x, y) = albedo;
     radiance_.direct_irradiance.at(x, y) = mean(direct, albedo, plain_direct, share);
     radiance_.indirect_irradiance.at(x, y) = mean(indirect, albedo, plain_indirect, share);
@@ -199,7 +200,8 @@ ShadeCounts TileShader::shade(std::size_t tile_index) {
             if (!settings_.layers) continue;
             const glm::vec3 specular = seen_.emitted_specular.empty() ? glm::vec3(0) : seen_.emitted_specular.at(x, y);
             const glm::vec3 glossy = seen_.emitted_glossy.empty() ? glm::vec3(0) : seen_.emitted_glossy.at(x, y);
-            radiance_.emission.at(x, y) = glm::max(all - specular - glossy, glm::vec3(0));
+            const glm::vec3 caustics = seen_.caustics.empty() ? glm::vec3(0) : seen_.caustics.at(x, y);
+            radiance_.emission.at(x, y) = glm::max(all - specular - glossy - caustics, glm::vec3(0));
             radiance_.glossy.at(x, y) = glossy;
             radiance_.specular.at(x, y) = specular;
         }

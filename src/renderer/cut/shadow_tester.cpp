@@ -40,13 +40,14 @@ void ShadowTester::choose_occluders() {
 }
 
 RENDER2MPEG_CLONES
-void ShadowTester::trace(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp,
+void ShadowTester::trace(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp, Bodies bodies,
                          LightContribution& contribution) {
     const GatherLanes& lanes = *lanes_;
     evaluate_light(lanes, type, light, spot, clamp, contribution.unit);
     ShadowPacket packet;
     aim(lanes, type, light, packet);
     packet.active = reached(contribution.unit);
+    packet.bodies = bodies;
     contribution.is_blocked = false;
     if (packet.active == 0) return;
     std::uint32_t hidden = 0;
@@ -90,7 +91,7 @@ void ShadowTester::trace_from_places(LightType type, const TreeLight& light, con
                                      LightContribution& contribution) {
     const GatherLanes& lanes = *lanes_;
     if (lanes.places == 1) {
-        trace(type, light, spot, clamp, contribution);
+        trace(type, light, spot, clamp, light_trees_.bodies, contribution);
         return;
     }
     LightLanes& unit = contribution.unit;
@@ -102,6 +103,7 @@ void ShadowTester::trace_from_places(LightType type, const TreeLight& light, con
         ShadowPacket packet;
         aim<Aimed::at_one>(origins(lanes, place), type, &light.position.x, &light.position.y, &light.position.z,
                            packet);
+        packet.bodies = light_trees_.bodies;
         packet.active = 0;
         for (int i = 0; i < lane_count; ++i) packet.active |= place < lanes.own_places[i] ? active & 1u << i : 0u;
         glm::vec3 passes[lane_count];
@@ -137,6 +139,7 @@ void ShadowTester::trace_further(LightType type, const TreeLight& light, const s
         }
         ShadowPacket packet;
         aim<Aimed::at_one>(from, type, &light.position.x, &light.position.y, &light.position.z, packet);
+        packet.bodies = light_trees_.bodies;
         packet.active = (1u << size) - 1u;
         glm::vec3 passes[lane_count];
         const std::uint32_t lit = reach(packet, passes);

@@ -44,11 +44,11 @@ class ShadowTester {
     void choose_occluders();
 
     /// Evaluates a light with the visibility of one shadow ray from each lane that it could reach.
-    void trace(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp,
+    void trace(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp, Bodies bodies,
                LightContribution& contribution);
 
-    /// The same of a light that is gathered by itself: `unit` times the share of each lane's places that it reaches.
-    /// `lit` and `unknown` say nothing then. Further places are asked 16 at a time.
+    /// The same of a direct light that is gathered by itself: `unit` times the share of each lane's places that it
+    /// reaches. `lit` and `unknown` say nothing then. Further places are asked 16 at a time.
     void trace_from_places(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp,
                            LightContribution& contribution);
 
@@ -64,6 +64,7 @@ class ShadowTester {
     }
 
     std::uint64_t rays() const { return rays_; }
+    Bodies bodies() const { return light_trees_.bodies; }
 
     /// Bit i: ray i of the packet carries no light of these trees. `passes`, of sixteen, where something is
     /// translucent: what it lets through of the others.

@@ -114,6 +114,7 @@ struct RayTracer::Impl {
     struct ShadowContext {
         RTCIntersectContext embree;
         const Impl* self;
+        Bodies bodies;
         const float* direction[3];    ///< of the rays, in world space: x, y, z
         std::uint32_t met;            ///< bit i: ray i met a layer
         int layers[16];               ///< so far
@@ -140,13 +141,14 @@ struct RayTracer::Impl {
     };
     /// Prepares `context` for rays that may meet layers; costs nothing where there are none. `x`, `y`, `z`: their
     /// directions, which outlive it.
-    void begin(ShadowContext& context, RTCIntersectContextFlags flags, const float* x, const float* y,
+    void begin(ShadowContext& context, RTCIntersectContextFlags flags, Bodies bodies, const float* x, const float* y,
                const float* z) const {
         rtcInitIntersectContext(&context.embree);
         context.embree.flags = flags;
         context.met = 0;
         if (!scene.any_translucent()) return;
         context.self = this;
+        context.bodies = bodies;
         context.direction[0] = x;
         context.direction[1] = y;
         context.direction[2] = z;
@@ -178,7 +180,7 @@ void RayTracer::Impl::filter_shadow(const RTCFilterFunctionNArguments* arguments
         const core::SurfaceAddress address =
             context.self->scene.address(RTCHitN_instID(hit, n, i, 0), RTCHitN_geomID(hit, n, i),
                                         RTCHitN_primID(hit, n, i), RTCHitN_u(hit, n, i), RTCHitN_v(hit, n, i));
-        const glm::vec3 passing = context.self->transmittance(address, context.direction_of(ray));
+        const glm::vec3 passing = context.self->transmittance(address, context.direction_of(ray), context.bodies);
         if (!(passing.x > 0 || passing.y > 0 || passing.z > 0)) continue;
         if (!context.is_new_layer(ray, address.object, RTCRayN_tfar(arguments->ray, n, i), passing)) {
             arguments->valid[i] = 0;
@@ -201,7 +203,8 @@ std::uint32_t RayTracer::Impl::occluded(const ShadowPacket& packet, unsigned ins
     if (!load(packet, rays, valid)) return 0;
 
     ShadowContext context;
-    begin(context, RTC_INTERSECT_CONTEXT_FLAG_COHERENT, packet.direction_x, packet.direction_y, packet.direction_z);
+    begin(context, RTC_INTERSECT_CONTEXT_FLAG_COHERENT, packet.bodies, packet.direction_x, packet.direction_y,
+          packet.direction_z);
     rtcOccluded16(valid, scene.baked(), &context.embree, &rays);
     std::uint32_t blocked = take_blocked(rays, valid);
     const bool all_blocked = std::all_of(valid, valid + 16, [](int v) { return v == 0; });
@@ -300,18 +303,18 @@ std::uint32_t RayTracer::occluded_by_dynamic(const ShadowPacket& packet) const {
     if (!load(packet, rays, valid)) return 0;
     std::fill(std::begin(rays.mask), std::end(rays.mask), EmbreeScene::dynamic_mask);
     Impl::ShadowContext context;
-    impl_->begin(context, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT, packet.direction_x, packet.direction_y,
+    impl_->begin(context, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT, packet.bodies, packet.direction_x, packet.direction_y,
                  packet.direction_z);
     rtcOccluded16(valid, impl_->scene.root(), &context.embree, &rays);
     return take_blocked(rays, valid);
 }
 
-glm::vec3 RayTracer::passes(glm::vec3 origin, glm::vec3 direction, float far) const {
+glm::vec3 RayTracer::passes(glm::vec3 origin, glm::vec3 direction, float far, Bodies bodies) const {
     const RayQuery query{origin, direction, far};
     if (!is_traceable(query)) return glm::vec3{1.0f};
     const FlushDenormals flushed;
     Impl::ShadowContext context;
-    impl_->begin(context, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT, &query.direction.x, &query.direction.y,
+    impl_->begin(context, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT, bodies, &query.direction.x, &query.direction.y,
                  &query.direction.z);
     RTCRay ray = ray_of(query, 0.0f, far);
     rtcOccluded1(impl_->scene.root(), &context.embree, &ray);

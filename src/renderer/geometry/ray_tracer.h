@@ -9,6 +9,7 @@
 
 #include "core/isa.h"
 #include "core/surface_address.h"
+#include "renderer/base/bodies.h"
 #include "scene/pose/snapshot.h"
 
 namespace render2mpeg::renderer {
@@ -36,6 +37,7 @@ struct alignas(64) ShadowPacket {
     float direction_x[16], direction_y[16], direction_z[16];  ///< need not be unit
     float far[16];                                            ///< end of the ray in units of the direction's length
     std::uint32_t active = 0;  ///< bit i: ray i is asked for; the others' values do not matter
+    Bodies bodies = Bodies::pass;
 };
 
 /// The only class that knows Embree. Non-finite rays are answered as misses (Debian's Embree aborts on them); the scene
@@ -45,7 +47,7 @@ class RayTracer {
   public:
     /// Share of light, per channel, that a surface lets through at a point met by a shadow or eye ray: 0 opaque, 1
     /// invisible. `direction`: the ray's, of any length. Called from many threads.
-    using Transmittance = std::function<glm::vec3(const core::SurfaceAddress&, glm::vec3 direction)>;
+    using Transmittance = std::function<glm::vec3(const core::SurfaceAddress&, glm::vec3 direction, Bodies bodies)>;
 
     /// `translucent[m]`: surfaces of material m let some light through and are asked `transmittance`; all others are
     /// opaque. The animation is complete and outlives this. Throws core::Error where Embree cannot start or runs out of
@@ -95,7 +97,7 @@ class RayTracer {
     std::uint32_t occluded_by_dynamic(const ShadowPacket& packet) const;
 
     /// The same for one ray: what passes of light, 0 where blocked.
-    glm::vec3 passes(glm::vec3 origin, glm::vec3 direction, float far) const;
+    glm::vec3 passes(glm::vec3 origin, glm::vec3 direction, float far, Bodies bodies = Bodies::pass) const;
 
     /// The largest pieces of what never moves and is opaque, as posed.
     const OccluderList& occluders() const;

@@ -10,6 +10,7 @@
 #include "parallel/loops.h"
 #include "renderer/base/lobe.h"
 #include "renderer/lights/photon_source.h"
+#include "renderer/surface/media_path.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -41,9 +42,9 @@ LightPoint vpl_at(const SurfacePoint& p, glm::vec3 flux) {
 struct Onward {
     glm::vec3 direction{0};
     glm::vec3 flux{0};
-    bool straight = false;  ///< through the surface
-    bool beyond = false;    ///< scattered to the surface's other side
-    float lost = 0;         ///< luminance that largest_albedo took
+    bool passes = false;  ///< through the surface
+    bool beyond = false;  ///< scattered to the surface's other side
+    float lost = 0;       ///< luminance that largest_albedo took
 };
 
 Onward scatter(const SurfacePoint& p, glm::vec3 flux, float choice, glm::vec2 u) {
@@ -145,6 +146,7 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
     Photon photon = source.emit(start.numbers);
     photon.flux /= start.density;
     PathNotes notes(posed_scene.animation(), photon.origin, out);
+    MediaPath media;
     int rays = 0;
     int left = settings.bounces;
     for (int event = 0; event < most_events && (settings.bounces == 0 || left > 0); ++event) {
@@ -156,7 +158,8 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
             if (settings.keeps) notes.escape(photon.direction);
             break;
         }
-        const SurfacePoint p = posed_scene.surface_at(hit.address, -photon.direction);
+        photon.flux *= media.way_to(posed_scene, hit, photon.direction);
+        const SurfacePoint p = media.surface_at(posed_scene, hit, photon.direction);
         if (settings.keeps) notes.meet(p);
         const int dimension = first_event_dimension + 3 * event;
         float choice = number(dimension);
@@ -172,11 +175,13 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
             --left;
         }
         if (p.bsdf.has_diffuse_transmission()) leave(posed_scene.other_side(p), photon.flux, glm::vec3(0), path, out);
-        const Onward onward = scatter(p, photon.flux, choice, {number(dimension + 1), number(dimension + 2)});
+        Onward onward = scatter(p, photon.flux, choice, {number(dimension + 1), number(dimension + 2)});
         out.lost += static_cast<double>(onward.lost);
         // A bounce below the horizon of the true surface would leak through it.
         const float up = glm::dot(onward.direction, p.geometric_normal);
-        if (!onward.straight && !((onward.beyond ? -up : up) > 0.0f)) break;
+        if (!onward.passes && !((onward.beyond ? -up : up) > 0.0f)) break;
+        if (onward.passes && p.bounds_body) onward.direction = media.cross(posed_scene, p, p.shading_normal);
+        if (onward.direction == glm::vec3{0.0f}) break;
         photon = {offset_origin(p, onward.direction), onward.direction, onward.flux};
     }
     if (settings.keeps) notes.end();

@@ -20,7 +20,7 @@ struct Bsdf {
     float alpha = 1;            ///< GGX width, roughness squared, >= mirror_roughness squared
     glm::vec3 mirror{0};        ///< share of light from the mirrored direction (smooth surfaces); 0: none
     glm::vec3 transmission{0};  ///< share that passes (glass), tinted
-    float ior = 1.5f;           ///< inside over outside, for glass
+    float ior = 1.5f;           ///< inside over outside, for glass; of bodies: beyond over before
     glm::vec3 diffuse_transmission{0};  ///< Lambert's to the other side (leaves), 0..1; all losses are in it
     glm::vec3 along{0};  ///< unit, in the surface: where the lobe is wider; 0: it is round [KHR_materials_anisotropy]
     float alpha_along = 1;  ///< GGX width along it, >= `alpha`, which is that across it

@@ -65,7 +65,12 @@ struct Seen {
     core::Plane<glm::vec3> emitted;           ///< radiance that needs no gathering: emission, sky, unlit surfaces
     core::Plane<glm::vec3> emitted_specular;  ///< the part of `emitted` seen by mirrors or glass; empty without them
     core::Plane<glm::vec3> emitted_glossy{};  ///< the rest that lobe rays brought; empty without them
-    core::Plane<std::uint16_t> samples{};     ///< eye samples of each pixel; empty where all have SeeSettings::samples
+    /// Parts of `emitted` that caustics brought (caustics.h): to what is seen straight, and (a part of
+    /// `emitted_specular`) by mirrors or glass. Empty without them.
+    core::Plane<glm::vec3> caustics{}, caustics_specular{};
+    core::Plane<core::SurfaceAddress>
+        imaged{};                          ///< what flat mirrors show; no surface: none, or no mirror; may be empty
+    core::Plane<std::uint16_t> samples{};  ///< eye samples of each pixel; empty where all have SeeSettings::samples
     int tiles_across() const { return (visible.width() + tile_size - 1) / tile_size; }
 };
 

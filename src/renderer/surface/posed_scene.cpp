@@ -34,16 +34,32 @@ std::vector<bool> translucent_materials(const SurfaceMaterials& materials, std::
     return translucent;
 }
 
+/// Of each object; without any, empty.
+std::vector<std::optional<Medium>> media_of(const scene::Animation& animation, const Plan& plan) {
+    std::vector<std::optional<Medium>> media;
+    if (!plan.runs(Pass::refraction)) return media;
+    for (const scene::Object& object : animation.objects) {
+        std::optional<Medium>& medium = media.emplace_back();
+        if (object.body != scene::Body::none)
+            medium = medium_of(animation.materials[static_cast<std::size_t>(object.material)]);
+    }
+    return media;
+}
+
 }  // namespace
 
 struct PosedScene::Impl {
     Impl(const scene::Animation& film, core::Isa isa, const Plan& plan)
         : animation(film),
           materials(film, plan),
+          media(media_of(film, plan)),
           notes(materials.notes()),
           sky(sky_of(film, plan, notes)),
           tracer(film, isa, translucent_materials(materials, film.materials.size()),
-                 [this](const core::SurfaceAddress& address, glm::vec3 direction) {
+                 [this](const core::SurfaceAddress& address, glm::vec3 direction, Bodies bodies) {
+                     if (bodies == Bodies::block && !media.empty() &&
+                         animation.objects[address.object].body == scene::Body::solid)
+                         return glm::vec3{0.0f};
                      return layer_clock.time([&] { return transmittance(address, direction); });
                  }) {}
 
@@ -88,6 +104,7 @@ struct PosedScene::Impl {
 
     const scene::Animation& animation;
     SurfaceMaterials materials;
+    std::vector<std::optional<Medium>> media;
     std::vector<std::string> notes;
     std::optional<image::SkyMap> sky;
     SampledClock layer_clock;
@@ -127,8 +144,20 @@ const image::SkyMap* PosedScene::sky() const {
     return impl_->sky ? &*impl_->sky : nullptr;
 }
 
+const Medium* PosedScene::medium_within(std::uint32_t object) const {
+    return impl_->media.empty() || !impl_->media[object] ? nullptr : &*impl_->media[object];
+}
+bool PosedScene::has_bodies() const {
+    return !impl_->media.empty();
+}
+
 SurfacePoint PosedScene::surface_at(const core::SurfaceAddress& address, glm::vec3 outgoing,
                                     const SurfaceFootprint& footprint) const {
+    return surface_in({}, Band::all, address, outgoing, footprint);
+}
+
+SurfacePoint PosedScene::surface_in(const MediaStack& media, Band band, const core::SurfaceAddress& address,
+                                    glm::vec3 outgoing, const SurfaceFootprint& footprint) const {
     const SurfaceShape shape = impl_->shape(address, footprint);
     SurfacePoint point;
     point.address = address;
@@ -139,7 +168,14 @@ SurfacePoint PosedScene::surface_at(const core::SurfaceAddress& address, glm::ve
     point.back_side = glm::dot(shape.front_normal, outgoing) < 0.0f;
     point.geometric_normal = point.back_side ? -shape.front_normal : shape.front_normal;
     point.smooth = smooth_surface_at(*impl_->snapshot, address.object, shape, point.back_side);
-    impl_->materials.fill(point, shape, *impl_->snapshot);
+    float index = 0.0f;
+    if (const Medium* medium = medium_within(address.object)) {
+        point.bounds_body = true;
+        MediaStack around = media;
+        if (point.back_side) around.begin_inside(address.object, *medium);
+        index = around.index_across(address.object, *medium, point.back_side, band);
+    }
+    impl_->materials.fill(point, shape, *impl_->snapshot, index);
     return point;
 }
 

@@ -8,6 +8,7 @@
 #include "image/sky_map.h"
 #include "renderer/base/plan.h"
 #include "renderer/geometry/ray_tracer.h"
+#include "renderer/surface/dielectric.h"
 #include "renderer/surface/surface_point.h"
 #include "scene/pose/snapshot.h"
 
@@ -45,6 +46,15 @@ class PosedScene {
     /// The same place of a surface that lets diffuse light through, as light meets it from the other side: a Lambert
     /// surface of that transmittance, seen from the mirrored direction, without emission.
     SurfacePoint other_side(const SurfacePoint& point, const SurfaceFootprint& footprint = {}) const;
+
+    /// The same where a ray meets the surface from within these media. `band`: what light it carries.
+    SurfacePoint surface_in(const MediaStack& media, Band band, const core::SurfaceAddress& address, glm::vec3 outgoing,
+                            const SurfaceFootprint& footprint = {}) const;
+
+    /// What fills the body of glass that an object bounds; null: it bounds none, or the plan bends no light.
+    const Medium* medium_within(std::uint32_t object) const;
+    /// Whether any object does.
+    bool has_bodies() const;
 
     /// Share of light that goes straight through a surface, as shadow rays of that direction have it
     /// (RayTracer::Transmittance).

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/numeric.h"
+#include "renderer/surface/dielectric.h"
 #include "renderer/surface/lobe_albedo.h"
 #include "renderer/surface/sheen.h"
 #include "renderer/surface/thin_film.h"
@@ -104,6 +105,23 @@ void part_sides(Bsdf& bsdf, glm::vec3 base_color, float share, glm::vec3 color, 
     }
 }
 
+/// The boundary of a body of glass reflects as exactly as its media say [BornWolf, 1.5.2]; `transmission` comes without
+/// that. Rough ones reflect by their lobe from outside, by traced rays from inside, where no lamp reaches.
+void bound_body(Bsdf& bsdf, const Interface& surface, float index, float cos_outgoing, bool traced) {
+    const float clear = dielectric_reflectance(cos_outgoing, index);
+    const float reflected = clear < 1.0f ? clear * surface.coat_f90 : 1.0f;
+    bsdf.ior = index;
+    bsdf.transmission *= 1.0f - reflected;
+    if (!traced && index > 1.0f) {
+        lay_below_lobe(bsdf, surface, cos_outgoing);
+        return;
+    }
+    bsdf.mirror = (1.0f - surface.metal) * reflected + surface.metal * fresnel(surface.metal_f0, cos_outgoing);
+    bsdf.f0 = glm::vec3{0.0f};
+    bsdf.diffuse =
+        glm::min((1.0f - reflected) * bsdf.diffuse, glm::max(1.0f - bsdf.mirror - bsdf.transmission, glm::vec3{0.0f}));
+}
+
 /// A shading normal that `outgoing` and the geometric normal both see: below the horizon it would be black.
 glm::vec3 turned_to_viewer(glm::vec3 normal, glm::vec3 geometric, glm::vec3 outgoing) {
     // chosen: about half a degree above the horizon; tried 0.001..0.1, black rims at silhouettes come back below 0.005.
@@ -187,7 +205,8 @@ glm::vec3 SurfaceMaterials::transmittance_at(std::uint32_t material, const Surfa
                                            interface.f90, cosine);
 }
 
-void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot) const {
+void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot,
+                            float index) const {
     const std::uint32_t material = point.material;
     const scene::Material& m = animation_.materials[material];
     const glm::vec4 base = base_color_at(material, shape, snapshot);
@@ -207,7 +226,7 @@ void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, cons
     detail.normal_variance = variance;
     if (m.diffuse_transmission > 0.0f && !m.specular_glossiness) detail.leaf = leaf_at(material, shape);
     if (m.anisotropy > 0.0f) brush(point, shape, snapshot, detail);
-    point.bsdf = bsdf_at(material, shape, color, cosine, detail);
+    point.bsdf = bsdf_at(material, shape, color, cosine, detail, index);
     if (detail.leaf.share > 0.0f) part_sides(point.bsdf, color, detail.leaf.share, detail.leaf.color, cosine);
     if (m.has_sheen()) add_sheen(material, shape, cosine, point.bsdf);
     if (m.coat > 0.0f) add_coat(material, shape, cosine, point.bsdf);
@@ -325,7 +344,7 @@ void SurfaceMaterials::add_coat(std::uint32_t material, const SurfaceShape& shap
 }
 
 Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape, glm::vec3 base_color,
-                               float cos_outgoing, const Detail& detail) const {
+                               float cos_outgoing, const Detail& detail, float index) const {
     const scene::Material& m = animation_.materials[material];
     Bsdf bsdf;
     float roughness = 1.0f;
@@ -351,15 +370,21 @@ Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape
         bsdf.diffuse =
             glm::mix(base_color, detail.leaf.color, detail.leaf.share) * ((1.0f - metallic) * (1.0f - transmission));
         bsdf.transmission =
-            passing_glass(base_color, metallic, transmission, interface.f0, interface.f90, cos_outgoing);
+            index > 0.0f ? base_color * ((1.0f - metallic) * transmission)
+                         : passing_glass(base_color, metallic, transmission, interface.f0, interface.f90, cos_outgoing);
+    }
+    const bool smooth = roughness < scene::mirror_roughness;
+    const float alpha = std::pow(std::max(roughness, scene::mirror_roughness), 2.0f);
+    bsdf.alpha = std::min(std::sqrt(alpha * alpha + 2.0f * detail.normal_variance), 1.0f);
+    if (index > 0.0f) {
+        bound_body(bsdf, surface, index, cos_outgoing, smooth || !glossy_);
+        return bsdf;
     }
     if (m.iridescence > 0.0f) {
         bsdf.f0 = film_over(material, shape, cos_outgoing, bsdf.f0);
         surface.coat = largest(bsdf.f0);
         surface.metal_f0 = bsdf.f0;
     }
-    const float alpha = std::pow(std::max(roughness, scene::mirror_roughness), 2.0f);
-    bsdf.alpha = std::min(std::sqrt(alpha * alpha + 2.0f * detail.normal_variance), 1.0f);
     if (!bsdf.has_glossy()) return bsdf;
     if (detail.anisotropy > 0.0f) {
         bsdf.alpha_along = std::lerp(bsdf.alpha, 1.0f, detail.anisotropy * detail.anisotropy);
@@ -367,12 +392,12 @@ Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape
     }
 
     // Give the reflection to a traced ray or to the lobe.
-    const bool smooth = mirrors_ && roughness < scene::mirror_roughness && !bsdf.is_stretched();
-    if (glossy_ && !smooth) {
+    const bool traced = mirrors_ && smooth && !bsdf.is_stretched();
+    if (glossy_ && !traced) {
         lay_below_lobe(bsdf, surface, cos_outgoing);
         return bsdf;
     }
-    if (smooth) bsdf.mirror = fresnel(bsdf.f0, cos_outgoing, bsdf.f90);
+    if (traced) bsdf.mirror = fresnel(bsdf.f0, cos_outgoing, bsdf.f90);
     bsdf.f0 = glm::vec3{0.0f};
     lay_below_mirror(bsdf, surface, cos_outgoing);
     return bsdf;

@@ -13,8 +13,9 @@ class SurfaceMaterials {
     SurfaceMaterials(const scene::Animation& animation, const Plan& plan);
 
     /// Fills in normals, bsdf, emission, alpha and unlit of a point whose geometry (`shape`, `outgoing`, `back_side`,
-    /// geometric normal) is known.
-    void fill(SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot) const;
+    /// geometric normal) is known. `index`: where a body of glass is entered or left, what lies beyond over what lies
+    /// before; 0: glass is thin.
+    void fill(SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot, float index = 0) const;
 
     /// Light of the front, textured, without the animated factor; 0 for unlit materials.
     glm::vec3 emission_at(std::uint32_t material, const SurfaceShape& shape) const;
@@ -62,7 +63,7 @@ class SurfaceMaterials {
     void add_sheen(std::uint32_t material, const SurfaceShape& shape, float cos_outgoing, Bsdf& bsdf) const;
     void add_coat(std::uint32_t material, const SurfaceShape& shape, float cos_outgoing, Bsdf& bsdf) const;
     Bsdf bsdf_at(std::uint32_t material, const SurfaceShape& shape, glm::vec3 base_color, float cos_outgoing,
-                 const Detail& detail) const;
+                 const Detail& detail, float index) const;
 
     const scene::Animation& animation_;
     bool alpha_, mirrors_, glass_, glossy_;  ///< whether these passes run

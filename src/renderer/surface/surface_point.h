@@ -20,10 +20,11 @@ struct SurfacePoint {
     SmoothSurface smooth;           ///< on the side of `outgoing`
     float position_error = 0;  ///< how far `position` may lie off the surface that rays meet, by rounding; scene units
     Bsdf bsdf;
-    glm::vec3 emission{0};   ///< radiance towards `outgoing`
-    float alpha = 1;         ///< 0: not there; mask already decided
-    bool back_side = false;  ///< seen from behind (of the winding)
-    bool unlit = false;      ///< `emission` is its colour, `bsdf` is black
+    glm::vec3 emission{0};     ///< radiance towards `outgoing`
+    float alpha = 1;           ///< 0: not there; mask already decided
+    bool back_side = false;    ///< seen from behind (of the winding)
+    bool bounds_body = false;  ///< what bsdf.transmission lets pass is bent by bsdf.ior (dielectric.h)
+    bool unlit = false;        ///< `emission` is its colour, `bsdf` is black
 };
 
 }  // namespace render2mpeg::renderer

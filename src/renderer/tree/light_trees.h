@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "renderer/base/bodies.h"
 #include "renderer/base/whole_lamp.h"
 #include "renderer/tree/light_kernels.h"
 #include "renderer/tree/light_tree.h"
@@ -37,8 +38,9 @@ struct LightTrees {
     std::vector<ExactLight> exact;
     std::vector<WholeLamp> lamps;  ///< not in the trees either
     GeometryClamp direct_clamp, indirect_clamp;
-    bool lobe_rays = false;    ///< the sky and indirect light are seen by the rays of lobes that have them
-    bool translucent = false;  ///< shadow rays may meet surfaces that let light through
+    bool lobe_rays = false;        ///< the sky and indirect light are seen by the rays of lobes that have them
+    bool translucent = false;      ///< shadow rays may meet surfaces that let light through
+    Bodies bodies = Bodies::pass;  ///< to shadow rays of direct light
     Shadows shadows = Shadows::of_everything;  ///< else nothing is translucent
 
     /// Whether some light is gathered for every point by itself, not interpolated.
@@ -48,6 +50,7 @@ struct LightTrees {
     }
 
     static bool is_direct(int tree) { return tree < direct_trees; }
+    Bodies bodies_before(int tree) const { return is_direct(tree) ? bodies : Bodies::pass; }
     /// Directions whose lights have a size are the sky's: suns with one are whole lamps.
     GeometryClamp clamp(int tree) const {
         GeometryClamp clamp = is_direct(tree) ? direct_clamp : indirect_clamp;

@@ -108,6 +108,7 @@ struct LightPaths::Way {
 LightPaths::LightPaths(const PosedScene& posed_scene, const Plan& plan)
     : posed_scene_(posed_scene),
       sky_light_(plan.runs(Pass::sky_light) && posed_scene.sky() != nullptr),
+      bodies_(plan.runs(Pass::caustics) ? Bodies::block : Bodies::pass),
       lights_(posed_scene, plan) {}
 
 glm::vec3 LightPaths::scattered(const SurfacePoint& point, PathNumbers& numbers) const {
@@ -160,7 +161,8 @@ glm::vec3 LightPaths::answer(const Way& way, const LightSample& sample) const {
     if (!(mean(share) > 0.0f)) return glm::vec3(0);
     if (sample.density > 0.0f)
         share *= sample.density / (sample.density + direction_density(p, way.chance, sample.direction));
-    return share * posed_scene_.tracer().passes(way.query.origin, sample.ray, sample.far);
+    return share *
+           posed_scene_.tracer().passes(way.query.origin, sample.ray, sample.far, way.first ? bodies_ : Bodies::pass);
 }
 
 /// Chooses where the path goes on from its point.
@@ -224,7 +226,10 @@ LightPaths::Event LightPaths::go_on(Way& way, const SurfacePoint& met, float cho
     const float whole = kept(albedo + met.bsdf.mirror + met.bsdf.transmission + met.bsdf.diffuse_transmission);
     const float cut = met.alpha * (whole > largest_albedo ? largest_albedo / whole : 1.0f);
     const bool translucent = met.alpha < 1.0f || mean(met.bsdf.transmission) > 0.0f;
-    const glm::vec3 through = translucent ? posed_scene_.transmittance_at(met.address, way.direction) : glm::vec3(0);
+    const bool blocks = way.first && bodies_ == Bodies::block && met.bounds_body &&
+                        posed_scene_.animation().objects[met.address.object].body == scene::Body::solid;
+    const glm::vec3 through =
+        translucent && !blocks ? posed_scene_.transmittance_at(met.address, way.direction) : glm::vec3(0);
     // No caustic on the first surface; its narrow lobe alone looks into mirrors.
     const glm::vec3 mirror = cut * met.bsdf.mirror * (way.first ? way.seen_in_lobe : glm::vec3(1));
 

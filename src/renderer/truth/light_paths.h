@@ -16,8 +16,8 @@ class LightPaths {
     LightPaths(const PosedScene& posed_scene, const Plan& plan);
 
     /// Radiance that the point scatters to its `outgoing`, along one path: right in the mean over `numbers`, finite.
-    /// What mirrors throw on the point itself is not in it, but for what a narrow lobe sees in them
-    /// (docs/model/lights.md).
+    /// What mirrors and bodies of glass throw on the point itself is not in it (caustics.h), but for what a narrow lobe
+    /// sees in mirrors.
     glm::vec3 scattered(const SurfacePoint& point, PathNumbers& numbers) const;
     /// The same; its rays leave the surface at `origin` (GatherPoint::elsewhere).
     glm::vec3 scattered(const SurfacePoint& point, glm::vec3 origin, PathNumbers& numbers) const;
@@ -35,6 +35,7 @@ class LightPaths {
 
     const PosedScene& posed_scene_;
     bool sky_light_;
+    Bodies bodies_;  ///< to light that the first point sees straight
     LightSources lights_;
 };
 

@@ -82,7 +82,7 @@ class Estimator {
             look(glm::vec2(request.place) + offset, spacing, sample);
             sum += sample.emitted;
         }
-        return sum / static_cast<float>(pattern.size());
+        return sum / static_cast<float>(pattern.size()) + request.known;
     }
 
     PathSums follow(const TruthRequest& request, std::uint64_t batch, std::uint64_t count) const {
@@ -94,7 +94,7 @@ class Estimator {
             const glm::dvec3 at_points(one_of(request.points, paths_, for_points));
             look(glm::vec2(request.place) + for_pixel.first(FirstNumber::pixel_u, FirstNumber::pixel_v), sample_spacing,
                  sample);
-            glm::vec3 light = sample.emitted + one_of(sample.fragments, paths_, for_pixel);
+            glm::vec3 light = request.known + sample.emitted + one_of(sample.fragments, paths_, for_pixel);
             if (!core::is_finite(light)) light = glm::vec3(0);
             const glm::dvec3 whole(light);
             sums.at_points += at_points;

@@ -18,6 +18,7 @@ struct TruthRequest {
     std::span<const GatherPoint> points;  ///< its gather points; none: nothing there wants light
     float luminance = 0;                  ///< about, >= 0: errors count by it
     int samples = 1;                      ///< eye samples of the pixel
+    glm::vec3 known{0};                   ///< radiance of it that paths do not find: caustics
 };
 
 /// The mean of two independent halves of equal weight.

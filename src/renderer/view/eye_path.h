@@ -17,6 +17,8 @@ struct EyeRay {
     glm::vec3 origin{0}, direction{0, 0, -1};  ///< direction unit
     SurfaceFootprint origin_change;            ///< differences of origins
     SurfaceFootprint direction_change;         ///< differences of unit directions
+    std::uint32_t number =
+        0;  ///< of the sample, and from bit 16 of the pixel among 4 x 4: rough glass bends each another way
 
     /// What the ray and its neighbours cut out of the plane at `distance` with this normal.
     SurfaceFootprint footprint_at(float distance, glm::vec3 normal) const;
@@ -37,7 +39,8 @@ struct Fragment {
 struct MainSurface {
     float share = -1;  ///< luminance of its share; -1: nothing yet
     core::PixelClass kind = core::PixelClass::none;
-    SurfacePoint point;  ///< for kinds `surface` and `reflected`
+    SurfacePoint point;           ///< for kinds `surface` and `reflected`
+    core::SurfaceAddress imaged;  ///< what a flat mirror shows there; no surface: it is no flat mirror, or shows none
 };
 
 /// Everything that one sample sees.
@@ -46,6 +49,7 @@ struct EyeSample {
     glm::vec3 emitted{0};             ///< emission, sky, unlit surfaces
     glm::vec3 emitted_specular{0};    ///< the part of it seen in mirrors or through glass
     MainSurface main;
+    int ways = 0;  ///< that left boundaries of solid glass
 };
 
 /// Follows rays of the eye through layers and glass, and by mirrors.
@@ -64,11 +68,20 @@ class EyePaths {
     void follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& counts) const;
     Hit meet(const PathState& path) const;
     void see_sky(const PathState& path, EyeSample& sample) const;
+    glm::vec3 show(PathState& path, Fragment& fragment, const SurfaceFootprint& footprint, EyeSample& sample,
+                   SeeCounts& counts) const;
     void mirror(const PathState& path, const Fragment& fragment, const SurfaceFootprint& footprint, EyeSample& sample,
                 SeeCounts& counts) const;
+    bool split_colors(const PathState& path, const Hit& hit, EyeSample& sample, SeeCounts& counts) const;
+    bool is_turned(const SurfacePoint& point) const;
+    glm::vec3 facet(const PathState& path, const SurfacePoint& point) const;
+    SurfaceFootprint normal_change(const SurfacePoint& point, const SurfaceFootprint& footprint) const;
+    bool may_go_on(const PathState& path, bool lesser, EyeSample& sample) const;
+    bool bend(PathState& path, const Fragment& fragment, const SurfaceFootprint& footprint, glm::vec3 weight,
+              EyeSample& sample) const;
 
     const PosedScene& posed_scene_;
-    bool sky_, mirrors_;
+    bool sky_, mirrors_, bodies_;
     int specular_depth_;
     mutable SampledClock sky_clock_;
 };

@@ -92,6 +92,7 @@ Seen see(const PosedScene& posed_scene, const SeeSettings& settings, const Plan&
     seen.emitted = core::Plane<glm::vec3>(width, height, glm::vec3{0.0f});
     if (plan.runs(Pass::mirrors) || plan.runs(Pass::glass))
         seen.emitted_specular = core::Plane<glm::vec3>(width, height, glm::vec3{0.0f});
+    if (plan.runs(Pass::mirrors)) seen.imaged = core::Plane<core::SurfaceAddress>(width, height);
     if (plan.runs(Pass::lobe_rays)) seen.emitted_glossy = core::Plane<glm::vec3>(width, height, glm::vec3{0.0f});
     const int across = seen.tiles_across(), down = (height + tile_size - 1) / tile_size;
     seen.tiles.resize(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));

@@ -87,10 +87,12 @@ struct FirstLook {
         rays.clear();
         queries.clear();
         for (int x = first; x < end; ++x) {
-            for (const glm::vec2 place : looking.pattern) {
+            for (const glm::vec2& place : looking.pattern) {
                 float far = 0.0f;
                 const glm::vec2 position = glm::vec2{static_cast<float>(x), static_cast<float>(y)} + place;
-                const EyeRay& ray = rays.emplace_back(eye_ray(looking.camera, position, looking.spacing, far));
+                EyeRay& ray = rays.emplace_back(eye_ray(looking.camera, position, looking.spacing, far));
+                ray.number = static_cast<std::uint32_t>(&place - looking.pattern.data()) |
+                             static_cast<std::uint32_t>((y % 4) * 4 + x % 4) << 16;
                 queries.push_back({ray.origin, ray.direction, far});
             }
         }
@@ -125,7 +127,10 @@ class TileLook {
         for (std::size_t s = 0; s < looking_.pattern.size(); ++s) {
             const std::size_t ray = begin + s;
             looking_.paths.look(look_.rays[ray], look_.queries[ray].far, look_.hits[ray], sample_, counts_);
-            if (s == 0 && records) record(seen_.visible, looking_.camera, x, y, sample_.main);
+            if (s == 0 && records) {
+                record(seen_.visible, looking_.camera, x, y, sample_.main);
+                if (!seen_.imaged.empty()) seen_.imaged.at(x, y) = sample_.main.imaged;
+            }
             emitted += sample_.emitted;
             emitted_specular += sample_.emitted_specular;
             differ = differ || (s > 0 && sample_.fragments.size() != fragments);

@@ -46,6 +46,18 @@ glm::u8vec4 code_values(glm::vec3 linear) {
     return out;
 }
 
+/// What bodies of glass are.
+void change_body(const JsonValue& value, Material& material) {
+    if (const auto v = value.find("solid")) material.thickness = v->boolean() ? Thickness::solid : Thickness::thin;
+    if (const auto v = value.find("attenuation")) {
+        material.attenuation_color = v->color(1);
+        if (!(material.attenuation_distance > 0)) material.attenuation_distance = 1;
+    }
+    if (const auto v = value.find("attenuation_distance"))
+        material.attenuation_distance = static_cast<float>(v->number(1e-6, 1e6));
+    if (const auto v = value.find("dispersion")) material.dispersion = static_cast<float>(v->number(0, 20));
+}
+
 }  // namespace
 
 fs::path Looks::file_below(const fs::path& folder, const JsonValue& name) {
@@ -117,6 +129,7 @@ void Looks::change(const JsonValue& value, int index) {
     fraction("normal_scale", material().normal_scale, 10);
     fraction("transmission", material().transmission);
     if (const auto v = value.find("ior")) material().ior = static_cast<float>(v->number(1, 5));
+    change_body(value, material());
     const bool derived = value.has("metallic") || value.has("roughness") || value.has("transmission");
     if (material().specular_glossiness && derived) material().specular_glossiness = false;
     if (const auto v = value.find("double_sided")) material().double_sided = v->boolean();

@@ -22,6 +22,11 @@ bool says_glass(int model) {
     return model == 4 || model == 6 || model == 7 || model == 9;
 }
 
+/// Those that say refraction; 4 and 9 say glass, which windows are too. [MTL, illum]
+bool says_refraction(int model) {
+    return model == 6 || model == 7;
+}
+
 /// Those that trace reflections of an opaque surface: 3, 5. [MTL, illum]
 bool says_mirror(int model) {
     return model == 3 || model == 5;
@@ -59,6 +64,8 @@ void apply(const PhongLook& look, Material& material) {
         material.roughness = look.roughness >= 0 ? std::min(look.roughness, 1.0f) : 0;
         material.metallic = 0;
         material.ior = std::isfinite(look.ior) && look.ior > 1.01f ? look.ior : 1.5f;
+        if (says_refraction(look.illumination_model) || (opacity <= 0.1f && look.ior > 1.01f))
+            material.thickness = Thickness::solid_where_closed;
         return;
     }
 

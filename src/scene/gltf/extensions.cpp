@@ -11,24 +11,26 @@
 namespace render2mpeg::scene::gltf {
 namespace {
 
-constexpr std::array<std::string_view, 21> read_extensions{"EXT_mesh_gpu_instancing",
+constexpr std::array<std::string_view, 23> read_extensions{"EXT_mesh_gpu_instancing",
                                                            "EXT_meshopt_compression",
                                                            "EXT_texture_webp",
                                                            "KHR_animation_pointer",
                                                            "KHR_draco_mesh_compression",
                                                            "KHR_lights_punctual",
-                                                           "KHR_materials_emissive_strength",
-                                                           "KHR_materials_ior",
-                                                           "KHR_materials_pbrSpecularGlossiness",
-                                                           "KHR_materials_transmission",
-                                                           "KHR_materials_unlit",
                                                            "KHR_materials_anisotropy",
                                                            "KHR_materials_clearcoat",
                                                            "KHR_materials_diffuse_transmission",
-                                                           "KHR_materials_sheen",
+                                                           "KHR_materials_dispersion",
+                                                           "KHR_materials_emissive_strength",
+                                                           "KHR_materials_ior",
                                                            "KHR_materials_iridescence",
+                                                           "KHR_materials_pbrSpecularGlossiness",
+                                                           "KHR_materials_sheen",
                                                            "KHR_materials_specular",
+                                                           "KHR_materials_transmission",
+                                                           "KHR_materials_unlit",
                                                            "KHR_materials_variants",
+                                                           "KHR_materials_volume",
                                                            "KHR_mesh_quantization",
                                                            "KHR_node_visibility",
                                                            "KHR_texture_transform"};
@@ -37,12 +39,10 @@ struct Meaning {
     std::string_view extension, meaning;
 };
 
-constexpr std::array<Meaning, 9> meanings{{
+constexpr std::array<Meaning, 7> meanings{{
     {"EXT_lights_ies", "lamps shine evenly instead of by their profile"},
     {"EXT_lights_image_based", "its surroundings give no light; --sky can"},
     {"KHR_gaussian_splatting", "splats are not drawn"},
-    {"KHR_materials_dispersion", "glass does not split colours"},
-    {"KHR_materials_volume", "glass is thin: it neither bends light nor tints it with depth"},
     {"KHR_materials_volume_scatter", "nothing scatters light inside"},
     {"KHR_texture_basisu", "textures in KTX2 are left out where there is no other image"},
     {"KHR_xmp_json_ld", "facts about the file; nothing that is seen"},

@@ -82,7 +82,19 @@ class MaterialReader {
         // 0 asks for reflection without Fresnel, as older specular workflows have it; the nearest real surface is the
         // densest.
         if (material.ior == 0) material.ior = 100;
+        read_volume(element, material);
         return material;
+    }
+
+    /// The number of the thickness is for rasterisers; rays know where a body ends.
+    static void read_volume(const Element& element, Material& material) {
+        if (const auto volume = element.extension("KHR_materials_volume")) {
+            if (volume->number("thicknessFactor", 0) > 0) material.thickness = Thickness::solid;
+            set_triple(*volume, "attenuationColor", material.attenuation_color);
+            material.attenuation_distance = static_cast<float>(volume->number("attenuationDistance", 0));
+        }
+        if (const auto dispersion = element.extension("KHR_materials_dispersion"))
+            material.dispersion = static_cast<float>(dispersion->number("dispersion", 0));
     }
 
     void read_layers(const Element& element, Material& material) {

@@ -37,6 +37,11 @@ struct Skin {
 /// vertex.
 enum class Mobility { still, rigid, deforming };
 
+/// What a mesh does to light that passes its glass: `none`: it passes straight, or there is no glass. `slab`: a body
+/// between two parallel planes, as a window: what is seen through it is shifted, light passes it straight. `solid`:
+/// light is bent.
+enum class Body : std::uint8_t { none, slab, solid };
+
 /// One mesh with one material at one node: what a pixel's object id names.
 struct Object {
     std::string name;
@@ -46,6 +51,7 @@ struct Object {
     int skin = -1;                     ///< -1: moved by its node; else by its joints alone [glTF2, 3.7.3.3]
     std::vector<float> morph_weights;  ///< where no track says otherwise
     Mobility mobility = Mobility::still;
+    Body body = Body::none;
 };
 
 /// From `frame` on, the film shows this camera.

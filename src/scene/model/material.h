@@ -9,6 +9,9 @@ namespace render2mpeg::scene {
 
 enum class AlphaMode { opaque, mask, blend };
 
+/// What a mesh of glass stands for: a film without thickness, the boundary of a body, or that where it is closed.
+enum class Thickness { thin, solid, solid_where_closed };
+
 /// A surface's look in glTF 2.0's terms [glTF2, 3.9 and appendix B]; every other format is converted to it. Factors are
 /// linear; colour textures (base colour, emissive, diffuse, specular) are sRGB, the others linear. Each value is factor
 /// x texture.
@@ -43,6 +46,13 @@ struct Material {
     float transmission = 0;           ///< KHR_materials_transmission, 0..1
     TextureUse transmission_texture;  ///< r
     float ior = 1.5f;                 ///< index of refraction, >= 1
+
+    /// KHR_materials_volume: bodies bend light, and take from it on the way. `Object::body` says which meshes bound
+    /// one.
+    Thickness thickness = Thickness::thin;
+    glm::vec3 attenuation_color{1, 1, 1};  ///< 0..1, what is left of white light after `attenuation_distance`
+    float attenuation_distance = 0;        ///< > 0; 0: infinite, nothing is taken
+    float dispersion = 0;                  ///< KHR_materials_dispersion: 20 over Abbe's number, >= 0
 
     /// KHR_materials_specular: the dielectric reflects this much of what its index says, in this colour.
     float specular_weight = 1;           ///< 0..1

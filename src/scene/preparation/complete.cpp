@@ -9,6 +9,7 @@
 #include "scene/model/wording.h"
 #include "scene/pose/extent.h"
 #include "scene/pose/pose.h"
+#include "scene/preparation/bodies.h"
 #include "scene/preparation/default_light.h"
 #include "scene/preparation/framing.h"
 #include "scene/preparation/key_rate.h"
@@ -87,6 +88,7 @@ void complete(Animation& animation, DefaultLight light) {
 
     // Derive.
     set_mobility(animation);
+    set_bodies(animation);
     set_duration(animation);
     suggest_rate(animation);
     const bool dark = !has_light(animation);

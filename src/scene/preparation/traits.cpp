@@ -87,6 +87,8 @@ Traits traits_of(const Animation& animation) {
     for (const Object& object : animation.objects) {
         const Material& material = animation.materials[static_cast<std::size_t>(object.material)];
         add_material(material, traits);
+        if (object.body != Body::none) traits.has_bodies = true;
+        if (object.body == Body::solid) traits.throws_light = true;
         const bool by_node = object.node >= 0 && moves[static_cast<std::size_t>(object.node)] && object.skin < 0;
         if (by_node) traits.objects_move = true;
         if (deforms(animation, object, moves)) traits.objects_deform = true;
@@ -95,6 +97,7 @@ Traits traits_of(const Animation& animation) {
             traits.has_even_lamps = true;
         if (material.emits() && (by_node || deforms(animation, object, moves))) traits.lights_change = true;
     }
+    if (traits.has_mirrors) traits.throws_light = true;
     for (const Light& light : animation.lights) {
         if (light.intensity <= 0 || light.color == glm::vec3(0)) continue;
         traits.has_punctual_lights = true;

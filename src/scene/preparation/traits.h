@@ -17,6 +17,8 @@ struct Traits {
     bool has_narrow_lobes = false;      ///< of them, in one so narrow that rays look along it
     bool has_mirrors = false;           ///< smooth enough that only a traced ray shows its reflection
     bool has_glass = false;             ///< transmission > 0
+    bool has_bodies = false;            ///< of glass, which bend what is seen through them
+    bool throws_light = false;          ///< things that mirror or bend the light of lamps onto others
     bool has_alpha_mask = false;
     bool has_alpha_blend = false;
     bool has_normal_maps = false;

@@ -42,6 +42,10 @@ class MaterialCheck {
             clamp(material_.diffuse_transmission_color[k], 0, 1, "diffuse transmission's colour");
         // chosen: 100 is beyond every substance; glTF itself sets no limit.
         clamp(material_.ior, 1, 100, "index of refraction");
+        for (int k = 0; k < 3; ++k) clamp(material_.attenuation_color[k], 0, 1, "attenuation colour");
+        clamp(material_.attenuation_distance, 0, largest, "attenuation distance");
+        // chosen: 20 / 1, far beyond every substance; rutile has 2.
+        clamp(material_.dispersion, 0, 20, "dispersion");
         clamp(material_.alpha_cutoff, 0, largest, "alpha cutoff");
         clamp(material_.normal_scale, -largest, largest, "normal scale");
         for (int k = 0; k < 3; ++k) clamp(material_.emission[k], 0, largest, "emission");

@@ -82,6 +82,8 @@ def shape(thing):
     if kind == "cylinder":
         r, h = thing["radius"], thing["height"]
         return (*round_body(count, [(0, 0), (r, 0), (r, h), (0, h)]), False)
+    if kind == "lathe":
+        return (*round_body(count, thing["profile"]), "creased")
     raise ValueError("no shape " + kind)
 
 
@@ -141,7 +143,9 @@ def surface(name, says, side):
     material = bpy.data.materials.new(name)
     nodes = Nodes(material, "ShaderNodeOutputMaterial")
     base = (*colour(says["base_color"]), 1)
-    if says.get("transmission"):
+    if says.get("solid"):
+        body(nodes, says)
+    elif says.get("transmission"):
         nodes.end(pane(nodes, base))
     elif "emission" in says:
         image = picture(nodes, says["emission_texture"], side)
@@ -199,6 +203,19 @@ def pane(nodes, tint):
     return nodes.mix(schlick(nodes, (0.04, 0.04, 0.04, 1)), nodes.add("ShaderNodeBsdfTransparent", Color=tint), mirror)
 
 
+def body(nodes, says):
+    """Solid glass; what it takes on the way is a volume."""
+    node = nodes.add("ShaderNodeBsdfGlass", Color=(1, 1, 1, 1), Roughness=0, IOR=says.get("ior", 1.5))
+    node.distribution = "SHARP"
+    nodes.end(node)
+    if "attenuation" in says:
+        taken = [-math.log(a) / says.get("attenuation_distance", 1) for a in says["attenuation"]]
+        # Absorption is density times one less the colour.
+        density = max(taken)
+        volume = nodes.add("ShaderNodeVolumeAbsorption", Color=(*[1 - t / density for t in taken], 1), Density=density)
+        nodes.link(volume.outputs[0], nodes.output.inputs["Volume"])
+
+
 def glossy(nodes, roughness):
     node = nodes.add("ShaderNodeBsdfGlossy", Color=(1, 1, 1, 1), Roughness=roughness)
     node.distribution = "MULTI_GGX"
@@ -215,6 +232,8 @@ def add_mesh(vertices, faces, material, matrix, smooth, normals=None):
             corner.uv = place
     if smooth or normals:
         mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+    if smooth == "creased":
+        mesh.use_auto_smooth, mesh.auto_smooth_angle = True, math.radians(30)
     if normals:
         mesh.use_auto_smooth = True
         mesh.normals_split_custom_set_from_vertices(normals)
@@ -319,7 +338,8 @@ def set_up(film, samples, size, bounces, caustics):
     cycles = scene.cycles
     cycles.device, cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising = "CPU", samples, False, False
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = bounces
-    cycles.caustics_reflective, cycles.blur_glossy = caustics, 0
+    cycles.caustics_reflective = cycles.caustics_refractive = caustics
+    cycles.transmission_bounces, cycles.blur_glossy = bounces, 0
     cycles.transparent_max_bounces = 64
     cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0

@@ -129,6 +129,13 @@ def materials_room(things, materials, **film):
             "materials": {"white": matt(0.7), "red": matt(0.6, 0.15, 0.1), "blue": matt(0.2, 0.3, 0.7), **materials}, **film}
 
 
+def lens(radius=0.5, curvature=0.8, steps=12):
+    """Profile of a lens whose faces are parts of spheres, from its lower face's middle to its upper one's."""
+    sag = curvature - math.sqrt(curvature**2 - radius**2)
+    face = [(radius * k / steps, sag - (curvature - math.sqrt(curvature**2 - (radius * k / steps)**2)) + 0.01) for k in range(steps + 1)]
+    return [[r, -h] for r, h in face] + [[r, h] for r, h in reversed(face)]
+
+
 def hard():
     """What is thin, clear, mirroring, cut out, tiny or huge."""
     box = {"shape": "box", "size": [0.7, 0.9, 0.7], "position": [0.8, 0, -0.8], "rotate": 30, "material": "white"}
@@ -137,6 +144,18 @@ def hard():
         {"shape": "quad", "size": [1, 1.4], "position": [0.7, 0.7, 0.4], "rotate": -20, "material": "green glass"}],
         {"clear": {"base_color": 1, "transmission": 1, "roughness": 0, "metallic": 0},
          "green glass": {"base_color": [0.3, 0.8, 0.4], "transmission": 1, "roughness": 0, "metallic": 0}}), {"caustics": False}
+    clear = {"base_color": 1, "transmission": 1, "roughness": 0, "ior": 1.5, "solid": True}
+    yield "glass_sphere", materials_room([box, ball(-0.5, -0.2, "solid")], {"solid": clear}), {}
+    yield "glass_lens", materials_room([
+        box, {"shape": "lathe", "segments": 128, "profile": lens(), "position": [-0.4, 0.7, 0.2], "rotate": [90, 20, 0], "material": "solid"}],
+        {"solid": clear}), {}
+    yield "glass_of_liquid", materials_room([
+        box, {"shape": "lathe", "segments": 128, "position": [-0.4, 0.01, 0], "material": "solid",
+              "profile": [[0, 0], [0.45, 0], [0.45, 0.9], [0.38, 0.9], [0.38, 0.1], [0, 0.1]]},
+        # A hair of air between them: Cycles has no rule for what touches.
+        {"shape": "lathe", "segments": 128, "position": [-0.4, 0.12, 0], "material": "liquid",
+         "profile": [[0, 0], [0.375, 0], [0.375, 0.6], [0, 0.6]]}],
+        {"solid": clear, "liquid": {**clear, "ior": 1.33, "attenuation": [0.9, 0.3, 0.2], "attenuation_distance": 0.5}}), {}
     yield "mirrors", materials_room([
         box, ball(-0.6, 0, "silver"), {"shape": "quad", "size": [1.6, 1.6], "position": [-0.9, 1.2, -1.9], "rotate": 0, "material": "silver"},
         {"shape": "quad", "size": [1.6, 1.6], "position": [1.95, 1.2, 0], "rotate": -90, "material": "silver"}],

@@ -1,0 +1,307 @@
+#include "renderer/caustics/casters.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "core/sampling.h"
+#include "renderer/lights/light_points.h"
+#include "scene/preparation/traits.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// What reflects less at normal incidence throws nothing that is seen. chosen: water's.
+constexpr float least_reflectance = 0.02f;
+
+/// Share of photons that all beams have alike. [Hesterberg1995] chosen: 0.1, as photons.
+constexpr double even_share = 0.1;
+
+/// Lamps with beams of their own; the light points of all others are one lamp. chosen: 16; not tuned.
+constexpr std::size_t most_lamps = 16;
+
+/// A rectangle is seen from a point if it is farther off than this share of its own size; else photons go all around.
+constexpr float least_distance = 0.1f;
+
+/// Halton dimensions of the place in the beam, and of the lamp's point.
+constexpr int place_dimension = 0, point_dimension = 2;
+
+float largest(glm::vec3 v) {
+    return std::max({v.x, v.y, v.z});
+}
+
+/// Share of light that a material throws on, about; 0: it throws none.
+float throws(const scene::Material& m, scene::Body body) {
+    if (m.unlit) return 0.0f;
+    if (body == scene::Body::solid) return m.transmission;
+    if (m.specular_glossiness) {
+        const bool smooth = 1.0f - m.glossiness < scene::mirror_roughness || m.specular_glossiness_texture.present();
+        return smooth && largest(m.specular) >= least_reflectance ? largest(m.specular) : 0.0f;
+    }
+    const float r = (m.ior - 1.0f) / (m.ior + 1.0f);
+    const bool smooth = m.roughness < scene::mirror_roughness || m.metallic_roughness_texture.present();
+    float share = smooth ? std::max(m.metallic * largest(glm::vec3(m.base_color)), r * r * m.specular_weight) : 0.0f;
+    if (m.coat_roughness < scene::mirror_roughness) share = std::max(share, 0.04f * m.coat);
+    return share >= least_reflectance ? share : 0.0f;
+}
+
+/// Radiant intensity towards a direction over that along the normal, windows included.
+float emit_factor(const LightPoint& light, glm::vec3 direction, float distance) {
+    const float cosine = glm::dot(light.normal, direction);
+    switch (light.kind) {
+        case LightPointKind::oriented:
+            return std::max(cosine, 0.0f);
+        case LightPointKind::directional:
+            return 1.0f;
+        case LightPointKind::omni:
+        case LightPointKind::spot:
+            break;
+    }
+    float factor = 1.0f;
+    if (light.range > 0.0f) {
+        const float reach = distance * distance / (light.range * light.range);
+        factor = std::clamp(1.0f - reach * reach, 0.0f, 1.0f);
+    }
+    if (light.kind == LightPointKind::spot) {
+        const float falloff = std::clamp(cosine * light.spot_scale + light.spot_offset, 0.0f, 1.0f);
+        factor *= falloff * falloff;
+    }
+    return factor;
+}
+
+/// The first that is larger than u times the last.
+std::size_t pick(const std::vector<double>& running, double u) {
+    const auto found = std::upper_bound(running.begin(), running.end(), u * running.back());
+    return std::min(static_cast<std::size_t>(found - running.begin()), running.size() - 1);
+}
+
+double chance_of(const std::vector<double>& running, std::size_t i) {
+    return (running[i] - (i > 0 ? running[i - 1] : 0.0)) / running.back();
+}
+
+/// Corners of the box about a mesh as it is posed.
+std::array<glm::vec3, 8> corners_of(const scene::Snapshot& now, std::uint32_t object) {
+    const scene::ObjectState& state = now.objects[object];
+    const scene::Animation& film = *now.animation;
+    const bool deformed = state.deformed >= 0;
+    const std::vector<glm::vec3>& positions =
+        deformed ? now.deformed[static_cast<std::size_t>(state.deformed)].positions
+                 : film.meshes[static_cast<std::size_t>(film.objects[object].mesh)].positions;
+    glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
+    for (const glm::vec3& p : positions) {
+        if (!core::is_finite(p)) continue;
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    std::array<glm::vec3, 8> corners;
+    for (std::size_t c = 0; c < 8; ++c) {
+        const glm::vec3 p((c & 1) != 0 ? high.x : low.x, (c & 2) != 0 ? high.y : low.y, (c & 4) != 0 ? high.z : low.z);
+        corners[c] = deformed ? p : glm::vec3(state.to_world * glm::vec4(p, 1));
+    }
+    return corners;
+}
+
+std::vector<std::vector<LightPoint>> points_by_lamp(std::span<const LightPoint> lights) {
+    // Surfaces by object, the sky as a whole, punctual lights one by one.
+    std::map<std::uint64_t, std::vector<LightPoint>> by_lamp;
+    for (const LightPoint& light : lights) {
+        if (!(core::luminance(light.intensity) > 0.0f)) continue;
+        const bool sky = light.id >= first_sky_id && light.id < first_punctual_id;
+        const std::uint64_t key = light.kind == LightPointKind::oriented ? light.object
+                                  : sky                                  ? std::uint64_t{1} << 32
+                                                                         : (std::uint64_t{2} << 32) + light.id;
+        by_lamp[key].push_back(light);
+    }
+    std::vector<std::vector<LightPoint>> lamps;
+    for (auto& [key, points] : by_lamp) lamps.push_back(std::move(points));
+    if (lamps.size() <= most_lamps) return lamps;
+    // The weakest together.
+    const auto light_of = [](const std::vector<LightPoint>& lamp) {
+        double sum = 0;
+        for (const LightPoint& p : lamp) sum += static_cast<double>(core::luminance(p.intensity));
+        return sum;
+    };
+    std::stable_sort(lamps.begin(), lamps.end(),
+                     [&](const auto& a, const auto& b) { return light_of(a) > light_of(b); });
+    std::vector<LightPoint>& rest = lamps[most_lamps - 1];
+    for (std::size_t i = most_lamps; i < lamps.size(); ++i) rest.insert(rest.end(), lamps[i].begin(), lamps[i].end());
+    lamps.resize(most_lamps);
+    return lamps;
+}
+
+}  // namespace
+
+Casters::Casters(const PosedScene& posed_scene, std::span<const LightPoint> lights) {
+    const scene::Snapshot& now = posed_scene.posed();
+    const scene::Animation& film = posed_scene.animation();
+    glm::vec3 low = film.bounds_min, high = film.bounds_max;
+    for (std::uint32_t i = 0; i < film.objects.size(); ++i) {
+        const scene::Object& object = film.objects[i];
+        const float weight = throws(film.materials[static_cast<std::size_t>(object.material)],
+                                    posed_scene.has_bodies() ? object.body : scene::Body::none);
+        if (!(weight > 0.0f) || !now.objects[i].present) continue;
+        things_.push_back({i, weight, corners_of(now, i)});
+        for (const glm::vec3& corner : things_.back().corners) {
+            low = glm::min(low, corner);
+            high = glm::max(high, corner);
+        }
+    }
+    if (things_.empty()) return;
+    reach_ = 2.0f * glm::length(high - low);
+
+    for (std::vector<LightPoint>& points : points_by_lamp(lights)) {
+        Lamp& lamp = lamps_.emplace_back();
+        lamp.points = std::move(points);
+        double sum = 0;
+        for (const LightPoint& p : lamp.points)
+            lamp.running.push_back(sum += static_cast<double>(core::luminance(p.intensity)));
+    }
+    double all = 0;
+    for (std::uint32_t l = 0; l < lamps_.size(); ++l)
+        for (std::uint32_t t = 0; t < things_.size(); ++t) {
+            const double light = light_thrown(lamps_[l], things_[t]);
+            if (light > 0.0) beams_.push_back({l, t, light, 0});
+            all += light;
+        }
+    for (Beam& beam : beams_)
+        beam.share = (1.0 - even_share) * beam.light / all + even_share / static_cast<double>(beams_.size());
+}
+
+/// By a few of its points.
+double Casters::light_thrown(const Lamp& lamp, const Thing& thing) {
+    constexpr int probes = 4;
+    double light = 0;
+    for (int k = 0; k < probes; ++k) {
+        const LightPoint& p = lamp.points[pick(lamp.running, (k + 0.5) / probes)];
+        const Rectangle seen = seen_from(p, thing);
+        const bool far = p.kind == LightPointKind::directional;
+        const glm::vec3 way = seen.middle - p.position;
+        const float distance2 = far ? 1.0f : std::max(glm::dot(way, way), 1e-30f);
+        const float beam = emit_factor(p, seen.towards, std::sqrt(distance2)) * seen.area() / distance2;
+        light += static_cast<double>(seen.all_around ? 4.0f * std::numbers::pi_v<float> : beam);
+    }
+    return light * lamp.running.back() / probes * static_cast<double>(thing.weight);
+}
+
+Casters::Rectangle Casters::seen_from(const LightPoint& light, const Thing& thing) {
+    Rectangle seen;
+    for (const glm::vec3& corner : thing.corners) seen.middle += corner / 8.0f;
+    const bool far = light.kind == LightPointKind::directional;
+    seen.towards = far ? light.normal : core::normalize_or(seen.middle - light.position, glm::vec3{0, 0, 1});
+    // Lay the rectangle along the box's longest edge, as it is seen.
+    glm::vec3 longest{0.0f};
+    for (const std::size_t axis : {1u, 2u, 4u}) {
+        const glm::vec3 edge = thing.corners[axis] - thing.corners[0];
+        const glm::vec3 across = edge - glm::dot(edge, seen.towards) * seen.towards;
+        if (glm::dot(across, across) > glm::dot(longest, longest)) longest = across;
+    }
+    glm::vec3 right, up;
+    core::make_frame(seen.towards, right, up);
+    seen.right = core::normalize_or(longest, right);
+    seen.up = glm::cross(seen.towards, seen.right);
+    glm::vec2 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
+    const float distance = far ? 1.0f : glm::distance(seen.middle, light.position);
+    float size = 0;
+    for (const glm::vec3& corner : thing.corners) size = std::max(size, glm::distance(corner, seen.middle));
+    for (const glm::vec3& corner : thing.corners) {
+        glm::vec3 at = corner - seen.middle;
+        if (!far) {
+            const float ahead = glm::dot(corner - light.position, seen.towards);
+            if (!(ahead > least_distance * size)) seen.all_around = true;
+            // As seen in the plane through the middle.
+            at = (corner - light.position) * (distance / std::max(ahead, least_distance * size)) -
+                 distance * seen.towards;
+        }
+        const glm::vec2 q(glm::dot(at, seen.right), glm::dot(at, seen.up));
+        low = glm::min(low, q);
+        high = glm::max(high, q);
+    }
+    const glm::vec2 centre = 0.5f * (low + high);
+    seen.middle += centre.x * seen.right + centre.y * seen.up;
+    // What has no thickness is still met.
+    seen.half = glm::max(0.5f * (high - low), glm::vec2(1e-6f * size));
+    return seen;
+}
+
+const Casters::Beam& Casters::beam_of(std::uint64_t index, std::uint64_t count, std::uint64_t& first,
+                                      std::uint64_t& end) const {
+    first = end = 0;
+    double sum = 0;
+    for (const Beam& beam : beams_) {
+        sum += beam.share;
+        first = end;
+        end = &beam == &beams_.back() ? count : static_cast<std::uint64_t>(sum * static_cast<double>(count));
+        if (index < end) return beam;
+    }
+    return beams_.back();
+}
+
+/// Lets a photon leave for a place of the rectangle; returns the share of the light's intensity that all of them carry.
+float Casters::leave(const LightPoint& light, const Rectangle& seen, glm::vec2 u, AimedPhoton& photon) const {
+    const bool far = light.kind == LightPointKind::directional;
+    photon.origin = light.position;
+    if (seen.all_around) {
+        constexpr float whole = 4.0f * std::numbers::pi_v<float>;
+        photon.direction = core::sample_sphere(u);
+        core::make_frame(photon.direction, photon.turn[0], photon.turn[1]);
+        for (std::size_t k = 0; k < 2; ++k) photon.turn[k] *= std::sqrt(whole);
+        return whole * emit_factor(light, photon.direction, 1.0f);
+    }
+    const glm::vec2 q = (2.0f * u - 1.0f) * seen.half;
+    const glm::vec3 at = seen.middle + q.x * seen.right + q.y * seen.up;
+    // Cells as wide as high.
+    const float side = std::sqrt(seen.area());
+    if (far) {
+        photon.direction = light.normal;
+        photon.place[0] = side * seen.right;
+        photon.place[1] = side * seen.up;
+        photon.origin = at - reach_ * photon.direction;
+        return seen.area();
+    }
+    const glm::vec3 way = at - light.position;
+    const float distance = glm::length(way);
+    photon.direction = core::normalize_or(way, seen.towards);
+    const auto turn = [&](glm::vec3 edge) {
+        return side / distance * (edge - glm::dot(edge, photon.direction) * photon.direction);
+    };
+    photon.turn[0] = turn(seen.right);
+    photon.turn[1] = turn(seen.up);
+    return seen.area() * glm::dot(photon.direction, seen.towards) / (distance * distance) *
+           emit_factor(light, photon.direction, distance);
+}
+
+AimedPhoton Casters::aim(std::uint64_t index, std::uint64_t count) const {
+    // Each beam has a run of photons.
+    std::uint64_t first = 0, end = 0;
+    const Beam& beam = beam_of(index, count, first, end);
+    const Lamp& lamp = lamps_[beam.lamp];
+    AimedPhoton photon;
+    photon.number = index - first + 1;
+    photon.of = end - first;
+    photon.object = things_[beam.thing].object;
+    const glm::vec2 u(core::halton(place_dimension, photon.number), core::halton(place_dimension + 1, photon.number));
+    const std::size_t l = pick(lamp.running, static_cast<double>(core::halton(point_dimension, photon.number)));
+    const LightPoint& light = lamp.points[l];
+    const float share = leave(light, seen_from(light, things_[beam.thing]), u, photon);
+
+    // Lamp points of surfaces lie side by side; far ones turn.
+    const bool far = light.kind == LightPointKind::directional;
+    auto& neighbours = far ? photon.turn : photon.place;
+    core::make_frame(photon.direction, neighbours[2], neighbours[3]);
+    // The cell is parted among the beam's photons.
+    const float cell = 1.0f / std::sqrt(static_cast<float>(photon.of));
+    for (std::size_t k = 0; k < 2; ++k) {
+        neighbours[k + 2] *= std::sqrt(light.disc2);
+        photon.place[k] *= cell;
+        photon.turn[k] *= cell;
+    }
+    const double density = chance_of(lamp.running, l) * static_cast<double>(photon.of);
+    photon.flux = light.intensity * static_cast<float>(core::divide_or(static_cast<double>(share), density, 0.0));
+    return photon;
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,76 @@
+#pragma once
+// What throws light, and photons that are aimed at it.
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "renderer/base/light_point.h"
+#include "renderer/surface/posed_scene.h"
+
+namespace render2mpeg::renderer {
+
+/// A photon as it leaves its lamp towards a thing that throws light.
+struct AimedPhoton {
+    glm::vec3 origin{0}, direction{0, 0, -1};  ///< direction unit
+    glm::vec3 flux{0};                         ///< that it stands for; 0: none
+    /// How neighbours differ in origin and direction: two of the same lamp point, across the photon's share of the
+    /// beam; and two at the edge of the disc that the lamp point stands for.
+    std::array<glm::vec3, 4> place{}, turn{};
+    std::uint32_t object = 0;  ///< that it is aimed at: what meets anything else that throws light is another's
+    std::uint64_t number = 0;  ///< among those of its beam, from 1: of the numbers that choose its way
+    std::uint64_t of = 0;      ///< photons of its beam
+};
+
+/// Things that mirror or bend light, and the beams in which lamps light them. A beam is the rectangle about a thing, as
+/// a point of the lamp sees it: photons stand evenly in it, and all carry about the same light. Beams share photons by
+/// their light; a tenth evenly.
+class Casters {
+  public:
+    /// Of the posed instant. `lights`: all of its light points.
+    Casters(const PosedScene& posed_scene, std::span<const LightPoint> lights);
+
+    bool empty() const { return beams_.empty(); }
+
+    /// Photon `index` of `count`, 0 <= index < count. What comes of all adds up to the light of all lamps on all
+    /// things.
+    AimedPhoton aim(std::uint64_t index, std::uint64_t count) const;
+
+  private:
+    /// A thing, as the box about its mesh lies in the world.
+    struct Thing {
+        std::uint32_t object = 0;
+        float weight = 0;  ///< share of light that it throws, about
+        std::array<glm::vec3, 8> corners{};
+    };
+    /// Light points that belong together: those of one shining object, the sky, a lamp.
+    struct Lamp {
+        std::vector<LightPoint> points;
+        std::vector<double> running;  ///< luminance of the points, summed up
+    };
+    struct Beam {
+        std::uint32_t lamp = 0, thing = 0;
+        double light = 0;  ///< luminance flux that is thrown on, about
+        double share = 0;  ///< of the photons
+    };
+    /// What a light point sees of a thing: a rectangle across `towards`, or, where it is too near, all directions.
+    struct Rectangle {
+        glm::vec3 towards{0}, right{0}, up{0};
+        glm::vec3 middle{0};
+        glm::vec2 half{0};
+        bool all_around = false;
+        float area() const { return 4.0f * half.x * half.y; }
+    };
+    static Rectangle seen_from(const LightPoint& light, const Thing& thing);
+    static double light_thrown(const Lamp& lamp, const Thing& thing);
+    const Beam& beam_of(std::uint64_t index, std::uint64_t count, std::uint64_t& first, std::uint64_t& end) const;
+    float leave(const LightPoint& light, const Rectangle& seen, glm::vec2 u, AimedPhoton& photon) const;
+
+    std::vector<Thing> things_;
+    std::vector<Lamp> lamps_;
+    std::vector<Beam> beams_;
+    float reach_ = 0;  ///< directional light comes from so far
+};
+
+}  // namespace render2mpeg::renderer

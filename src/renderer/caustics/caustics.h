@@ -1,0 +1,49 @@
+#pragma once
+// Light that comes to gather points by way of mirrors and glass.
+#include <cstdint>
+#include <span>
+
+#include "core/tolerance_map.h"
+#include "renderer/base/light_point.h"
+#include "renderer/caustics/splat_tree.h"
+#include "renderer/surface/gather_point.h"
+#include "renderer/surface/posed_scene.h"
+
+namespace render2mpeg::renderer {
+
+struct CausticSettings {
+    std::uint64_t photons = 0;  ///< 0: as many as the tolerance needs
+    SplatVisibility visibility = SplatVisibility::by_rays;
+};
+
+/// What the caustics of frames took, summed up.
+struct CausticCounts {
+    LandingCounts followed;
+    std::uint64_t landings = 0;
+    SplatCounts splats;
+};
+
+/// All light that comes from lamps to gather points by mirrors, metal and bent glass alone (L S+ D, then the eye's own
+/// way), by photon ray splatting (docs/model/caustics.md). How many photons a frame has is decided at the first frame
+/// of a chunk.
+class Caustics {
+  public:
+    explicit Caustics(const CausticSettings& settings = {}) : settings_(settings) {}
+
+    /// A chunk begins.
+    void forget() { photons_ = 0; }
+
+    /// Adds caustics to what needs no gathering: `emitted`, `emitted_specular` and `caustics` of `seen`. `lights`: all
+    /// light points of the posed instant. `tolerance`: of the frame; null: a look that teaches nothing.
+    void add(const PosedScene& posed_scene, std::span<const LightPoint> lights, const core::ToleranceMap* tolerance,
+             Seen& seen, CausticCounts& counts);
+
+    /// Of a frame of this chunk; 0: not known yet.
+    std::uint64_t photons() const { return photons_; }
+
+  private:
+    CausticSettings settings_;
+    std::uint64_t photons_ = 0;
+};
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,339 @@
+#include "renderer/caustics/caustics.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "core/color.h"
+#include "glass_stage.h"
+#include "parallel/loops.h"
+#include "renderer/lights/light_points.h"
+
+namespace render2mpeg::test {
+namespace {
+
+using renderer::CausticCounts;
+using renderer::Caustics;
+using renderer::CausticSettings;
+using renderer::Seen;
+using renderer::SplatVisibility;
+
+constexpr double pi = std::numbers::pi;
+
+int add_silver(SceneBuilder& b, float reflects = 1) {
+    const int m = b.add_material(glm::vec3(reflects));
+    b.material(m).metallic = 1;
+    b.material(m).roughness = 0;
+    b.material(m).double_sided = true;
+    return m;
+}
+
+/// A picture of the square about `centre` with this half side, from high above.
+void add_high_camera(SceneBuilder& b, glm::vec3 centre, float half) {
+    b.add_camera(centre + glm::vec3(0, 100, 0), centre, 2 * std::atan(half / 100));
+}
+
+/// What caustics bring to each pixel.
+struct Thrown {
+    Seen seen;
+    CausticCounts counts;
+
+    /// Irradiance over that of a white floor, at the floor's points.
+    void each(const std::function<void(glm::vec3 position, double irradiance)>& body) const {
+        for (std::size_t t = 0; t < seen.tiles.size(); ++t)
+            for (const renderer::GatherPoint& g : seen.tiles[t]) {
+                const int across = seen.tiles_across();
+                const int x = static_cast<int>(t) % across * 16 + g.pixel % 16,
+                          y = static_cast<int>(t) / across * 16 + g.pixel / 16;
+                if (g.weight.x > 0.99f)
+                    body(g.point.position, pi * static_cast<double>(core::luminance(seen.caustics.at(x, y))));
+            }
+    }
+    double flux(double area_of_pixel) const {
+        double sum = 0;
+        each([&](glm::vec3, double e) { sum += e * area_of_pixel; });
+        return sum;
+    }
+};
+
+Thrown throw_light(Stage& stage, std::uint64_t photons, SplatVisibility visibility = SplatVisibility::by_rays) {
+    renderer::LightPoints points(stage.posed_scene(), stage.plan(), 256, 1);
+    auto& scene = const_cast<renderer::PosedScene&>(stage.posed_scene());
+    points.place(scene, stage.world());
+    Thrown thrown{stage.see(1), {}};
+    Caustics caustics(CausticSettings{photons, visibility});
+    caustics.add(stage.posed_scene(), points.at(stage.posed_scene()), nullptr, thrown.seen, thrown.counts);
+    return thrown;
+}
+
+/// The half of a mirror cylinder at x > 0, radius 1, that stands on the floor.
+scene::Mesh half_cylinder(float height, int segments = 256) {
+    scene::Mesh mesh;
+    for (int i = 0; i <= segments; ++i) {
+        const float phi = static_cast<float>(pi) * (static_cast<float>(i) / static_cast<float>(segments) - 0.5f);
+        for (const float y : {0.0f, height}) {
+            mesh.positions.emplace_back(std::cos(phi), y, std::sin(phi));
+            mesh.normals.emplace_back(-std::cos(phi), 0, -std::sin(phi));
+        }
+    }
+    for (unsigned i = 0; i < static_cast<unsigned>(segments); ++i) {
+        mesh.triangles.emplace_back(2 * i, 2 * i + 2, 2 * i + 1);
+        mesh.triangles.emplace_back(2 * i + 1, 2 * i + 2, 2 * i + 3);
+    }
+    return mesh;
+}
+
+/// A sun at 45 degrees shines into the half cylinder; a white floor.
+SceneBuilder cup() {
+    SceneBuilder b;
+    b.add_quad({-3, 0, 3}, {6, 0, 0}, {0, 0, -6}, b.add_material({1, 1, 1}));
+    b.add_object(b.add_mesh(half_cylinder(2)), add_silver(b));
+    b.add_sun({1, -1, 0}, 1);
+    add_high_camera(b, {0, 0, 0}, 1);
+    return b;
+}
+
+/// What light that the cylinder of cup() throws does to a point of the floor, in units of the sun's irradiance there:
+/// rays that hit the wall at angle phi, seen from above, come back over the floor with density cos phi / |cos phi - 2
+/// t|, t being the way from the wall. Sums of rays on a fine grid, which meet the wall as often as they do.
+class CupTruth {
+  public:
+    explicit CupTruth(int bins) : bins_(bins), sum_(static_cast<std::size_t>(bins) * static_cast<std::size_t>(bins)) {
+        const int rays = 24 * bins, steps = 48 * bins;
+        const double cell = 4.0 / (bins * static_cast<double>(bins));
+        for (int i = 0; i < rays; ++i) {
+            // Even over what the wall shows to the sun.
+            const double side = 2 * (i + 0.5) / rays - 1, phi0 = std::asin(side);
+            glm::dvec2 p(std::cos(phi0), side), d(-std::cos(2 * phi0), -std::sin(2 * phi0));
+            double left = -2 * glm::dot(p, d);
+            for (int k = 0; k < steps; ++k) {
+                double t = 2.0 / steps;
+                if (k == 0) t *= 0.5;
+                while (t > left) {
+                    p += left * d;
+                    t -= left;
+                    left = p.x > 0 ? -2 * glm::dot(p, d - 2 * glm::dot(d, p) * p) : 1e9;
+                    if (p.x > 0) d -= 2 * glm::dot(d, p) * p;
+                }
+                p += t * d;
+                left -= t;
+                const auto x = static_cast<int>(std::floor((p.x + 1) / 2 * bins)),
+                           y = static_cast<int>(std::floor((p.y + 1) / 2 * bins));
+                if (x >= 0 && y >= 0 && x < bins && y < bins)
+                    sum_[static_cast<std::size_t>(y * bins + x)] += 2.0 / rays * (2.0 / steps) / cell;
+            }
+        }
+    }
+    double at(double x, double y) const {
+        const auto i = std::clamp(static_cast<int>((x + 1) / 2 * bins_), 0, bins_ - 1),
+                   j = std::clamp(static_cast<int>((y + 1) / 2 * bins_), 0, bins_ - 1);
+        return sum_[static_cast<std::size_t>(j * bins_ + i)];
+    }
+
+  private:
+    int bins_;
+    std::vector<double> sum_;
+};
+
+/// 95 of 100 floor pixels within the cylinder err by less than this; light is the caustic and a third of the sun's. At
+/// the wall itself kernels reach over the floor's edge.
+double error_of(const Thrown& thrown, const CupTruth& truth) {
+    const double sun = std::sqrt(0.5);
+    std::vector<double> errors;
+    thrown.each([&](glm::vec3 p, double e) {
+        const double r = std::hypot(static_cast<double>(p.x), static_cast<double>(p.z));
+        if (r > 0.88 || p.y > 0.01f) return;
+        const double expected = sun * truth.at(static_cast<double>(p.x), static_cast<double>(p.z));
+        errors.push_back(std::abs(e - expected) / (expected + 0.35 * sun));
+    });
+    const auto at = errors.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(errors.size()));
+    std::nth_element(errors.begin(), at, errors.end());
+    return *at;
+}
+
+TEST(Caustics, OfAHalfCylinderAreItsClosedFormOnTheAxis) {
+    Stage stage(cup(), 96, 96);
+    const Thrown thrown = throw_light(stage, 40000);
+    const double sun = std::sqrt(0.5);
+    int found = 0;
+    thrown.each([&](glm::vec3 p, double e) {
+        if (std::abs(p.z) > 0.011f || p.y > 0.01f) return;
+        for (const auto& [a, expected] : {std::pair{0.0, 1.0}, {0.4, 5.0}, {0.75, 3.6}}) {
+            if (std::abs(static_cast<double>(p.x) - a) > 0.0105) continue;
+            // Between two pixels; light rises by a fifth from one to the next at 0.4.
+            const double slope = a == 0.4 ? 0.25 : 0.08;
+            EXPECT_NEAR(e / sun, expected, slope * expected) << a;
+            ++found;
+        }
+    });
+    EXPECT_GE(found, 6);
+}
+
+TEST(Caustics, OfAHalfCylinderErrLittle) {
+    Stage stage(cup(), 96, 96);
+    const CupTruth truth(96);
+    const double few = error_of(throw_light(stage, 10000), truth), many = error_of(throw_light(stage, 40000), truth),
+                 more = error_of(throw_light(stage, 160000), truth);
+    RecordProperty("error_10000", std::to_string(few));
+    RecordProperty("error_40000", std::to_string(many));
+    RecordProperty("error_160000", std::to_string(more));
+    EXPECT_LT(many, 0.12);
+    EXPECT_LT(more, 0.08);
+    EXPECT_LT(more, many);
+    EXPECT_LT(many, few);
+}
+
+TEST(Caustics, OfAFlatMirrorAreAPatchOfTheSun) {
+    SceneBuilder b;
+    b.add_quad({-6, 0, 6}, {12, 0, 0}, {0, 0, -12}, b.add_material({1, 1, 1}));
+    // A mirror of 1 x 1 that stands at x = 0; the sun comes from -x at 45 degrees, and falls back to x in [-2, -1].
+    b.add_quad({0, 1, -0.5f}, {0, 0, 1}, {0, 1, 0}, add_silver(b, 0.8f));
+    b.add_sun({1, -1, 0}, 2);
+    add_high_camera(b, {-1.5f, 0, 0}, 0.8f);
+    Stage stage(b, 64, 64);
+    const Thrown thrown = throw_light(stage, 80000);
+    int inside = 0;
+    double sum = 0;
+    thrown.each([&](glm::vec3 p, double e) {
+        const float off = std::max(std::abs(p.x + 1.5f), std::abs(p.z)) - 0.5f;
+        if (off < -0.08f) {
+            EXPECT_NEAR(e, 0.8 * 2 * std::sqrt(0.5), 0.06) << p.x << " " << p.z;
+            sum += e;
+            ++inside;
+        }
+        if (off > 0.08f) {
+            EXPECT_EQ(e, 0.0) << p.x << " " << p.z;
+        }
+    });
+    EXPECT_GT(inside, 500);
+    EXPECT_NEAR(sum / inside, 0.8 * 2 * std::sqrt(0.5), 0.005);
+}
+
+TEST(Caustics, OfAGlassBallKeepItsFlux) {
+    SceneBuilder b;
+    b.add_quad({-9, 0, 9}, {18, 0, 0}, {0, 0, -18}, b.add_material({1, 1, 1}));
+    b.add_sphere({0, 5, 0}, 1, add_glass(b), 96);
+    b.add_sun({0, -1, 0}, 1);
+    // Beside the ball, whose image falls onto the floor 5 from its middle.
+    b.add_camera({60, 60, 0}, {0, 0, 0}, 0.1f);
+    Stage view(b, 96, 96);
+    const Thrown thrown = throw_light(view, 40000);
+    double flux = 0;
+    const scene::Camera& camera = view.world().camera;
+    thrown.each([&](glm::vec3 p, double e) {
+        // Area of the floor in a pixel.
+        const glm::vec3 way = p - camera.position();
+        const double pixel = 2 * std::tan(0.05) / 96 * static_cast<double>(glm::dot(way, camera.forward()));
+        const double cosine = static_cast<double>(std::abs(way.y) / glm::length(way));
+        if (p.y < 0.01f && std::hypot(p.x, p.z) < 3) flux += e * pixel * pixel / cosine;
+    });
+    // Of rays that meet the ball at h of its radius, those that pass two boundaries and land within 3 of the middle.
+    double expected = 0, all = 0;
+    constexpr int steps = 20000;
+    for (int i = 0; i < steps; ++i) {
+        const double h = (i + 0.5) / steps, in = std::asin(h), inside = std::asin(h / 1.5), turned = 2 * (in - inside);
+        const double passes =
+            1 - static_cast<double>(renderer::dielectric_reflectance(static_cast<float>(std::cos(in)), 1.5f));
+        const double x = std::sin(2 * inside - in), y = 5 - std::cos(in - 2 * inside);
+        const double lands = x - std::tan(turned) * y, share = passes * passes * 2 * h / steps;
+        all += share;
+        if (turned < 1.5 && std::abs(lands) < 3) expected += share;
+        // And what the ball mirrors down, at its rim.
+        const double mirrored = pi - 2 * in, falls = h + std::tan(mirrored) * (5 + std::cos(in));
+        if (mirrored < 1.5 && falls < 3) expected += (1 - passes) * 2 * h / steps;
+    }
+    EXPECT_NEAR(all, 0.83554, 1e-4);
+    EXPECT_NEAR(flux / pi / expected, 1, 0.02);
+}
+
+/// A ring that throws sun onto a floor, with a wall just below half of it.
+SceneBuilder ring_over_wall() {
+    SceneBuilder b;
+    const int white = b.add_material({1, 1, 1});
+    b.add_quad({-3, 0, 3}, {6, 0, 0}, {0, 0, -6}, white);
+    b.add_object(b.add_mesh(half_cylinder(1)), add_silver(b), {0, 0.5, 0});
+    b.add_sun({1, -1, 0}, 1);
+    return b;
+}
+
+TEST(Caustics, DoNotLeakThroughAWall) {
+    SceneBuilder b = ring_over_wall();
+    // A thin lid over x in [-0.3, 0.3], a hair above the floor: all light there lands on the lid.
+    b.add_box({-0.3f, 0.004f, -2}, {0.3f, 0.008f, 2}, b.add_material({1, 1, 1}));
+    // From below the lid, along the floor.
+    b.add_camera({-0.9f, 0.002f, 0}, {0.2f, 0.001f, 0}, 0.02f);
+    Stage stage(b, 64, 64);
+    const auto light_below = [&](SplatVisibility visibility) {
+        double sum = 0;
+        throw_light(stage, 40000, visibility).each([&](glm::vec3 p, double e) {
+            if (p.y < 0.001f && std::abs(p.x) < 0.25f) sum += e;
+        });
+        return sum;
+    };
+    EXPECT_GT(light_below(SplatVisibility::none), 1.0);
+    EXPECT_LT(light_below(SplatVisibility::by_rays), 1e-3);
+}
+
+TEST(Caustics, HaveTheirCuspAtAThirdOfTheRadius) {
+    // A lamp on a ring, whose light comes back along a cardioid: its cusp lies at a third from the centre.
+    SceneBuilder b;
+    b.add_quad({-3, 0, 3}, {6, 0, 0}, {0, 0, -6}, b.add_material({1, 1, 1}));
+    const int silver = add_silver(b);
+    b.add_object(b.add_mesh(half_cylinder(0.2f)), silver);
+    b.add_point_light({-0.999f, 0.2f, 0}, 1);
+    add_high_camera(b, {0, 0, 0}, 1);
+    Stage stage(b, 96, 96);
+    double most = 0, at = 0;
+    throw_light(stage, 60000).each([&](glm::vec3 p, double e) {
+        if (std::abs(p.z) > 0.02f || p.x > 0.8f || !(e > most)) return;
+        most = e;
+        at = static_cast<double>(p.x);
+    });
+    EXPECT_NEAR(at, 1.0 / 3, 0.04);
+}
+
+TEST(Caustics, AreTheSameForAnyLamp) {
+    // Light points of one panel share their photons; as bright as a lamp of the same power far away.
+    SceneBuilder b;
+    b.add_quad({-6, 0, 6}, {12, 0, 0}, {0, 0, -12}, b.add_material({1, 1, 1}));
+    b.add_quad({0, 1, -0.5f}, {0, 0, 1}, {0, 1, 0}, add_silver(b));
+    b.add_quad({-40, 41.5f, -0.5f}, {0.7f, 0.7f, 0}, {0, 0, 1}, b.add_emitter({1000, 1000, 1000}));
+    add_high_camera(b, {-1.5f, 0, 0}, 0.8f);
+    Stage stage(b, 64, 64);
+    double middle = 0;
+    int count = 0;
+    throw_light(stage, 40000).each([&](glm::vec3 p, double e) {
+        if (std::abs(p.x + 1.5f) > 0.3f || std::abs(p.z) > 0.3f) return;
+        middle += e;
+        ++count;
+    });
+    ASSERT_GT(count, 100);
+    const double distance2 = 2 * 40.8 * 40.8, area = 0.98995;
+    EXPECT_NEAR(middle / count, 1000 * area / distance2 * std::sqrt(0.5), 0.1 * 0.21);
+}
+
+TEST(Caustics, DoNotDependOnTheNumberOfThreads) {
+    Stage stage(cup(), 48, 48);
+    std::vector<glm::vec3> first;
+    for (const int threads : {1, 7}) {
+        const parallel::ThreadLimit limit(threads);
+        const Thrown thrown = throw_light(stage, 5000);
+        const auto values = thrown.seen.emitted.values();
+        if (first.empty()) first.assign(values.begin(), values.end());
+        EXPECT_TRUE(std::equal(first.begin(), first.end(), values.begin()));
+    }
+}
+
+TEST(Caustics, AreNotThereWithoutLight) {
+    Stage stage(cup(), 16, 16);
+    Seen seen = stage.see(1);
+    CausticCounts counts;
+    Caustics().add(stage.posed_scene(), {}, nullptr, seen, counts);
+    EXPECT_EQ(counts.followed.photons, 0u);
+}
+
+}  // namespace
+}  // namespace render2mpeg::test

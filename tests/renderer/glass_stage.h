@@ -1,0 +1,55 @@
+#pragma once
+// Scenes of solid glass, and rays that are followed through them.
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/numeric.h"
+#include "renderer/surface/media_path.h"
+#include "stage.h"
+
+namespace render2mpeg::test {
+
+inline int add_glass(SceneBuilder& b, float ior = 1.5f) {
+    const int m = b.add_material({1, 1, 1});
+    scene::Material& glass = b.material(m);
+    glass.specular_glossiness = false;
+    glass.transmission = 1;
+    glass.roughness = 0;
+    glass.ior = ior;
+    glass.thickness = scene::Thickness::solid;
+    return m;
+}
+
+/// Where a ray is after it has passed all glass by its straightest way, and what is left of its light.
+struct PassedRay {
+    glm::vec3 origin{0}, direction{0};
+    glm::vec3 share{1};
+    int boundaries = 0;
+    core::SurfaceAddress address;  ///< of what it met last
+};
+
+inline PassedRay pass_glass(const Stage& stage, glm::vec3 origin, glm::vec3 direction,
+                            renderer::Band band = renderer::Band::all) {
+    PassedRay ray{origin, glm::normalize(direction), glm::vec3(1), 0, {}};
+    renderer::MediaPath glass;
+    glass.band = band;
+    for (int i = 0; i < 20; ++i) {
+        const renderer::Hit hit =
+            stage.tracer().nearest(ray.origin, ray.direction, std::numeric_limits<float>::infinity());
+        if (!hit.found()) return ray;
+        ray.share *= glass.way_to(stage.posed_scene(), hit, ray.direction);
+        const renderer::SurfacePoint p = glass.surface_at(stage.posed_scene(), hit, ray.direction);
+        ray.address = p.address;
+        if (!p.bounds_body) return ray;
+        ray.share *= p.bsdf.transmission;
+        const glm::vec3 to = glass.cross(stage.posed_scene(), p, p.shading_normal);
+        if (to == glm::vec3(0)) return ray;
+        ray.direction = to;
+        ray.origin = offset_origin(p, to);
+        ++ray.boundaries;
+    }
+    return ray;
+}
+
+}  // namespace render2mpeg::test
