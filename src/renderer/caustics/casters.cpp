@@ -141,7 +141,8 @@ Casters::Casters(const PosedScene& posed_scene, std::span<const LightPoint> ligh
     glm::vec3 low = film.bounds_min, high = film.bounds_max;
     for (std::uint32_t i = 0; i < film.objects.size(); ++i) {
         const scene::Object& object = film.objects[i];
-        const float weight = throws(film.materials[static_cast<std::size_t>(object.material)], object.body);
+        const float weight = throws(film.materials[static_cast<std::size_t>(object.material)],
+                                    posed_scene.has_bodies() ? object.body : scene::Body::none);
         if (!(weight > 0.0f) || !now.objects[i].present) continue;
         things_.push_back({i, weight, corners_of(now, i)});
         for (const glm::vec3& corner : things_.back().corners) {

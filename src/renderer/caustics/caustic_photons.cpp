@@ -146,7 +146,7 @@ bool turn(const PosedScene& scene, const SurfacePoint& p, Onward onward, glm::ve
 /// Light on its way to what it is aimed at passes thin glass and layers straight; false where it meets anything else.
 bool pass_before(const PosedScene& scene, const SurfacePoint& p, Ray& ray) {
     const scene::Body body = scene.animation().objects[p.address.object].body;
-    if (p.unlit || body == scene::Body::solid)
+    if (p.unlit || (p.bounds_body && body == scene::Body::solid))
         ray.flux *= 1.0f - p.alpha;
     else
         ray.flux *= 1.0f - p.alpha + p.alpha * p.bsdf.transmission;

@@ -61,15 +61,6 @@ class PosedScene {
     /// Whether any object does.
     bool has_bodies() const;
 
-    /// The same where a ray meets the surface from within these media. `band`: what light it carries.
-    SurfacePoint surface_in(const MediaStack& media, Band band, const core::SurfaceAddress& address, glm::vec3 outgoing,
-                            const SurfaceFootprint& footprint = {}) const;
-
-    /// What fills the body of glass that an object bounds; null: it bounds none, or the plan bends no light.
-    const Medium* medium_within(std::uint32_t object) const;
-    /// Whether any object does.
-    bool has_bodies() const;
-
     /// Share of light that goes straight through a surface, as shadow rays of that direction have it
     /// (RayTracer::Transmittance).
     glm::vec3 transmittance_at(const core::SurfaceAddress& address, glm::vec3 direction) const;

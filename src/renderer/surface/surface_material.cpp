@@ -209,7 +209,7 @@ void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, cons
                             float index) const {
     const std::uint32_t material = point.material;
     const scene::Material& m = animation_.materials[material];
-    const glm::vec4 base = base_color_at(material, shape, snapshot);
+    const glm::vec4 base = base_color_at(material, shape, object.snapshot());
     point.alpha = coverage(material, shape, base.a);
     point.unlit = m.unlit;
     float variance = 0.0f;
@@ -225,7 +225,7 @@ void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, cons
     Detail detail;
     detail.normal_variance = variance;
     if (m.diffuse_transmission > 0.0f && !m.specular_glossiness) detail.leaf = leaf_at(material, shape);
-    if (m.anisotropy > 0.0f) brush(point, shape, snapshot, detail);
+    if (m.anisotropy > 0.0f) brush(point, shape, object, detail);
     point.bsdf = bsdf_at(material, shape, color, cosine, detail, index);
     if (detail.leaf.share > 0.0f) part_sides(point.bsdf, color, detail.leaf.share, detail.leaf.color, cosine);
     if (m.has_sheen()) add_sheen(material, shape, cosine, point.bsdf);
@@ -274,12 +274,12 @@ glm::vec3 SurfaceMaterials::film_over(std::uint32_t material, const SurfaceShape
 }
 
 /// Where the surface is brushed, and how much [KHR_materials_anisotropy]; without texture coordinates not at all.
-void SurfaceMaterials::brush(const SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot,
+void SurfaceMaterials::brush(const SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object,
                              Detail& detail) const {
     const scene::Material& m = animation_.materials[point.material];
     const scene::TextureUse& use = m.anisotropy_texture.present() ? m.anisotropy_texture : m.normal_texture;
     glm::vec3 right, up;
-    if (!tangents_of(snapshot, point.address.object, shape, use, right, up)) return;
+    if (!tangents_of(object, shape, use, right, up)) return;
     const glm::vec4 texel = m.anisotropy_texture.present() ? look_up(point.material, TextureRole::anisotropy, shape)
                                                            : glm::vec4(1.0f, 0.5f, 1.0f, 1.0f);
     const glm::vec2 own = 2.0f * glm::vec2(texel) - 1.0f;

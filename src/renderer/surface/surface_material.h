@@ -58,8 +58,7 @@ class SurfaceMaterials {
         float anisotropy = 0;       ///< 0..1
         glm::vec3 along{0};         ///< see Bsdf
     };
-    void brush(const SurfacePoint& point, const SurfaceShape& shape, const scene::Snapshot& snapshot,
-               Detail& detail) const;
+    void brush(const SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object, Detail& detail) const;
     void add_sheen(std::uint32_t material, const SurfaceShape& shape, float cos_outgoing, Bsdf& bsdf) const;
     void add_coat(std::uint32_t material, const SurfaceShape& shape, float cos_outgoing, Bsdf& bsdf) const;
     Bsdf bsdf_at(std::uint32_t material, const SurfaceShape& shape, glm::vec3 base_color, float cos_outgoing,
