@@ -1,7 +1,6 @@
 #include "renderer/renderer.h"
 
 #include <algorithm>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -18,6 +17,7 @@
 #include "renderer/draft/draft_light.h"
 #include "renderer/lights/anchors.h"
 #include "renderer/lights/light_points.h"
+#include "renderer/lights/same_light.h"
 #include "renderer/lights/whole_lamps.h"
 #include "renderer/tree/light_trees.h"
 #include "renderer/truth/pixel_truth.h"
@@ -52,42 +52,6 @@ constexpr int still_sharers = 4;
 /// differ by type by 2 to 4; not tuned.
 constexpr float coarser = 1.5f;
 
-/// All that decides which pixels a frame shows, how they are lit and how well. `lit_frame` stands for its light.
-struct Sight {
-    glm::mat4 camera;
-    float fov, magnification;
-    std::int64_t lit_frame;
-    core::Plane<core::Tolerance> tolerance;
-
-    bool operator==(const Sight&) const = default;
-};
-
-/// Whether two instants have the same light: everything but the camera.
-bool same_light(const scene::Snapshot& a, const scene::Snapshot& b) {
-    const auto same_object = [](const scene::ObjectState& x, const scene::ObjectState& y) {
-        return x.to_world == y.to_world && x.present == y.present && x.deformed == y.deformed;
-    };
-    const auto same_lamp = [](const scene::LightState& x, const scene::LightState& y) {
-        return x.kind == y.kind && x.position == y.position && x.direction == y.direction &&
-               x.intensity == y.intensity && x.range == y.range && x.cos_inner == y.cos_inner &&
-               x.cos_outer == y.cos_outer && x.angle == y.angle && x.id == y.id;
-    };
-    const auto same_shape = [](const scene::DeformedMesh& x, const scene::DeformedMesh& y) {
-        return x.positions == y.positions && x.normals == y.normals;
-    };
-    return std::equal(a.objects.begin(), a.objects.end(), b.objects.begin(), b.objects.end(), same_object) &&
-           std::equal(a.lights.begin(), a.lights.end(), b.lights.begin(), b.lights.end(), same_lamp) &&
-           std::equal(a.deformed.begin(), a.deformed.end(), b.deformed.begin(), b.deformed.end(), same_shape) &&
-           a.emission_factor == b.emission_factor && a.base_color == b.base_color;
-}
-
-glm::vec3 caustics_at(const Seen& seen, glm::ivec2 place) {
-    glm::vec3 sum(0);
-    for (const auto* plane : {&seen.caustics, &seen.caustics_specular})
-        if (!plane->empty()) sum += plane->at(place.x, place.y);
-    return sum;
-}
-
 }  // namespace
 
 struct Renderer::Impl {
@@ -109,10 +73,9 @@ struct Renderer::Impl {
 
     void start_chunk(const scene::Snapshot& first) {
         first_frame = first.frame;
-        if (!looked_at_sky) {
+        {
             const Stopwatch timer(row(Pass::sky_light));
             statistics.photon_rays += light_points.look_at_sky(posed_scene);
-            looked_at_sky = true;
         }
         pose(first);
         if (!anchors && plan.runs(Pass::photons) && settings.vpls > 0) {
@@ -181,11 +144,12 @@ struct Renderer::Impl {
 
     /// What `see` needs; lights the anchors that lobe rays meet.
     SeeSettings see_settings(const scene::Snapshot& snapshot) {
-        SeeSettings s{settings.format,         settings.samples,        settings.edge_samples,
-                      settings.specular_depth, light_points.sky_part(), {}};
+        SeeSettings s{settings.format, settings.samples, settings.edge_samples, settings.specular_depth};
         if (!plan.runs(Pass::lobe_rays)) return s;
         if (!started) start_chunk(snapshot);
         shine(snapshot);
+        s.sky_part = light_points.sky_part();
+        s.sky_importance = light_points.sky_importance();
         if (anchors)
             s.irradiance = [this](const SurfacePoint& p, int& rays) {
                 return anchors->irradiance_at(posed_scene, lit_anchors, p, rays);
@@ -319,7 +283,6 @@ struct Renderer::Impl {
     Plan plan;
     PosedScene posed_scene;
     LightPoints light_points;
-    bool looked_at_sky = false;
     std::optional<Anchors> anchors;  ///< of the film
     WholeLamps lamps;                ///< of the film
     PersistentLightTrees lasting;    ///< of the chunk
@@ -509,7 +472,7 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
                             points.subspan(pixel.first, pixel.last - pixel.first),
                             std::max(core::luminance(p.at_points), p.least),
                             seen.samples.empty() ? i.settings.samples : seen.samples.at(a.x, a.y),
-                            caustics_at(seen, {a.x, a.y})});
+                            caustic_light_at(seen, {a.x, a.y})});
     }
     SeeSettings see;
     see.format = i.settings.format;

@@ -19,8 +19,8 @@ namespace {
 
 using test::SceneBuilder;
 
-constexpr int side = 32;
-constexpr scene::PictureFormat format{side, side, 1.0f};
+constexpr int frame_side = 32;
+constexpr scene::PictureFormat exposed_format{frame_side, frame_side, 1.0f};
 
 /// Direct light of pixels while the shutter is open. Strata of time are the only thing that is not left to chance.
 std::vector<Estimate> exposed_light(const scene::Animation& film, int times, const std::vector<glm::ivec2>& pixels) {
@@ -32,7 +32,8 @@ std::vector<Estimate> exposed_light(const scene::Animation& film, int times, con
         const auto seed = static_cast<std::uint64_t>(t);
         const double share = (t + core::uniform(1, seed)) / times;
         const double seconds = 1 + shutter.opens + share * (shutter.closes - shutter.opens);
-        const scene::Snapshot world = scene::snapshot_at(film, 1, {std::llround(seconds * 1e6), 1000000}, format);
+        const scene::Snapshot world =
+            scene::snapshot_at(film, 1, {std::llround(seconds * 1e6), 1000000}, exposed_format);
         posed.pose(world);
         const PathTracer tracer(posed);
         for (std::size_t i = 0; i < pixels.size(); ++i) {
@@ -63,14 +64,15 @@ std::vector<Estimate> exposed_light(const scene::Animation& film, int times, con
 
 core::Radiance rendered(const scene::Animation& film, int samples) {
     renderer::Settings settings;
-    settings.format = format;
+    settings.format = exposed_format;
     settings.samples = 16;
     settings.vpls = 0;
     settings.isa = core::detect_isa();
     renderer::Wanted wanted;
     wanted.indirect = false;
     renderer::Renderer renderer(film, settings, renderer::make_plan(scene::traits_of(film), wanted));
-    const scene::Snapshot world = scene::snapshot_at(film, 1, {1, 1}, format, scene::interval_of(film.shutter, 1.0));
+    const scene::Snapshot world =
+        scene::snapshot_at(film, 1, {1, 1}, exposed_format, scene::interval_of(film.shutter, 1.0));
     renderer::Seen seen = renderer.see(world);
     renderer.expose(world, samples, seen);
     return renderer.shade(world, seen, core::ToleranceMap::reference());
@@ -82,8 +84,8 @@ void expect_truth(const SceneBuilder& scene, double allowed) {
     const core::Radiance frame = rendered(film, 256);
     std::vector<glm::ivec2> pixels;
     for (int k = 0; k < 200; ++k)
-        pixels.emplace_back(static_cast<int>(core::uniform(3, static_cast<std::uint64_t>(k)) * side),
-                            static_cast<int>(core::uniform(4, static_cast<std::uint64_t>(k)) * side));
+        pixels.emplace_back(static_cast<int>(core::uniform(3, static_cast<std::uint64_t>(k)) * frame_side),
+                            static_cast<int>(core::uniform(4, static_cast<std::uint64_t>(k)) * frame_side));
     const std::vector<Estimate> truth = exposed_light(film, 4096, pixels);
     double bias = 0, errors = 0;
     for (std::size_t i = 0; i < pixels.size(); ++i)

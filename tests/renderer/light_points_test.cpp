@@ -168,12 +168,19 @@ TEST(LightPoints, OfTheSkyCarryItsWholePower) {
     EXPECT_NEAR(solid_angle, 4 * float_pi, 0.05);
 }
 
-/// The sky's points over a floor that the camera looks at, or away from; looked at it or not.
-std::vector<LightPoint> sky_points(glm::vec3 target, bool looks) {
+/// The sky's points over the floor of a well of 2 x 2 and `depth`, which a camera in it looks at, or up from; looked at
+/// or not.
+std::vector<LightPoint> sky_points(float depth, float look_at_height, bool looks) {
     SceneBuilder b;
-    b.add_quad({-50, 0, 50}, {100, 0, 0}, {0, 0, -100}, b.add_material());
+    const int wall = b.add_material();
+    b.material(wall).double_sided = true;
+    b.add_quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, wall);
+    for (const float side : {-1.0f, 1.0f}) {
+        b.add_quad({side, 0, -1}, {0, 0, 2}, {0, depth, 0}, wall);
+        b.add_quad({-1, 0, side}, {2, 0, 0}, {0, depth, 0}, wall);
+    }
     b.film().sky.color = {1, 2, 3};
-    b.add_camera({0, 2, 0}, target);
+    b.add_camera({0, 1, 0}, {0, look_at_height, 0.1f});
     const scene::Animation film = b.build();
     const Plan plan = make_plan(scene::traits_of(film), {});
     PosedScene posed_scene(film, core::detect_isa(), plan);
@@ -183,33 +190,36 @@ std::vector<LightPoint> sky_points(glm::vec3 target, bool looks) {
     return points.at(posed_scene);
 }
 
-TEST(LightPoints, OfTheSkyLieWhereSeenSurfacesLook) {
-    const auto shining_down = [](const std::vector<LightPoint>& points) {
-        return std::count_if(points.begin(), points.end(), [](const LightPoint& p) { return p.normal.y < 0; });
+TEST(LightPoints, OfTheSkyLieWhereARoomLooks) {
+    const auto near_zenith = [](const std::vector<LightPoint>& points) {
+        return std::count_if(points.begin(), points.end(), [](const LightPoint& p) { return p.normal.y < -0.9f; });
     };
-    const auto even = sky_points({0, 0, -2}, false), looked_at = sky_points({0, 0, -2}, true);
+    const auto even = sky_points(5, 0, false), looked_at = sky_points(5, 0, true);
     EXPECT_NEAR(static_cast<double>(even.size()), 1000.0, 10.0);
     EXPECT_NEAR(static_cast<double>(looked_at.size()), 1000.0, 10.0);
-    EXPECT_NEAR(static_cast<double>(shining_down(even)), 500.0, 20.0);
-    // A tenth of the power is below for the even share of a fifth.
-    EXPECT_NEAR(static_cast<double>(shining_down(looked_at)), 900.0, 20.0);
+    EXPECT_NEAR(static_cast<double>(near_zenith(even)), 50.0, 5.0);
+    EXPECT_GT(near_zenith(looked_at), 400);
 
     // No light is lost, and each part's direction and size are its own.
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(flux_of(looked_at)[k], flux_of(even)[k], 1e-3 * flux_of(even)[k]);
-    glm::dvec3 up(0);
+    glm::dvec3 down(0);
     double solid_angle = 0;
     for (const LightPoint& p : looked_at) {
-        if (p.normal.y < 0) up -= static_cast<double>(p.normal.y) * glm::dvec3(p.intensity);
+        if (p.normal.y < 0) down -= static_cast<double>(p.normal.y) * glm::dvec3(p.intensity);
         solid_angle += p.disc2 * float_pi;
     }
-    EXPECT_NEAR(up.x, float_pi, 0.01 * float_pi);  // irradiance of a floor
+    EXPECT_NEAR(down.x, float_pi, 0.01 * float_pi);  // irradiance of a floor
     EXPECT_NEAR(solid_angle, 4 * float_pi, 0.05);
 }
 
-TEST(LightPoints, OfTheSkyStayEvenWhereNoSurfaceIsSeen) {
-    const auto even = sky_points({0, 4, 0.1f}, false), looked_at = sky_points({0, 4, 0.1f}, true);
-    ASSERT_EQ(even.size(), looked_at.size());
-    for (std::size_t i = 0; i < even.size(); ++i) EXPECT_EQ(even[i].normal, looked_at[i].normal);
+TEST(LightPoints, OfTheSkyStayEvenInTheOpenAndWhereNoSurfaceIsSeen) {
+    const struct { float depth, look_at_height; } cases[] = {{0.01f, 0}, {0.01f, 4}};
+    for (const auto& c : cases) {
+        const auto even = sky_points(c.depth, c.look_at_height, false),
+                   looked_at = sky_points(c.depth, c.look_at_height, true);
+        ASSERT_EQ(even.size(), looked_at.size());
+        for (std::size_t i = 0; i < even.size(); ++i) EXPECT_EQ(even[i].normal, looked_at[i].normal);
+    }
 }
 
 }  // namespace

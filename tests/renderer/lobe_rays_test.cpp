@@ -66,6 +66,32 @@ TEST(LobeRays, ShareTheSkyWithLightTreesWithoutLoss) {
     }
 }
 
+TEST(LobeRays, ShareASkyThatIsDividedUnevenly) {
+    // A satin floor in a black well, whose sky has most of its points at the zenith.
+    SceneBuilder b;
+    b.add_quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, add_metal(b, 0.3f));
+    const int black = b.add_material({0, 0, 0});
+    b.material(black).double_sided = true;
+    for (const float side : {-1.0f, 1.0f}) {
+        b.add_quad({side, 0, -1}, {0, 0, 2}, {0, 4, 0}, black);
+        b.add_quad({-1, 0, side}, {2, 0, 0}, {0, 4, 0}, black);
+    }
+    b.film().sky.color = {1, 1, 1};
+    b.add_camera({0, 2, 0.5f}, {0, 0, 0}, 0.3f);
+    Settings settings = without_bounces(8, 8);
+    double few = 0;
+    for (const int points : {300, 3000, 20000, 80000}) {
+        settings.direct_points = points;
+        FilmStage stage(b, settings);
+        double mean = 0;
+        const core::Radiance frame = stage.reference();
+        for (const glm::vec3 light : frame.combined.values()) mean += light.y / 64.0;
+        if (points == 300) few = mean;
+        EXPECT_NEAR(mean, few, 0.03 * few) << points;
+    }
+    EXPECT_GT(few, 0.1);
+}
+
 /// A satin floor y = 0, and a black wall x = 0 that hides half of the sky.
 SceneBuilder floor_by_a_wall() {
     SceneBuilder b;

@@ -171,4 +171,11 @@ void Caustics::add(const PosedScene& posed_scene, std::span<const LightPoint> li
     }
 }
 
+glm::vec3 caustic_light_at(const Seen& seen, glm::ivec2 place) {
+    glm::vec3 sum(0);
+    for (const auto* plane : {&seen.caustics, &seen.caustics_specular})
+        if (!plane->empty()) sum += plane->at(place.x, place.y);
+    return sum;
+}
+
 }  // namespace render2mpeg::renderer

@@ -46,4 +46,7 @@ class Caustics {
     std::uint64_t photons_ = 0;
 };
 
+/// What caustics brought to a pixel: radiance.
+glm::vec3 caustic_light_at(const Seen& seen, glm::ivec2 place);
+
 }  // namespace render2mpeg::renderer

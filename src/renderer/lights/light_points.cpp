@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/color.h"
 #include "core/numeric.h"
@@ -57,19 +58,20 @@ LightPoints::LightPoints(const PosedScene& posed_scene, const Plan& plan, int co
     if (emissive_) emissive_count_ = share;
     if (!sky) return;
     sky_count_ = share;
-    divide_sky(posed_scene, {});
+    divide_sky(posed_scene);
 }
 
 std::uint64_t LightPoints::look_at_sky(PosedScene& posed_scene) {
-    if (sky_count_ == 0) return 0;
+    if (sky_count_ == 0 || std::exchange(looked_at_sky_, true)) return 0;
     std::uint64_t rays = 0;
-    if (const image::SkyImportance importance = sky_importance(posed_scene, rays)) divide_sky(posed_scene, importance);
+    sky_importance_ = renderer::sky_importance(posed_scene, rays);
+    if (sky_importance_) divide_sky(posed_scene);
     return rays;
 }
 
-void LightPoints::divide_sky(const PosedScene& posed_scene, const image::SkyImportance& importance) {
+void LightPoints::divide_sky(const PosedScene& posed_scene) {
     sky_.clear();
-    for (const image::SkySample& sample : posed_scene.sky()->samples(sky_count_, importance)) {
+    for (const image::SkySample& sample : posed_scene.sky()->samples(sky_count_, sky_importance_)) {
         LightPoint p;
         p.kind = LightPointKind::directional;
         p.normal = -sample.direction;
@@ -80,7 +82,8 @@ void LightPoints::divide_sky(const PosedScene& posed_scene, const image::SkyImpo
         if (shines(p)) sky_.push_back(p);
     }
     std::vector<float> parts;
-    for (const LightPoint& p : sky_) parts.push_back(core::luminance(p.intensity));
+    for (const LightPoint& p : sky_)
+        parts.push_back(core::luminance(p.intensity) * (sky_importance_ ? sky_importance_(-p.normal) : 1.0f));
     std::sort(parts.begin(), parts.end());
     if (!parts.empty()) sky_part_ = parts[parts.size() / 2];
 }

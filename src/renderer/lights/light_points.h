@@ -44,11 +44,14 @@ class LightPoints {
     /// surface by its rounding error, so that a ray that ends there does not meet it.
     std::vector<LightPoint> at(const PosedScene& posed_scene) const;
 
-    /// Luminance of the irradiance of a usual point of the sky: of half of them more; infinite without any.
+    /// Luminance of the irradiance of a usual point of the sky, of half of them more, times `sky_importance` of its
+    /// direction; infinite without any.
     float sky_part() const { return sky_part_; }
+    /// What the sky was divided by; empty: evenly.
+    const image::SkyImportance& sky_importance() const { return sky_importance_; }
 
   private:
-    void divide_sky(const PosedScene& posed_scene, const image::SkyImportance& importance);
+    void divide_sky(const PosedScene& posed_scene);
     LightPoint emitter_point(const PosedScene& posed_scene, std::size_t index) const;
 
     const scene::Animation& animation_;
@@ -57,6 +60,8 @@ class LightPoints {
     std::uint64_t seed_;
     std::vector<EmitterPoint> emitters_;
     std::vector<LightPoint> sky_;  ///< never changes
+    image::SkyImportance sky_importance_;
+    bool looked_at_sky_ = false;
     float sky_part_ = std::numeric_limits<float>::infinity();
     std::vector<LightPoint> average_;
 };

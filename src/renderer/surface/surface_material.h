@@ -4,6 +4,7 @@
 
 #include "renderer/geometry/surface_shape.h"
 #include "renderer/surface/material_textures.h"
+#include "renderer/surface/surface_point.h"
 
 namespace render2mpeg::renderer {
 

@@ -61,6 +61,7 @@ struct LobeRays::Sums {
 LobeRays::LobeRays(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan)
     : posed_scene_(posed_scene),
       irradiance_(settings.irradiance),
+      sky_importance_(settings.sky_importance),
       traces_(plan.runs(Pass::lobe_rays)),
       brightest_(settings.sky_part / (std::numbers::pi_v<float> * lobe::lobe_rays_disc2)),
       pixel_extent_(2.0f * std::tan(0.5f * posed_scene.posed().camera.lens().vertical_fov) /
@@ -70,7 +71,9 @@ LobeRays::LobeRays(const PosedScene& posed_scene, const SeeSettings& settings, c
 glm::vec3 LobeRays::sky(glm::vec3 direction, float solid_angle) const {
     if (posed_scene_.sky() == nullptr) return glm::vec3(0);
     const glm::vec3 radiance = posed_scene_.sky()->radiance(direction, solid_angle);
-    return radiance * std::min(core::divide_or(brightest_, core::luminance(radiance), 1.0f), 1.0f);
+    const float brightest =
+        sky_importance_ ? core::divide_or(brightest_, sky_importance_(direction), 0.0f) : brightest_;
+    return radiance * std::min(core::divide_or(brightest, core::luminance(radiance), 1.0f), 1.0f);
 }
 
 /// A pattern of its own for every cell of a surface, about as large as a pixel, that stays on it as it moves.

@@ -34,8 +34,9 @@ class LobeRays {
 
     const PosedScene& posed_scene_;
     std::function<glm::vec3(const SurfacePoint&, int& rays)> irradiance_;
+    image::SkyImportance sky_importance_;
     bool traces_;
-    float brightest_;     ///< luminance of the sky; light trees have what is beyond
+    float brightest_;     ///< luminance of the sky times `sky_importance_`; light trees have what is beyond
     float pixel_extent_;  ///< of a pixel at distance 1
 };
 

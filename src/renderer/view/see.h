@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "image/sky_grid.h"
 #include "renderer/surface/gather_point.h"
 #include "renderer/surface/posed_scene.h"
 
@@ -18,6 +19,7 @@ struct SeeSettings {
     int edge_samples = 0;                                     ///< of pixels with edges; 0 or `samples`: no more
     int specular_depth = 6;                                   ///< mirrors after one another; 0: none
     float sky_part = std::numeric_limits<float>::infinity();  ///< LightPoints::sky_part
+    image::SkyImportance sky_importance{};                    ///< LightPoints::sky_importance
     /// Irradiance over pi of a surface that lobe rays meet; adds the rays it takes. Any thread. Empty: all are dark.
     std::function<glm::vec3(const SurfacePoint&, int& rays)> irradiance;
 };
