@@ -124,7 +124,7 @@ TEST_F(ReportInABrowserSlow, OfCostFitsAPhoneAndADesktop) {
             " --size 48x32 --sample 1x2 --tolerances 32,8,2 --quantisers 4,16 --report " + path(folder_, "c.html"))
             .status,
         0);
-    expect_sound(folder_, "c.html", 3);
+    expect_sound(folder_, "c.html", 4);
 }
 
 TEST_F(ReportInABrowserSlow, OfCompareFitsAPhoneAndADesktop) {

@@ -6,7 +6,6 @@
 #include <limits>
 #include <vector>
 
-#include "image/sky_grid.h"
 #include "renderer/surface/gather_point.h"
 #include "renderer/surface/posed_scene.h"
 
