@@ -186,7 +186,8 @@ std::vector<LightPoint> sky_points(float depth, float look_at_height, bool looks
     PosedScene posed_scene(film, core::detect_isa(), plan);
     LightPoints points(posed_scene, plan, 1000, 1);
     if (looks) points.look_at_sky(posed_scene);
-    posed_scene.pose(test::snapshot(film, 0, 8, 8));
+    const scene::Snapshot first = test::snapshot(film, 0, 8, 8);
+    posed_scene.pose(first);
     return points.at(posed_scene);
 }
 
