@@ -51,6 +51,7 @@ const std::vector<Library>& libraries() {
         {"Assimp", {"assimp/"}, "src/scene/assimp/", 3},
         {"Draco", {"draco/"}, "src/scene/module/", 1},
         {"meshoptimizer", {"meshoptimizer.h"}, "src/scene/gltf/", 1},
+        {"kissfft", {"kiss_fft"}, "perceptual/", 1},
         {"CLI11", {"CLI/"}, "src/app/options/", 2},
         {"GLM", {"glm/"}, "", any_number},
         {"fmt", {"fmt/"}, "", any_number},

@@ -165,6 +165,12 @@ TEST_F(AnimationFile, AllowsCommentsAndSaysFormatRangeAndExposure) {
     EXPECT_EQ(film(R"({"view": "filmic-high-contrast"})").view, (core::View{core::ViewName::filmic_high_contrast, 1}));
     EXPECT_EQ(film(R"({"view": {"name": "agx", "gamma": 1.5}})").view, (core::View{core::ViewName::agx, 1.5f}));
     expect_complaint(R"({"view": "filmc"})", {"view", "filmic"});
+    EXPECT_FALSE(a.glare.shows());
+    EXPECT_EQ(film(R"({"glare": "static"})").glare, (core::Glare{core::GlareKind::still, 0.1f, 0.5f, 0}));
+    EXPECT_EQ(film(R"({"glare": {"kind": "temporal", "strength": 0.25, "size": 1, "seed": 3}})").glare,
+              (core::Glare{core::GlareKind::temporal, 0.25f, 1, 3}));
+    EXPECT_FALSE(film(R"({"glare": {"kind": "static", "strength": 0}})").glare.shows());
+    expect_complaint(R"({"glare": {"kind": "static", "strength": -0.1}})", {"strength", "0.5"});
     expect_complaint(R"({"view": {"name": "neutral", "gamma": 1.5}})", {"gamma", "Blender"});
     const Animation b = film(R"({"seconds": 2.4, "exposure": "auto"})");
     EXPECT_EQ(b.frame_rate, "25");

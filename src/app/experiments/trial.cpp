@@ -434,7 +434,8 @@ bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& st
 
     core::Radiance whole;
     whole.combined = truth.light;
-    truth.picture = film_.display().develop(whole);
+    if (!shown_) shown_ = std::make_unique<ShownLight>(film_, shown_statistics_);
+    truth.picture = film_.display().develop(shown_->of(whole, world.time));
     truth.picture.number = frame;
     if (const auto before = truths_.find(frame - 1); before != truths_.end()) {
         truth.to_previous = scene::motion_between(seen.visible, world, film_.snapshot(frame - 1));

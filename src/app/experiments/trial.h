@@ -12,6 +12,7 @@
 #include "app/experiments/reference_cache.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
+#include "app/loop/shown_light.h"
 #include "app/options/chunk.h"
 #include "app/system/error_histogram.h"
 #include "perceptual/metrics.h"
@@ -193,6 +194,8 @@ class Trials {
     int references_ = 1;              ///< of each window
     ReferenceCache cache_;
     bool masks_all_ = false;
+    RunStatistics shown_statistics_;
+    std::unique_ptr<ShownLight> shown_;  ///< of references; made with the first
 };
 
 }  // namespace render2mpeg::app

@@ -22,7 +22,6 @@
 #include "app/report/heatmap_film.h"
 #include "app/report/sample_frame.h"
 #include "app/system/interrupt.h"
-#include "app/system/probes.h"
 #include "app/system/terminal.h"
 #include "core/error.h"
 #include "parallel/loops.h"
@@ -81,8 +80,7 @@ int render_part(const FarmPlan& plan, const FilmPart& part, const PartOptions& w
     RunStatistics statistics;
     RenderJob film = timed(statistics, Stage::load, [&] { return prepare_within_memory(options); });
     timed(statistics, Stage::load, [&] { refuse_other_film(plan, film, whole); });
-    if (!options.memory)
-        timed(statistics, Stage::load, [&] { return probe_images(*film.animation, image_probes(false)); });
+    // Its images have the checksums of those that the plan was probed with.
     if (InterruptGuard::requested()) return InterruptGuard::status();
     film.part = part.chunks;
     keep_settled(plan, *work);

@@ -85,6 +85,13 @@ void set_exposure(scene::Animation& animation, const RenderOptions& options) {
         animation.notes.emplace_back("--exposure-samples does nothing here: neither shutter nor lens blur anything");
 }
 
+void set_glare(scene::Animation& animation, const RenderOptions& options) {
+    if (!options.glare) return;
+    const GlareRequest asked = glare_from(*options.glare);
+    animation.glare.kind = asked.kind;
+    if (asked.strength) animation.glare.strength = *asked.strength;
+}
+
 void tell_samples(RenderJob& film) {
     std::vector<renderer::PlanRow> rows = film.plan.rows();
     for (renderer::PlanRow& row : rows) {

@@ -20,6 +20,7 @@ struct LitFrame {
     const renderer::Seen& seen;
     const core::ToleranceMap& tolerance;  ///< that it was lit by
     const core::Radiance& radiance;
+    const core::Radiance& shown;  ///< its light as an eye gets it (shown_light.h)
     const core::Picture& picture;
     RenderedMotion& motion;              ///< from it to others
     const renderer::Statistics& before;  ///< the renderer's counts before it was shaded

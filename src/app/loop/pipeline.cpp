@@ -10,6 +10,7 @@
 #include "app/loop/exposure_choice.h"
 #include "app/loop/picture_coder.h"
 #include "app/loop/preview.h"
+#include "app/loop/shown_light.h"
 #include "app/loop/statistics_recorder.h"
 #include "perceptual/display.h"
 
@@ -52,6 +53,7 @@ class ChunkLoop {
     const Chunk& chunk_;
     RunStatistics& statistics_;
     perceptual::Display display_;
+    ShownLight shown_;
     PosedFrames posed_;
     StatisticsRecorder recorder_;
     Auditor auditor_;
@@ -69,6 +71,7 @@ ChunkLoop::ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const C
       chunk_(chunk),
       statistics_(statistics),
       display_(job.display()),
+      shown_(job, statistics),
       posed_(job),
       recorder_(statistics, job.kind == OutputKind::film),
       auditor_(renderer, display_, job.audit, statistics),
@@ -104,11 +107,12 @@ void ChunkLoop::frame(std::int64_t n) {
     throw_light(*world, tolerance, seen);
     const core::Radiance radiance =
         job_.preview ? draft(*world, seen, tolerance, motion) : shade(*world, seen, tolerance);
-    const core::Picture picture = develop(radiance, n);
-    observers_.lit({*world, seen, tolerance, radiance, picture, motion, before, renderer_.statistics()});
+    const core::Radiance& shown = shown_.of(radiance, world->time);
+    const core::Picture picture = develop(shown, n);
+    observers_.lit({*world, seen, tolerance, radiance, shown, picture, motion, before, renderer_.statistics()});
 
     // Code it with the renderer's own motion.
-    keep(picture, radiance, seen, planned);
+    keep(picture, shown, seen, planned);
     if (coder_) take(coder_->code(picture, coding, motion));
 }
 
@@ -164,10 +168,11 @@ void ChunkLoop::imagine(const scene::Snapshot& world, renderer::Seen& seen, cons
         seen.caustics = seen.caustics_specular = {};
         return look;
     }();
+    const core::Radiance& shown = shown_.of(rough, world.time);
     const StageTimer timer(statistics_, Stage::tolerate);
-    core::Picture picture = display_.develop(rough);
+    core::Picture picture = display_.develop(shown);
     picture.number = plan.number;
-    coupling_->imagine(picture, rough, seen.visible, plan);
+    coupling_->imagine(picture, shown, seen.visible, plan);
 }
 
 core::Radiance ChunkLoop::shade(const scene::Snapshot& world, const renderer::Seen& seen,

@@ -272,6 +272,7 @@ RenderJob prepare(const RenderOptions& wanted) {
                                 static_cast<double>(shape.size.width) / shape.size.height * shape.pixel_aspect.value());
     if (loaded->frame_rate) change_rate(*loaded, core::frame_rate_from(*loaded->frame_rate), film.rate);
     set_exposure(*loaded, options);
+    set_glare(*loaded, options);
     film.exposure_samples = options.exposure_samples;
     const std::shared_ptr<const scene::Animation> animation = loaded;
     film.animation = animation;

@@ -84,7 +84,8 @@ RunStatistics totals_of(const RunStatistics& statistics, const renderer::Rendere
     sum.rendering = sum_of(statistics.rendering, renderer.statistics());
     for (std::size_t i = 0; i < sum.pass_seconds.size(); ++i)
         sum.pass_seconds[i] += renderer.seconds(static_cast<renderer::Pass>(i));
-    sum.pass_seconds[static_cast<std::size_t>(renderer::Pass::develop)] = sum.stage_seconds(Stage::develop);
+    sum.pass_seconds[static_cast<std::size_t>(renderer::Pass::develop)] =
+        sum.stage_seconds(Stage::develop) - sum.pass_seconds[static_cast<std::size_t>(renderer::Pass::glare)];
     sum.pass_seconds[static_cast<std::size_t>(renderer::Pass::encode)] = sum.stage_seconds(Stage::encode);
     return sum;
 }

@@ -50,7 +50,7 @@ class PngSink : public Sink {
     void lit(const LitFrame& frame) override {
         const core::Picture& picture = frame.picture;
         image::write_png(numbered(pattern_, picture.number), picture.width(), picture.height(),
-                         display_.develop_srgb(frame.radiance), pixel_aspect_);
+                         display_.develop_srgb(frame.shown), pixel_aspect_);
     }
 
   private:

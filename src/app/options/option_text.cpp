@@ -126,6 +126,21 @@ ShutterRequest shutter_from(const std::string& text) {
     return {static_cast<float>(angle), static_cast<float>(phase)};
 }
 
+GlareRequest glare_from(const std::string& text) {
+    const auto colon = text.find(':');
+    const auto name = std::find(core::glare_names.begin(), core::glare_names.end(), text.substr(0, colon));
+    if (name == core::glare_names.end())
+        throw UsageError("glare " + text + ": expected off, static or temporal, and a strength, e.g. static:0.2");
+    GlareRequest glare{static_cast<core::GlareKind>(name - core::glare_names.begin()), {}};
+    if (colon == std::string::npos) return glare;
+    const std::string part = text.substr(colon + 1);
+    char* end = nullptr;
+    glare.strength = std::strtof(part.c_str(), &end);
+    if (part.empty() || *end != '\0' || !(*glare.strength >= 0 && *glare.strength <= core::most_glare))
+        throw UsageError("glare " + text + ": expected a strength from 0 to 0.5, the share of light that is scattered");
+    return glare;
+}
+
 float f_stop_from(const std::string& text) {
     if (text == "off") return 0;
     char* end = nullptr;

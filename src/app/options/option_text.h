@@ -18,6 +18,8 @@ ToleranceRequest tolerance_from(const std::string& text);
 std::optional<double> loss_from(const std::string& text);
 /// "180" or "180:0.25": degrees and frames.
 ShutterRequest shutter_from(const std::string& text);
+/// "off", "static", "temporal" or "static:0.2": with a strength from 0 to core::most_glare.
+GlareRequest glare_from(const std::string& text);
 /// "2.8"; "off": 0, all is sharp.
 float f_stop_from(const std::string& text);
 /// "2x3": windows by frames of each.

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/glare.h"
+
 namespace render2mpeg::app {
 
 /// What --tolerance asks for.
@@ -21,6 +23,12 @@ struct ToleranceRequest {
 /// What --shutter asks for, as scene::Shutter has it.
 struct ShutterRequest {
     float angle = 0, phase = 0;
+};
+
+/// What --glare says.
+struct GlareRequest {
+    core::GlareKind kind = core::GlareKind::off;
+    std::optional<float> strength;  ///< none: the animation file's, or what eyes scatter
 };
 
 /// How pictures are coded: `render` and `encode` share these.
@@ -66,6 +74,7 @@ struct RenderOptions {
     std::optional<std::string> f_stop;     ///< a number, or "off"; likewise
     std::optional<std::string> focus;      ///< a distance, or an object's name; likewise
     std::optional<int> exposure_samples;   ///< none: by quantiser
+    std::optional<std::string> glare;      ///< as glare_from() reads it; wins over the animation file's
     std::optional<std::string> view;       ///< a name of core::view_names; wins over the animation file's
     std::string clamp = "bounded";         ///< "bounded" or "none"
     std::string cache = "auto";            ///< "on", "off" or "auto"

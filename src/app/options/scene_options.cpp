@@ -195,6 +195,13 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
         ->group(picture);
     add_exposure_options(command, options, picture);
     command
+        .add_option("--glare", options.glare,
+                    "What bright light does in an eye: off, static or temporal, and the share of light that is "
+                    "scattered, 0 to 0.5 (default: the animation file's, or off)")
+        ->type_name("KIND[:STRENGTH]")
+        ->check(checked(glare_from, ""))
+        ->group(picture);
+    command
         .add_option("--view", options.view,
                     "What bright light becomes: neutral, or Blender's standard, filmic (also filmic-high-contrast and "
                     "so on) or agx (default: the animation file's or the .blend's, or neutral)")

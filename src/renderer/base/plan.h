@@ -35,6 +35,7 @@ enum class Pass {
     glossy,
     shade,
     layers,
+    glare,
     develop,
     encode,
     count

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/glare.h"
 #include "core/rational.h"
 #include "core/text.h"
 #include "core/view.h"
@@ -54,7 +55,26 @@ core::View view_of(const JsonValue& value) {
     return view;
 }
 
-/// Frame rate, range, exposure and view.
+/// `"static"`, or `{ "kind": "temporal", "strength": 0.2 }`.
+core::Glare glare_of(const JsonValue& value) {
+    core::Glare glare;
+    if (value.is_text()) {
+        glare.kind = static_cast<core::GlareKind>(value.word(core::glare_names));
+        return glare;
+    }
+    value.allow_only(animation_file_keys::glare);
+    const auto kind = value.find("kind");
+    if (!kind) value.fail("has no `kind`");
+    glare.kind = static_cast<core::GlareKind>(kind->word(core::glare_names));
+    constexpr double least_size = 0.01;  // chosen: below it nothing is seen of it
+    if (const auto strength = value.find("strength"))
+        glare.strength = static_cast<float>(strength->number(0, core::most_glare));
+    if (const auto size = value.find("size")) glare.size = static_cast<float>(size->number(least_size, 1));
+    if (const auto seed = value.find("seed")) glare.seed = static_cast<std::uint32_t>(seed->integer(0, 1'000'000));
+    return glare;
+}
+
+/// Frame rate, range, exposure, view and glare.
 FilmClock read_format(const JsonValue& value, Animation& film) {
     FilmClock clock;
     film.frame_rate = "25";  // what FilmClock begins with
@@ -108,6 +128,7 @@ FilmClock read_format(const JsonValue& value, Animation& film) {
     if (const auto phase = value.find("shutter_phase"))
         film.shutter.phase = static_cast<float>(phase->number(-0.5, 0.5));
     if (const auto view = value.find("view")) film.view = view_of(*view);
+    if (const auto glare = value.find("glare")) film.glare = glare_of(*glare);
     return clock;
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/glare.h"
 #include "core/rational.h"
 #include "core/view.h"
 #include "scene/model/camera.h"
@@ -91,6 +92,7 @@ struct Animation {
     Shutter shutter;                                      ///< likewise, or as the command line says
     std::optional<float> exposure;                        ///< EV, likewise; none: automatic
     std::optional<core::View> view;                       ///< likewise; none: neutral
+    core::Glare glare;                                    ///< likewise, or as the command line says
     std::optional<glm::ivec2> size;                       ///< picture width and height, likewise
     std::optional<core::Rational>
         display_aspect;  ///< width by height of the picture as shown, likewise; none: square pixels

@@ -93,6 +93,7 @@ Traits traits_of(const Animation& animation) {
     traits.has_cuts = has_cuts(animation);
     traits.has_open_shutter = animation.shutter.is_open();
     traits.has_aperture = has_aperture(animation);
+    traits.has_glare = animation.glare.shows();
 
     for (const Object& object : animation.objects) {
         const Material& material = animation.materials[static_cast<std::size_t>(object.material)];

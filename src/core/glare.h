@@ -1,0 +1,34 @@
+#pragma once
+// Glare: what bright light does in the eye, as a film asks for it.
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+/// What bright light does in the eye, as animation files and the command line ask for it.
+namespace render2mpeg::core {
+
+enum class GlareKind : std::uint8_t {
+    off,
+    still,    ///< the same pattern in every frame
+    temporal  ///< the pattern of an eye that never rests
+};
+
+/// Their names, in that order.
+inline constexpr std::array<std::string_view, 3> glare_names{"off", "static", "temporal"};
+
+/// Glare's strength lies within 0 and this.
+inline constexpr float most_glare = 0.5f;
+
+/// What bright light does in the eye (docs/model/glare.md).
+struct Glare {
+    GlareKind kind = GlareKind::off;
+    float strength = 0.1f;   ///< share of the light that is scattered, 0..most_glare; what eyes scatter is a tenth
+    float size = 0.5f;       ///< how far it is scattered, over the picture's height, > 0..1
+    std::uint32_t seed = 0;  ///< of the eye
+
+    bool shows() const { return kind != GlareKind::off && strength > 0; }
+    bool operator==(const Glare&) const = default;
+};
+
+}  // namespace render2mpeg::core
