@@ -156,10 +156,15 @@ void Caustics::add(const PosedScene& posed_scene, std::span<const LightPoint> li
     if (count == 0) count = photons_;
 
     const std::vector<CausticLight> light = splatting.light(count, counts);
+    if (seen.exposure) seen.thrown.assign(seen.exposure->first_point.back(), {});
     for (std::size_t i = 0; i < tree.size(); ++i) {
         if (!(light[i].sum > 0.0f)) continue;
         const glm::vec3 sent = scattered(tree[i], light[i]);
         if (!core::is_finite(sent)) continue;
+        if (seen.exposure) {
+            const auto of_tile = static_cast<std::size_t>(&tree[i] - seen.tiles[tree.tile(i)].data());
+            seen.thrown[seen.exposure->first_point[tree.tile(i)] + of_tile] = {light[i].irradiance, light[i].glossy};
+        }
         const std::size_t pixel = pixel_of(seen, tree.tile(i), tree[i]);
         seen.emitted.values()[pixel] += sent;
         if (tree[i].reached_by_specular() && !seen.emitted_specular.empty()) {
