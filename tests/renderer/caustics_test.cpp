@@ -59,14 +59,18 @@ struct Thrown {
     }
 };
 
-Thrown throw_light(Stage& stage, std::uint64_t photons, SplatVisibility visibility = SplatVisibility::by_rays) {
+Thrown throw_light(Stage& stage, Caustics& caustics, const core::ToleranceMap* tolerance) {
     renderer::LightPoints points(stage.posed_scene(), stage.plan(), 256, 1);
     auto& scene = const_cast<renderer::PosedScene&>(stage.posed_scene());
     points.place(scene, stage.world());
     Thrown thrown{stage.see(1), {}};
-    Caustics caustics(CausticSettings{photons, visibility});
-    caustics.add(stage.posed_scene(), points.at(stage.posed_scene()), nullptr, thrown.seen, thrown.counts);
+    caustics.add(stage.posed_scene(), points.at(stage.posed_scene()), tolerance, thrown.seen, thrown.counts);
     return thrown;
+}
+
+Thrown throw_light(Stage& stage, std::uint64_t photons, SplatVisibility visibility = SplatVisibility::by_rays) {
+    Caustics caustics(CausticSettings{photons, visibility});
+    return throw_light(stage, caustics, nullptr);
 }
 
 /// The half of a mirror cylinder at x > 0, radius 1, that stands on the floor.
@@ -325,6 +329,56 @@ TEST(Caustics, DoNotDependOnTheNumberOfThreads) {
         if (first.empty()) first.assign(values.begin(), values.end());
         EXPECT_TRUE(std::equal(first.begin(), first.end(), values.begin()));
     }
+}
+
+/// A silver ball over a floor: light that is spread wide, all over it.
+SceneBuilder ball_over_floor() {
+    SceneBuilder b;
+    b.add_quad({-3, 0, 3}, {6, 0, 0}, {0, 0, -6}, b.add_material({1, 1, 1}));
+    b.add_sphere({0, 0.6f, 0}, 0.3f, add_silver(b), 96);
+    b.add_sun({1, -2, 0}, 1);
+    add_high_camera(b, {0, 0, 0}, 1.5f);
+    return b;
+}
+
+TEST(Caustics, AreThinnedOutWhereTheyAreDim) {
+    Stage stage(ball_over_floor(), 96, 96);
+    // Half a percent of the sun's light on the floor.
+    const auto tolerance = core::ToleranceMap::uniform(96, 96, {0.0015f, 0.0f});
+    Caustics caustics;
+    throw_light(stage, caustics, &tolerance);
+    const Thrown thinned = throw_light(stage, caustics, &tolerance);
+    const renderer::CausticBudget& budget = caustics.budget();
+    EXPECT_TRUE(budget.visible);
+    EXPECT_GT(budget.dim, 0.0f);
+    const Thrown all = throw_light(stage, budget.photons);
+    EXPECT_LT(thinned.counts.splats.pairs, all.counts.splats.pairs * 9 / 10);
+    EXPECT_NEAR(thinned.flux(1) / all.flux(1), 1, 0.01);
+    int far = 0, count = 0;
+    for (int y = 0; y < 96; ++y)
+        for (int x = 0; x < 96; ++x) {
+            const float a = core::luminance(all.seen.caustics.at(x, y));
+            if (!(a > 0.0015f)) continue;
+            ++count;
+            if (std::abs(core::luminance(thinned.seen.caustics.at(x, y)) - a) > 0.0015f) ++far;
+        }
+    ASSERT_GT(count, 500);
+    EXPECT_LT(far, count / 20);
+}
+
+TEST(Caustics, ThatNobodySeesAreNotThrown) {
+    Stage stage(ball_over_floor(), 48, 48);
+    const auto blind = core::ToleranceMap::uniform(48, 48, {1.0f, 0.0f});
+    Caustics caustics;
+    EXPECT_EQ(throw_light(stage, caustics, &blind).flux(1), 0.0);
+    EXPECT_FALSE(caustics.budget().visible);
+    // The next frame asks whether there is anything now.
+    const Thrown next = throw_light(stage, caustics, &blind);
+    EXPECT_EQ(next.flux(1), 0.0);
+    EXPECT_LT(next.counts.followed.photons, 4096u);
+    const auto strict = core::ToleranceMap::uniform(48, 48, {0.001f, 0.0f});
+    EXPECT_GT(throw_light(stage, caustics, &strict).flux(1), 0.0);
+    EXPECT_TRUE(caustics.budget().visible);
 }
 
 TEST(Caustics, AreNotThereWithoutLight) {
