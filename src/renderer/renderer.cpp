@@ -339,7 +339,7 @@ void Renderer::look_closer(const scene::Snapshot& snapshot, const core::Toleranc
     impl_->count(counts);
 }
 
-void Renderer::expose(const scene::Snapshot& snapshot, int samples, Seen& seen) {
+void Renderer::expose(const scene::Snapshot& snapshot, const ExposureSamples& samples, Seen& seen) {
     const Plan& plan = impl_->plan;
     if (!plan.runs(Pass::shutter) && !plan.runs(Pass::lens)) return;
     impl_->pose(snapshot);

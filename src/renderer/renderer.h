@@ -95,9 +95,9 @@ class Renderer {
     /// Looks again where edges could show by more than the tolerance (look_closer.h). After `see` of the same instant.
     void look_closer(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, Seen& seen);
 
-    /// Finds what the open shutter and the lens show of a frame, with so many samples at most where they blur it
-    /// (expose.h). After `look_closer` of the same instant.
-    void expose(const scene::Snapshot& snapshot, int samples, Seen& seen);
+    /// Finds what the open shutter and the lens show of a frame, with so many samples where they blur it (expose.h).
+    /// After `look_closer` of the same instant.
+    void expose(const scene::Snapshot& snapshot, const ExposureSamples& samples, Seen& seen);
     /// Adds what mirrors and glass throw onto surfaces to what needs no gathering, once, before `shade`. `tolerance`:
     /// the frame's; null: for a rough look.
     void add_caustics(const scene::Snapshot& snapshot, const core::ToleranceMap* tolerance, Seen& seen);

@@ -58,6 +58,7 @@ std::vector<HardCase> surface_cases();
 std::vector<HardCase> material_cases();
 std::vector<HardCase> motion_cases();
 std::vector<HardCase> view_cases();
+std::vector<HardCase> exposure_cases();
 
 /// Frames 0 to count - 1, one per second, of `scene` as `hard_case` wants it.
 Lit lit(const HardCase& hard_case, const SceneBuilder& scene, Way way);

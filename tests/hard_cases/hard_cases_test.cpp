@@ -28,7 +28,8 @@ const std::vector<Chapter>& chapters() {
                                              {"Surfaces", surface_cases()},
                                              {"Materials", material_cases()},
                                              {"Motion and time", motion_cases()},
-                                             {"Cameras and pictures", view_cases()}};
+                                             {"Cameras and pictures", view_cases()},
+                                             {"Shutter and lens", exposure_cases()}};
     return all;
 }
 

@@ -31,7 +31,8 @@ core::Radiance expose_frame(FilmStage& stage, int samples, int second = 1,
                             const core::ToleranceMap& tolerance = core::ToleranceMap::reference()) {
     const scene::Snapshot world = stage.at(second);
     Seen seen = stage.renderer().see(world);
-    stage.renderer().expose(world, samples, seen);
+    stage.renderer().expose(world, {samples, samples}, seen);
+    stage.renderer().add_caustics(world, &tolerance, seen);
     return stage.renderer().shade(world, seen, tolerance);
 }
 
@@ -70,13 +71,15 @@ double rms_difference(const core::Radiance& a, const core::Plane<glm::dvec3>& b)
     return std::sqrt(sum / static_cast<double>(b.size()));
 }
 
-/// Mean of sharp pictures of films that are changed step by step. Exposed frames are held against it to a quarter of
-/// what blur changes: a sixth to a fifth is left, whose cause is not known.
+/// Mean of sharp pictures of films that are changed step by step. What exposed frames are off from it is the shadow's
+/// edge behind the box: a point that the middle shows in part has one light, that of the part.
 core::Plane<glm::dvec3> mean_of_pictures(const std::function<SceneBuilder(int)>& film_at, int steps,
                                          const Settings& settings) {
     core::Plane<glm::dvec3> mean(size, size, glm::dvec3(0));
     for (int k = 0; k < steps; ++k) {
-        FilmStage stage(film_at(k), settings);
+        Settings fine = settings;
+        fine.samples = 64;
+        FilmStage stage(film_at(k), fine);
         const core::Radiance sharp = stage.shade(1, core::ToleranceMap::reference());
         for (std::size_t i = 0; i < mean.size(); ++i)
             mean.values()[i] += glm::dvec3(sharp.combined.values()[i]) / static_cast<double>(steps);
@@ -188,7 +191,7 @@ TEST(Expose, MovingCameraShowsTheMeanOfItsPictures) {
                          steps, exposed_frame());
     FilmStage still(film(0, 0), exposed_frame());
     const core::Radiance sharp = still.shade(1, core::ToleranceMap::reference());
-    EXPECT_LT(rms_difference(frame, mean), 0.25 * rms_difference(sharp, mean));
+    EXPECT_LT(rms_difference(frame, mean), 0.07 * rms_difference(sharp, mean));
 }
 
 TEST(Expose, TurningBoxShowsTheMeanOfItsPictures) {
@@ -249,7 +252,7 @@ TEST(Expose, LensShowsTheMeanOfPicturesThroughItsParts) {
         steps, exposed_frame());
     FilmStage still(film(0, {}), exposed_frame());
     EXPECT_LT(rms_difference(frame, mean),
-              0.25 * rms_difference(still.shade(1, core::ToleranceMap::reference()), mean));
+              0.15 * rms_difference(still.shade(1, core::ToleranceMap::reference()), mean));
 }
 
 TEST(Expose, ChangesNothingThatNeitherMovesNorIsOutOfFocus) {
@@ -273,6 +276,31 @@ TEST(Expose, ChangesNothingThatNeitherMovesNorIsOutOfFocus) {
     EXPECT_EQ(open.statistics().exposure_rays, 0u);
     EXPECT_TRUE(test::same_bytes(expose_frame(focused, 16), expected));
     EXPECT_EQ(focused.statistics().exposed_pixels, 0u);
+}
+
+TEST(Expose, ShowsWhatMirrorsThrow) {
+    const auto mean = [](bool caustics, float angle) {
+        SceneBuilder b;
+        b.add_quad({-4, -1, 0}, {8, 0, 0}, {0, 0, -8}, b.add_material(glm::vec3(0.5f)));
+        const int silver = b.add_material(glm::vec3(1));
+        b.material(silver).metallic = 1;
+        b.material(silver).roughness = 0;
+        b.add_quad({-4, -1, -8}, {8, 0, 0}, {0, 3, 0}, silver);
+        b.add_sun({0.1f, -1, -1}, 3);
+        b.add_camera(plain_lens(), {0, 2, 1}, {0, -1, -5});
+        const int node = b.unfinished().cameras[0].node;
+        b.add_track(scene::TrackTarget::translation, node, 3, {0, 1, 2}, {-1, 2, 1, 0, 2, 1, 1, 2, 1});
+        b.film().shutter.angle = angle;
+        FilmStage stage(b, exposed_frame(), caustics);
+        const core::Radiance frame =
+            expose_frame(stage, 16, 1, core::ToleranceMap::uniform(size, size, {0.001f, 0.02f}));
+        double sum = 0;
+        for (const glm::vec3& pixel : frame.combined.values()) sum += static_cast<double>(pixel.y);
+        return sum / (size * size);
+    };
+    const double without = mean(false, 180), sharp = mean(true, 0);
+    EXPECT_GT(sharp, 1.1 * without);
+    EXPECT_NEAR(mean(true, 180) / sharp, 1.0, 0.03);
 }
 
 TEST(Expose, IsTheSameForAnyNumberOfThreads) {

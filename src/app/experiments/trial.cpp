@@ -412,7 +412,8 @@ bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& st
     const scene::Snapshot world = film_.snapshot(frame);
     renderer::Seen seen = renderer_.see(world);
     // Twice what the finest pictures get: errors are halved and more.
-    renderer_.expose(world, 2 * exposure_samples(film_, 1), seen);
+    const int samples = 2 * exposure_samples(film_, 1).most;
+    renderer_.expose(world, {samples, samples}, seen);
     const core::ToleranceMap none = core::ToleranceMap::reference();
     renderer_.add_caustics(world, &none, seen);
     Truth truth;

@@ -98,7 +98,7 @@ void tell_samples(RenderJob& film) {
         if (!row.runs || (row.pass != renderer::Pass::shutter && row.pass != renderer::Pass::lens)) continue;
         const bool fixed = film.coding.rate_control.mode == encoder::RateMode::constant_quantiser;
         if (film.exposure_samples || film.kind != OutputKind::film || fixed)
-            row.reason += fmt::format("; {} samples ({})", exposure_samples(film, film.coding.quantiser),
+            row.reason += fmt::format("; {} samples ({})", exposure_samples(film, film.coding.quantiser).most,
                                       film.exposure_samples           ? "as asked for"
                                       : film.kind != OutputKind::film ? "not coded"
                                                                       : "by quantiser");
@@ -108,12 +108,19 @@ void tell_samples(RenderJob& film) {
     film.plan = renderer::Plan(std::move(rows));
 }
 
-int exposure_samples(const RenderJob& film, int quantiser) {
-    if (film.exposure_samples) return *film.exposure_samples;
+renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser) {
+    if (film.exposure_samples) return {*film.exposure_samples, *film.exposure_samples};
     const int q = film.kind == OutputKind::film ? quantiser : 4;
     // fit: docs/fits/exposure-samples.md
-    if (film.plan.runs(renderer::Pass::lens)) return q <= 6 ? 64 : q <= 12 ? 32 : 16;
-    return q <= 2 ? 32 : q <= 6 ? 16 : q <= 12 ? 8 : 4;
+    const int most = film.plan.runs(renderer::Pass::lens) ? (q <= 6    ? 64
+                                                             : q <= 12 ? 32
+                                                                       : 16)
+                                                          : (q <= 2    ? 32
+                                                             : q <= 6  ? 16
+                                                             : q <= 12 ? 8
+                                                                       : 4);
+    // chosen: as many as sharp edges get (SeeSettings::edge_samples); with 4 they were rougher than those.
+    return {std::min(most, 16), most};
 }
 
 }  // namespace render2mpeg::app

@@ -15,6 +15,6 @@ void tell_samples(RenderJob& film);
 
 /// Samples of a pixel that shutter or lens blur, for a picture to be coded with this quantiser: as many as make a
 /// difference after coding (docs/fits/exposure-samples.md). What is not coded gets as many as quantiser 4.
-int exposure_samples(const RenderJob& film, int quantiser);
+renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser);
 
 }  // namespace render2mpeg::app

@@ -192,8 +192,10 @@ void follow_photons(const PosedScene& posed_scene, const Casters& casters, std::
         const std::size_t before = landings.size();
         follow(posed_scene, aimed, landings, counts);
         const float share = smoothness(static_cast<float>(aimed.of));
-        for (std::size_t k = before; k < landings.size(); ++k)
+        for (std::size_t k = before; k < landings.size(); ++k) {
+            landings[k].photon = i;
             for (glm::vec3& edge : landings[k].cell) edge *= share;
+        }
     }
 }
 

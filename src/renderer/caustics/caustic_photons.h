@@ -20,6 +20,7 @@ struct Landing {
     glm::vec3 cell[2]{}, lamp[2]{};
     float length = 0;          ///< of the last way
     float spread = 0;          ///< radius by which rough glass blurs it
+    std::uint64_t photon = 0;  ///< its index
     std::uint32_t object = 0;  ///< where it lands
     std::uint32_t caster = 0;  ///< object that threw it there
 };

@@ -36,6 +36,14 @@ constexpr float evenness = 0.3f;
 /// What of a pixel's tolerance twice the standard error may take in 95 of 100 pixels with caustics. chosen: a half.
 constexpr float share_of_tolerance = 0.5f, share_of_pixels = 0.95f;
 
+/// Caustics that are above a quarter of the tolerance in no more than a thousandth of the pixels are left out.
+/// chosen: what is left out is then no more than what the rest may err by.
+constexpr float least_visible = 0.25f, least_visible_pixels = 0.001f;
+
+/// Photons by which each frame of a chunk without visible caustics asks whether there are any now. chosen: 2,048, a
+/// hundredth of a CPU second.
+constexpr std::uint64_t asking_photons = 1u << 11;
+
 /// A frame without tolerance of its own.
 constexpr core::Tolerance rough{0.0f, 0.05f};
 
@@ -51,14 +59,16 @@ class Splatting {
         limit_ = largest_axis * glm::length(film.bounds_max - film.bounds_min);
     }
 
-    std::vector<CausticLight> light(std::uint64_t count, CausticCounts& counts) const {
+    /// `dim`: landings that bring less irradiance are thinned out to fewer of so much; 0: none.
+    std::vector<CausticLight> light(std::uint64_t count, float dim, CausticCounts& counts) const {
         std::vector<CausticLight> light(tree_.size());
         for (std::uint64_t first = 0; first < count; first += batch) {
-            const std::vector<Landing> landings = follow(first, std::min(first + batch, count), count, counts);
+            std::vector<Landing> landings = follow(first, std::min(first + batch, count), count, counts);
             std::vector<Footprint> footprints(landings.size());
             for (std::size_t i = 0; i < landings.size(); ++i)
                 footprints[i] =
                     footprint_of(landings[i], least_axis * angle_ * glm::distance(landings[i].position, eye_), limit_);
+            if (dim > 0.0f) thin_out(dim, landings, footprints);
             tree_.add(posed_scene_, landings, footprints, settings_.visibility, light, counts.splats);
             counts.landings += landings.size();
         }
@@ -66,6 +76,23 @@ class Splatting {
     }
 
   private:
+    /// Photons that are wide spread bring little each, and touch many points: a few of them tell as much.
+    static void thin_out(float dim, std::vector<Landing>& landings, std::vector<Footprint>& footprints) {
+        constexpr double golden = 0.6180339887498949;
+        for (std::size_t i = 0; i < landings.size(); ++i) {
+            Landing& landing = landings[i];
+            const float cosine = std::abs(glm::dot(landing.direction, landing.normal));
+            const float share = core::luminance(landing.flux) * footprints[i].peak * cosine / dim;
+            if (!(share < 1.0f)) continue;
+            // Kronecker's sequence stands well with Halton's, which chose the way.
+            const double at = golden * static_cast<double>(landing.photon % (1u << 20));
+            if (static_cast<float>(at - std::floor(at)) < share)
+                landing.flux /= share;
+            else
+                footprints[i].widest = 0.0f;
+        }
+    }
+
     std::vector<Landing> follow(std::uint64_t first, std::uint64_t end, std::uint64_t count,
                                 CausticCounts& counts) const {
         const std::size_t runs = (end - first + grain - 1) / grain;
@@ -104,36 +131,77 @@ std::size_t pixel_of(const Seen& seen, std::uint32_t tile, const GatherPoint& g)
     return std::size_t{y} * static_cast<std::size_t>(seen.visible.width()) + x;
 }
 
-/// How many photons keep the tolerance, by what so many did.
-std::uint64_t photons_needed(const Seen& seen, const SplatTree& tree, const std::vector<CausticLight>& light,
-                             const core::ToleranceMap* tolerance, std::uint64_t photons) {
-    std::vector<float> sums(seen.emitted.size()), variances(seen.emitted.size());
+/// What caustics do to a pixel.
+struct PixelCaustic {
+    float luminance = 0, irradiance = 0;  ///< sums over its points; of white
+    float variance = 0;                   ///< of the luminance
+    float squares = 0;                    ///< of photons' irradiances
+};
+
+std::vector<PixelCaustic> pixel_caustics(const Seen& seen, const SplatTree& tree,
+                                         const std::vector<CausticLight>& light) {
+    std::vector<PixelCaustic> pixels(seen.emitted.size());
     for (std::size_t i = 0; i < tree.size(); ++i) {
         if (!(light[i].sum > 0.0f)) continue;
-        const std::size_t pixel = pixel_of(seen, tree.tile(i), tree[i]);
+        PixelCaustic& pixel = pixels[pixel_of(seen, tree.tile(i), tree[i])];
         const float luminance = core::luminance(scattered(tree[i], light[i]));
         const float error = evenness * luminance * std::sqrt(light[i].squares) / light[i].sum;
-        sums[pixel] += luminance;
-        variances[pixel] += error * error;
+        pixel.luminance += luminance;
+        pixel.irradiance += light[i].sum;
+        pixel.variance += error * error;
+        pixel.squares += light[i].squares;
     }
-    std::vector<float> excess;
-    for (std::size_t p = 0; p < sums.size(); ++p) {
-        if (!(sums[p] > 0.0f)) continue;
+    return pixels;
+}
+
+/// Of values from 0 up, the one that so many are below; there is one.
+float quantile(std::vector<float>& values, float share) {
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<float>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+/// How many photons keep the tolerance, and which of them are too dim to be spread one by one, by what so many did.
+CausticBudget budget_of(const Seen& seen, const SplatTree& tree, const std::vector<CausticLight>& light,
+                        const core::ToleranceMap* tolerance, std::uint64_t photons) {
+    const std::vector<PixelCaustic> pixels = pixel_caustics(seen, tree, light);
+    const auto tolerated = [&](std::size_t p) {
         const core::Tolerance& t = tolerance != nullptr ? tolerance->pixels.values()[p] : rough;
-        const float shown = std::max(core::luminance(seen.emitted.values()[p]), 0.0f) + sums[p];
-        const float allowed = share_of_tolerance * t.allows(shown);
-        if (sums[p] > allowed) excess.push_back(core::divide_or(2.0f * std::sqrt(variances[p]), allowed, 1e3f));
+        // The rest of its light is not known yet, but for what the tolerance was found for.
+        const float known = std::max(core::luminance(seen.emitted.values()[p]), 0.0f) + pixels[p].luminance;
+        return t.allows(std::max(known, t.background));
+    };
+    std::vector<float> excess;
+    std::size_t visible = 0;
+    for (std::size_t p = 0; p < pixels.size(); ++p) {
+        if (!(pixels[p].luminance > 0.0f)) continue;
+        const float t = tolerated(p), allowed = share_of_tolerance * t;
+        if (pixels[p].luminance > least_visible * t) ++visible;
+        if (pixels[p].luminance > allowed)
+            excess.push_back(core::divide_or(2.0f * std::sqrt(pixels[p].variance), allowed, 1e3f));
     }
-    if (excess.empty()) return least_photons;
-    const auto at =
-        excess.begin() + static_cast<std::ptrdiff_t>(share_of_pixels * static_cast<float>(excess.size() - 1));
-    std::nth_element(excess.begin(), at, excess.end());
+    CausticBudget budget;
+    budget.visible = static_cast<float>(visible) > least_visible_pixels * static_cast<float>(pixels.size());
+    budget.photons = least_photons;
+    if (excess.empty()) return budget;
     // Errors fall with the root of the number, and slower than that where kernels narrow (docs/fits/caustics.md).
-    const double wanted =
-        static_cast<double>(photons) * std::min(1e6, static_cast<double>(*at) * static_cast<double>(*at));
-    std::uint64_t count = least_photons;
-    while (count < most_photons && static_cast<double>(count) < wanted) count *= 2;
-    return count;
+    const auto worst = static_cast<double>(quantile(excess, share_of_pixels));
+    const double wanted = static_cast<double>(photons) * std::min(1e6, worst * worst);
+    while (budget.photons < most_photons && static_cast<double>(budget.photons) < wanted) budget.photons *= 2;
+
+    // Photons of one irradiance v, at random, that bring E together err by sqrt(v E).
+    const float narrower = std::sqrt(static_cast<float>(photons) / static_cast<float>(budget.photons));
+    std::vector<float> dim;
+    for (std::size_t p = 0; p < pixels.size(); ++p) {
+        const PixelCaustic& c = pixels[p];
+        const float allowed = share_of_tolerance * tolerated(p);
+        if (!(c.luminance > allowed)) continue;
+        const float allowed_irradiance = 0.5f * allowed * c.irradiance / c.luminance;
+        dim.push_back(
+            std::max(allowed_irradiance * allowed_irradiance / c.irradiance, narrower * c.squares / c.irradiance));
+    }
+    budget.dim = quantile(dim, 1.0f - share_of_pixels);
+    return budget;
 }
 
 }  // namespace
@@ -148,18 +216,28 @@ void Caustics::add(const PosedScene& posed_scene, std::span<const LightPoint> li
     const Splatting splatting(posed_scene, casters, tree, height, settings_);
 
     // Choose the number of photons at the chunk's first frame.
-    std::uint64_t count = settings_.photons;
-    if (count == 0 && tolerance != nullptr && tolerance->is_reference()) count = reference_photons;
-    if (count == 0 && tolerance == nullptr) count = pilot_photons;
-    if (count == 0 && photons_ == 0)
-        photons_ = photons_needed(seen, tree, splatting.light(pilot_photons, counts), tolerance, pilot_photons);
-    if (count == 0) count = photons_;
+    CausticBudget budget{settings_.photons};
+    if (budget.photons == 0 && tolerance != nullptr && tolerance->is_reference()) budget.photons = reference_photons;
+    if (budget.photons == 0 && tolerance == nullptr) budget.photons = pilot_photons;
+    if (budget.photons == 0) {
+        const auto look = [&](std::uint64_t photons) {
+            return budget_of(seen, tree, splatting.light(photons, 0.0f, counts), tolerance, photons);
+        };
+        if (budget_.photons == 0 || (!budget_.visible && look(asking_photons).visible)) budget_ = look(pilot_photons);
+        if (!budget_.visible) return;
+        budget = budget_;
+    }
 
-    const std::vector<CausticLight> light = splatting.light(count, counts);
+    const std::vector<CausticLight> light = splatting.light(budget.photons, budget.dim, counts);
+    if (seen.exposure) seen.thrown.assign(seen.exposure->first_point.back(), {});
     for (std::size_t i = 0; i < tree.size(); ++i) {
         if (!(light[i].sum > 0.0f)) continue;
         const glm::vec3 sent = scattered(tree[i], light[i]);
         if (!core::is_finite(sent)) continue;
+        if (seen.exposure) {
+            const auto of_tile = static_cast<std::size_t>(&tree[i] - seen.tiles[tree.tile(i)].data());
+            seen.thrown[seen.exposure->first_point[tree.tile(i)] + of_tile] = {light[i].irradiance, light[i].glossy};
+        }
         const std::size_t pixel = pixel_of(seen, tree.tile(i), tree[i]);
         seen.emitted.values()[pixel] += sent;
         if (tree[i].reached_by_specular() && !seen.emitted_specular.empty()) {

@@ -16,6 +16,13 @@ struct CausticSettings {
     SplatVisibility visibility = SplatVisibility::by_rays;
 };
 
+/// What the frames of a chunk spend on caustics.
+struct CausticBudget {
+    std::uint64_t photons = 0;  ///< 0: not known yet
+    float dim = 0;              ///< irradiance of a landing below which it stands for several
+    bool visible = true;        ///< false: what there is would not be seen
+};
+
 /// What the caustics of frames took, summed up.
 struct CausticCounts {
     LandingCounts followed;
@@ -31,19 +38,18 @@ class Caustics {
     explicit Caustics(const CausticSettings& settings = {}) : settings_(settings) {}
 
     /// A chunk begins.
-    void forget() { photons_ = 0; }
+    void forget() { budget_ = {}; }
 
     /// Adds caustics to what needs no gathering: `emitted`, `emitted_specular` and `caustics` of `seen`. `lights`: all
     /// light points of the posed instant. `tolerance`: of the frame; null: a look that teaches nothing.
     void add(const PosedScene& posed_scene, std::span<const LightPoint> lights, const core::ToleranceMap* tolerance,
              Seen& seen, CausticCounts& counts);
 
-    /// Of a frame of this chunk; 0: not known yet.
-    std::uint64_t photons() const { return photons_; }
+    const CausticBudget& budget() const { return budget_; }
 
   private:
     CausticSettings settings_;
-    std::uint64_t photons_ = 0;
+    CausticBudget budget_;
 };
 
 /// What caustics brought to a pixel: radiance.

@@ -17,7 +17,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Points of a leaf. chosen: 16, of 8 to 64.
+/// Points of a leaf: the lanes of the innermost loop.
 constexpr std::uint32_t leaf_size = 16;
 
 /// Halvings until parts are spread over by one thread each: 256 of them.
@@ -46,14 +46,38 @@ float reach_of(const Landing& landing, const Footprint& footprint) {
     return footprint.widest * std::max(stretch_of(landing), std::sqrt(1.0f + reach_along * reach_along));
 }
 
-bool touches(glm::vec3 low, glm::vec3 high, glm::vec3 centre, float radius) {
-    const glm::vec3 away = glm::max(glm::max(low - centre, centre - high), glm::vec3{0.0f});
-    return glm::dot(away, away) <= radius * radius;
+SplatQuery query_of(const Landing& landing, const Footprint& f) {
+    SplatQuery q;
+    q.position = landing.position;
+    q.direction = landing.direction;
+    q.normal = landing.normal;
+    q.object = landing.object;
+    // The inverse as a product of a triangle and itself, turned over.
+    const float a = std::sqrt(f.inverse[0][0]);
+    const float b = core::divide_or(f.inverse[0][1], a, 0.0f);
+    q.axes[0] = a * f.across[0] + b * f.across[1];
+    q.axes[1] = std::sqrt(std::max(f.inverse[1][1] - b * b, 0.0f)) * f.across[1];
+    q.peak = f.peak;
+    q.plane = same_plane_share * f.widest;
+    q.along = reach_along * f.widest;
+    q.least_facing = same_facing;
+    return q;
+}
+
+/// Whether a box may hold points that the landing lights: within `radius`, and within the rectangle about the ellipse.
+bool touches(glm::vec3 low, glm::vec3 high, const SplatQuery& query, float radius) {
+    const glm::vec3 away = glm::max(glm::max(low - query.position, query.position - high), glm::vec3{0.0f});
+    if (glm::dot(away, away) > radius * radius) return false;
+    const glm::vec3 middle = 0.5f * (low + high) - query.position, half = 0.5f * (high - low);
+    // chosen: a thousandth for rounding, as inner loops round otherwise.
+    constexpr float outward = 1.001f;
+    for (const glm::vec3& axis : query.axes)
+        if (std::abs(glm::dot(middle, axis)) > outward * (1.0f + glm::dot(half, glm::abs(axis)))) return false;
+    return true;
 }
 
 /// Whether light that goes the landing's way meets the point: nothing but what threw it lies just before.
-bool is_open(const PosedScene& scene, const Landing& landing, const GatherPoint& g, float widest) {
-    const float far = std::min(landing.length, doubt_reach * widest);
+bool is_open(const PosedScene& scene, const Landing& landing, const GatherPoint& g, float far) {
     const Hit hit = scene.tracer().nearest(shadow_origin(g.point), -landing.direction, far);
     return !hit.found() || hit.address.object == landing.caster;
 }
@@ -97,7 +121,31 @@ SplatTree::SplatTree(const Seen& seen) {
     for (std::uint32_t t = 0; t < seen.tiles.size(); ++t)
         for (std::uint32_t i = 0; i < seen.tiles[t].size(); ++i)
             points_.push_back({seen.tiles[t][i].point.position, &seen.tiles[t][i], t, i});
-    if (!points_.empty()) build(0, static_cast<std::uint32_t>(points_.size()), 0);
+    if (points_.empty()) return;
+    build(0, static_cast<std::uint32_t>(points_.size()), 0);
+    fill_lanes();
+}
+
+void SplatTree::fill_lanes() {
+    for (const Node& n : nodes_) {
+        if (n.right != 0) continue;
+        SplatPoints lanes{};
+        for (std::uint32_t k = n.first; k < n.last; ++k) {
+            const SurfacePoint& p = points_[k].point->point;
+            const std::uint32_t i = k - n.first;
+            lanes.x[i] = p.position.x;
+            lanes.y[i] = p.position.y;
+            lanes.z[i] = p.position.z;
+            lanes.shading_x[i] = p.shading_normal.x;
+            lanes.shading_y[i] = p.shading_normal.y;
+            lanes.shading_z[i] = p.shading_normal.z;
+            lanes.geometric_x[i] = p.geometric_normal.x;
+            lanes.geometric_y[i] = p.geometric_normal.y;
+            lanes.geometric_z[i] = p.geometric_normal.z;
+            lanes.object[i] = p.address.object;
+        }
+        leaves_.push_back(lanes);
+    }
 }
 
 void SplatTree::build(std::uint32_t first, std::uint32_t last, int depth) {
@@ -107,6 +155,7 @@ void SplatTree::build(std::uint32_t first, std::uint32_t last, int depth) {
         node.low = glm::min(node.low, points_[i].position);
         node.high = glm::max(node.high, points_[i].position);
     }
+    node.leaf = leaf_count_;
     nodes_.push_back(node);
     const bool leaf = last - first <= leaf_size;
     part_of_node_.push_back(-1);
@@ -114,7 +163,10 @@ void SplatTree::build(std::uint32_t first, std::uint32_t last, int depth) {
         part_of_node_[index] = static_cast<std::int32_t>(parts_.size());
         parts_.push_back(index);
     }
-    if (leaf) return;
+    if (leaf) {
+        ++leaf_count_;
+        return;
+    }
     const glm::vec3 size = node.high - node.low;
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const std::uint32_t middle = first + (last - first) / 2;
@@ -129,72 +181,125 @@ void SplatTree::build(std::uint32_t first, std::uint32_t last, int depth) {
 }
 
 /// Notes a landing at every part that it may light.
-void SplatTree::assign(std::uint32_t node, const Landing& landing, const Footprint& footprint, std::uint32_t index,
+void SplatTree::assign(std::uint32_t node, const SplatQuery& query, float reach, std::uint32_t index,
                        std::vector<std::vector<std::uint32_t>>& of_part) const {
     const Node& n = nodes_[node];
-    if (!touches(n.low, n.high, landing.position, reach_of(landing, footprint))) return;
+    if (!touches(n.low, n.high, query, reach)) return;
     if (part_of_node_[node] >= 0) {
         of_part[static_cast<std::size_t>(part_of_node_[node])].push_back(index);
         return;
     }
-    assign(node + 1, landing, footprint, index, of_part);
-    assign(n.right, landing, footprint, index, of_part);
+    assign(node + 1, query, reach, index, of_part);
+    assign(n.right, query, reach, index, of_part);
 }
 
-namespace {
-
-/// Spreads one landing over points.
-class Splat {
+/// The points of a part, and what has come to them.
+class SplatTree::Part {
   public:
-    Splat(const PosedScene& scene, const Landing& landing, const Footprint& footprint, SplatVisibility visibility,
-          SplatCounts& counts)
-        : scene_(scene),
-          landing_(landing),
-          footprint_(footprint),
-          visibility_(visibility),
-          counts_(counts),
-          reach_(reach_of(landing, footprint)),
-          along_(footprint.widest * reach_along) {}
+    Part(const SplatTree& tree, std::size_t part, const PosedScene& scene, SplatVisibility visibility)
+        : tree_(tree), scene_(scene), visibility_(visibility), root_(tree.parts_[part]) {
+        first_leaf_ = tree.nodes_[root_].leaf;
+        const std::size_t end =
+            part + 1 < tree.parts_.size() ? tree.nodes_[tree.parts_[part + 1]].leaf : tree.leaves_.size();
+        sums_.resize(end - first_leaf_);
+    }
 
-    float reach() const { return reach_; }
-
-    void light(const GatherPoint& g, CausticLight& light) const {
-        const SurfacePoint& p = g.point;
-        const glm::vec3 e = p.position - landing_.position;
-        const glm::vec2 q(glm::dot(e, footprint_.across[0]), glm::dot(e, footprint_.across[1]));
-        const float distance2 = glm::dot(q, footprint_.inverse * q);
-        if (!(distance2 < 1.0f)) return;
-        const float cosine = -glm::dot(landing_.direction, p.shading_normal);
-        if (!(cosine > 0.0f) || !(glm::dot(landing_.direction, p.geometric_normal) < 0.0f)) return;
-        const bool faces = glm::dot(p.geometric_normal, landing_.normal) > same_facing;
-        const bool own = p.address.object == landing_.object && faces &&
-                         std::abs(glm::dot(e, landing_.normal)) <= same_plane_share * footprint_.widest;
-        if (!own && std::abs(glm::dot(e, landing_.direction)) > along_) return;
-        ++counts_.pairs;
-        if (!own && visibility_ == SplatVisibility::by_rays) {
-            ++counts_.doubtful;
-            if (!is_open(scene_, landing_, g, footprint_.widest)) return;
+    void spread(const Landing& landing, const Footprint& footprint, std::vector<CausticLight>& light) {
+        const SplatQuery query = query_of(landing, footprint);
+        const float reach = reach_of(landing, footprint);
+        open_.assign(1, root_);
+        while (!open_.empty()) {
+            const std::uint32_t index = open_.back();
+            open_.pop_back();
+            const Node& n = tree_.nodes_[index];
+            if (!touches(n.low, n.high, query, reach)) continue;
+            if (n.right == 0) {
+                spread_over(n, landing, footprint, query, light);
+            } else {
+                open_.push_back(n.right);
+                open_.push_back(index + 1);
+            }
         }
-        const glm::vec3 irradiance = landing_.flux * (footprint_.peak * (1.0f - distance2) * cosine);
-        if (p.bsdf.has_glossy())
-            light.glossy += irradiance * evaluate(p.bsdf, p.shading_normal, p.outgoing, -landing_.direction);
-        else
-            light.irradiance += irradiance * lobe::inverse_pi;
-        const float luminance = core::luminance(irradiance);
-        light.sum += luminance;
-        light.squares += luminance * luminance;
+    }
+
+    /// Hands over what has come.
+    void take(std::vector<CausticLight>& light, SplatCounts& counts) const {
+        take_node(root_, light);
+        counts.pairs += counts_.pairs;
+        counts.doubtful += counts_.doubtful;
     }
 
   private:
-    const PosedScene& scene_;
-    const Landing& landing_;
-    const Footprint& footprint_;
-    SplatVisibility visibility_;
-    SplatCounts& counts_;
-    float reach_, along_;
-};
+    void spread_over(const Node& leaf, const Landing& landing, const Footprint& footprint, const SplatQuery& query,
+                     std::vector<CausticLight>& light) {
+        SplatShares weights;
+        const std::uint32_t states = weigh(tree_.leaves_[leaf.leaf], query, weights);
+        if (states == 0) return;
+        if ((states & 2u) != 0 && visibility_ == SplatVisibility::by_rays) close(leaf, landing, footprint, weights);
+        for (std::uint32_t i = 0; i < leaf.last - leaf.first; ++i) {
+            if (weights.state[i] == 0) continue;
+            ++counts_.pairs;
+            const SurfacePoint& p = tree_.points_[leaf.first + i].point->point;
+            if (p.bsdf.has_glossy())
+                light[leaf.first + i].glossy += landing.flux * weights.weight[i] *
+                                                evaluate(p.bsdf, p.shading_normal, p.outgoing, -landing.direction);
+        }
+        renderer::add(weights, landing.flux, sums_[leaf.leaf - first_leaf_]);
+    }
 
-}  // namespace
+    /// Takes the light from points behind something: sixteen parallel rays at once; what threw the light is no
+    /// obstacle.
+    void close(const Node& leaf, const Landing& landing, const Footprint& footprint, SplatShares& weights) {
+        ShadowPacket packet;
+        packet.bodies = Bodies::block;
+        const float far = std::min(landing.length, doubt_reach * footprint.widest);
+        for (std::uint32_t i = 0; i < leaf.last - leaf.first; ++i) {
+            if (weights.state[i] != 2u) continue;
+            const glm::vec3 origin = shadow_origin(tree_.points_[leaf.first + i].point->point);
+            packet.origin_x[i] = origin.x;
+            packet.origin_y[i] = origin.y;
+            packet.origin_z[i] = origin.z;
+            packet.direction_x[i] = -landing.direction.x;
+            packet.direction_y[i] = -landing.direction.y;
+            packet.direction_z[i] = -landing.direction.z;
+            packet.far[i] = far;
+            packet.active |= 1u << i;
+            ++counts_.doubtful;
+        }
+        std::uint32_t blocked = scene_.tracer().occluded(packet, nullptr);
+        for (std::uint32_t i = 0; blocked != 0; ++i, blocked >>= 1)
+            if ((blocked & 1u) != 0 && !is_open(scene_, landing, *tree_.points_[leaf.first + i].point, far)) {
+                weights.weight[i] = 0.0f;
+                weights.state[i] = 0;
+            }
+    }
+
+    void take_node(std::uint32_t index, std::vector<CausticLight>& light) const {
+        const Node& n = tree_.nodes_[index];
+        if (n.right != 0) {
+            take_node(index + 1, light);
+            take_node(n.right, light);
+            return;
+        }
+        const SplatSums& sums = sums_[n.leaf - first_leaf_];
+        for (std::uint32_t i = 0; i < n.last - n.first; ++i) {
+            const glm::vec3 irradiance(sums.red[i], sums.green[i], sums.blue[i]);
+            CausticLight& to = light[n.first + i];
+            if (!tree_.points_[n.first + i].point->point.bsdf.has_glossy())
+                to.irradiance += irradiance * lobe::inverse_pi;
+            to.sum += core::luminance(irradiance);
+            to.squares += sums.squares[i];
+        }
+    }
+
+    const SplatTree& tree_;
+    const PosedScene& scene_;
+    SplatVisibility visibility_;
+    std::uint32_t root_ = 0, first_leaf_ = 0;
+    std::vector<SplatSums> sums_;
+    std::vector<std::uint32_t> open_;
+    SplatCounts counts_;
+};
 
 void SplatTree::add(const PosedScene& posed_scene, std::span<const Landing> landings,
                     std::span<const Footprint> footprints, SplatVisibility visibility, std::vector<CausticLight>& light,
@@ -203,26 +308,14 @@ void SplatTree::add(const PosedScene& posed_scene, std::span<const Landing> land
     if (points_.empty()) return;
     std::vector<std::vector<std::uint32_t>> of_part(parts_.size());
     for (std::uint32_t i = 0; i < landings.size(); ++i)
-        if (footprints[i].widest > 0.0f) assign(0, landings[i], footprints[i], i, of_part);
+        if (footprints[i].widest > 0.0f)
+            assign(0, query_of(landings[i], footprints[i]), reach_of(landings[i], footprints[i]), i, of_part);
     std::vector<SplatCounts> part_counts(parts_.size());
     parallel::for_each(parts_.size(), [&](std::size_t part) {
-        std::vector<std::uint32_t> open;
-        for (const std::uint32_t i : of_part[part]) {
-            const Splat splat(posed_scene, landings[i], footprints[i], visibility, part_counts[part]);
-            open.assign(1, parts_[part]);
-            while (!open.empty()) {
-                const std::uint32_t index = open.back();
-                open.pop_back();
-                const Node& n = nodes_[index];
-                if (!touches(n.low, n.high, landings[i].position, splat.reach())) continue;
-                if (n.right != 0) {
-                    open.push_back(n.right);
-                    open.push_back(index + 1);
-                    continue;
-                }
-                for (std::uint32_t k = n.first; k < n.last; ++k) splat.light(*points_[k].point, light[k]);
-            }
-        }
+        if (of_part[part].empty()) return;
+        Part lit(*this, part, posed_scene, visibility);
+        for (const std::uint32_t i : of_part[part]) lit.spread(landings[i], footprints[i], light);
+        lit.take(light, part_counts[part]);
     });
     for (const SplatCounts& c : part_counts) {
         counts.pairs += c.pairs;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "renderer/caustics/caustic_photons.h"
+#include "renderer/caustics/splat_lanes.h"
 #include "renderer/surface/gather_point.h"
 #include "renderer/surface/posed_scene.h"
 
@@ -64,13 +65,18 @@ class SplatTree {
         glm::vec3 low{0}, high{0};
         std::uint32_t first = 0, last = 0;  ///< points
         std::uint32_t right = 0;            ///< node; 0: a leaf; the left one follows
+        std::uint32_t leaf = 0;             ///< of these so many come before
     };
+    class Part;
     void build(std::uint32_t first, std::uint32_t last, int depth);
-    void assign(std::uint32_t node, const Landing& landing, const Footprint& footprint, std::uint32_t index,
+    void fill_lanes();
+    void assign(std::uint32_t node, const SplatQuery& query, float reach, std::uint32_t index,
                 std::vector<std::vector<std::uint32_t>>& of_part) const;
 
     std::vector<Entry> points_;
     std::vector<Node> nodes_;
+    std::uint32_t leaf_count_ = 0;
+    std::vector<SplatPoints> leaves_;
     std::vector<std::uint32_t> parts_;  ///< nodes whose points are spread over by one thread
     std::vector<std::int32_t> part_of_node_;
 };

@@ -32,8 +32,10 @@ void for_each_exposed(const Seen& seen, std::size_t tile, Visit visit) {
 /// One pixel's light.
 class PixelSum {
   public:
-    void add(const Contribution& c, const GatherPoint& p, const PointLight& l, glm::vec3 lobe) {
-        const glm::vec3 shine = c.weight * (l.glossy + lobe), scattered = c.diffuse * (l.direct + l.indirect) + shine;
+    void add(const Contribution& c, const GatherPoint& p, const PointLight& l, glm::vec3 lobe,
+             const ThrownLight& thrown) {
+        const glm::vec3 shine = c.weight * (l.glossy + lobe + thrown.glossy), fallen = l.direct + thrown.irradiance,
+                        scattered = c.diffuse * (fallen + l.indirect) + shine;
         combined += scattered;
         ++count;
         direct_cut += l.direct_cut;
@@ -47,9 +49,9 @@ class PixelSum {
         }
         weight += c.weight;
         albedo += c.diffuse;
-        direct += c.diffuse * l.direct;
+        direct += c.diffuse * fallen;
         indirect += c.diffuse * l.indirect;
-        plain_direct += c.weight * l.direct;
+        plain_direct += c.weight * fallen;
         plain_indirect += c.weight * l.indirect;
         glossy += shine;
     }
@@ -137,7 +139,8 @@ void spread_light(const Seen& seen, const FrameLight& light, bool layers, core::
                 const std::size_t tile = tile_of(exposure, c.point);
                 const std::size_t index = c.point - exposure.first_point[tile];
                 sum.add(c, seen.tiles[tile][index], light[tile][index],
-                        exposure.lobe_light.empty() ? glm::vec3(0) : exposure.lobe_light[c.point]);
+                        exposure.lobe_light.empty() ? glm::vec3(0) : exposure.lobe_light[c.point],
+                        seen.thrown.empty() ? ThrownLight() : seen.thrown[c.point]);
             }
             radiance.combined.at(x, y) = glm::max(exposure.emitted.at(x, y) + sum.combined, glm::vec3(0));
             if (layers) {

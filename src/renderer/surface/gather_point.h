@@ -62,6 +62,12 @@ using MovedPoints = std::vector<std::vector<MovedPoint>>;
 /// All gather points of one 16x16 tile, by pixel in raster order.
 using GatherTile = std::vector<GatherPoint>;
 
+/// How often pixels are sampled that shutter or lens blur, 1 to 4096 times: `fewest` where they blur little, up to
+/// `most` where much.
+struct ExposureSamples {
+    int fewest = 1, most = 1;
+};
+
 /// What one gather point gives one pixel that is exposed.
 struct Contribution {
     std::uint32_t point = 0;  ///< of all points of the frame: Exposure::first_point of its tile and its place there
@@ -88,6 +94,12 @@ struct Exposure {
     }
 };
 
+/// What mirrors and glass throw onto a gather point.
+struct ThrownLight {
+    glm::vec3 irradiance{0};  ///< over pi
+    glm::vec3 glossy{0};      ///< radiance that its lobe scatters
+};
+
 /// What `see` finds in one frame: what is kept for other frames, and what this frame's `shade` consumes.
 struct Seen {
     core::Visible visible;
@@ -98,6 +110,7 @@ struct Seen {
     /// Parts of `emitted` that caustics brought (caustics.h): to what is seen straight, and (a part of
     /// `emitted_specular`) by mirrors or glass. Empty without them.
     core::Plane<glm::vec3> caustics{}, caustics_specular{};
+    std::vector<ThrownLight> thrown{};  ///< caustics by point of the frame, where pixels are exposed; or empty
     core::Plane<core::SurfaceAddress>
         imaged{};                          ///< what flat mirrors show; no surface: none, or no mirror; may be empty
     core::Plane<std::uint16_t> samples{};  ///< eye samples of each pixel; empty where all have SeeSettings::samples

@@ -26,18 +26,16 @@ namespace {
 /// Rays that are traced together. chosen: as tile_look.cpp.
 constexpr int most_rays_together = 1024;
 
-/// Samples of a pixel where something is blurred at all. chosen: 4, of which the 16 pixels of a square make 64 times.
-constexpr int fewest_samples = 4;
-
 /// Looks for blur in tiles where none is known, sample by sample at other places. chosen: 16 a tile, one for each of
 /// its blocks of 4 x 4 pixels.
 constexpr int scouts = 16;
 
 /// Samples that so much blur needs: steps of a quarter of a pixel, or of a quarter of a pixel's area of the disc.
-int samples_for(float blur, bool lens, int most) {
+int samples_for(float blur, bool lens, const ExposureSamples& allowed) {
     const float wanted = lens ? std::max(4 * blur, 4 * blur * blur) : 4 * blur;
-    int samples = std::min(fewest_samples, most);
-    while (samples < most && static_cast<float>(samples) < wanted) samples *= 2;
+    int samples = std::min(allowed.fewest, allowed.most);
+    while (samples < allowed.most && static_cast<float>(samples) < wanted)
+        samples = std::min(2 * samples, allowed.most);
     return samples;
 }
 
@@ -112,6 +110,7 @@ void TileExposer::aim(int x, int y, int sample, int dither) {
         glm::vec2{static_cast<float>(x), static_cast<float>(y)} + places_[static_cast<std::size_t>(sample)];
     float far = 0;
     EyeRay& ray = rays_.emplace_back(eye_ray(camera, position, spacing_, far, lens));
+    ray.number = static_cast<std::uint32_t>(sample) | static_cast<std::uint32_t>(y % 4 * 4 + x % 4) << 16;
     ray.time = time;
     queries_.push_back({ray.origin, ray.direction, far, time});
 }
@@ -347,10 +346,10 @@ void blur_shadows(const scene::Snapshot& snapshot, Seen& seen) {
 }
 
 /// Samples all tiles that may be blurred.
-std::vector<TileExposure> sample_tiles(Exposing& all, int samples, ExposureCounts& counts) {
+std::vector<TileExposure> sample_tiles(Exposing& all, const ExposureSamples& samples, ExposureCounts& counts) {
     const scene::Snapshot& snapshot = all.scene.posed();
-    for (int n = std::min(fewest_samples, samples); n <= samples; n *= 2) all.prepare(n);
-    all.prepare(samples);
+    for (int n = samples.fewest; n < samples.most; n *= 2) all.prepare(n);
+    all.prepare(samples.most);
     all.prepare(scouts);
     const std::size_t tiles = all.seen.tiles.size();
     std::vector<float> scouted(tiles, 0.0f);
@@ -372,14 +371,14 @@ std::vector<TileExposure> sample_tiles(Exposing& all, int samples, ExposureCount
 
 }  // namespace
 
-void expose(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan, int samples, Seen& seen,
-            ExposureCounts& counts) {
-    EXPECTS(samples >= 1 && samples <= 4096);
+void expose(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan,
+            const ExposureSamples& samples, Seen& seen, ExposureCounts& counts) {
+    EXPECTS(samples.fewest >= 1 && samples.fewest <= samples.most && samples.most <= 4096);
     const scene::Snapshot& snapshot = posed_scene.posed();
     const Blur blur(snapshot);
     if (!blur.any()) return;
     const EyePaths paths(posed_scene, settings, plan);
-    const std::vector<scene::Camera> cameras = scene::cameras_over(snapshot, samples * dither_classes);
+    const std::vector<scene::Camera> cameras = scene::cameras_over(snapshot, samples.most * dither_classes);
     auto exposure = std::make_shared<Exposure>();
     exposure->exposed = core::Plane<std::uint8_t>(seen.visible.width(), seen.visible.height(), 0);
     exposure->emitted = core::Plane<glm::vec3>(seen.visible.width(), seen.visible.height(), glm::vec3(0));

@@ -51,7 +51,8 @@ struct EyeSample {
     glm::vec3 emitted{0};             ///< emission, sky, unlit surfaces
     glm::vec3 emitted_specular{0};    ///< the part of it seen in mirrors or through glass
     MainSurface main;
-    int ways = 0;  ///< that left boundaries of solid glass
+    int ways = 0;      ///< lesser ones that left boundaries of solid glass
+    int dim_ways = 0;  ///< the same of those that are followed for what shines alone
 };
 
 /// Follows rays of the eye through layers and glass, and by mirrors.
