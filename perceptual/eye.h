@@ -28,8 +28,8 @@ core::Plane<float> open_disc(double diameter);
 /// Fraunhofer diffraction: |DFT|^2 of an aperture, direction (0, 0) at texel (eye_texels / 2, eye_texels / 2); sum 1.
 core::Plane<float> diffraction(const core::Plane<float>& aperture);
 
-/// Such a pattern of a pupil of this diameter, mm, without what lies within the first dark ring of the empty pupil: that
-/// light is not scattered. Sum 1.
+/// Such a pattern of a pupil of this diameter, mm, without what lies within the first dark ring of the empty pupil:
+/// that light is not scattered. Sum 1.
 core::Plane<float> scattered(core::Plane<float> pattern, double diameter);
 
 /// A pattern of light of 575 nm as one of white light, scene-linear BT.709: 32 wavelengths, each scaled by its own

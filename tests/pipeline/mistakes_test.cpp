@@ -26,6 +26,8 @@ const std::vector<Mistake>& commands() {
         {"rednr S -o x.mpg", 2, {"rednr is no command", "did you mean render?"}},
         {"transcode a.mpg b.mpg", 2, {"transcode is no command", "render, encode, plan"}},
         {"S -o x.mpg", 2, {"is no command", "render2mpeg render", "-o film.mpg"}},
+        {"render S -o x.mpg --glare bright", 2, {"--glare", "bright", "static:0.2"}},
+        {"render S -o x.mpg --glare static:0.7", 2, {"--glare", "0 to 0.5"}},
         {"--size 64x64 render S", 2, {"--size", "the command comes first"}},
         {"help rendr", 2, {"rendr is no command", "did you mean render?"}},
         {"render", 2, {"INPUT is missing", "render2mpeg render scene.glb -o film.mpg"}},

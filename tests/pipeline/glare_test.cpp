@@ -1,0 +1,72 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "support/program.h"
+
+/// Films with glare, through the program.
+namespace render2mpeg {
+namespace {
+
+using support::contents;
+using support::Folder;
+using support::program;
+using support::run;
+
+/// A small lamp before a wall, four frames of 64x48.
+std::string lamp_in(const Folder& folder, const std::string& glare) {
+    std::ofstream(folder / "film.json") << R"({ "exposure": 0, "frames": 4, "size": [64, 48], )" + glare + R"(
+        "camera": { "position": [0, 0, 4] }, "objects": [{ "shape": "quad", "size": [8, 5], "position": [0, 0, -2] }],
+        "lights": [{ "kind": "sphere", "radius": 0.05, "intensity": 900, "position": [0.5, 0.2, 0] }] })";
+    return (folder / "film.json").string();
+}
+
+std::string made(const Folder& folder, const std::string& film, const std::string& options, const std::string& name) {
+    const auto result = run(program() + " render " + film + " -y --quiet --samples 1 --vpls 16 " + options + " -o " +
+                            (folder / name).string() + " --stats " + (folder / "s.json").string());
+    EXPECT_EQ(result.status, 0) << result.output;
+    return contents(folder / name);
+}
+
+double seconds_of_glare(const Folder& folder) {
+    return nlohmann::json::parse(contents(folder / "s.json")).at("passes").value("glare", 0.0);
+}
+
+TEST(GlareInFilms, CostsNothingWhereNobodyAsksForItAndComesFromFileOrCommandLine) {
+    const Folder folder;
+    const std::string plain = made(folder, lamp_in(folder, ""), "", "plain.m2v");
+    EXPECT_EQ(seconds_of_glare(folder), 0);
+    EXPECT_EQ(made(folder, lamp_in(folder, ""), "--glare static:0", "none.m2v"), plain);
+    EXPECT_EQ(seconds_of_glare(folder), 0);
+    const std::string of_file =
+        made(folder, lamp_in(folder, R"("glare": { "kind": "static", "strength": 0.3 },)"), "", "file.m2v");
+    EXPECT_GT(seconds_of_glare(folder), 0);
+    EXPECT_NE(of_file, plain);
+    EXPECT_EQ(made(folder, lamp_in(folder, ""), "--glare static:0.3", "line.m2v"), of_file);
+    EXPECT_EQ(made(folder, lamp_in(folder, R"("glare": "temporal",)"), "--glare off", "off.m2v"), plain);
+}
+
+TEST(GlareInFilms, HasTheSameBytesForAnyThreadsAndChunks) {
+    const Folder folder;
+    const std::string film = lamp_in(folder, R"("glare": "temporal",)");
+    const std::string one = made(folder, film, "--gop 1 --threads 1", "one.m2v");
+    EXPECT_EQ(made(folder, film, "--gop 1 --threads 2", "two.m2v"), one);
+    // The last frames by themselves are what they are in the whole film: no frame knows what was before.
+    made(folder, film, "--frames 3:3", "last.%04d.png");
+    made(folder, film, "", "all.%04d.png");
+    EXPECT_EQ(contents(folder / "last.0003.png"), contents(folder / "all.0003.png"));
+    EXPECT_FALSE(contents(folder / "all.0003.png").empty());
+}
+
+TEST(GlareInFilms, IsNotInLayersAndOpenExr) {
+    const Folder folder;
+    made(folder, lamp_in(folder, ""), "", "plain.%04d.exr");
+    made(folder, lamp_in(folder, R"("glare": "static",)"), "", "glare.%04d.exr");
+    EXPECT_EQ(contents(folder / "plain.0002.exr"), contents(folder / "glare.0002.exr"));
+    EXPECT_FALSE(contents(folder / "plain.0002.exr").empty());
+}
+
+}  // namespace
+}  // namespace render2mpeg
