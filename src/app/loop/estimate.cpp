@@ -101,8 +101,9 @@ std::optional<FilmEstimate> estimate_film(RenderJob& film, const std::filesystem
     const double end = std::max(began + within, clock_seconds() + least_share * within), left = end - clock_seconds();
     const AbruptFrames abrupt = abrupt_frames(film);
     LoopObserver nobody;
-    Progress looking(2, quiet, "sample", Counted::parts_of_step);
-    const auto look = light_sample(tiny, sample_windows(film, 1, 2, {}), clock_seconds() + 0.3 * left, nobody, looking);
+    Progress looking(lengths[3], quiet, "sample", Counted::parts_of_step);
+    const auto look =
+        light_sample(tiny, sample_windows(film, 1, lengths[3], {}), clock_seconds() + 0.3 * left, nobody, looking);
     if (!look || look->windows.empty()) return {};
     const SampledFilm seen = film_by(*look, film, tiny, {});
     const double pace = core::divide_or(look->clock, look->cpu, 1.0);
@@ -110,11 +111,13 @@ std::optional<FilmEstimate> estimate_film(RenderJob& film, const std::filesystem
                                          pace * std::max(0.0, seen.first - seen.later),
                                          planned_share * std::max(0.1 * within, end - clock_seconds()));
 
-    const RenderJob job = resized(film, sample.scale);
+    // Where the first look took all of the time, it is the sample.
+    const bool over = clock_seconds() >= end;
+    const RenderJob job = over ? tiny : resized(film, sample.scale);
     const std::vector<Chunk> chunks = sample_windows(film, sample.count, sample.length, abrupt);
     const auto frames = static_cast<std::int64_t>(chunks.size()) * chunks.front().frames();
-    Progress progress(frames, quiet, "sample", Counted::frames_of_step);
-    const auto found = light_sample(job, chunks, end, nobody, progress);
+    Progress progress(frames, quiet || over, "sample", Counted::frames_of_step);
+    const auto found = over ? look : light_sample(job, chunks, end, nobody, progress);
     if (!found || found->windows.empty()) return {};
 
     const SampledFilm whole = film_by(*found, film, job, abrupt);
