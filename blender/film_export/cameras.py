@@ -59,7 +59,7 @@ class Cameras:
     def tell_losses(self, camera, poses):
         data = camera.data
         if data.type == "PANO":
-            self.lost.add(camera, "panoramic lens; shown as a perspective one")
+            self.lost.add(camera, "panoramic lens, which films do not have; shown as a perspective one")
         first = poses[0]
         if np.max(np.ptp([self.shift_of(camera, p) for p in poses], axis=0)) > 1e-4:
             self.lost.add(camera, "animated lens shift; as on the first frame")

@@ -45,6 +45,37 @@ TEST(FilmCosts, SayWhereAccuracyIsFree) {
     EXPECT_FALSE(app::recommended({}).has_value());
 }
 
+TEST(FilmCosts, HaveSizeAndTimeOfTheFilmAsItWasAskedFor) {
+    // Two rows of a single frame, which is an I picture: 60 of them are no film.
+    const auto trial = [](double cpu, double bytes) {
+        app::Trial t;
+        t.frames = 1;
+        t.cpu = t.clock = cpu;
+        t.bytes = bytes;
+        return t;
+    };
+    app::Sweep sweep;
+    sweep.fixed = {trial(1, 4400), trial(4, 4000)};
+    sweep.fixed[0].tolerance.relative = 0.08f;
+    sweep.pairs = {{trial(2, 4000), sweep.fixed[1]}};
+    app::RenderJob film;
+    film.frames = {0, 59};
+    film.tolerance.coupled = true;
+    const auto row_of = [](const std::vector<FilmCost>& rows, const std::string& name) {
+        for (const FilmCost& r : rows)
+            if (r.name == name) return r;
+        return FilmCost{};
+    };
+    const std::vector<FilmCost> sampled = app::film_costs(sweep, film, 0),
+                                told = app::film_costs(sweep, film, 0, app::AskedFilm{3, 50'000});
+    EXPECT_DOUBLE_EQ(row_of(sampled, "coupled").bytes, 240'000);
+    EXPECT_DOUBLE_EQ(row_of(told, "coupled").bytes, 50'000);
+    EXPECT_DOUBLE_EQ(row_of(told, "fixed=8%").bytes, 55'000);
+    EXPECT_DOUBLE_EQ(row_of(sampled, "coupled").clock, 120);
+    EXPECT_DOUBLE_EQ(row_of(told, "coupled").clock, 180) << "it is looked at closer, which the sample is not";
+    EXPECT_DOUBLE_EQ(row_of(told, "fixed=8%").clock, 60);
+}
+
 TEST(Estimate, IsWhatPlanBeginsWith) {
     const std::string tiny = " --size 32x32 --samples 1 --vpls 16 --frames 0:3 ";
     const auto told = run(program() + " plan " + plain_film() + tiny + "--within 2s 2>/dev/null");

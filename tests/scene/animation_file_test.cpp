@@ -80,6 +80,7 @@ TEST_F(AnimationFile, NamesThePlaceOfWrongTypesAndRanges) {
                      {"camera.keys[3].position", "a list of 3", "a list of 2"});
     expect_complaint(R"({"camera": {"position": [0, "one", 2]}})", {"camera.position[1]", "number", "\"one\""});
     expect_complaint(R"({"camera": {"fov": 190}})", {"camera.fov", "175", "190"});
+    expect_complaint(R"({"camera": {"projection": "equirectangular"}})", {"camera.projection", "panoramas", "`fov`"});
     expect_complaint(R"({"frames": 2.5})", {"frames", "whole number", "2.5"});
     expect_complaint(R"({"frames": [5, 2]})", {"frames[1]", "from 5"});
     expect_complaint(R"({"frame_rate": 26})", {"frame_rate", "29.97"});

@@ -305,6 +305,20 @@ TEST_F(Assimp, LampsOfBlendersColladaAreWatts) {
     }
 }
 
+TEST_F(Assimp, TellsThatBlendersColladaDimsWhatShines) {
+    std::string text = collada;
+    const auto put = [&](const std::string& what, const std::string& instead) {
+        const auto at = text.find(what);
+        ASSERT_NE(at, std::string::npos) << what;
+        text.replace(at, what.size(), instead);
+    };
+    put("<asset>", "<asset><contributor><authoring_tool>Blender 3.4.1</authoring_tool></contributor>");
+    put("<lambert>", "<lambert><emission><color>1 0.75 0.5 1</color></emission>");
+    EXPECT_TRUE(noted(read("dimmed.dae", text), "where Blender's COLLADA ends"));
+    put("<color>1 0.75 0.5 1</color>", "<color>0.9 0.75 0.5 1</color>");
+    EXPECT_FALSE(noted(read("dim.dae", text), "where Blender's COLLADA ends"));
+}
+
 TEST_F(Assimp, ArmaturesOfBlendersColladaStandAtTheirPlace) {
     std::string text = collada;
     const auto put = [&](const std::string& what, const std::string& instead) {

@@ -124,7 +124,7 @@ int render_stream(const RenderOptions& options, const std::string& command) {
     {
         Progress progress(film.frame_count(), options.quiet);
         complete = render_through(film, observers, statistics, [&] {
-            progress.advance();
+            progress.advance(statistics.frames.back().records.created);
             out.check();
             return !InterruptGuard::requested();
         });

@@ -15,6 +15,7 @@
 #include "app/report/frame_plot.h"
 #include "app/report/frame_view.h"
 #include "app/report/report.h"
+#include "app/system/progress.h"
 #include "core/numeric.h"
 
 namespace render2mpeg::app {
@@ -142,36 +143,59 @@ std::string tables(const Comparison& found) {
     return text + "</table></div>\n";
 }
 
-/// Who wins, and by how much: bits and time of every way at equal PSNR-Y, over those of coupled light.
-std::vector<AnswerRow> winners(const Comparison& found) {
-    struct Beside {
-        double bits = 1, time = 1;
-    };
-    std::vector<std::pair<std::size_t, Beside>> ways{{coupled_way, {}}};
+/// Seconds on the clock of the whole film by a way, at its quantiser in that row.
+double film_clock(const RenderJob& film, const Comparison& found, std::size_t way, std::size_t row) {
+    const Trial& trial = found.ways[way].rows[row];
+    double frame = trial.clock;
+    // Light of a fixed tolerance was timed with our coding.
+    if (way != coupled_way && row < found.ways[fixed_way].rows.size())
+        frame += trial.code_seconds - found.ways[fixed_way].rows[row].code_seconds;
+    return frame * static_cast<double>(film.frame_count());
+}
+
+/// Who wins, and by how much: bits of every way at equal PSNR-Y, over those of coupled light, and the film's time with
+/// the quantiser of that row.
+std::vector<AnswerRow> winners(const RenderJob& film, const Comparison& found, std::size_t row) {
+    std::vector<std::pair<std::size_t, double>> ways{{coupled_way, 1.0}};
     for (const std::size_t way : {fixed_way, usual_way, strongest_way, strongest_free_way}) {
         const Difference d = difference_of(found.ways[coupled_way], found.ways[way]);
-        if (std::isfinite(d.psnr_y)) ways.push_back({way, {1 / (1 + d.psnr_y / 100), 1 / (1 + d.seconds / 100)}});
+        if (std::isfinite(d.psnr_y)) ways.emplace_back(way, 1 / (1 + d.psnr_y / 100));
     }
-    std::stable_sort(ways.begin(), ways.end(),
-                     [](const auto& a, const auto& b) { return a.second.bits < b.second.bits; });
+    std::stable_sort(ways.begin(), ways.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
     std::vector<AnswerRow> rows;
-    for (const auto& [way, beside] : ways) {
-        const auto change = [](double share) { return share == 1 ? std::string("-") : change_text(100 * (share - 1)); };
-        const Grade grade = beside.bits < 1.01 ? Grade::good : beside.bits < 1.1 ? Grade::fair : Grade::poor;
-        rows.push_back({found.ways[way].name, beside.bits / ways.back().second.bits,
-                        fmt::format("{:.0f} %", 100 * beside.bits), change(beside.bits) + " bits", grade,
-                        "at equal PSNR-Y", change(beside.time), way == ways.front().first});
+    for (const auto& [way, bits] : ways) {
+        const std::string change = way == coupled_way ? "the measure" : change_text(100 * (bits - 1)) + " bits";
+        const Grade grade = bits < 1.01 ? Grade::good : bits < 1.1 ? Grade::fair : Grade::poor;
+        rows.push_back({found.ways[way].name, bits / ways.back().second, fmt::format("{:.0f} %", 100 * bits), change,
+                        grade, "at equal PSNR-Y", clock_text(film_clock(film, found, way, row)),
+                        way == ways.front().first});
     }
     return rows;
+}
+
+/// The row of the film's own quantiser, or of the one nearest to it.
+std::size_t own_row(const RenderJob& film, const Comparison& found) {
+    const auto& rows = found.ways[coupled_way].rows;
+    const auto away = [&](const Trial& t) { return std::abs(t.quantiser - film.coding.quantiser); };
+    return static_cast<std::size_t>(
+        std::min_element(rows.begin(), rows.end(), [&](const Trial& a, const Trial& b) { return away(a) < away(b); }) -
+        rows.begin());
+}
+
+/// How long the film takes; empty where that is not known.
+std::string time_sentence(const RenderJob& film, const Comparison& found) {
+    if (!found.complete || found.ways[coupled_way].rows.empty()) return {};
+    const std::size_t row = own_row(film, found);
+    if (row >= found.ways[fixed_way].rows.size()) return {};
+    return fmt::format(" Your film of {} frames takes about {} coupled, {} with a fixed 2 %.", film.frame_count(),
+                       clock_text(film_clock(film, found, coupled_way, row)),
+                       clock_text(film_clock(film, found, fixed_way, row)));
 }
 
 std::string first_screen(const RenderJob& film, const Comparison& found) {
     if (!found.complete || found.ways[coupled_way].rows.empty()) return {};
     const auto& rows = found.ways[coupled_way].rows;
-    std::size_t row = 0;
-    for (std::size_t i = 0; i < rows.size(); ++i)
-        if (std::abs(rows[i].quantiser - film.coding.quantiser) < std::abs(rows[row].quantiser - film.coding.quantiser))
-            row = i;
+    const std::size_t row = own_row(film, found);
     std::string figure;
     const Way& other = found.ways[usual_way];
     if (row < other.rows.size() && rows[row].sample_frame && other.rows[row].sample_frame)
@@ -179,10 +203,11 @@ std::string first_screen(const RenderJob& film, const Comparison& found) {
             fmt::format("Quantiser {}: decoded", rows[row].quantiser), {"coupled", rows[row].sample_frame->decoded},
             {other.name, other.rows[row].sample_frame->decoded}, perceptual::matrix_for(film.format.height));
     const std::string note = fmt::format(
-        "Bits and CPU time for light, motion and coding at equal PSNR-Y, over those of coupled light: means "
-        "over quantisers {} to {}. From {} sample frames.",
-        rows.front().quantiser, rows.back().quantiser, rows.front().frames);
-    return answer_screen(answer_table({"way", "bits, coupled = 100 %", "difference", "time"}, winners(found), note),
+        "Bits at equal PSNR-Y, over those of coupled light: means over quantisers {} to {}. Times are of this machine, "
+        "as busy as it was, at quantiser {}. From {} sample frames.",
+        rows.front().quantiser, rows.back().quantiser, rows[row].quantiser, rows.front().frames);
+    return answer_screen(answer_table({"way", "bits, coupled = 100 %", "difference", "time, whole film"},
+                                      winners(film, found, row), note),
                          figure, found.render);
 }
 
@@ -257,7 +282,8 @@ void write_compare_report(const std::filesystem::path& html, const RenderJob& fi
                                                 commands(found)) +
             "<h2>To find it out again</h2>\n<pre>" + escaped(command) +
             "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (docs/compare.md).</p>\n";
-    const std::string lead = found.complete ? sentence_of(found) : "Interrupted: this is a part of it.";
+    const std::string lead =
+        found.complete ? sentence_of(found) + time_sentence(film, found) : "Interrupted: this is a part of it.";
     write_whole(html, report_page(name + ": coupled, or rendered first", lead, body));
     write_json(report_json_of(html), compare_json(film, found, command));
 }

@@ -30,9 +30,11 @@ namespace {
 class Cost {
   public:
     /// `once`: seconds on the clock that a run takes before its first frame.
-    Cost(const CostOptions& options, const RenderJob& film, const Sample& sample, double once)
+    Cost(const CostOptions& options, const RenderJob& film, const Sample& sample, double once,
+         const std::optional<AskedFilm>& asked)
         : options_(options),
           once_(once),
+          asked_(asked),
           quantisers_(options.quantisers ? quantisers_from(*options.quantisers)
                                          : std::vector<int>{film.coding.quantiser}),
           pairs_(!quantisers_.empty()),
@@ -53,7 +55,7 @@ class Cost {
 
     const Sweep& sweep() const { return sweep_; }
     /// What the whole film takes with each setting.
-    std::vector<FilmCost> film_rows() const { return film_costs(sweep_, film(), once_); }
+    std::vector<FilmCost> film_rows() const { return film_costs(sweep_, film(), once_, asked_); }
     const RenderJob& film() const { return trials_.film(); }
 
   private:
@@ -68,6 +70,7 @@ class Cost {
 
     const CostOptions& options_;
     double once_;
+    std::optional<AskedFilm> asked_;
     std::vector<int> quantisers_;  ///< to couple light to, ascending
     bool pairs_;                   ///< coupled light is asked for: light of a fixed 2 % is kept to be coded beside it
     Trials trials_;
@@ -128,16 +131,23 @@ bool Cost::try_effects(const RenderJob& asked, const EffectSample& sample, doubl
 struct CostSample {
     Sample sweep;
     EffectSample effects;
+    std::optional<AskedFilm> asked;
 };
 
-/// The film as asked for, told within seconds, and the sample that there is time for. None where it was interrupted.
-std::optional<CostSample> first_answer(const CostOptions& options, RenderJob& film) {
+/// Seconds on the clock until the film as asked for is told, with what was settled before, and what its frames get at
+/// least. chosen: ten in all are waited for.
+constexpr double first_seconds = 10, least_seconds = 3;
+
+/// The film as asked for, told within seconds, and the sample that there is time for. `spent`: seconds on the clock so
+/// far. None where it was interrupted.
+std::optional<CostSample> first_answer(const CostOptions& options, RenderJob& film, double spent) {
     if (options.sample) {
         const Sample sample = sample_from(*options.sample);
-        return CostSample{sample, {std::min(sample.windows, 2), std::min(sample.frames, 3)}};
+        return CostSample{sample, {std::min(sample.windows, 2), std::min(sample.frames, 3)}, {}};
     }
     const double within = time_in_seconds(options.within);
-    const auto estimate = estimate_film(film, {}, std::min(8.0, 0.2 * within), options.render.quiet);
+    const double seconds = std::clamp(first_seconds - spent, least_seconds, 8.0);
+    const auto estimate = estimate_film(film, {}, std::min(seconds, 0.2 * within), options.render.quiet);
     if (!estimate) return {};
     if (!options.render.quiet) print(film_text(film) + "\n" + text_of(*estimate) + "\n");
     // Each setting lights all frames of the sample, and every light point one of each window.
@@ -146,7 +156,7 @@ std::optional<CostSample> first_answer(const CostOptions& options, RenderJob& fi
     const double settings = static_cast<double>(percents_from(options.tolerances).size()) + 1;
     const double pace = core::divide_or(estimate->clock, estimate->cpu, 1.0);
     const auto effects = static_cast<double>(left_out_of(film).size()) + 1;
-    CostSample chosen{{1, 1}, {1, 2}};
+    CostSample chosen{{1, 1}, {1, 2}, AskedFilm{estimate->later, estimate->bytes}};
     for (const Sample& sample : {Sample{1, 2}, Sample{1, 3}, Sample{2, 3}}) {
         if (sample.windows * (settings * sample.frames + 10) * frame < 0.6 * within) chosen.sweep = sample;
         const double window = estimate->first + (sample.frames - 1) * estimate->later;
@@ -172,10 +182,10 @@ int cost(const CostOptions& options, const std::vector<std::string>& words) {
     if (InterruptGuard::requested()) return interrupted();
     check_trial_outputs(film, options.render, options.json, options.report);
     const double once = clock_seconds() - began;
-    const std::optional<CostSample> sample = first_answer(options, film);
+    const std::optional<CostSample> sample = first_answer(options, film, once);
     if (!sample) return interrupted();
 
-    Cost sweep(options, film, sample->sweep, once);
+    Cost sweep(options, film, sample->sweep, once, sample->asked);
     const bool whole = sweep.light_references() && sweep.try_fixed() && sweep.try_coupled();
     const Sweep& found = sweep.sweep();
     if (found.fixed.empty() && found.pairs.empty()) return interrupted();

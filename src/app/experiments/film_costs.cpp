@@ -54,6 +54,17 @@ double reference_clock(const Sweep& sweep, const Trial& best, double pace) {
     return pace * std::max(best.cpu, best.cpu + sweep.reference_seconds - best.window_seconds);
 }
 
+/// The row that is lit as the film was asked for, or nearly so.
+const Trial& as_asked(const Sweep& sweep, const RenderJob& film) {
+    if (film.tolerance.coupled)
+        for (const CoupledPair& pair : sweep.pairs)
+            if (pair.coupled.quantiser == film.coding.quantiser) return pair.coupled;
+    const float share = film.tolerance.coupled ? 0.02f : film.tolerance.relative;
+    return *std::min_element(sweep.fixed.begin(), sweep.fixed.end(), [&](const Trial& a, const Trial& b) {
+        return std::abs(a.tolerance.relative - share) < std::abs(b.tolerance.relative - share);
+    });
+}
+
 }  // namespace
 
 std::string words_for(const std::optional<double>& added) {
@@ -67,7 +78,8 @@ Grade grade_of(const std::optional<double>& added) {
     return *added >= slight ? Grade::fair : Grade::poor;
 }
 
-std::vector<FilmCost> film_costs(const Sweep& sweep, const RenderJob& film, double once) {
+std::vector<FilmCost> film_costs(const Sweep& sweep, const RenderJob& film, double once,
+                                 const std::optional<AskedFilm>& asked) {
     std::vector<FilmCost> costs;
     if (sweep.fixed.empty()) return costs;
     const Trial& best = sweep.fixed.back();
@@ -76,12 +88,19 @@ std::vector<FilmCost> film_costs(const Sweep& sweep, const RenderJob& film, doub
         costs.push_back(
             cost_of(fmt::format("fixed={:.4g}%", 100 * trial.tolerance.relative), trial, best, film, once, pace));
     for (const CoupledPair& pair : sweep.pairs)
-        if (pair.coupled.quantiser == film.coding.quantiser)
-            costs.push_back(cost_of("coupled", pair.coupled, best, film, once, pace));
+        if (pair.coupled.quantiser == film.coding.quantiser) {
+            Trial coupled = pair.coupled;
+            if (asked && film.tolerance.coupled) coupled.cpu = std::max(coupled.cpu, asked->later);
+            costs.push_back(cost_of("coupled", coupled, best, film, once, pace));
+        }
     if (sweep.references > 0) {
         FilmCost reference{"reference", 0, best.bytes * static_cast<double>(film.frame_count()), {}, 0, true};
         reference.clock = once + reference_clock(sweep, best, pace) * static_cast<double>(film.frame_count());
         costs.push_back(reference);
+    }
+    if (asked && asked->bytes > 0) {
+        const double sampled = as_asked(sweep, film).bytes * static_cast<double>(film.frame_count());
+        for (FilmCost& cost : costs) cost.bytes *= core::divide_or(asked->bytes, sampled, 1.0);
     }
     std::stable_sort(costs.begin(), costs.end(),
                      [](const FilmCost& a, const FilmCost& b) { return a.clock < b.clock; });

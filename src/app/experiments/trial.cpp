@@ -28,13 +28,13 @@
 namespace render2mpeg::app {
 namespace {
 
-RenderJob plainly_coded(RenderJob film) {
+RenderJob plainly_coded(RenderJob film, int references) {
     film.coding.rate_control.mode = encoder::RateMode::constant_quantiser;
     film.two_passes = false;
     film.audit = 0;
     // References know no tolerance, so they would not look closer at edges: what light does is to be compared, not
     // that.
-    film.rendering.most_samples = 0;
+    if (references > 0) film.rendering.most_samples = 0;
     return film;
 }
 
@@ -207,7 +207,7 @@ class Trials::Judge : public LoopObserver {
 };
 
 Trials::Trials(const RenderJob& film, std::vector<Chunk> windows, int references)
-    : film_(plainly_coded(film)),
+    : film_(plainly_coded(film, references)),
       windows_(std::move(windows)),
       renderer_(*film_.animation, film_.rendering, film_.plan),
       references_(std::clamp(references, 0, static_cast<int>(windows_.front().frames()))) {

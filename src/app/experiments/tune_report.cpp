@@ -177,22 +177,42 @@ std::string table(const Tuning& tuning, double hertz) {
            "</p>\n";
 }
 
+/// Seconds on the clock for one of CPU: over all that was lit, so that a machine that is busy for a while favours none.
+double pace_of(const Tuning& tuning) {
+    double clock = 0, cpu = 0;
+    for (const Probe& p : tuning.probes)
+        if (p.lit) clock += p.trial.clock, cpu += p.trial.cpu;
+    return core::divide_or(clock, cpu, 0.0);
+}
+
+/// How long the film takes; empty where nothing is chosen.
+std::string time_to_make(const RenderJob& film, const Tuning& tuning) {
+    if (!tuning.chosen) return {};
+    const double frame = pace_of(tuning) * tuning.probes[*tuning.chosen].trial.cpu;
+    return fmt::format(" Your film of {} frames takes about {}.", film.frame_count(),
+                       clock_text(frame * static_cast<double>(film.frame_count())));
+}
+
 /// What was lit, for the whole film, and what is taken of it.
 std::string first_screen(const RenderJob& film, const Tuning& tuning) {
     const auto frames = static_cast<double>(film.frame_count());
+    const double pace = pace_of(tuning);
     double longest = 0;
     for (const Probe& p : tuning.probes)
-        if (p.lit) longest = std::max(longest, p.trial.clock);
+        if (p.lit) longest = std::max(longest, pace * p.trial.cpu);
     std::vector<AnswerRow> rows;
     for (std::size_t i = 0; i < tuning.probes.size(); ++i) {
         const Probe& p = tuning.probes[i];
         if (!p.lit && tuning.chosen != i) continue;
         const Quality quality = quality_of(tuning, p.trial);
-        rows.push_back({name_of(tuning, p), core::divide_or(p.trial.clock, longest, 0.0),
-                        clock_text(p.trial.clock * frames), decibels(quality.psnr_y) + " dB",
-                        tuning.chosen == i ? Grade::good : Grade::none, fmt::format("SSIM {:.4f}", quality.ssim_y),
-                        size_text(p.trial.bytes * frames), tuning.chosen == i});
+        const double clock = pace * p.trial.cpu;
+        rows.push_back({name_of(tuning, p), core::divide_or(clock, longest, 0.0), clock_text(clock * frames),
+                        decibels(quality.psnr_y) + " dB", tuning.chosen == i ? Grade::good : Grade::none,
+                        fmt::format("SSIM {:.4f}", quality.ssim_y), size_text(p.trial.bytes * frames),
+                        tuning.chosen == i});
     }
+    std::stable_sort(rows.begin(), rows.end(),
+                     [](const AnswerRow& a, const AnswerRow& b) { return a.share < b.share; });
     std::string figure;
     if (tuning.chosen)
         if (const auto& own = tuning.probes[*tuning.chosen].trial.sample_frame)
@@ -324,7 +344,8 @@ void write_tune_report(const std::filesystem::path& html, const RenderJob& film,
     body += folded("All curves and tables", all + table(tuning, hertz));
     body += "<h2>To find it out again</h2>\n<pre>" + escaped(command) +
             "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (docs/tune.md).</p>\n";
-    write_whole(html, report_page(name + ": tuned to " + target_text(tuning.target), sentence_of(tuning, hertz), body));
+    write_whole(html, report_page(name + ": tuned to " + target_text(tuning.target),
+                                  sentence_of(tuning, hertz) + time_to_make(film, tuning), body));
     write_json(report_json_of(html), tune_json(film, tuning, command));
 }
 

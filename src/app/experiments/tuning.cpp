@@ -44,8 +44,16 @@ class CodingTuner {
   private:
     double figure(const Probe& probe) const { return even_figure(target_, probe.value); }
     const Probe& add(double quality, Trial trial, bool lit);
-    /// Codes one light again until that meets the target, and returns the quality to be taken.
-    double coded_again(const LitWindows& light, QualitySearch search);
+    /// The quality to be taken, what it comes to with light made for another one, and whether steps of the quantisers
+    /// keep it from the target.
+    struct Aim {
+        QualitySearch::Known known;
+        bool at_step = false;
+    };
+    /// Codes one light again until that meets the target.
+    Aim coded_again(const LitWindows& light, QualitySearch search);
+    /// Whether light made for its quality came to what was aimed at, so that another one would end at the same step.
+    bool confirms(const Aim& aim, const Probe& probe) const;
     /// Takes what is known when no quality is left to be lit.
     void conclude();
 
@@ -65,7 +73,7 @@ const Probe& CodingTuner::add(double quality, Trial trial, bool lit) {
     return tuning_.probes.back();
 }
 
-double CodingTuner::coded_again(const LitWindows& light, QualitySearch search) {
+CodingTuner::Aim CodingTuner::coded_again(const LitWindows& light, QualitySearch search) {
     for (int i = 0; i < most_codings && !InterruptGuard::requested(); ++i) {
         const std::optional<double> quality = search.next();
         if (!quality) break;
@@ -82,12 +90,20 @@ double CodingTuner::coded_again(const LitWindows& light, QualitySearch search) {
     const std::optional<QualitySearch::Known> side =
         target_.is_rate() ? search.finest_below() : search.coarsest_above();
     const bool steps = !search.next().has_value();
-    return steps && side ? side->quality : nearest.quality;
+    return {steps && side ? *side : nearest, steps};
+}
+
+bool CodingTuner::confirms(const Aim& aim, const Probe& probe) const {
+    const bool right = target_.is_rate() ? probe.value <= target_.value : probe.value >= target_.value;
+    const double left = std::abs(figure(probe) - even_figure(target_, target_.value));
+    // chosen: a quarter of what the step leaves (0.1..0.5).
+    return aim.at_step && right && std::abs(figure(probe) - aim.known.figure) <= 0.25 * left;
 }
 
 void CodingTuner::settle() {
     const bool coupled = trials_.film().tolerance.coupled;
     double quality = first_quality;
+    Aim aim;
     for (int i = 0; i < most_lightings; ++i) {
         LitWindows light;
         const auto trial = run_trial(trials_, trials_.film().tolerance, Coarseness::of_quality(quality),
@@ -95,12 +111,13 @@ void CodingTuner::settle() {
         if (!trial) return;
         const Probe& probe = add(quality, *trial, true);
         lit_.add(quality, figure(probe));
-        if (is_near(target_, probe.value)) break;
+        if (is_near(target_, probe.value) || confirms(aim, probe)) break;
 
         QualitySearch search =
             coupled && i == 0 ? lit_ : QualitySearch(even_figure(target_, target_.value), even_slope(target_));
         search.add(quality, figure(probe));
-        const double next = coded_again(light, search);
+        aim = coded_again(light, search);
+        const double next = aim.known.quality;
         if (InterruptGuard::requested()) return;
         if (!coupled) break;
         // What was lit for its own coding already is not lit again: then by what such light came to.
@@ -109,6 +126,7 @@ void CodingTuner::settle() {
             known = known || std::abs(k.quality - next) < 0.5 * QualitySearch::step;
         const std::optional<double> instead = known ? lit_.next() : next;
         if (!instead) break;
+        if (known) aim = {};
         quality = *instead;
     }
     conclude();

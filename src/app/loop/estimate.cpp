@@ -35,6 +35,9 @@ constexpr int least_side = 96;
 /// Of the time, what frames may be planned to take: the first look, and what is misjudged, take the rest.
 constexpr double planned_share = 0.9;
 
+/// Of the time, what frames get whatever was settled before took. chosen: a fourth lights three small frames.
+constexpr double least_share = 0.25;
+
 /// What a first pass takes of the film's time. chosen: a sixteenth of the pixels, roughly lit.
 constexpr double first_pass_share = 0.05;
 
@@ -94,24 +97,27 @@ std::optional<FilmEstimate> estimate_film(RenderJob& film, const std::filesystem
     // A first look at small frames tells how many of the film's own there is time for.
     const double largest = std::max(film.format.width, film.format.height);
     const RenderJob tiny = resized(film, std::min(1.0, least_side / largest));
-    // What is settled first is needed by the film, whatever it takes; frames get half of the time at least.
-    const double end = std::max(began + within, clock_seconds() + 0.5 * within), left = end - clock_seconds();
+    // What is settled first is needed by the film, whatever it takes; frames get a part of the time at least.
+    const double end = std::max(began + within, clock_seconds() + least_share * within), left = end - clock_seconds();
     const AbruptFrames abrupt = abrupt_frames(film);
     LoopObserver nobody;
-    Progress looking(2, quiet, "sample", Counted::parts_of_step);
-    const auto look = light_sample(tiny, sample_windows(film, 1, 2, {}), clock_seconds() + 0.3 * left, nobody, looking);
+    Progress looking(lengths[3], quiet, "sample", Counted::parts_of_step);
+    const auto look =
+        light_sample(tiny, sample_windows(film, 1, lengths[3], {}), clock_seconds() + 0.3 * left, nobody, looking);
     if (!look || look->windows.empty()) return {};
     const SampledFilm seen = film_by(*look, film, tiny, {});
     const double pace = core::divide_or(look->clock, look->cpu, 1.0);
-    const SampleSize sample =
-        sample_for(film, abrupt.count() > 0 ? windows_of_abrupt : windows, pace * seen.later,
-                   pace * std::max(0.0, seen.first - seen.later), planned_share * std::max(1.0, end - clock_seconds()));
+    const SampleSize sample = sample_for(film, abrupt.count() > 0 ? windows_of_abrupt : windows, pace * seen.later,
+                                         pace * std::max(0.0, seen.first - seen.later),
+                                         planned_share * std::max(0.1 * within, end - clock_seconds()));
 
-    const RenderJob job = resized(film, sample.scale);
+    // Where the first look took all of the time, it is the sample.
+    const bool over = clock_seconds() >= end;
+    const RenderJob job = over ? tiny : resized(film, sample.scale);
     const std::vector<Chunk> chunks = sample_windows(film, sample.count, sample.length, abrupt);
     const auto frames = static_cast<std::int64_t>(chunks.size()) * chunks.front().frames();
-    Progress progress(frames, quiet, "sample", Counted::frames_of_step);
-    const auto found = light_sample(job, chunks, end + 0.2 * within, nobody, progress);
+    Progress progress(frames, quiet || over, "sample", Counted::frames_of_step);
+    const auto found = over ? look : light_sample(job, chunks, end, nobody, progress);
     if (!found || found->windows.empty()) return {};
 
     const SampledFilm whole = film_by(*found, film, job, abrupt);

@@ -71,6 +71,10 @@ void focus_on_object(const JsonValue& camera, CameraLens& lens, const Animation&
 
 void read_camera(const JsonValue& value, const std::string& name, std::size_t index, Animation& film,
                  const FilmClock& clock) {
+    if (const auto projection = value.find("projection"))
+        projection->fail(
+            "panoramas are not rendered: the encoder's exact motion is that of flat pictures; a camera has `fov`, or "
+            "`height` for a parallel projection");
     value.allow_only(keys::camera);
     CameraLens lens;
     lens.name = name;

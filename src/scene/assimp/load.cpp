@@ -93,7 +93,10 @@ class SceneReader {
         read_animations();
         if (format_ == "fbx") keep_last_key();
         to_world_ = rest_transforms(into_);
-        if (format_ == "dae" && is_of_blender()) place_armatures();
+        if (format_ == "dae" && is_of_blender()) {
+            place_armatures();
+            tell_dimmed();
+        }
         const RestBounds bounds = rest_bounds(into_, to_world_);
         settle_sides_of_lamps(into_, to_world_, bounds);
         read_lights(bounds);
@@ -115,6 +118,7 @@ class SceneReader {
     void read_channel(const aiNodeAnim& channel, double ticks_per_second, const std::string& name);
     void read_morphing(const aiMeshMorphAnim& channel, double ticks_per_second);
     void read_lights(const RestBounds& bounds);
+    void tell_dimmed();
     void read_cameras();
     bool is_of_blender() const;
     int add_child(const std::string& name, glm::dvec3 position, glm::dquat rotation);
@@ -393,6 +397,18 @@ void SceneReader::read_lights(const RestBounds& bounds) {
     if (reduced)
         into_.notes.push_back(
             "lights without inverse square falloff were given it, as bright as before at the scene's middle");
+}
+
+/// Blender's COLLADA scales what shines brighter than 1 down to that, so that 1 may stand for anything above.
+void SceneReader::tell_dimmed() {
+    for (const Material& material : into_.materials) {
+        const glm::vec3 e = material.emission;
+        if (std::max({e.r, e.g, e.b}) != 1) continue;
+        into_.notes.push_back("material \"" + material.name +
+                              "\" shines with 1, where Blender's COLLADA ends: it may have been brighter in Blender, "
+                              "and glTF (.glb) keeps it");
+        return;
+    }
 }
 
 void SceneReader::read_cameras() {
