@@ -74,7 +74,10 @@ def add_shutter(scene, film, lost):
     if place != "CENTER":
         film["shutter_phase"] = round((0.5 if place == "START" else -0.5) * min(frames, 1), 6)
     if getattr(engine, "rolling_shutter_type", "NONE") != "NONE":
-        lost.add(scene, "rolling shutter")
+        # Each row is open for a share of the whole, from the first row's opening to the last one's closing.
+        share = max(engine.rolling_shutter_duration, 0.01)
+        film["shutter"] = round(share * film["shutter"], 6)
+        film["rolling_shutter"] = round((1 - share) * min(frames, 1), 6)
     if render.engine == "CYCLES" and len(render.motion_blur_shutter_curve.curves) and any(
             abs(p.location[1] - 1) > 1e-3 for p in render.motion_blur_shutter_curve.curves[0].points):
         lost.add(scene, "curve of the shutter; it opens and closes at once")

@@ -26,6 +26,7 @@ struct Radiance {
                                   ///< kept in records
     Plane<float> record_age;      ///< frames since the light that it shows was gathered, mean; 0: in this one
     Plane<float> record_reuse;    ///< share of its gather points that were not gathered in this frame, 0..1
+    Plane<float> coverage;        ///< share of the pixel that shows what Visible says of it; only of exposed frames
     Plane<std::uint8_t> capped;   ///< 1: the largest cut came before that was within the tolerance; else 0
 };
 

@@ -105,11 +105,12 @@ void add_emission(Frame& frame, const core::Visible& visible, const core::Plane<
     frame.add_color("ViewLayer.Env", sky);
 }
 
-/// What light that is kept in records did.
-void add_records(Frame& frame, const core::Radiance& radiance) {
+/// How much of a pixel is what its centre shows, and what light that is kept in records did.
+void add_shares(Frame& frame, const core::Radiance& radiance) {
     const auto add = [&](const char* name, const core::Plane<float>& plane) {
         if (!plane.empty()) frame.add(name, false, [&](std::size_t i) { return plane.values()[i]; });
     };
+    add("render2mpeg.Coverage.X", radiance.coverage);
     add("render2mpeg.RecordDensity.X", radiance.record_density);
     add("render2mpeg.RecordAge.X", radiance.record_age);
     add("render2mpeg.RecordReuse.X", radiance.record_reuse);
@@ -150,7 +151,7 @@ void write_layers(const std::filesystem::path& path, const core::Visible& visibl
         frame.add("render2mpeg.CutIndirect.X", false, [&](std::size_t i) { return radiance.indirect_cut.values()[i]; });
     if (!radiance.error.empty())
         frame.add("render2mpeg.Error.X", false, [&](std::size_t i) { return radiance.error.values()[i]; });
-    add_records(frame, radiance);
+    add_shares(frame, radiance);
     if (tolerance != nullptr && !tolerance->is_reference()) {
         EXPECTS(tolerance->pixels.size() == radiance.combined.size());
         frame.add("render2mpeg.Tolerance.X", false, [&](std::size_t i) {

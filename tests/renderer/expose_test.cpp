@@ -99,6 +99,8 @@ TEST(Expose, MovingEdgeIsAStraightRamp) {
     const core::Radiance frame = expose_frame(stage, samples);
     // The edge goes from -4 to 4 about x = 0.3.
     const double way = 0.5 * (static_cast<double>(speed) + 0.3), from = 0.3 - way / 2;
+    stage.restart(true);
+    const core::Plane<float> coverage = expose_frame(stage, samples).coverage;
     double sum = 0, expected_sum = 0, squares = 0;
     for (int y = 0; y < size; ++y)
         for (int x = 0; x < size; ++x) {
@@ -110,12 +112,37 @@ TEST(Expose, MovingEdgeIsAStraightRamp) {
             const double shown = static_cast<double>(frame.combined.at(x, y).y);
             // A pixel's place samples and its times are not even in every mixture of both.
             EXPECT_NEAR(shown, expected, 1.5 / samples) << x << ", " << y;
+            // What lies to the left in the middle takes as much as is lit.
+            EXPECT_NEAR(static_cast<double>(coverage.at(x, y)), left + 0.5 < 0.3 ? shown : 1 - shown, 1e-5);
             squares += (shown - expected) * (shown - expected) / (size * size);
             sum += shown;
             expected_sum += expected;
         }
     EXPECT_LT(std::sqrt(squares), 0.5 / samples);
     EXPECT_NEAR(sum / expected_sum, 1.0, 0.006);
+}
+
+TEST(Expose, RollingShutterLeansWhatMoves) {
+    constexpr float speed = 16, rolling = 0.5f;
+    SceneBuilder b;
+    const int edge = b.add_quad({-100, -100, 0}, {100, 0, 0}, {0, 200, 0}, add_unlit(b));
+    b.move_object(edge, {{-speed, 0, 0}, {0, 0, 0}, {speed, 0, 0}});
+    add_plan_view(b);
+    b.film().shutter = {36, 0, rolling};
+    FilmStage stage(b, exposed_frame());
+    const core::Radiance frame = expose_frame(stage, 64);
+    for (int y = 0; y < size; ++y) {
+        double lit = 0, half = 0;
+        for (int x = 0; x < size; ++x) {
+            const auto light = static_cast<double>(frame.combined.at(x, y).y);
+            lit += light;
+            half += light > 0.02 && light < 0.98 ? 1 : 0;
+        }
+        const double late = static_cast<double>(rolling) * ((y + 0.5) / size - 0.5);
+        EXPECT_NEAR(lit, size / 2.0 + static_cast<double>(speed) * late, 0.1) << y;
+        // A tenth of a frame's way, and the pixels at its ends.
+        EXPECT_LE(half, 3) << y;
+    }
 }
 
 TEST(Expose, PointOutOfFocusIsADiscOfTheFormula) {

@@ -112,8 +112,9 @@ TEST(Plan, LeavesOutEachEffectByItself) {
         EXPECT_EQ(plan.rows()[static_cast<std::size_t>(row.pass)].reason, "not wanted");
         // Beside it only what nobody else reads.
         for (const auto& other : plan.rows())
-            if (!other.runs && whole.runs(other.pass) && other.pass != row.pass)
+            if (!other.runs && whole.runs(other.pass) && other.pass != row.pass) {
                 EXPECT_EQ(other.reason, "nobody reads it") << row.name << " takes " << other.name << " along";
+            }
     }
     EXPECT_GE(effects, 13);
 }

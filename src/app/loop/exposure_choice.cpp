@@ -72,7 +72,7 @@ void set_f_stop(scene::Animation& animation, const RenderOptions& options) {
 void set_exposure(scene::Animation& animation, const RenderOptions& options) {
     if (options.shutter) {
         const ShutterRequest shutter = shutter_from(*options.shutter);
-        animation.shutter = {shutter.angle, shutter.phase};
+        animation.shutter = {shutter.angle, shutter.phase, shutter.rolling};
     }
     if (options.focus) set_focus(animation, *options.focus);
     if (options.f_stop) set_f_stop(animation, options);

@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "app/loop/exposure_choice.h"
 #include "app/loop/light_budget.h"
 #include "app/system/memory_limit.h"
 #include "app/system/shown_images.h"
@@ -23,6 +24,7 @@ constexpr std::uint64_t per_lamp = 1300;
 constexpr std::uint64_t per_candidate = 400;  ///< of the places that anchors are chosen from
 constexpr std::uint64_t per_kept_photon = 350;
 constexpr std::uint64_t per_pixel = 250, per_sample = 60;
+constexpr std::uint64_t per_exposed_sample = 40;
 constexpr std::uint64_t per_decoded_pixel = 48;
 constexpr std::uint64_t always = std::uint64_t{24} << 20;
 
@@ -34,6 +36,13 @@ std::uint64_t triangles_of(const scene::Animation& film) {
         if (object.mobility != scene::Mobility::rigid || shared.insert(object.mesh).second)
             count += film.meshes[static_cast<std::size_t>(object.mesh)].triangles.size();
     return count;
+}
+
+/// Samples over shutter and lens of a pixel of the finest picture; 0: none is exposed.
+std::uint64_t most_exposure_samples(const RenderJob& film) {
+    if (!film.plan.runs(renderer::Pass::shutter) && !film.plan.runs(renderer::Pass::lens)) return 0;
+    const bool fixed = film.coding.rate_control.mode == encoder::RateMode::constant_quantiser;
+    return static_cast<std::uint64_t>(exposure_samples(film, fixed ? film.coding.quantiser : 1).most);
 }
 
 std::string size_text(std::uint64_t bytes) {
@@ -64,7 +73,8 @@ MemoryNeed memory_need(const RenderJob& film) {
                                    return object.mobility != scene::Mobility::still;
                                });
     if (keeps_photons) need.lights += per_kept_photon * renderer::KeptPhotons::most;
-    need.frames = always + (per_pixel + per_sample * static_cast<std::uint64_t>(film.rendering.samples)) *
+    need.frames = always + (per_pixel + per_sample * static_cast<std::uint64_t>(film.rendering.samples) +
+                            per_exposed_sample * most_exposure_samples(film)) *
                                static_cast<std::uint64_t>(film.format.width) *
                                static_cast<std::uint64_t>(film.format.height);
     return need;

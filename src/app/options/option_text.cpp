@@ -111,19 +111,25 @@ std::optional<double> loss_from(const std::string& text) {
 }
 
 ShutterRequest shutter_from(const std::string& text) {
-    const auto colon = text.find(':');
-    const auto number = [&](const std::string& part) {
-        char* end = nullptr;
-        const double value = std::strtod(part.c_str(), &end);
-        return part.empty() || *end != '\0' ? std::nan("") : value;
-    };
-    const double angle = number(text.substr(0, colon)),
-                 phase = colon == std::string::npos ? 0.0 : number(text.substr(colon + 1));
-    if (!(angle >= 0 && angle <= 360))
+    double numbers[3] = {0, 0, 0};
+    std::size_t begin = 0;
+    for (int k = 0; k < 3; ++k) {
+        const std::size_t end = std::min(text.find(':', begin), text.size());
+        const std::string part = text.substr(begin, end - begin);
+        char* rest = nullptr;
+        numbers[k] = std::strtod(part.c_str(), &rest);
+        if (part.empty() || *rest != '\0') numbers[k] = std::nan("");
+        if (end == text.size()) break;
+        begin = end + 1;
+        if (k == 2) numbers[2] = std::nan("");
+    }
+    if (!(numbers[0] >= 0 && numbers[0] <= 360))
         throw UsageError("shutter " + text + ": expected degrees from 0 (closed) to 360, e.g. 180");
-    if (!(phase >= -0.5 && phase <= 0.5))
+    if (!(numbers[1] >= -0.5 && numbers[1] <= 0.5))
         throw UsageError("shutter " + text + ": expected a phase from -0.5 to 0.5 frames, e.g. 180:0.25");
-    return {static_cast<float>(angle), static_cast<float>(phase)};
+    if (!(numbers[2] >= 0 && numbers[2] <= 1))
+        throw UsageError("shutter " + text + ": expected to roll by 0 to 1 frames, e.g. 180:0:0.5");
+    return {static_cast<float>(numbers[0]), static_cast<float>(numbers[1]), static_cast<float>(numbers[2])};
 }
 
 GlareRequest glare_from(const std::string& text) {

@@ -22,7 +22,7 @@ struct ToleranceRequest {
 
 /// What --shutter asks for, as scene::Shutter has it.
 struct ShutterRequest {
-    float angle = 0, phase = 0;
+    float angle = 0, phase = 0, rolling = 0;
 };
 
 /// What --glare says.

@@ -140,9 +140,9 @@ void add_exposure_options(CLI::App& command, RenderOptions& options, const std::
         .add_option(
             "--shutter", options.shutter,
             "How long each frame is exposed, in degrees of a frame's time: 180 is half of it, 0 none; and where "
-            "the middle of that time lies from the frame's own, in frames, -0.5 to 0.5 (default: the animation "
-            "file's or the .blend's, or 0)")
-        ->type_name("ANGLE[:PHASE]")
+            "the middle of that time lies from the frame's own, in frames, -0.5 to 0.5; and how much later the last "
+            "row is exposed than the first, 0 to 1 (default: the animation file's or the .blend's, or 0)")
+        ->type_name("ANGLE[:PHASE[:ROLLING]]")
         ->check(checked(shutter_from, ""))
         ->group(picture);
     command

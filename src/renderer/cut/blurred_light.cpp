@@ -131,6 +131,7 @@ void spread_light(const Seen& seen, const FrameLight& light, bool layers, core::
         std::uint64_t non_finite = 0;
         std::int64_t first = -1;
     };
+    if (layers) radiance.coverage = exposure.coverage;
     std::vector<Found> of_tile(seen.tiles.size());
     parallel::for_each(seen.tiles.size(), [&](std::size_t t) {
         for_each_exposed(seen, t, [&](int x, int y, int pixel) {

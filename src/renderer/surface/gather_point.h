@@ -81,6 +81,8 @@ struct Exposure {
     core::Plane<std::uint8_t> exposed;  ///< 1: the pixel is the sum of its contributions and `emitted`
     std::vector<std::vector<Contribution>> contributions;  ///< by tile, by pixel in raster order
     std::vector<std::vector<std::uint32_t>> starts;  ///< by tile: where each of its pixels' begin, and the end; or none
+    core::Plane<float>
+        coverage;  ///< share of a pixel's samples that show the object that its middle shows; 1 elsewhere
     core::Plane<glm::vec3> emitted, emitted_specular;  ///< as Seen's, of exposed pixels
     std::vector<std::uint32_t> first_point;            ///< by tile: points of all tiles before it; one more: of all
     std::vector<glm::vec3> lobe_light;  ///< by point of the frame: radiance that lobe rays found; empty without them

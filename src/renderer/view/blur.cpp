@@ -157,6 +157,15 @@ float Blur::of_pixel(const core::Visible& visible, int x, int y) const {
     }
 }
 
+glm::vec2 Blur::way_of_pixel(const core::Visible& visible, int x, int y) const {
+    const core::SurfaceAddress& address = visible.address.at(x, y);
+    if (!moves_ || visible.kind.at(x, y) != core::PixelClass::surface || !address.is_surface()) return glm::vec2(0);
+    if (!snapshot_.sweep->camera_moves && !snapshot_.sweep->object_moves(address.object)) return glm::vec2(0);
+    const auto a = opening_.project(*scene::swept_position(address, snapshot_, false)),
+               b = closing_.project(*scene::swept_position(address, snapshot_, true));
+    return a && b ? b->position - a->position : glm::vec2(0);
+}
+
 std::vector<float> blur_of_tiles(const Blur& blur, const scene::Snapshot& snapshot, const Seen& seen,
                                  const std::vector<float>& found) {
     const int across = seen.tiles_across();

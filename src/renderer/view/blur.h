@@ -32,6 +32,9 @@ class Blur {
     /// Of one pixel's middle.
     float of_pixel(const core::Visible& visible, int x, int y) const;
 
+    /// From where a pixel's middle is when the shutter opens to where it is when that closes; 0: it is not known.
+    glm::vec2 way_of_pixel(const core::Visible& visible, int x, int y) const;
+
   private:
     float of_lens(float depth) const;
 

@@ -50,6 +50,7 @@ struct Exposing {
     std::map<int, std::vector<glm::vec2>> places;
     std::map<int, ExposurePattern> patterns;
     std::vector<std::vector<std::uint32_t>> starts;  ///< of pixels in `seen.tiles`
+    core::Plane<glm::vec2> ways;                     ///< of pixels' middles; empty where the lens blurs, too
 
     const scene::Camera& camera_at(float time) const {
         const auto k = static_cast<std::size_t>(time * static_cast<float>(cameras.size()));
@@ -80,7 +81,14 @@ class TileExposer {
   private:
     void aim(int x, int y, int sample, int dither);
     void look(int x, int y, std::size_t first, TileExposure& found);
+    glm::vec2 even_way(int x, int y) const;
     bool was_blurred(int x, int y) const;
+    /// Whether the sample shows the object that the sharp picture shows of a pixel.
+    bool shows_same(int x, int y) const {
+        const core::Visible& visible = all_.seen.visible;
+        return sample_.main.kind == visible.kind.at(x, y) &&
+               sample_.main.point.address.object == visible.address.at(x, y).object;
+    }
     float blur_of(const EyeSample& sample, glm::vec2 position) const;
     void to_middle(Fragment& fragment, float time) const;
     void take(Fragment& fragment, int x, int y, float time, std::size_t first, TileExposure& found);
@@ -95,6 +103,7 @@ class TileExposer {
     const ExposurePattern& pattern_;
     const std::vector<glm::vec2>& places_;
     float spacing_;
+    glm::vec2 along_{0};  ///< direction along which the pixel's samples lie in its middle
     EyeSample sample_;
     SeeCounts see_counts_;
     std::vector<EyeRay> rays_;
@@ -103,11 +112,16 @@ class TileExposer {
 };
 
 void TileExposer::aim(int x, int y, int sample, int dither) {
-    const float time = pattern_.time(sample, dither);
+    const scene::Snapshot& snapshot = all_.scene.posed();
+    float time = pattern_.time(sample, dither);
+    if (snapshot.sweep)
+        time = snapshot.sweep->shutter.of_row(
+            time, (static_cast<float>(y) + 0.5f) / static_cast<float>(all_.seen.visible.height()));
     const scene::Camera& camera = all_.camera_at(time);
     const glm::vec2 lens = camera.has_aperture() ? pattern_.lens(sample, dither, camera.lens()) : glm::vec2(0);
-    const glm::vec2 position =
-        glm::vec2{static_cast<float>(x), static_cast<float>(y)} + places_[static_cast<std::size_t>(sample)];
+    glm::vec2 place = places_[static_cast<std::size_t>(sample)] - 0.5f;
+    place -= glm::dot(place, along_) * along_;
+    const glm::vec2 position = glm::vec2{static_cast<float>(x), static_cast<float>(y)} + 0.5f + place;
     float far = 0;
     EyeRay& ray = rays_.emplace_back(eye_ray(camera, position, spacing_, far, lens));
     ray.number = static_cast<std::uint32_t>(sample) | static_cast<std::uint32_t>(y % 4 * 4 + x % 4) << 16;
@@ -165,6 +179,22 @@ bool TileExposer::was_blurred(int x, int y) const {
     for (std::uint32_t i = all_.starts[tile_][pixel]; i < all_.starts[tile_][pixel + 1u]; ++i)
         if (all_.blur.of(points[i].point.address) >= least_blur) return true;
     return false;
+}
+
+/// The direction in which all about a pixel goes the same way, two pixels or more: strata of time part that evenly, and
+/// places along it would only disturb them. 0: there is none.
+glm::vec2 TileExposer::even_way(int x, int y) const {
+    // chosen: two pixels, of which the pixel's own box is too little to see; a quarter, not tuned.
+    constexpr float least_way = 2, same_way = 0.25f;
+    const core::Plane<glm::vec2>& ways = all_.ways;
+    if (ways.empty()) return glm::vec2(0);
+    const glm::vec2 way = ways.at(x, y);
+    const float length = glm::length(way);
+    if (!(length >= least_way)) return glm::vec2(0);
+    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, ways.height() - 1); ++j)
+        for (int i = std::max(x - 1, 0); i <= std::min(x + 1, ways.width() - 1); ++i)
+            if (glm::length(ways.at(i, j) - way) > same_way * length) return glm::vec2(0);
+    return way / length;
 }
 
 /// Moves what a sample saw to where the middle of the shutter has it.
@@ -259,9 +289,11 @@ void TileExposer::look(int x, int y, std::size_t first_ray, TileExposure& found)
     const glm::vec2 middle{static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f};
     glm::vec3 emitted(0), specular(0);
     bool blurred = was_blurred(x, y);
+    int same = 0;
     for (int s = 0; s < pattern_.samples(); ++s) {
         const std::size_t ray = first_ray + static_cast<std::size_t>(s);
         all_.paths.look(rays_[ray], queries_[ray].far, hits_[ray], sample_, see_counts_);
+        same += shows_same(x, y) ? 1 : 0;
         emitted += sample_.emitted;
         specular += sample_.emitted_specular;
         blurred = blurred || blur_of(sample_, middle) >= least_blur;
@@ -275,6 +307,7 @@ void TileExposer::look(int x, int y, std::size_t first_ray, TileExposure& found)
     ++found.counts.pixels;
     const auto share = 1.0f / static_cast<float>(pattern_.samples());
     all_.exposure.exposed.at(x, y) = 1;
+    all_.exposure.coverage.at(x, y) = share * static_cast<float>(same);
     all_.exposure.emitted.at(x, y) = share * emitted;
     if (!all_.exposure.emitted_specular.empty()) all_.exposure.emitted_specular.at(x, y) = share * specular;
 }
@@ -289,8 +322,10 @@ void TileExposer::expose(TileExposure& found) {
             if ((x - area_.first.x) % together == 0) {
                 rays_.clear();
                 queries_.clear();
-                for (int k = x; k < std::min(x + together, area_.end.x); ++k)
+                for (int k = x; k < std::min(x + together, area_.end.x); ++k) {
+                    along_ = even_way(k, y);
                     for (int s = 0; s < pattern_.samples(); ++s) aim(k, y, s, dither_class(k, y));
+                }
                 hits_.resize(queries_.size());
                 all_.scene.tracer().nearest(queries_, hits_);
             }
@@ -310,6 +345,16 @@ std::vector<std::vector<std::uint32_t>> starts_of(const Seen& seen) {
         for (std::size_t k = 1; k < starts[t].size(); ++k) starts[t][k] += starts[t][k - 1];
     });
     return starts;
+}
+
+/// What each pixel shows goes this way while the shutter is open.
+core::Plane<glm::vec2> ways_of(const Blur& blur, const core::Visible& visible) {
+    core::Plane<glm::vec2> ways(visible.width(), visible.height(), glm::vec2(0));
+    parallel::for_each(static_cast<std::size_t>(visible.height()), [&](std::size_t row) {
+        const int y = static_cast<int>(row);
+        for (int x = 0; x < visible.width(); ++x) ways.at(x, y) = blur.way_of_pixel(visible, x, y);
+    });
+    return ways;
 }
 
 /// Looks along the lobes of points that are narrow.
@@ -381,9 +426,11 @@ void expose(const PosedScene& posed_scene, const SeeSettings& settings, const Pl
     const std::vector<scene::Camera> cameras = scene::cameras_over(snapshot, samples.most * dither_classes);
     auto exposure = std::make_shared<Exposure>();
     exposure->exposed = core::Plane<std::uint8_t>(seen.visible.width(), seen.visible.height(), 0);
+    exposure->coverage = core::Plane<float>(seen.visible.width(), seen.visible.height(), 1.0f);
     exposure->emitted = core::Plane<glm::vec3>(seen.visible.width(), seen.visible.height(), glm::vec3(0));
     if (!seen.emitted_specular.empty()) exposure->emitted_specular = exposure->emitted;
-    Exposing all{posed_scene, paths, blur, seen, *exposure, cameras, {}, {}, starts_of(seen)};
+    Exposing all{posed_scene, paths, blur, seen, *exposure, cameras, {}, {}, starts_of(seen), {}};
+    if (!snapshot.camera.has_aperture()) all.ways = ways_of(blur, seen.visible);
     std::vector<TileExposure> found = sample_tiles(all, samples, counts);
     if (counts.pixels == 0) {
         blur_shadows(snapshot, seen);

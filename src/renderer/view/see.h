@@ -20,7 +20,7 @@ struct SeeSettings {
     float sky_part = std::numeric_limits<float>::infinity();  ///< LightPoints::sky_part
     image::SkyImportance sky_importance{};                    ///< LightPoints::sky_importance
     /// Irradiance over pi of a surface that lobe rays meet; adds the rays it takes. Any thread. Empty: all are dark.
-    std::function<glm::vec3(const SurfacePoint&, int& rays)> irradiance;
+    std::function<glm::vec3(const SurfacePoint&, int& rays)> irradiance{};
 };
 
 /// Rays that `see` shot, for the statistics.

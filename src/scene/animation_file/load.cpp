@@ -127,6 +127,8 @@ FilmClock read_format(const JsonValue& value, Animation& film) {
     if (const auto shutter = value.find("shutter")) film.shutter.angle = static_cast<float>(shutter->number(0, 360));
     if (const auto phase = value.find("shutter_phase"))
         film.shutter.phase = static_cast<float>(phase->number(-0.5, 0.5));
+    if (const auto rolling = value.find("rolling_shutter"))
+        film.shutter.rolling = static_cast<float>(rolling->number(0, 1));
     if (const auto view = value.find("view")) film.view = view_of(*view);
     if (const auto glare = value.find("glare")) film.glare = glare_of(*glare);
     return clock;

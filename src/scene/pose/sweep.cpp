@@ -130,6 +130,7 @@ ShutterInterval within_shot(const Animation& animation, std::int64_t frame, cons
     if (begins || ends) {
         within.opens = std::max(shutter.opens, shutter.middle() - half);
         within.closes = std::min(shutter.closes, shutter.middle() + half);
+        within.rolls = std::min(shutter.rolls, within.closes - within.opens);
     }
     return within;
 }

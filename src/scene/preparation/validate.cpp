@@ -110,6 +110,8 @@ void validate_cameras(Animation& animation) {
         refuse(animation, "shutter", "its angle must lie between 0 and 360 degrees");
     if (!Shutter::is_phase(static_cast<double>(animation.shutter.phase)))
         refuse(animation, "shutter", "its phase must lie between -0.5 and 0.5 frames");
+    if (!Shutter::is_rolling(static_cast<double>(animation.shutter.rolling)))
+        refuse(animation, "shutter", "it must roll by 0 to 1 frames");
     for (std::size_t i = 0; i < animation.shots.size(); ++i)
         if (!in_range(animation.shots[i].camera, animation.cameras.size()))
             refuse(animation, described("shot", i, ""),
