@@ -90,7 +90,7 @@ double pupil_diameter(double luminance) {
 }
 
 double restless_diameter(double mean, double seconds, std::uint64_t seed) {
-    // chosen: a fiftieth; narrow pupils are restless by four times that.
+    // chosen: a fiftieth; the swing is the more of a pupil the narrower it is.
     constexpr double amplitude = 0.02;
     const double change = noise(seconds / mean, 2, core::mix(seed)) * widest / mean * std::sqrt(1 - mean / widest);
     return std::clamp(mean + amplitude * mean * change, narrowest, widest);

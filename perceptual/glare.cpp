@@ -10,13 +10,13 @@
 namespace render2mpeg::perceptual {
 namespace {
 
-/// Radius of what is scattered, in cells.
-int reach_of(const core::Glare& settings, int height, int step) {
-    return std::max(1,
-                    static_cast<int>(std::ceil(settings.size * static_cast<float>(height) / static_cast<float>(step))));
+/// Radii of what is scattered, in cells.
+glm::ivec2 reach_of(const core::Glare& settings, int height, float pixel_aspect, int step) {
+    const float high = settings.size * static_cast<float>(height) / static_cast<float>(step);
+    return glm::max(glm::ivec2(1), glm::ivec2(glm::ceil(glm::vec2(high / pixel_aspect, high))));
 }
 
-/// Means of step x step pixels, of fewer at the right and lower border.
+/// Light of step x step pixels over their number; of fewer at the right and lower border, over that number, too.
 core::Plane<float> reduced(const core::Plane<glm::vec3>& plane, int channel, int step, float most) {
     core::Plane<float> cells((plane.width() + step - 1) / step, (plane.height() + step - 1) / step);
     for (int y = 0; y < cells.height(); ++y)
@@ -25,7 +25,7 @@ core::Plane<float> reduced(const core::Plane<glm::vec3>& plane, int channel, int
             float sum = 0;
             for (int j = y * step; j < low; ++j)
                 for (int i = x * step; i < right; ++i) sum += std::min(plane.at(i, j)[channel], most);
-            cells.at(x, y) = sum / static_cast<float>((right - x * step) * (low - y * step));
+            cells.at(x, y) = sum / static_cast<float>(step * step);
         }
     return cells;
 }
@@ -51,22 +51,28 @@ double veil_at(double distance) {
     return end * end / ((distance * distance + core * core) * std::sqrt(1 + distance * distance / (knee * knee)));
 }
 
-/// Its mean over a cell at this offset from the middle, `reach` cells wide.
-double veil_over(glm::ivec2 offset, double reach) {
+/// Where a place lies, in cells from the middle, as a share of what is reached there.
+glm::dvec2 share_of(glm::dvec2 cells, glm::ivec2 reach) {
+    return cells / (glm::dvec2(reach) + 0.5);
+}
+
+/// The veil's mean over a cell at this offset from the middle.
+double veil_over(glm::ivec2 offset, glm::ivec2 reach) {
     // chosen: cells near the light are looked at closely; further out it is nearly even over a cell.
     const int samples = std::abs(offset.x) + std::abs(offset.y) < 4 ? 32 : 2;
     double sum = 0;
     for (int j = 0; j < samples; ++j)
         for (int i = 0; i < samples; ++i) {
             const glm::dvec2 inside = (glm::dvec2(i, j) + 0.5) / static_cast<double>(samples) - 0.5;
-            sum += veil_at(glm::length(glm::dvec2(offset) + inside) / reach);
+            sum += veil_at(glm::length(share_of(glm::dvec2(offset) + inside, reach)));
         }
     return sum / (samples * samples);
 }
 
-/// Mean of the pattern over a cell at this offset from its middle. `texels`: of a cell's side.
-glm::dvec3 mean_over(const core::Plane<glm::vec3>& pattern, glm::ivec2 offset, double texels) {
-    const int samples = std::max(1, static_cast<int>(std::ceil(2 * texels)));
+/// The pattern's mean over a cell at this offset from the middle.
+glm::dvec3 mean_over(const core::Plane<glm::vec3>& pattern, glm::ivec2 offset, glm::ivec2 reach) {
+    const glm::dvec2 texels = eye_texels / 2.0 / glm::dvec2(reach);
+    const int samples = std::max(1, static_cast<int>(std::ceil(2 * std::max(texels.x, texels.y))));
     glm::dvec3 sum(0);
     for (int j = 0; j < samples; ++j)
         for (int i = 0; i < samples; ++i) {
@@ -82,25 +88,26 @@ glm::dvec3 mean_over(const core::Plane<glm::vec3>& pattern, glm::ivec2 offset, d
     return sum / static_cast<double>(samples * samples);
 }
 
-/// What a cell's light becomes at distances of up to `reach` cells, the middle at (reach, reach); sums are 1.
-core::Plane<glm::vec3> kernel_of(const core::Plane<glm::vec3>& pattern, int reach) {
-    const int side = 2 * reach + 1;
-    const double texels = eye_texels / 2.0 / reach;
-    core::Plane<glm::dvec3> needles(side, side), veil(side, side);
-    glm::dvec3 needles_sum(0), veil_sum(0);
-    for (int y = 0; y < side; ++y)
-        for (int x = 0; x < side; ++x) {
-            const glm::ivec2 offset(x - reach, y - reach);
-            const double distance = glm::length(glm::dvec2(offset)) / (reach + 0.5);
+/// What a cell's light becomes at distances of up to `reach` cells, the middle at `reach`; sums are 1.
+core::Plane<glm::vec3> kernel_of(const core::Plane<glm::vec3>& pattern, glm::ivec2 reach) {
+    const glm::ivec2 sides = 2 * reach + 1;
+    core::Plane<glm::dvec3> needles(sides.x, sides.y);
+    core::Plane<double> veil(sides.x, sides.y);
+    glm::dvec3 needles_sum(0);
+    double veil_sum = 0;
+    for (int y = 0; y < sides.y; ++y)
+        for (int x = 0; x < sides.x; ++x) {
+            const glm::ivec2 offset = glm::ivec2(x, y) - reach;
+            const double distance = glm::length(share_of(glm::dvec2(offset), reach));
             const double inside = std::max(0.0, 1 - distance * distance);
-            needles.at(x, y) = mean_over(pattern, offset, texels) * inside;
-            veil.at(x, y) = glm::dvec3(veil_over(offset, reach + 0.5));
+            needles.at(x, y) = mean_over(pattern, offset, reach) * inside;
+            veil.at(x, y) = veil_over(offset, reach);
             needles_sum += needles.at(x, y);
             veil_sum += veil.at(x, y);
         }
-    core::Plane<glm::vec3> kernel(side, side);
-    for (int y = 0; y < side; ++y)
-        for (int x = 0; x < side; ++x)
+    core::Plane<glm::vec3> kernel(sides.x, sides.y);
+    for (int y = 0; y < sides.y; ++y)
+        for (int x = 0; x < sides.x; ++x)
             kernel.at(x, y) = glm::vec3(0.5 * needles.at(x, y) / needles_sum + 0.5 * veil.at(x, y) / veil_sum);
     return kernel;
 }
@@ -119,7 +126,7 @@ int step_of(int height) {
 
 }  // namespace
 
-Glare::Glare(const core::Glare& settings, int width, int height, float exposure)
+Glare::Glare(const core::Glare& settings, int width, int height, float pixel_aspect, float exposure)
     : settings_(settings),
       width_(width),
       height_(height),
@@ -127,9 +134,9 @@ Glare::Glare(const core::Glare& settings, int width, int height, float exposure)
       // What the exposure makes mid grey, at 179 lm/W [Ward1998].
       pupil_(pupil_diameter(179 * 0.18 * std::exp2(-static_cast<double>(exposure)))),
       brightest_(4096 * std::exp2(-exposure)),
-      fourier_((width + step_ - 1) / step_ + reach_of(settings, height, step_),
-               (height + step_ - 1) / step_ + reach_of(settings, height, step_)) {
-    EXPECTS(settings.shows() && settings.size > 0 && width >= 1 && height >= 1);
+      reach_(reach_of(settings, height, pixel_aspect, step_)),
+      fourier_((width + step_ - 1) / step_ + reach_.x, (height + step_ - 1) / step_ + reach_.y) {
+    EXPECTS(settings.shows() && settings.size > 0 && width >= 1 && height >= 1 && pixel_aspect > 0);
 }
 
 core::Plane<glm::vec3> Glare::pattern_at(double seconds) const {
@@ -151,18 +158,18 @@ core::Plane<glm::vec3> Glare::pattern_at(double seconds) const {
 void Glare::see(double seconds) {
     if (seen_ && settings_.kind != core::GlareKind::temporal) return;
     seen_ = true;
-    const int reach = reach_of(settings_, height_, step_);
     const int across = (width_ + step_ - 1) / step_, down = (height_ + step_ - 1) / step_;
-    const core::Plane<glm::vec3> kernel = kernel_of(pattern_at(seconds), reach);
-    const Fourier::Spectrum ones = fourier_.spectrum(core::Plane<float>(across, down, 1.0f));
+    const core::Plane<glm::vec3> kernel = kernel_of(pattern_at(seconds), reach_);
+    const Fourier::Spectrum ones =
+        fourier_.spectrum(reduced(core::Plane<glm::vec3>(width_, height_, glm::vec3(1)), 0, step_, 1));
     for (int c = 0; c < 3; ++c) {
         // The middle goes to (0, 0): what lies before it comes from the other end. Nothing reaches further than the
         // padding, so that nothing comes round.
         core::Plane<float> turned(fourier_.width(), fourier_.height());
         for (int y = 0; y < kernel.height(); ++y)
             for (int x = 0; x < kernel.width(); ++x) {
-                const int i = (x - reach + fourier_.width()) % fourier_.width();
-                const int j = (y - reach + fourier_.height()) % fourier_.height();
+                const int i = (x - reach_.x + fourier_.width()) % fourier_.width();
+                const int j = (y - reach_.y + fourier_.height()) % fourier_.height();
                 turned.at(i, j) += kernel.at(x, y)[c];
             }
         const auto channel = static_cast<std::size_t>(c);

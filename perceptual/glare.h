@@ -15,8 +15,9 @@ namespace render2mpeg::perceptual {
 /// light, too. Not for several threads at once.
 class Glare {
   public:
-    /// For pictures of this size. `exposure`, EV, tells how wide the pupil is. Settings that show, size > 0.
-    Glare(const core::Glare& settings, int width, int height, float exposure);
+    /// For pictures of this size, with pixels `pixel_aspect` > 0 times as wide as high. `exposure`, EV, tells how wide
+    /// the pupil is. Settings that show, size > 0.
+    Glare(const core::Glare& settings, int width, int height, float pixel_aspect, float exposure);
 
     /// Scene-linear radiance, >= 0 and finite, as the eye gets it at this time. What is above 4096 times white scatters
     /// as if it were that bright.
@@ -30,7 +31,8 @@ class Glare {
     int width_, height_;
     int step_;  ///< pixels along a side of what scatters as one
     double pupil_;
-    float brightest_;  ///< radiance
+    float brightest_;   ///< radiance
+    glm::ivec2 reach_;  ///< cells
     Fourier fourier_;
     std::array<Fourier::Spectrum, 3> kernel_;
     std::array<core::Plane<float>, 3> kept_;  ///< share of what is scattered that stays in the picture

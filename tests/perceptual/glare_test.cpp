@@ -31,7 +31,7 @@ Light lamp(int width, int height, glm::ivec2 at, float brightness) {
 
 TEST(GlareOfEyes, LeavesAnEvenPictureAsItIs) {
     for (const int height : {60, 720}) {  // of single pixels, and of cells of two
-        Glare glare(glare_of(0.3f), 96, height, 0);
+        Glare glare(glare_of(0.3f), 96, height, 1, 0);
         const Light shown = glare.over(Light(96, height, glm::vec3(0.2f, 1, 3)), 0);
         for (const glm::vec3 pixel : shown.values())
             for (int c = 0; c < 3; ++c) EXPECT_NEAR(pixel[c] / glm::vec3(0.2f, 1, 3)[c], 1, 2e-5);
@@ -39,7 +39,7 @@ TEST(GlareOfEyes, LeavesAnEvenPictureAsItIs) {
 }
 
 TEST(GlareOfEyes, KeepsAllLightWhereverTheLampIs) {
-    Glare glare(glare_of(0.2f), 90, 60, 0);
+    Glare glare(glare_of(0.2f), 90, 60, 1, 0);
     for (const glm::ivec2 at : {glm::ivec2(45, 30), glm::ivec2(0, 0), glm::ivec2(89, 20), glm::ivec2(3, 59)}) {
         const Light shown = glare.over(lamp(90, 60, at, 1000), 0);
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum_of(shown)[c], 1000, 0.05);
@@ -49,7 +49,7 @@ TEST(GlareOfEyes, KeepsAllLightWhereverTheLampIs) {
 }
 
 TEST(GlareOfEyes, ReachesAsFarAsItsSizeAndDoesNotComeRound) {
-    Glare glare(glare_of(0.5f, core::GlareKind::still, 0.25f), 120, 80, 0);
+    Glare glare(glare_of(0.5f, core::GlareKind::still, 0.25f), 120, 80, 1, 0);
     const Light shown = glare.over(lamp(120, 80, {2, 40}, 1000), 0);
     for (int y = 0; y < 80; ++y)
         for (int x = 0; x < 120; ++x) {
@@ -62,8 +62,28 @@ TEST(GlareOfEyes, ReachesAsFarAsItsSizeAndDoesNotComeRound) {
         }
 }
 
+TEST(GlareOfEyes, KeepsAllLightInCellsThatTheBorderCuts) {
+    Glare glare(glare_of(0.3f), 97, 1025, 1, 0);  // cells of three
+    for (const glm::ivec2 at : {glm::ivec2(50, 500), glm::ivec2(96, 500), glm::ivec2(50, 1024), glm::ivec2(96, 1024)})
+        EXPECT_NEAR(sum_of(glare.over(lamp(97, 1025, at, 1000), 0)).y, 1000, 12) << at.x << " " << at.y;
+}
+
+TEST(GlareOfEyes, IsRoundAsPicturesAreShown) {
+    Glare glare(glare_of(0.5f, core::GlareKind::still, 0.25f), 120, 80, 2, 0);
+    const Light shown = glare.over(lamp(120, 80, {60, 40}, 1000), 0);
+    // Pixels are twice as wide as high: the spread, in heights of a pixel, is alike in both directions.
+    glm::dvec2 spread(0);
+    for (int y = 0; y < 80; ++y)
+        for (int x = 0; x < 120; ++x) {
+            const glm::dvec2 offset(2 * (x - 60), y - 40);
+            spread += offset * offset * static_cast<double>(shown.at(x, y).y);
+        }
+    EXPECT_NEAR(spread.x / spread.y, 1, 0.2);
+    EXPECT_LT(shown.at(60 + 12, 40).y, 1e-4f);
+}
+
 TEST(GlareOfEyes, FallsWithDistanceAndIsDarkWhereAllIsBlack) {
-    Glare glare(glare_of(0.1f), 160, 160, 0);
+    Glare glare(glare_of(0.1f), 160, 160, 1, 0);
     const Light shown = glare.over(lamp(160, 160, {80, 80}, 1000), 0);
     const auto ring = [&](float radius) {
         double sum = 0;
@@ -80,7 +100,7 @@ TEST(GlareOfEyes, FallsWithDistanceAndIsDarkWhereAllIsBlack) {
 }
 
 TEST(GlareOfEyes, IsFiniteBesideASunAndNeverNegative) {
-    Glare glare(glare_of(0.5f), 64, 64, 0);
+    Glare glare(glare_of(0.5f), 64, 64, 1, 0);
     Light light = lamp(64, 64, {20, 20}, 1e9f);
     for (std::size_t i = 0; i < light.size(); ++i) light.values()[i] += core::uniform(1, i);
     const Light shown = glare.over(light, 0);
@@ -93,7 +113,7 @@ TEST(GlareOfEyes, IsFiniteBesideASunAndNeverNegative) {
 
 TEST(GlareOfEyes, ChangesWithTimeOnlyWhereThatIsAskedFor) {
     const Light light = lamp(64, 48, {30, 20}, 100);
-    Glare still(glare_of(0.2f), 64, 48, 0), temporal(glare_of(0.2f, core::GlareKind::temporal), 64, 48, 0);
+    Glare still(glare_of(0.2f), 64, 48, 1, 0), temporal(glare_of(0.2f, core::GlareKind::temporal), 64, 48, 1, 0);
     EXPECT_EQ(still.over(light, 0), still.over(light, 0.8));
     const Light before = temporal.over(light, 0), after = temporal.over(light, 0.8);
     EXPECT_NE(before, after);

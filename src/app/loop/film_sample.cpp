@@ -23,10 +23,11 @@ constexpr float switched = 1.0f / 3;
 /// chosen: by cornell and still_room from 96 to 192 pixels; 0.7 where light is rough (docs/fits/rate-model.md).
 constexpr double bits_power = 0.80;
 
-/// CPU seconds of passes that make light points and their trees: alike at any size of the picture.
-double light_seconds(const renderer::Renderer& renderer) {
+/// CPU seconds of passes that make light points and their trees, and of glare, which is mostly the eye's pattern in
+/// small pictures: alike at any size of the picture.
+double light_seconds(const renderer::Renderer& renderer, const RunStatistics& statistics) {
     using enum renderer::Pass;
-    double sum = 0;
+    double sum = statistics.pass_seconds[static_cast<std::size_t>(glare)];
     for (const renderer::Pass pass :
          {pose, punctual_lights, emissive_lights, sky_light, whole_lamps, direct_tree, photons, indirect_tree})
         sum += renderer.seconds(pass);
@@ -168,11 +169,11 @@ std::optional<FilmSample> light_sample(const RenderJob& job, const std::vector<C
     for (const Chunk& chunk : windows) {
         RunStatistics statistics;
         const double before = cpu_seconds();
-        double made = light_seconds(renderer);
+        double made = light_seconds(renderer, statistics);
         SampleWindow window{chunk.first, {}, {}, {}};
         render_chunk(job, renderer, chunk, observer, statistics, [&] {
             progress.advance();
-            window.lights.push_back(light_seconds(renderer) - made);
+            window.lights.push_back(light_seconds(renderer, statistics) - made);
             made += window.lights.back();
             // Of the first window so many that there are some behind the first, whatever they take.
             const bool enough = !found.windows.empty() || statistics.frames.size() >= least_frames;

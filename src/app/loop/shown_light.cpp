@@ -4,7 +4,8 @@ namespace render2mpeg::app {
 
 ShownLight::ShownLight(const RenderJob& film, RunStatistics& statistics) : statistics_(statistics) {
     if (film.plan.runs(renderer::Pass::glare))
-        glare_.emplace(film.animation->glare, film.format.width, film.format.height, film.exposure.value_or(0));
+        glare_.emplace(film.animation->glare, film.format.width, film.format.height, film.format.pixel_aspect,
+                       film.exposure.value_or(0));
 }
 
 const core::Radiance& ShownLight::of(const core::Radiance& light, const core::Rational& seconds) {

@@ -38,7 +38,8 @@ std::vector<std::string> unused_options(const RenderOptions& options, OutputKind
     if (kind == OutputKind::exr && (tolerance.reference || tolerance.relative == 0))
         note(lines, options.given, {"--exposure"},
              output + " holds the scene's own light, and no light is too dark for this tolerance");
-    if (kind == OutputKind::exr) note(lines, options.given, {"--view"}, output + " holds the scene's own light");
+    if (kind == OutputKind::exr)
+        note(lines, options.given, {"--view", "--glare"}, output + " holds the scene's own light");
     if (!tolerance.coupled)
         note(lines, options.given, {"--masking"}, "the tolerance is not coupled to the film's coding");
     return lines;

@@ -75,6 +75,7 @@ std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& stati
                            {},
                            {},
                            "tolerances from the pictures before"});
+    if (plan.runs(Pass::glare)) effects.push_back({"glare", pass(Pass::glare), {}, {}, ""});
     if (plan.runs(Pass::motion)) effects.push_back({"motion", pass(Pass::motion), {}, {}, ""});
     if (film.kind == OutputKind::film)
         effects.push_back({"coding", statistics.stage_seconds(Stage::encode), {}, {}, ""});
