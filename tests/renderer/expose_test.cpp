@@ -198,6 +198,37 @@ scene::CameraLens plain_lens() {
     return lens;
 }
 
+TEST(Expose, LampsOutOfFocusAreSampledAgain) {
+    // A small lamp, 24 times as bright as white, behind the plane in focus: a disc of eleven pixels.
+    SceneBuilder b;
+    const int bright = add_unlit(b, glm::vec3(24));
+    b.add_quad({-0.25f, -0.25f, -8}, {0.5f, 0, 0}, {0, 0.5f, 0}, bright);
+    scene::CameraLens lens;
+    lens.vertical_fov = 0.8f;
+    lens.f_stop = 1.4f;
+    lens.focus_distance = 2;
+    lens.sensor_height = 0.9f;
+    b.add_camera(lens, {0, 0, 2}, {0, 0, 0});
+    FilmStage stage(b, exposed_frame());
+    const auto frame = [&](const ExposureSamples& samples) {
+        const scene::Snapshot world = stage.at(1);
+        Seen seen = stage.renderer().see(world);
+        stage.renderer().expose(world, samples, seen);
+        return stage.renderer().shade(world, seen, core::ToleranceMap::reference());
+    };
+    const core::Radiance truth = frame({4096, 4096}), few = frame({16, 16});
+    const auto code = [](float luminance) { return 16 + 219 * std::sqrt(std::min(luminance, 1.0f)); };
+    const core::Radiance again = frame({16, 16, code, 2.0f});
+    double few_error = 0, again_error = 0;
+    for (std::size_t i = 0; i < truth.combined.size(); ++i) {
+        const auto of = [&](const core::Radiance& r) { return code(core::luminance(r.combined.values()[i])); };
+        few_error = std::max(few_error, static_cast<double>(std::abs(of(few) - of(truth))));
+        again_error = std::max(again_error, static_cast<double>(std::abs(of(again) - of(truth))));
+    }
+    EXPECT_GT(few_error, 30);  // the rim is ragged
+    EXPECT_LT(again_error, 0.4 * few_error);
+}
+
 TEST(Expose, MovingCameraShowsTheMeanOfItsPictures) {
     // It moves by 1.2 to the side from frame to frame; half of that is exposed.
     constexpr int steps = 48;

@@ -123,4 +123,13 @@ renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser)
     return {std::min(most, 16), most};
 }
 
+renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser, const perceptual::Display& display) {
+    renderer::ExposureSamples samples = exposure_samples(film, quantiser);
+    if (film.exposure_samples) return samples;
+    samples.shown = [display](float luminance) { return perceptual::luma_of(display, glm::vec3(luminance)); };
+    // chosen: 0.15 code values of a quantiser's step of two; rims of discs are few pixels.
+    samples.visible = 0.15f * static_cast<float>(film.kind == OutputKind::film ? quantiser : 4);
+    return samples;
+}
+
 }  // namespace render2mpeg::app

@@ -1,6 +1,7 @@
 #pragma once
 // How frames are exposed: what the command line says of shutter and lens, and how many samples a picture shows.
 #include "app/loop/render_job.h"
+#include "perceptual/display.h"
 
 namespace render2mpeg::app {
 
@@ -16,5 +17,8 @@ void tell_samples(RenderJob& film);
 /// Samples of a pixel that shutter or lens blur, for a picture to be coded with this quantiser: as many as make a
 /// difference after coding (docs/fits/exposure-samples.md). What is not coded gets as many as quantiser 4.
 renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser);
+
+/// The same for a picture that is shown like this: where lamps show, more of them if they are not told by hand.
+renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser, const perceptual::Display& display);
 
 }  // namespace render2mpeg::app

@@ -23,12 +23,14 @@ namespace {
 /// Pixels of all frames of a film from which on measuring pays. chosen: 12 frames of 256x256 have more.
 constexpr std::int64_t least_work = 600'000;
 
-/// Frames that are measured, spread over the film, their longest side, and the pixels of each. chosen: 3, 192 and 256:
-/// few pixels hold most of the error.
-constexpr int frames = 3, longest_side = 192, pixels = 256;
+/// Frames that are measured, spread over the film, and the pixels that are shared among them; the frames' longest side.
+/// chosen: 3, 768 and 192: few pixels hold most of the error. Short films have one frame for so many pixels of theirs,
+/// so that measuring stays a small part of them.
+constexpr int most_frames = 3, pixels = 768, longest_side = 192;
+constexpr std::int64_t work_per_frame = 1'200'000;
 
-/// Sets of light points, and those of each over those of the one before.
-constexpr int sets = 3;
+/// Sets of light points, and those of the second over those of the first.
+constexpr int sets = 2;
 constexpr double finer = 4;
 
 /// Of what a film may lose, the share that light points may take. chosen: two thirds; gathering and eye samples share
@@ -39,8 +41,9 @@ constexpr double light_share = 2.0 / 3.0;
 /// frame. chosen: 32,768 and 16,384; with 65,536 Sponza loses 0.04 to 0.3 dB less and takes a third longer.
 constexpr int most_vpls = 1 << 15, most_of_changing_light = 1 << 14, least_vpls = 1 << 10;
 
-/// Errors of light points fall at least with this power of their number, whatever 768 pixels say. chosen: a quarter.
-constexpr double least_power = 0.25;
+/// Errors of light points fall with this power of their number. fit: 0.47 to 0.49 in cornell, colonnade and a figure
+/// under a sky (docs/model/budget.md).
+constexpr double power = 0.48;
 
 int quantiser_of(const encoder::Settings& coding) {
     return coding.rate_control.bit_rate > 0 ? usual_quantiser(coding) : coding.quantiser;
@@ -66,6 +69,11 @@ struct Squares {
     double root_mean() const { return std::sqrt(core::divide_or(sum, count, 0.0)); }
 };
 
+/// Pixels of all frames of a film.
+std::int64_t work_of(const RenderJob& film) {
+    return film.frame_count() * film.format.width * film.format.height;
+}
+
 RenderJob small(const RenderJob& film, double factor) {
     RenderJob job = film;
     const float scale = std::min(
@@ -86,7 +94,8 @@ class Measurement {
     Measurement(const RenderJob& film, bool quiet)
         : film_(film),
           display_(film.display()),
-          progress_(sets * frames, quiet, "light points", Counted::parts_of_step) {}
+          frames_(static_cast<int>(std::clamp<std::int64_t>(work_of(film) / work_per_frame, 1, most_frames))),
+          progress_(sets * frames_, quiet, "light points", Counted::parts_of_step) {}
 
     /// Luma, in code values, of the same pixels of all frames, by `factor` times as many light points. Ends early where
     /// it is interrupted.
@@ -95,15 +104,15 @@ class Measurement {
         renderer::Renderer renderer = renderer_of(job);
         const auto reference = core::ToleranceMap::reference();
         std::vector<float> luma;
-        for (int i = 0; i < frames && !InterruptGuard::requested(); ++i) {
+        for (int i = 0; i < frames_ && !InterruptGuard::requested(); ++i) {
             const scene::Snapshot world =
-                job.snapshot(film_.frames.first + (film_.frame_count() - 1) * (2 * i + 1) / (2 * frames));
+                job.snapshot(film_.frames.first + (film_.frame_count() - 1) * (2 * i + 1) / (2 * frames_));
             if (i == 0) renderer.start_chunk(world);
             const renderer::Seen seen = renderer.see(world);
             const core::Radiance rough = preview(renderer, world, seen);
             if (factor == 1)
                 coding_.add(display_.develop(rough), 2.0f * static_cast<float>(quantiser_of(film_.coding)));
-            for (const renderer::AuditedPixel& pixel : renderer.audit(world, seen, reference, rough, pixels))
+            for (const renderer::AuditedPixel& pixel : renderer.audit(world, seen, reference, rough, pixels / frames_))
                 luma.push_back(perceptual::luma_of(display_, pixel.radiance));
             progress_.advance();
         }
@@ -115,6 +124,7 @@ class Measurement {
   private:
     const RenderJob& film_;
     perceptual::Display display_;
+    int frames_;
     Progress progress_;
     Squares coding_;
 };
@@ -133,7 +143,7 @@ int power_of_two(double number, int most) {
 
 bool has_budget(const RenderJob& film) {
     return film.loss && film.rendering.vpls > 0 && film.plan.runs(renderer::Pass::photons) &&
-           film.frame_count() * film.format.width * film.format.height >= least_work;
+           work_of(film) >= least_work;
 }
 
 int most_light_points(const RenderJob& film) {
@@ -143,36 +153,26 @@ int most_light_points(const RenderJob& film) {
 
 std::optional<LightBudget> measure_light(const RenderJob& film, bool quiet) {
     Measurement measurement(film, quiet);
-    const std::vector<float> fewer = measurement.luma(1.0 / finer), few = measurement.luma(1),
-                             many = measurement.luma(finer);
+    const std::vector<float> fewer = measurement.luma(1.0 / finer), few = measurement.luma(1);
     if (InterruptGuard::requested()) return {};
     LightBudget budget;
     budget.coding_error = measurement.coding_error();
     budget.allowed = budget.coding_error * std::sqrt(light_share * (std::pow(10.0, *film.loss / 10.0) - 1.0));
-    budget.fewer_error = distance(fewer, many);
-    budget.error = distance(few, many);
-    // Errors fall with a power of the number.
-    const double power =
-        std::log(std::max(core::divide_or(budget.fewer_error, budget.error, 1.0), 1.0)) / std::log(finer);
+    // Both sets err: the sum of their squares is what they differ by.
+    budget.error = distance(fewer, few) / std::sqrt(1 + std::pow(finer, 2 * power));
     const double over = core::divide_or(budget.error, budget.allowed, 1.0);
-    budget.vpls = power_of_two(film.rendering.vpls * std::pow(over, 1.0 / std::clamp(power, least_power, 1.0)),
-                               most_light_points(film));
+    budget.vpls = power_of_two(film.rendering.vpls * std::pow(over, 1.0 / power), most_light_points(film));
     return budget;
 }
 
 nlohmann::json json_of(const LightBudget& b) {
-    return {{"coding_error", b.coding_error},
-            {"allowed", b.allowed},
-            {"error", b.error},
-            {"fewer_error", b.fewer_error},
-            {"vpls", b.vpls}};
+    return {{"coding_error", b.coding_error}, {"allowed", b.allowed}, {"error", b.error}, {"vpls", b.vpls}};
 }
 
 std::optional<LightBudget> budget_from(const nlohmann::json& written) {
     if (!written.is_object()) return {};
     try {
-        return LightBudget{written.at("coding_error"), written.at("allowed"), written.at("error"),
-                           written.at("fewer_error"), written.at("vpls")};
+        return LightBudget{written.at("coding_error"), written.at("allowed"), written.at("error"), written.at("vpls")};
     } catch (const nlohmann::json::exception&) {
         return {};  // damaged: it is found again
     }

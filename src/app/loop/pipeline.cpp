@@ -132,7 +132,7 @@ void ChunkLoop::look_closer(const scene::Snapshot& world, const core::ToleranceM
 
 void ChunkLoop::expose(const scene::Snapshot& world, int quantiser, renderer::Seen& seen) {
     const StageTimer timer(statistics_, Stage::see);
-    renderer_.expose(world, exposure_samples(job_, quantiser), seen);
+    renderer_.expose(world, exposure_samples(job_, quantiser, display_), seen);
 }
 
 void ChunkLoop::throw_light(const scene::Snapshot& world, const core::ToleranceMap& tolerance, renderer::Seen& seen) {

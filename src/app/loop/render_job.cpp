@@ -316,6 +316,8 @@ float measure_exposure(const RenderJob& film) {
     small.rendering.format = small.format;
     small.rendering.samples = 1;
     small.rendering.edge_samples = small.rendering.most_samples = 0;
+    // chosen: 1,024 of 256 to 4,096; a mean over frames needs no more.
+    small.rendering.vpls = std::min(small.rendering.vpls, 1024);
     small.exposure.reset();
     small.tolerance = {false, 0.1f, false, {}};
 

@@ -27,8 +27,7 @@ namespace render2mpeg::app {
 struct LightBudget {
     double coding_error = 0;  ///< of coding alone at the film's quantiser, about
     double allowed = 0;       ///< of light points
-    double error = 0;         ///< of as many light points as films get without a budget: from four times as many
-    double fewer_error = 0;   ///< of a quarter of them, likewise
+    double error = 0;         ///< of as many light points as films get without a budget
     int vpls = 0;             ///< light points that the film gets
 };
 

@@ -9,7 +9,7 @@
 
 namespace render2mpeg::renderer {
 
-/// All samples of a lamp; the first 4, 16, 64, 256 of a lane are stratified as well.
+/// All samples of a lamp; the first 4, 8, 16, ... of a lane are stratified as well.
 inline constexpr int most_lamp_samples = 1024;
 
 /// At most so many corners a polygon has that is lit by as a whole.

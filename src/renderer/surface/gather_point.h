@@ -2,6 +2,7 @@
 // A gather point: a surface point that light is gathered for.
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -66,6 +67,10 @@ using GatherTile = std::vector<GatherPoint>;
 /// `most` where much.
 struct ExposureSamples {
     int fewest = 1, most = 1;
+    /// How a grey luminance is shown, in code values; empty: nobody knows, and no pixel is sampled again.
+    std::function<float(float)> shown = {};
+    /// Standard error, in code values, beyond which pixels are sampled again that show what is as bright as white.
+    float visible = 0;
 };
 
 /// What one gather point gives one pixel that is exposed.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "parallel/loops.h"
+#include "renderer/view/exposure_pattern.h"
 #include "renderer/view/tile_look.h"
 
 namespace render2mpeg::renderer {
@@ -164,6 +165,29 @@ glm::vec2 Blur::way_of_pixel(const core::Visible& visible, int x, int y) const {
     const auto a = opening_.project(*scene::swept_position(address, snapshot_, false)),
                b = closing_.project(*scene::swept_position(address, snapshot_, true));
     return a && b ? b->position - a->position : glm::vec2(0);
+}
+
+core::Plane<glm::vec2> Blur::ways(const core::Visible& visible) const {
+    core::Plane<glm::vec2> ways(visible.width(), visible.height(), glm::vec2(0));
+    parallel::for_each(static_cast<std::size_t>(visible.height()), [&](std::size_t row) {
+        const int y = static_cast<int>(row);
+        for (int x = 0; x < visible.width(); ++x) ways.at(x, y) = way_of_pixel(visible, x, y);
+    });
+    return ways;
+}
+
+void blur_shadows(const scene::Snapshot& snapshot, Seen& seen) {
+    if (!snapshot.sweep || snapshot.sweep->knots.empty()) return;
+    const scene::Animation& film = *snapshot.animation;
+    for (std::uint32_t o = 0; o < film.objects.size(); ++o)
+        if (snapshot.sweep->object_moves(o) &&
+            film.materials[static_cast<std::size_t>(film.objects[o].material)].emits())
+            return;
+    parallel::for_each(seen.tiles.size(), [&](std::size_t t) {
+        for (GatherPoint& p : seen.tiles[t])
+            if (!snapshot.sweep->object_moves(p.point.address.object))
+                p.shadow_part = static_cast<std::uint8_t>(1 + dither_class(p.pixel % tile_size, p.pixel / tile_size));
+    });
 }
 
 std::vector<float> blur_of_tiles(const Blur& blur, const scene::Snapshot& snapshot, const Seen& seen,

@@ -21,6 +21,8 @@ class Blur {
     /// Whether there is any.
     bool any() const { return moves_ || snapshot_.camera.has_aperture(); }
 
+    bool has_lens() const { return snapshot_.camera.has_aperture(); }
+
     /// Of a point of a surface.
     float of(const core::SurfaceAddress& address) const;
     /// Of a place in the world that stands still.
@@ -34,6 +36,8 @@ class Blur {
 
     /// From where a pixel's middle is when the shutter opens to where it is when that closes; 0: it is not known.
     glm::vec2 way_of_pixel(const core::Visible& visible, int x, int y) const;
+    /// Of all of them.
+    core::Plane<glm::vec2> ways(const core::Visible& visible) const;
 
   private:
     float of_lens(float depth) const;
@@ -48,5 +52,8 @@ class Blur {
 /// across; each reaches as far as it is blurred. 0: not at all.
 std::vector<float> blur_of_tiles(const Blur& blur, const scene::Snapshot& snapshot, const Seen& seen,
                                  const std::vector<float>& found);
+
+/// Has shadows of what moves blurred on what does not: its own would fall on itself. None where a lamp moves.
+void blur_shadows(const scene::Snapshot& snapshot, Seen& seen);
 
 }  // namespace render2mpeg::renderer

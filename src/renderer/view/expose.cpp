@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <unordered_map>
+#include <optional>
 #include <utility>
 
 #include "core/color.h"
@@ -16,6 +16,7 @@
 #include "parallel/loops.h"
 #include "renderer/view/blur.h"
 #include "renderer/view/exposed_points.h"
+#include "renderer/view/exposure_need.h"
 #include "renderer/view/exposure_pattern.h"
 #include "renderer/view/lobe_rays.h"
 #include "renderer/view/tile_look.h"
@@ -30,15 +31,6 @@ constexpr int most_rays_together = 1024;
 /// its blocks of 4 x 4 pixels.
 constexpr int scouts = 16;
 
-/// Samples that so much blur needs: steps of a quarter of a pixel, or of a quarter of a pixel's area of the disc.
-int samples_for(float blur, bool lens, const ExposureSamples& allowed) {
-    const float wanted = lens ? std::max(4 * blur, 4 * blur * blur) : 4 * blur;
-    int samples = std::min(allowed.fewest, allowed.most);
-    while (samples < allowed.most && static_cast<float>(samples) < wanted)
-        samples = std::min(2 * samples, allowed.most);
-    return samples;
-}
-
 /// What all tiles share.
 struct Exposing {
     const PosedScene& scene;
@@ -46,10 +38,12 @@ struct Exposing {
     const Blur& blur;
     Seen& seen;
     Exposure& exposure;
+    const ExposureSamples& samples;
     const std::vector<scene::Camera>& cameras;
     std::map<int, std::vector<glm::vec2>> places;
     std::map<int, ExposurePattern> patterns;
     std::vector<std::vector<std::uint32_t>> starts;  ///< of pixels in `seen.tiles`
+    core::Plane<std::uint8_t> near_white;            ///< see exposure_need.h
     core::Plane<glm::vec2> ways;                     ///< of pixels' middles; empty where the lens blurs, too
 
     const scene::Camera& camera_at(float time) const {
@@ -63,24 +57,40 @@ struct Exposing {
     }
 };
 
+/// Rays that are traced together, and what they meet.
+struct EyeRays {
+    std::vector<EyeRay> rays;
+    std::vector<RayQuery> queries;
+    std::vector<Hit> hits;
+
+    void clear() {
+        rays.clear();
+        queries.clear();
+    }
+    void trace(const RayTracer& tracer) {
+        hits.resize(queries.size());
+        tracer.nearest(queries, hits);
+    }
+};
+
 /// Samples the pixels of one tile.
 class TileExposer {
   public:
     TileExposer(const Exposing& all, std::size_t tile, int samples)
-        : all_(all),
-          tile_(tile),
-          area_(area_of(all.seen, tile)),
-          pattern_(all.patterns.at(samples)),
-          places_(all.places.at(samples)),
-          spacing_(1.0f / std::sqrt(static_cast<float>(samples))) {}
+        : all_(all), tile_(tile), area_(area_of(all.seen, tile)), samples_(samples) {
+        use(samples);
+    }
 
     void expose(TileExposure& found);
     /// How far a few samples of the tile are blurred.
     float scout(ExposureCounts& counts);
 
   private:
-    void aim(int x, int y, int sample, int dither);
-    void look(int x, int y, std::size_t first, TileExposure& found);
+    void use(int samples);
+    void aim(int x, int y, int sample, EyeRays& rays);
+    void aim_all(int x, int y, EyeRays& rays);
+    void expose(int x, int y, std::size_t first_ray, TileExposure& found);
+    std::optional<BrightSamples> look(int x, int y, const EyeRays& rays, std::size_t first, TileExposure& found);
     glm::vec2 even_way(int x, int y) const;
     bool was_blurred(int x, int y) const;
     /// Whether the sample shows the object that the sharp picture shows of a pixel.
@@ -100,33 +110,39 @@ class TileExposer {
     const Exposing& all_;
     std::size_t tile_;
     TileArea area_;
-    const ExposurePattern& pattern_;
-    const std::vector<glm::vec2>& places_;
-    float spacing_;
+    int samples_;  ///< of most pixels
+    const ExposurePattern* pattern_ = nullptr;
+    const std::vector<glm::vec2>* places_ = nullptr;
+    float spacing_ = 1;
     glm::vec2 along_{0};  ///< direction along which the pixel's samples lie in its middle
     EyeSample sample_;
     SeeCounts see_counts_;
-    std::vector<EyeRay> rays_;
-    std::vector<RayQuery> queries_;
-    std::vector<Hit> hits_;
+    EyeRays rays_, again_;  ///< of the pixels of a row, and of one pixel's second look
 };
 
-void TileExposer::aim(int x, int y, int sample, int dither) {
+void TileExposer::use(int samples) {
+    pattern_ = &all_.patterns.at(samples);
+    places_ = &all_.places.at(samples);
+    spacing_ = 1.0f / std::sqrt(static_cast<float>(samples));
+}
+
+void TileExposer::aim(int x, int y, int sample, EyeRays& rays) {
+    const int dither = dither_class(x, y);
     const scene::Snapshot& snapshot = all_.scene.posed();
-    float time = pattern_.time(sample, dither);
+    float time = pattern_->time(sample, dither);
     if (snapshot.sweep)
         time = snapshot.sweep->shutter.of_row(
             time, (static_cast<float>(y) + 0.5f) / static_cast<float>(all_.seen.visible.height()));
     const scene::Camera& camera = all_.camera_at(time);
-    const glm::vec2 lens = camera.has_aperture() ? pattern_.lens(sample, dither, camera.lens()) : glm::vec2(0);
-    glm::vec2 place = places_[static_cast<std::size_t>(sample)] - 0.5f;
+    const glm::vec2 lens = camera.has_aperture() ? pattern_->lens(sample, dither, camera.lens()) : glm::vec2(0);
+    glm::vec2 place = (*places_)[static_cast<std::size_t>(sample)] - 0.5f;
     place -= glm::dot(place, along_) * along_;
     const glm::vec2 position = glm::vec2{static_cast<float>(x), static_cast<float>(y)} + 0.5f + place;
     float far = 0;
-    EyeRay& ray = rays_.emplace_back(eye_ray(camera, position, spacing_, far, lens));
+    EyeRay& ray = rays.rays.emplace_back(eye_ray(camera, position, spacing_, far, lens));
     ray.number = static_cast<std::uint32_t>(sample) | static_cast<std::uint32_t>(y % 4 * 4 + x % 4) << 16;
     ray.time = time;
-    queries_.push_back({ray.origin, ray.direction, far, time});
+    rays.queries.push_back({ray.origin, ray.direction, far, time});
 }
 
 float TileExposer::blur_of(const EyeSample& sample, glm::vec2 position) const {
@@ -152,19 +168,17 @@ float TileExposer::blur_of(const EyeSample& sample, glm::vec2 position) const {
 float TileExposer::scout(ExposureCounts& counts) {
     constexpr int side = 4, step = tile_size / side;
     rays_.clear();
-    queries_.clear();
     std::vector<glm::vec2> places;
     for (int k = 0; k < scouts; ++k) {
         const int x = area_.first.x + k % side * step + k / side, y = area_.first.y + k / side * step + k % side;
         if (x >= area_.end.x || y >= area_.end.y) continue;
-        aim(x, y, k % pattern_.samples(), dither_class(x, y));
+        aim(x, y, k % pattern_->samples(), rays_);
         places.emplace_back(x, y);
     }
-    hits_.resize(queries_.size());
-    all_.scene.tracer().nearest(queries_, hits_);
+    rays_.trace(all_.scene.tracer());
     float blur = 0;
-    for (std::size_t k = 0; k < hits_.size(); ++k) {
-        all_.paths.look(rays_[k], queries_[k].far, hits_[k], sample_, see_counts_);
+    for (std::size_t k = 0; k < rays_.hits.size(); ++k) {
+        all_.paths.look(rays_.rays[k], rays_.queries[k].far, rays_.hits[k], sample_, see_counts_);
         blur = std::max(blur, blur_of(sample_, places[k]));
     }
     counts.rays += see_counts_.primary_rays + see_counts_.specular_rays;
@@ -259,7 +273,7 @@ std::pair<std::uint32_t, std::uint32_t> TileExposer::point_for(const Fragment& f
 }
 
 void TileExposer::take(Fragment& fragment, int x, int y, float time, std::size_t first, TileExposure& found) {
-    const glm::vec3 weight = fragment.weight / static_cast<float>(pattern_.samples());
+    const glm::vec3 weight = fragment.weight / static_cast<float>(pattern_->samples());
     const glm::vec3 diffuse = weight * fragment.point.bsdf.diffuse;
     to_middle(fragment, time);
     const std::size_t new_points = found.points.size();
@@ -284,52 +298,74 @@ void TileExposer::take(Fragment& fragment, int x, int y, float time, std::size_t
     found.parts.push_back({tile, point, weight, diffuse});
 }
 
-void TileExposer::look(int x, int y, std::size_t first_ray, TileExposure& found) {
+/// What a pixel's samples show; nothing where none of it is blurred.
+std::optional<BrightSamples> TileExposer::look(int x, int y, const EyeRays& rays, std::size_t first_ray,
+                                               TileExposure& found) {
     const std::size_t first = found.parts.size(), new_points = found.points.size();
+    BrightSamples bright;
     const glm::vec2 middle{static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f};
     glm::vec3 emitted(0), specular(0);
     bool blurred = was_blurred(x, y);
     int same = 0;
-    for (int s = 0; s < pattern_.samples(); ++s) {
+    for (int s = 0; s < pattern_->samples(); ++s) {
         const std::size_t ray = first_ray + static_cast<std::size_t>(s);
-        all_.paths.look(rays_[ray], queries_[ray].far, hits_[ray], sample_, see_counts_);
+        all_.paths.look(rays.rays[ray], rays.queries[ray].far, rays.hits[ray], sample_, see_counts_);
         same += shows_same(x, y) ? 1 : 0;
         emitted += sample_.emitted;
+        bright.add(core::luminance(sample_.emitted));
         specular += sample_.emitted_specular;
         blurred = blurred || blur_of(sample_, middle) >= least_blur;
-        for (Fragment& fragment : sample_.fragments) take(fragment, x, y, rays_[ray].time, first, found);
+        for (Fragment& fragment : sample_.fragments) take(fragment, x, y, rays.rays[ray].time, first, found);
     }
-    found.counts.samples += static_cast<std::uint64_t>(pattern_.samples());
+    found.counts.samples += static_cast<std::uint64_t>(pattern_->samples());
     if (!blurred) {
         found.forget_from(first, new_points);
-        return;
+        return {};
     }
     ++found.counts.pixels;
-    const auto share = 1.0f / static_cast<float>(pattern_.samples());
+    const auto share = 1.0f / static_cast<float>(pattern_->samples());
     all_.exposure.exposed.at(x, y) = 1;
     all_.exposure.coverage.at(x, y) = share * static_cast<float>(same);
     all_.exposure.emitted.at(x, y) = share * emitted;
     if (!all_.exposure.emitted_specular.empty()) all_.exposure.emitted_specular.at(x, y) = share * specular;
+    return bright;
+}
+
+void TileExposer::aim_all(int x, int y, EyeRays& rays) {
+    along_ = even_way(x, y);
+    for (int s = 0; s < pattern_->samples(); ++s) aim(x, y, s, rays);
+}
+
+/// Takes a pixel's samples, and more of them where so few would show.
+void TileExposer::expose(int x, int y, std::size_t first_ray, TileExposure& found) {
+    const std::size_t first = found.parts.size(), new_points = found.points.size();
+    const std::optional<BrightSamples> bright = look(x, y, rays_, first_ray, found);
+    const bool near_white = !all_.near_white.empty() && all_.near_white.at(x, y) != 0;
+    const int needed = bright ? bright->needed(samples_, near_white, all_.samples) : samples_;
+    if (needed == samples_) return;
+    found.forget_from(first, new_points);
+    --found.counts.pixels;
+    use(needed);
+    again_.clear();
+    aim_all(x, y, again_);
+    again_.trace(all_.scene.tracer());
+    look(x, y, again_, 0, found);
+    use(samples_);
 }
 
 void TileExposer::expose(TileExposure& found) {
     found.starts.assign(tile_size * tile_size + 1, 0);
-    const int together = std::max(1, most_rays_together / pattern_.samples());
+    const int together = std::max(1, most_rays_together / samples_);
     for (int y = area_.first.y; y < area_.first.y + tile_size; ++y)
         for (int x = area_.first.x; x < area_.first.x + tile_size; ++x) {
             found.starts[pixel_at(x, y)] = static_cast<std::uint32_t>(found.parts.size());
             if (x >= area_.end.x || y >= area_.end.y) continue;
             if ((x - area_.first.x) % together == 0) {
                 rays_.clear();
-                queries_.clear();
-                for (int k = x; k < std::min(x + together, area_.end.x); ++k) {
-                    along_ = even_way(k, y);
-                    for (int s = 0; s < pattern_.samples(); ++s) aim(k, y, s, dither_class(k, y));
-                }
-                hits_.resize(queries_.size());
-                all_.scene.tracer().nearest(queries_, hits_);
+                for (int k = x; k < std::min(x + together, area_.end.x); ++k) aim_all(k, y, rays_);
+                rays_.trace(all_.scene.tracer());
             }
-            look(x, y, static_cast<std::size_t>((x - area_.first.x) % together * pattern_.samples()), found);
+            expose(x, y, static_cast<std::size_t>((x - area_.first.x) % together * samples_), found);
         }
     found.starts.back() = static_cast<std::uint32_t>(found.parts.size());
     found.counts.rays += see_counts_.primary_rays + see_counts_.specular_rays;
@@ -345,16 +381,6 @@ std::vector<std::vector<std::uint32_t>> starts_of(const Seen& seen) {
         for (std::size_t k = 1; k < starts[t].size(); ++k) starts[t][k] += starts[t][k - 1];
     });
     return starts;
-}
-
-/// What each pixel shows goes this way while the shutter is open.
-core::Plane<glm::vec2> ways_of(const Blur& blur, const core::Visible& visible) {
-    core::Plane<glm::vec2> ways(visible.width(), visible.height(), glm::vec2(0));
-    parallel::for_each(static_cast<std::size_t>(visible.height()), [&](std::size_t row) {
-        const int y = static_cast<int>(row);
-        for (int x = 0; x < visible.width(); ++x) ways.at(x, y) = blur.way_of_pixel(visible, x, y);
-    });
-    return ways;
 }
 
 /// Looks along the lobes of points that are narrow.
@@ -375,26 +401,12 @@ void light_lobes(const LobeRays& lobes, Seen& seen, Exposure& exposure, std::vec
     });
 }
 
-/// Shadows of what moves are blurred on what does not; its own would fall on itself, and on lamps that move.
-void blur_shadows(const scene::Snapshot& snapshot, Seen& seen) {
-    if (!snapshot.sweep || snapshot.sweep->knots.empty()) return;
-    const scene::Animation& film = *snapshot.animation;
-    for (std::uint32_t o = 0; o < film.objects.size(); ++o)
-        if (snapshot.sweep->object_moves(o) &&
-            film.materials[static_cast<std::size_t>(film.objects[o].material)].emits())
-            return;
-    parallel::for_each(seen.tiles.size(), [&](std::size_t t) {
-        for (GatherPoint& p : seen.tiles[t])
-            if (!snapshot.sweep->object_moves(p.point.address.object))
-                p.shadow_part = static_cast<std::uint8_t>(1 + dither_class(p.pixel % tile_size, p.pixel / tile_size));
-    });
-}
-
 /// Samples all tiles that may be blurred.
-std::vector<TileExposure> sample_tiles(Exposing& all, const ExposureSamples& samples, ExposureCounts& counts) {
+std::vector<TileExposure> sample_tiles(Exposing& all, ExposureCounts& counts) {
     const scene::Snapshot& snapshot = all.scene.posed();
+    const ExposureSamples& samples = all.samples;
     for (int n = samples.fewest; n < samples.most; n *= 2) all.prepare(n);
-    all.prepare(samples.most);
+    for (int n = samples.most; n <= most_samples_of(samples); n *= 2) all.prepare(n);
     all.prepare(scouts);
     const std::size_t tiles = all.seen.tiles.size();
     std::vector<float> scouted(tiles, 0.0f);
@@ -429,9 +441,20 @@ void expose(const PosedScene& posed_scene, const SeeSettings& settings, const Pl
     exposure->coverage = core::Plane<float>(seen.visible.width(), seen.visible.height(), 1.0f);
     exposure->emitted = core::Plane<glm::vec3>(seen.visible.width(), seen.visible.height(), glm::vec3(0));
     if (!seen.emitted_specular.empty()) exposure->emitted_specular = exposure->emitted;
-    Exposing all{posed_scene, paths, blur, seen, *exposure, cameras, {}, {}, starts_of(seen), {}};
-    if (!snapshot.camera.has_aperture()) all.ways = ways_of(blur, seen.visible);
-    std::vector<TileExposure> found = sample_tiles(all, samples, counts);
+    Exposing all{posed_scene,
+                 paths,
+                 blur,
+                 seen,
+                 *exposure,
+                 samples,
+                 cameras,
+                 {},
+                 {},
+                 starts_of(seen),
+                 near_white(blur, seen, samples),
+                 {}};
+    if (!snapshot.camera.has_aperture()) all.ways = blur.ways(seen.visible);
+    std::vector<TileExposure> found = sample_tiles(all, counts);
     if (counts.pixels == 0) {
         blur_shadows(snapshot, seen);
         return;
