@@ -6,6 +6,7 @@
 
 #include "core/color.h"
 #include "core/error.h"
+#include "renderer/air/airlight.h"
 #include "renderer/base/stopwatch.h"
 #include "renderer/cache/irradiance_cache.h"
 #include "renderer/cache/light_split.h"
@@ -111,6 +112,7 @@ struct Renderer::Impl {
         photons.forget();
         thrown.forget();
         lit_frame.reset();
+        ambient_air = {};
         last_seen.reset();
         cache.forget();
         calibration.forget();
@@ -177,7 +179,8 @@ struct Renderer::Impl {
         light_trees.indirect_clamp = bounded ? anchor_clamp : GeometryClamp::none();
         light_trees.lobe_rays = plan.runs(Pass::lobe_rays);
         light_trees.bodies = plan.runs(Pass::caustics) ? Bodies::block : Bodies::pass;
-        light_trees.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass);
+        light_trees.air = posed_scene.air();
+        light_trees.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass) || light_trees.air != nullptr;
         if (splits) cache.move(split.update(light_trees, lit_anchors.still, lasting));
         lit_frame = snapshot.frame;
         has_trees = true;
@@ -304,6 +307,7 @@ struct Renderer::Impl {
     float calibrated_share = 0;      ///< typical_share of the coarsest frame calibrated
     IrradianceCache cache;
     DraftLight draft_light;
+    AmbientAir ambient_air;
     core::Radiance sharp;  ///< of the last frame that was exposed: its middle, whose points and pixels are audited
     Statistics statistics;
     double gathered = 0, clamped = 0;
@@ -365,6 +369,17 @@ void Renderer::add_caustics(const scene::Snapshot& snapshot, const core::Toleran
     i.statistics.caustic_landings += counts.landings;
     i.statistics.caustic_pairs += counts.splats.pairs;
     i.statistics.caustic_doubts += counts.splats.doubtful;
+}
+
+void Renderer::add_air(const scene::Snapshot& snapshot, const core::ToleranceMap* tolerance, Seen& seen) {
+    Impl& i = *impl_;
+    if (!i.plan.runs(Pass::air)) return;
+    i.prepare(snapshot, seen);
+    const Stopwatch timer(i.row(Pass::air));
+    const std::vector<AirLamp> lamps = air_lamps(i.light_points.at(i.posed_scene), i.light_trees);
+    const scene::Animation& film = i.posed_scene.animation();
+    i.ambient_air.start(*i.lit_frame, i.light_trees, glm::length(film.bounds_max - film.bounds_min));
+    i.statistics.air_rays += add_airlight(i.posed_scene, lamps, i.light_trees.bodies, i.ambient_air, tolerance, seen);
 }
 
 core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& wanted) {
@@ -472,7 +487,8 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
                             points.subspan(pixel.first, pixel.last - pixel.first),
                             std::max(core::luminance(p.at_points), p.least),
                             seen.samples.empty() ? i.settings.samples : seen.samples.at(a.x, a.y),
-                            caustic_light_at(seen, {a.x, a.y})});
+                            caustic_light_at(seen, {a.x, a.y}) +
+                                (seen.airlight.empty() ? glm::vec3(0) : seen.airlight.at(a.x, a.y))});
     }
     SeeSettings see;
     see.format = i.settings.format;

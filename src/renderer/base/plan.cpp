@@ -133,6 +133,8 @@ constexpr Rule rules[] = {
     {glossy, "glossy lobes", "surfaces have glossy lobes", "nothing is glossy",
      [](const Traits& t) { return t.has_glossy_surfaces; }, set_of({shade}), never, "materials (n)", "lobes (n)",
      "gloss"},
+    {air, "air", "the film has fog", "the air is clear", [](const Traits& t) { return t.has_fog; },
+     set_of({shade, layers}), never, "fog (film), lights, depth (n)", "light that air scatters, dimmed light (n)", "fog"},
     {shade, "shade", "pictures are wanted", "", always, set_of({layers, glare, develop}),
      [](const Wanted& w) { return w.picture; }, "gather points, light trees, tolerance (n)", "radiance (n)"},
     {layers, "layers", "layers are wanted", "", always, 0, [](const Wanted& w) { return w.layers; },

@@ -13,7 +13,9 @@ inline constexpr std::array film{
     K("$schema"), K("title"),   K("scene"),   K("size"),          K("display_aspect"),  K("frame_rate"),
     K("frames"),  K("seconds"), K("times"),   K("sky"),           K("exposure"),        K("camera"),
     K("cameras"), K("shots"),   K("lights"),  K("objects"),       K("materials"),       K("change"),
-    K("sound"),   K("view"),    K("shutter"), K("shutter_phase"), K("rolling_shutter"), K("glare")};
+    K("sound"),   K("view"),    K("shutter"), K("shutter_phase"), K("rolling_shutter"), K("glare"), K("fog")};
+
+inline constexpr std::array fog{K("visibility"), K("color"), K("anisotropy"), K("height"), K("falloff")};
 
 inline constexpr std::array glare{K("kind"), K("strength"), K("size"), K("seed")};
 
