@@ -12,11 +12,11 @@ inline constexpr float most_anisotropy = 0.95f;
 
 /// What fills the air, as animation files and the command line ask for it (docs/model/fog.md).
 struct Fog {
-    float visibility = 0;   ///< distance at which black on white has 5 % of its contrast, scene units; 0: clear air
-    glm::vec3 color{1};     ///< share of the light it meets that it scatters on, 0..1 each; black: smoke
-    float anisotropy = 0;   ///< mean cosine of the angle by which it scatters, -most_anisotropy..most_anisotropy
-    float height = 0;       ///< where `visibility` is told for, y, where it thins out
-    float falloff = 0;      ///< upwards it has 1 / e of its density every so far, scene units; 0: everywhere the same
+    float visibility = 0;  ///< distance at which black on white has 5 % of its contrast, scene units; 0: clear air
+    glm::vec3 color{1};    ///< share of the light it meets that it scatters on, 0..1 each; black: smoke
+    float anisotropy = 0;  ///< mean cosine of the angle by which it scatters, -most_anisotropy..most_anisotropy
+    float height = 0;      ///< where `visibility` is told for, y, where it thins out
+    float falloff = 0;     ///< upwards it has 1 / e of its density every so far, scene units; 0: everywhere the same
 
     bool shows() const { return visibility > 0; }
     bool operator==(const Fog&) const = default;

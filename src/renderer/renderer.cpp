@@ -228,13 +228,7 @@ struct Renderer::Impl {
                                                        snapshot.camera.position(), tolerance, s);
         if (pixels > 0) calibrated_share = share;
         statistics.calibrated_pixels += pixels;
-        last_seen = sight_of(snapshot, tolerance);
-    }
-
-    Sight sight_of(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance) const {
-        const scene::Camera& camera = snapshot.camera;
-        return {camera.to_world(), camera.lens().vertical_fov, camera.lens().y_magnification, *lit_frame,
-                tolerance.pixels};
+        last_seen = sight_of(snapshot, *lit_frame, tolerance);
     }
 
     /// Learns from a frame that was lit. One that repeats the frame before teaches nothing, so that still films stay as
@@ -243,7 +237,7 @@ struct Renderer::Impl {
                const ShadeSettings& s, const core::Radiance& radiance, const ShadeCounts& counts,
                const FrameLight* known) {
         const Stopwatch timer(statistics.calibration_seconds);
-        Sight sight = sight_of(snapshot, tolerance);
+        Sight sight = sight_of(snapshot, *lit_frame, tolerance);
         if (last_seen != sight)
             statistics.calibrated_pixels += renderer::recalibrate(calibration, light_trees, posed_scene.tracer(), seen,
                                                                   tolerance, s, radiance, counts.shadow_rays, known);
@@ -376,10 +370,8 @@ void Renderer::add_air(const scene::Snapshot& snapshot, const core::ToleranceMap
     if (!i.plan.runs(Pass::air)) return;
     i.prepare(snapshot, seen);
     const Stopwatch timer(i.row(Pass::air));
-    const std::vector<AirLamp> lamps = air_lamps(i.light_points.at(i.posed_scene), i.light_trees);
-    const scene::Animation& film = i.posed_scene.animation();
-    i.ambient_air.start(*i.lit_frame, i.light_trees, glm::length(film.bounds_max - film.bounds_min));
-    i.statistics.air_rays += add_airlight(i.posed_scene, lamps, i.light_trees.bodies, i.ambient_air, tolerance, seen);
+    i.statistics.air_rays += add_airlight(
+        {i.posed_scene, i.light_points.at(i.posed_scene), i.light_trees, *i.lit_frame}, i.ambient_air, tolerance, seen);
 }
 
 core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& wanted) {
@@ -487,14 +479,9 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
                             points.subspan(pixel.first, pixel.last - pixel.first),
                             std::max(core::luminance(p.at_points), p.least),
                             seen.samples.empty() ? i.settings.samples : seen.samples.at(a.x, a.y),
-                            caustic_light_at(seen, {a.x, a.y}) +
-                                (seen.airlight.empty() ? glm::vec3(0) : seen.airlight.at(a.x, a.y))});
+                            caustic_light_at(seen, {a.x, a.y}) + airlight_at(seen, {a.x, a.y})});
     }
-    SeeSettings see;
-    see.format = i.settings.format;
-    see.samples = i.settings.samples;
-    see.edge_samples = i.settings.edge_samples;
-    see.specular_depth = i.settings.specular_depth;
+    const SeeSettings see{i.settings.format, i.settings.samples, i.settings.edge_samples, i.settings.specular_depth};
     const std::vector<PixelTruth> truth = pixel_truth(i.posed_scene, see, i.plan, requests, finely);
     for (std::size_t k = 0; k < truth.size(); ++k) judged[k].truth = truth[k];
     return judged;

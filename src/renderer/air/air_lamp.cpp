@@ -24,8 +24,8 @@ constexpr int most_cells = 16;
 /// Behind air of this optical depth nothing is looked for: a share of 6e-6.
 constexpr float deepest = 12.0f;
 
-/// Parts of a way under a sun, each with as many places as a lamp's whole way: a sun's light is even over long ways, its
-/// shadows are not. chosen: 4; with 1 shafts between pillars have steps.
+/// Parts of a way under a sun, each with as many places as a lamp's whole way: a sun's light is even over long ways,
+/// its shadows are not. chosen: 4; with 1 shafts between pillars have steps.
 constexpr int sun_parts = 4;
 
 /// Halvings of the way between two places, one lit and one not. chosen: 5, so that an edge lies within 1/32 of a cell.
@@ -98,11 +98,12 @@ class LampWay {
             const float reach2 = distance2 / (lamp_.range * lamp_.range);
             share = std::clamp(1.0f - reach2 * reach2, 0.0f, 1.0f);
         }
-        const float spot = std::clamp(
-            glm::dot(direction, lamp_.direction) * lamp_.spot_scale + lamp_.spot_offset, 0.0f, 1.0f);
+        const float spot =
+            std::clamp(glm::dot(direction, lamp_.direction) * lamp_.spot_scale + lamp_.spot_offset, 0.0f, 1.0f);
         const float depth = air_.optical_depth(ray_.origin, ray_.direction, far) +
                             air_.optical_depth(lamp_.position, direction, length);
-        return share * spot * spot * air_.extinction(x.y) * air_.phase(-std::sin(parameter)) * std::exp(-depth) / apart_;
+        return share * spot * spot * air_.extinction(x.y) * air_.phase(-std::sin(parameter)) * std::exp(-depth) /
+               apart_;
     }
 
     /// Ray i of the packet: from this place to the lamp.

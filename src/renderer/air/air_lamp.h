@@ -15,11 +15,11 @@ namespace render2mpeg::renderer {
 /// A lamp that air scatters light of by itself: a point, or a sun.
 struct AirLamp {
     glm::vec3 position{0};
-    glm::vec3 direction{0, 0, -1};  ///< unit, it shines along
-    glm::vec3 intensity{0};         ///< suns: irradiance across the beam
+    glm::vec3 direction{0, 0, -1};          ///< unit, it shines along
+    glm::vec3 intensity{0};                 ///< suns: irradiance across the beam
     float spot_scale = 0, spot_offset = 1;  ///< LightPoint
-    float range = 0;                ///< likewise
-    float radius = 0;               ///< no nearer than this counts; 0: a true point
+    float range = 0;                        ///< likewise
+    float radius = 0;                       ///< no nearer than this counts; 0: a true point
     bool is_sun = false;
 };
 

@@ -41,8 +41,7 @@ int rung_below(float distance) {
     if (std::isinf(distance)) return to_infinity;
     static const float inverse = 1.0f / std::log(ladder);
     const float rung = std::floor(std::log(std::max(distance, 1e-30f)) * inverse);
-    return rung >= static_cast<float>(highest_rung) ? to_infinity
-                                                    : std::max(static_cast<int>(rung), lowest_rung);
+    return rung >= static_cast<float>(highest_rung) ? to_infinity : std::max(static_cast<int>(rung), lowest_rung);
 }
 float distance_of(int rung) {
     return rung == to_infinity ? no_end : std::pow(ladder, static_cast<float>(rung));
@@ -105,7 +104,7 @@ class Airlight {
 
   private:
     using Spans = std::vector<const AirSpan*>;
-    using CellSpans = std::array<Spans, static_cast<std::size_t>(cells_across * cells_across)>;
+    using CellSpans = std::array<Spans, static_cast<std::size_t>(cells_across* cells_across)>;
 
     glm::ivec2 first_pixel(std::size_t tile) const {
         const auto across = static_cast<std::size_t>(seen_.tiles_across());
@@ -124,7 +123,7 @@ class Airlight {
     const scene::Camera& camera_;
     AirScene scene_;
     std::span<const AirLamp> lamps_;
-    const AmbientColumns* ambient_;  ///< null: there is none
+    const AmbientColumns* ambient_;        ///< null: there is none
     const core::ToleranceMap* tolerance_;  ///< null: of a first look
     const Seen& seen_;
     int across_, down_;  ///< lattice points
@@ -211,8 +210,8 @@ void Airlight::add_cell(glm::ivec2 first, const Spans& spans, core::Plane<glm::v
         const float u = (static_cast<float>(x) + 0.5f) / lattice, v = (static_cast<float>(y) + 0.5f) / lattice;
         glm::vec3 light[4];
         for (std::size_t k = 0; k < 4; ++k) light[k] = corners[k]->at_distance(span->distance);
-        out.at(first.x + x, first.y + y) += span->weight * glm::mix(glm::mix(light[0], light[1], u),
-                                                                    glm::mix(light[2], light[3], u), v);
+        out.at(first.x + x, first.y + y) +=
+            span->weight * glm::mix(glm::mix(light[0], light[1], u), glm::mix(light[2], light[3], u), v);
     }
 }
 
@@ -222,8 +221,7 @@ void Airlight::add_finely(glm::ivec2 first, const Spans& spans, core::Plane<glm:
     for (std::size_t from = 0; from < spans.size();) {
         std::size_t to = from;
         Rungs rungs;
-        for (; to < spans.size() && spans[to]->pixel == spans[from]->pixel; ++to)
-            add_rungs(spans[to]->distance, rungs);
+        for (; to < spans.size() && spans[to]->pixel == spans[from]->pixel; ++to) add_rungs(spans[to]->distance, rungs);
         make_unique(rungs);
         const glm::ivec2 p = first + glm::ivec2(spans[from]->pixel % lattice, spans[from]->pixel / tile_size % lattice);
         const Column own = column(glm::vec2(p) + 0.5f, std::move(rungs), rays);
@@ -290,12 +288,16 @@ void Airlight::add(const std::vector<SeenAir>& air, const core::Plane<std::uint8
 
 }  // namespace
 
-std::uint64_t add_airlight(const PosedScene& posed_scene, std::span<const AirLamp> lamps, Bodies bodies,
-                           AmbientAir& ambient, const core::ToleranceMap* tolerance, Seen& seen) {
+std::uint64_t add_airlight(const AirInstant& instant, AmbientAir& ambient, const core::ToleranceMap* tolerance,
+                           Seen& seen) {
     if (seen.air.empty()) return 0;
+    const PosedScene& posed_scene = instant.posed_scene;
+    const scene::Animation& film = posed_scene.animation();
+    const std::vector<AirLamp> lamps = air_lamps(instant.points, instant.light_trees);
+    ambient.start(instant.lit_frame, instant.light_trees, glm::length(film.bounds_max - film.bounds_min));
     std::optional<AmbientColumns> columns;
     if (ambient.shines()) columns.emplace(posed_scene, seen, ambient);
-    Airlight airlight(posed_scene, lamps, bodies, columns ? &*columns : nullptr, tolerance, seen);
+    Airlight airlight(posed_scene, lamps, instant.light_trees.bodies, columns ? &*columns : nullptr, tolerance, seen);
     core::Plane<glm::vec3>* specular = seen.emitted_specular.empty() ? nullptr : &seen.emitted_specular;
     seen.airlight = core::Plane<glm::vec3>(seen.visible.width(), seen.visible.height(), glm::vec3(0));
     airlight.add(seen.air, nullptr, seen.airlight, specular);

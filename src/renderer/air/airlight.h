@@ -2,6 +2,7 @@
 // Light that fog scatters towards the eye, for all pixels of a frame.
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "core/tolerance_map.h"
 #include "renderer/air/air_lamp.h"
@@ -11,11 +12,23 @@
 
 namespace render2mpeg::renderer {
 
-/// Adds the light of the air that each pixel shows to what needs no gathering. The scene has air. It is found along a
-/// lattice of rays, finer where it changes, and interpolated between them at each pixel's own distances. Returns the
-/// shadow rays. `ambient`: of the posed instant; learns. The same for any number of threads. `tolerance`: the frame's; null: for a rough look.
-std::uint64_t add_airlight(const PosedScene& posed_scene, std::span<const AirLamp> lamps, Bodies bodies,
-                           AmbientAir& ambient,
-                           const core::ToleranceMap* tolerance, Seen& seen);
+/// An instant that air is lit at.
+struct AirInstant {
+    const PosedScene& posed_scene;  ///< it has air
+    const std::vector<LightPoint>& points;
+    const LightTrees& light_trees;
+    std::int64_t lit_frame = 0;  ///< stands for its light
+};
+
+/// Adds the light of the air that each pixel shows to what needs no gathering. It is found along a lattice of rays,
+/// finer where it changes, and interpolated between them at each pixel's own distances. `ambient` learns. `tolerance`:
+/// the frame's; null: for a rough look. Returns the shadow rays. The same for any number of threads.
+std::uint64_t add_airlight(const AirInstant& instant, AmbientAir& ambient, const core::ToleranceMap* tolerance,
+                           Seen& seen);
+
+/// What of a pixel's `emitted` it was; 0 without air.
+inline glm::vec3 airlight_at(const Seen& seen, glm::ivec2 pixel) {
+    return seen.airlight.empty() ? glm::vec3(0) : seen.airlight.at(pixel.x, pixel.y);
+}
 
 }  // namespace render2mpeg::renderer

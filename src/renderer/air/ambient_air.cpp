@@ -23,8 +23,8 @@ constexpr float finest_cell = 1.0f / 256;
 constexpr int most_clusters = 64;
 constexpr float relative_tolerance = 0.1f;
 
-/// Normals of an icosahedron's corners: irradiance on twelve such sides, over 3, is the light from all directions to 8 %
-/// of that of any one.
+/// Normals of an icosahedron's corners: irradiance on twelve such sides, over 3, is the light from all directions to 8
+/// % of that of any one.
 std::vector<glm::vec3> sides() {
     constexpr float phi = std::numbers::phi_v<float>;
     std::vector<glm::vec3> all;
@@ -84,9 +84,8 @@ void AmbientAir::start(std::int64_t lit_frame, const LightTrees& light_trees, fl
     light_trees_.trees[static_cast<std::size_t>(LightType::punctual)] = {};
     light_trees_.trees[static_cast<std::size_t>(LightType::punctual)].type = LightType::punctual;
     std::erase_if(light_trees_.lamps, [](const WholeLamp& lamp) { return lamp.kind != WholeLamp::Kind::polygon; });
-    shines_ = !light_trees_.lamps.empty() ||
-              std::any_of(light_trees_.trees.begin(), light_trees_.trees.end(),
-                          [](const LightTree& tree) { return !tree.empty(); });
+    shines_ = !light_trees_.lamps.empty() || std::any_of(light_trees_.trees.begin(), light_trees_.trees.end(),
+                                                         [](const LightTree& tree) { return !tree.empty(); });
 }
 
 /// Calls visit(key, corner, weight) for the corners about a place in the two lattices that its distance lies between.

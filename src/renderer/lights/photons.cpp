@@ -164,7 +164,8 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
             if (settings.keeps) notes.escape(photon.direction);
             break;
         }
-        if (posed_scene.air() != nullptr && media.media.empty()) photon.flux *= left_by_air(*posed_scene.air(), photon, hit.distance);
+        if (posed_scene.air() != nullptr && media.media.empty())
+            photon.flux *= left_by_air(*posed_scene.air(), photon, hit.distance);
         photon.flux *= media.way_to(posed_scene, hit, photon.direction);
         const SurfacePoint p = media.surface_at(posed_scene, hit, photon.direction);
         if (settings.keeps) notes.meet(p);

@@ -64,9 +64,9 @@ using GatherTile = std::vector<GatherPoint>;
 
 /// Light of the air on a straight way from the eye: `weight` times what air scatters to the eye from that far on.
 struct AirSpan {
-    std::uint16_t pixel = 0;   ///< as GatherPoint's
-    float distance = 0;        ///< from where the eye's ray begins; infinite: to the sky
-    glm::vec3 weight{0};       ///< may be below 0: the way begins there
+    std::uint16_t pixel = 0;  ///< as GatherPoint's
+    float distance = 0;       ///< from where the eye's ray begins; infinite: to the sky
+    glm::vec3 weight{0};      ///< may be below 0: the way begins there
 };
 
 /// The same of a way that mirrors or glass have turned.
@@ -107,7 +107,7 @@ struct Exposure {
         coverage;  ///< share of a pixel's samples that show the object that its middle shows; 1 elsewhere
     core::Plane<glm::vec3> emitted, emitted_specular;  ///< as Seen's, of exposed pixels
     std::vector<std::uint32_t> first_point;            ///< by tile: points of all tiles before it; one more: of all
-    std::vector<SeenAir> air{};         ///< as Seen's, of exposed pixels
+    std::vector<SeenAir> air{};                        ///< as Seen's, of exposed pixels
     std::vector<glm::vec3> lobe_light;  ///< by point of the frame: radiance that lobe rays found; empty without them
 
     bool is_exposed(std::size_t tile) const { return !starts[tile].empty(); }
@@ -139,7 +139,7 @@ struct Seen {
     core::Plane<core::SurfaceAddress>
         imaged{};                          ///< what flat mirrors show; no surface: none, or no mirror; may be empty
     core::Plane<std::uint16_t> samples{};  ///< eye samples of each pixel; empty where all have SeeSettings::samples
-    std::vector<SeenAir> air{};                  ///< by tile; empty: it is clear
+    std::vector<SeenAir> air{};            ///< by tile; empty: it is clear
     /// Light of the air: a part of `emitted`, and what exposed pixels show of it. Empty without.
     core::Plane<glm::vec3> airlight{}, air_of_exposed{};
     std::shared_ptr<const Exposure> exposure{};  ///< null: no pixel is blurred

@@ -98,7 +98,8 @@ core::Fog fog_of(const JsonValue& value) {
     if (const auto g = value.find("anisotropy"))
         fog.anisotropy = static_cast<float>(g->number(-core::most_anisotropy, core::most_anisotropy));
     constexpr double most_height = 1e7;  // as of positions
-    if (const auto falloff = value.find("falloff")) fog.falloff = static_cast<float>(falloff->number(1e-3, most_height));
+    if (const auto falloff = value.find("falloff"))
+        fog.falloff = static_cast<float>(falloff->number(1e-3, most_height));
     if (const auto height = value.find("height")) {
         fog.height = static_cast<float>(height->number(-most_height, most_height));
         if (!(fog.falloff > 0)) height->fail("stands without `falloff`: the fog is everywhere the same");
