@@ -284,8 +284,7 @@ struct Renderer::Impl {
     WholeLamps lamps;                ///< of the film
     PersistentLightTrees lasting;    ///< of the chunk
     LightTrees light_trees;
-    bool caches = false;  ///< light
-    bool splits = false;  ///< what is cached is only the static part of it
+    bool caches = false, splits = false;  ///< light is cached; only the static part of it is
     LightSplit split;
     std::optional<scene::Snapshot> shone_at;  ///< the instant that the following are of
     std::vector<LightPoint> shining;          ///< direct light points, until trees take them
@@ -469,8 +468,7 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
     for (const AuditedPixel& a : audited) {
         const LitPixel pixel = pixel_at(seen, {a.x, a.y});
         JudgedPixel& p = judged.emplace_back();
-        p.shown = radiance.combined.at(a.x, a.y);
-        p.where_lit = p.at_points = a.radiance;
+        p.shown = radiance.combined.at(a.x, a.y), p.where_lit = p.at_points = a.radiance;
         if (!tolerance.is_reference()) p.least = tolerance.pixels.at(a.x, a.y).absolute;
         if (any_moved(moved, pixel))
             p.at_points = gather_exactly(i.light_trees, i.posed_scene.tracer(), seen, {pixel}).front();
@@ -482,8 +480,8 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
                             caustic_light_at(seen, {a.x, a.y}) + airlight_at(seen, {a.x, a.y})});
     }
     const SeeSettings see{i.settings.format, i.settings.samples, i.settings.edge_samples, i.settings.specular_depth};
-    const std::vector<PixelTruth> truth = pixel_truth(i.posed_scene, see, i.plan, requests, finely);
-    for (std::size_t k = 0; k < truth.size(); ++k) judged[k].truth = truth[k];
+    std::size_t k = 0;
+    for (const PixelTruth& t : pixel_truth(i.posed_scene, see, i.plan, requests, finely)) judged[k++].truth = t;
     return judged;
 }
 
