@@ -22,7 +22,7 @@ std::string post_in(const Folder& folder, const std::string& keys, const std::st
         "objects": [{ "shape": "quad", "size": [8, 5], "position": [0, 0, -2] },
                     { "shape": "box", "size": [0.3, 2, 0.3], "position": [0.6, -1, -0.8] }],
         "lights": [{ "kind": "point", "intensity": 9, "position": )" +
-                                               lamp + "}] })";
+                                               lamp + "}] }";
     return (folder / "film.json").string();
 }
 
