@@ -100,6 +100,35 @@ def sun_light(studio, node):
             "rotate": [json_number(a) for a in turns(Matrix(shines.tolist()))]}
 
 
+def fog_of(node):
+    """Fog of a volume that is everywhere the same, None of another."""
+    if node.type not in ("VOLUME_SCATTER", "PRINCIPLED_VOLUME"):
+        return None
+    used = ["Color", "Density", "Anisotropy"]
+    if node.type == "PRINCIPLED_VOLUME":
+        used += ["Density Attribute", "Color Attribute", "Absorption Color", "Emission Strength", "Blackbody Intensity"]
+        if node.inputs["Emission Strength"].default_value > 0 or node.inputs["Blackbody Intensity"].default_value > 0:
+            return None
+    if any(node.inputs[name].is_linked for name in used if name in node.inputs):
+        return None
+    density = node.inputs["Density"].default_value
+    if not density > 0:
+        return "off"
+    color = [min(max(c, 0.0), 1.0) for c in node.inputs["Color"].default_value[:3]]
+    if node.type == "VOLUME_SCATTER":
+        dimmed = [density * c for c in color]  # Cycles' scatter takes as much as it scatters
+    else:
+        # Cycles: what is not scattered is absorbed but for the absorption colour's square root.
+        passes = [max(c, 0.0) ** 0.5 for c in node.inputs["Absorption Color"].default_value[:3]]
+        dimmed = [density * (c + max(1 - c, 0.0) * max(1 - p, 0.0)) for c, p in zip(color, passes)]
+    mean = sum(dimmed) / 3
+    if not mean > 0:
+        return "off"
+    anisotropy = min(max(node.inputs["Anisotropy"].default_value, -0.95), 0.95)
+    return {"visibility": json_number(min(max(3 / mean, 1e-4), 1e9)), "color": [json_number(min(density * c / mean, 1)) for c in color],
+            "anisotropy": json_number(anisotropy)}
+
+
 def write(scene, film, folder, lost):
     """Fills in the film's sky, and its sun among the lights."""
     world = scene.world
@@ -113,7 +142,11 @@ def write(scene, film, folder, lost):
         lost.add(world, "animated world; as on the first frame")
     end = output_of(world.node_tree)
     if end is not None and incoming(end.inputs["Volume"]) is not None:
-        lost.add(world, "volume of the world")
+        fog = fog_of(incoming(end.inputs["Volume"]).node)
+        if fog is None:
+            lost.add(world, "volume of the world")
+        else:
+            film["fog"] = fog
     source = incoming(end.inputs["Surface"]) if end is not None else None
     if source is None:
         film["sky"] = 0

@@ -6,6 +6,7 @@
 
 #include "core/color.h"
 #include "core/error.h"
+#include "renderer/air/airlight.h"
 #include "renderer/base/stopwatch.h"
 #include "renderer/cache/irradiance_cache.h"
 #include "renderer/cache/light_split.h"
@@ -111,6 +112,7 @@ struct Renderer::Impl {
         photons.forget();
         thrown.forget();
         lit_frame.reset();
+        ambient_air = {};
         last_seen.reset();
         cache.forget();
         calibration.forget();
@@ -177,7 +179,8 @@ struct Renderer::Impl {
         light_trees.indirect_clamp = bounded ? anchor_clamp : GeometryClamp::none();
         light_trees.lobe_rays = plan.runs(Pass::lobe_rays);
         light_trees.bodies = plan.runs(Pass::caustics) ? Bodies::block : Bodies::pass;
-        light_trees.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass);
+        light_trees.air = posed_scene.air();
+        light_trees.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass) || light_trees.air != nullptr;
         if (splits) cache.move(split.update(light_trees, lit_anchors.still, lasting));
         lit_frame = snapshot.frame;
         has_trees = true;
@@ -225,13 +228,7 @@ struct Renderer::Impl {
                                                        snapshot.camera.position(), tolerance, s);
         if (pixels > 0) calibrated_share = share;
         statistics.calibrated_pixels += pixels;
-        last_seen = sight_of(snapshot, tolerance);
-    }
-
-    Sight sight_of(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance) const {
-        const scene::Camera& camera = snapshot.camera;
-        return {camera.to_world(), camera.lens().vertical_fov, camera.lens().y_magnification, *lit_frame,
-                tolerance.pixels};
+        last_seen = sight_of(snapshot, *lit_frame, tolerance);
     }
 
     /// Learns from a frame that was lit. One that repeats the frame before teaches nothing, so that still films stay as
@@ -240,7 +237,7 @@ struct Renderer::Impl {
                const ShadeSettings& s, const core::Radiance& radiance, const ShadeCounts& counts,
                const FrameLight* known) {
         const Stopwatch timer(statistics.calibration_seconds);
-        Sight sight = sight_of(snapshot, tolerance);
+        Sight sight = sight_of(snapshot, *lit_frame, tolerance);
         if (last_seen != sight)
             statistics.calibrated_pixels += renderer::recalibrate(calibration, light_trees, posed_scene.tracer(), seen,
                                                                   tolerance, s, radiance, counts.shadow_rays, known);
@@ -287,8 +284,7 @@ struct Renderer::Impl {
     WholeLamps lamps;                ///< of the film
     PersistentLightTrees lasting;    ///< of the chunk
     LightTrees light_trees;
-    bool caches = false;  ///< light
-    bool splits = false;  ///< what is cached is only the static part of it
+    bool caches = false, splits = false;  ///< light is cached; only the static part of it is
     LightSplit split;
     std::optional<scene::Snapshot> shone_at;  ///< the instant that the following are of
     std::vector<LightPoint> shining;          ///< direct light points, until trees take them
@@ -304,6 +300,7 @@ struct Renderer::Impl {
     float calibrated_share = 0;      ///< typical_share of the coarsest frame calibrated
     IrradianceCache cache;
     DraftLight draft_light;
+    AmbientAir ambient_air;
     core::Radiance sharp;  ///< of the last frame that was exposed: its middle, whose points and pixels are audited
     Statistics statistics;
     double gathered = 0, clamped = 0;
@@ -365,6 +362,15 @@ void Renderer::add_caustics(const scene::Snapshot& snapshot, const core::Toleran
     i.statistics.caustic_landings += counts.landings;
     i.statistics.caustic_pairs += counts.splats.pairs;
     i.statistics.caustic_doubts += counts.splats.doubtful;
+}
+
+void Renderer::add_air(const scene::Snapshot& snapshot, const core::ToleranceMap* tolerance, Seen& seen) {
+    Impl& i = *impl_;
+    if (!i.plan.runs(Pass::air)) return;
+    i.prepare(snapshot, seen);
+    const Stopwatch timer(i.row(Pass::air));
+    i.statistics.air_rays += add_airlight(
+        {i.posed_scene, i.light_points.at(i.posed_scene), i.light_trees, *i.lit_frame}, i.ambient_air, tolerance, seen);
 }
 
 core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& wanted) {
@@ -462,8 +468,7 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
     for (const AuditedPixel& a : audited) {
         const LitPixel pixel = pixel_at(seen, {a.x, a.y});
         JudgedPixel& p = judged.emplace_back();
-        p.shown = radiance.combined.at(a.x, a.y);
-        p.where_lit = p.at_points = a.radiance;
+        p.shown = radiance.combined.at(a.x, a.y), p.where_lit = p.at_points = a.radiance;
         if (!tolerance.is_reference()) p.least = tolerance.pixels.at(a.x, a.y).absolute;
         if (any_moved(moved, pixel))
             p.at_points = gather_exactly(i.light_trees, i.posed_scene.tracer(), seen, {pixel}).front();
@@ -472,15 +477,11 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
                             points.subspan(pixel.first, pixel.last - pixel.first),
                             std::max(core::luminance(p.at_points), p.least),
                             seen.samples.empty() ? i.settings.samples : seen.samples.at(a.x, a.y),
-                            caustic_light_at(seen, {a.x, a.y})});
+                            caustic_light_at(seen, {a.x, a.y}) + airlight_at(seen, {a.x, a.y})});
     }
-    SeeSettings see;
-    see.format = i.settings.format;
-    see.samples = i.settings.samples;
-    see.edge_samples = i.settings.edge_samples;
-    see.specular_depth = i.settings.specular_depth;
-    const std::vector<PixelTruth> truth = pixel_truth(i.posed_scene, see, i.plan, requests, finely);
-    for (std::size_t k = 0; k < truth.size(); ++k) judged[k].truth = truth[k];
+    const SeeSettings see{i.settings.format, i.settings.samples, i.settings.edge_samples, i.settings.specular_depth};
+    std::size_t k = 0;
+    for (const PixelTruth& t : pixel_truth(i.posed_scene, see, i.plan, requests, finely)) judged[k++].truth = t;
     return judged;
 }
 

@@ -56,6 +56,7 @@ struct Settings {
 struct Statistics {
     std::uint64_t primary_rays = 0, shadow_rays = 0, photon_rays = 0, specular_rays = 0;
     std::uint64_t exposure_rays = 0, exposed_pixels = 0;  ///< of pixels that shutter or lens blur, over frames
+    std::uint64_t air_rays = 0;                           ///< shadow rays of the air between eye and surfaces
     std::uint64_t caustic_photons = 0, caustic_landings = 0, caustic_rays = 0;
     std::uint64_t caustic_pairs = 0, caustic_doubts = 0;  ///< of landings and points; of them asked by a ray
     std::uint64_t gather_points = 0, capped_points = 0;   ///< capped: stopped by max_cut, tolerance not reached
@@ -101,6 +102,10 @@ class Renderer {
     /// Adds what mirrors and glass throw onto surfaces to what needs no gathering, once, before `shade`. `tolerance`:
     /// the frame's; null: for a rough look.
     void add_caustics(const scene::Snapshot& snapshot, const core::ToleranceMap* tolerance, Seen& seen);
+
+    /// Adds what fog scatters towards the eye to what needs no gathering, once, before `shade`. After `expose` of the
+    /// same instant. `tolerance`: as above.
+    void add_air(const scene::Snapshot& snapshot, const core::ToleranceMap* tolerance, Seen& seen);
 
     /// Gathers light for all gather points of a frame until every pixel's error bound is below its tolerance.
     core::Radiance shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance);

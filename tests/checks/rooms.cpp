@@ -45,6 +45,7 @@ const std::vector<Building>& buildings() {
           {"view", {"surface", "base"}, {"core", "parallel"}},
           {"truth", {"lights", "view", "surface", "geometry", "base"}, {"core", "scene", "image", "parallel"}},
           {"cut", {"tree", "surface", "geometry", "base"}, {"core", "scene", "parallel"}},
+          {"air", {"cut", "tree", "lights", "surface", "geometry", "base"}, {"core", "scene", "parallel"}},
           {"calibration", {"cut", "tree", "surface", "geometry", "base"}, {"core", "parallel"}},
           {"cache", {"cut", "tree", "surface", "base"}, {"core", "scene", "parallel"}},
           {"draft", {"cache", "cut", "tree", "surface", "geometry", "base"}, {"core", "parallel"}}}},

@@ -12,6 +12,7 @@ namespace render2mpeg::reference {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr double no_end = std::numeric_limits<double>::infinity();
 
 /// Roulette begins after so many surfaces, so that short paths have none of its noise.
 constexpr int safe_surfaces = 4;
@@ -49,7 +50,7 @@ class Sum {
 class PathTracer::Path {
   public:
     Path(const PathTracer& tracer, const PathSettings& settings, std::uint64_t seed, std::uint64_t path)
-        : t_(tracer), settings_(settings), random_(seed, path) {}
+        : t_(tracer), fog_(tracer.fog_), settings_(settings), random_(seed, path) {}
 
     /// Follows a ray through all that it meets.
     glm::dvec3 from_ray(glm::vec3 origin, glm::dvec3 direction) {
@@ -68,6 +69,7 @@ class PathTracer::Path {
     glm::dvec3 go_on() {
         for (int surfaces = 0;; ++surfaces) {
             const renderer::Hit hit = t_.posed_scene_.tracer().nearest(origin_, glm::vec3(direction_), infinity);
+            if (fog_) pass_fog(hit.found() ? static_cast<double>(hit.distance) : no_end);
             if (!hit.found()) {
                 meet_sky();
                 return light_;
@@ -80,6 +82,24 @@ class PathTracer::Path {
             if (!(random_.one() < lasts)) return light_;
             throughput_ /= lasts;
         }
+    }
+
+    /// Light that fog scatters once on the eye's way, from lamps without a size; and what fog leaves of the rest.
+    void pass_fog(double distance) {
+        const glm::dvec3 from(origin_);
+        if (scatterings_ == 0 && settings_.least_bounces == 0) {
+            const double far = std::min(distance, fog_->endless());
+            const double t = random_.one() * far;
+            const glm::dvec3 place = from + t * direction_;
+            for (const Connection& c : t_.lamps_.punctual(place)) {
+                const double scattered = fog_->extinction(place) * fog_->left(from, direction_, t) *
+                                         fog_->phase(glm::dot(-c.to_light, -direction_)) *
+                                         fog_->left(place, c.to_light, c.distance);
+                const glm::dvec3 light = throughput_ * fog_->albedo() * c.light * (far * scattered);
+                if (largest(light) > 0) light_ += light * passing(glm::vec3(place), place, c);
+            }
+        }
+        throughput_ *= fog_->left(from, direction_, distance);
     }
 
     /// Whether light that is met now, after the last scattering, counts.
@@ -197,18 +217,19 @@ class PathTracer::Path {
         for (const Connection& c : connections) {
             if (!(glm::dot(c.to_light, s.front) > 0)) continue;
             const glm::dvec3 weight = throughput_ * f.times_cosine(s.normal, s.outgoing, c.to_light) * c.light;
-            if (largest(weight) > 0) light_ += weight * passing(s, c);
+            if (!(largest(weight) > 0)) continue;
+            const double left = fog_ ? fog_->left(s.position, c.to_light, c.distance) : 1.0;
+            light_ += left * weight * passing(s.origin(c.to_light), s.position, c);
         }
     }
 
     /// Share of light that passes layers and glass on a straight way.
-    glm::dvec3 passing(const Surface& from, const Connection& c) const {
+    glm::dvec3 passing(glm::vec3 origin, glm::dvec3 position, const Connection& c) const {
         glm::dvec3 share(1), direction = c.to_light;
-        glm::vec3 origin = from.origin(direction);
         double left = c.distance;
         if (std::isfinite(c.distance)) {
             // From where the ray begins: else it would meet a lamp seen from the side before its end.
-            const glm::dvec3 d = from.position + c.distance * c.to_light - glm::dvec3(origin);
+            const glm::dvec3 d = position + c.distance * c.to_light - glm::dvec3(origin);
             left = glm::length(d) * (1 - before_lamp);
             direction = glm::normalize(d);
         }
@@ -228,6 +249,7 @@ class PathTracer::Path {
     }
 
     const PathTracer& t_;
+    const std::optional<Fog>& fog_;
     const PathSettings& settings_;
     Random random_;
     glm::vec3 origin_{0};
@@ -238,7 +260,9 @@ class PathTracer::Path {
 };
 
 PathTracer::PathTracer(const renderer::PosedScene& posed_scene)
-    : posed_scene_(posed_scene), surfaces_(posed_scene), lamps_(surfaces_) {}
+    : posed_scene_(posed_scene), surfaces_(posed_scene), lamps_(surfaces_) {
+    if (posed_scene.animation().fog.shows()) fog_.emplace(posed_scene.animation());
+}
 
 Estimate PathTracer::radiance(glm::vec3 origin, glm::vec3 direction, const PathSettings& settings, std::uint64_t paths,
                               std::uint64_t seed) const {

@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <vector>
 
 #include "renderer/surface/posed_scene.h"
+#include "tests/reference/fog.h"
 #include "tests/reference/lamps.h"
 #include "tests/reference/surfaces.h"
 
@@ -35,7 +37,8 @@ struct PathSettings {
 /// Light along rays by plain path tracing: slow, and as near to the rendering equation as code can be. No clamp, no
 /// cache, sums in double; roulette ends long paths without bias. It uses the renderer's rays, and the animation and its
 /// snapshot; none of the renderer's materials, textures, lights or kernels. As in the renderer, suns are seen neither
-/// by the eye nor in its mirrors. Glass is thin, or bounds bodies that are smooth and clear.
+/// by the eye nor in its mirrors. Fog dims all ways; of lamps without a size it scatters light, once, on the
+/// eye's way, mirrors' among it. Glass is thin, or bounds bodies that are smooth and clear.
 class PathTracer {
   public:
     explicit PathTracer(const renderer::PosedScene& posed_scene);
@@ -57,6 +60,7 @@ class PathTracer {
     const renderer::PosedScene& posed_scene_;
     Surfaces surfaces_;
     Lamps lamps_;
+    std::optional<Fog> fog_;
 };
 
 /// PathTracer::scattered of a point that the renderer found, by chance.

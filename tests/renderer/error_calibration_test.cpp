@@ -174,10 +174,10 @@ TEST(ErrorCalibration, StaysWithinItsBounds) {
 }
 
 /// The least side of a frame that is calibrated.
-constexpr int side = 96;
+constexpr int picture_side = 96;
 
 Settings room_settings(bool calibrate) {
-    Settings settings = test::small_frame(side, side);
+    Settings settings = test::small_frame(picture_side, picture_side);
     settings.vpls = 1000;
     settings.direct_points = 128;
     settings.max_cut = 1 << 20;
@@ -262,14 +262,14 @@ TEST(Calibration, LearnsOfCoarserTolerancesAsWell) {
 TEST(Calibration, TypicalSharesAreOfPixelsThatGatherLight) {
     FilmStage stage(test::furnished_room(), room_settings(true));
     const Seen seen = stage.renderer().see(stage.at(0));
-    core::ToleranceMap map = core::ToleranceMap::uniform(side, side, {0.0f, 0.02f});
+    core::ToleranceMap map = core::ToleranceMap::uniform(picture_side, picture_side, {0.0f, 0.02f});
     EXPECT_NEAR(typical_share(seen, map), 0.02f, 1e-6f);
     // Half of them told of a tenth of their light, one in eight of all of it.
-    for (int y = 0; y < side; ++y)
-        for (int x = 0; x < side; ++x)
+    for (int y = 0; y < picture_side; ++y)
+        for (int x = 0; x < picture_side; ++x)
             map.pixels.at(x, y) = {y % 8 == 0 ? 1.0f : x % 2 == 0 ? 0.1f : 0.0f, 0.001f, y % 8 == 0 ? 0.5f : 1.0f};
     EXPECT_NEAR(typical_share(seen, map), std::sqrt(0.1f * 0.001f), 0.002f);
-    EXPECT_EQ(typical_share(seen, core::ToleranceMap::uniform(side, side, {1.0f, 0.0f, 0.5f})), 0.0f);
+    EXPECT_EQ(typical_share(seen, core::ToleranceMap::uniform(picture_side, picture_side, {1.0f, 0.0f, 0.5f})), 0.0f);
     Seen nothing = seen;
     for (GatherTile& tile : nothing.tiles) tile.clear();
     EXPECT_EQ(typical_share(nothing, map), 0.0f);
@@ -287,7 +287,7 @@ TEST(Calibration, BeginsAnewWithEachChunkAndTeachesNothingByRoughLooks) {
     FilmStage stage(test::furnished_room(), settings);
     const scene::Snapshot world = stage.at(0);
     const Seen seen = stage.renderer().see(world);
-    const auto map = core::ToleranceMap::uniform(side, side, {0.0f, 0.2f});
+    const auto map = core::ToleranceMap::uniform(picture_side, picture_side, {0.0f, 0.2f});
     const core::Radiance first = stage.renderer().shade(world, seen, map);
     stage.renderer().start_chunk(world);
     const Statistics before = stage.statistics();

@@ -33,6 +33,7 @@ core::Radiance expose_frame(FilmStage& stage, int samples, int second = 1,
     Seen seen = stage.renderer().see(world);
     stage.renderer().expose(world, {samples, samples}, seen);
     stage.renderer().add_caustics(world, &tolerance, seen);
+    stage.renderer().add_air(world, &tolerance, seen);
     return stage.renderer().shade(world, seen, tolerance);
 }
 

@@ -33,6 +33,7 @@ core::Radiance FilmStage::shade(int second, const core::ToleranceMap& tolerance)
     const scene::Snapshot world = at(second);
     renderer::Seen seen = renderer_->see(world);
     renderer_->add_caustics(world, &tolerance, seen);
+    renderer_->add_air(world, &tolerance, seen);
     return renderer_->shade(world, seen, tolerance);
 }
 

@@ -24,7 +24,7 @@ Traits all_traits() {
     t.has_diffuse_surfaces = t.has_glossy_surfaces = t.has_narrow_lobes = t.has_mirrors = t.has_glass = true;
     t.has_alpha_mask = t.has_alpha_blend = t.has_normal_maps = t.has_textures = true;
     t.camera_moves = t.objects_move = t.objects_deform = t.lights_change = t.has_cuts = true;
-    t.has_open_shutter = t.has_aperture = t.has_glare = true;
+    t.has_open_shutter = t.has_aperture = t.has_glare = t.has_fog = true;
     return t;
 }
 

@@ -113,6 +113,7 @@ TEST(AnimationFileSchema, HasTheKeysThatTheReaderKnows) {
     expect_same_keys("checker", keys::checker);
     expect_same_keys("sky", keys::sky);
     expect_same_keys("view", keys::view);
+    expect_same_keys("fog", keys::fog);
     expect_same_keys("glare", keys::glare);
 }
 
@@ -149,6 +150,8 @@ TEST(AnimationFileSchema, RefusesWhatTheReaderRefusesAndAcceptsWhatItAccepts) {
          R"({"objects": [{"shape": "box", "size": 2, "rotate": 3, "scale": [1, 2, 3], "uv": "units"}]})",
          R"({"lights": [{"kind": "spot", "angle": 10, "colors": ["#ffffff"], "repeat": {"ring": {"count": 3, "radius": 2}}}]})",
          R"({"view": "filmic-low-contrast"})", R"({"view": {"name": "agx", "gamma": 1.2}})", R"({"glare": "temporal"})",
+         R"({"fog": 40})",
+         R"({"fog": {"visibility": 40, "color": [1, 0.9, 0.8], "anisotropy": -0.3, "height": 2, "falloff": 4}})",
          R"({"glare": {"kind": "static", "strength": 0.5, "size": 1, "seed": 7}})",
          R"({"sky": {"zenith": [0, 0, 1], "horizon": 2}})", R"({"sky": "#102030"})",
          R"({"objects": [{"shape": "box", "material": {"alpha": "mask", "texture": {"checker": [0, 1]}, "texture_scale": [1, 2]}}]})"})
@@ -182,6 +185,12 @@ TEST(AnimationFileSchema, RefusesWhatTheReaderRefusesAndAcceptsWhatItAccepts) {
                             R"({"view": "dark"})",
                             R"({"view": {"gamma": 2}})",
                             R"({"view": {"name": "agx", "gamma": 0}})",
+                            R"({"fog": 0})",
+                            R"({"fog": "thick"})",
+                            R"({"fog": {"color": 1}})",
+                            R"({"fog": {"visibility": -1}})",
+                            R"({"fog": {"visibility": 1, "anisotropy": 1}})",
+                            R"({"fog": {"visibility": 1, "falloff": 0}})",
                             R"({"glare": "bright"})",
                             R"({"glare": {"strength": 0.1}})",
                             R"({"glare": {"kind": "static", "strength": 0.6}})",

@@ -167,6 +167,13 @@ TEST_F(AnimationFile, AllowsCommentsAndSaysFormatRangeAndExposure) {
     EXPECT_EQ(film(R"({"view": {"name": "agx", "gamma": 1.5}})").view, (core::View{core::ViewName::agx, 1.5f}));
     expect_complaint(R"({"view": "filmc"})", {"view", "filmic"});
     EXPECT_FALSE(a.glare.shows());
+    EXPECT_FALSE(a.fog.shows());
+    EXPECT_FALSE(film(R"({"fog": "off"})").fog.shows());
+    EXPECT_EQ(film(R"({"fog": 40})").fog, (core::Fog{40, glm::vec3(1), 0, 0, 0}));
+    EXPECT_EQ(film(R"({"fog": {"visibility": 8, "color": 0, "anisotropy": 0.5, "height": -1, "falloff": 3}})").fog,
+              (core::Fog{8, glm::vec3(0), 0.5f, -1, 3}));
+    expect_complaint(R"({"fog": {"visibility": 8, "color": [1, 1, 2]}})", {"color", "1"});
+    expect_complaint(R"({"fog": {"visibility": 8, "height": 2}})", {"height", "falloff"});
     EXPECT_EQ(film(R"({"glare": "static"})").glare, (core::Glare{core::GlareKind::still, 0.1f, 0.5f, 0}));
     EXPECT_EQ(film(R"({"glare": {"kind": "temporal", "strength": 0.25, "size": 1, "seed": 3}})").glare,
               (core::Glare{core::GlareKind::temporal, 0.25f, 1, 3}));

@@ -77,8 +77,9 @@ TEST_P(Animations, SayInTwoLinesWhatTheyIsolate) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Animations,
-                         ::testing::Values("cornell", "colonnade", "many_lamps", "mirror_and_glass", "ring_and_lens",
-                                           "character", "still_room", "flash_cut", "wheel", "rack_focus"),
+                         ::testing::Values("cornell", "colonnade", "many_lamps", "mirror_and_glass", "night_street",
+                                           "ring_and_lens", "character", "still_room", "flash_cut", "wheel",
+                                           "rack_focus"),
                          [](const auto& chosen) { return std::string(chosen.param); });
 
 TEST(AnimationsIsolate, CornellMovesBoxesUnderAPanelBeforeAStillCamera) {

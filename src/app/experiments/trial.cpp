@@ -416,6 +416,7 @@ bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& st
     renderer_.expose(world, {samples, samples}, seen);
     const core::ToleranceMap none = core::ToleranceMap::reference();
     renderer_.add_caustics(world, &none, seen);
+    renderer_.add_air(world, &none, seen);
     Truth truth;
     for (const renderer::LitPixel& pixel : renderer::lit_pixels(seen))
         truth.gathering.push_back(renderer::place_of(seen, pixel));

@@ -85,6 +85,10 @@ void set_exposure(scene::Animation& animation, const RenderOptions& options) {
         animation.notes.emplace_back("--exposure-samples does nothing here: neither shutter nor lens blur anything");
 }
 
+void set_fog(scene::Animation& animation, const RenderOptions& options) {
+    if (options.fog) animation.fog.visibility = fog_from(*options.fog);
+}
+
 void set_glare(scene::Animation& animation, const RenderOptions& options) {
     if (!options.glare) return;
     const GlareRequest asked = glare_from(*options.glare);

@@ -8,6 +8,9 @@ namespace render2mpeg::app {
 /// Lets --shutter, --f-stop and --focus win over what the scene says. Throws UsageError for what cannot be meant.
 void set_exposure(scene::Animation& animation, const RenderOptions& options);
 
+/// Lets --fog win over how far one sees by what the scene says.
+void set_fog(scene::Animation& animation, const RenderOptions& options);
+
 /// Lets --glare win over what the scene says.
 void set_glare(scene::Animation& animation, const RenderOptions& options);
 

@@ -138,6 +138,7 @@ void ChunkLoop::expose(const scene::Snapshot& world, int quantiser, renderer::Se
 void ChunkLoop::throw_light(const scene::Snapshot& world, const core::ToleranceMap& tolerance, renderer::Seen& seen) {
     const StageTimer timer(statistics_, Stage::shade);
     renderer_.add_caustics(world, &tolerance, seen);
+    renderer_.add_air(world, &tolerance, seen);
 }
 
 encoder::PicturePlan ChunkLoop::plan(const scene::Snapshot& world, Motion& motion) {
@@ -162,10 +163,11 @@ void ChunkLoop::imagine(const scene::Snapshot& world, renderer::Seen& seen, cons
         // Caustics of a rough look; the frame's own come with its tolerance.
         core::Plane<glm::vec3> emitted = seen.emitted, specular = seen.emitted_specular;
         renderer_.add_caustics(world, nullptr, seen);
+        renderer_.add_air(world, nullptr, seen);
         core::Radiance look = preview(renderer_, world, seen);
         seen.emitted = std::move(emitted);
         seen.emitted_specular = std::move(specular);
-        seen.caustics = seen.caustics_specular = {};
+        seen.caustics = seen.caustics_specular = seen.airlight = {};
         return look;
     }();
     const core::Radiance& shown = shown_.of(rough, world.time);

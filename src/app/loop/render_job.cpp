@@ -272,6 +272,7 @@ RenderJob prepare(const RenderOptions& wanted) {
                                 static_cast<double>(shape.size.width) / shape.size.height * shape.pixel_aspect.value());
     if (loaded->frame_rate) change_rate(*loaded, core::frame_rate_from(*loaded->frame_rate), film.rate);
     set_exposure(*loaded, options);
+    set_fog(*loaded, options);
     set_glare(*loaded, options);
     film.exposure_samples = options.exposure_samples;
     const std::shared_ptr<const scene::Animation> animation = loaded;
@@ -330,6 +331,7 @@ float measure_exposure(const RenderJob& film) {
         if (i == 0) renderer.start_chunk(world);
         renderer::Seen seen = renderer.see(world);
         renderer.add_caustics(world, nullptr, seen);
+        renderer.add_air(world, nullptr, seen);
         const core::Radiance radiance = renderer.sketch(world, seen, small.tolerance_map());
         for (std::size_t p = 0; p < radiance.combined.size(); ++p) {
             const float luminance = core::luminance(radiance.combined.values()[p]);

@@ -27,7 +27,7 @@ renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer:
          {&renderer::Statistics::primary_rays, &renderer::Statistics::shadow_rays, &renderer::Statistics::photon_rays,
           &renderer::Statistics::caustic_rays, &renderer::Statistics::caustic_photons,
           &renderer::Statistics::caustic_landings, &renderer::Statistics::caustic_pairs,
-          &renderer::Statistics::caustic_doubts, &renderer::Statistics::specular_rays,
+          &renderer::Statistics::caustic_doubts, &renderer::Statistics::specular_rays, &renderer::Statistics::air_rays,
           &renderer::Statistics::exposure_rays, &renderer::Statistics::exposed_pixels,
           &renderer::Statistics::gather_points, &renderer::Statistics::capped_points,
           &renderer::Statistics::direct_clusters, &renderer::Statistics::indirect_clusters,

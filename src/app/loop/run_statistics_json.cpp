@@ -44,6 +44,7 @@ void each_count(Counts& s, Visit&& visit) {
     visit("shadow_rays", s.shadow_rays);
     visit("photon_rays", s.photon_rays);
     visit("specular_rays", s.specular_rays);
+    visit("air_rays", s.air_rays);
     visit("exposure_rays", s.exposure_rays);
     visit("exposed_pixels", s.exposed_pixels);
     visit("caustic_rays", s.caustic_rays);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "app/options/usage_error.h"
+#include "core/fog.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -130,6 +131,15 @@ ShutterRequest shutter_from(const std::string& text) {
     if (!(numbers[2] >= 0 && numbers[2] <= 1))
         throw UsageError("shutter " + text + ": expected to roll by 0 to 1 frames, e.g. 180:0:0.5");
     return {static_cast<float>(numbers[0]), static_cast<float>(numbers[1]), static_cast<float>(numbers[2])};
+}
+
+float fog_from(const std::string& text) {
+    if (text == "off") return 0;
+    char* end = nullptr;
+    const float visibility = std::strtof(text.c_str(), &end);
+    if (text.empty() || *end != '\0' || !(visibility >= core::least_visibility && visibility <= core::most_visibility))
+        throw UsageError("fog " + text + ": expected off, or how far one sees in it, scene units above 0, e.g. 40");
+    return visibility;
 }
 
 GlareRequest glare_from(const std::string& text) {

@@ -18,6 +18,9 @@ ToleranceRequest tolerance_from(const std::string& text);
 std::optional<double> loss_from(const std::string& text);
 /// "180" or "180:0.25": degrees and frames.
 ShutterRequest shutter_from(const std::string& text);
+/// "off", or how far one sees: 0 for "off", else core::least_visibility to core::most_visibility.
+float fog_from(const std::string& text);
+
 /// "off", "static", "temporal" or "static:0.2": with a strength from 0 to core::most_glare.
 GlareRequest glare_from(const std::string& text);
 /// "2.8"; "off": 0, all is sharp.

@@ -74,6 +74,7 @@ struct RenderOptions {
     std::optional<std::string> f_stop;     ///< a number, or "off"; likewise
     std::optional<std::string> focus;      ///< a distance, or an object's name; likewise
     std::optional<int> exposure_samples;   ///< none: by quantiser
+    std::optional<std::string> fog;        ///< as fog_from() reads it; wins over the animation file's
     std::optional<std::string> glare;      ///< as glare_from() reads it; wins over the animation file's
     std::optional<std::string> view;       ///< a name of core::view_names; wins over the animation file's
     std::string clamp = "bounded";         ///< "bounded" or "none"

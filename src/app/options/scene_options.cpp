@@ -195,6 +195,12 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
         ->group(picture);
     add_exposure_options(command, options, picture);
     command
+        .add_option("--fog", options.fog,
+                    "Fog: off, or how far one sees in it, scene units (default: the animation file's, or off)")
+        ->type_name("off|DISTANCE")
+        ->check(checked(fog_from, ""))
+        ->group(picture);
+    command
         .add_option("--glare", options.glare,
                     "What bright light does in an eye: off, static or temporal, and the share of light that is "
                     "scattered, 0 to 0.5 (default: the animation file's, or off)")

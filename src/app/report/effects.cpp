@@ -75,6 +75,7 @@ std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& stati
                            {},
                            {},
                            "tolerances from the pictures before"});
+    if (plan.runs(Pass::air)) effects.push_back({"fog", pass(Pass::air), r.air_rays, {}, "light that air scatters"});
     if (plan.runs(Pass::glare)) effects.push_back({"glare", pass(Pass::glare), {}, {}, ""});
     if (plan.runs(Pass::motion)) effects.push_back({"motion", pass(Pass::motion), {}, {}, ""});
     if (film.kind == OutputKind::film)

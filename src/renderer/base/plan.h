@@ -33,6 +33,7 @@ enum class Pass {
     photons,
     indirect_tree,
     glossy,
+    air,
     shade,
     layers,
     glare,

@@ -23,7 +23,7 @@ constexpr double most_changed = 0.02;
 
 bool LightSplit::may_suit(const scene::Animation& film, const Plan& plan) {
     const scene::Traits traits = scene::traits_of(film);
-    if (traits.lights_change || plan.runs(Pass::alpha) || plan.runs(Pass::glass) ||
+    if (traits.lights_change || plan.runs(Pass::alpha) || plan.runs(Pass::glass) || plan.runs(Pass::air) ||
         !(traits.objects_move || traits.objects_deform))
         return false;
     int dynamic_objects = 0;

@@ -143,11 +143,13 @@ void spread_light(const Seen& seen, const FrameLight& light, bool layers, core::
                         exposure.lobe_light.empty() ? glm::vec3(0) : exposure.lobe_light[c.point],
                         seen.thrown.empty() ? ThrownLight() : seen.thrown[c.point]);
             }
-            radiance.combined.at(x, y) = glm::max(exposure.emitted.at(x, y) + sum.combined, glm::vec3(0));
+            const glm::vec3 air = seen.air_of_exposed.empty() ? glm::vec3(0) : seen.air_of_exposed.at(x, y);
+            const glm::vec3 emitted = exposure.emitted.at(x, y) + air;
+            radiance.combined.at(x, y) = glm::max(emitted + sum.combined, glm::vec3(0));
             if (layers) {
                 const glm::vec3 specular =
                     exposure.emitted_specular.empty() ? glm::vec3(0) : exposure.emitted_specular.at(x, y);
-                radiance.emission.at(x, y) = glm::max(exposure.emitted.at(x, y) - specular, glm::vec3(0));
+                radiance.emission.at(x, y) = glm::max(emitted - specular, glm::vec3(0));
                 radiance.specular.at(x, y) = specular;
                 sum.write_layers(x, y, radiance);
             }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "renderer/base/air.h"
 #include "renderer/base/isa_clones.h"
 #include "renderer/geometry/ray_tracer.h"
 #include "renderer/tree/gather_lanes.h"
@@ -39,6 +40,19 @@ RENDER2MPEG_ALWAYS_INLINED void aim(const Vec3Lanes& __restrict origin, LightTyp
         packet.direction_y[i] = y[step * i] - keep * origin.y[i];
         packet.direction_z[i] = z[step * i] - keep * origin.z[i];
         packet.far[i] = far;
+    }
+}
+
+/// Multiplies what passes of each ray's light, asked for or not, by what the air lets through.
+inline void dim(const Air& air, const ShadowPacket& packet, glm::vec3* passes) {
+    for (int i = 0; i < lane_count; ++i) {
+        const glm::vec3 origin{packet.origin_x[i], packet.origin_y[i], packet.origin_z[i]},
+            way{packet.direction_x[i], packet.direction_y[i], packet.direction_z[i]};
+        const float length = std::sqrt(glm::dot(way, way));
+        if (!(length > 0.0f)) continue;
+        const glm::vec3 direction = way / length;
+        passes[i] *= std::exp(std::isinf(packet.far[i]) ? -air.depth_to_sky(origin, direction)
+                                                        : -air.optical_depth(origin, direction, length));
     }
 }
 

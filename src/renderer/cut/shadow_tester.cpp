@@ -65,8 +65,10 @@ void ShadowTester::trace(LightType type, const TreeLight& light, const Spot* spo
         glm::vec3 passes[lane_count];
         std::fill(std::begin(passes), std::end(passes), glm::vec3(1));
         hidden = blocked(packet, passes);
+        // Of air something is known of all lanes, and of layers of those that were asked.
+        const std::uint32_t known = light_trees_.air != nullptr ? 0xffffu : packet.active;
         for (int i = 0; i < lane_count; ++i)
-            for (int k = 0; k < 3 && (packet.active >> i & 1u) != 0; ++k) contribution.tint.passes[i][k] = passes[i][k];
+            for (int k = 0; k < 3 && (known >> i & 1u) != 0; ++k) contribution.tint.passes[i][k] = passes[i][k];
     } else {
         hidden = blocked(packet);
     }
@@ -208,6 +210,7 @@ std::uint32_t ShadowTester::reach(const ShadowPacket& packet, glm::vec3* passes)
 std::uint32_t ShadowTester::blocked(const ShadowPacket& packet, glm::vec3* passes) {
     if (light_trees_.shadows != Shadows::hidden_by_dynamic) {
         count(packet.active);
+        if (light_trees_.air != nullptr && passes != nullptr) dim(*light_trees_.air, packet, passes);
         return light_trees_.shadows == Shadows::of_everything ? tracer_.occluded(packet, passes)
                                                               : tracer_.occluded_by_static(packet, nullptr);
     }

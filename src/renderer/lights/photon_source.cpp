@@ -115,6 +115,7 @@ Photon PhotonSource::emit(glm::vec3 numbers) const {
             const float before = 0.01f * (shadow.high.x - shadow.low.x + shadow.high.y - shadow.low.y);
             photon.origin = q.x * shadow.tangent + q.y * shadow.bitangent + (shadow.start - before) * light.normal;
             photon.direction = light.normal;
+            photon.from_far = true;
             break;
         }
     }

@@ -17,6 +17,7 @@ struct WorldBox {
 struct Photon {
     glm::vec3 origin{0};
     glm::vec3 direction{0, 0, 1};  ///< unit
+    bool from_far = false;         ///< it comes from infinitely far
     glm::vec3 flux{0};             ///< power over the density of its choice: the mean over photons is the lights' power
 };
 

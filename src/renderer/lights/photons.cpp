@@ -38,6 +38,12 @@ LightPoint vpl_at(const SurfacePoint& p, glm::vec3 flux) {
     return vpl;
 }
 
+/// What air leaves of a photon on its way.
+float left_by_air(const Air& air, const Photon& photon, float distance) {
+    if (!photon.from_far) return air.transmittance(photon.origin, photon.direction, distance);
+    return std::exp(-air.depth_to_sky(photon.origin + distance * photon.direction, -photon.direction));
+}
+
 /// Where a photon goes on from a surface; no flux: nowhere.
 struct Onward {
     glm::vec3 direction{0};
@@ -158,6 +164,8 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
             if (settings.keeps) notes.escape(photon.direction);
             break;
         }
+        if (posed_scene.air() != nullptr && media.media.empty())
+            photon.flux *= left_by_air(*posed_scene.air(), photon, hit.distance);
         photon.flux *= media.way_to(posed_scene, hit, photon.direction);
         const SurfacePoint p = media.surface_at(posed_scene, hit, photon.direction);
         if (settings.keeps) notes.meet(p);
@@ -165,7 +173,9 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
         float choice = number(dimension);
         // Pass a translucent layer with the share that it does not cover.
         if (choice < 1.0f - p.alpha) {
+            // Air before the layer has dimmed it.
             photon.origin = offset_origin(p, photon.direction);
+            photon.from_far = false;
             continue;
         }
         if (p.unlit) break;
@@ -182,7 +192,7 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
         if (!onward.passes && !((onward.beyond ? -up : up) > 0.0f)) break;
         if (onward.passes && p.bounds_body) onward.direction = media.cross(posed_scene, p, p.shading_normal);
         if (onward.direction == glm::vec3{0.0f}) break;
-        photon = {offset_origin(p, onward.direction), onward.direction, onward.flux};
+        photon = {offset_origin(p, onward.direction), onward.direction, false, onward.flux};
     }
     if (settings.keeps) notes.end();
     return rays;

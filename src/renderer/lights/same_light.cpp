@@ -4,6 +4,11 @@
 
 namespace render2mpeg::renderer {
 
+Sight sight_of(const scene::Snapshot& snapshot, std::int64_t lit_frame, const core::ToleranceMap& tolerance) {
+    const scene::Camera& camera = snapshot.camera;
+    return {camera.to_world(), camera.lens().vertical_fov, camera.lens().y_magnification, lit_frame, tolerance.pixels};
+}
+
 bool same_light(const scene::Snapshot& a, const scene::Snapshot& b) {
     const auto same_object = [](const scene::ObjectState& x, const scene::ObjectState& y) {
         return x.to_world == y.to_world && x.present == y.present && x.deformed == y.deformed;

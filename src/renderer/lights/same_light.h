@@ -19,6 +19,8 @@ struct Sight {
     bool operator==(const Sight&) const = default;
 };
 
+Sight sight_of(const scene::Snapshot& snapshot, std::int64_t lit_frame, const core::ToleranceMap& tolerance);
+
 /// Whether two instants have the same light: everything but the camera.
 bool same_light(const scene::Snapshot& a, const scene::Snapshot& b);
 

@@ -63,6 +63,28 @@ using MovedPoints = std::vector<std::vector<MovedPoint>>;
 /// All gather points of one 16x16 tile, by pixel in raster order.
 using GatherTile = std::vector<GatherPoint>;
 
+/// Light of the air on a straight way from the eye: `weight` times what air scatters to the eye from that far on.
+struct AirSpan {
+    std::uint16_t pixel = 0;  ///< as GatherPoint's
+    float distance = 0;       ///< from where the eye's ray begins; infinite: to the sky
+    glm::vec3 weight{0};      ///< may be below 0: the way begins there
+};
+
+/// The same of a way that mirrors or glass have turned.
+struct AirWay {
+    std::uint16_t pixel = 0;
+    std::uint8_t way = straight_way;  ///< GatherPoint::way
+    glm::vec3 origin{0}, direction{0};
+    float distance = 0;
+    glm::vec3 weight{0};
+};
+
+/// Which air the pixels of a tile show, by pixel in raster order.
+struct SeenAir {
+    std::vector<AirSpan> straight;
+    std::vector<AirWay> beyond;
+};
+
 /// How often pixels are sampled that shutter or lens blur, 1 to 4096 times: `fewest` where they blur little, up to
 /// `most` where much.
 struct ExposureSamples {
@@ -90,6 +112,7 @@ struct Exposure {
         coverage;  ///< share of a pixel's samples that show the object that its middle shows; 1 elsewhere
     core::Plane<glm::vec3> emitted, emitted_specular;  ///< as Seen's, of exposed pixels
     std::vector<std::uint32_t> first_point;            ///< by tile: points of all tiles before it; one more: of all
+    std::vector<SeenAir> air{};                        ///< as Seen's, of exposed pixels
     std::vector<glm::vec3> lobe_light;  ///< by point of the frame: radiance that lobe rays found; empty without them
 
     bool is_exposed(std::size_t tile) const { return !starts[tile].empty(); }
@@ -121,6 +144,9 @@ struct Seen {
     core::Plane<core::SurfaceAddress>
         imaged{};                          ///< what flat mirrors show; no surface: none, or no mirror; may be empty
     core::Plane<std::uint16_t> samples{};  ///< eye samples of each pixel; empty where all have SeeSettings::samples
+    std::vector<SeenAir> air{};            ///< by tile; empty: it is clear
+    /// Light of the air: a part of `emitted`, and what exposed pixels show of it. Empty without.
+    core::Plane<glm::vec3> airlight{}, air_of_exposed{};
     std::shared_ptr<const Exposure> exposure{};  ///< null: no pixel is blurred
     int tiles_across() const { return (visible.width() + tile_size - 1) / tile_size; }
 };

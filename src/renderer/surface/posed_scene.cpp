@@ -17,6 +17,13 @@
 namespace render2mpeg::renderer {
 namespace {
 
+std::optional<Air> air_of(const scene::Animation& film, const Plan& plan) {
+    if (!plan.runs(Pass::air)) return {};
+    core::Fog fog = film.fog;
+    fog.height -= static_cast<float>(film.origin.y);
+    return Air(fog, film.bounds_min, film.bounds_max);
+}
+
 std::optional<image::SkyMap> sky_of(const scene::Animation& animation, const Plan& plan,
                                     std::vector<std::string>& notes) {
     if (!plan.runs(Pass::sky_background) && !plan.runs(Pass::sky_light)) return std::nullopt;
@@ -55,6 +62,7 @@ struct PosedScene::Impl {
           media(media_of(film, plan)),
           notes(materials.notes()),
           sky(sky_of(film, plan, notes)),
+          air(air_of(film, plan)),
           tracer(film, isa, translucent_materials(materials, film.materials.size()),
                  [this](const core::SurfaceAddress& address, glm::vec3 direction, Bodies bodies) {
                      if (bodies == Bodies::block && animation.objects[address.object].body == scene::Body::solid)
@@ -110,6 +118,7 @@ struct PosedScene::Impl {
     std::vector<std::optional<Medium>> media;
     std::vector<std::string> notes;
     std::optional<image::SkyMap> sky;
+    std::optional<Air> air;
     SampledClock layer_clock;
     RayTracer tracer;
     const scene::Snapshot* snapshot = nullptr;
@@ -143,6 +152,10 @@ const std::vector<std::string>& PosedScene::notes() const {
 double PosedScene::layer_seconds() const {
     return impl_->layer_clock.seconds();
 }
+const Air* PosedScene::air() const {
+    return impl_->air ? &*impl_->air : nullptr;
+}
+
 const image::SkyMap* PosedScene::sky() const {
     return impl_->sky ? &*impl_->sky : nullptr;
 }

@@ -6,6 +6,7 @@
 #include "core/isa.h"
 #include "core/surface_address.h"
 #include "image/sky_map.h"
+#include "renderer/base/air.h"
 #include "renderer/base/plan.h"
 #include "renderer/geometry/ray_tracer.h"
 #include "renderer/surface/dielectric.h"
@@ -76,6 +77,9 @@ class PosedScene {
     /// normals, 0 on flat triangles. On the side of the triangle's front.
     SurfaceFootprint normal_change(const core::SurfaceAddress& address, const SurfaceFootprint& footprint,
                                    float time = scene::middle_time) const;
+
+    /// What dims and scatters light on its way; null: the plan says that the air is clear.
+    const Air* air() const;
 
     /// What is seen where there is no surface, and its light; null where the plan wants neither.
     const image::SkyMap* sky() const;

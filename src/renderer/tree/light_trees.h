@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "renderer/base/air.h"
 #include "renderer/base/bodies.h"
 #include "renderer/base/whole_lamp.h"
 #include "renderer/tree/light_kernels.h"
@@ -39,6 +40,7 @@ struct LightTrees {
     std::vector<WholeLamp> lamps;  ///< not in the trees either
     GeometryClamp direct_clamp, indirect_clamp;
     bool lobe_rays = false;        ///< the sky and indirect light are seen by the rays of lobes that have them
+    const Air* air = nullptr;      ///< dims light on its way; null: nothing does. With it `translucent` is set
     bool translucent = false;      ///< shadow rays may meet surfaces that let light through
     Bodies bodies = Bodies::pass;  ///< to shadow rays of direct light
     Shadows shadows = Shadows::of_everything;  ///< else nothing is translucent

@@ -161,6 +161,13 @@ glm::vec3 LightPaths::answer(const Way& way, const LightSample& sample) const {
     if (!(mean(share) > 0.0f)) return glm::vec3(0);
     if (sample.density > 0.0f)
         share *= sample.density / (sample.density + direction_density(p, way.chance, sample.direction));
+    if (posed_scene_.air() != nullptr) {
+        const float length = glm::length(sample.ray);
+        const glm::vec3 direction = core::normalize_or(sample.ray, sample.direction);
+        const Air& air = *posed_scene_.air();
+        share *= std::isinf(sample.far) ? std::exp(-air.depth_to_sky(way.query.origin, direction))
+                                        : air.transmittance(way.query.origin, direction, length * sample.far);
+    }
     return share *
            posed_scene_.tracer().passes(way.query.origin, sample.ray, sample.far, way.first ? bodies_ : Bodies::pass);
 }
@@ -183,13 +190,16 @@ bool LightPaths::leave(Way& way, PathNumbers& numbers) const {
 
 /// Goes along the ray until the next surface that scatters; adds what shines on the way.
 bool LightPaths::meet(Way& way, PathNumbers& numbers, glm::vec3& light) const {
+    const Air* air = posed_scene_.air();
     for (int event = 0; event < most_events; ++event) {
         const Hit hit =
             posed_scene_.tracer().nearest(way.origin, way.direction, std::numeric_limits<float>::infinity());
         if (!hit.found()) {
+            if (air != nullptr) way.throughput *= std::exp(-air->depth_to_sky(way.origin, way.direction));
             light += way.throughput * escaped(way);
             return false;
         }
+        if (air != nullptr) way.throughput *= air->transmittance(way.origin, way.direction, hit.distance);
         const SurfacePoint met = posed_scene_.surface_at(hit.address, -way.direction);
         light += way.throughput * emitted(way, met);
         const float choice = way.first && event == 0 ? numbers.first(FirstNumber::event) : numbers.next();

@@ -314,6 +314,8 @@ std::optional<BrightSamples> TileExposer::look(int x, int y, const EyeRays& rays
         emitted += sample_.emitted;
         bright.add(core::luminance(sample_.emitted));
         specular += sample_.emitted_specular;
+        if (all_.scene.air() != nullptr)
+            add_air(sample_, pixel_at(x, y), 1.0f / static_cast<float>(pattern_.samples()), found.air);
         blurred = blurred || blur_of(sample_, middle) >= least_blur;
         for (Fragment& fragment : sample_.fragments) take(fragment, x, y, rays.rays[ray].time, first, found);
     }
@@ -471,8 +473,10 @@ void expose(const PosedScene& posed_scene, const SeeSettings& settings, const Pl
         counts.points += seen.tiles[t].size() - (all.starts[t].empty() ? 0 : all.starts[t].back());
     exposure->contributions.resize(tiles);
     exposure->starts.resize(tiles);
+    if (posed_scene.air() != nullptr) exposure->air.resize(tiles);
     parallel::for_each(tiles, [&](std::size_t t) {
         exposure->starts[t] = std::move(found[t].starts);
+        if (!exposure->air.empty()) exposure->air[t] = std::move(found[t].air);
         for (const TileExposure::Part& part : found[t].parts) {
             const auto [tile, point] = merger.of(t, part);
             exposure->contributions[t].push_back({exposure->first_point[tile] + point, part.weight, part.diffuse});

@@ -106,6 +106,8 @@ struct EyePaths::PathState {
     bool is_image = false;  ///< comes from the flat mirror that is the sample's main surface
     std::uint8_t way = straight_way;
     MediaPath glass;
+    float passed = 0;  ///< of the straight way so far
+    float clear = 1;   ///< what air lets through of it
     bool specular() const { return way != straight_way; }
     bool straight() const { return mirrors == 0 && !bent; }
 };
@@ -115,10 +117,13 @@ EyePaths::EyePaths(const PosedScene& posed_scene, const SeeSettings& settings, c
       sky_(plan.runs(Pass::sky_background) && posed_scene.sky() != nullptr),
       mirrors_(plan.runs(Pass::mirrors)),
       bodies_(posed_scene.has_bodies()),
-      specular_depth_(settings.specular_depth) {}
+      specular_depth_(settings.specular_depth),
+      air_(posed_scene.air()) {}
 
 void EyePaths::look(const EyeRay& ray, float far, const Hit& first, EyeSample& sample, SeeCounts& counts) const {
     sample.fragments.clear();
+    sample.air.clear();
+    sample.air_beyond.clear();
     sample.emitted = sample.emitted_specular = glm::vec3{0.0f};
     sample.main = {};
     sample.ways = sample.dim_ways = 0;
@@ -165,6 +170,7 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
         ++(path.straight() ? counts.primary_rays : counts.specular_rays);
         if (step > 0) hit = meet(path);
         if (!hit.found()) {
+            if (air_ != nullptr) pass_air(path, path.far, sample);
             see_sky(path, sample);
             return;
         }
@@ -172,6 +178,7 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
             if (split_colors(path, hit, sample, counts)) return;
             path.weight *= path.glass.way_to(posed_scene_, hit, path.ray.direction);
         }
+        if (air_ != nullptr) pass_air(path, hit.distance, sample);
         const glm::vec3 plane = core::normalize_or(hit.geometric_normal, -path.ray.direction);
         const SurfaceFootprint footprint = path.ray.footprint_at(hit.distance, plane);
         Fragment fragment;
@@ -193,6 +200,26 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
         path.ray.origin = offset_origin(point, path.ray.direction);
         path.ray.origin_change = footprint;
     }
+}
+
+/// Goes so far through air, which dims what comes and adds light of its own.
+void EyePaths::pass_air(PathState& path, float distance, EyeSample& sample) const {
+    if (!path.glass.media.empty()) {
+        path.passed += distance;
+        return;
+    }
+    const float through = air_->transmittance(path.ray.origin, path.ray.direction, distance);
+    if (!path.straight()) {
+        sample.air_beyond.push_back({0, path.way, path.ray.origin, path.ray.direction, distance, path.weight});
+    } else {
+        // Light of air from the eye to the span's end, less that to its beginning.
+        const glm::vec3 share = core::divide_or(1.0f, path.clear, 0.0f) * path.weight;
+        if (path.passed > 0.0f) sample.air.push_back({0, path.passed, -share});
+        sample.air.push_back({0, path.passed + distance, share});
+        path.passed += distance;
+        path.clear *= through;
+    }
+    path.weight *= through;
 }
 
 /// Takes what a layer shows, and what it mirrors; returns what passes it.

@@ -50,6 +50,8 @@ struct EyeSample {
     std::vector<Fragment> fragments;  ///< surfaces with something to gather
     glm::vec3 emitted{0};             ///< emission, sky, unlit surfaces
     glm::vec3 emitted_specular{0};    ///< the part of it seen in mirrors or through glass
+    std::vector<AirSpan> air;         ///< what it sees of air straight from the eye; `pixel` is left alone
+    std::vector<AirWay> air_beyond;   ///< and beyond mirrors and what bends
     MainSurface main;
     int ways = 0;      ///< lesser ones that left boundaries of solid glass
     int dim_ways = 0;  ///< the same of those that are followed for what shines alone
@@ -76,6 +78,7 @@ class EyePaths {
     void mirror(const PathState& path, const Fragment& fragment, const SurfaceFootprint& footprint, EyeSample& sample,
                 SeeCounts& counts) const;
     bool split_colors(const PathState& path, const Hit& hit, EyeSample& sample, SeeCounts& counts) const;
+    void pass_air(PathState& path, float distance, EyeSample& sample) const;
     bool is_turned(const SurfacePoint& point) const;
     glm::vec3 facet(const PathState& path, const SurfacePoint& point) const;
     SurfaceFootprint normal_change(const SurfacePoint& point, const SurfaceFootprint& footprint, float time) const;
@@ -86,6 +89,7 @@ class EyePaths {
     const PosedScene& posed_scene_;
     bool sky_, mirrors_, bodies_;
     int specular_depth_;
+    const Air* air_;
     mutable SampledClock sky_clock_;
 };
 

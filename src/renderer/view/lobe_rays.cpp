@@ -152,6 +152,10 @@ glm::vec3 LobeRays::radiance_along(RayQuery ray, Hit hit, float solid_angle, std
             hit = posed_scene_.tracer().nearest(ray.origin, ray.direction, ray.far);
             ++rays;
         }
+        const Air* air = posed_scene_.air();
+        if (air != nullptr)
+            passing *= std::exp(-(hit.found() ? air->optical_depth(ray.origin, ray.direction, hit.distance)
+                                              : air->depth_to_sky(ray.origin, ray.direction)));
         if (!hit.found()) return sum + passing * sky(ray.direction, solid_angle);
         distance += hit.distance;
         core::make_frame(ray.direction, t, b);

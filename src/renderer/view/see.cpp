@@ -95,6 +95,8 @@ Seen see(const PosedScene& posed_scene, const SeeSettings& settings, const Plan&
     if (plan.runs(Pass::mirrors)) seen.imaged = core::Plane<core::SurfaceAddress>(width, height);
     if (plan.runs(Pass::lobe_rays)) seen.emitted_glossy = core::Plane<glm::vec3>(width, height, glm::vec3{0.0f});
     const int across = seen.tiles_across(), down = (height + tile_size - 1) / tile_size;
+    if (posed_scene.air() != nullptr)
+        seen.air.resize(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
     seen.tiles.resize(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
 
     // Look tile by tile, then again at edges; counts are summed in the tiles' order.

@@ -33,6 +33,9 @@ TileArea area_of(const Seen& seen, std::size_t tile);
 /// Whether a fragment lies on the surface that a point stands for. `pixel_extent`: of a pixel there, scene units.
 bool same_surface(const GatherPoint& point, const Fragment& fragment, float pixel_extent);
 
+/// Adds `share` of what a sample of the last pixel sees of air.
+void add_air(const EyeSample& sample, std::uint16_t pixel, float share, SeenAir& air);
+
 /// Looks through all pixels of a tile; tells whose samples differ.
 PixelMarks look_through(const Looking& looking, std::size_t tile, Seen& seen, SeeCounts& counts);
 

@@ -10,10 +10,13 @@ namespace render2mpeg::scene::animation_file_keys {
 using K = std::string_view;
 
 inline constexpr std::array film{
-    K("$schema"), K("title"),   K("scene"),   K("size"),          K("display_aspect"),  K("frame_rate"),
-    K("frames"),  K("seconds"), K("times"),   K("sky"),           K("exposure"),        K("camera"),
-    K("cameras"), K("shots"),   K("lights"),  K("objects"),       K("materials"),       K("change"),
-    K("sound"),   K("view"),    K("shutter"), K("shutter_phase"), K("rolling_shutter"), K("glare")};
+    K("$schema"),    K("title"),         K("scene"),           K("size"),  K("display_aspect"),
+    K("frame_rate"), K("frames"),        K("seconds"),         K("times"), K("sky"),
+    K("exposure"),   K("camera"),        K("cameras"),         K("shots"), K("lights"),
+    K("objects"),    K("materials"),     K("change"),          K("sound"), K("view"),
+    K("shutter"),    K("shutter_phase"), K("rolling_shutter"), K("glare"), K("fog")};
+
+inline constexpr std::array fog{K("visibility"), K("color"), K("anisotropy"), K("height"), K("falloff")};
 
 inline constexpr std::array glare{K("kind"), K("strength"), K("size"), K("seed")};
 

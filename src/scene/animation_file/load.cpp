@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/fog.h"
 #include "core/glare.h"
 #include "core/rational.h"
 #include "core/text.h"
@@ -74,7 +75,39 @@ core::Glare glare_of(const JsonValue& value) {
     return glare;
 }
 
-/// Frame rate, range, exposure, view and glare.
+/// `60`, how far one sees, or `{ "visibility": 60, "color": [1, 0.9, 0.8] }`, or `"off"`.
+core::Fog fog_of(const JsonValue& value) {
+    core::Fog fog;
+    constexpr std::array<std::string_view, 1> words{"off"};
+    if (value.is_text()) {
+        value.word(words);
+        return fog;
+    }
+    const auto visibility = [](const JsonValue& v) {
+        return static_cast<float>(v.number(core::least_visibility, core::most_visibility));
+    };
+    if (value.is_number()) {
+        fog.visibility = visibility(value);
+        return fog;
+    }
+    value.allow_only(animation_file_keys::fog);
+    const auto far = value.find("visibility");
+    if (!far) value.fail("has no `visibility`");
+    fog.visibility = visibility(*far);
+    if (const auto color = value.find("color")) fog.color = color->color(1);
+    if (const auto g = value.find("anisotropy"))
+        fog.anisotropy = static_cast<float>(g->number(-core::most_anisotropy, core::most_anisotropy));
+    constexpr double most_height = 1e7;  // as of positions
+    if (const auto falloff = value.find("falloff"))
+        fog.falloff = static_cast<float>(falloff->number(1e-3, most_height));
+    if (const auto height = value.find("height")) {
+        fog.height = static_cast<float>(height->number(-most_height, most_height));
+        if (!(fog.falloff > 0)) height->fail("stands without `falloff`: the fog is everywhere the same");
+    }
+    return fog;
+}
+
+/// Frame rate, range, exposure, view, fog and glare.
 FilmClock read_format(const JsonValue& value, Animation& film) {
     FilmClock clock;
     film.frame_rate = "25";  // what FilmClock begins with
@@ -130,6 +163,7 @@ FilmClock read_format(const JsonValue& value, Animation& film) {
     if (const auto rolling = value.find("rolling_shutter"))
         film.shutter.rolling = static_cast<float>(rolling->number(0, 1));
     if (const auto view = value.find("view")) film.view = view_of(*view);
+    if (const auto fog = value.find("fog")) film.fog = fog_of(*fog);
     if (const auto glare = value.find("glare")) film.glare = glare_of(*glare);
     return clock;
 }

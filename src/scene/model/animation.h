@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/fog.h"
 #include "core/glare.h"
 #include "core/rational.h"
 #include "core/view.h"
@@ -92,6 +93,7 @@ struct Animation {
     Shutter shutter;                                      ///< likewise, or as the command line says
     std::optional<float> exposure;                        ///< EV, likewise; none: automatic
     std::optional<core::View> view;                       ///< likewise; none: neutral
+    core::Fog fog;                                        ///< likewise, or as the command line says
     core::Glare glare;                                    ///< likewise, or as the command line says
     std::optional<glm::ivec2> size;                       ///< picture width and height, likewise
     std::optional<core::Rational>

@@ -94,6 +94,7 @@ Traits traits_of(const Animation& animation) {
     traits.has_open_shutter = animation.shutter.is_open();
     traits.has_aperture = has_aperture(animation);
     traits.has_glare = animation.glare.shows();
+    traits.has_fog = animation.fog.shows();
 
     for (const Object& object : animation.objects) {
         const Material& material = animation.materials[static_cast<std::size_t>(object.material)];

@@ -31,6 +31,7 @@ struct Traits {
     bool has_open_shutter = false;
     bool has_aperture = false;  ///< a lens that blurs what is out of focus
     bool has_glare = false;
+    bool has_fog = false;
 
     bool shows_motion() const {
         return has_open_shutter && (camera_moves || objects_move || objects_deform || lights_change);

@@ -1,0 +1,313 @@
+// Single scattering along a ray: equiangular places about a lamp [Kulla2012], places by transmittance under a sun.
+// Changed: no random numbers. One place in each cell asks for the shadow; where two differ, the shadow's edge between
+// them is found by halving; what is lit is integrated by two points of Gauss in each cell, which changes smoothly along
+// motion.
+#include "renderer/air/air_lamp.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/numeric.h"
+#include "renderer/cut/shadow_rays.h"
+#include "renderer/lights/light_points.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+constexpr float endless = std::numeric_limits<float>::infinity();
+constexpr int most_cells = 16;
+
+/// Behind air of this optical depth nothing is looked for: a share of 6e-6.
+constexpr float deepest = 12.0f;
+
+/// Parts of a way under a sun, each with as many places as a lamp's whole way: a sun's light is even over long ways,
+/// its shadows are not. chosen: 4; with 1 shafts between pillars have steps.
+constexpr int sun_parts = 4;
+
+/// Halvings of the way between two places, one lit and one not. chosen: 5, so that an edge lies within 1/32 of a cell.
+constexpr int halvings = 5;
+
+/// A way past a lamp, by the parameter in which its light is even: the angle at the lamp, or the share of light lost.
+class LampWay {
+  public:
+    LampWay(const Air& air, const AirLamp& lamp, const AirRay& ray) : air_(air), lamp_(lamp), ray_(ray) {
+        const float end = std::min(ray.ends.back(), air.distance_at(ray.origin, ray.direction, deepest));
+        if (lamp.is_sun) {
+            phase_ = air.phase(glm::dot(lamp.direction, -ray.direction));
+            last_ = parameter(end);
+            return;
+        }
+        const glm::vec3 to_lamp = lamp.position - ray.origin;
+        nearest_ = glm::dot(to_lamp, ray.direction);
+        const glm::vec3 off = to_lamp - nearest_ * ray.direction;
+        const float apart = std::sqrt(glm::dot(off, off));
+        apart_ = std::max({apart, lamp.radius, ray.width * std::abs(nearest_), 1e-6f * glm::length(to_lamp), 1e-12f});
+        float from = 0, to = end;
+        if (lamp.range > 0.0f) {
+            const float half = core::sqrt_or_zero(lamp.range * lamp.range - apart * apart);
+            from = std::max(from, nearest_ - half);
+            to = std::min(to, nearest_ + half);
+        }
+        clip_to_cone(from, to);
+        if (!(to > from)) return;
+        first_ = parameter(from);
+        last_ = parameter(to);
+    }
+
+    /// One of so many equal parts of it.
+    LampWay part(int index, int parts) const {
+        LampWay way = *this;
+        const float step = (last_ - first_) / static_cast<float>(parts);
+        way.first_ = first_ + static_cast<float>(index) * step;
+        way.last_ = index + 1 == parts ? last_ : way.first_ + step;
+        return way;
+    }
+
+    bool is_dark() const { return !(last_ > first_); }
+    float first() const { return first_; }
+    float last() const { return last_; }
+
+    float parameter(float distance) const {
+        if (lamp_.is_sun) return -std::expm1(-air_.optical_depth(ray_.origin, ray_.direction, distance));
+        return std::atan2(distance - nearest_, apart_);
+    }
+    float distance(float parameter) const {
+        if (lamp_.is_sun) return air_.distance_at(ray_.origin, ray_.direction, -std::log1p(-std::min(parameter, 1.0f)));
+        return std::max(nearest_ + apart_ * std::tan(parameter), 0.0f);
+    }
+    glm::vec3 place(float distance) const {
+        return ray_.origin + std::min(distance, std::numeric_limits<float>::max()) * ray_.direction;
+    }
+
+    /// Radiance by intensity and unit of the parameter.
+    float scattered(float parameter) const {
+        const float far = distance(parameter);
+        if (!std::isfinite(far)) return 0.0f;
+        const glm::vec3 x = place(far);
+        if (lamp_.is_sun) return phase_ * std::exp(-air_.depth_to_sky(x, -lamp_.direction));
+        const glm::vec3 from_lamp = x - lamp_.position;
+        const float distance2 = glm::dot(from_lamp, from_lamp), length = std::sqrt(distance2);
+        const glm::vec3 direction = from_lamp / std::max(length, 1e-20f);
+        // As light_kernels.cpp has lamps' windows and cones.
+        float share = 1.0f;
+        if (lamp_.range > 0.0f) {
+            const float reach2 = distance2 / (lamp_.range * lamp_.range);
+            share = std::clamp(1.0f - reach2 * reach2, 0.0f, 1.0f);
+        }
+        const float spot =
+            std::clamp(glm::dot(direction, lamp_.direction) * lamp_.spot_scale + lamp_.spot_offset, 0.0f, 1.0f);
+        const float depth = air_.optical_depth(ray_.origin, ray_.direction, far) +
+                            air_.optical_depth(lamp_.position, direction, length);
+        return share * spot * spot * air_.extinction(x.y) * air_.phase(-std::sin(parameter)) * std::exp(-depth) /
+               apart_;
+    }
+
+    /// Ray i of the packet: from this place to the lamp.
+    void aim(float parameter, int i, ShadowPacket& packet) const {
+        const glm::vec3 x = place(distance(parameter)), way = lamp_.is_sun ? -lamp_.direction : lamp_.position - x;
+        packet.origin_x[i] = x.x;
+        packet.origin_y[i] = x.y;
+        packet.origin_z[i] = x.z;
+        packet.direction_x[i] = way.x;
+        packet.direction_y[i] = way.y;
+        packet.direction_z[i] = way.z;
+        packet.far[i] = lamp_.is_sun ? endless : shadow_ray_end;
+    }
+
+  private:
+    /// Leaves of [from, to] what lies in the cone of a spot.
+    void clip_to_cone(float& from, float& to) const {
+        if (!(lamp_.spot_scale > 0.0f)) return;
+        const float cosine = -lamp_.spot_offset / lamp_.spot_scale;
+        if (!(cosine > 0.0f && cosine < 1.0f)) return;
+        // (w + t d) a = cosine |w + t d|, in double, since both roots matter.
+        const glm::dvec3 w = ray_.origin - lamp_.position, d = ray_.direction, a = lamp_.direction;
+        const double c2 = static_cast<double>(cosine) * cosine, da = glm::dot(d, a), wa = glm::dot(w, a);
+        const double qa = da * da - c2, qb = wa * da - c2 * glm::dot(w, d), qc = wa * wa - c2 * glm::dot(w, w);
+        const double root = qb * qb - qa * qc;
+        const auto inside = [&](double t) {
+            const glm::dvec3 p = w + t * d;
+            return glm::dot(p, a) > cosine * glm::length(p);
+        };
+        if (!(root > 0.0) || qa == 0.0) {
+            if (!inside(nearest_ + 1e-3 * apart_)) to = from;
+            return;
+        }
+        const double s = std::sqrt(root);
+        double t1 = (-qb - s) / qa, t2 = (-qb + s) / qa;
+        if (t1 > t2) std::swap(t1, t2);
+        // Of the three parts one is lit: cones are convex.
+        if (inside(0.5 * (t1 + t2))) {
+            from = std::max(from, static_cast<float>(t1));
+            to = std::min(to, static_cast<float>(t2));
+        } else if (inside(t2 + std::max(1.0, std::abs(t2)))) {
+            from = std::max(from, static_cast<float>(t2));
+        } else if (inside(t1 - std::max(1.0, std::abs(t1)))) {
+            to = std::min(to, static_cast<float>(t1));
+        } else {
+            to = from;
+        }
+    }
+
+    const Air& air_;
+    const AirLamp& lamp_;
+    const AirRay& ray_;
+    float nearest_ = 0, apart_ = 1;  ///< the place nearest to the lamp, and its distance from it
+    float phase_ = 0;                ///< suns
+    float first_ = 0, last_ = 0;
+};
+
+/// Which part of a way is lit: runs of cells, with what layers let through.
+class LitRuns {
+  public:
+    LitRuns(const AirScene& scene, const LampWay& way, int cells) : way_(way), cells_(cells) {
+        ShadowPacket packet;
+        packet.bodies = scene.bodies;
+        packet.active = (1u << cells) - 1u;
+        for (int i = 0; i < cells; ++i) way.aim(middle(i), i, packet);
+        passes_.fill(glm::vec3(1));
+        lit_ = packet.active & ~scene.tracer.occluded(packet, passes_.data());
+        rays_ = static_cast<std::uint64_t>(cells);
+        find_edges(scene);
+    }
+
+    std::uint64_t rays() const { return rays_; }
+
+    /// What arrives at a place: of the cell whose middle and place no edge parts.
+    glm::vec3 passes(float parameter) const {
+        const float step = (way_.last() - way_.first()) / static_cast<float>(cells_);
+        int i = std::clamp(static_cast<int>((parameter - way_.first()) / step), 0, cells_ - 1);
+        if (i > 0 && parameter < middle(i) && parameter < edge_[static_cast<std::size_t>(i - 1)] && differs(i - 1))
+            --i;
+        else if (i + 1 < cells_ && parameter >= middle(i) && differs(i) &&
+                 parameter >= edge_[static_cast<std::size_t>(i)])
+            ++i;
+        return (lit_ >> i & 1u) != 0 ? passes_[static_cast<std::size_t>(i)] : glm::vec3(0);
+    }
+    bool is_dark() const { return lit_ == 0; }
+    /// Adds where integrals must begin anew.
+    void add_cuts(std::vector<float>& cuts) const {
+        const float step = (way_.last() - way_.first()) / static_cast<float>(cells_);
+        for (int i = 0; i <= cells_; ++i)
+            cuts.push_back(i == cells_ ? way_.last() : way_.first() + static_cast<float>(i) * step);
+        for (int i = 0; i + 1 < cells_; ++i)
+            if (differs(i)) cuts.push_back(edge_[static_cast<std::size_t>(i)]);
+    }
+
+  private:
+    float middle(int i) const {
+        return way_.first() +
+               (way_.last() - way_.first()) * (static_cast<float>(i) + 0.5f) / static_cast<float>(cells_);
+    }
+    bool differs(int i) const { return ((lit_ >> i ^ lit_ >> (i + 1)) & 1u) != 0; }
+
+    /// Between the middles of cells that differ.
+    void find_edges(const AirScene& scene) {
+        const std::uint32_t differ = (lit_ ^ lit_ >> 1) & ((1u << (cells_ - 1)) - 1u);
+        if (differ == 0) return;
+        std::array<float, most_cells> low{}, high{};
+        for (int i = 0; i + 1 < cells_; ++i) {
+            low[static_cast<std::size_t>(i)] = middle(i);
+            high[static_cast<std::size_t>(i)] = middle(i + 1);
+        }
+        for (int turn = 0; turn < halvings; ++turn) {
+            ShadowPacket packet;
+            packet.bodies = scene.bodies;
+            packet.active = differ;
+            for (std::size_t i = 0; i + 1 < static_cast<std::size_t>(cells_); ++i)
+                way_.aim(0.5f * (low[i] + high[i]), static_cast<int>(i), packet);
+            const std::uint32_t lit = differ & ~scene.tracer.occluded(packet, nullptr);
+            rays_ += static_cast<std::uint64_t>(std::popcount(differ));
+            for (std::size_t i = 0; i + 1 < static_cast<std::size_t>(cells_); ++i) {
+                const bool as_low = (lit >> i & 1u) == (lit_ >> i & 1u);
+                (as_low ? low : high)[i] = 0.5f * (low[i] + high[i]);
+            }
+        }
+        for (std::size_t i = 0; i < edge_.size(); ++i) edge_[i] = 0.5f * (low[i] + high[i]);
+    }
+
+    const LampWay& way_;
+    int cells_;
+    std::uint32_t lit_ = 0;
+    std::array<glm::vec3, most_cells> passes_;
+    std::array<float, most_cells> edge_{};  ///< between cell i and the next, where they differ
+    std::uint64_t rays_ = 0;
+};
+
+/// By two points of Gauss.
+float integral(const LampWay& way, float from, float to) {
+    const float middle = 0.5f * (from + to), half = 0.5f * (to - from);
+    const float off = half * std::numbers::inv_sqrt3_v<float>;
+    return half * (way.scattered(middle - off) + way.scattered(middle + off));
+}
+
+/// Adds what one part of a way scatters before each end, in the way's parameter.
+void add_part(const LampWay& way, const LitRuns& runs, const std::vector<float>& ends, glm::vec3 strength,
+              glm::vec3* sums) {
+    std::vector<float> cuts;
+    cuts.reserve(2 * most_cells + ends.size() + 1);
+    runs.add_cuts(cuts);
+    for (const float end : ends) cuts.push_back(std::clamp(end, way.first(), way.last()));
+    std::sort(cuts.begin(), cuts.end());
+    glm::vec3 sum(0);
+    std::size_t end = 0;
+    for (std::size_t i = 0; i < cuts.size(); ++i) {
+        for (; end < ends.size() && ends[end] <= cuts[i]; ++end) sums[end] += strength * sum;
+        if (i + 1 == cuts.size() || !(cuts[i + 1] > cuts[i])) continue;
+        const glm::vec3 passes = runs.passes(0.5f * (cuts[i] + cuts[i + 1]));
+        if (passes != glm::vec3(0)) sum += passes * integral(way, cuts[i], cuts[i + 1]);
+    }
+    for (; end < ends.size(); ++end) sums[end] += strength * sum;
+}
+
+}  // namespace
+
+std::vector<AirLamp> air_lamps(std::span<const LightPoint> points, const LightTrees& light_trees) {
+    std::vector<AirLamp> lamps;
+    for (const LightPoint& p : points) {
+        if (p.kind == LightPointKind::oriented || p.id < first_punctual_id) continue;
+        AirLamp lamp;
+        lamp.position = p.position;
+        lamp.direction = p.normal;
+        lamp.intensity = p.intensity;
+        lamp.is_sun = p.kind == LightPointKind::directional;
+        if (p.kind == LightPointKind::spot) {
+            lamp.spot_scale = p.spot_scale;
+            lamp.spot_offset = p.spot_offset;
+        }
+        lamp.range = p.range;
+        lamps.push_back(lamp);
+    }
+    for (const WholeLamp& whole : light_trees.lamps) {
+        if (whole.kind != WholeLamp::Kind::sphere) continue;
+        AirLamp lamp;
+        lamp.position = whole.position;
+        lamp.radius = 1.01f * whole.radius + whole.clearance;
+        lamp.intensity = whole.radiance * (std::numbers::pi_v<float> * whole.radius * whole.radius);
+        lamps.push_back(lamp);
+    }
+    return lamps;
+}
+
+std::uint64_t add_scattered(const AirScene& scene, const AirLamp& lamp, const AirRay& ray, int cells, glm::vec3* sums) {
+    const LampWay whole(scene.air, lamp, ray);
+    if (whole.is_dark()) return 0;
+    std::vector<float> ends;
+    for (const float end : ray.ends) ends.push_back(whole.parameter(end));
+    const glm::vec3 strength = lamp.intensity * scene.air.albedo();
+    const int parts = lamp.is_sun ? sun_parts : 1;
+    std::uint64_t rays = 0;
+    for (int p = 0; p < parts; ++p) {
+        const LampWay way = whole.part(p, parts);
+        const LitRuns runs(scene, way, std::clamp(cells, 1, most_cells));
+        rays += runs.rays();
+        if (!runs.is_dark()) add_part(way, runs, ends, strength, sums);
+    }
+    return rays;
+}
+
+}  // namespace render2mpeg::renderer

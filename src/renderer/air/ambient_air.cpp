@@ -1,0 +1,141 @@
+#include "renderer/air/ambient_air.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/numeric.h"
+#include "parallel/loops.h"
+#include "renderer/cut/gatherer.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Cells of the lattice at a place, over its distance from the eye. chosen: 1/4 of 1/2 to 1/8, some hundred corners for
+/// each doubling of the distance.
+constexpr float cell_of_distance = 0.25f;
+
+/// The finest cells, over the scene's size.
+constexpr float finest_cell = 1.0f / 256;
+
+/// How well corners are lit: clusters at most, and what of their light they may be off by. chosen: 64 and 10 %; errors
+/// of neighbours are averaged along rays, and what air adds to a pixel is a part of its light.
+constexpr int most_clusters = 64;
+constexpr float relative_tolerance = 0.1f;
+
+/// Normals of an icosahedron's corners: irradiance on twelve such sides, over 3, is the light from all directions to 8
+/// % of that of any one.
+std::vector<glm::vec3> sides() {
+    constexpr float phi = std::numbers::phi_v<float>;
+    std::vector<glm::vec3> all;
+    for (const float a : {-1.0f, 1.0f})
+        for (const float b : {-phi, phi})
+            for (const glm::vec3 v : {glm::vec3(0, a, b), glm::vec3(a, b, 0), glm::vec3(b, 0, a)})
+                all.push_back(glm::normalize(v));
+    return all;
+}
+
+glm::vec3 gather_at(glm::vec3 place, const std::vector<glm::vec3>& normals, Gatherer& gatherer, std::uint64_t& rays) {
+    std::vector<GatherPoint> points(normals.size());
+    std::vector<const GatherPoint*> all;
+    GroupTolerance tolerance;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        SurfacePoint& p = points[i].point;
+        p.position = place;
+        p.geometric_normal = p.shading_normal = p.outgoing = normals[i];
+        p.bsdf.diffuse = glm::vec3(1);
+        all.push_back(&points[i]);
+    }
+    for (int i = 0; i < lane_count; ++i) tolerance.set(i, {{0.0f, relative_tolerance}, 0.0f});
+    GatherLanes lanes;
+    fill(lanes, all);
+    GatheredLight light;
+    CutLimits limits;
+    limits.most = most_clusters;
+    gatherer.gather(lanes, tolerance, limits, light);
+    rays += light.shadow_rays;
+    glm::vec3 sum(0);
+    for (int i = 0; i < static_cast<int>(points.size()); ++i) sum += light.direct.at(i) + light.indirect.at(i);
+    sum *= 1.0f / (3.0f * 4.0f * std::numbers::pi_v<float>);
+    return core::is_finite(sum) ? glm::max(sum, glm::vec3(0)) : glm::vec3(0);
+}
+
+std::uint64_t corner_key(int level, glm::ivec3 cell) {
+    constexpr int reach = 1 << 18;
+    const auto part = [](int v) { return static_cast<std::uint64_t>(std::clamp(v + reach, 0, 2 * reach - 1)); };
+    return static_cast<std::uint64_t>(level + 64) << 57 | part(cell.x) << 38 | part(cell.y) << 19 | part(cell.z);
+}
+
+struct Corner {
+    std::uint64_t key;
+    glm::vec3 place;
+};
+
+}  // namespace
+
+void AmbientAir::start(std::int64_t lit_frame, const LightTrees& light_trees, float extent) {
+    least_distance_ = std::max(extent, 1e-6f) * finest_cell / cell_of_distance;
+    if (lit_frame == lit_frame_) return;
+    lit_frame_ = lit_frame;
+    known_.clear();
+    light_.clear();
+    light_trees_ = light_trees;
+    light_trees_.exact.clear();
+    light_trees_.trees[static_cast<std::size_t>(LightType::punctual)] = {};
+    light_trees_.trees[static_cast<std::size_t>(LightType::punctual)].type = LightType::punctual;
+    std::erase_if(light_trees_.lamps, [](const WholeLamp& lamp) { return lamp.kind != WholeLamp::Kind::polygon; });
+    shines_ = !light_trees_.lamps.empty() || std::any_of(light_trees_.trees.begin(), light_trees_.trees.end(),
+                                                         [](const LightTree& tree) { return !tree.empty(); });
+}
+
+/// Calls visit(key, corner, weight) for the corners about a place in the two lattices that its distance lies between.
+template <class Visit>
+void AmbientAir::for_each_corner(glm::vec3 place, float distance, Visit visit) const {
+    const float level = std::clamp(std::log2(cell_of_distance * std::max(distance, least_distance_)), -60.0f, 60.0f);
+    const int coarse = static_cast<int>(std::floor(level));
+    for (int l = coarse; l <= coarse + 1; ++l) {
+        const float share = l == coarse ? 1 - (level - static_cast<float>(coarse)) : level - static_cast<float>(coarse);
+        const float size = std::ldexp(1.0f, l);
+        const glm::vec3 at = glm::clamp(place / size, glm::vec3(-2e5f), glm::vec3(2e5f)), low = glm::floor(at);
+        const glm::vec3 t = at - low;
+        for (int c = 0; c < 8; ++c) {
+            const glm::ivec3 step(c & 1, c >> 1 & 1, c >> 2);
+            const glm::ivec3 cell = glm::ivec3(low) + step;
+            const glm::vec3 w = glm::mix(1.0f - t, t, glm::vec3(step));
+            visit(corner_key(l, cell), glm::vec3(cell) * size, share * w.x * w.y * w.z);
+        }
+    }
+}
+
+std::uint64_t AmbientAir::learn(const RayTracer& tracer, std::span<const glm::vec4> places) {
+    std::vector<Corner> wanted;
+    for (const glm::vec4& p : places)
+        for_each_corner(glm::vec3(p), p.w, [&](std::uint64_t key, glm::vec3 place, float) {
+            if (known_.emplace(key, static_cast<std::uint32_t>(light_.size() + wanted.size())).second)
+                wanted.push_back({key, place});
+        });
+    const std::size_t first = light_.size();
+    light_.resize(first + wanted.size());
+    const std::vector<glm::vec3> normals = sides();
+    constexpr std::size_t grain = 32;
+    std::vector<std::uint64_t> rays((wanted.size() + grain - 1) / grain, 0);
+    parallel::for_ranges(wanted.size(), grain, [&](std::size_t from, std::size_t to) {
+        Gatherer gatherer(light_trees_, tracer);
+        for (std::size_t i = from; i < to; ++i)
+            light_[first + i] = gather_at(wanted[i].place, normals, gatherer, rays[from / grain]);
+    });
+    std::uint64_t sum = 0;
+    for (const std::uint64_t r : rays) sum += r;
+    return sum;
+}
+
+glm::vec3 AmbientAir::fluence(glm::vec3 place, float distance) const {
+    glm::vec3 sum(0);
+    for_each_corner(place, distance, [&](std::uint64_t key, glm::vec3, float weight) {
+        const auto found = known_.find(key);
+        if (found != known_.end()) sum += weight * light_[found->second];
+    });
+    return sum;
+}
+
+}  // namespace render2mpeg::renderer

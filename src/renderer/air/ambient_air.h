@@ -1,0 +1,46 @@
+#pragma once
+// Light that fog scatters of all that is no lamp by itself: sky, shining surfaces, bounced light.
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "renderer/base/air.h"
+#include "renderer/geometry/ray_tracer.h"
+#include "renderer/tree/light_trees.h"
+
+namespace render2mpeg::renderer {
+
+/// Light from all directions at places of air, on lattices that are fixed in the world, the finer the nearer to the
+/// eye: it is smooth, and what is still stays still. Known as long as light stays the same.
+class AmbientAir {
+  public:
+    /// Forgets what is known of another instant's light. `lit_frame` stands for it.
+    void start(std::int64_t lit_frame, const LightTrees& light_trees, float extent);
+
+    /// Whether there is any such light.
+    bool shines() const { return shines_; }
+
+    /// Makes known what `fluence` is asked for: places, and how far from the eye. Returns the shadow rays.
+    std::uint64_t learn(const RayTracer& tracer, std::span<const glm::vec4> places);
+
+    /// Light from all directions over 4 pi at a place so far from the eye.
+    glm::vec3 fluence(glm::vec3 place, float distance) const;
+
+    /// Places nearer to the eye are lit as those at this distance.
+    float least_distance() const { return least_distance_; }
+
+  private:
+    template <class Visit>
+    void for_each_corner(glm::vec3 place, float distance, Visit visit) const;
+
+    std::int64_t lit_frame_ = -1;
+    bool shines_ = false;
+    float least_distance_ = 1;
+    LightTrees light_trees_;
+    std::unordered_map<std::uint64_t, std::uint32_t> known_;  ///< by corner
+    std::vector<glm::vec3> light_;
+};
+
+}  // namespace render2mpeg::renderer
