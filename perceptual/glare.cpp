@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
+#include <tuple>
 #include <utility>
 
 #include "core/error.h"
@@ -155,9 +157,8 @@ core::Plane<glm::vec3> Glare::pattern_at(double seconds) const {
     return in_colour(mean);
 }
 
-void Glare::see(double seconds) {
-    if (seen_ && settings_.kind != core::GlareKind::temporal) return;
-    seen_ = true;
+Glare::Scattering Glare::scattering_at(double seconds) const {
+    Scattering scattering;
     const int across = (width_ + step_ - 1) / step_, down = (height_ + step_ - 1) / step_;
     const core::Plane<glm::vec3> kernel = kernel_of(pattern_at(seconds), reach_);
     const Fourier::Spectrum ones =
@@ -173,11 +174,31 @@ void Glare::see(double seconds) {
                 turned.at(i, j) += kernel.at(x, y)[c];
             }
         const auto channel = static_cast<std::size_t>(c);
-        kernel_[channel] = fourier_.spectrum(turned);
-        Fourier::Spectrum stays = kernel_[channel];
+        scattering.kernel[channel] = fourier_.spectrum(turned);
+        Fourier::Spectrum stays = scattering.kernel[channel];
         for (std::size_t i = 0; i < stays.size(); ++i) stays[i] *= ones[i];
-        kept_[channel] = part_of(fourier_.plane(std::move(stays)), across, down);
+        scattering.kept[channel] = part_of(fourier_.plane(std::move(stays)), across, down);
     }
+    return scattering;
+}
+
+/// Makes the pattern of this moment. That of a still eye is kept for the film's other chunks.
+void Glare::see(double seconds) {
+    if (settings_.kind == core::GlareKind::temporal) {
+        scattering_ = std::make_shared<const Scattering>(scattering_at(seconds));
+        return;
+    }
+    if (scattering_) return;
+    static std::mutex busy;
+    static std::tuple<core::Glare, int, int, glm::ivec2, double> made_for;
+    static std::shared_ptr<const Scattering> made;
+    const std::scoped_lock lock(busy);
+    const auto wanted = std::tuple(settings_, width_, height_, reach_, pupil_);
+    if (!made || made_for != wanted) {
+        made = std::make_shared<const Scattering>(scattering_at(seconds));
+        made_for = wanted;
+    }
+    scattering_ = made;
 }
 
 core::Plane<glm::vec3> Glare::over(const core::Plane<glm::vec3>& radiance, double seconds) {
@@ -188,11 +209,11 @@ core::Plane<glm::vec3> Glare::over(const core::Plane<glm::vec3>& radiance, doubl
         const auto channel = static_cast<std::size_t>(c);
         const core::Plane<float> cells = reduced(radiance, c, step_, brightest_);
         Fourier::Spectrum scattered = fourier_.spectrum(cells);
-        for (std::size_t i = 0; i < scattered.size(); ++i) scattered[i] *= kernel_[channel][i];
+        for (std::size_t i = 0; i < scattered.size(); ++i) scattered[i] *= scattering_->kernel[channel][i];
         const core::Plane<float> veil = part_of(fourier_.plane(std::move(scattered)), cells.width(), cells.height());
         for (int y = 0; y < height_; ++y)
             for (int x = 0; x < width_; ++x) {
-                const float scatters = settings_.strength * between(kept_[channel], x, y, step_);
+                const float scatters = settings_.strength * between(scattering_->kept[channel], x, y, step_);
                 const float comes = settings_.strength * std::max(0.0f, between(veil, x, y, step_));
                 float& light = glared.at(x, y)[c];
                 light += comes - scatters * std::min(light, brightest_);

@@ -2,6 +2,7 @@
 // Glare: bright light spills over the picture as it does in an eye.
 #include <array>
 #include <glm/glm.hpp>
+#include <memory>
 
 #include "core/glare.h"
 #include "core/plane.h"
@@ -24,6 +25,12 @@ class Glare {
     core::Plane<glm::vec3> over(const core::Plane<glm::vec3>& radiance, double seconds);
 
   private:
+    /// What the eye makes of a point of light, by channel.
+    struct Scattering {
+        std::array<Fourier::Spectrum, 3> kernel;
+        std::array<core::Plane<float>, 3> kept;  ///< share of what is scattered that stays in the picture
+    };
+    Scattering scattering_at(double seconds) const;
     void see(double seconds);
     core::Plane<glm::vec3> pattern_at(double seconds) const;
 
@@ -34,9 +41,7 @@ class Glare {
     float brightest_;   ///< radiance
     glm::ivec2 reach_;  ///< cells
     Fourier fourier_;
-    std::array<Fourier::Spectrum, 3> kernel_;
-    std::array<core::Plane<float>, 3> kept_;  ///< share of what is scattered that stays in the picture
-    bool seen_ = false;
+    std::shared_ptr<const Scattering> scattering_;
 };
 
 }  // namespace render2mpeg::perceptual

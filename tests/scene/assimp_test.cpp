@@ -305,34 +305,31 @@ TEST_F(Assimp, LampsOfBlendersColladaAreWatts) {
     }
 }
 
+/// Has `instead` where a text says `what`.
+void put(std::string& text, const std::string& what, const std::string& instead) {
+    const auto at = text.find(what);
+    ASSERT_NE(at, std::string::npos) << what;
+    text.replace(at, what.size(), instead);
+}
+
 TEST_F(Assimp, TellsThatBlendersColladaDimsWhatShines) {
     std::string text = collada;
-    const auto put = [&](const std::string& what, const std::string& instead) {
-        const auto at = text.find(what);
-        ASSERT_NE(at, std::string::npos) << what;
-        text.replace(at, what.size(), instead);
-    };
-    put("<asset>", "<asset><contributor><authoring_tool>Blender 3.4.1</authoring_tool></contributor>");
-    put("<lambert>", "<lambert><emission><color>1 0.75 0.5 1</color></emission>");
+    put(text, "<asset>", "<asset><contributor><authoring_tool>Blender 3.4.1</authoring_tool></contributor>");
+    put(text, "<lambert>", "<lambert><emission><color>1 0.75 0.5 1</color></emission>");
     EXPECT_TRUE(noted(read("dimmed.dae", text), "where Blender's COLLADA ends"));
-    put("<color>1 0.75 0.5 1</color>", "<color>0.9 0.75 0.5 1</color>");
+    put(text, "<color>1 0.75 0.5 1</color>", "<color>0.9 0.75 0.5 1</color>");
     EXPECT_FALSE(noted(read("dim.dae", text), "where Blender's COLLADA ends"));
 }
 
 TEST_F(Assimp, ArmaturesOfBlendersColladaStandAtTheirPlace) {
     std::string text = collada;
-    const auto put = [&](const std::string& what, const std::string& instead) {
-        const auto at = text.find(what);
-        ASSERT_NE(at, std::string::npos) << what;
-        text.replace(at, what.size(), instead);
-    };
-    put("<asset>", "<asset><contributor><authoring_tool>Blender 3.4.1</authoring_tool></contributor>");
-    put(R"(<node id="n" name="n"><translate sid="place">0 0 0</translate><instance_geometry url="#g">)",
+    put(text, "<asset>", "<asset><contributor><authoring_tool>Blender 3.4.1</authoring_tool></contributor>");
+    put(text, R"(<node id="n" name="n"><translate sid="place">0 0 0</translate><instance_geometry url="#g">)",
         R"(<node id="A" name="A"><translate>-150 0 0</translate><node id="j" name="j" sid="j" type="JOINT"></node>)"
         R"(<node id="n" name="n"><translate sid="place">0 0 0</translate><instance_controller url="#c">)");
-    put("</instance_geometry></node>", "</instance_controller></node></node>");
+    put(text, "</instance_geometry></node>", "</instance_controller></node></node>");
     // What Blender writes: the joint's place undone together with the armature's, and the mesh's place in the armature.
-    put("<library_animations>",
+    put(text, "<library_animations>",
         R"(<library_controllers><controller id="c"><skin source="#g"><bind_shape_matrix>1 0 0 0 0 1 0 0 0 0 1 80 0 0 0 1</bind_shape_matrix>
 <source id="cj"><Name_array id="cja" count="1">j</Name_array><technique_common><accessor source="#cja" count="1" stride="1"><param name="JOINT" type="name"/></accessor></technique_common></source>
 <source id="cb"><float_array id="cba" count="16">1 0 0 150 0 1 0 0 0 0 1 0 0 0 0 1</float_array><technique_common><accessor source="#cba" count="1" stride="16"><param name="TRANSFORM" type="float4x4"/></accessor></technique_common></source>

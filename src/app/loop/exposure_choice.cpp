@@ -52,9 +52,17 @@ bool has_focus(const scene::CameraLens& lens) {
     return lens.focus_distance > 0 || lens.focus_point || !lens.focus_objects.empty();
 }
 
-}  // namespace
+// fit: docs/fits/exposure-samples.md
+int samples_of_lens(int quantiser) {
+    if (quantiser <= 6) return 64;
+    return quantiser <= 12 ? 32 : 16;
+}
 
-namespace {
+int samples_of_shutter(int quantiser) {
+    if (quantiser <= 2) return 32;
+    if (quantiser <= 6) return 16;
+    return quantiser <= 12 ? 8 : 4;
+}
 
 void set_f_stop(scene::Animation& animation, const RenderOptions& options) {
     const float f_stop = f_stop_from(*options.f_stop);
@@ -115,14 +123,7 @@ void tell_samples(RenderJob& film) {
 renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser) {
     if (film.exposure_samples) return {*film.exposure_samples, *film.exposure_samples};
     const int q = film.kind == OutputKind::film ? quantiser : 4;
-    // fit: docs/fits/exposure-samples.md
-    const int most = film.plan.runs(renderer::Pass::lens) ? (q <= 6    ? 64
-                                                             : q <= 12 ? 32
-                                                                       : 16)
-                                                          : (q <= 2    ? 32
-                                                             : q <= 6  ? 16
-                                                             : q <= 12 ? 8
-                                                                       : 4);
+    const int most = film.plan.runs(renderer::Pass::lens) ? samples_of_lens(q) : samples_of_shutter(q);
     // chosen: as many as sharp edges get (SeeSettings::edge_samples); with 4 they were rougher than those.
     return {std::min(most, 16), most};
 }

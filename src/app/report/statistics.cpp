@@ -222,6 +222,25 @@ json common_of(const Film& film, const RunStatistics& statistics, const RunFacts
             {"per_frame", json::array()}};
 }
 
+json glare_of(const RenderJob& film) {
+    const core::Glare& glare = film.animation->glare;
+    if (!glare.shows()) return {};
+    return {{"kind", core::glare_names[static_cast<std::size_t>(glare.kind)]},
+            {"strength", glare.strength},
+            {"size", glare.size},
+            {"seed", glare.seed}};
+}
+
+json fog_of(const RenderJob& film) {
+    const core::Fog& fog = film.animation->fog;
+    if (!fog.shows()) return {};
+    return {{"visibility", fog.visibility},
+            {"color", {fog.color.x, fog.color.y, fog.color.z}},
+            {"anisotropy", fog.anisotropy},
+            {"height", fog.height},
+            {"falloff", fog.falloff}};
+}
+
 }  // namespace
 
 double peak_memory_mib() {
@@ -237,6 +256,8 @@ json statistics_of(const RenderJob& film, const RunStatistics& statistics, const
     written.update({
         {"exposure", film.exposure.value_or(0)},
         {"view", core::text_of(film.view)},
+        {"glare", glare_of(film)},
+        {"fog", fog_of(film)},
         {"isa", core::name_of(film.rendering.isa)},
         {"preview", film.preview},
         {"tolerance", tolerance_of(film)},

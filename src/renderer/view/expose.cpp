@@ -315,7 +315,7 @@ std::optional<BrightSamples> TileExposer::look(int x, int y, const EyeRays& rays
         bright.add(core::luminance(sample_.emitted));
         specular += sample_.emitted_specular;
         if (all_.scene.air() != nullptr)
-            add_air(sample_, pixel_at(x, y), 1.0f / static_cast<float>(pattern_.samples()), found.air);
+            add_air(sample_, pixel_at(x, y), 1.0f / static_cast<float>(pattern_->samples()), found.air);
         blurred = blurred || blur_of(sample_, middle) >= least_blur;
         for (Fragment& fragment : sample_.fragments) take(fragment, x, y, rays.rays[ray].time, first, found);
     }
@@ -346,6 +346,7 @@ void TileExposer::expose(int x, int y, std::size_t first_ray, TileExposure& foun
     const int needed = bright ? bright->needed(samples_, near_white, all_.samples) : samples_;
     if (needed == samples_) return;
     found.forget_from(first, new_points);
+    forget_air(pixel_at(x, y), found.air);
     --found.counts.pixels;
     use(needed);
     again_.clear();

@@ -208,6 +208,11 @@ bool same_surface(const GatherPoint& a, const Fragment& b, float pixel_extent) {
     return off <= same_plane * pixel_extent + a.point.position_error + b.point.position_error;
 }
 
+void forget_air(std::uint16_t pixel, SeenAir& air) {
+    while (!air.straight.empty() && air.straight.back().pixel == pixel) air.straight.pop_back();
+    while (!air.beyond.empty() && air.beyond.back().pixel == pixel) air.beyond.pop_back();
+}
+
 void add_air(const EyeSample& sample, std::uint16_t pixel, float share, SeenAir& air) {
     for (const AirSpan& span : sample.air) {
         auto& all = air.straight;

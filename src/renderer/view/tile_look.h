@@ -36,6 +36,9 @@ bool same_surface(const GatherPoint& point, const Fragment& fragment, float pixe
 /// Adds `share` of what a sample of the last pixel sees of air.
 void add_air(const EyeSample& sample, std::uint16_t pixel, float share, SeenAir& air);
 
+/// Takes back what was added of the last pixel.
+void forget_air(std::uint16_t pixel, SeenAir& air);
+
 /// Looks through all pixels of a tile; tells whose samples differ.
 PixelMarks look_through(const Looking& looking, std::size_t tile, Seen& seen, SeeCounts& counts);
 
