@@ -201,13 +201,14 @@ void LookAhead::end() {
     impl_->ended = true;
 }
 
-std::int64_t LookAhead::frames_left(std::int64_t number) {
+std::optional<std::int64_t> LookAhead::frames_left(std::int64_t number) {
     Impl& m = *impl_;
     EXPECTS(m.is_there(number));
     // The newest picture may yet turn out to be a flash.
     const std::int64_t newest = m.seen.rbegin()->first, known = m.ended ? newest : std::max(number, newest - 1);
     std::int64_t last = number;
     while (last < known && !cut_before(last + 1)) ++last;
+    if (last == known && !m.ended) return {};
     return last - number;
 }
 

@@ -2,6 +2,7 @@
 // Looks at pictures to come where nobody knows their motion: cuts, runs of B pictures, rough motion.
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "core/motion_field.h"
 #include "core/picture.h"
@@ -29,8 +30,8 @@ class LookAhead {
 
     /// Whether the picture shows nothing of the one before, and is not a flash. False where that is not there.
     bool cut_before(std::int64_t number);
-    /// Pictures that certainly follow before a cut.
-    std::int64_t frames_left(std::int64_t number);
+    /// Pictures that follow before the next cut or the end; none where neither is seen.
+    std::optional<std::int64_t> frames_left(std::int64_t number);
     /// How many B pictures should follow the I or P picture `reference` where a P picture or none comes at last at
     /// `last` > `reference`.
     int b_pictures(std::int64_t reference, std::int64_t last);

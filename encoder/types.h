@@ -105,9 +105,10 @@ struct FirstPassPicture {
 /// What the renderer knows of a picture before anything is lit.
 struct PictureFacts {
     bool cut_before = false;  ///< this picture shows nothing of the picture before
-    /// Pictures, 0 or more, that certainly follow this one before a cut, a keyframe or the chunk's end. B pictures are
-    /// planned only among these, since they refer to a later picture. If the number is exact, all runs of B pictures
-    /// have about the same length.
+    /// Pictures, 0 or more, that follow this one before a cut, a keyframe or the chunk's end. B pictures are planned
+    /// only among these, since they refer to a later picture: so many as a run may have must be certain. If the number
+    /// is exact, all runs of B pictures have about the same length, and quantisers know how many pictures depend on
+    /// one.
     std::int64_t frames_left = 0;
     bool keyframe = false;  ///< a GOP begins here, whatever the picture shows
     /// Pictures that follow this one in its chunk, promised with the chunk's first picture; the promise must be kept.

@@ -46,6 +46,7 @@ const std::vector<Library>& libraries() {
         {"Embree", {"embree3/"}, "src/renderer/geometry/", 3},
         {"OpenImageIO", {"OpenImageIO/"}, "src/image/", 2},
         {"OpenEXR", {"OpenEXR/", "Imath/", "Imf", "half.h"}, "src/image/", 2},
+        {"libdeflate", {"libdeflate.h"}, "src/image/", 1},
         {"FFmpeg", {"libav", "libsw"}, "encoder/av/", 2},
         {"TBB", {"tbb/", "oneapi/"}, "src/parallel/", 2},
         {"Assimp", {"assimp/"}, "src/scene/assimp/", 3},

@@ -37,6 +37,15 @@ TEST(LookAhead, FindsCuts) {
     EXPECT_EQ(ahead->frames_left(7), 0);
 }
 
+TEST(LookAhead, PromisesNoEndThatItDoesNotSee) {
+    LookAhead ahead(width, height, 3);
+    for (int n = 0; n < 6; ++n) ahead.add(scene(n, n < 3 ? 0 : 1));
+    EXPECT_EQ(ahead.frames_left(1), 1) << "a cut";
+    EXPECT_EQ(ahead.frames_left(4), std::nullopt) << "not seen";
+    ahead.end();
+    EXPECT_EQ(ahead.frames_left(4), 1) << "the end";
+}
+
 TEST(LookAhead, TakesAFlashAFadeOrNoiseForNoCut) {
     const auto flash = [](std::int64_t n) { return n == 4 ? scene(n, 5) : scene(n, 0); };
     const auto fade = [](std::int64_t n) {

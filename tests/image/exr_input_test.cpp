@@ -5,13 +5,17 @@
 #include <ImfStringAttribute.h>
 #include <ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
+#include <half.h>
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <vector>
 
 #include "core/error.h"
+#include "core/sampling.h"
 #include "image/image.h"
 #include "support/program.h"
 
@@ -114,6 +118,49 @@ TEST(ExrInput, ReadsBackWhatIsWritten) {
         EXPECT_EQ(read.channels[c].values, channels[c].values);
         EXPECT_EQ(read.channels[c].half, channels[c].half);
     }
+}
+
+/// Halves, floats and whole numbers that OpenEXR packed: smooth ones, and others that no packing makes smaller, so that
+/// they lie in the file as they are.
+TEST(ExrInput, UnpacksWhatOpenExrPacked) {
+    const Folder folder;
+    constexpr int width = 37, height = 50, count = width * height;
+    for (const Imf::Compression packing : {Imf::ZIP_COMPRESSION, Imf::ZIPS_COMPRESSION, Imf::PIZ_COMPRESSION})
+        for (const bool smooth : {true, false}) {
+            std::vector<half> halves;
+            std::vector<float> floats;
+            std::vector<unsigned> numbers;
+            for (unsigned i = 0; i < count; ++i) {
+                const unsigned die = smooth ? i / 7 : static_cast<unsigned>(core::uniform(1, 2, i) * 4294967040.0);
+                numbers.push_back(die);
+                halves.emplace_back();
+                halves.back().setBits(static_cast<std::uint16_t>(die & 0x7bffu));  // finite
+                floats.push_back(std::bit_cast<float>(die & 0x7f7fffffu));
+            }
+            Imf::Header head(width, height);
+            head.compression() = packing;
+            Imf::FrameBuffer frame;
+            const auto add = [&](const char* name, Imf::PixelType type, auto& values) {
+                head.channels().insert(name, Imf::Channel(type));
+                frame.insert(name, Imf::Slice(type, reinterpret_cast<char*>(values.data()), sizeof(values[0]),
+                                              width * sizeof(values[0])));
+            };
+            add("f", Imf::FLOAT, floats);
+            add("h", Imf::HALF, halves);
+            add("n", Imf::UINT, numbers);
+            {
+                Imf::OutputFile file((folder / "f.exr").c_str(), head);
+                file.setFrameBuffer(frame);
+                file.writePixels(height);
+            }
+            const ExrChannels read = read_exr(folder / "f.exr", any);
+            ASSERT_EQ(read.channels.size(), 3u);
+            for (std::size_t i = 0; i < count; ++i) {
+                ASSERT_EQ(read.channels[0].values[i], floats[i]) << packing << ", " << i;
+                ASSERT_EQ(read.channels[1].values[i], static_cast<float>(halves[i])) << packing << ", " << i;
+                ASSERT_EQ(read.channels[2].values[i], static_cast<float>(numbers[i])) << packing << ", " << i;
+            }
+        }
 }
 
 TEST(ExrInput, DamageIsToldInOneLine) {

@@ -39,7 +39,7 @@ TEST(Help, ShowsEveryOptionWithItsDefault) {
     const auto help = run(program() + " render --help");
     EXPECT_EQ(help.status, 0);
     for (const char* words :
-         {"--size",    "--fps",       "--frames",  "--quantiser", "=4",        "--gop",   "=15",      "--samples",
+         {"--size",    "--fps",       "--frames",  "--quantiser", "=4",        "--gop",   "=60",      "--samples",
           "--vpls",    "--tolerance", "coupled=K", "--exposure",  "=auto",     "--sky",   "--camera", "--animation",
           "--threads", "--isa",       "--stats",   "--aov",       "--dry-run", "--quiet", ".mpg",     "%04d"})
         EXPECT_NE(help.output.find(words), std::string::npos) << words;

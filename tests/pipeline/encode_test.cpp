@@ -205,7 +205,7 @@ TEST(Encode, HelpShowsEveryOptionWithItsDefault) {
     EXPECT_EQ(help.status, 0);
     for (const char* words :
          {"FRAMES", "--output", "--motion", "--motion-convention", "=blender", "--fps", "--frames", "--exposure",
-          "--quantiser", "=4", "--gop", "=15", "--threads", "--stats", "--quiet", ".mpg", "%04d", ".y4m"})
+          "--quantiser", "=4", "--gop", "=60", "--threads", "--stats", "--quiet", ".mpg", "%04d", ".y4m"})
         EXPECT_NE(help.output.find(words), std::string::npos) << words;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/experiments/effect_costs.h"
+#include "app/experiments/gop_starts.h"
 #include "support/program.h"
 
 /// What a few frames tell of a whole film, and of its effects.
@@ -77,7 +78,8 @@ TEST(FilmSample, HasAbruptFramesInItsWindows) {
 }
 
 TEST(FilmSample, TellsTheFilmByItsKindsOfFrames) {
-    const RenderJob& film = flash_cut();  // 72 frames, groups of 15, chunks of 60
+    RenderJob film = flash_cut();  // 72 frames, chunks of 60
+    film.coding.gop = 15;
     const AbruptFrames abrupt = app::abrupt_frames(film);
     FilmSample sample;
     // A window over the switch at 12, and one over the cut.
@@ -92,6 +94,24 @@ TEST(FilmSample, TellsTheFilmByItsKindsOfFrames) {
     EXPECT_DOUBLE_EQ(whole.first, 8);
     EXPECT_DOUBLE_EQ(whole.later, 1);
     EXPECT_DOUBLE_EQ(whole.apart, 0);
+}
+
+TEST(GopStarts, CountAsOftenAsTheFilmHasThem) {
+    RenderJob film = flash_cut();  // 72 frames
+    const std::vector<Chunk> windows{{0, 0, 14}, {1, 30, 44}};
+    app::GopStarts starts;
+    encoder::CodedPicture picture;
+    picture.bytes.resize(1000);
+    picture.plan.starts_gop = false;
+    starts.add(picture);
+    EXPECT_EQ(starts.surplus(film, windows, 160), 0) << "it begins none";
+    picture.plan.starts_gop = true;
+    starts.add(picture);
+    starts.add(picture);
+    film.coding.gop = 60;
+    EXPECT_NEAR(160 - starts.surplus(film, windows, 160), (1000 + 59 * 100) / 60.0, 1e-9);
+    film.coding.gop = 15;
+    EXPECT_NEAR(starts.surplus(film, windows, 160), 0, 1e-9);
 }
 
 TEST(FilmSample, GrowsWithThePixelsButForItsLightPoints) {

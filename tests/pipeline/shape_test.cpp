@@ -188,6 +188,15 @@ TEST(Preset, GopsStayWithinTheirFields) {
     EXPECT_EQ(coding("atsc", "60").b_pictures, 3);
 }
 
+TEST(Gops, AreLongWhereNobodySaysAndChunksAreNoLongerForIt) {
+    const encoder::Settings s = coding_settings({}, settle_shape(scene({}, "30"), nullptr, true), 0);
+    EXPECT_EQ(s.gop, 60);
+    const std::vector<Chunk> chunks = chunks_of({0, 129}, s.gop), of_short_gops = chunks_of({0, 129}, 15);
+    ASSERT_EQ(chunks.size(), 3u);
+    ASSERT_EQ(of_short_gops.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(chunks[i].last, of_short_gops[i].last);
+}
+
 TEST(Preset, TakesTheContainersOfItsWorld) {
     for (const char* good : {"a.mpg", "a.VOB", "a.m2v", "a.y4m", "f.%04d.exr", ""})
         EXPECT_NO_THROW(preset_from("dvd-pal").check_output(good)) << good;

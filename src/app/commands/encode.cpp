@@ -164,9 +164,15 @@ class FileMotion : public Motion {
     FileMotion(Job& job, std::int64_t frame, RunStatistics& statistics)
         : job_(job), frame_(frame), statistics_(statistics) {}
 
-    /// Null where that is too far for files that lead from frame to frame.
+    /// What is further than the source reaches is taken to be where it is there: what stands still so long mostly goes
+    /// on to. (Going on as far as it came would need 1 to 4 % more bits.)
     const core::MotionField* onward(std::int64_t horizon) override {
-        return !job_.motion || horizon - frame_ > job_.motion->reach_onward() ? nullptr : to(horizon);
+        const std::int64_t reached = std::min(horizon, frame_ + MotionSource::reach_onward);
+        const core::MotionField* field = to(reached);
+        if (field == nullptr || reached == horizon) return field;
+        onward_ = *field;
+        onward_.reference = horizon;
+        return &onward_;
     }
 
   private:
@@ -179,6 +185,7 @@ class FileMotion : public Motion {
     Job& job_;
     std::int64_t frame_;
     RunStatistics& statistics_;
+    core::MotionField onward_;
 };
 
 /// What happens to a chunk's frames and pictures while it is coded.

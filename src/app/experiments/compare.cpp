@@ -169,7 +169,9 @@ int compare(const CompareOptions& options, const std::vector<std::string>& words
         return InterruptGuard::status();
     };
     ask_trial_consent(options.render, options.json, options.report);
-    const RenderJob film = prepare_trials(options.render);
+    RenderOptions render = options.render;
+    if (!render.coding.gop) render.coding.gop = short_gop;
+    const RenderJob film = prepare_trials(render);
     if (InterruptGuard::requested()) return interrupted();
     check_trial_outputs(film, options.render, options.json, options.report);
 

@@ -46,6 +46,8 @@ struct Comparison {
 };
 inline constexpr std::size_t coupled_way = 0, fixed_way = 1, free_way = 2, usual_way = 3, strongest_way = 4,
                              strongest_free_way = 5;
+/// Pictures of a GOP where nobody says: as many as the strongest command for short ones has.
+inline constexpr int short_gop = 15;
 /// Pictures of a free GOP: as many as the strongest command found has (docs/encoder-benchmark.md).
 inline constexpr int free_gop = 60;
 

@@ -42,7 +42,7 @@ double pace_of(const Sweep& sweep) {
 FilmCost cost_of(const std::string& name, const Trial& trial, const Trial& best, const RenderJob& film, double once,
                  double pace) {
     const auto frames = static_cast<double>(film.frame_count());
-    FilmCost cost{name, once + pace * trial.cpu * frames, trial.bytes * frames, {}, 0, false};
+    FilmCost cost{name, once + pace * trial.cpu * frames, trial.bytes_in_film() * frames, {}, 0, false};
     const double added = trial.masked_error - best.masked_error;
     if (added > 0) cost.added = perceptual::psnr(added);
     cost.psnr_loss = std::max(0.0, difference(best.decoded.psnr_y() - trial.decoded.psnr_y()));
@@ -94,12 +94,12 @@ std::vector<FilmCost> film_costs(const Sweep& sweep, const RenderJob& film, doub
             costs.push_back(cost_of("coupled", coupled, best, film, once, pace));
         }
     if (sweep.references > 0) {
-        FilmCost reference{"reference", 0, best.bytes * static_cast<double>(film.frame_count()), {}, 0, true};
+        FilmCost reference{"reference", 0, best.bytes_in_film() * static_cast<double>(film.frame_count()), {}, 0, true};
         reference.clock = once + reference_clock(sweep, best, pace) * static_cast<double>(film.frame_count());
         costs.push_back(reference);
     }
     if (asked && asked->bytes > 0) {
-        const double sampled = as_asked(sweep, film).bytes * static_cast<double>(film.frame_count());
+        const double sampled = as_asked(sweep, film).bytes_in_film() * static_cast<double>(film.frame_count());
         for (FilmCost& cost : costs) cost.bytes *= core::divide_or(asked->bytes, sampled, 1.0);
     }
     std::stable_sort(costs.begin(), costs.end(),

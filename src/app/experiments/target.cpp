@@ -45,7 +45,7 @@ double value_of(const Target& target, const Trial& trial, double pictures_per_se
     const Quality quality = quality_of(trial, against_references);
     if (target.kind == Target::Kind::psnr) return std::min(quality.psnr_y, same);
     if (target.kind == Target::Kind::ssim) return quality.ssim_y;
-    return 8 * trial.bytes * pictures_per_second;
+    return 8 * trial.bytes_in_film() * pictures_per_second;
 }
 
 double even_figure(const Target& target, double value) {

@@ -138,6 +138,7 @@ class Trials::Judge : public LoopObserver {
 
     void coded(const encoder::CodedPicture& picture) override {
         trial_.bytes += static_cast<double>(picture.bytes.size());
+        starts_.add(picture);
         trial_.requantised += picture.tries > 1 ? 1 : 0;
         const auto lit = waiting_.find(picture.plan.number);
         decoded(picture.plan.number, picture.reconstruction, lit->second);
@@ -161,6 +162,8 @@ class Trials::Judge : public LoopObserver {
         watch_change(number, picture.y);
         trial_.masked_error += perceptual::masked_error(picture.y, known->second.picture.y) / trials_.references();
     }
+
+    const GopStarts& starts() const { return starts_; }
 
   private:
     /// Keeps what the frame looks like, and what its light is and may be off by.
@@ -200,6 +203,7 @@ class Trials::Judge : public LoopObserver {
     const Trials& trials_;
     Trial& trial_;
     LitWindows* keep_;
+    GopStarts starts_;
     std::map<std::int64_t, core::Picture> waiting_;              ///< lit, and not coded yet
     std::map<std::int64_t, core::Plane<std::uint8_t>> decoded_;  ///< luma of references
     double change_ = 0;
@@ -252,7 +256,7 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
     // CPU for what a chunk takes once: making what light stands still (the rough first look does, if there is one),
     // first looks, error scale. What frame after frame has to make is no start.
     const double lights = (tolerance.coupled ? 0.0 : first_light_seconds_) - next_light_seconds_;
-    double once = lights;
+    double once = lights, lit_first = 0;
     const double began = clock_seconds(), cpu_began = cpu_seconds();
     for (const Chunk& window : windows_) {
         // Each is a film of its own: it owes the next one nothing of the decoder's buffer.
@@ -265,7 +269,6 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
             return statistics.stage_seconds(Stage::shade) - renderer_.statistics().calibration_seconds;
         };
         const double earlier = started(), unlit = shaded();
-        double lit_first = 0;
         render_chunk(film, renderer_, window, judge, statistics, [&] {
             if (std::exchange(first, false)) {
                 once += started() - earlier;
@@ -286,6 +289,7 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
     if (tolerance.coupled) trial.seconds += statistics.stage_seconds(Stage::tolerate);
     const double spared = std::clamp(once, 0.0, trial.seconds) * (1 - share_of_chunk());
     trial.bytes /= trial.frames;
+    trial.surplus = judge.starts().surplus(film_, windows_, trial.bytes);
     trial.window_seconds = trial.seconds / trial.frames;
     trial.seconds = (trial.seconds - spared) / trial.frames;
     trial.cpu = (cpu - spared) / trial.frames;
@@ -308,6 +312,7 @@ Trial Trials::coded_again(const LitWindows& lit, const Coarseness& coarseness) c
             const auto take = [&](const std::vector<encoder::CodedPicture>& coded) {
                 for (const encoder::CodedPicture& picture : coded) {
                     sum.bytes += static_cast<double>(picture.bytes.size());
+                    sum.starts.add(picture);
                     sum.requantised += picture.tries > 1 ? 1 : 0;
                     core::Picture shown = picture.reconstruction;
                     shown.number = picture.plan.number - window.first;
@@ -339,6 +344,7 @@ Trial Trials::coded_by(const Codec& codec, const LitWindows& lit, const Coarsene
     trial.masked_error = trial.bytes = trial.code_seconds = trial.flicker = 0;
     trial.requantised = 0;
     Judge judge(*this, trial, nullptr);
+    GopStarts starts;
     for (const Chunk& window : windows_) {
         std::vector<const core::Picture*> pictures;
         for (std::int64_t n = window.first; n <= window.last; ++n) pictures.push_back(&lit.frames.at(n).picture);
@@ -346,10 +352,12 @@ Trial Trials::coded_by(const Codec& codec, const LitWindows& lit, const Coarsene
             judge.decoded(window.first + picture.number, picture, *pictures[static_cast<std::size_t>(picture.number)]);
         });
         trial.bytes += coded.bytes;
+        starts.add(coded.starts);
         trial.requantised += coded.requantised;
         trial.code_seconds += coded.seconds;
     }
     trial.bytes /= trial.frames;
+    trial.surplus = starts.surplus(film_, windows_, trial.bytes);
     trial.code_seconds /= trial.frames;
     return trial;
 }

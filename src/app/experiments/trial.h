@@ -9,6 +9,7 @@
 #include <set>
 #include <vector>
 
+#include "app/experiments/gop_starts.h"
 #include "app/experiments/reference_cache.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
@@ -86,6 +87,7 @@ struct Trial {
     double shown_masked = 0, shown_masked_there = 0;  ///< mean, as `shown` and `shown_there`; 0 where nobody asked
     double masked_error = 0;  ///< of the decoded pictures, mean; code values squared (perceptual/hvs.h)
     double bytes = 0;         ///< per frame
+    double surplus = 0;       ///< of them for I pictures that windows begin with and the film, of longer GOPs, has not
     int requantised = 0;      ///< pictures that the decoder's buffer had no room for at their quantiser
     double code_seconds = 0;  ///< CPU per frame for coding, and for motion where that is not searched for
     double cpu = 0;           ///< seconds per frame of all of it, seeing included; as in the film, too
@@ -96,6 +98,7 @@ struct Trial {
 
     double share_over() const;
     double share_over_twice() const;
+    double bytes_in_film() const { return bytes - surplus; }  ///< per frame
     double psnr_hvs_m() const { return perceptual::psnr(masked_error); }
 };
 
@@ -151,6 +154,7 @@ class Trials {
     /// size in bytes and the CPU seconds that coding took.
     struct Coded {
         double bytes = 0, seconds = 0;
+        GopStarts starts;     ///< none: not known
         int requantised = 0;  ///< pictures that a buffer had no room for at first
     };
     using Codec = std::function<Coded(const Chunk& window, const std::vector<const core::Picture*>& pictures,

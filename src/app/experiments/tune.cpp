@@ -121,11 +121,10 @@ class TuneCommand {
 Sample TuneCommand::sample_of(const RenderJob& film) const {
     if (options_.sample) return sample_from(*options_.sample);
     if (tuning_.target.kind == Kind::time) return sample_from("2x3");
-    // chosen: groups of more than 60 pictures are not waited for, their I pictures then count for too much; and what is
-    // lit twice or three times may not be more than an eighth of the film, so that tuning takes less than half its
-    // time.
+    // chosen: 15 frames: I pictures count by the film's GOPs, and others are alike (9..60); and what is lit twice or
+    // three times may not be more than an eighth of the film, so that tuning takes less than half its time.
     const auto eighth = static_cast<int>(std::clamp<std::int64_t>(film.frame_count() / 8, 4, 1000));
-    const int whole = std::clamp(film.coding.gop, 15, 60);
+    constexpr int whole = 15;
     return eighth >= 2 * whole ? Sample{2, whole} : Sample{1, std::min(eighth, whole)};
 }
 
@@ -140,7 +139,7 @@ bool TuneCommand::search() {
     check_trial_outputs(film, options_.render, options_.json, options_.report);
     if (!options_.render.dry_run) check_reachable(options_.render.output);
 
-    // Try the film: rates are told of whole GOPs, and need no references.
+    // Try the film: rates need no references.
     const Sample sample = sample_of(film);
     trials_.emplace(film, windows_of(film.frames, sample), options_.references.value_or(target.is_rate() ? 0 : 1));
     if (options_.kept_references) trials_->keep_references_in(ReferenceCache(*options_.kept_references));

@@ -33,7 +33,7 @@ std::string decibels(double psnr) {
 }
 
 double rate_of(const Trial& trial, double hertz) {
-    return 8 * trial.bytes * hertz;
+    return 8 * trial.bytes_in_film() * hertz;
 }
 
 /// "quality 63.4", or what else the setting is called.
@@ -113,8 +113,8 @@ json probe_json(const Probe& probe, double hertz, bool referenced) {
             {"light_seconds", t.seconds},
             {"code_seconds", t.code_seconds},
             {"clock", t.clock},
-            {"bytes", t.bytes},
-            {"bit_rate", 8 * t.bytes * hertz},
+            {"bytes", t.bytes_in_film()},
+            {"bit_rate", 8 * t.bytes_in_film() * hertz},
             {"as_lit", quality_json(quality_of(t, false))},
             {"referenced", referenced ? quality_json(quality_of(t, true)) : json(nullptr)}};
 }
@@ -141,8 +141,8 @@ std::string plot(const Tuning& tuning, double hertz) {
         const Probe& p = tuning.probes[i];
         const Quality quality = quality_of(p.trial, tuning.against_references());
         (p.lit ? lit : again)
-            .points.push_back({time ? p.value : 8e-3 * p.trial.bytes * hertz, quality.psnr_y, p.lit ? p.setting : "",
-                               tuning.chosen == i});
+            .points.push_back({time ? p.value : 8e-3 * p.trial.bytes_in_film() * hertz, quality.psnr_y,
+                               p.lit ? p.setting : "", tuning.chosen == i});
     }
     for (Curve* curve : {&lit, &again})
         std::sort(curve->points.begin(), curve->points.end(),
@@ -163,7 +163,7 @@ std::string table(const Tuning& tuning, double hertz) {
         const std::string name = (time ? "" : "quality ") + p.setting;
         text += "<tr><td>" + (tuning.chosen == i ? "<b>" + escaped(name) + ", taken</b>" : escaped(name)) + "</td>";
         std::vector<std::string> cells{short_figure(p.trial.seconds), short_figure(p.trial.code_seconds),
-                                       fmt::format("{:.1f}", 8e-3 * p.trial.bytes * hertz),
+                                       fmt::format("{:.1f}", 8e-3 * p.trial.bytes_in_film() * hertz),
                                        std::isfinite(quality.psnr_y) ? fmt::format("{:.2f}", quality.psnr_y) : "same",
                                        fmt::format("{:.4f}", quality.ssim_y)};
         if (time) cells.push_back(clock_text(p.value));
@@ -208,7 +208,7 @@ std::string first_screen(const RenderJob& film, const Tuning& tuning) {
         const double clock = pace * p.trial.cpu;
         rows.push_back({name_of(tuning, p), core::divide_or(clock, longest, 0.0), clock_text(clock * frames),
                         decibels(quality.psnr_y) + " dB", tuning.chosen == i ? Grade::good : Grade::none,
-                        fmt::format("SSIM {:.4f}", quality.ssim_y), size_text(p.trial.bytes * frames),
+                        fmt::format("SSIM {:.4f}", quality.ssim_y), size_text(p.trial.bytes_in_film() * frames),
                         tuning.chosen == i});
     }
     std::stable_sort(rows.begin(), rows.end(),

@@ -152,10 +152,6 @@ MotionPipe::~MotionPipe() {
     if (own_) close(descriptor_);
 }
 
-std::int64_t MotionPipe::reach_onward() const {
-    return encoder::LookAhead::depth;
-}
-
 void MotionPipe::read_ahead() {
     std::unique_lock lock(mutex_);
     while (!stopped_ && !ended_ && failure_.empty()) {

@@ -57,8 +57,6 @@ class MotionPipe : public MotionSource {
     void start(int width, int height);
     ~MotionPipe() override;
 
-    std::int64_t reach_onward() const override;
-
   private:
     const FrameMotion& frame(std::int64_t number) override;
     void read_ahead();

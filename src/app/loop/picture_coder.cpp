@@ -67,7 +67,7 @@ encoder::PicturePlan PictureCoder::plan(std::int64_t number, bool cut_before, Mo
 }
 
 void PictureCoder::look_ahead(encoder::PictureFacts& facts, std::int64_t number, bool knows_motion) {
-    facts.frames_left = std::min(facts.frames_left, ahead_->frames_left(number));
+    facts.frames_left = std::min(facts.frames_left, ahead_->frames_left(number).value_or(facts.frames_left));
     if (!continues_ || knows_motion) return;
     const std::int64_t last = std::min(number + facts.frames_left, gop_start_ + film_.coding.gop - 1);
     if (last < number) return;  // a GOP begins here

@@ -8,6 +8,7 @@
 
 #include "app/loop/shared_channels.h"
 #include "core/motion_field.h"
+#include "encoder/look_ahead.h"
 
 namespace render2mpeg::app {
 
@@ -36,8 +37,8 @@ class MotionSource {
     /// Reads what it needs of the frames from `picture` to `reference`, which differ. Throws core::Error.
     core::MotionField between(std::int64_t picture, std::int64_t reference);
 
-    /// Frames onward from the one that is coded over which it may be asked.
-    virtual std::int64_t reach_onward() const = 0;
+    /// Frames onward from the one that is coded over which it may be asked: those that are read anyway.
+    static constexpr std::int64_t reach_onward = encoder::LookAhead::depth;
 
   private:
     /// Valid until it is asked for another.
@@ -55,11 +56,9 @@ class VectorLayers : public MotionSource {
     /// the first of them has no motion.
     void check(std::int64_t first, std::int64_t last);
 
-    /// Frames over which a way is put together without reading a file twice. chosen: the usual GOP of 15 and its
-    /// neighbour; more would take more than 18 MB of memory per frame at 1280x720.
+    /// Frames over which a way is put together without reading a file twice. chosen: reach_onward and the references
+    /// behind; each frame takes 18 MB of memory at 1280x720.
     static constexpr std::int64_t reach = 16;
-
-    std::int64_t reach_onward() const override { return reach; }
 
   private:
     const FrameMotion& frame(std::int64_t number) override;

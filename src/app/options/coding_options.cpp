@@ -31,7 +31,7 @@ void add_coding_options(CLI::App& command, CodingOptions& options) {
         .add_option("--gop", options.gop,
                     "Pictures per closed group of pictures; with --for, its world's where not given")
         ->check(CLI::Range(1, 1000))
-        ->default_str("15")
+        ->default_str(std::to_string(usual_gop))
         ->group(coding);
     command
         .add_option("--b-pictures", options.b_pictures,

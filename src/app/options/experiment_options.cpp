@@ -149,6 +149,7 @@ CLI::App* add_compare_command(CLI::App& app, CompareOptions& options) {
     add_coding_options(*command, options.render.coding);
     for (const char* name : unwanted) command->remove_option(command->get_option(name));
     for (const char* name : {"--quantiser", "--for", "--keyframes"}) command->remove_option(command->get_option(name));
+    command->get_option("--gop")->default_str("15");  // short_gop
     add_trial_run_options(*command, options);
     return command;
 }

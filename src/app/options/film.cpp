@@ -71,7 +71,7 @@ encoder::Settings coding_settings(const CodingOptions& options, const Shape& sha
     coding.first_number = first;
     coding.quantiser = options.quantiser.value_or(4);
     coding.rate_control = rate_control(options);
-    coding.gop = options.gop.value_or(15);
+    coding.gop = options.gop.value_or(usual_gop);
     coding.b_pictures = options.b_pictures.value_or(coding.b_pictures);
     coding.tune = options.tune == "perceptual" ? encoder::Tune::perceptual : encoder::Tune::psnr;
     coding.effort = options.encoder == "fast" ? encoder::Effort::fast : encoder::Effort::quality;

@@ -48,9 +48,8 @@ void add_tried(CLI::App& command, TuneOptions& options) {
     command
         .add_option(
             "--sample", options.sample,
-            "Windows spread over the film, by consecutive frames of each (default: an eighth of the film, at most 2 by "
-            "a GOP of 15 to 60; "
-            "with --max-time 2x3)")
+            "Windows spread over the film, by consecutive frames of each (default: an eighth of the film, at most "
+            "2x15; with --max-time 2x3)")
         ->type_name("WINDOWSxFRAMES")
         ->check(checked(sample_from, ""))
         ->group(tried);

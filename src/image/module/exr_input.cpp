@@ -5,14 +5,18 @@
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfInputFile.h>
+#include <half.h>
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <cstring>
 #include <new>
 #include <stdexcept>
 
 #include "core/error.h"
 #include "image/module/codec.h"
+#include "image/module/exr_zip.h"
 
 namespace render2mpeg::image {
 namespace {
@@ -91,7 +95,6 @@ void check_header(const Imf::Header& header, std::size_t file_bytes, const std::
 
 /// Moves values from the data window to where it lies in the display window.
 std::vector<float> placed(const std::vector<float>& values, const Imath::Box2i& data, const Imath::Box2i& display) {
-    if (data == display) return values;
     const Extent from(data), to(display);
     std::vector<float> result(static_cast<std::size_t>(to.pixels()), 0.0f);
     const std::int64_t left = std::max(data.min.x, display.min.x), right = std::min(data.max.x, display.max.x);
@@ -100,6 +103,101 @@ std::vector<float> placed(const std::vector<float>& values, const Imath::Box2i& 
             result[static_cast<std::size_t>((y - display.min.y) * to.width + x - display.min.x)] =
                 values[static_cast<std::size_t>((y - data.min.y) * from.width + x - data.min.x)];
     return result;
+}
+
+static_assert(std::endian::native == std::endian::little, "OpenEXR's files are little endian");
+
+/// Where a channel lies in each line of a chunk, bytes.
+struct Place {
+    Channel* channel;  ///< null: nobody wants it
+    Imf::PixelType type;
+    std::size_t offset, bytes;  ///< from the line's beginning; of one value
+};
+
+std::vector<Place> places_of(const Imf::Header& header, std::vector<Channel>& channels, std::size_t width) {
+    std::vector<Place> places;
+    std::size_t offset = 0;
+    for (auto i = header.channels().begin(); i != header.channels().end(); ++i) {
+        const auto wanted = std::find_if(channels.begin(), channels.end(),
+                                         [&](const Channel& channel) { return channel.name == i.name(); });
+        const std::size_t bytes = i.channel().type == Imf::HALF ? 2 : 4;
+        places.push_back({wanted == channels.end() ? nullptr : &*wanted, i.channel().type, offset, bytes});
+        offset += bytes * width;
+    }
+    return places;
+}
+
+/// The bytes of a chunk: bytes 0, 2, 4 ... first and 1, 3, 5 ... then where it was packed, else as they are.
+class ChunkBytes {
+  public:
+    ChunkBytes(std::span<const std::uint8_t> bytes, bool parted)
+        : even_(bytes.data()), odd_(bytes.data() + (parted ? (bytes.size() + 1) / 2 : 1)), step_(parted ? 1 : 2) {}
+
+    /// Two bytes from an even place on.
+    std::uint32_t pair(std::size_t at) const {
+        const std::size_t i = at / 2 * step_;
+        return even_[i] | std::uint32_t{odd_[i]} << 8;
+    }
+
+  private:
+    const std::uint8_t *even_, *odd_;
+    std::size_t step_;
+};
+
+/// One line of a channel.
+void convert(const ChunkBytes& chunk, std::size_t at, Imf::PixelType type, std::span<float> values) {
+    if (type == Imf::HALF) {
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            half value;
+            value.setBits(static_cast<std::uint16_t>(chunk.pair(at + 2 * i)));
+            values[i] = value;
+        }
+        return;
+    }
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const std::uint32_t bits = chunk.pair(at + 4 * i) | chunk.pair(at + 4 * i + 2) << 16;
+        values[i] = type == Imf::UINT ? static_cast<float>(bits) : std::bit_cast<float>(bits);
+    }
+}
+
+/// Whether read_zipped() reads files with such a header: ZIP or ZIPS, scan lines, one value per pixel in every channel.
+bool is_zipped(const Imf::Header& header) {
+    if (header.compression() != Imf::ZIP_COMPRESSION && header.compression() != Imf::ZIPS_COMPRESSION) return false;
+    for (auto i = header.channels().begin(); i != header.channels().end(); ++i)
+        if (i.channel().xSampling != 1 || i.channel().ySampling != 1) return false;
+    return !header.hasTileDescription();
+}
+
+/// Reads these channels of such a file, each of which has a name and room for the data window. Throws what OpenEXR
+/// throws, and std::runtime_error where a chunk is no whole one.
+void read_zipped(Imf::InputFile& file, std::vector<Channel>& channels) {
+    const Imath::Box2i data = file.header().dataWindow();
+    const auto width = static_cast<std::size_t>(std::int64_t{data.max.x} - data.min.x + 1);
+    const std::vector<Place> places = places_of(file.header(), channels, width);
+    const std::size_t line = places.back().offset + places.back().bytes * width;
+    const int lines = file.header().compression() == Imf::ZIP_COMPRESSION ? 16 : 1;  // of a chunk [OpenEXRFile]
+    ZipUnpacker zip;
+    std::vector<std::uint8_t> unpacked(line * static_cast<std::size_t>(lines));
+    for (std::int64_t first = data.min.y; first <= data.max.y; first += lines) {
+        const auto count = static_cast<std::size_t>(std::min<std::int64_t>(lines, data.max.y - first + 1));
+        const char* packed = nullptr;
+        int size = 0;
+        file.rawPixelData(static_cast<int>(first), packed, size);
+
+        // What does not become smaller is not packed.
+        const std::span<std::uint8_t> room(unpacked.data(), line * count);
+        const bool is_packed = static_cast<std::size_t>(size) < room.size();
+        if (!is_packed) std::copy_n(packed, room.size(), room.data());
+        if (is_packed && !zip.unpack({packed, static_cast<std::size_t>(size)}, room))
+            throw std::runtime_error("its pixels cannot be unpacked");
+        const ChunkBytes chunk(room, is_packed);
+        for (std::size_t y = 0; y < count; ++y)
+            for (const Place& place : places)
+                if (place.channel != nullptr)
+                    convert(chunk, y * line + place.offset, place.type,
+                            {place.channel->values.data() + (static_cast<std::size_t>(first - data.min.y) + y) * width,
+                             width});
+    }
 }
 
 }  // namespace
@@ -137,9 +235,14 @@ ExrChannels decode_multilayer_exr(std::span<const std::byte> bytes,
     for (Channel& channel : result.channels)
         frame.insert(channel.name, Imf::Slice::Make(Imf::FLOAT, channel.values.data(), data, sizeof(float),
                                                     sizeof(float) * static_cast<std::size_t>(extent.width)));
-    file.setFrameBuffer(frame);
-    file.readPixels(data.min.y, data.max.y);
-    for (Channel& channel : result.channels) channel.values = placed(channel.values, data, display);
+    if (is_zipped(header)) {
+        read_zipped(file, result.channels);
+    } else {
+        file.setFrameBuffer(frame);
+        file.readPixels(data.min.y, data.max.y);
+    }
+    if (data != display)
+        for (Channel& channel : result.channels) channel.values = placed(channel.values, data, display);
     return result;
 } catch (const core::Error&) {
     throw;

@@ -64,8 +64,9 @@ ExactMotion::~ExactMotion() = default;
 
 core::MotionField ExactMotion::look(std::int64_t picture, std::int64_t reference) {
     if (!renderer_) {
-        const renderer::Plan plan = renderer::make_plan(
-            scene::traits_of(*film_.animation), {.picture = false, .film = true, .layers = false, .indirect = false});
+        const renderer::Plan plan =
+            renderer::make_plan(scene::traits_of(*film_.animation),
+                                {.picture = false, .film = true, .layers = false, .indirect = false, .without = {}});
         renderer_ = std::make_unique<renderer::Renderer>(*film_.animation, film_.rendering, plan);
         renderer_->start_chunk(film_.snapshot(0));
     }

@@ -34,7 +34,7 @@ struct Run {
             ahead->add(clip.pictures[static_cast<std::size_t>(looked)]);
         if (looked == count) ahead->end();
         facts.cut_before = ahead->cut_before(n);
-        facts.frames_left = ahead->frames_left(n);
+        facts.frames_left = ahead->frames_left(n).value_or(count - 1 - n);
         if (facts.cut_before || n >= gop_start + codec.gop) gop_start = n;
         const std::int64_t last = std::min(n + facts.frames_left, gop_start + codec.gop - 1);
         if (n > gop_start) facts.b_pictures = ahead->b_pictures(n - 1, last);
