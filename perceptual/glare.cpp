@@ -157,7 +157,7 @@ core::Plane<glm::vec3> Glare::pattern_at(double seconds) const {
     return in_colour(mean);
 }
 
-Glare::Scattering Glare::scattering_at(double seconds) const {
+Glare::Scattering Glare::scattering_at(double seconds) {
     Scattering scattering;
     const int across = (width_ + step_ - 1) / step_, down = (height_ + step_ - 1) / step_;
     const core::Plane<glm::vec3> kernel = kernel_of(pattern_at(seconds), reach_);

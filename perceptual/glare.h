@@ -30,7 +30,7 @@ class Glare {
         std::array<Fourier::Spectrum, 3> kernel;
         std::array<core::Plane<float>, 3> kept;  ///< share of what is scattered that stays in the picture
     };
-    Scattering scattering_at(double seconds) const;
+    Scattering scattering_at(double seconds);
     void see(double seconds);
     core::Plane<glm::vec3> pattern_at(double seconds) const;
 
