@@ -35,7 +35,9 @@ std::string fog_film(const Folder& folder, const std::string& film, const std::s
     const auto result = run(program() + " render " + film + " -y --quiet --samples 1 --vpls 16 " + options + " -o " +
                             (folder / name).string() + " --stats " + (folder / "s.json").string());
     EXPECT_EQ(result.status, 0) << result.output;
-    if (result.status == 0) EXPECT_EQ(statistics_in(folder).at("non_finite"), 0) << options;
+    if (result.status == 0) {
+        EXPECT_EQ(statistics_in(folder).at("non_finite"), 0) << options;
+    }
     return contents(folder / name);
 }
 
