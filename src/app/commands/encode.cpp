@@ -165,7 +165,7 @@ class FileMotion : public Motion {
         : job_(job), frame_(frame), statistics_(statistics) {}
 
     /// What is further than the source reaches is taken to be where it is there: what stands still so long mostly goes
-    /// on to. (Going on as far as it came would need 1 to 4 % more bits.)
+    /// on to. (Going on as far as it came would need up to 1.4 % more bits.)
     const core::MotionField* onward(std::int64_t horizon) override {
         const std::int64_t reached = std::min(horizon, frame_ + MotionSource::reach_onward);
         const core::MotionField* field = to(reached);
