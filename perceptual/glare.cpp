@@ -193,7 +193,9 @@ void Glare::see(double seconds) {
     static std::tuple<core::Glare, int, int, glm::ivec2, double> made_for;
     static std::shared_ptr<const Scattering> made;
     const std::scoped_lock lock(busy);
-    const auto wanted = std::tuple(settings_, width_, height_, reach_, pupil_);
+    core::Glare pattern = settings_;
+    pattern.strength = 0;  // decides how much of it is added
+    const auto wanted = std::tuple(pattern, width_, height_, reach_, pupil_);
     if (!made || made_for != wanted) {
         made = std::make_shared<const Scattering>(scattering_at(seconds));
         made_for = wanted;

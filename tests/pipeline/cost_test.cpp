@@ -195,8 +195,8 @@ TEST(Cost, RisesAndErrorsFallAsTolerancesTighten) {
     }
 
     // Almost no tolerance leaves almost no error: what is tried and what it is held against are lit by the same points.
-    EXPECT_LT(fixed[2].at("error").at("p95").get<double>(), 2e-4);
-    EXPECT_LT(fixed[2].at("error").at("p99").get<double>(), 2e-3) << "where it is nearly black";
+    EXPECT_LT(fixed[2].at("error").at("p95").get<double>(), 1e-3);
+    EXPECT_LT(fixed[2].at("error").at("p99").get<double>(), 6e-3) << "where it is nearly black";
     EXPECT_GT(decibels(fixed[2].at("lit").at("psnr_y")), 65.0) << "but for roundings of code values";
     EXPECT_LT(fixed[2].at("cut").get<double>(), found.at("light_points").at("direct").get<double>() +
                                                     found.at("light_points").at("indirect").get<double>() + 1);

@@ -207,6 +207,27 @@ TEST(Airlight, IsDarkBehindABar) {
     EXPECT_GT(dark, 0.05 * all);
 }
 
+TEST(Airlight, OfARoundLampIsThatOfAPointOfItsIntensity) {
+    // Its own ball is in the scene.
+    SceneBuilder b;
+    b.add_sphere({2, 0, -4}, 0.1f, b.add_material());
+    const Empty scene{b};
+    const core::Fog fog = layered(20, 0, 0);
+    LightTrees light_trees;
+    WholeLamp ball;
+    ball.kind = WholeLamp::Kind::sphere;
+    ball.position = {2, 0, -4};
+    ball.radius = 0.1f;
+    ball.clearance = 1e-4f;
+    ball.radiance = glm::vec3(1 / (std::numbers::pi_v<float> * 0.01f));
+    light_trees.lamps.push_back(ball);
+    const std::vector<AirLamp> lamps = air_lamps({}, light_trees);
+    ASSERT_EQ(lamps.size(), 1u);
+    const glm::vec3 along(0, 0, -1);
+    const double wanted = summed_light(fog, ball.position, along, 0, 9);
+    EXPECT_NEAR(scene.scattered(air_of(fog), lamps[0], glm::vec3(0), along, 9), wanted, 0.02 * wanted);
+}
+
 TEST(Airlight, OfASpotIsThatOfItsCone) {
     const Empty empty{SceneBuilder()};
     const core::Fog fog = layered(20, 0, 0);

@@ -420,8 +420,9 @@ bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& st
     const scene::Snapshot world = film_.snapshot(frame);
     renderer::Seen seen = renderer_.see(world);
     // Twice what the finest pictures get: errors are halved and more.
-    const int samples = 2 * exposure_samples(film_, 1).most;
-    renderer_.expose(world, {samples, samples}, seen);
+    renderer::ExposureSamples samples = exposure_samples(film_, 1, film_.display());
+    samples.fewest = samples.most = 2 * samples.most;
+    renderer_.expose(world, samples, seen);
     const core::ToleranceMap none = core::ToleranceMap::reference();
     renderer_.add_caustics(world, &none, seen);
     renderer_.add_air(world, &none, seen);

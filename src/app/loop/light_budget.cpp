@@ -110,7 +110,8 @@ class Measurement {
             const scene::Snapshot world =
                 job.snapshot(film_.frames.first + (film_.frame_count() - 1) * (2 * i + 1) / (2 * frames_));
             if (i == 0) renderer.start_chunk(world);
-            const renderer::Seen seen = renderer.see(world);
+            renderer::Seen seen = renderer.see(world);
+            renderer.add_air(world, nullptr, seen);
             const core::Radiance rough = preview(renderer, world, seen);
             if (factor == 1)
                 coding_.add(display_.develop(rough), 2.0f * static_cast<float>(quantiser_of(film_.coding)));

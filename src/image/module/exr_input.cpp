@@ -5,6 +5,7 @@
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfInputFile.h>
+#include <ImfPartType.h>
 #include <half.h>
 
 #include <algorithm>
@@ -116,12 +117,13 @@ struct Place {
 
 std::vector<Place> places_of(const Imf::Header& header, std::vector<Channel>& channels, std::size_t width) {
     std::vector<Place> places;
+    auto next = channels.begin();
     std::size_t offset = 0;
     for (auto i = header.channels().begin(); i != header.channels().end(); ++i) {
-        const auto wanted = std::find_if(channels.begin(), channels.end(),
-                                         [&](const Channel& channel) { return channel.name == i.name(); });
+        // Both are in the header's order.
+        const bool is_wanted = next != channels.end() && next->name == i.name();
         const std::size_t bytes = i.channel().type == Imf::HALF ? 2 : 4;
-        places.push_back({wanted == channels.end() ? nullptr : &*wanted, i.channel().type, offset, bytes});
+        places.push_back({is_wanted ? &*next++ : nullptr, i.channel().type, offset, bytes});
         offset += bytes * width;
     }
     return places;
@@ -165,7 +167,7 @@ bool is_zipped(const Imf::Header& header) {
     if (header.compression() != Imf::ZIP_COMPRESSION && header.compression() != Imf::ZIPS_COMPRESSION) return false;
     for (auto i = header.channels().begin(); i != header.channels().end(); ++i)
         if (i.channel().xSampling != 1 || i.channel().ySampling != 1) return false;
-    return !header.hasTileDescription();
+    return !header.hasTileDescription() && (!header.hasType() || header.type() == Imf::SCANLINEIMAGE);
 }
 
 /// Reads these channels of such a file, each of which has a name and room for the data window. Throws what OpenEXR
@@ -177,7 +179,8 @@ void read_zipped(Imf::InputFile& file, std::vector<Channel>& channels) {
     const std::size_t line = places.back().offset + places.back().bytes * width;
     const int lines = file.header().compression() == Imf::ZIP_COMPRESSION ? 16 : 1;  // of a chunk [OpenEXRFile]
     ZipUnpacker zip;
-    std::vector<std::uint8_t> unpacked(line * static_cast<std::size_t>(lines));
+    const std::int64_t height = std::int64_t{data.max.y} - data.min.y + 1;
+    std::vector<std::uint8_t> unpacked(line * static_cast<std::size_t>(std::min<std::int64_t>(lines, height)));
     for (std::int64_t first = data.min.y; first <= data.max.y; first += lines) {
         const auto count = static_cast<std::size_t>(std::min<std::int64_t>(lines, data.max.y - first + 1));
         const char* packed = nullptr;
@@ -186,6 +189,8 @@ void read_zipped(Imf::InputFile& file, std::vector<Channel>& channels) {
 
         // What does not become smaller is not packed.
         const std::span<std::uint8_t> room(unpacked.data(), line * count);
+        if (size <= 0 || static_cast<std::size_t>(size) > room.size())
+            throw std::runtime_error("its pixels are not whole");
         const bool is_packed = static_cast<std::size_t>(size) < room.size();
         if (!is_packed) std::copy_n(packed, room.size(), room.data());
         if (is_packed && !zip.unpack({packed, static_cast<std::size_t>(size)}, room))

@@ -115,7 +115,9 @@ class LampWay {
         packet.direction_x[i] = way.x;
         packet.direction_y[i] = way.y;
         packet.direction_z[i] = way.z;
-        packet.far[i] = lamp_.is_sun ? endless : shadow_ray_end;
+        // A round lamp's own surface is no obstacle.
+        const float before = core::divide_or(lamp_.radius, glm::length(way), 1.0f);
+        packet.far[i] = lamp_.is_sun ? endless : std::clamp(1.0f - before, 0.0f, shadow_ray_end);
     }
 
   private:

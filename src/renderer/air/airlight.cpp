@@ -22,7 +22,7 @@ constexpr int lattice = 4;
 constexpr int cells_across = tile_size / lattice;
 
 /// A lattice cell in whose middle the corners' mean is off by more than this share of the tolerance gets a ray for each
-/// pixel; it is not looked at where corners differ by less than the tolerance. chosen: a half; not tuned.
+/// pixel; it is not looked at where corners differ by less than that. chosen: a half; not tuned.
 constexpr float part_of_tolerance = 0.5f;
 
 /// The tolerance, as a share of light, of a first look, and where there is none.
@@ -294,7 +294,8 @@ std::uint64_t add_airlight(const AirInstant& instant, AmbientAir& ambient, const
     const PosedScene& posed_scene = instant.posed_scene;
     const scene::Animation& film = posed_scene.animation();
     const std::vector<AirLamp> lamps = air_lamps(instant.points, instant.light_trees);
-    ambient.start(instant.lit_frame, instant.light_trees, glm::length(film.bounds_max - film.bounds_min));
+    ambient.start(instant.lit_frame, instant.light_trees, instant.points,
+                  glm::length(film.bounds_max - film.bounds_min));
     std::optional<AmbientColumns> columns;
     if (ambient.shines()) columns.emplace(posed_scene, seen, ambient);
     Airlight airlight(posed_scene, lamps, instant.light_trees.bodies, columns ? &*columns : nullptr, tolerance, seen);

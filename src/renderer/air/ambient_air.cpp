@@ -73,7 +73,8 @@ struct Corner {
 
 }  // namespace
 
-void AmbientAir::start(std::int64_t lit_frame, const LightTrees& light_trees, float extent) {
+void AmbientAir::start(std::int64_t lit_frame, const LightTrees& light_trees, std::span<const LightPoint> points,
+                       float extent) {
     least_distance_ = std::max(extent, 1e-6f) * finest_cell / cell_of_distance;
     if (lit_frame == lit_frame_) return;
     lit_frame_ = lit_frame;
@@ -83,6 +84,17 @@ void AmbientAir::start(std::int64_t lit_frame, const LightTrees& light_trees, fl
     light_trees_.exact.clear();
     light_trees_.trees[static_cast<std::size_t>(LightType::punctual)] = {};
     light_trees_.trees[static_cast<std::size_t>(LightType::punctual)].type = LightType::punctual;
+    // Suns that are clustered among points of the sky count by themselves.
+    std::vector<LightPoint> sky;
+    bool suns = false;
+    for (const LightPoint& p : points) {
+        if (p.kind != LightPointKind::directional) continue;
+        suns = suns || p.id >= first_punctual_id;
+        if (p.id < first_punctual_id) sky.push_back(p);
+    }
+    if (suns)
+        light_trees_.trees[static_cast<std::size_t>(LightType::directional)] =
+            build_light_tree(LightType::directional, sky, 1);
     std::erase_if(light_trees_.lamps, [](const WholeLamp& lamp) { return lamp.kind != WholeLamp::Kind::polygon; });
     shines_ = !light_trees_.lamps.empty() || std::any_of(light_trees_.trees.begin(), light_trees_.trees.end(),
                                                          [](const LightTree& tree) { return !tree.empty(); });

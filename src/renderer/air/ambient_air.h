@@ -16,8 +16,8 @@ namespace render2mpeg::renderer {
 /// eye: it is smooth, and what is still stays still. Known as long as light stays the same.
 class AmbientAir {
   public:
-    /// Forgets what is known of another instant's light. `lit_frame` stands for it.
-    void start(std::int64_t lit_frame, const LightTrees& light_trees, float extent);
+    /// Forgets what is known of another instant's light. `lit_frame` stands for it; `points`: its direct light points.
+    void start(std::int64_t lit_frame, const LightTrees& light_trees, std::span<const LightPoint> points, float extent);
 
     /// Whether there is any such light.
     bool shines() const { return shines_; }

@@ -16,10 +16,22 @@ constexpr float step_ratio = 1.4f;
 /// Behind air of this optical depth, and beyond so many sizes of the scene, light counts as even.
 constexpr float deep_enough = 6.0f, scenes_away = 4.0f;
 
+/// That of the sharp picture, and of what shutter and lens blur.
+std::vector<const SeenAir*> all_air(const Seen& seen) {
+    std::vector<const SeenAir*> all;
+    for (const SeenAir& tile : seen.air) all.push_back(&tile);
+    if (seen.exposure)
+        for (const SeenAir& tile : seen.exposure->air) all.push_back(&tile);
+    return all;
+}
+
 }  // namespace
 
 AmbientColumns::AmbientColumns(const PosedScene& posed_scene, const Seen& seen, AmbientAir& ambient)
-    : air_(*posed_scene.air()), ambient_(ambient), across_(seen.tiles_across() + 1) {
+    : air_(*posed_scene.air()),
+      ambient_(ambient),
+      eye_(posed_scene.posed().camera.position()),
+      across_(seen.tiles_across() + 1) {
     const scene::Camera& camera = posed_scene.posed().camera;
     const int down = (seen.visible.height() + tile_size - 1) / tile_size + 1;
     for (int y = 0; y < down; ++y)
@@ -32,8 +44,9 @@ AmbientColumns::AmbientColumns(const PosedScene& posed_scene, const Seen& seen, 
     // As far as is looked anywhere, or light changes.
     const scene::Animation& film = posed_scene.animation();
     float farthest = ambient.least_distance();
-    for (const SeenAir& tile : seen.air)
-        for (const AirSpan& span : tile.straight) farthest = std::max(farthest, span.distance);
+    const std::vector<const SeenAir*> all = all_air(seen);
+    for (const SeenAir* tile : all)
+        for (const AirSpan& span : tile->straight) farthest = std::max(farthest, span.distance);
     const float away = glm::length(camera.position() - 0.5f * (film.bounds_min + film.bounds_max));
     farthest = std::min(farthest, std::max(scenes_away * glm::length(film.bounds_max - film.bounds_min) + away,
                                            ambient.least_distance()));
@@ -46,9 +59,8 @@ AmbientColumns::AmbientColumns(const PosedScene& posed_scene, const Seen& seen, 
     for (const Column& c : columns_)
         for (int s = 0; s < steps_ && useful(c, s); ++s)
             places.emplace_back(c.origin + distance_of(s) * c.direction, distance_of(s));
-    for (std::size_t t = 0; t < seen.air.size(); ++t)
-        for (const AirWay& way : seen.air[t].beyond)
-            places.emplace_back(way.origin, glm::length(way.origin - camera.position()));
+    for (const SeenAir* tile : all)
+        for (const AirWay& way : tile->beyond) places.emplace_back(way.origin, glm::length(way.origin - eye_));
     rays_ = ambient.learn(posed_scene.tracer(), places);
     parallel::for_each(columns_.size(), [&](std::size_t i) {
         Column& c = columns_[i];
@@ -104,7 +116,7 @@ glm::vec3 AmbientColumns::light(glm::ivec2 pixel, float distance) const {
 glm::vec3 AmbientColumns::along(const AirWay& way) const {
     // Lit as where it begins.
     const float lost = -std::expm1(-air_.optical_depth(way.origin, way.direction, way.distance));
-    return lost * air_.albedo() * ambient_.fluence(way.origin, glm::length(way.origin - columns_.front().origin));
+    return lost * air_.albedo() * ambient_.fluence(way.origin, glm::length(way.origin - eye_));
 }
 
 }  // namespace render2mpeg::renderer

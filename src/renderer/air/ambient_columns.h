@@ -35,6 +35,7 @@ class AmbientColumns {
 
     const Air& air_;
     const AmbientAir& ambient_;
+    glm::vec3 eye_;
     int across_, steps_ = 1;
     std::vector<Column> columns_;
     std::uint64_t rays_ = 0;

@@ -322,6 +322,8 @@ std::optional<BrightSamples> TileExposer::look(int x, int y, const EyeRays& rays
     found.counts.samples += static_cast<std::uint64_t>(pattern_->samples());
     if (!blurred) {
         found.forget_from(first, new_points);
+        forget_air(pixel_at(x, y), found.air);
+        all_.exposure.exposed.at(x, y) = 0;
         return {};
     }
     ++found.counts.pixels;
@@ -372,7 +374,7 @@ void TileExposer::expose(TileExposure& found) {
         }
     found.starts.back() = static_cast<std::uint32_t>(found.parts.size());
     found.counts.rays += see_counts_.primary_rays + see_counts_.specular_rays;
-    if (found.counts.pixels == 0) found = {{}, {}, {}, {}, found.counts};
+    if (found.counts.pixels == 0) found = {{}, {}, {}, {}, found.counts, {}};
 }
 
 /// Where pixels' points begin in their tile.

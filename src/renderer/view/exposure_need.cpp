@@ -13,8 +13,8 @@ namespace {
 /// 210, the light 1 after exposure where there is no view.
 constexpr float white_code = 210;
 
-/// Pixels; the rims of wider discs have steps that are as wide. chosen: 64.
-constexpr float widest_disc = 64;
+/// Pixels; wider discs and longer ways are dimmer, so that what one sample shows of them is less. chosen: 64 and 256.
+constexpr float widest_radius = 64, longest_way = 256;
 
 /// Samples of a pixel that shows such light, about. chosen: 1024 of 256 to 1024 (docs/fits/exposure-samples.md).
 constexpr int most_again = 1024;
@@ -23,18 +23,47 @@ bool is_white(float luminance, const ExposureSamples& wanted) {
     return luminance > 0.0f && std::isfinite(luminance) && wanted.shown(luminance) >= white_code;
 }
 
-/// Marks what lies within `radius` pixels of the way from one place to another.
-void mark_way(core::Plane<std::uint8_t>& plane, glm::vec2 from, glm::vec2 to, float radius) {
-    const glm::vec2 least = glm::max(glm::floor(glm::min(from, to) - radius), glm::vec2(0)),
-                    most = glm::min(glm::ceil(glm::max(from, to) + radius),
-                                    glm::vec2(plane.width() - 1, plane.height() - 1));
-    const glm::vec2 way = to - from;
-    for (int y = static_cast<int>(least.y); y <= static_cast<int>(most.y); ++y)
-        for (int x = static_cast<int>(least.x); x <= static_cast<int>(most.x); ++x) {
-            const glm::vec2 off = glm::vec2(x, y) - from;
-            const float along = std::clamp(core::divide_or(glm::dot(off, way), glm::dot(way, way), 0.0f), 0.0f, 1.0f);
-            if (glm::distance(off, along * way) <= radius) plane.at(x, y) = 1;
+/// Rows' beginnings and ends of what is marked: adds up to how often a pixel is, from left to right.
+class Marks {
+  public:
+    Marks(int width, int height) : steps_(width + 1, height, 0) {}
+
+    void disc(glm::vec2 middle, float radius) {
+        const int least = std::max(static_cast<int>(std::ceil(middle.y - radius)), 0),
+                  most = std::min(static_cast<int>(std::floor(middle.y + radius)), steps_.height() - 1);
+        for (int y = least; y <= most; ++y) {
+            const float off = static_cast<float>(y) - middle.y,
+                        half = std::sqrt(std::max(radius * radius - off * off, 0.0f));
+            const float width = static_cast<float>(steps_.width() - 1);
+            const float from = std::ceil(middle.x - half), to = std::floor(middle.x + half) + 1;
+            if (!(from < width && to > 0.0f)) continue;
+            ++steps_.at(static_cast<int>(std::max(from, 0.0f)), y);
+            --steps_.at(static_cast<int>(std::min(to, width)), y);
         }
+    }
+
+    core::Plane<std::uint8_t> plane() const {
+        core::Plane<std::uint8_t> marked(steps_.width() - 1, steps_.height(), 0);
+        for (int y = 0; y < marked.height(); ++y)
+            for (int x = 0, count = 0; x < marked.width(); ++x) {
+                count += steps_.at(x, y);
+                marked.at(x, y) = count > 0 ? 1 : 0;
+            }
+        return marked;
+    }
+
+  private:
+    core::Plane<int> steps_;
+};
+
+/// The least luminance, a power of two to a 64th, that is shown as white.
+float least_white(const ExposureSamples& wanted) {
+    float dark = -64, white = 64;
+    while (white - dark > 1.0f / 64) {
+        const float middle = 0.5f * (dark + white);
+        (is_white(std::exp2(middle), wanted) ? white : dark) = middle;
+    }
+    return std::exp2(white);
 }
 
 }  // namespace
@@ -43,23 +72,29 @@ core::Plane<std::uint8_t> near_white(const Blur& blur, const Seen& seen, const E
     if (!wanted.shown) return {};
     const core::Visible& visible = seen.visible;
     const int width = visible.width(), height = visible.height();
-    core::Plane<std::uint8_t> bright(width, height, 0), near(width, height, 0);
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x)
-            bright.at(x, y) = is_white(core::luminance(seen.emitted.at(x, y)), wanted) ? 1 : 0;
+    const float white = least_white(wanted);
+    const auto is_bright = [&](int x, int y) {
+        return x < 0 || y < 0 || x >= width || y >= height || core::luminance(seen.emitted.at(x, y)) >= white;
+    };
+    Marks marks(width, height);
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             // What lies around an edge of it is what may end there.
-            const bool inside = x > 0 && y > 0 && x + 1 < width && y + 1 < height && bright.at(x - 1, y) != 0 &&
-                                bright.at(x + 1, y) != 0 && bright.at(x, y - 1) != 0 && bright.at(x, y + 1) != 0;
-            if (bright.at(x, y) == 0 || inside) continue;
+            if (!is_bright(x, y) ||
+                (is_bright(x - 1, y) && is_bright(x + 1, y) && is_bright(x, y - 1) && is_bright(x, y + 1)))
+                continue;
             const glm::vec2 here(x, y), way = blur.has_lens() ? glm::vec2(0) : blur.way_of_pixel(visible, x, y);
-            const float disc = blur.has_lens() ? blur.of_pixel(visible, x, y) : 0.0f;
-            if (disc < least_blur && glm::length(way) < least_blur) continue;
+            const float disc = blur.has_lens() ? blur.of_pixel(visible, x, y) : 0.0f, length = glm::length(way);
+            if (!std::isfinite(length) || !(disc >= least_blur || length >= least_blur)) continue;
             // chosen: a pixel more, where a part of it is seen.
-            mark_way(near, here - 0.5f * way, here + 0.5f * way, std::min(0.5f * disc, widest_disc) + 1.0f);
+            const float radius = std::min(0.5f * disc, widest_radius) + 1.0f;
+            const int steps = static_cast<int>(std::min(length, longest_way));
+            for (int k = 0; k <= steps; ++k)
+                marks.disc(
+                    here + (core::divide_or(static_cast<float>(k), static_cast<float>(steps), 0.5f) - 0.5f) * way,
+                    radius);
         }
-    return near;
+    return marks.plane();
 }
 
 int samples_for(float blur, bool lens, const ExposureSamples& allowed) {
