@@ -132,7 +132,7 @@ renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser,
     renderer::ExposureSamples samples = exposure_samples(film, quantiser);
     if (film.exposure_samples) return samples;
     samples.shown = [display](float luminance) { return perceptual::luma_of(display, glm::vec3(luminance)); };
-    // chosen: 0.15 code values of a quantiser's step of two; rims of discs are few pixels.
+    // chosen: 0.15 code values for each unit of the quantiser, not tuned; rims of discs are few pixels.
     samples.visible = 0.15f * static_cast<float>(film.kind == OutputKind::film ? quantiser : 4);
     return samples;
 }

@@ -16,7 +16,7 @@ constexpr float white_code = 210;
 /// Pixels; wider discs and longer ways are dimmer, so that what one sample shows of them is less. chosen: 64 and 256.
 constexpr float widest_radius = 64, longest_way = 256;
 
-/// Samples of a pixel that shows such light, about. chosen: 1024 of 256 to 1024 (docs/fits/exposure-samples.md).
+/// Samples of a pixel that shows such light, about. chosen: 1024, not tuned.
 constexpr int most_again = 1024;
 
 bool is_white(float luminance, const ExposureSamples& wanted) {
