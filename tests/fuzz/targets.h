@@ -31,6 +31,7 @@ bool image(Input);      ///< a texture
 bool sky(Input);        ///< an image as a sky
 bool layers(Input);     ///< motion in an OpenEXR file
 bool y4m(Input);        ///< an uncompressed film
+bool motion(Input);     ///< a motion stream beside pictures on standard input
 bool hints(Input);      ///< settings, pictures, motion and hints for the encoder
 
 }  // namespace render2mpeg::fuzz

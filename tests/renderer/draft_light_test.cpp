@@ -71,6 +71,18 @@ TEST(Lattice, LightsEveryPixelOfAWindowOnceInSixteenFrames) {
     EXPECT_GE(std::abs(lattice_phase(0).x - lattice_phase(1).x), 2);
 }
 
+TEST(Lattice, LightsTheWindowsOfAChessboard) {
+    const Lattice all(16, 16, {1, 2}), white(16, 16, {1, 2}, Windows::white), black(16, 16, {1, 2}, Windows::black);
+    for (int y = 0; y < 16; ++y)
+        for (int x = 0; x < 16; ++x) {
+            EXPECT_EQ(all.is_lit(x, y), white.is_lit(x, y) || black.is_lit(x, y));
+            EXPECT_FALSE(white.is_lit(x, y) && black.is_lit(x, y));
+        }
+    EXPECT_TRUE(white.is_lit(1, 2));
+    EXPECT_TRUE(black.is_lit(5, 2));
+    EXPECT_TRUE(white.is_lit(5, 6));
+}
+
 TEST(Lattice, InterpolatesAlongASurfaceAndNotAcross) {
     GatherPoint p;
     p.point.geometric_normal = {0, 1, 0};

@@ -6,8 +6,8 @@
 
 namespace render2mpeg::app {
 
-/// Photons that light the anchors of each frame of a draft. chosen: 8 per anchor.
-inline constexpr std::uint64_t preview_photons = 8 * 2048;
+/// Photons that light the anchors of each frame of a draft. chosen: 4 per anchor, of 4 and 8: 0 to 0.1 dB less.
+inline constexpr std::uint64_t preview_photons = 4 * 2048;
 
 /// The options of `--preview` with what a draft takes where they say nothing: coarse light, few samples, quick coding
 /// (docs/preview.md). Throws UsageError, naming the option, for what a draft does not have.

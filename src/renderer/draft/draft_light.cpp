@@ -164,6 +164,13 @@ std::vector<glm::vec3> seen_places(const Seen& seen) {
 /// Of what nobody carries along.
 constexpr glm::ivec2 fixed_phase{2, 2};
 
+/// The n-th frame's lattice: all windows where nothing is carried along, else every second one. chosen: 2 of 1 and 2,
+/// which is 0 to 0.4 dB worse, and a fifth of the time for light.
+Lattice lattice_of(std::int64_t n, const DraftFrame& frame) {
+    const Windows windows = frame.motion == nullptr ? Windows::all : n % 2 == 0 ? Windows::white : Windows::black;
+    return Lattice(frame.seen.visible.width(), frame.seen.visible.height(), lattice_phase((n + 1) / 2), windows);
+}
+
 bool is_lit(const Lattices& lattices, const Seen& seen, std::size_t tile, const GatherPoint& p) {
     const glm::ivec2 at = pixel_of(seen, tile, p);
     return lattices.of(p, seen.visible.kind.at(at.x, at.y)).is_lit(at.x, at.y);
@@ -342,7 +349,7 @@ FrameLight DraftLight::light(const DraftFrame& frame, const CutLimits& limits, S
 
     // Light the lattice,
     sharp.leave_others();
-    Lattices lattices{Lattice(width, height, lattice_phase(count_)), Lattice(width, height, fixed_phase)};
+    Lattices lattices{lattice_of(count_, frame), Lattice(width, height, fixed_phase)};
     light_lattices(frame, limits, lattices, counts);
 
     // see what is known of each pixel, and where its light changes,

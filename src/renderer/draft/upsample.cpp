@@ -42,10 +42,11 @@ glm::vec3 lobe_reflectance(const GatherPoint& p) {
     return glossy_albedo(p.point.bsdf, std::max(glm::dot(p.point.shading_normal, p.point.outgoing), 0.0f));
 }
 
-Lattice::Lattice(int width, int height, glm::ivec2 phase)
+Lattice::Lattice(int width, int height, glm::ivec2 phase, Windows windows)
     : across_((width - phase.x + lattice_step - 1) / lattice_step),
       down_((height - phase.y + lattice_step - 1) / lattice_step),
       phase_(phase),
+      lit_(windows),
       windows_(static_cast<std::size_t>(std::max(across_, 0)) * static_cast<std::size_t>(std::max(down_, 0))) {}
 
 void Lattice::add(int x, int y, const LitSample& sample) {

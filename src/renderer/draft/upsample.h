@@ -20,6 +20,9 @@ inline constexpr int lattice_step = 4;
 /// every pixel once. [Bayer1973]
 glm::ivec2 lattice_phase(std::int64_t n);
 
+/// The windows of a frame in which a pixel is lit: all, or those of one colour of a chessboard.
+enum class Windows { white, black, all };
+
 /// Light that is smooth enough to be interpolated, textures not applied.
 struct SmoothLight {
     glm::vec3 irradiance{0};  ///< over pi
@@ -40,7 +43,7 @@ struct LitSample {
 /// The lit points of one frame, by the window of their pixels.
 class Lattice {
   public:
-    Lattice(int width, int height, glm::ivec2 phase);
+    Lattice(int width, int height, glm::ivec2 phase, Windows windows = Windows::all);
 
     int across() const { return across_; }
     int down() const { return down_; }
@@ -50,7 +53,10 @@ class Lattice {
         return windows_[static_cast<std::size_t>(window.y) * static_cast<std::size_t>(across_) +
                         static_cast<std::size_t>(window.x)];
     }
-    bool is_lit(int x, int y) const { return x % lattice_step == phase_.x && y % lattice_step == phase_.y; }
+    bool is_lit(int x, int y) const {
+        return x % lattice_step == phase_.x && y % lattice_step == phase_.y &&
+               (lit_ == Windows::all || (x / lattice_step + y / lattice_step) % 2 == static_cast<int>(lit_));
+    }
     /// Points of lit pixels, in any order of pixels that is the same in every run.
     void add(int x, int y, const LitSample& sample);
 
@@ -66,6 +72,7 @@ class Lattice {
   private:
     int across_, down_;
     glm::ivec2 phase_;
+    Windows lit_;
     std::vector<std::vector<LitSample>> windows_;
 };
 

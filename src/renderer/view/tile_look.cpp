@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -81,6 +82,11 @@ void copy_pixel(const SeenAir& from, std::uint16_t pixel, SeenAir& to) {
     };
     copy(from.straight, to.straight);
     copy(from.beyond, to.beyond);
+}
+
+/// The tile in no more memory than it takes.
+GatherTile fitted(GatherTile tile) {
+    return tile.size() == tile.capacity() ? std::move(tile) : GatherTile(tile);
 }
 
 /// Pixels whose rays are traced together have at most so many samples. chosen: rows of a tile with 64 samples.
@@ -253,20 +259,24 @@ PixelMarks look_through(const Looking& looking, std::size_t t, Seen& seen, SeeCo
     TileLook look(looking, seen, counts, seen.air.empty() ? nullptr : &air);
     PixelMarks edges{};
     GatherTile tile;
+    tile.reserve(static_cast<std::size_t>((area.end.x - area.first.x) * (area.end.y - area.first.y)));
     for (int y = area.first.y; y < area.end.y; ++y)
         for (int x = area.first.x; x < area.end.x; x += together)
             look.take(x, std::min(x + together, area.end.x), y, tile, &edges[static_cast<std::size_t>(y % tile_size)]);
-    seen.tiles[t] = GatherTile(tile);
+    seen.tiles[t] = fitted(std::move(tile));
     if (!seen.air.empty()) seen.air[t] = std::move(air);
     return edges;
 }
 
 void look_again(const Looking& looking, std::size_t t, const PixelMarks& marks, Seen& seen, SeeCounts& counts) {
+    const auto marked = [](const auto& row) { return std::find(row.begin(), row.end(), true) != row.end(); };
+    if (std::none_of(marks.begin(), marks.end(), marked)) return;
     const TileArea area = area_of(seen, t);
     SeenAir air;
     TileLook look(looking, seen, counts, seen.air.empty() ? nullptr : &air);
-    const GatherTile before = std::move(seen.tiles[t]);
+    GatherTile before = std::move(seen.tiles[t]);
     GatherTile tile;
+    tile.reserve(before.size());
     std::size_t next = 0;
     for (int y = area.first.y; y < area.end.y; ++y)
         for (int x = area.first.x; x < area.end.x; ++x) {
@@ -279,11 +289,11 @@ void look_again(const Looking& looking, std::size_t t, const PixelMarks& marks, 
                 if (!seen.emitted_glossy.empty()) seen.emitted_glossy.at(x, y) = glm::vec3(0);
             } else {
                 if (!seen.air.empty()) copy_pixel(seen.air[t], pixel, air);
-                tile.insert(tile.end(), before.begin() + static_cast<std::ptrdiff_t>(first),
-                            before.begin() + static_cast<std::ptrdiff_t>(next));
+                tile.insert(tile.end(), std::make_move_iterator(before.begin() + static_cast<std::ptrdiff_t>(first)),
+                            std::make_move_iterator(before.begin() + static_cast<std::ptrdiff_t>(next)));
             }
         }
-    seen.tiles[t] = GatherTile(tile);
+    seen.tiles[t] = fitted(std::move(tile));
     if (!seen.air.empty()) seen.air[t] = std::move(air);
 }
 
