@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "scene/animation_file/shapes.h"
 #include "tests/hard_cases/hard_case.h"
 
 namespace render2mpeg::test {
@@ -34,6 +35,45 @@ SceneBuilder sheets(int count, const std::function<void(scene::Material&)>& chan
     for (int i = 0; i < count; ++i)
         b.add_quad({-4, 0.5f + 0.003f * static_cast<float>(i), 4}, {8, 0, 0}, {0, 0, -8}, sheet);
     b.add_point_light({0, 2, 0}, 1);
+    return b;
+}
+
+int clear_glass(SceneBuilder& b, float ior) {
+    const int m = b.add_material(glm::vec3(1));
+    scene::Material& glass = b.material(m);
+    glass.transmission = 1;
+    glass.roughness = 0;
+    glass.ior = ior;
+    glass.thickness = scene::Thickness::solid;
+    return m;
+}
+
+/// A goblet with wine on a lit floor. The wine reaches so far into the wall of the bowl.
+SceneBuilder goblet(double into) {
+    SceneBuilder b;
+    b.add_quad({-5, 0, 5}, {10, 0, 0}, {0, 0, -10}, b.add_material(glm::vec3(0.5f)));
+    const auto turned = [&](const std::vector<glm::dvec2>& outline, int material) {
+        b.add_object(b.add_mesh(scene::lathe_mesh(outline, 48, 40, scene::TextureLayout::fit)), material);
+    };
+    turned({{0, 0.01},
+            {0.4, 0.01},
+            {0.4, 0.03},
+            {0.05, 0.06},
+            {0.05, 0.5},
+            {0.3, 0.6},
+            {0.5, 0.9},
+            {0.4, 1.5},
+            {0.37, 1.5},
+            {0.47, 0.9},
+            {0.28, 0.63},
+            {0, 0.56}},
+           clear_glass(b, 1.5f));
+    const int wine = clear_glass(b, 1.34f);
+    b.material(wine).attenuation_color = {0.9f, 0.2f, 0.2f};
+    b.material(wine).attenuation_distance = 0.5f;
+    turned({{0, 0.56 - into}, {0.28 + into, 0.63 - into}, {0.47 + into, 0.9}, {0, 0.9}}, wine);
+    b.add_point_light({-1.5f, 3, -2}, 20);
+    b.add_camera({0, 1.6f, 2.4f}, {0.2f, 0.5f, 0}, 0.9f);
     return b;
 }
 
@@ -117,6 +157,34 @@ std::vector<HardCase> material_cases() {
         {"glass of index 1e6", "reflectance rounds to 1, angles to 0", "taken as index 100, with a note",
          [] { return sheets(1, [](scene::Material& m) { m.transmission = 1, m.roughness = 0, m.ior = 1e6f; }); },
          [](const Lit& film) { EXPECT_FALSE(film.notes.empty()); }},
+        {"a wine glass with wine",
+         "five boundaries on a way, two of them touch; light that is focused has no bound",
+         "light passes it, red where the wine is, and falls onto the floor",
+         [] { return goblet(0.01); },
+         [](const Lit& film) {
+             EXPECT_TRUE(film.notes.empty());
+             EXPECT_GT(film.statistics.caustic_photons, 0u);
+             // Through the wine, and beside the glass.
+             EXPECT_GT(film.at(14, 12).x, 1.5f * film.at(14, 12).y);
+             EXPECT_NEAR(film.at(2, 24).x / film.at(2, 24).y, 1.0f, 0.05f);
+         },
+         std::numeric_limits<float>::infinity(),
+         {},
+         {32, 32},
+         1},
+        {"wine that ends where its glass begins",
+         "which of two boundaries in one place comes first is up to rounding",
+         "within a tenth of wine that reaches into its glass",
+         [] { return goblet(0); },
+         [](const Lit& film) {
+             HardCase one;
+             one.frames = 1;
+             EXPECT_NEAR(film.mean() / lit(one, goblet(0.01), film.way).mean(), 1.0, 0.1);
+         },
+         std::numeric_limits<float>::infinity(),
+         {},
+         {32, 32},
+         1},
         {"two mirrors that face each other",
          "a path that never ends",
          "it ends after some reflections",

@@ -246,6 +246,23 @@ TEST(SolidGlass, TakesLightByItsThickness) {
     EXPECT_NEAR(light.y / clear, 0.0625f, 0.01f);
 }
 
+TEST(SolidGlass, HasNoAirInside) {
+    // A pane of index 1 in fog: 3 of air, 2 of glass, 3 of air, and a wall.
+    SceneBuilder b;
+    b.add_box({-90, -90, 0}, {90, 90, 2}, add_glass(b, 1.0f));
+    b.add_quad({-90, -90, -3}, {180, 0, 0}, {0, 180, 0}, b.add_emitter({1, 1, 1}));
+    b.add_camera({0, 0, 5}, {0, 0, 0}, 0.01f);
+    b.film().fog.visibility = 30;
+    Stage stage(b, 16, 16);
+    const renderer::Seen seen = stage.see(1);
+    constexpr float sigma = 3.0f / 30;
+    float light = 0;
+    for (const renderer::AirSpan& span : seen.air.front().straight)
+        if (span.pixel == 8 * 16 + 8) light += span.weight.y * -std::expm1(-sigma * span.distance);
+    EXPECT_NEAR(light, -std::expm1(-6 * sigma), 1e-3f);
+    EXPECT_NEAR(seen.emitted.at(8, 8).y, std::exp(-6 * sigma), 1e-3f);
+}
+
 TEST(SolidGlass, KnowsThatTheEyeIsInside) {
     SceneBuilder b;
     const int glass = add_glass(b);

@@ -15,6 +15,8 @@ namespace render2mpeg::renderer {
 struct AimedPhoton {
     glm::vec3 origin{0}, direction{0, 0, -1};  ///< direction unit
     glm::vec3 flux{0};                         ///< that it stands for; 0: none
+    float time = scene::middle_time;           ///< of the shutter
+    bool from_far = false;                     ///< comes from infinitely far: a sun's, or the sky's
     /// How neighbours differ in origin and direction: two of the same lamp point, across the photon's share of the
     /// beam; and two at the edge of the disc that the lamp point stands for.
     std::array<glm::vec3, 4> place{}, turn{};
@@ -38,11 +40,14 @@ class Casters {
     AimedPhoton aim(std::uint64_t index, std::uint64_t count) const;
 
   private:
-    /// A thing, as the box about its mesh lies in the world.
+    /// The box about a mesh, as it lies in the world.
+    using Corners = std::array<glm::vec3, 8>;
     struct Thing {
         std::uint32_t object = 0;
         float weight = 0;  ///< share of light that it throws, about
-        std::array<glm::vec3, 8> corners{};
+        Corners corners{};
+        std::vector<Corners> knots{};  ///< of the sweep, where it moves
+        Corners at(float time) const;
     };
     /// Light points that belong together: those of one shining object, the sky, a lamp.
     struct Lamp {
@@ -62,7 +67,7 @@ class Casters {
         bool all_around = false;
         float area() const { return 4.0f * half.x * half.y; }
     };
-    static Rectangle seen_from(const LightPoint& light, const Thing& thing);
+    static Rectangle seen_from(const LightPoint& light, const Corners& corners);
     static double light_thrown(const Lamp& lamp, const Thing& thing);
     const Beam& beam_of(std::uint64_t index, std::uint64_t count, std::uint64_t& first, std::uint64_t& end) const;
     float leave(const LightPoint& light, const Rectangle& seen, glm::vec2 u, AimedPhoton& photon) const;
@@ -70,7 +75,8 @@ class Casters {
     std::vector<Thing> things_;
     std::vector<Lamp> lamps_;
     std::vector<Beam> beams_;
-    float reach_ = 0;  ///< directional light comes from so far
+    float reach_ = 0;      ///< directional light comes from so far
+    bool sweeps_ = false;  ///< things move while the shutter is open
 };
 
 }  // namespace render2mpeg::renderer

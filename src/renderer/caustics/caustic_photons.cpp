@@ -38,6 +38,8 @@ struct Ray {
     std::array<glm::vec3, 4> place{}, turn{};  ///< differences of origin and direction
     float spread = 0;                          ///< angle by which rough glass has widened it
     float blur = 0;                            ///< radius of the same
+    float time = scene::middle_time;           ///< of the shutter
+    bool from_far = false;                     ///< on its first way, from infinitely far
     MediaPath glass;
 };
 
@@ -48,7 +50,7 @@ void turn_at(const PosedScene& scene, const SurfacePoint& point, glm::vec3 facet
     const float side = point.back_side ? -step : step;
     for (std::size_t k = 0; k < 4; k += 2) {
         const SurfaceFootprint change =
-            scene.normal_change(point.address, {step * ray.place[k], step * ray.place[k + 1]});
+            scene.normal_change(point.address, {step * ray.place[k], step * ray.place[k + 1]}, ray.time);
         const std::array<glm::vec3, 2> normals{change.dx / side, change.dy / side};
         for (std::size_t i = 0; i < 2; ++i) {
             glm::vec3& turn = ray.turn[k + i];
@@ -76,13 +78,28 @@ Ray start(const AimedPhoton& aimed) {
     ray.flux = aimed.flux;
     ray.place = aimed.place;
     ray.turn = aimed.turn;
+    ray.time = aimed.time;
+    ray.from_far = aimed.from_far;
     return ray;
 }
 
-Landing land(const Ray& ray, const SurfacePoint& point, float length, std::uint32_t caster) {
+/// What air leaves of light on a way outside of glass.
+float left_by_air(const Air& air, const Ray& ray, float distance) {
+    if (!ray.from_far) return air.transmittance(ray.origin, ray.direction, distance);
+    return std::exp(-air.depth_to_sky(ray.origin + distance * ray.direction, -ray.direction));
+}
+
+/// Light lands where the surface is in the middle of the shutter, as gather points lie.
+Landing land(const PosedScene& scene, const Ray& ray, const SurfacePoint& point, float length, std::uint32_t caster) {
     Landing landing;
     landing.position = point.position;
     landing.normal = point.geometric_normal;
+    if (ray.time != scene::middle_time && scene.posed().sweep->object_moves(point.address.object)) {
+        const SurfaceShape middle = scene.shape_at(point.address, scene::middle_time);
+        landing.position = middle.position;
+        landing.normal = point.back_side ? -middle.front_normal : middle.front_normal;
+    }
+    landing.time = ray.time;
     landing.direction = ray.direction;
     landing.flux = point.alpha * ray.flux;
     for (std::size_t k = 0; k < 2; ++k) {
@@ -160,10 +177,13 @@ void follow(const PosedScene& scene, const AimedPhoton& aimed, std::vector<Landi
     bool thrown = false;
     for (int surfaces = 0; surfaces < most_surfaces && core::luminance(ray.flux) > least; ++surfaces) {
         ++counts.rays;
-        const Hit hit = scene.tracer().nearest(ray.origin, ray.direction, std::numeric_limits<float>::infinity());
+        const Hit hit =
+            scene.tracer().nearest(ray.origin, ray.direction, std::numeric_limits<float>::infinity(), ray.time);
         if (!hit.found()) return;
         ray.flux *= ray.glass.way_to(scene, hit, ray.direction);
-        const SurfacePoint p = ray.glass.surface_at(scene, hit, ray.direction);
+        if (scene.air() != nullptr && ray.glass.media.empty()) ray.flux *= left_by_air(*scene.air(), ray, hit.distance);
+        ray.from_far = false;
+        const SurfacePoint p = ray.glass.surface_at(scene, hit, ray.direction, {}, ray.time);
         advance(ray, hit.distance, p.geometric_normal);
         if (!thrown && p.address.object != aimed.object) {
             if (!pass_before(scene, p, ray)) return;
@@ -171,7 +191,7 @@ void follow(const PosedScene& scene, const AimedPhoton& aimed, std::vector<Landi
         }
         if (p.unlit) return;
         if (thrown && p.alpha > 0.0f && (p.bsdf.has_diffuse() || p.bsdf.has_glossy()))
-            landings.push_back(land(ray, p, hit.distance, caster));
+            landings.push_back(land(scene, ray, p, hit.distance, caster));
         const int dimension = first_choice + 3 * surfaces;
         const auto number = [&](int k) { return core::halton(dimension + k, aimed.number); };
         const Onward onward = choose(scene, p, number(0), ray.flux);

@@ -23,8 +23,8 @@ constexpr std::uint64_t reference_photons = 1u << 20;
 /// Photons that are kept at a time, and that one thread follows in a row.
 constexpr std::uint64_t batch = 1u << 16, grain = 1u << 9;
 
-/// Least semi-axis of a kernel in pixels. chosen: 0.4, what the eye's samples of a pixel span.
-constexpr float least_axis = 0.4f;
+/// Least semi-axis of a kernel in pixels: the kernel has the variance of a pixel, a sixth of its square for a twelfth.
+constexpr float least_axis = 0.7071f;
 
 /// Largest semi-axis, in diagonals of the scene's box: single photons that were spread wide are no light to see.
 constexpr float largest_axis = 0.05f;
@@ -36,9 +36,9 @@ constexpr float evenness = 0.3f;
 /// What of a pixel's tolerance twice the standard error may take in 95 of 100 pixels with caustics. chosen: a half.
 constexpr float share_of_tolerance = 0.5f, share_of_pixels = 0.95f;
 
-/// Caustics whose root mean square over the picture is below this share of the tolerance are left out. chosen: 0.4;
-/// beside an error of the tolerance they are 8 % more of it. A pixel counts as no more than ten tolerances.
-constexpr float least_visible = 0.4f, most_of_pixel = 10.0f;
+/// Caustics whose root mean square over the picture is below this share of the tolerance are left out: films lose 0.1
+/// dB or so. fit: docs/fits/caustics.md. A pixel counts as no more than a hundred tolerances.
+constexpr float least_visible = 0.1f, most_of_pixel = 100.0f;
 
 /// Photons by which each frame of a chunk without visible caustics asks whether there are any now. chosen: 2,048, a
 /// hundredth of a CPU second.
@@ -163,21 +163,27 @@ float quantile(std::vector<float>& values, float share) {
 }
 
 /// How many photons keep the tolerance, and which of them are too dim to be spread one by one, by what so many did.
+/// `shown`: what the tolerance was found for has caustics.
 CausticBudget budget_of(const Seen& seen, const SplatTree& tree, const std::vector<CausticLight>& light,
-                        const core::ToleranceMap* tolerance, std::uint64_t photons) {
+                        const core::ToleranceMap* tolerance, std::uint64_t photons, bool shown) {
     const std::vector<PixelCaustic> pixels = pixel_caustics(seen, tree, light);
-    const auto tolerated = [&](std::size_t p) {
-        const core::Tolerance& t = tolerance != nullptr ? tolerance->pixels.values()[p] : rough;
-        // The rest of its light is not known yet, but for what the tolerance was found for.
-        const float known = std::max(core::luminance(seen.emitted.values()[p]), 0.0f) + pixels[p].luminance;
-        return t.allows(std::max(known, t.background));
+    const auto tolerance_of = [&](std::size_t p) {
+        return tolerance != nullptr ? tolerance->pixels.values()[p] : rough;
     };
+    // The rest of its light is not known yet, but for what the tolerance was found for.
+    const auto without = [&](std::size_t p) {
+        const float known = std::max(core::luminance(seen.emitted.values()[p]), 0.0f);
+        return std::max(known, tolerance_of(p).background - (shown ? pixels[p].luminance : 0.0f));
+    };
+    const auto tolerated = [&](std::size_t p) { return tolerance_of(p).allows(without(p) + pixels[p].luminance); };
     std::vector<float> excess;
     double visible = 0;
     for (std::size_t p = 0; p < pixels.size(); ++p) {
         if (!(pixels[p].luminance > 0.0f)) continue;
         const float t = tolerated(p), allowed = share_of_tolerance * t;
-        const float shares = std::min(core::divide_or(pixels[p].luminance, t, most_of_pixel), most_of_pixel);
+        // So many tolerances lie between the light without it and with it, about.
+        const float between = std::sqrt(t * tolerance_of(p).allows(without(p)));
+        const float shares = std::min(core::divide_or(pixels[p].luminance, between, most_of_pixel), most_of_pixel);
         visible += static_cast<double>(shares * shares);
         if (pixels[p].luminance > allowed)
             excess.push_back(core::divide_or(2.0f * std::sqrt(pixels[p].variance), allowed, 1e3f));
@@ -222,10 +228,12 @@ void Caustics::add(const PosedScene& posed_scene, std::span<const LightPoint> li
     if (budget.photons == 0 && tolerance != nullptr && tolerance->is_reference()) budget.photons = reference_photons;
     if (budget.photons == 0 && tolerance == nullptr) budget.photons = pilot_photons;
     if (budget.photons == 0) {
+        // The rough look that a first frame's tolerance was found for has caustics.
+        const bool first = budget_.photons == 0;
         const auto look = [&](std::uint64_t photons) {
-            return budget_of(seen, tree, splatting.light(photons, 0.0f, counts), tolerance, photons);
+            return budget_of(seen, tree, splatting.light(photons, 0.0f, counts), tolerance, photons, first);
         };
-        if (budget_.photons == 0 || (!budget_.visible && look(asking_photons).visible)) budget_ = look(pilot_photons);
+        if (first || (!budget_.visible && look(asking_photons).visible)) budget_ = look(pilot_photons);
         if (!budget_.visible) return;
         budget = budget_;
     }

@@ -76,9 +76,15 @@ bool touches(glm::vec3 low, glm::vec3 high, const SplatQuery& query, float radiu
     return true;
 }
 
+/// When light meets a point: with its photon, but in the middle of the shutter what moves, as its points lie then.
+float time_at(const PosedScene& scene, const Landing& landing, const GatherPoint& g) {
+    if (landing.time == scene::middle_time) return landing.time;
+    return scene.posed().sweep->object_moves(g.point.address.object) ? scene::middle_time : landing.time;
+}
+
 /// Whether light that goes the landing's way meets the point: nothing but what threw it lies just before.
 bool is_open(const PosedScene& scene, const Landing& landing, const GatherPoint& g, float far) {
-    const Hit hit = scene.tracer().nearest(shadow_origin(g.point), -landing.direction, far);
+    const Hit hit = scene.tracer().nearest(shadow_origin(g.point), -landing.direction, far, time_at(scene, landing, g));
     return !hit.found() || hit.address.object == landing.caster;
 }
 
@@ -252,6 +258,8 @@ class SplatTree::Part {
     void close(const Node& leaf, const Landing& landing, const Footprint& footprint, SplatShares& weights) {
         ShadowPacket packet;
         packet.bodies = Bodies::block;
+        alignas(64) float times[16] = {};
+        if (landing.time != scene::middle_time) packet.times = times;
         const float far = std::min(landing.length, doubt_reach * footprint.widest);
         for (std::uint32_t i = 0; i < leaf.last - leaf.first; ++i) {
             if (weights.state[i] != 2u) continue;
@@ -263,6 +271,7 @@ class SplatTree::Part {
             packet.direction_y[i] = -landing.direction.y;
             packet.direction_z[i] = -landing.direction.z;
             packet.far[i] = far;
+            times[i] = time_at(scene_, landing, *tree_.points_[leaf.first + i].point);
             packet.active |= 1u << i;
             ++counts_.doubtful;
         }

@@ -107,7 +107,7 @@ struct EyePaths::PathState {
     std::uint8_t way = straight_way;
     MediaPath glass;
     float passed = 0;  ///< of the straight way so far
-    float clear = 1;   ///< what air lets through of it
+    float clear = 1;   ///< what air would let through of it
     bool specular() const { return way != straight_way; }
     bool straight() const { return mirrors == 0 && !bent; }
 };
@@ -204,11 +204,13 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
 
 /// Goes so far through air, which dims what comes and adds light of its own.
 void EyePaths::pass_air(PathState& path, float distance, EyeSample& sample) const {
+    const float through = air_->transmittance(path.ray.origin, path.ray.direction, distance);
     if (!path.glass.media.empty()) {
+        // What air beyond is weighed by is dimmed by the air that the glass replaces.
         path.passed += distance;
+        path.clear *= through;
         return;
     }
-    const float through = air_->transmittance(path.ray.origin, path.ray.direction, distance);
     if (!path.straight()) {
         sample.air_beyond.push_back({0, path.way, path.ray.origin, path.ray.direction, distance, path.weight});
     } else {
