@@ -33,7 +33,7 @@ TEST(FilmCosts, TakeTheFastestRowWithoutADifferenceThatOneSees) {
     EXPECT_EQ(app::words_for(43), "slight in flat areas");
     EXPECT_EQ(app::words_for(30), "visible");
     EXPECT_EQ(app::words_for({}), "none you can see");
-    EXPECT_NE(app::film_cost_table(costs).find("coupled"), std::string::npos);
+    EXPECT_NE(app::film_cost_table(costs, {}).find("coupled"), std::string::npos);
 }
 
 TEST(FilmCosts, SayWhereAccuracyIsFree) {

@@ -40,12 +40,14 @@ class Cost {
           pairs_(!quantisers_.empty()),
           trials_(film, windows_of(film.frames, sample)) {
         sweep_.windows = trials_.windows();
+        sweep_.once = once;
         if (options.kept_references) trials_.keep_references_in(ReferenceCache(*options.kept_references));
         print_memory_note(trials_.bytes_held(pairs_), options.render.quiet);
     }
 
     /// Returns whether nobody interrupted.
     bool light_references();
+    bool try_draft();
     bool try_fixed();
     bool try_coupled();
     /// The film, as it was asked for, without each of its effects.
@@ -87,6 +89,15 @@ bool Cost::light_references() {
     sweep_.reference_seconds = trials_.reference_seconds();
     log(cost_heading(film(), sweep_));
     return true;
+}
+
+bool Cost::try_draft() {
+    Progress progress(trials_.frames(), is_quiet() || !shows_steps(), "draft", Counted::frames_of_step);
+    sweep_.draft = trials_.draft([&] {
+        progress.advance();
+        return !InterruptGuard::requested();
+    });
+    return sweep_.draft.has_value();
 }
 
 bool Cost::try_fixed() {
@@ -186,7 +197,7 @@ int cost(const CostOptions& options, const std::vector<std::string>& words) {
     if (!sample) return interrupted();
 
     Cost sweep(options, film, sample->sweep, once, sample->asked);
-    const bool whole = sweep.light_references() && sweep.try_fixed() && sweep.try_coupled();
+    const bool whole = sweep.light_references() && sweep.try_draft() && sweep.try_fixed() && sweep.try_coupled();
     const Sweep& found = sweep.sweep();
     if (found.fixed.empty() && found.pairs.empty()) return interrupted();
     // Whoever says which sample gets all of it.
@@ -202,7 +213,7 @@ int cost(const CostOptions& options, const std::vector<std::string>& words) {
     if (options.report) errors.attempt([&] { write_cost_report(*options.report, sweep.film(), found, rows, command); });
     if (!quiet)
         errors.attempt([&] {
-            print(film_cost_table(rows));
+            print(film_cost_table(rows, draft_cost(found, sweep.film())));
             print_sentence(sentence_of(found, sweep.film().coding.quantiser));
             print_sentence(answer_of(rows, sweep.film()));
             if (!found.render.empty()) print("\n" + found.render + "\n");

@@ -107,6 +107,11 @@ std::vector<FilmCost> film_costs(const Sweep& sweep, const RenderJob& film, doub
     return costs;
 }
 
+std::optional<FilmCost> draft_cost(const Sweep& sweep, const RenderJob& film) {
+    if (!sweep.draft || sweep.fixed.empty()) return {};
+    return cost_of("draft", *sweep.draft, sweep.fixed.back(), film, sweep.once, pace_of(sweep));
+}
+
 bool is_free(const std::vector<FilmCost>& costs) {
     if (costs.size() < 2) return false;
     return costs.back().clock <= 1.1 * costs.front().clock;
@@ -149,28 +154,30 @@ std::string answer_of(const std::vector<FilmCost>& costs, const RenderJob& film)
     return text;
 }
 
-std::string film_cost_table(const std::vector<FilmCost>& costs) {
+std::string film_cost_table(const std::vector<FilmCost>& costs, const std::optional<FilmCost>& draft) {
     const std::optional<std::size_t> taken = recommended(costs);
+    const auto line = [](const FilmCost& cost, const char* mark) {
+        return fmt::format("{:<14} {:>9} {:>10}  {}{}{}\n", cost.name, clock_text(cost.clock), size_text(cost.bytes),
+                           words_for(cost.added), loss_text(cost).empty() ? "" : " (" + loss_text(cost) + ")", mark);
+    };
     std::string text =
         fmt::format("\nThe whole film on this machine's {} threads\n{:<14} {:>9} {:>10}  {}\n",
                     parallel::thread_count(), "--tolerance", "time", "size", "difference from the most exact light");
-    for (std::size_t i = 0; i < costs.size(); ++i)
-        text += fmt::format("{:<14} {:>9} {:>10}  {}{}{}\n", costs[i].name, clock_text(costs[i].clock),
-                            size_text(costs[i].bytes), words_for(costs[i].added),
-                            loss_text(costs[i]).empty() ? "" : " (" + loss_text(costs[i]) + ")",
-                            taken == i ? "  <- take this" : "");
+    if (draft) text += line(*draft, "");
+    for (std::size_t i = 0; i < costs.size(); ++i) text += line(costs[i], taken == i ? "  <- take this" : "");
     return text;
 }
 
-std::vector<AnswerRow> answer_rows(const std::vector<FilmCost>& costs) {
+std::vector<AnswerRow> answer_rows(const std::vector<FilmCost>& costs, const std::optional<FilmCost>& draft) {
     const std::optional<std::size_t> taken = recommended(costs);
     std::vector<AnswerRow> rows;
-    for (std::size_t i = 0; i < costs.size(); ++i) {
-        const FilmCost& c = costs[i];
-        rows.push_back({c.is_reference ? "reference (exact)" : c.name,
-                        core::divide_or(c.clock, costs.back().clock, 0.0), clock_text(c.clock), words_for(c.added),
-                        grade_of(c.added), loss_text(c), size_text(c.bytes), taken == i});
-    }
+    const auto add = [&](const FilmCost& c, const std::string& name, bool is_taken) {
+        rows.push_back({name, core::divide_or(c.clock, costs.back().clock, 0.0), clock_text(c.clock),
+                        words_for(c.added), grade_of(c.added), loss_text(c), size_text(c.bytes), is_taken});
+    };
+    if (draft && !costs.empty()) add(*draft, "draft (--preview)", false);
+    for (std::size_t i = 0; i < costs.size(); ++i)
+        add(costs[i], costs[i].is_reference ? "reference (exact)" : costs[i].name, taken == i);
     return rows;
 }
 

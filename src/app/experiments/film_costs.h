@@ -37,6 +37,9 @@ struct AskedFilm {
 std::vector<FilmCost> film_costs(const Sweep& sweep, const RenderJob& film, double once,
                                  const std::optional<AskedFilm>& asked = {});
 
+/// A draft of the film (--preview), in the same size; none where it was not tried.
+std::optional<FilmCost> draft_cost(const Sweep& sweep, const RenderJob& film);
+
 /// Whether accuracy costs nothing: no row takes a tenth longer than the fastest; or buys nothing: all lie within half a
 /// decibel of PSNR-Y.
 bool is_free(const std::vector<FilmCost>& costs);
@@ -48,8 +51,8 @@ std::optional<std::size_t> recommended(const std::vector<FilmCost>& costs);
 /// The answer in two sentences; empty where there is no row.
 std::string answer_of(const std::vector<FilmCost>& costs, const RenderJob& film);
 
-/// The rows as lines of a terminal.
-std::string film_cost_table(const std::vector<FilmCost>& costs);
-std::vector<AnswerRow> answer_rows(const std::vector<FilmCost>& costs);
+/// The rows as lines of a terminal, the draft first.
+std::string film_cost_table(const std::vector<FilmCost>& costs, const std::optional<FilmCost>& draft);
+std::vector<AnswerRow> answer_rows(const std::vector<FilmCost>& costs, const std::optional<FilmCost>& draft);
 
 }  // namespace render2mpeg::app

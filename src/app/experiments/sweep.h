@@ -30,6 +30,8 @@ struct Sweep {
     std::size_t direct_points = 0, indirect_points = 0;
     std::vector<Trial> fixed;  ///< from loose to tight
     std::vector<CoupledPair> pairs;
+    std::optional<Trial> draft;
+    double once = 0;  ///< seconds on the clock that a run takes beside its frames
     EffectCosts effects;
     std::string render;     ///< the command for the row to take; empty: none is known
     bool complete = false;  ///< false: interrupted

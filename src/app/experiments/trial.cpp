@@ -87,18 +87,6 @@ void copy_tile(const core::Plane<glm::vec3>& from, core::Plane<glm::vec3>& to, s
 
 }  // namespace
 
-std::vector<Chunk> windows_of(FrameRange film, const Sample& sample) {
-    const std::int64_t all = film.last - film.first + 1, length = std::min<std::int64_t>(sample.frames, all);
-    const std::int64_t count = std::min<std::int64_t>(sample.windows, all / length);
-    std::vector<Chunk> windows;
-    for (std::int64_t i = 0; i < count; ++i) {
-        const std::int64_t begin = i * all / count, end = (i + 1) * all / count;
-        const std::int64_t first = film.first + begin + (end - begin - length) / 2;
-        windows.push_back({static_cast<int>(i), first, first + length - 1});
-    }
-    return windows;
-}
-
 void Coarseness::apply_to(encoder::Settings& coding) const {
     coding.quantiser = quantiser;
     coding.rate_control.mode = quality ? encoder::RateMode::constant_quality : encoder::RateMode::constant_quantiser;
@@ -301,6 +289,35 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
     return trial;
 }
 
+std::optional<Trial> Trials::draft(const std::function<bool()>& frame_done) const {
+    RenderJob film = draft_of(film_);
+    Trial trial;
+    trial.tolerance = film.tolerance;
+    set_coarseness(trial, film.coding.quantiser);
+    trial.frames = frames();
+    Judge judge(*this, trial, nullptr);
+    RunStatistics statistics;
+    renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
+    double cpu = 0;
+    int counted = 0;  // a chunk's first frame, which makes what others use, is not, unless there is no other
+    for (const Chunk& window : windows_) {
+        film.frames = {window.first, window.last};
+        bool goes_on = true, skips = window.frames() > 1;
+        counted += static_cast<int>(window.frames()) - (skips ? 1 : 0);
+        double began = cpu_seconds();
+        render_chunk(film, renderer, window, judge, statistics, [&] {
+            if (std::exchange(skips, false)) began = cpu_seconds();
+            return goes_on = frame_done();
+        });
+        if (!goes_on) return std::nullopt;
+        cpu += cpu_seconds() - began;
+    }
+    trial.bytes /= trial.frames;
+    trial.surplus = judge.starts().surplus(film_, windows_, trial.bytes);
+    trial.cpu = trial.clock = cpu / counted;
+    return trial;
+}
+
 Trial Trials::coded_again(const LitWindows& lit, const Coarseness& coarseness) const {
     RenderJob film = film_;
     coarseness.apply_to(film.coding);
@@ -377,23 +394,6 @@ void Trials::measure_start(const Chunk& window) {
     light(window.first, first_light_seconds_);
     const std::int64_t beside = window.first < film_.frames.last ? window.first + 1 : window.first - 1;
     light(std::max(beside, film_.frames.first), next_light_seconds_);
-}
-
-std::set<std::int64_t> reference_frames(const Chunk& window, int count) {
-    std::set<std::int64_t> frames;
-    if (count == 1) frames.insert(window.last);
-    const int spots = count / 2;
-    for (int i = 1; i <= spots; ++i) {
-        const std::int64_t last = window.first + window.frames() * i / spots - 1;
-        frames.insert({last, std::max(last - 1, window.first)});
-    }
-    // An odd one, and pairs that would overlap in a short window, have their frames where there are some left.
-    std::int64_t next = window.first + window.frames() / 2;
-    for (std::int64_t i = 0; static_cast<std::int64_t>(frames.size()) < count && i < window.frames(); ++i) {
-        frames.insert(next);
-        next = next == window.last ? window.first : next + 1;
-    }
-    return frames;
 }
 
 bool Trials::light_references(const std::function<bool(const ReferenceStanding&)>& part_done) {

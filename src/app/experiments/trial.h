@@ -11,6 +11,7 @@
 
 #include "app/experiments/gop_starts.h"
 #include "app/experiments/reference_cache.h"
+#include "app/experiments/windows.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "app/loop/shown_light.h"
@@ -19,10 +20,6 @@
 #include "perceptual/metrics.h"
 
 namespace render2mpeg::app {
-
-/// Stretches of a film that stand for it: the middles of equal parts, as many as there is room for, each coded as a
-/// chunk of its own.
-std::vector<Chunk> windows_of(FrameRange film, const Sample& sample);
 
 /// A frame lit by every light point by itself, and what it looks like.
 struct Truth {
@@ -33,10 +30,6 @@ struct Truth {
     std::optional<core::MotionField> to_previous;
     double change = 0;
 };
-
-/// The frames of a window that are lit by every light point: the last alone, or pairs of adjacent ones at even
-/// distances, of which the last ends the window, and an odd one about its middle. `count` is 0 to the window's frames.
-std::set<std::int64_t> reference_frames(const Chunk& window, int count);
 
 /// How coarsely pictures are coded: with one quantiser, or by a quality (--quality), which is finer than whole
 /// quantisers.
@@ -127,6 +120,10 @@ class Trials {
     /// The film's rate control, if any, gives way to plain quantisers. Of every window so many frames are references;
     /// 0: none, and no error is known.
     Trials(const RenderJob& film, std::vector<Chunk> windows, int references = 1);
+
+    /// The windows as drafts (--preview), beside the truths that are known. `frame_done` as in run(); none: it ended
+    /// it.
+    std::optional<Trial> draft(const std::function<bool()>& frame_done) const;
 
     /// From now on masked errors are told of all frames, which takes its time (Trial::shown_masked).
     void mask_all() { masks_all_ = true; }

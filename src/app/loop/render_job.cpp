@@ -306,6 +306,30 @@ RenderJob prepare(const RenderOptions& wanted) {
     return film;
 }
 
+RenderJob draft_of(const RenderJob& film) {
+    const RenderOptions usual = preview_options({});
+    RenderJob draft = film;
+    draft.preview = true;
+    draft.two_passes = false;
+    draft.audit = 0;
+    draft.loss.reset();
+    draft.budget.reset();
+    draft.allocations.clear();
+    draft.tolerance = tolerance_from(*usual.tolerance);
+    draft.rendering.samples = usual.samples;
+    draft.rendering.edge_samples = *usual.edge_samples;
+    draft.rendering.most_samples = 0;
+    draft.rendering.vpls = usual.vpls;
+    draft.rendering.cache = renderer::CacheUse::off;
+    draft.cache = {};
+    draft.coding.effort = encoder::Effort::fast;
+    draft.coding.b_pictures = *usual.coding.b_pictures;
+    draft.coding.quantiser = *usual.coding.quantiser;
+    draft.coding.rate_control.mode = encoder::RateMode::constant_quantiser;
+    settle_preview(draft);
+    return draft;
+}
+
 float measure_exposure(const RenderJob& film) {
     // chosen: of 3 to 12 frames and 48 to 192 pixels (docs/fits/pictures.md).
     constexpr int frames = 5, longest_side = 96;

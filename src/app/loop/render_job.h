@@ -86,6 +86,9 @@ struct RenderJob {
 /// The film without what a row of its plan gives (renderer::PlanRow::effect).
 RenderJob without(const RenderJob& film, renderer::Pass effect);
 
+/// The film as --preview makes it where no option says more (app/options/preview_options.h), in the same size.
+RenderJob draft_of(const RenderJob& film);
+
 /// The film's renderer, its textures read.
 renderer::Renderer renderer_of(const RenderJob& film);
 

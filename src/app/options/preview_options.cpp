@@ -33,7 +33,7 @@ RenderOptions preview_options(const RenderOptions& options) {
         if (subject != "quantiser") refuse_preview("--heatmap " + subject, "only `quantiser` is known");
 
     // fit: docs/preview.md, by PSNR for CPU time.
-    if (!options.tolerance) draft.tolerance = "fixed=40%";
+    if (!options.tolerance) draft.tolerance = "fixed=30%";
     if (!is_given("--samples")) draft.samples = 1;
     if (!is_given("--edge-samples")) draft.edge_samples = is_given("--samples") ? options.samples : 4;
     if (!is_given("--vpls")) draft.vpls = 2048;
