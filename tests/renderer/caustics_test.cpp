@@ -245,6 +245,23 @@ TEST(Caustics, OfAFlatMirrorAreAPatchOfTheSun) {
     EXPECT_NEAR(sum / inside, 0.8 * 2 * std::sqrt(0.5), 0.005);
 }
 
+TEST(Caustics, OfAWideSunAreBlurredByTheWayFromTheMirrorAlone) {
+    // A flat mirror of 1 x 1 above a wide floor: penumbras of some hundredths, however far the sun is.
+    SceneBuilder b;
+    b.add_quad({-60, 0, 60}, {120, 0, 0}, {0, 0, -120}, b.add_material({1, 1, 1}));
+    b.add_quad({0, 1, -0.5f}, {0, 0, 1}, {0, 1, 0}, add_silver(b));
+    b.add_sun({1, -1, 0}, 2);
+    b.film().lights.back().angle = 0.0046f;
+    add_high_camera(b, {-1.5f, 0, 0}, 0.8f);
+    Stage stage(b, 64, 64);
+    throw_light(stage, 80000).each([&](glm::vec3 p, double e) {
+        const float off = std::max(std::abs(p.x + 1.5f), std::abs(p.z)) - 0.5f;
+        if (std::abs(off) > 0.12f) {
+            EXPECT_NEAR(e, off < 0 ? 2 * std::sqrt(0.5) : 0, 0.08) << p.x << " " << p.z;
+        }
+    });
+}
+
 TEST(Caustics, OfAMirrorThatMovesAreBlurred) {
     // The mirror of above slides along itself by its own width: its patch becomes a ramp.
     SceneBuilder b;

@@ -318,6 +318,9 @@ AimedPhoton Casters::aim(std::uint64_t index, std::uint64_t count) const {
     const float cell = 1.0f / std::sqrt(static_cast<float>(photon.of));
     for (std::size_t k = 0; k < 2; ++k) {
         neighbours[k + 2] *= std::sqrt(light.disc2);
+        // A sun's other light goes to the same place of the thing. That of skies and panels, whose photons stand less
+        // evenly, is spread wider: it would be mottled.
+        if (far && light.id >= first_punctual_id) photon.place[k + 2] = -reach_ * photon.turn[k + 2];
         photon.place[k] *= cell;
         photon.turn[k] *= cell;
     }
