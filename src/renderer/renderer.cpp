@@ -4,7 +4,6 @@
 #include <optional>
 #include <utility>
 
-#include "core/color.h"
 #include "core/error.h"
 #include "renderer/air/airlight.h"
 #include "renderer/base/stopwatch.h"
@@ -15,13 +14,14 @@
 #include "renderer/caustics/caustics.h"
 #include "renderer/cut/blurred_light.h"
 #include "renderer/cut/shade.h"
+#include "renderer/cut/steep_light.h"
 #include "renderer/draft/draft_light.h"
+#include "renderer/judge.h"
 #include "renderer/lights/anchors.h"
 #include "renderer/lights/light_points.h"
 #include "renderer/lights/same_light.h"
 #include "renderer/lights/whole_lamps.h"
 #include "renderer/tree/light_trees.h"
-#include "renderer/truth/pixel_truth.h"
 #include "renderer/view/expose.h"
 #include "renderer/view/look_closer.h"
 #include "renderer/view/see.h"
@@ -117,6 +117,7 @@ struct Renderer::Impl {
         cache.forget();
         calibration.forget();
         draft_light.forget();
+        steep.forget();
         started = true;
     }
 
@@ -300,6 +301,9 @@ struct Renderer::Impl {
     float calibrated_share = 0;      ///< typical_share of the coarsest frame calibrated
     IrradianceCache cache;
     DraftLight draft_light;
+    SteepLight steep;
+    FrameLight light;        ///< of the points of the frame shaded last
+    ShadeSettings lit_with;  ///< that frame
     AmbientAir ambient_air;
     core::Radiance sharp;  ///< of the last frame that was exposed: its middle, whose points and pixels are audited
     Statistics statistics;
@@ -383,6 +387,7 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     const bool learns = i.settings.calibrate && !tolerance.is_reference();
     if (learns) i.calibrate(snapshot, seen, tolerance, settings);
     settings.limits.error_scale = learns ? i.calibration.value() : 1.0f;
+    i.lit_with = settings;
     // ask the cache, which gathers what it does not know,
     ShadeCounts counts;
     std::optional<FrameLight> cached;
@@ -390,10 +395,9 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
         cached = i.cache.light({i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(), tolerance},
                                snapshot, settings.limits, i.splits ? &i.split : nullptr, counts, i.statistics.cache);
     const FrameLight* known = cached ? &*cached : nullptr;
-    FrameLight light;
     // else gather all; sum up in pixels,
     core::Radiance radiance = renderer::shade(i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(),
-                                              tolerance, settings, counts, known, seen.exposure ? &light : nullptr);
+                                              tolerance, settings, counts, known, &i.light);
     if (cached && settings.layers) radiance.record_density = i.cache.density(snapshot.camera, i.settings.format);
     // and learn from the frame.
     i.count(counts, seen.visible);
@@ -401,12 +405,25 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     if (seen.exposure) {
         ShadeCounts blurred;
         i.sharp = radiance;
-        spread_light(seen, light, settings.layers, radiance, blurred);
+        spread_light(seen, i.light, settings.layers, radiance, blurred);
         i.count(blurred, seen.visible);
     }
     i.share_time(cpu_seconds() - start, counts);
     i.statistics.layer_seconds = i.posed_scene.layer_seconds();
     return radiance;
+}
+
+void Renderer::light_closer(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, Seen& seen,
+                            core::Radiance& radiance) {
+    Impl& i = *impl_;
+    FrameLight light = std::exchange(i.light, {});
+    if (seen.exposure || light.size() != seen.tiles.size()) return;
+    ShadeCounts counts;
+    const double start = cpu_seconds();
+    i.steep.light({i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(), tolerance}, i.lit_with,
+                  *i.lit_frame, std::move(light), seen, radiance, counts);
+    i.count(counts, seen.visible);
+    i.share_time(cpu_seconds() - start, counts);
 }
 
 core::Radiance Renderer::sketch(const scene::Snapshot& snapshot, const Seen& seen,
@@ -449,7 +466,7 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
     const core::Radiance& radiance = i.middle_of(seen, shown);
     i.light_unseen(snapshot);
     const std::vector<LitPixel> pixels = drawn(lit_pixels(seen), static_cast<std::size_t>(count), seen.visible.frame);
-    const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
+    const MovedPoints moved = i.steep.renumbered(i.cache.moved_points(snapshot.frame, tolerance));
     const auto truth = gather_exactly(i.light_trees, i.posed_scene.tracer(), seen, pixels, moved);
     return compare(seen, pixels, truth, tolerance, radiance);
 }
@@ -462,27 +479,9 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
     const core::ToleranceMap tolerance = tolerance_of_points(seen, wanted);
     const core::Radiance& radiance = i.middle_of(seen, shown);
     i.light_unseen(snapshot);
-    const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
-    std::vector<JudgedPixel> judged;
-    std::vector<TruthRequest> requests;
-    for (const AuditedPixel& a : audited) {
-        const LitPixel pixel = pixel_at(seen, {a.x, a.y});
-        JudgedPixel& p = judged.emplace_back();
-        p.shown = radiance.combined.at(a.x, a.y), p.where_lit = p.at_points = a.radiance;
-        if (!tolerance.is_reference()) p.least = tolerance.pixels.at(a.x, a.y).absolute;
-        if (any_moved(moved, pixel))
-            p.at_points = gather_exactly(i.light_trees, i.posed_scene.tracer(), seen, {pixel}).front();
-        const std::span<const GatherPoint> points(seen.tiles[pixel.tile]);
-        requests.push_back({{a.x, a.y},
-                            points.subspan(pixel.first, pixel.last - pixel.first),
-                            std::max(core::luminance(p.at_points), p.least),
-                            seen.samples.empty() ? i.settings.samples : seen.samples.at(a.x, a.y),
-                            caustic_light_at(seen, {a.x, a.y}) + airlight_at(seen, {a.x, a.y})});
-    }
+    const MovedPoints moved = i.steep.renumbered(i.cache.moved_points(snapshot.frame, tolerance));
     const SeeSettings see{i.settings.format, i.settings.samples, i.settings.edge_samples, i.settings.specular_depth};
-    std::size_t k = 0;
-    for (const PixelTruth& t : pixel_truth(i.posed_scene, see, i.plan, requests, finely)) judged[k++].truth = t;
-    return judged;
+    return judge_pixels({i.posed_scene, i.light_trees, seen, tolerance, radiance, moved}, see, i.plan, audited, finely);
 }
 
 const RayTracer& Renderer::tracer() const {

@@ -110,11 +110,17 @@ class Renderer {
     /// Gathers light for all gather points of a frame until every pixel's error bound is below its tolerance.
     core::Radiance shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance);
 
-    /// The same for a first, rough look that is no frame of the film: counts nowhere in the statistics, teaches
+    /// Lights points of the frame shaded last at more places of their pixels where light is steep (steep_light.h):
+    /// `seen` and `radiance` then hold them. Frames that shutter or lens blur stay as they are. After `shade` of the
+    /// same.
+    void light_closer(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, Seen& seen,
+                      core::Radiance& radiance);
+
+    /// `shade` for a first, rough look that is no frame of the film: counts nowhere in the statistics, teaches
     /// nothing, and takes the law of the stopping rule as it is.
     core::Radiance sketch(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance);
 
-    /// The same for a draft of a film (draft_light.h): a lattice of points is lit within the tolerance, and what the
+    /// `shade` for a draft of a film (draft_light.h): a lattice of points is lit within the tolerance, and what the
     /// frame before knew is carried along. `motion`: to that frame; null: there is none in the chunk, or no motion.
     core::Radiance draft(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance,
                          const core::MotionField* motion);

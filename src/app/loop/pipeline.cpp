@@ -39,7 +39,7 @@ class ChunkLoop {
                                        Motion& motion);
     /// Rough light for the visibility model, where there is no picture before.
     void imagine(const scene::Snapshot& world, renderer::Seen& seen, const PlannedPicture& plan);
-    core::Radiance shade(const scene::Snapshot& world, const renderer::Seen& seen, const core::ToleranceMap& tolerance);
+    core::Radiance shade(const scene::Snapshot& world, const core::ToleranceMap& tolerance, renderer::Seen& seen);
     core::Radiance draft(const scene::Snapshot& world, const renderer::Seen& seen, const core::ToleranceMap& tolerance,
                          RenderedMotion& motion);
     core::Picture develop(const core::Radiance& radiance, std::int64_t n);
@@ -106,7 +106,7 @@ void ChunkLoop::frame(std::int64_t n) {
     const renderer::Statistics before = renderer_.statistics();
     throw_light(*world, tolerance, seen);
     const core::Radiance radiance =
-        job_.preview ? draft(*world, seen, tolerance, motion) : shade(*world, seen, tolerance);
+        job_.preview ? draft(*world, seen, tolerance, motion) : shade(*world, tolerance, seen);
     const core::Radiance& shown = shown_.of(radiance, world->time);
     const core::Picture picture = develop(shown, n);
     observers_.lit({*world, seen, tolerance, radiance, shown, picture, motion, before, renderer_.statistics()});
@@ -177,10 +177,12 @@ void ChunkLoop::imagine(const scene::Snapshot& world, renderer::Seen& seen, cons
     coupling_->imagine(picture, shown, seen.visible, plan);
 }
 
-core::Radiance ChunkLoop::shade(const scene::Snapshot& world, const renderer::Seen& seen,
-                                const core::ToleranceMap& tolerance) {
+core::Radiance ChunkLoop::shade(const scene::Snapshot& world, const core::ToleranceMap& tolerance,
+                                renderer::Seen& seen) {
     const StageTimer timer(statistics_, Stage::shade);
-    return renderer_.shade(world, seen, tolerance);
+    core::Radiance radiance = renderer_.shade(world, seen, tolerance);
+    renderer_.light_closer(world, tolerance, seen, radiance);
+    return radiance;
 }
 
 core::Radiance ChunkLoop::draft(const scene::Snapshot& world, const renderer::Seen& seen,

@@ -68,7 +68,7 @@ void look_closer(const PosedScene& posed_scene, const SeeSettings& settings, con
                               posed_scene.posed().camera,
                               pattern,
                               1.0f / std::sqrt(static_cast<float>(samples)),
-                              plan.runs(Pass::punctual_lights)};
+                              true};
         parallel::for_each(seen.tiles.size(), [&](std::size_t t) {
             PixelMarks marks;
             if (mark_contrasts(seen, t, tolerance, edge_error(before), marks))

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "parallel/loops.h"
@@ -39,12 +40,19 @@ bool jumps(const core::Visible& visible, int x, int y, glm::ivec2 step, float an
 }
 
 /// Whether an edge passes by a pixel, as the middles of the pixels about it tell.
-bool is_at_edge(const core::Visible& visible, int x, int y, float angle) {
+bool is_at_edge(const Seen& seen, int x, int y, float angle) {
+    const core::Visible& visible = seen.visible;
     const auto ends = [&](int dx, int dy) {
         const int x1 = x + dx, y1 = y + dy;
         return x1 >= 0 && y1 >= 0 && x1 < visible.width() && y1 < visible.height() && !goes_on(visible, x, y, x1, y1);
     };
     if (ends(-1, 0) || ends(1, 0) || ends(0, -1) || ends(0, 1)) return true;
+    // The corner of a lamp that no sample met shows, however small its share is.
+    const auto shines = [&](int dx, int dy) {
+        return ends(dx, dy) && visible.kind.at(x + dx, y + dy) == core::PixelClass::surface &&
+               core::luminance(seen.emitted.at(x + dx, y + dy)) > 0.0f;
+    };
+    if (shines(-1, -1) || shines(1, -1) || shines(-1, 1) || shines(1, 1)) return true;
     const core::PixelClass kind = visible.kind.at(x, y);
     if (kind != core::PixelClass::surface && kind != core::PixelClass::reflected) return false;
     return jumps(visible, x, y, {1, 0}, angle) || jumps(visible, x, y, {0, 1}, angle);
@@ -56,7 +64,7 @@ void mark_edges(const Seen& seen, std::size_t t, float angle, PixelMarks& marks)
     for (int y = area.first.y; y < area.end.y; ++y)
         for (int x = area.first.x; x < area.end.x; ++x) {
             bool& mark = marks[static_cast<std::size_t>(y % tile_size)][static_cast<std::size_t>(x % tile_size)];
-            mark = mark || is_at_edge(seen.visible, x, y, angle);
+            mark = mark || is_at_edge(seen, x, y, angle);
         }
 }
 

@@ -1,0 +1,49 @@
+#pragma once
+// Lights several places of a pixel's surface where light is steep.
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "core/radiance.h"
+#include "core/tolerance_map.h"
+#include "renderer/cut/lighting_context.h"
+#include "renderer/cut/shade.h"
+
+namespace render2mpeg::renderer {
+
+/// A gather point that is split into its places.
+struct SplitPoint {
+    std::uint32_t index = 0;        ///< in its tile, before any point was split
+    std::uint32_t count = 0;        ///< of parts
+    glm::vec3 position{0};          ///< its own
+    PointLight light;               ///< its own
+    std::vector<PointLight> parts;  ///< theirs
+};
+
+/// A pixel's surface is lit at one place. At the edge of a shadow, or where things touch, that is not what the pixel
+/// shows on average. There its gather point is split into 4 or 16, at other places of the surface in the pixel
+/// (docs/model/visibility.md, "Light within a pixel").
+class SteepLight {
+  public:
+    void forget() { tiles_.clear(); }
+
+    /// Splits those points of a frame whose light (`light`, by point of `frame.seen`) bends by more than their pixel's
+    /// tolerance, lights their parts, and sums up the pixels anew: `seen` (that of `frame`) and `radiance` then hold
+    /// the parts. `lit_frame`: of the trees; parts that the same trees lit are kept. Adds what was gathered to
+    /// `counts`. Not for frames that shutter or lens blur. The same bytes for any number of threads.
+    void light(const LightingContext& frame, const ShadeSettings& settings, std::int64_t lit_frame, FrameLight light,
+               Seen& seen, core::Radiance& radiance, ShadeCounts& counts);
+
+    /// Moved points by their numbers since the last frame's points were split; without those that were.
+    MovedPoints renumbered(MovedPoints moved) const;
+
+  private:
+    std::vector<GatherTile> find(const LightingContext& frame, const FrameLight& light, std::int64_t lit_frame,
+                                 const core::Radiance& radiance);
+    void put_in(const FrameLight& of_parts, std::size_t tile, GatherTile& points, std::vector<PointLight>& light);
+
+    std::vector<std::vector<SplitPoint>> tiles_;  ///< of the last frame, by index; empty: none
+    std::int64_t lit_frame_ = 0;
+};
+
+}  // namespace render2mpeg::renderer
