@@ -66,7 +66,6 @@ struct Renderer::Impl {
     }
 
     double& row(Pass pass) { return rows[static_cast<std::size_t>(pass)]; }
-
     void pose(const scene::Snapshot& snapshot) {
         const Stopwatch timer(row(Pass::pose));
         posed_scene.pose(snapshot);
@@ -303,7 +302,8 @@ struct Renderer::Impl {
     DraftLight draft_light;
     SteepLight steep;
     FrameLight light;        ///< of the points of the frame shaded last
-    ShadeSettings lit_with;  ///< that frame
+    ShadeSettings lit_with;  ///< that frame's
+    std::uint64_t lit_non_finite = 0;
     AmbientAir ambient_air;
     core::Radiance sharp;  ///< of the last frame that was exposed: its middle, whose points and pixels are audited
     Statistics statistics;
@@ -401,6 +401,7 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     if (cached && settings.layers) radiance.record_density = i.cache.density(snapshot.camera, i.settings.format);
     // and learn from the frame.
     i.count(counts, seen.visible);
+    i.lit_non_finite = counts.non_finite;
     if (learns) i.learn(snapshot, seen, tolerance, settings, radiance, counts, known);
     if (seen.exposure) {
         ShadeCounts blurred;
@@ -421,7 +422,7 @@ void Renderer::light_closer(const scene::Snapshot& snapshot, const core::Toleran
     ShadeCounts counts;
     const double start = cpu_seconds();
     i.steep.light({i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(), tolerance}, i.lit_with,
-                  *i.lit_frame, std::move(light), seen, radiance, counts);
+                  *i.lit_frame, std::move(light), i.lit_non_finite, seen, radiance, counts);
     i.count(counts, seen.visible);
     i.share_time(cpu_seconds() - start, counts);
 }
@@ -466,7 +467,7 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
     const core::Radiance& radiance = i.middle_of(seen, shown);
     i.light_unseen(snapshot);
     const std::vector<LitPixel> pixels = drawn(lit_pixels(seen), static_cast<std::size_t>(count), seen.visible.frame);
-    const MovedPoints moved = i.steep.renumbered(i.cache.moved_points(snapshot.frame, tolerance));
+    const MovedPoints moved = i.steep.renumbered(i.cache.moved_points(snapshot.frame, tolerance), snapshot.frame);
     const auto truth = gather_exactly(i.light_trees, i.posed_scene.tracer(), seen, pixels, moved);
     return compare(seen, pixels, truth, tolerance, radiance);
 }
@@ -479,7 +480,7 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
     const core::ToleranceMap tolerance = tolerance_of_points(seen, wanted);
     const core::Radiance& radiance = i.middle_of(seen, shown);
     i.light_unseen(snapshot);
-    const MovedPoints moved = i.steep.renumbered(i.cache.moved_points(snapshot.frame, tolerance));
+    const MovedPoints moved = i.steep.renumbered(i.cache.moved_points(snapshot.frame, tolerance), snapshot.frame);
     const SeeSettings see{i.settings.format, i.settings.samples, i.settings.edge_samples, i.settings.specular_depth};
     return judge_pixels({i.posed_scene, i.light_trees, seen, tolerance, radiance, moved}, see, i.plan, audited, finely);
 }

@@ -92,6 +92,7 @@ TEST(SteepLight, IsAuditedWhereItWasLit) {
     FilmStage stage(test::furnished_room(), room_settings(room_size, 16));
     const auto tolerance = core::ToleranceMap::uniform(room_size, room_size, {0, 0.02f});
     const Lit lit = light_room(stage, tolerance);
+    EXPECT_GT(lit.rays, 0u);
     int over = 0;
     for (const AuditedPixel& p : stage.renderer().audit(stage.at(0), lit.seen, tolerance, lit.closer, 400))
         over += p.over() ? 1 : 0;

@@ -1,6 +1,7 @@
 #include "renderer/cut/steep_light.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -46,7 +47,8 @@ class PixelPoints {
         }
     }
 
-    /// By how much the light of a point, of a pixel at (x, y), may differ from its pixel's surface; luminance.
+    /// By how much the diffuse light of a point, of a pixel at (x, y), may differ from its pixel's surface; luminance.
+    /// On either axis it bends over three pixels, or differs from the one neighbour that shows the surface.
     float bend(const GatherPoint& p, const PointLight& light, int x, int y) const {
         const float here = luminance(p, light);
         float largest = 0;
@@ -70,7 +72,7 @@ class PixelPoints {
         return core::luminance(p.weight * p.point.bsdf.diffuse * (l.direct + l.indirect));
     }
 
-    /// Light of the point of a pixel that lies on the same flat surface; null: none does.
+    /// Light of the first point of a pixel that lies on the same flat surface; null: none does.
     const PointLight* neighbour(const GatherPoint& p, int x, int y) const {
         if (x < 0 || y < 0 || x >= seen_.visible.width() || y >= seen_.visible.height()) return nullptr;
         const std::uint32_t first = first_.at(x, y);
@@ -131,8 +133,11 @@ std::vector<GatherPoint> parts_of(const GatherPoint& whole, std::uint32_t count)
     return parts;
 }
 
-bool same(const PointLight& a, const PointLight& b) {
-    return a.direct == b.direct && a.indirect == b.indirect && a.glossy == b.glossy;
+/// Whether parts that were lit for one point serve another.
+bool serves(const SplitPoint& known, const SplitPoint& p) {
+    const PointLight &a = known.light, &b = p.light;
+    return known.count == p.count && known.position == p.position && known.elsewhere == p.elsewhere &&
+           known.allowed <= p.allowed && a.direct == b.direct && a.indirect == b.indirect && a.glossy == b.glossy;
 }
 
 /// That of a point that was split; null: it was not.
@@ -147,6 +152,28 @@ std::uint32_t parts_for(const GatherPoint& p, float off) {
     if (!(off > 1.0f)) return 0;
     const auto places = static_cast<std::uint32_t>(1 + p.others + (p.more_places ? p.more_places->size() : 0));
     return std::min(places, off > much ? many_parts : few_parts);
+}
+
+/// Leaves each pixel of `fresh` the part of its tolerance, and of what it shows without gathering, that its parts have
+/// of its weight in `seen`.
+void part_tolerances(const Seen& seen, Seen& fresh, core::ToleranceMap& tolerance) {
+    const int across = seen.tiles_across();
+    for (std::size_t t = 0; t < fresh.tiles.size(); ++t) {
+        if (fresh.tiles[t].empty()) continue;
+        std::array<float, tile_size * tile_size> whole{}, part{};
+        for (const GatherPoint& p : seen.tiles[t]) whole[p.pixel] += core::luminance(p.weight);
+        for (const GatherPoint& p : fresh.tiles[t]) part[p.pixel] += core::luminance(p.weight);
+        const int x0 = static_cast<int>(t) % across * tile_size, y0 = static_cast<int>(t) / across * tile_size;
+        for (std::size_t k = 0; k < part.size(); ++k) {
+            if (!(part[k] > 0.0f)) continue;
+            const int x = x0 + static_cast<int>(k) % tile_size, y = y0 + static_cast<int>(k) / tile_size;
+            const float share = std::min(core::divide_or(part[k], whole[k], 1.0f), 1.0f);
+            fresh.emitted.at(x, y) *= share;
+            if (tolerance.is_reference()) continue;
+            tolerance.pixels.at(x, y).absolute *= share;
+            tolerance.pixels.at(x, y).background *= share;
+        }
+    }
 }
 
 }  // namespace
@@ -174,10 +201,9 @@ std::vector<GatherTile> SteepLight::find(const LightingContext& frame, const Fra
                                                                  : frame.tolerance.pixels.at(x, y).allows(shown);
             const std::uint32_t count = parts_for(p, core::divide_or(points.bend(p, light[t][i], x, y), allowed, 0.0f));
             if (count < 2) continue;
-            SplitPoint split{i, count, p.point.position, light[t][i], {}};
+            SplitPoint split{i, count, p.point.position, p.elsewhere[0], allowed, light[t][i], {}};
             const SplitPoint* known = find_split(before[t], i);
-            if (known != nullptr && known->count == count && known->position == split.position &&
-                same(known->light, split.light))
+            if (known != nullptr && serves(*known, split))
                 split.parts = known->parts;
             else
                 for (GatherPoint& part : parts_of(p, count)) parts[t].push_back(std::move(part));
@@ -213,8 +239,10 @@ void SteepLight::put_in(const FrameLight& of_parts, std::size_t t, GatherTile& p
 }
 
 void SteepLight::light(const LightingContext& frame, const ShadeSettings& settings, std::int64_t lit_frame,
-                       FrameLight light, Seen& seen, core::Radiance& radiance, ShadeCounts& counts) {
+                       FrameLight light, std::uint64_t non_finite, Seen& seen, core::Radiance& radiance,
+                       ShadeCounts& counts) {
     EXPECTS(&frame.seen == &seen && light.size() == seen.tiles.size());
+    frame_ = seen.visible.frame;
     Seen fresh;
     fresh.tiles = find(frame, light, lit_frame, radiance);
     if (std::all_of(tiles_.begin(), tiles_.end(), [](const auto& splits) { return splits.empty(); })) return;
@@ -222,23 +250,37 @@ void SteepLight::light(const LightingContext& frame, const ShadeSettings& settin
     // Light what is not known,
     fresh.visible = core::Visible(seen.visible.frame, seen.visible.width(), seen.visible.height());
     fresh.emitted = seen.emitted;
+    core::ToleranceMap tolerance = frame.tolerance;
+    part_tolerances(seen, fresh, tolerance);
     FrameLight of_parts;
-    shade(frame.light_trees, frame.tracer, fresh, frame.eye, frame.tolerance, {settings.limits, false}, counts, nullptr,
+    ShadeCounts found;
+    shade(frame.light_trees, frame.tracer, fresh, frame.eye, tolerance, {settings.limits, false}, found, nullptr,
           &of_parts);
     // put it where it belongs,
     parallel::for_each(seen.tiles.size(), [&](std::size_t t) {
         if (!tiles_[t].empty()) put_in(of_parts, t, seen.tiles[t], light[t]);
     });
     // and sum up anew.
-    ShadeCounts counted_before;
-    core::Plane<float> density = std::move(radiance.record_density);
-    radiance =
-        shade(frame.light_trees, frame.tracer, seen, frame.eye, frame.tolerance, settings, counted_before, &light);
-    radiance.record_density = std::move(density);
+    ShadeCounts summed;
+    core::Radiance sum =
+        shade(frame.light_trees, frame.tracer, seen, frame.eye, frame.tolerance, settings, summed, &light);
+    sum.record_density = std::move(radiance.record_density);
+    if (radiance.record_age.empty()) sum.record_age = sum.record_reuse = {};
+    radiance = std::move(sum);
+    // What the pixels show was counted before they were split.
+    counts.gather_points += found.gather_points;
+    counts.groups += found.groups;
+    counts.shadow_rays += found.shadow_rays;
+    counts.direct_clusters += found.direct_clusters;
+    counts.indirect_clusters += found.indirect_clusters;
+    if (summed.non_finite > non_finite) {
+        counts.non_finite += summed.non_finite - non_finite;
+        counts.first_non_finite = summed.first_non_finite;
+    }
 }
 
-MovedPoints SteepLight::renumbered(MovedPoints moved) const {
-    if (tiles_.size() != moved.size()) return moved;
+MovedPoints SteepLight::renumbered(MovedPoints moved, std::int64_t frame) const {
+    if (frame_ != frame || tiles_.size() != moved.size()) return moved;
     for (std::size_t t = 0; t < moved.size(); ++t) {
         std::erase_if(moved[t], [&](const MovedPoint& m) { return find_split(tiles_[t], m.index) != nullptr; });
         auto split = tiles_[t].begin();

@@ -35,10 +35,10 @@ struct DraftTile {
 };
 
 /// Draft light [Herzog2010, chapter 8]: in each frame one pixel in 4x4 is lit, of every second window where a frame
-/// goes before, another one in the next; between light is interpolated along surfaces, and averaged with what earlier
-/// frames found, carried along by exact motion, the less the more the light changes. The strongest lights without size,
-/// and small suns, are gathered for every pixel: their shadows are sharp. Depends on the frames since forget() alone,
-/// not on the number of threads.
+/// goes before, another one in the next; between them light is interpolated along surfaces, and averaged with what
+/// earlier frames found, carried along by exact motion, the less the more the light changes. The strongest lights
+/// without size, and small suns, are gathered for every pixel: their shadows are sharp. Depends on the frames since
+/// forget() alone, not on the number of threads.
 class DraftLight {
   public:
     void forget();

@@ -123,10 +123,10 @@ Seen see(const PosedScene& posed_scene, const SeeSettings& settings, const Plan&
         const std::vector<glm::vec2> finer = sample_pattern(settings.edge_samples);
         seen.samples = core::Plane<std::uint16_t>(width, height, static_cast<std::uint16_t>(settings.samples));
         const float angle = snapshot.camera.lens().vertical_fov / static_cast<float>(height);
-        parallel::for_each(seen.tiles.size(), [&](std::size_t t) {
-            mark_edges(seen, t, angle, edges[t]);
-            look_again(looking(finer), t, edges[t], seen, tile_counts[t]);
-        });
+        // Marks read what neighbouring tiles show by a first look.
+        parallel::for_each(seen.tiles.size(), [&](std::size_t t) { mark_edges(seen, t, angle, edges[t]); });
+        parallel::for_each(seen.tiles.size(),
+                           [&](std::size_t t) { look_again(looking(finer), t, edges[t], seen, tile_counts[t]); });
     }
     if (lobes.trace_rays())
         parallel::for_each(seen.tiles.size(),
