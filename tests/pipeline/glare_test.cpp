@@ -48,6 +48,18 @@ TEST(GlareInFilms, CostsNothingWhereNobodyAsksForItAndComesFromFileOrCommandLine
     EXPECT_EQ(made(folder, lamp_in(folder, R"("glare": "temporal",)"), "--glare off", "off.m2v"), plain);
 }
 
+TEST(GlareInFilms, IsShownWhereItIsAskedForAndSaysThatTheFileWouldHaveNone) {
+    const Folder folder;
+    const std::string asked = made(folder, lamp_in(folder, ""), "--glare static", "asked.m2v");
+    const std::string none = lamp_in(folder, R"("glare": { "kind": "static", "strength": 0 },)");
+    EXPECT_EQ(made(folder, none, "--glare static", "none.m2v"), asked);
+    EXPECT_EQ(made(folder, none, "--glare static:0", "zero.m2v"), made(folder, none, "", "plain.m2v"));
+    const auto plan = run(program() + " plan " + none + " --glare static");
+    EXPECT_NE(plan.output.find("--glare static: the file's glare has strength 0; it is 0.1 now"), std::string::npos)
+        << plan.output;
+    EXPECT_EQ(run(program() + " plan " + none).output.find("strength 0"), std::string::npos);
+}
+
 TEST(GlareInFilms, HasTheSameBytesForAnyThreadsAndChunks) {
     const Folder folder;
     const std::string film = lamp_in(folder, R"("glare": "temporal",)");

@@ -100,8 +100,15 @@ void set_fog(scene::Animation& animation, const RenderOptions& options) {
 void set_glare(scene::Animation& animation, const RenderOptions& options) {
     if (!options.glare) return;
     const GlareRequest asked = glare_from(*options.glare);
-    animation.glare.kind = asked.kind;
-    if (asked.strength) animation.glare.strength = *asked.strength;
+    core::Glare& glare = animation.glare;
+    glare.kind = asked.kind;
+    if (asked.strength) glare.strength = *asked.strength;
+    // Who asks for glare wants some, whatever the film would have.
+    if (asked.kind == core::GlareKind::off || asked.strength || glare.strength > 0) return;
+    glare.strength = core::Glare{}.strength;
+    animation.notes.push_back(
+        fmt::format("--glare {}: the file's glare has strength 0; it is {} now (--glare {}:STRENGTH)", *options.glare,
+                    glare.strength, *options.glare));
 }
 
 void tell_samples(RenderJob& film) {
