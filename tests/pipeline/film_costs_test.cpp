@@ -66,8 +66,12 @@ TEST(FilmCosts, HaveSizeAndTimeOfTheFilmAsItWasAskedFor) {
             if (r.name == name) return r;
         return FilmCost{};
     };
-    const std::vector<FilmCost> sampled = app::film_costs(sweep, film, 0),
-                                told = app::film_costs(sweep, film, 0, app::AskedFilm{3, 50'000});
+    sweep.draft = trial(0.5, 1000);
+    const std::vector<FilmCost> sampled = app::film_costs(sweep, film);
+    EXPECT_DOUBLE_EQ(app::draft_cost(sweep, film)->bytes, 60'000);
+    sweep.asked = {3, 50'000};
+    const std::vector<FilmCost> told = app::film_costs(sweep, film);
+    EXPECT_DOUBLE_EQ(app::draft_cost(sweep, film)->bytes, 12'500) << "as all rows are";
     EXPECT_DOUBLE_EQ(row_of(sampled, "coupled").bytes, 240'000);
     EXPECT_DOUBLE_EQ(row_of(told, "coupled").bytes, 50'000);
     EXPECT_DOUBLE_EQ(row_of(told, "fixed=8%").bytes, 55'000);

@@ -33,14 +33,13 @@ class Cost {
     Cost(const CostOptions& options, const RenderJob& film, const Sample& sample, double once,
          const std::optional<AskedFilm>& asked)
         : options_(options),
-          once_(once),
-          asked_(asked),
           quantisers_(options.quantisers ? quantisers_from(*options.quantisers)
                                          : std::vector<int>{film.coding.quantiser}),
           pairs_(!quantisers_.empty()),
           trials_(film, windows_of(film.frames, sample)) {
         sweep_.windows = trials_.windows();
         sweep_.once = once;
+        sweep_.asked = asked;
         if (options.kept_references) trials_.keep_references_in(ReferenceCache(*options.kept_references));
         print_memory_note(trials_.bytes_held(pairs_), options.render.quiet);
     }
@@ -57,7 +56,7 @@ class Cost {
 
     const Sweep& sweep() const { return sweep_; }
     /// What the whole film takes with each setting.
-    std::vector<FilmCost> film_rows() const { return film_costs(sweep_, film(), once_, asked_); }
+    std::vector<FilmCost> film_rows() const { return film_costs(sweep_, film()); }
     const RenderJob& film() const { return trials_.film(); }
 
   private:
@@ -71,8 +70,6 @@ class Cost {
     }
 
     const CostOptions& options_;
-    double once_;
-    std::optional<AskedFilm> asked_;
     std::vector<int> quantisers_;  ///< to couple light to, ascending
     bool pairs_;                   ///< coupled light is asked for: light of a fixed 2 % is kept to be coded beside it
     Trials trials_;

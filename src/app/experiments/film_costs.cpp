@@ -65,6 +65,13 @@ const Trial& as_asked(const Sweep& sweep, const RenderJob& film) {
     });
 }
 
+/// By how much the film's size, where it is known, differs from what the sample comes to.
+double size_ratio(const Sweep& sweep, const RenderJob& film) {
+    if (!sweep.asked || sweep.asked->bytes <= 0) return 1;
+    return core::divide_or(sweep.asked->bytes,
+                           as_asked(sweep, film).bytes_in_film() * static_cast<double>(film.frame_count()), 1.0);
+}
+
 }  // namespace
 
 std::string words_for(const std::optional<double>& added) {
@@ -78,19 +85,18 @@ Grade grade_of(const std::optional<double>& added) {
     return *added >= slight ? Grade::fair : Grade::poor;
 }
 
-std::vector<FilmCost> film_costs(const Sweep& sweep, const RenderJob& film, double once,
-                                 const std::optional<AskedFilm>& asked) {
+std::vector<FilmCost> film_costs(const Sweep& sweep, const RenderJob& film) {
     std::vector<FilmCost> costs;
     if (sweep.fixed.empty()) return costs;
     const Trial& best = sweep.fixed.back();
-    const double pace = pace_of(sweep);
+    const double once = sweep.once, pace = pace_of(sweep);
     for (const Trial& trial : sweep.fixed)
         costs.push_back(
             cost_of(fmt::format("fixed={:.4g}%", 100 * trial.tolerance.relative), trial, best, film, once, pace));
     for (const CoupledPair& pair : sweep.pairs)
         if (pair.coupled.quantiser == film.coding.quantiser) {
             Trial coupled = pair.coupled;
-            if (asked && film.tolerance.coupled) coupled.cpu = std::max(coupled.cpu, asked->later);
+            if (sweep.asked && film.tolerance.coupled) coupled.cpu = std::max(coupled.cpu, sweep.asked->later);
             costs.push_back(cost_of("coupled", coupled, best, film, once, pace));
         }
     if (sweep.references > 0) {
@@ -98,10 +104,8 @@ std::vector<FilmCost> film_costs(const Sweep& sweep, const RenderJob& film, doub
         reference.clock = once + reference_clock(sweep, best, pace) * static_cast<double>(film.frame_count());
         costs.push_back(reference);
     }
-    if (asked && asked->bytes > 0) {
-        const double sampled = as_asked(sweep, film).bytes_in_film() * static_cast<double>(film.frame_count());
-        for (FilmCost& cost : costs) cost.bytes *= core::divide_or(asked->bytes, sampled, 1.0);
-    }
+    const double ratio = size_ratio(sweep, film);
+    for (FilmCost& cost : costs) cost.bytes *= ratio;
     std::stable_sort(costs.begin(), costs.end(),
                      [](const FilmCost& a, const FilmCost& b) { return a.clock < b.clock; });
     return costs;
@@ -109,7 +113,9 @@ std::vector<FilmCost> film_costs(const Sweep& sweep, const RenderJob& film, doub
 
 std::optional<FilmCost> draft_cost(const Sweep& sweep, const RenderJob& film) {
     if (!sweep.draft || sweep.fixed.empty()) return {};
-    return cost_of("draft", *sweep.draft, sweep.fixed.back(), film, sweep.once, pace_of(sweep));
+    FilmCost cost = cost_of("draft", *sweep.draft, sweep.fixed.back(), film, sweep.once, pace_of(sweep));
+    cost.bytes *= size_ratio(sweep, film);
+    return cost;
 }
 
 bool is_free(const std::vector<FilmCost>& costs) {

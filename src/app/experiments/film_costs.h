@@ -24,20 +24,13 @@ struct FilmCost {
 std::string words_for(const std::optional<double>& added);
 Grade grade_of(const std::optional<double>& added);
 
-/// What is known of the film as it was asked for, by frames in a row (app/loop/estimate.h).
-struct AskedFilm {
-    double later = 0;  ///< CPU seconds of a frame that is no chunk's first
-    double bytes = 0;  ///< of the whole film; 0: not known
-};
-
 /// All rows, from the fastest: fixed tolerances, coupled to the film's own quantiser where that was tried, and every
-/// light point. `once`: seconds on the clock that a run takes beside its frames. `asked`: samples of single frames are
-/// all I pictures, and none of them is looked at closer (look_closer.h), so that sizes, and the time of coupled light,
-/// follow it where it is known.
-std::vector<FilmCost> film_costs(const Sweep& sweep, const RenderJob& film, double once,
-                                 const std::optional<AskedFilm>& asked = {});
+/// light point. Samples of single frames are all I pictures, and none of them is looked at closer (look_closer.h), so
+/// that sizes, and the time of coupled light, follow the film as asked for where that is known.
+std::vector<FilmCost> film_costs(const Sweep& sweep, const RenderJob& film);
 
-/// A draft of the film (--preview), in the same size; none where it was not tried.
+/// A draft of the film (--preview), in the same size; none where it was not tried. It loads what the film does, and its
+/// size follows the film as asked for likewise.
 std::optional<FilmCost> draft_cost(const Sweep& sweep, const RenderJob& film);
 
 /// Whether accuracy costs nothing: no row takes a tenth longer than the fastest; or buys nothing: all lie within half a

@@ -22,6 +22,12 @@ struct CoupledPair {
     double ssim_loss() const { return fixed.decoded.ssim_y() - coupled.decoded.ssim_y(); }
 };
 
+/// What is known of the film as it was asked for, by frames in a row (app/loop/estimate.h).
+struct AskedFilm {
+    double later = 0;  ///< CPU seconds of a frame that is no chunk's first
+    double bytes = 0;  ///< of the whole film; 0: not known
+};
+
 /// All that `cost` finds out.
 struct Sweep {
     std::vector<Chunk> windows;
@@ -32,6 +38,7 @@ struct Sweep {
     std::vector<CoupledPair> pairs;
     std::optional<Trial> draft;
     double once = 0;  ///< seconds on the clock that a run takes beside its frames
+    std::optional<AskedFilm> asked;
     EffectCosts effects;
     std::string render;     ///< the command for the row to take; empty: none is known
     bool complete = false;  ///< false: interrupted

@@ -298,23 +298,27 @@ std::optional<Trial> Trials::draft(const std::function<bool()>& frame_done) cons
     Judge judge(*this, trial, nullptr);
     RunStatistics statistics;
     renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
-    double cpu = 0;
-    int counted = 0;  // a chunk's first frame, which makes what others use, is not, unless there is no other
+    const double began = clock_seconds();
+    double firsts = 0, later = 0;  // CPU of the windows' first frames, which make what others use, and of those
     for (const Chunk& window : windows_) {
         film.frames = {window.first, window.last};
-        bool goes_on = true, skips = window.frames() > 1;
-        counted += static_cast<int>(window.frames()) - (skips ? 1 : 0);
-        double began = cpu_seconds();
+        bool goes_on = true, is_first = true;
+        double since = cpu_seconds();
         render_chunk(film, renderer, window, judge, statistics, [&] {
-            if (std::exchange(skips, false)) began = cpu_seconds();
+            if (std::exchange(is_first, false)) firsts += cpu_seconds() - std::exchange(since, cpu_seconds());
             return goes_on = frame_done();
         });
         if (!goes_on) return std::nullopt;
-        cpu += cpu_seconds() - began;
+        later += cpu_seconds() - since;
     }
+    const double clock = clock_seconds() - began;
     trial.bytes /= trial.frames;
     trial.surplus = judge.starts().surplus(film_, windows_, trial.bytes);
-    trial.cpu = trial.clock = cpu / counted;
+    const auto windows = static_cast<double>(windows_.size());
+    const double each = core::divide_or(later, trial.frames - windows, firsts / windows),
+                 start = std::max(0.0, firsts - windows * each) * share_of_chunk();
+    trial.cpu = each + start / trial.frames;
+    trial.clock = trial.cpu * core::divide_or(clock, firsts + later, 0.0);
     return trial;
 }
 

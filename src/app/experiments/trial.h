@@ -121,8 +121,8 @@ class Trials {
     /// 0: none, and no error is known.
     Trials(const RenderJob& film, std::vector<Chunk> windows, int references = 1);
 
-    /// The windows as drafts (--preview), beside the truths that are known. `frame_done` as in run(); none: it ended
-    /// it.
+    /// The windows as drafts (--preview), beside the truths that are known; of its costs `cpu`, `clock`, `bytes` and
+    /// `surplus` are told. `frame_done` as in run(); none: it ended it.
     std::optional<Trial> draft(const std::function<bool()>& frame_done) const;
 
     /// From now on masked errors are told of all frames, which takes its time (Trial::shown_masked).

@@ -164,11 +164,9 @@ std::vector<glm::vec3> seen_places(const Seen& seen) {
 /// Of what nobody carries along.
 constexpr glm::ivec2 fixed_phase{2, 2};
 
-/// The n-th frame's lattice: all windows where nothing is carried along, else every second one. chosen: 2 of 1 and 2,
-/// which is 0 to 0.4 dB worse, and a fifth of the time for light.
 Lattice lattice_of(std::int64_t n, const DraftFrame& frame) {
-    const Windows windows = frame.motion == nullptr ? Windows::all : n % 2 == 0 ? Windows::white : Windows::black;
-    return Lattice(frame.seen.visible.width(), frame.seen.visible.height(), lattice_phase((n + 1) / 2), windows);
+    const auto [phase, windows] = lit_pixels_of(n, frame.motion != nullptr);
+    return Lattice(frame.seen.visible.width(), frame.seen.visible.height(), phase, windows);
 }
 
 bool is_lit(const Lattices& lattices, const Seen& seen, std::size_t tile, const GatherPoint& p) {

@@ -37,6 +37,11 @@ glm::ivec2 lattice_phase(std::int64_t n) {
     return {place % lattice_step, place / lattice_step};
 }
 
+LitPixels lit_pixels_of(std::int64_t n, bool carried) {
+    const Windows colour = n % 2 == 0 ? Windows::white : Windows::black;
+    return {lattice_phase((n + 1) / 2), carried ? colour : Windows::all};
+}
+
 glm::vec3 lobe_reflectance(const GatherPoint& p) {
     if (!p.point.bsdf.has_glossy()) return glm::vec3(0);
     return glossy_albedo(p.point.bsdf, std::max(glm::dot(p.point.shading_normal, p.point.outgoing), 0.0f));
