@@ -30,8 +30,8 @@ struct Lit {
     std::uint64_t rays = 0;  ///< that splitting took
 };
 
-Lit light_room(FilmStage& stage, const core::ToleranceMap& tolerance) {
-    const scene::Snapshot world = stage.at(0);
+Lit light_room(FilmStage& stage, const core::ToleranceMap& tolerance, int second = 0) {
+    const scene::Snapshot world = stage.at(second);
     Lit lit;
     lit.seen = stage.renderer().see(world);
     lit.once = lit.closer = stage.renderer().shade(world, lit.seen, tolerance);
@@ -118,22 +118,34 @@ TEST(SteepLight, IsNotSplitWhereItMayErrMore) {
 
 TEST(SteepLight, DoesNotDependOnThreads) {
     core::Radiance pictures[2];
+    std::vector<glm::vec3> places[2];
     for (const int threads : {1, 4}) {
         const parallel::ThreadLimit limit(threads);
         FilmStage stage(test::furnished_room(), room_settings(room_size, 16));
-        pictures[threads / 4] = light_room(stage, core::ToleranceMap::uniform(room_size, room_size, {0, 0.02f})).closer;
+        const Lit lit = light_room(stage, core::ToleranceMap::uniform(room_size, room_size, {0, 0.02f}));
+        pictures[threads / 4] = lit.closer;
+        for (const GatherTile& tile : lit.seen.tiles)
+            for (const GatherPoint& p : tile) places[threads / 4].push_back(p.point.position);
+        EXPECT_GT(places[threads / 4].size(), lit.points);
     }
     EXPECT_TRUE(test::same_bytes(pictures[0], pictures[1]));
+    EXPECT_EQ(places[0], places[1]);
 }
 
 TEST(SteepLight, RenumbersPointsThatWereMoved) {
-    // A film that keeps records moves points to their places; the picture after is audited where it was lit.
+    // A film that keeps records moves points to their places while its camera walks; what they show is audited there.
     Settings settings = room_settings(room_size, 4);
     settings.cache = CacheUse::on;
-    FilmStage stage(test::furnished_room(), settings);
+    test::SceneBuilder b = test::furnished_room();
+    b.add_track(scene::TrackTarget::translation, b.film().cameras[0].node, 3, {0, 1},
+                {2.0f, 1.6f, 3.8f, 2.08f, 1.6f, 3.8f});
+    FilmStage stage(b, settings);
     const auto tolerance = core::ToleranceMap::uniform(room_size, room_size, {0, 0.05f});
-    const Lit lit = light_room(stage, tolerance);
-    const auto audited = stage.renderer().audit(stage.at(0), lit.seen, tolerance, lit.closer, 1000);
+    light_room(stage, tolerance);
+    const Lit lit = light_room(stage, tolerance, 1);
+    EXPECT_GT(stage.statistics().cache.at_record, 0u);
+    EXPECT_GT(lit.rays, 0u);
+    const auto audited = stage.renderer().audit(stage.at(1), lit.seen, tolerance, lit.closer, 1000);
     int over = 0;
     for (const AuditedPixel& p : audited) over += p.over() ? 1 : 0;
     EXPECT_LE(over, 30);

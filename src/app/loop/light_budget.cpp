@@ -20,9 +20,9 @@
 namespace render2mpeg::app {
 namespace {
 
-/// Pixels of all frames of a film from which on measuring pays. chosen: 200,000, six frames of 192x192; measuring takes
-/// as long as a few of them.
-constexpr std::int64_t least_work = 200'000;
+/// Pixels of all frames of a film from which on measuring pays. chosen: 100,000, three frames of 192x192; measuring
+/// takes as long as a few of them.
+constexpr std::int64_t least_work = 100'000;
 
 /// Frames that are measured, spread over the film, and the pixels that are shared among them; the frames' longest side.
 /// chosen: 3, 768 and 192: few pixels hold most of the error. Short films have one frame for so many pixels of theirs,
@@ -40,7 +40,7 @@ constexpr double light_share = 2.0 / 3.0;
 
 /// The most light points that a film gets, and that it gets where light changes: more take more photons, in every
 /// frame. chosen: 32,768 and 16,384; with 65,536 Sponza loses 0.04 to 0.3 dB less and takes a third longer.
-constexpr int most_vpls = 1 << 15, most_of_changing_light = 1 << 14, least_vpls = 1 << 10;
+constexpr int most_vpls = 1 << 16, most_of_changing_light = 1 << 14, least_vpls = 1 << 10;
 
 /// Errors of light points fall with this power of their number, and those of the second set are this part of what the
 /// sets differ by. fit: 0.47 to 0.49 and 0.5 to 0.75 in cornell, colonnade and a figure under a sky

@@ -23,8 +23,8 @@ constexpr float flat_normal = 0.999f, flat_plane = 0.05f;
 /// 1.2 and 1.6 times the CPU time.
 constexpr float bend_to_error = 0.25f;
 
-/// Parts of a point, and of one whose light may be off by so many times its tolerance, if it has as many places.
-/// chosen: 4 and 16, of 4 and 16, from 4 times on.
+/// Parts of a point, and of one whose light may be off by `much` times its tolerance, if it has as many places.
+/// chosen: the box like cornell loses 1.94 dB with 4 everywhere and 1.52 dB with 16 from 4 times on.
 constexpr std::uint32_t few_parts = 4, many_parts = 16;
 constexpr float much = 4.0f;
 
@@ -72,7 +72,8 @@ class PixelPoints {
         return core::luminance(p.weight * p.point.bsdf.diffuse * (l.direct + l.indirect));
     }
 
-    /// Light of the first point of a pixel that lies on the same flat surface; null: none does.
+    /// Light of the first point of a pixel that lies on the same flat surface; null: none does. Parts keep the normal
+    /// and the direction to the eye, so that surfaces that turn within two pixels stay whole.
     const PointLight* neighbour(const GatherPoint& p, int x, int y) const {
         if (x < 0 || y < 0 || x >= seen_.visible.width() || y >= seen_.visible.height()) return nullptr;
         const std::uint32_t first = first_.at(x, y);
@@ -121,6 +122,7 @@ std::vector<GatherPoint> parts_of(const GatherPoint& whole, std::uint32_t count)
     for (std::size_t k = 0; k < count; ++k) {
         GatherPoint& part = parts[k];
         part.point.position = places[k];
+        if (k > 0) part.point.smooth.lift = glm::vec3(0);  // Other places are lifted already.
         part.weight *= static_cast<float>(1 + others[k].size()) / static_cast<float>(places.size());
         const std::size_t near = std::min<std::size_t>(others[k].size(), most_other_places);
         std::copy_n(others[k].begin(), near, part.elsewhere.begin());
@@ -213,11 +215,12 @@ std::vector<GatherTile> SteepLight::find(const LightingContext& frame, const Fra
     return parts;
 }
 
-/// Puts the parts of a tile in the places of their points, and their light, of which the new is given.
-void SteepLight::put_in(const FrameLight& of_parts, std::size_t t, GatherTile& points, std::vector<PointLight>& light) {
+/// Puts the parts of tile `t` in the places of their points, and their light. `fresh` are those that were lit now.
+void SteepLight::put_in(GatherTile& fresh, const std::vector<PointLight>& of_fresh, std::size_t t, GatherTile& points,
+                        std::vector<PointLight>& light) {
     GatherTile tile;
     std::vector<PointLight> lit;
-    auto next = of_parts[t].begin();
+    std::size_t next = 0;
     auto split = tiles_[t].begin();
     for (std::uint32_t i = 0; i < points.size(); ++i) {
         if (split == tiles_[t].end() || split->index != i) {
@@ -225,11 +228,13 @@ void SteepLight::put_in(const FrameLight& of_parts, std::size_t t, GatherTile& p
             lit.push_back(light[i]);
             continue;
         }
-        for (GatherPoint& part : parts_of(points[i], split->count)) tile.push_back(std::move(part));
         if (split->parts.empty()) {
-            const auto end = next + static_cast<std::ptrdiff_t>(split->count);
-            split->parts.assign(next, end);
-            next = end;
+            for (std::uint32_t k = 0; k < split->count; ++k, ++next) {
+                tile.push_back(std::move(fresh[next]));
+                split->parts.push_back(of_fresh[next]);
+            }
+        } else {
+            for (GatherPoint& part : parts_of(points[i], split->count)) tile.push_back(std::move(part));
         }
         lit.insert(lit.end(), split->parts.begin(), split->parts.end());
         ++split;
@@ -258,7 +263,7 @@ void SteepLight::light(const LightingContext& frame, const ShadeSettings& settin
           &of_parts);
     // put it where it belongs,
     parallel::for_each(seen.tiles.size(), [&](std::size_t t) {
-        if (!tiles_[t].empty()) put_in(of_parts, t, seen.tiles[t], light[t]);
+        if (!tiles_[t].empty()) put_in(fresh.tiles[t], of_parts[t], t, seen.tiles[t], light[t]);
     });
     // and sum up anew.
     ShadeCounts summed;

@@ -44,11 +44,12 @@ class SteepLight {
   private:
     std::vector<GatherTile> find(const LightingContext& frame, const FrameLight& light, std::int64_t lit_frame,
                                  const core::Radiance& radiance);
-    void put_in(const FrameLight& of_parts, std::size_t tile, GatherTile& points, std::vector<PointLight>& light);
+    void put_in(GatherTile& fresh, const std::vector<PointLight>& of_fresh, std::size_t tile, GatherTile& points,
+                std::vector<PointLight>& light);
 
     std::vector<std::vector<SplitPoint>> tiles_;  ///< of the last frame, by index; empty: none
-    std::int64_t lit_frame_ = 0;
-    std::optional<std::int64_t> frame_;
+    std::int64_t lit_frame_ = 0;         ///< of the trees that lit their parts
+    std::optional<std::int64_t> frame_;  ///< whose points they are
 };
 
 }  // namespace render2mpeg::renderer
