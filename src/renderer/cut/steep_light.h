@@ -48,8 +48,8 @@ class SteepLight {
                 std::vector<PointLight>& light);
 
     std::vector<std::vector<SplitPoint>> tiles_;  ///< of the last frame, by index; empty: none
-    std::int64_t lit_frame_ = 0;         ///< of the trees that lit their parts
-    std::optional<std::int64_t> frame_;  ///< whose points they are
+    std::int64_t lit_frame_ = 0;                  ///< of the trees that lit their parts
+    std::optional<std::int64_t> frame_;           ///< whose points they are
 };
 
 }  // namespace render2mpeg::renderer
