@@ -116,6 +116,23 @@ TEST(Lattice, InterpolatesAlongASurfaceAndNotAcross) {
     EXPECT_EQ(lattice.at({6, 4}, p, false, 1.0f).weight, 0.0f) << "nobody speaks for this surface";
 }
 
+TEST(Lattice, AsksFartherWindowsWhereTheNearOnesAreUnlike) {
+    GatherPoint p;
+    p.point.geometric_normal = {0, 1, 0};
+    p.point.address.object = 1;
+    p.point.position = {0.06f, 0, 0.06f};
+    Lattice lattice(16, 16, {0, 0});
+    EXPECT_TRUE(lattice.at_from_afar({6, 6}, p, 1.0f).is_empty);
+    for (const glm::ivec2 near : {glm::ivec2(4, 4), {8, 4}, {4, 8}, {8, 8}})
+        lattice.add(near.x, near.y, {{0.06f, 0.5f, 0.06f}, {1, 0, 0}, 2, straight_way, {glm::vec3(100), glm::vec3(0)}});
+    lattice.add(12, 8, {{0.12f, 0, 0.08f}, {0, 1, 0}, 1, straight_way, {glm::vec3(2), glm::vec3(0)}});
+    EXPECT_EQ(lattice.at({6, 6}, p, false, 1.0f).weight, 0.0f);
+    const auto found = lattice.at_from_afar({6, 6}, p, 1.0f);
+    EXPECT_FALSE(found.is_empty);
+    EXPECT_GT(found.weight, 0.0f);
+    EXPECT_NEAR(found.light.irradiance.x, 2.0f, 0.05f);
+}
+
 TEST(Draft, OfAStillFilmComesToItsLight) {
     FilmStage film(test::furnished_room(), draft_settings());
     film.renderer().start_chunk(film.at(0));

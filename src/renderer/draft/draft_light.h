@@ -30,7 +30,7 @@ struct DraftFrame {
 /// A tile while it is lit.
 struct DraftTile {
     std::vector<PointLight> light;
-    std::vector<PointRef> alone;  ///< points that no lit point speaks for
+    std::vector<PointRef> alone;  ///< points that no lit point about them is like
     ShadeCounts counts;
 };
 

@@ -62,19 +62,29 @@ void Lattice::add(int x, int y, const LitSample& sample) {
 }
 
 Lattice::Interpolated Lattice::at(glm::ivec2 pixel, const GatherPoint& p, bool carries_on, float distance) const {
-    constexpr float radius = lattice_step * 1.4142136f;  // r of [Herzog2010, 8.3.2]: a window's diagonal
+    return interpolated(pixel, p, 1, carries_on ? 4 : 2, distance);
+}
+
+Lattice::Interpolated Lattice::at_from_afar(glm::ivec2 pixel, const GatherPoint& p, float distance) const {
+    return interpolated(pixel, p, 2, 2, distance);
+}
+
+Lattice::Interpolated Lattice::interpolated(glm::ivec2 pixel, const GatherPoint& p, int reach, int fall_off,
+                                            float distance) const {
+    // r of [Herzog2010, 8.3.2]: a window's diagonal
+    const float radius = static_cast<float>(reach * lattice_step) * 1.4142136f;
     const float column = static_cast<float>(pixel.x - phase_.x) / lattice_step,
                 row = static_cast<float>(pixel.y - phase_.y) / lattice_step;
     const int left = static_cast<int>(std::floor(column)), top = static_cast<int>(std::floor(row));
     Interpolated sum;
     float best = 0;
-    for (int j = 0; j < 2; ++j)
-        for (int i = 0; i < 2; ++i) {
+    for (int j = 1 - reach; j <= reach; ++j)
+        for (int i = 1 - reach; i <= reach; ++i) {
             if (left + i < 0 || top + j < 0 || left + i >= across_ || top + j >= down_) continue;
             const float dx = (column - static_cast<float>(left + i)) * lattice_step,
                         dy = (row - static_cast<float>(top + j)) * lattice_step;
             const float near = std::max(1.0f - std::sqrt(dx * dx + dy * dy) / radius, 1e-3f);
-            const float near_weight = carries_on ? near * near * near * near : near * near;
+            const float near_weight = fall_off == 4 ? near * near * near * near : near * near;
             for (const LitSample& s : samples({left + i, top + j})) {
                 const float turned = 1.0f - glm::dot(s.normal, p.point.geometric_normal);
                 const float off = glm::dot(s.position - p.point.position, p.point.geometric_normal);
@@ -87,7 +97,8 @@ Lattice::Interpolated Lattice::at(glm::ivec2 pixel, const GatherPoint& p, bool c
                 sum.weight += weight;
             }
         }
-    if (sum.weight > 0) {
+    sum.is_empty = sum.weight <= 0;
+    if (!sum.is_empty) {
         sum.light.irradiance /= sum.weight;
         sum.light.glossy /= sum.weight;
     }

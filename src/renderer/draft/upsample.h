@@ -74,10 +74,16 @@ class Lattice {
     struct Interpolated {
         SmoothLight light;
         float weight = 0;
+        bool is_empty = true;  ///< no lit point there is in the least alike
     };
     Interpolated at(glm::ivec2 pixel, const GatherPoint& p, bool carries_on, float distance) const;
+    /// The same by the sixteen windows about it, for points that the four nearest are all unlike.
+    Interpolated at_from_afar(glm::ivec2 pixel, const GatherPoint& p, float distance) const;
 
   private:
+    /// `reach`: windows to each side. `fall_off`: exponent by distance in the picture, 2 or 4.
+    Interpolated interpolated(glm::ivec2 pixel, const GatherPoint& p, int reach, int fall_off, float distance) const;
+
     int across_, down_;
     glm::ivec2 phase_;
     Windows lit_;
