@@ -163,80 +163,115 @@ class LampWay {
     float first_ = 0, last_ = 0;
 };
 
-/// Which part of a way is lit: runs of cells, with what layers let through.
+/// Which part of a way is lit: runs about places that are asked, with what layers let through. Places are the middles
+/// of equal cells, and what neighbours know of shadows that are thinner than a cell.
 class LitRuns {
   public:
-    LitRuns(const AirScene& scene, const LampWay& way, int cells) : way_(way), cells_(cells) {
-        ShadowPacket packet;
-        packet.bodies = scene.bodies;
-        packet.active = (1u << cells) - 1u;
-        for (int i = 0; i < cells; ++i) way.aim(middle(i), i, packet);
-        passes_.fill(glm::vec3(1));
-        lit_ = packet.active & ~scene.tracer.occluded(packet, passes_.data());
-        rays_ = static_cast<std::uint64_t>(cells);
-        find_edges(scene);
+    LitRuns(const AirScene& scene, const LampWay& way, int cells, std::span<const ThinShadow> known)
+        : way_(way), cells_(cells) {
+        for (int i = 0; i < cells; ++i) at_.push_back(border(i) + 0.5f * (border(i + 1) - border(i)));
+        for (const ThinShadow& shadow : known)
+            if (at_.size() < most_places && shadow.middle > way.first() && shadow.middle < way.last())
+                at_.push_back(shadow.middle);
+        std::sort(at_.begin(), at_.end());
+        passes_.assign(at_.size(), glm::vec3(1));
+        lit_.resize(at_.size());
+        for (std::size_t from = 0; from < at_.size(); from += most_cells) ask(scene, from);
+        find_borders(scene);
     }
 
     std::uint64_t rays() const { return rays_; }
+    bool is_dark() const { return std::find(lit_.begin(), lit_.end(), true) == lit_.end(); }
 
-    /// What arrives at a place: of the cell whose middle and place no edge parts.
+    /// What arrives at a place: of the place asked that no border parts from it.
     glm::vec3 passes(float parameter) const {
-        const float step = (way_.last() - way_.first()) / static_cast<float>(cells_);
-        int i = std::clamp(static_cast<int>((parameter - way_.first()) / step), 0, cells_ - 1);
-        if (i > 0 && parameter < middle(i) && parameter < edge_[static_cast<std::size_t>(i - 1)] && differs(i - 1))
-            --i;
-        else if (i + 1 < cells_ && parameter >= middle(i) && differs(i) &&
-                 parameter >= edge_[static_cast<std::size_t>(i)])
-            ++i;
-        return (lit_ >> i & 1u) != 0 ? passes_[static_cast<std::size_t>(i)] : glm::vec3(0);
+        const auto i = std::upper_bound(borders_.begin(), borders_.end(), parameter) - borders_.begin();
+        return lit_[static_cast<std::size_t>(i)] ? passes_[static_cast<std::size_t>(i)] : glm::vec3(0);
     }
-    bool is_dark() const { return lit_ == 0; }
     /// Adds where integrals must begin anew.
     void add_cuts(std::vector<float>& cuts) const {
-        const float step = (way_.last() - way_.first()) / static_cast<float>(cells_);
-        for (int i = 0; i <= cells_; ++i)
-            cuts.push_back(i == cells_ ? way_.last() : way_.first() + static_cast<float>(i) * step);
-        for (int i = 0; i + 1 < cells_; ++i)
-            if (differs(i)) cuts.push_back(edge_[static_cast<std::size_t>(i)]);
+        for (int i = 0; i <= cells_; ++i) cuts.push_back(border(i));
+        cuts.insert(cuts.end(), borders_.begin(), borders_.end());
+    }
+    /// Adds the shadows, and the light between shadows, that are so thin that another way may miss them.
+    void add_thin(std::uint16_t lamp, std::vector<ThinShadow>& thin) const {
+        // chosen: two cells; a run as wide as that holds the middle of one on any way.
+        const float widest = 2 * (way_.last() - way_.first()) / static_cast<float>(cells_);
+        for (std::size_t i = 1; i < at_.size();) {
+            std::size_t end = i + 1;
+            while (end < at_.size() && !differs(end - 1)) ++end;
+            const bool bounded = differs(i - 1) && end < at_.size();
+            const float width = bounded ? borders_[end - 1] - borders_[i - 1] : widest;
+            if (width < widest) thin.push_back({lamp, borders_[i - 1] + 0.5f * width, width});
+            i = end;
+        }
     }
 
   private:
-    float middle(int i) const {
-        return way_.first() +
-               (way_.last() - way_.first()) * (static_cast<float>(i) + 0.5f) / static_cast<float>(cells_);
-    }
-    bool differs(int i) const { return ((lit_ >> i ^ lit_ >> (i + 1)) & 1u) != 0; }
+    static constexpr std::size_t most_places = 2 * most_cells;
 
-    /// Between the middles of cells that differ.
-    void find_edges(const AirScene& scene) {
-        const std::uint32_t differ = (lit_ ^ lit_ >> 1) & ((1u << (cells_ - 1)) - 1u);
-        if (differ == 0) return;
+    float border(int i) const {
+        if (i == cells_) return way_.last();
+        return way_.first() + (way_.last() - way_.first()) * static_cast<float>(i) / static_cast<float>(cells_);
+    }
+    /// Whether a shadow begins or ends after place i.
+    bool differs(std::size_t i) const { return lit_[i] != lit_[i + 1]; }
+
+    void ask(const AirScene& scene, std::size_t from) {
+        const std::size_t count = std::min(at_.size() - from, std::size_t{most_cells});
+        ShadowPacket packet;
+        packet.bodies = scene.bodies;
+        packet.active = (1u << count) - 1u;
+        for (std::size_t i = 0; i < count; ++i) way_.aim(at_[from + i], static_cast<int>(i), packet);
+        std::array<glm::vec3, most_cells> passes;
+        passes.fill(glm::vec3(1));
+        const std::uint32_t dark = scene.tracer.occluded(packet, passes.data());
+        for (std::size_t i = 0; i < count; ++i) {
+            lit_[from + i] = (dark >> i & 1u) == 0;
+            passes_[from + i] = passes[i];
+        }
+        rays_ += count;
+    }
+
+    /// Between all places: a shadow's edge where they differ, else halfway.
+    void find_borders(const AirScene& scene) {
+        std::vector<std::size_t> edges;
+        for (std::size_t i = 0; i + 1 < at_.size(); ++i) {
+            borders_.push_back(0.5f * (at_[i] + at_[i + 1]));
+            if (differs(i)) edges.push_back(i);
+        }
+        for (std::size_t from = 0; from < edges.size(); from += most_cells)
+            find_edges(scene, std::span(edges).subspan(from, std::min(edges.size() - from, std::size_t{most_cells})));
+    }
+
+    void find_edges(const AirScene& scene, std::span<const std::size_t> edges) {
         std::array<float, most_cells> low{}, high{};
-        for (int i = 0; i + 1 < cells_; ++i) {
-            low[static_cast<std::size_t>(i)] = middle(i);
-            high[static_cast<std::size_t>(i)] = middle(i + 1);
+        for (std::size_t k = 0; k < edges.size(); ++k) {
+            low[k] = at_[edges[k]];
+            high[k] = at_[edges[k] + 1];
         }
         for (int turn = 0; turn < halvings; ++turn) {
             ShadowPacket packet;
             packet.bodies = scene.bodies;
-            packet.active = differ;
-            for (std::size_t i = 0; i + 1 < static_cast<std::size_t>(cells_); ++i)
-                way_.aim(0.5f * (low[i] + high[i]), static_cast<int>(i), packet);
-            const std::uint32_t lit = differ & ~scene.tracer.occluded(packet, nullptr);
-            rays_ += static_cast<std::uint64_t>(std::popcount(differ));
-            for (std::size_t i = 0; i + 1 < static_cast<std::size_t>(cells_); ++i) {
-                const bool as_low = (lit >> i & 1u) == (lit_ >> i & 1u);
-                (as_low ? low : high)[i] = 0.5f * (low[i] + high[i]);
+            packet.active = (1u << edges.size()) - 1u;
+            for (std::size_t k = 0; k < edges.size(); ++k)
+                way_.aim(0.5f * (low[k] + high[k]), static_cast<int>(k), packet);
+            const std::uint32_t dark = scene.tracer.occluded(packet, nullptr);
+            rays_ += edges.size();
+            for (std::size_t k = 0; k < edges.size(); ++k) {
+                const bool as_low = ((dark >> k & 1u) == 0) == lit_[edges[k]];
+                (as_low ? low : high)[k] = 0.5f * (low[k] + high[k]);
             }
         }
-        for (std::size_t i = 0; i < edge_.size(); ++i) edge_[i] = 0.5f * (low[i] + high[i]);
+        for (std::size_t k = 0; k < edges.size(); ++k) borders_[edges[k]] = 0.5f * (low[k] + high[k]);
     }
 
     const LampWay& way_;
     int cells_;
-    std::uint32_t lit_ = 0;
-    std::array<glm::vec3, most_cells> passes_;
-    std::array<float, most_cells> edge_{};  ///< between cell i and the next, where they differ
+    std::vector<float> at_;  ///< places, rising
+    std::vector<bool> lit_;
+    std::vector<glm::vec3> passes_;
+    std::vector<float> borders_;  ///< between a place and the next
     std::uint64_t rays_ = 0;
 };
 
@@ -295,7 +330,8 @@ std::vector<AirLamp> air_lamps(std::span<const LightPoint> points, const LightTr
     return lamps;
 }
 
-std::uint64_t add_scattered(const AirScene& scene, const AirLamp& lamp, const AirRay& ray, int cells, glm::vec3* sums) {
+std::uint64_t add_scattered(const AirScene& scene, const AirLamp& lamp, const AirRay& ray, int cells, glm::vec3* sums,
+                            ThinShadows* thin) {
     const LampWay whole(scene.air, lamp, ray);
     if (whole.is_dark()) return 0;
     std::vector<float> ends;
@@ -305,8 +341,10 @@ std::uint64_t add_scattered(const AirScene& scene, const AirLamp& lamp, const Ai
     std::uint64_t rays = 0;
     for (int p = 0; p < parts; ++p) {
         const LampWay way = whole.part(p, parts);
-        const LitRuns runs(scene, way, std::clamp(cells, 1, most_cells));
+        const LitRuns runs(scene, way, std::clamp(cells, 1, most_cells),
+                           thin != nullptr ? thin->known : std::span<const ThinShadow>());
         rays += runs.rays();
+        if (thin != nullptr) runs.add_thin(thin->lamp, thin->found);
         if (!runs.is_dark()) add_part(way, runs, ends, strength, sums);
     }
     return rays;

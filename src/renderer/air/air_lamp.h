@@ -40,9 +40,23 @@ struct AirScene {
     Bodies bodies;
 };
 
+/// A shadow, or light between two, on a way past a lamp, in the parameter in which that lamp's light is even.
+struct ThinShadow {
+    std::uint16_t lamp = 0;
+    float middle = 0, width = 0;
+};
+
+/// Shadows that are so thin that rays beside each other find or miss them by chance.
+struct ThinShadows {
+    std::uint16_t lamp = 0;
+    std::span<const ThinShadow> known;  ///< of rays beside this one, of the same lamp: looked for
+    std::vector<ThinShadow> found;      ///< added to
+};
+
 /// Adds to `sums`, one for each of `ray.ends`, the radiance that air on the way there scatters of the lamp's light
 /// towards the ray's origin, dimmed on both ways, in shadow where anything is in the way. `cells`, 1 to 16: shadow rays
-/// to begin with. Returns the shadow rays.
-std::uint64_t add_scattered(const AirScene& scene, const AirLamp& lamp, const AirRay& ray, int cells, glm::vec3* sums);
+/// to begin with. `thin`: null where nothing is known of other rays. Returns the shadow rays.
+std::uint64_t add_scattered(const AirScene& scene, const AirLamp& lamp, const AirRay& ray, int cells, glm::vec3* sums,
+                            ThinShadows* thin = nullptr);
 
 }  // namespace render2mpeg::renderer
