@@ -60,6 +60,26 @@ TEST(GlareInFilms, IsShownWhereItIsAskedForAndSaysThatTheFileWouldHaveNone) {
     EXPECT_EQ(run(program() + " plan " + none).output.find("strength 0"), std::string::npos);
 }
 
+TEST(GlareInFilms, TakesFewerRaysUnderTheVeil) {
+    const Folder folder;
+    std::ofstream(folder / "film.json") << R"({ "size": [64, 48], "frames": 3, "exposure": 3,
+        "camera": { "position": [0, 1.7, 9], "look_at": [0, 1.4, 0] }, "objects": [{ "shape": "plane", "size": [40, 40] },
+            { "shape": "cylinder", "radius": 0.2, "height": 4, "position": [0, 0, -1.2], "segments": 16,
+              "repeat": { "count": [7, 1, 3], "step": [1.15, 0, 1.7], "centered": true } }],
+        "lights": [{ "kind": "sphere", "radius": 0.1, "intensity": 14, "position": [0, 1.5, 2] },
+            { "kind": "point", "intensity": 14, "position": [0, 2.2, -3],
+              "repeat": { "count": [4, 1, 4], "step": [3.1, 0, 4.3], "centered": true } }] })";
+    const auto shadow_rays = [&](const std::string& glare) {
+        const auto result = run(program() + " render " + (folder / "film.json").string() +
+                                " -y --quiet --vpls 256 --cache off --glare " + glare + " -o " +
+                                (folder / "film.m2v").string() + " --stats " + (folder / "s.json").string());
+        EXPECT_EQ(result.status, 0) << result.output;
+        return nlohmann::json::parse(contents(folder / "s.json")).at("rays").at("shadow").get<double>();
+    };
+    // 5 % fewer if tolerances of what is shown were the light's.
+    EXPECT_LT(shadow_rays("static:0.3"), 0.9 * shadow_rays("off"));
+}
+
 TEST(GlareInFilms, HasTheSameBytesForAnyThreadsAndChunks) {
     const Folder folder;
     const std::string film = lamp_in(folder, R"("glare": "temporal",)");

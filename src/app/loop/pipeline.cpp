@@ -154,6 +154,7 @@ const core::ToleranceMap& ChunkLoop::tolerate(const scene::Snapshot& world, rend
     const core::MotionField* field = reference == plan.number ? nullptr : motion.to(reference);
     const StageTimer timer(statistics_, Stage::tolerate);
     tolerance_ = coupling_->tolerate(seen.visible, plan, field);
+    shown_.carry_back(tolerance_);
     return tolerance_;
 }
 

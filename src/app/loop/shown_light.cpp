@@ -1,5 +1,7 @@
 #include "app/loop/shown_light.h"
 
+#include <algorithm>
+
 namespace render2mpeg::app {
 
 ShownLight::ShownLight(const RenderJob& film, RunStatistics& statistics) : statistics_(statistics) {
@@ -14,7 +16,19 @@ const core::Radiance& ShownLight::of(const core::Radiance& light, const core::Ra
     const StageTimer pass(statistics_, renderer::Pass::glare);
     shown_.frame = light.frame;
     shown_.combined = glare_->over(light.combined, seconds.value());
+    veil_ = core::Plane<float>(light.combined.width(), light.combined.height());
+    for (std::size_t i = 0; i < veil_.size(); ++i)
+        veil_.values()[i] =
+            std::max(core::luminance(shown_.combined.values()[i]) - core::luminance(light.combined.values()[i]), 0.0f);
     return shown_;
+}
+
+void ShownLight::carry_back(core::ToleranceMap& tolerance) const {
+    if (veil_.empty() || tolerance.is_reference()) return;
+    for (std::size_t i = 0; i < veil_.size(); ++i) {
+        core::Tolerance& t = tolerance.pixels.values()[i];
+        t.background = std::max(t.background - veil_.values()[i], 0.0f);
+    }
 }
 
 }  // namespace render2mpeg::app

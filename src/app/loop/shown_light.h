@@ -5,6 +5,7 @@
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "core/radiance.h"
+#include "core/tolerance_map.h"
 #include "perceptual/glare.h"
 
 namespace render2mpeg::app {
@@ -19,8 +20,13 @@ class ShownLight {
     /// `light` itself where there is no glare, else only its `combined` and `frame`, valid until the next call.
     const core::Radiance& of(const core::Radiance& light, const core::Rational& seconds);
 
+    /// From tolerances of what is shown to those of the light itself: what the veil over the frame shown last gives a
+    /// pixel, its own light need not, so that all of a tolerance is left for the rest.
+    void carry_back(core::ToleranceMap& tolerance) const;
+
   private:
     std::optional<perceptual::Glare> glare_;
+    core::Plane<float> veil_;  ///< luminance; empty: none was shown
     RunStatistics& statistics_;
     core::Radiance shown_;
 };
