@@ -5,7 +5,8 @@ quality_per_second.py PROGRAM FILM OUT_FOLDER [--frames N] [--size WxH] [--quant
                        [--cycles FOLDER [--cycles-samples N]] [OPTIONS...]
 
 Truth: the first N frames rendered three times as large (so light is gathered at nine places of a pixel), with many light
-points and edge samples, averaged to the film's size. They are coded with the film's own encoder and exact motion. Then the film
+points and edge samples, averaged to the film's size (many more light points than the film has: sets of like numbers share
+their errors). They are coded with the film's own encoder and exact motion. Then the film
 is rendered at each quantiser with OPTIONS (none: the default) on one thread. A row for each quantiser: dB of PSNR-Y lost (coded
 truth less ours, both decoded and held against the truth), flicker (root mean square of the change of errors from frame to frame)
 and bytes over those of the coded truth; CPU seconds a frame (without loading, at the truth's exposure). What is in OUT_FOLDER is

@@ -39,8 +39,9 @@ constexpr double finer = 4;
 constexpr double light_share = 2.0 / 3.0;
 
 /// The most light points that a film gets, and that it gets where light changes: more take more photons, in every
-/// frame. chosen: 65,536 and 16,384; with 16,384 Sponza loses 1.15 dB at quantiser 8, with 65,536 0.2 dB.
-constexpr int most_vpls = 1 << 16, most_of_changing_light = 1 << 14, least_vpls = 1 << 10;
+/// frame. chosen: 262,144 and 16,384; Sponza loses 0.48 dB at quantiser 8 with 262,144 and 1.10 dB with 65,536, for 1.4
+/// times the time of a later frame (docs/measurements.md).
+constexpr int most_vpls = 1 << 18, most_of_changing_light = 1 << 14, least_vpls = 1 << 10;
 
 /// Errors of light points fall with this power of their number, and those of the second set are this part of what the
 /// sets differ by. fit: 0.47 to 0.49 and 0.5 to 0.75 in cornell, colonnade and a figure under a sky

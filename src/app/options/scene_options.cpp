@@ -65,7 +65,7 @@ void add_scene_options(CLI::App& command, RenderOptions& options) {
         ->group("Light");
     command
         .add_option("--loss", options.loss,
-                    "PSNR-Y that a long film may lose by its light points: 1,024 to 65,536 of them are chosen by "
+                    "PSNR-Y that a long film may lose by its light points: 1,024 to 262,144 of them are chosen by "
                     "measuring small frames for some seconds; `any`: not measured")
         ->type_name("DECIBELS|any")
         ->check(checked(loss_from, ""))
