@@ -14,7 +14,6 @@
 #include <string>
 #include <vector>
 
-#include "app/loop/render_job.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
@@ -24,8 +23,7 @@
 #include "renderer/cut/gatherer.h"
 #include "renderer/lights/anchors.h"
 #include "renderer/view/see.h"
-#include "scene/preparation/traits.h"
-#include "tests/bench/mover_scenes.h"
+#include "tests/bench/subject.h"
 #include "tests/bench/wishes.h"
 #include "tests/reference/path_tracer.h"
 #include "tests/support/scene_builder.h"
@@ -35,46 +33,14 @@ namespace {
 
 constexpr int picture_size = 192;
 
-/// A film and how it is to be lit.
-struct Subject {
-    std::shared_ptr<const scene::Animation> animation;
-    renderer::Plan plan{{}};
-    renderer::Settings settings;
-    scene::Snapshot world;
-};
-
-Subject nook() {
+bench::Subject nook() {
     test::SceneBuilder b;
     const int white = b.add_material(glm::vec3(0.8f));
     b.add_box({0, 0, 0}, {4, 3, 4}, white, true);
     b.add_box({0.2f, 0, 0.2f}, {0.9f, 0.8f, 0.9f}, b.add_material({0.7f, 0.5f, 0.4f}));
     b.add_point_light({2.8f, 2.2f, 2.8f}, 20.0f);
     b.add_camera({1.7f, 1.5f, 1.5f}, {0.3f, 0.2f, 0.3f}, 0.9f);
-    Subject s;
-    s.animation = std::make_shared<scene::Animation>(b.build());
-    s.plan = renderer::make_plan(scene::traits_of(*s.animation), {});
-    s.settings.isa = core::detect_isa();
-    s.world = scene::snapshot_at(*s.animation, 0, {0, 1}, {picture_size, picture_size, 1.0f});
-    return s;
-}
-
-Subject mover_film(const std::string& name, int frame) {
-    Subject s;
-    s.animation = std::make_shared<scene::Animation>(bench::mover_scene(name).build());
-    s.plan = renderer::make_plan(scene::traits_of(*s.animation), {});
-    s.settings.isa = core::detect_isa();
-    s.world = scene::snapshot_at(*s.animation, frame, {frame, 25}, {picture_size, picture_size, 1.0f});
-    return s;
-}
-
-Subject film(const std::string& input, int frame) {
-    app::RenderOptions options;
-    options.input = input;
-    options.size = fmt::format("{0}x{0}", picture_size);
-    options.samples = 1;
-    options.exposure = "0";
-    const app::RenderJob made = app::prepare(options);
-    return {made.animation, made.plan, made.rendering, made.snapshot(frame)};
+    return bench::subject(b.build(), 0, picture_size, picture_size);
 }
 
 /// One pixel's surface: what a path tracer says of it, and how near others are.
@@ -85,7 +51,7 @@ struct Place {
     double found = 0;                ///< luminance by anchors
 };
 
-std::vector<Place> places_of(const Subject& s, const renderer::PosedScene& posed_scene, int count) {
+std::vector<Place> places_of(const bench::Subject& s, const renderer::PosedScene& posed_scene, int count) {
     renderer::SeeCounts counts;
     const renderer::Seen seen = renderer::see(
         posed_scene, {{picture_size, picture_size, 1.0f}, 1, 0, s.settings.specular_depth, {}, {}}, s.plan, counts);
@@ -166,9 +132,7 @@ std::string judged(const std::vector<Place>& places, double least, double most) 
 
 void run(const std::string& scene, const bench::Wishes& wishes) {
     const int frame = wishes.number("frame", 0);
-    const std::vector<std::string> movers = bench::names_of_mover_scenes();
-    const bool is_mover = std::find(movers.begin(), movers.end(), scene) != movers.end();
-    Subject s = scene == "nook" ? nook() : is_mover ? mover_film(scene, frame) : film(scene, frame);
+    bench::Subject s = scene == "nook" ? nook() : bench::subject(scene, frame, picture_size, picture_size);
     renderer::PosedScene posed_scene(*s.animation, s.settings.isa, s.plan);
     posed_scene.pose(s.world);
     renderer::LightPoints lights(posed_scene, s.plan, s.settings.direct_points, s.settings.seed);

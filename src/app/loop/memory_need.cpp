@@ -24,7 +24,9 @@ constexpr std::uint64_t per_lamp = 1300;
 constexpr std::uint64_t per_candidate = 400;  ///< of the places that anchors are chosen from
 constexpr std::uint64_t per_kept_photon = 350;
 constexpr std::uint64_t per_pixel = 250, per_sample = 60;
+constexpr std::uint64_t per_pixel_looked_at_closer = 500;
 constexpr std::uint64_t per_exposed_sample = 40;
+constexpr std::uint64_t samples_of_blurred_lamps = 32;  ///< of a pixel on the average, where a lens blurs
 constexpr std::uint64_t per_decoded_pixel = 48;
 constexpr std::uint64_t always = std::uint64_t{24} << 20;
 
@@ -42,7 +44,8 @@ std::uint64_t triangles_of(const scene::Animation& film) {
 std::uint64_t most_exposure_samples(const RenderJob& film) {
     if (!film.plan.runs(renderer::Pass::shutter) && !film.plan.runs(renderer::Pass::lens)) return 0;
     const bool fixed = film.coding.rate_control.mode == encoder::RateMode::constant_quantiser;
-    return static_cast<std::uint64_t>(exposure_samples(film, fixed ? film.coding.quantiser : 1).most);
+    return static_cast<std::uint64_t>(exposure_samples(film, fixed ? film.coding.quantiser : 1).most) +
+           (film.plan.runs(renderer::Pass::lens) ? samples_of_blurred_lamps : 0);
 }
 
 std::string size_text(std::uint64_t bytes) {
@@ -73,7 +76,8 @@ MemoryNeed memory_need(const RenderJob& film) {
                                    return object.mobility != scene::Mobility::still;
                                });
     if (keeps_photons) need.lights += per_kept_photon * renderer::KeptPhotons::most;
-    need.frames = always + (per_pixel + per_sample * static_cast<std::uint64_t>(film.rendering.samples) +
+    const std::uint64_t closer = film.rendering.most_samples > 0 ? per_pixel_looked_at_closer : 0;
+    need.frames = always + (per_pixel + closer + per_sample * static_cast<std::uint64_t>(film.rendering.samples) +
                             per_exposed_sample * most_exposure_samples(film)) *
                                static_cast<std::uint64_t>(film.format.width) *
                                static_cast<std::uint64_t>(film.format.height);
