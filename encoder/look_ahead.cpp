@@ -32,7 +32,7 @@ constexpr double weight_of_b = 0.7;
 
 /// A picture that shows nothing of the one before: prediction leaves at least this share of what it has by itself, and
 /// so many times the share that it leaves of the picture's neighbour.
-/// chosen: find the cuts of the fit set of tests/bench/encoder_rd, and take no fade, shake or grain for one.
+/// chosen: find the cuts of the fit set of bench/encoder_rd, and take no fade, shake or grain for one.
 constexpr double cut_share = 0.75, cut_ratio = 1.5;
 
 /// Luma in half the size, padded to whole blocks.

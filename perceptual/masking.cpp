@@ -130,8 +130,8 @@ core::Plane<core::Block8x8> transform(const core::Picture& picture) {
     return blocks;
 }
 
-core::ThresholdMap mask(const core::Plane<core::Block8x8>& coefficients, std::int64_t number) {
-    core::ThresholdMap map;
+ThresholdMap mask(const core::Plane<core::Block8x8>& coefficients, std::int64_t number) {
+    ThresholdMap map;
     map.picture = number;
     map.blocks = coefficients;
     if (map.blocks.empty()) return map;
@@ -152,7 +152,7 @@ core::ThresholdMap mask(const core::Plane<core::Block8x8>& coefficients, std::in
     return map;
 }
 
-core::ThresholdMap mask(const core::Picture& picture) {
+ThresholdMap mask(const core::Picture& picture) {
     return mask(transform(picture), picture.number);
 }
 

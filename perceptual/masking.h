@@ -5,7 +5,7 @@
 #include "core/dct.h"
 #include "core/picture.h"
 #include "core/plane.h"
-#include "core/threshold_map.h"
+#include "perceptual/threshold_map.h"
 
 /// Thresholds of DCT coefficients by luminance and contrast masking [Render2MPEG, eq. 7.1 and 7.2].
 namespace render2mpeg::perceptual {
@@ -13,12 +13,12 @@ namespace render2mpeg::perceptual {
 /// The thresholds of a picture by luminance and contrast masking (docs/model/tolerance.md), from its unrounded luma,
 /// or from `y` where it has none. Blocks that hang over the right or lower side are filled up by repeating the edge.
 /// The luma is finite. A picture without pixels has no blocks.
-core::ThresholdMap mask(const core::Picture& picture);
+ThresholdMap mask(const core::Picture& picture);
 
 /// The two halves of it, for who needs the coefficients as well: the DCT of every block, and thresholds from it. mask()
 /// is their composition, to the last bit.
 core::Plane<core::Block8x8> transform(const core::Picture& picture);
-core::ThresholdMap mask(const core::Plane<core::Block8x8>& coefficients, std::int64_t number);
+ThresholdMap mask(const core::Plane<core::Block8x8>& coefficients, std::int64_t number);
 
 /// What stands for the eye's sensitivity to each coefficient: a picture of one colour has these thresholds.
 const core::Block8x8& masking_sensitivity();

@@ -8,12 +8,12 @@
 #include "core/motion_field.h"
 #include "core/picture.h"
 #include "core/radiance.h"
-#include "core/threshold_map.h"
 #include "core/tolerance_map.h"
 #include "core/visible.h"
 #include "perceptual/display.h"
 #include "perceptual/distortion.h"
 #include "perceptual/inverse_luma.h"
+#include "perceptual/threshold_map.h"
 #include "perceptual/tolerance.h"
 #include "perceptual/warp.h"
 
@@ -54,7 +54,7 @@ struct Observation {
     std::int64_t number = 0;
     std::shared_ptr<const core::Visible> visible;
     core::Plane<core::Block8x8> coefficients;  ///< DCT of its luma
-    core::ThresholdMap thresholds;             ///< eq. 7.1 and 7.2: what the encoder wants to know of the eye
+    ThresholdMap thresholds;                   ///< eq. 7.1 and 7.2: what the encoder wants to know of the eye
     PixelLight light;
     core::Plane<float> warped;  ///< dY(t - 1) at its pixels, for the light they got; empty: none
 };
@@ -67,7 +67,7 @@ struct TemporalState {
     Quads quads;                               ///< of `visible`; empty where nothing is warped
     core::Plane<core::Block8x8> coefficients;  ///< of what masks: the picture, or its decoded version
     core::Plane<core::Block8x8> residual;      ///< of the picture minus its prediction; empty: not known
-    core::ThresholdMap thresholds;
+    ThresholdMap thresholds;
     PixelLight light;
     core::Plane<std::uint8_t> intra;  ///< by macroblock
     /// By macroblock: the scale in force over the plan's. What an encoder found worth coding finer or coarser there is

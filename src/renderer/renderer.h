@@ -116,8 +116,8 @@ class Renderer {
     void light_closer(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, Seen& seen,
                       core::Radiance& radiance);
 
-    /// `shade` for a first, rough look that is no frame of the film: counts nowhere in the statistics, teaches
-    /// nothing, and takes the law of the stopping rule as it is.
+    /// `shade` for a first, rough look that is no frame of the film: counts in the statistics as time and as an update
+    /// of light only, teaches nothing, and takes the law of the stopping rule as it is.
     core::Radiance sketch(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance);
 
     /// `shade` for a draft of a film (draft_light.h): a lattice of points is lit within the tolerance, and what the

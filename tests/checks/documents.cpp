@@ -67,8 +67,8 @@ std::vector<Finding> wordy_documents(const std::vector<File>& files) {
 
 std::vector<Finding> missing_files(const std::vector<File>& files, const std::filesystem::path& root) {
     constexpr std::string_view documents[] = {"docs/"};
-    constexpr std::string_view all[] = {"docs/",  "src/",        "perceptual/", "encoder/",
-                                        "tests/", "animations/", "scripts/"};
+    constexpr std::string_view all[] = {"docs/",  "src/",   "perceptual/", "encoder/",
+                                        "tests/", "bench/", "animations/", "scripts/"};
     const auto is_part = [](char c) {
         return (is_letter_or_digit(c) && c > 0) || c == '_' || c == '-' || c == '.' || c == '/';
     };

@@ -108,7 +108,7 @@ bool File::is_cpp() const {
     return ends_with_any(path, {".cpp", ".h"});
 }
 bool File::is_product() const {
-    return is_cpp() && !path.starts_with("tests/");
+    return is_cpp() && !path.starts_with("tests/") && !path.starts_with("bench/");
 }
 
 std::ostream& operator<<(std::ostream& out, const Finding& finding) {

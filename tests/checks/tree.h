@@ -20,7 +20,7 @@ struct File {
     std::string comments;
 
     bool is_cpp() const;
-    /// Not a test: what users run.
+    /// Neither a test nor a benchmark: what users run.
     bool is_product() const;
     bool begins_with(std::string_view folder) const { return path.starts_with(folder); }
 };

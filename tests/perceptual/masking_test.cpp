@@ -80,7 +80,7 @@ struct SlowThresholds {
 };
 
 void expect_equal_to_reference(const core::Picture& picture) {
-    const core::ThresholdMap map = mask(picture);
+    const ThresholdMap map = mask(picture);
     const SlowThresholds slow(picture);
     EXPECT_EQ(map.picture, picture.number);
     ASSERT_EQ(map.blocks.width(), slow.columns);
@@ -120,7 +120,7 @@ TEST(Masking, EqualsThemForContrastsOfAllSizes) {
 
 TEST(Masking, AFlatPictureHasTheMatrixItself) {
     for (const float level : {0.0f, 16.0f, 17.0f, 90.0f, 235.0f}) {
-        const core::ThresholdMap map = mask(picture_of(core::Plane<float>(24, 16, level)));
+        const ThresholdMap map = mask(picture_of(core::Plane<float>(24, 16, level)));
         for (const core::Block8x8& block : map.blocks.values())
             for (std::size_t i = 0; i < 64; ++i)
                 EXPECT_NEAR(block[i], intra_matrix[i / 8][i % 8], 1e-3) << "level " << level;
@@ -131,7 +131,7 @@ TEST(Masking, BrightBlocksHideMoreAndBlackOnesStillHideSomething) {
     core::Plane<float> luma(24, 8, 16.0f);
     for (int y = 0; y < 8; ++y)
         for (int x = 8; x < 24; ++x) luma.at(x, y) = x < 16 ? 66.0f : 116.0f;
-    const core::ThresholdMap map = mask(picture_of(std::move(luma)));
+    const ThresholdMap map = mask(picture_of(std::move(luma)));
     const float black = map.blocks.at(0, 0)[9], grey = map.blocks.at(1, 0)[9], bright = map.blocks.at(2, 0)[9];
     EXPECT_GT(black, 0.0f);
     EXPECT_NEAR(bright / grey, std::pow(2.0, 2.2 * 0.649), 1e-4) << "50 and 100 above black";

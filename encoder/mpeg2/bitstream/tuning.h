@@ -3,7 +3,7 @@
 #include <cstdint>
 
 /// The encoder's free constants, in units of the quantiser_scale_code q, whose step is 2q for a matrix entry of 16. All
-/// were chosen by the mean BD-rate over the clips of tests/bench/encoder_rd (1280x720, quantisers 2, 4, 8, 16); what
+/// were chosen by the mean BD-rate over the clips of bench/encoder_rd (1280x720, quantisers 2, 4, 8, 16); what
 /// was tried is in docs/fits/encoder.md.
 namespace render2mpeg::encoder::mpeg2 {
 
