@@ -1,10 +1,16 @@
 #include "renderer/renderer.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 
+#include "core/color.h"
 #include "core/error.h"
+#include "core/numeric.h"
 #include "renderer/air/airlight.h"
 #include "renderer/base/stopwatch.h"
 #include "renderer/cache/irradiance_cache.h"
@@ -13,9 +19,11 @@
 #include "renderer/calibration/calibration.h"
 #include "renderer/caustics/caustics.h"
 #include "renderer/cut/blurred_light.h"
+#include "renderer/cut/gather_groups.h"
 #include "renderer/cut/shade.h"
 #include "renderer/cut/steep_light.h"
 #include "renderer/draft/draft_light.h"
+#include "renderer/gather/final_gather.h"
 #include "renderer/judge.h"
 #include "renderer/lights/anchors.h"
 #include "renderer/lights/light_points.h"
@@ -61,7 +69,8 @@ struct Renderer::Impl {
           plan(p),
           posed_scene(film, s.isa, p),
           light_points(posed_scene, p, (p.runs(Pass::sky_light) ? 2 : 1) * s.direct_points, s.seed),
-          thrown({s.caustic_photons}) {
+          thrown({s.caustic_photons}),
+          final_gather(posed_scene, plan) {
         statistics.image_notes = posed_scene.notes();
     }
 
@@ -78,7 +87,8 @@ struct Renderer::Impl {
             statistics.photon_rays += light_points.look_at_sky(posed_scene);
         }
         pose(first);
-        if (!anchors && plan.runs(Pass::photons) && settings.vpls > 0) {
+        if (!anchors && plan.runs(Pass::photons) && settings.vpls > 0 &&
+            (!by_rays() || plan.runs(Pass::lobe_rays) || plan.runs(Pass::air))) {
             const Stopwatch timer(row(Pass::photons));
             // Light that never changes is traced once: it can be traced well.
             const bool still = !scene::traits_of(posed_scene.animation()).changes_light();
@@ -98,11 +108,11 @@ struct Renderer::Impl {
                                           moving = anchors ? anchors->average_moving() : none;
             // Light trees takes two seeds, one for direct light and the next for indirect light.
             if (plan.runs(Pass::whole_lamps)) lamps = WholeLamps(posed_scene, light_points.average());
-            const std::vector<LightPoint> direct = lamps.without(light_points.average());
+            const std::vector<LightPoint> direct = clustered(light_points.average());
             lasting = PersistentLightTrees({direct, still, moving}, settings.seed + 2 * settings.draw);
-            splits =
+            splits = !by_rays() &&
                 settings.cache != CacheUse::off && LightSplit::suit(posed_scene, plan, still.size(), moving.size());
-            caches = settings.cache == CacheUse::on ||
+            caches = (by_rays() && settings.cache != CacheUse::off) || settings.cache == CacheUse::on ||
                      (settings.cache == CacheUse::static_light &&
                       (splits || !scene::traits_of(posed_scene.animation()).changes_light()));
             split.forget();
@@ -144,6 +154,30 @@ struct Renderer::Impl {
         statistics.sky_seconds += counts.sky_seconds;
     }
 
+    bool by_rays() const { return settings.indirect == Indirect::rays && settings.vpls > 0; }
+
+    /// Luminance that gather rays see of the sky at most; light points have what is brighter. chosen: 8 times its mean,
+    /// so that rays differ by no more than that; infinite for a sky of one colour.
+    float sky_brightest() const {
+        const image::SkyMap* sky = posed_scene.sky();
+        return sky == nullptr || sky->uniform() ? std::numeric_limits<float>::infinity()
+                                                : 8.0f * core::luminance(sky->mean());
+    }
+
+    /// Light points that trees hold: all but lamps that are lit by as a whole, and but for what gather rays see of the
+    /// sky.
+    std::vector<LightPoint> clustered(std::vector<LightPoint> points) const {
+        points = lamps.without(std::move(points));
+        if (!by_rays()) return points;
+        std::erase_if(points, [&](LightPoint& p) {
+            if (p.id < first_sky_id || p.id >= first_punctual_id) return false;
+            const float radiance = core::luminance(p.intensity) / (std::numbers::pi_v<float> * p.disc2);
+            p.intensity *= std::max(1.0f - core::divide_or(sky_brightest(), radiance, 0.0f), 0.0f);
+            return !(core::luminance(p.intensity) > 0.0f);
+        });
+        return points;
+    }
+
     /// What `see` needs; lights the anchors that lobe rays meet.
     SeeSettings see_settings(const scene::Snapshot& snapshot) {
         SeeSettings s{settings.format, settings.samples, settings.edge_samples, settings.specular_depth};
@@ -169,8 +203,7 @@ struct Renderer::Impl {
         {
             const Stopwatch timer(row(Pass::direct_tree));
             light_trees = {};  // before the next one grows: many light points take as much memory
-            const std::vector<LightPoint> clustered = lamps.without(std::exchange(shining, {}));
-            light_trees = lasting.at({clustered, lit_anchors.still, lit_anchors.moving},
+                        light_trees = lasting.at({clustered(std::exchange(shining, {})), lit_anchors.still, lit_anchors.moving},
                                      (snapshot.frame - first_frame) % rebuild_interval == 0);
             light_trees.lamps = lamps.at(posed_scene);
         }
@@ -181,6 +214,12 @@ struct Renderer::Impl {
         light_trees.bodies = plan.runs(Pass::caustics) ? Bodies::block : Bodies::pass;
         light_trees.air = posed_scene.air();
         light_trees.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass) || light_trees.air != nullptr;
+        if (by_rays()) {
+            air_trees = plan.runs(Pass::air) ? light_trees : LightTrees();
+            for (const int t : {LightTrees::static_tree, LightTrees::dynamic_tree})
+                light_trees.trees[static_cast<std::size_t>(t)] = {};
+            final_gather.forget(sky_brightest());
+        }
         if (splits) cache.move(split.update(light_trees, lit_anchors.still, lasting));
         lit_frame = snapshot.frame;
         has_trees = true;
@@ -211,6 +250,51 @@ struct Renderer::Impl {
         const Statistics before = statistics;
         update_light(snapshot);
         statistics = before;
+    }
+
+    /// Adds the sky and indirect light to light of a frame's points, by rays.
+    void add_rays(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance,
+                  FrameLight& light) {
+        std::vector<GatherRequest> requests;
+        std::vector<PointLight*> of_request;
+        std::uint32_t pool = 0;
+        for (std::size_t t = 0; t < seen.tiles.size(); ++t) {
+            const std::vector<PointTolerance> tolerances = point_tolerances(seen, t, tolerance);
+            const int across = seen.tiles_across(), index = static_cast<int>(t);
+            const glm::ivec2 corner = tile_size * glm::ivec2(index % across, index / across);
+            for (const GatherGroup& group : group_points(seen.tiles[t], snapshot.camera.position(), 1)) {
+                for (const std::uint32_t k : group.points) {
+                    const GatherPoint& p = seen.tiles[t][k];
+                    const bool glossy = p.point.bsdf.has_glossy() && !p.has_lobe_rays;
+                    if (!p.point.bsdf.has_diffuse() && !glossy) continue;
+                    PointTolerance allowed = tolerances[k];
+                    allowed.base += core::luminance(light[t][k].scattered(p));
+                    requests.push_back(request_of(p, allowed, corner + glm::ivec2(p.pixel % tile_size, p.pixel / tile_size),
+                                                  snapshot.camera));
+                    requests.back().pool = pool;
+                    of_request.push_back(&light[t][k]);
+                }
+                ++pool;
+            }
+        }
+        const std::vector<RayLight> rays = final_gather.gather(requests);
+        for (std::size_t k = 0; k < requests.size(); ++k) add(rays[k], *requests[k].point, *of_request[k]);
+    }
+
+    /// Light of all points of a frame, by light trees and rays.
+    core::Radiance gather(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance,
+                          const ShadeSettings& s, ShadeCounts& counts, FrameLight* out) {
+        FrameLight own;
+        FrameLight& found = out != nullptr ? *out : own;
+        core::Radiance radiance = renderer::shade(light_trees, posed_scene.tracer(), seen, snapshot.camera.position(),
+                                                  tolerance, s, counts, nullptr, &found);
+        if (!by_rays() || tolerance.is_reference()) return radiance;
+        add_rays(snapshot, seen, tolerance, found);
+        const FrameLight known = found;
+        ShadeCounts again;
+        radiance = renderer::shade(light_trees, posed_scene.tracer(), seen, snapshot.camera.position(), tolerance, s, again,
+                                   &known, &found);
+        return radiance;
     }
 
     ShadeSettings shade_settings() const {
@@ -283,7 +367,7 @@ struct Renderer::Impl {
     std::optional<Anchors> anchors;  ///< of the film
     WholeLamps lamps;                ///< of the film
     PersistentLightTrees lasting;    ///< of the chunk
-    LightTrees light_trees;
+    LightTrees light_trees, air_trees;
     bool caches = false, splits = false;  ///< light is cached; only the static part of it is
     LightSplit split;
     std::optional<scene::Snapshot> shone_at;  ///< the instant that the following are of
@@ -305,6 +389,7 @@ struct Renderer::Impl {
     ShadeSettings lit_with;  ///< that frame's
     std::uint64_t lit_non_finite = 0;
     AmbientAir ambient_air;
+    FinalGather final_gather;
     core::Radiance sharp;  ///< of the last frame that was exposed: its middle, whose points and pixels are audited
     Statistics statistics;
     double gathered = 0, clamped = 0;
@@ -374,7 +459,7 @@ void Renderer::add_air(const scene::Snapshot& snapshot, const core::ToleranceMap
     i.prepare(snapshot, seen);
     const Stopwatch timer(i.row(Pass::air));
     i.statistics.air_rays += add_airlight(
-        {i.posed_scene, i.light_points.at(i.posed_scene), i.light_trees, *i.lit_frame}, i.ambient_air, tolerance, seen);
+        {i.posed_scene, i.light_points.at(i.posed_scene), i.by_rays() ? i.air_trees : i.light_trees, *i.lit_frame}, i.ambient_air, tolerance, seen);
 }
 
 core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& wanted) {
@@ -393,11 +478,14 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     std::optional<FrameLight> cached;
     if (i.caches && !tolerance.is_reference())
         cached = i.cache.light({i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(), tolerance},
-                               snapshot, settings.limits, i.splits ? &i.split : nullptr, counts, i.statistics.cache);
+                               snapshot, settings.limits, i.splits ? &i.split : nullptr,
+                               i.by_rays() ? &i.final_gather : nullptr, counts, i.statistics.cache);
     const FrameLight* known = cached ? &*cached : nullptr;
     // else gather all; sum up in pixels,
-    core::Radiance radiance = renderer::shade(i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(),
-                                              tolerance, settings, counts, known, &i.light);
+    core::Radiance radiance =
+        known != nullptr ? renderer::shade(i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(),
+                                           tolerance, settings, counts, known, &i.light)
+                         : i.gather(snapshot, seen, tolerance, settings, counts, &i.light);
     if (cached && settings.layers) radiance.record_density = i.cache.density(snapshot.camera, i.settings.format);
     // and learn from the frame.
     i.count(counts, seen.visible);
@@ -408,6 +496,10 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
         i.sharp = radiance;
         spread_light(seen, i.light, settings.layers, radiance, blurred);
         i.count(blurred, seen.visible);
+    }
+    if (std::getenv("FG_DEBUG")) {
+        const auto& c = i.final_gather.counts();
+        std::fprintf(stderr, "FG frame %lld points %.1fk rays %.2fM cellrays %.2fM evals %.3fM cells %.1fk  shade %.2f s\n", (long long)snapshot.frame, 1e-3*c.points, 1e-6*c.rays, 1e-6*c.cell_rays, 1e-6*c.evaluations, 1e-3*c.cells, cpu_seconds() - start);
     }
     i.share_time(cpu_seconds() - start, counts);
     i.statistics.layer_seconds = i.posed_scene.layer_seconds();
@@ -432,11 +524,9 @@ core::Radiance Renderer::sketch(const scene::Snapshot& snapshot, const Seen& see
     const double start = impl_->prepare(snapshot, seen);
     ShadeCounts counts;
     FrameLight light;
-    core::Radiance radiance =
-        renderer::shade(impl_->light_trees, impl_->posed_scene.tracer(), seen, snapshot.camera.position(),
-                        tolerance_of_points(seen, tolerance), impl_->shade_settings(), counts, nullptr,
-                        seen.exposure ? &light : nullptr);
-    spread_light(seen, light, impl_->plan.runs(Pass::layers), radiance, counts);
+    core::Radiance radiance = impl_->gather(snapshot, seen, tolerance_of_points(seen, tolerance),
+                                            impl_->shade_settings(), counts, &light);
+    if (seen.exposure) spread_light(seen, light, impl_->plan.runs(Pass::layers), radiance, counts);
     impl_->share_time(cpu_seconds() - start, counts);
     return radiance;
 }

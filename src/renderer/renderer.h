@@ -31,7 +31,14 @@ enum class CacheUse {
     on             ///< everywhere; a change of light forgets what was kept
 };
 
+/// How light that surfaces and skies send is gathered.
+enum class Indirect {
+    rays,      ///< by rays that ask a cache on surfaces (final_gather.h)
+    lightcuts  ///< by cuts through trees of light points
+};
+
 struct Settings {
+    Indirect indirect = Indirect::rays;
     scene::PictureFormat format;
     int samples = 4;           ///< eye samples per pixel, >= 1
     int edge_samples = 0;      ///< of pixels with edges; 0: as many

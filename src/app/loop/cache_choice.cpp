@@ -9,13 +9,14 @@ constexpr std::int64_t least_pixels = 160 * 160;
 
 }  // namespace
 
-CacheChoice choose_cache(const std::string& asked, const scene::Traits& traits, bool parts, bool reference,
+CacheChoice choose_cache(const std::string& asked, const scene::Traits& traits, bool rays, bool parts, bool reference,
                          std::int64_t frames, std::int64_t pixels) {
     using enum renderer::CacheUse;
     if (asked == "off") return {off, "not wanted: --cache off"};
     if (reference) return {off, "no cause: every light point lights every pixel"};
     if (asked == "on") return {on, "--cache on asks for it"};
     if (!traits.has_diffuse_surfaces) return {off, "would not pay: no surface shows one light from all sides"};
+    if (rays) return {static_light, "pixels and frames share what gather rays found"};
     if (frames == 1) return {off, "would not pay: there is no later frame to keep light for"};
     if (pixels < least_pixels) return {off, "would not pay: the picture is small"};
     // A change of light forgets what is kept: only the frame's own pixels would gain.

@@ -17,9 +17,9 @@ struct CacheChoice {
 };
 
 /// `asked`: on, off, or auto, which keeps light where that pays in pictures of so many `pixels`. `reference`: every
-/// light point lights every pixel, which leaves nothing to keep. `parts`: light may be worth parting
+/// light point lights every pixel, which leaves nothing to keep. `rays`: renderer::Indirect::rays. `parts`: light may be worth parting
 /// (renderer::LightSplit::may_suit).
-CacheChoice choose_cache(const std::string& asked, const scene::Traits& traits, bool parts, bool reference,
+CacheChoice choose_cache(const std::string& asked, const scene::Traits& traits, bool rays, bool parts, bool reference,
                          std::int64_t frames, std::int64_t pixels);
 
 /// For reports: off, on, or static, which is on where light, or a static part of it, stays.

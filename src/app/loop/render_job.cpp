@@ -88,6 +88,8 @@ renderer::Settings rendering_settings(const RenderOptions& options, const scene:
     renderer::Settings settings;
     settings.format = format;
     settings.samples = options.samples;
+    settings.indirect =
+        options.indirect == "lightcuts" ? renderer::Indirect::lightcuts : renderer::Indirect::rays;
     settings.vpls = options.vpls;
     settings.clamp = options.clamp == "none" ? renderer::Clamp::none : renderer::Clamp::bounded;
     // chosen: of 1000 to 8000 clusters the least with which at 2 % no point stops early (docs/fits/lightcut.md).
@@ -115,6 +117,7 @@ void settle_edges(RenderJob& film, const RenderOptions& options) {
 /// What light points may cost, where they are chosen by it.
 std::optional<double> loss_of(const RenderOptions& options, const RenderJob& film) {
     const bool by_hand = std::find(options.given.begin(), options.given.end(), "--vpls") != options.given.end();
+    if (options.indirect == "rays") return {};
     if (film.kind != OutputKind::film || !film.tolerance.coupled || by_hand || options.vpls != RenderOptions().vpls)
         return {};
     return loss_from(options.loss);
@@ -191,7 +194,7 @@ void decide_passes(RenderJob& film, const RenderOptions& options) {
     film.loss = loss_of(options, film);
     const scene::Traits traits = scene::traits_of(*film.animation);
     film.plan = renderer::make_plan(traits, wanted);
-    film.cache = choose_cache(options.cache, traits, renderer::LightSplit::may_suit(*film.animation, film.plan),
+    film.cache = choose_cache(options.cache, traits, options.indirect == "rays", renderer::LightSplit::may_suit(*film.animation, film.plan),
                               film.tolerance.reference, film.frame_count(),
                               std::int64_t{film.format.width} * film.format.height);
     film.rendering.cache = film.cache.use;
@@ -320,6 +323,7 @@ RenderJob draft_of(const RenderJob& film) {
     draft.rendering.edge_samples = *usual.edge_samples;
     draft.rendering.most_samples = 0;
     draft.rendering.vpls = usual.vpls;
+    draft.rendering.indirect = renderer::Indirect::lightcuts;
     draft.rendering.cache = renderer::CacheUse::off;
     draft.cache = {};
     draft.coding.effort = encoder::Effort::fast;

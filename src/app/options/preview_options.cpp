@@ -37,6 +37,7 @@ RenderOptions preview_options(const RenderOptions& options) {
     if (!is_given("--samples")) draft.samples = 1;
     if (!is_given("--edge-samples")) draft.edge_samples = is_given("--samples") ? options.samples : 4;
     if (!is_given("--vpls")) draft.vpls = 2048;
+    draft.indirect = "lightcuts";
     draft.cache = "off";
     draft.loss = "any";
 

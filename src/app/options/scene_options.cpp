@@ -50,6 +50,13 @@ void add_scene_options(CLI::App& command, RenderOptions& options) {
         ->capture_default_str()
         ->group(scene);
     command
+        .add_option("--indirect", options.indirect,
+                    "How bounced light and the sky are gathered: by `rays` that ask a cache on surfaces, or by "
+                    "`lightcuts` through light points")
+        ->check(CLI::IsMember({"rays", "lightcuts"}))
+        ->capture_default_str()
+        ->group("Light");
+    command
         .add_option("--vpls", options.vpls,
                     "Light points that carry indirect light; 0: direct light only (default: 4096; long films as many "
                     "as --loss needs)")

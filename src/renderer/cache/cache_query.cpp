@@ -30,6 +30,10 @@ constexpr int asked_for_columns = 4;
 constexpr int least_for_mean = 4;
 constexpr float mean_factor = 3.0f, mean_distance = 0.75f, most_reach = 4.0f;
 
+/// Standard errors that one point in a hundred exceeds, as records keep their error; and what records are off a plane
+/// by chance, of which they may seem to be so much more. chosen: 1.5, as ten records have in one of eight planes.
+constexpr float one_in_hundred = 2.6f, chance_factor = 1.5f;
+
 /// A record that takes part.
 struct Neighbour {
     const IrradianceRecord* record;
@@ -56,7 +60,9 @@ class Neighbours {
     PlaneFit& plane() { return plane_; }
     float weight(int i) const { return plane_.weight(i); }
     /// What gathering may be off by, given what the point makes of irradiance.
-    float noise(float receives) const;
+    float noise(float receives, bool independent) const;
+    /// Mean square of the error that chance puts on its records, in luminance of the pixel.
+    float chance(float receives) const;
     int count() const { return plane_.count(); }
     const Neighbour& operator[](int i) const { return found_[static_cast<std::size_t>(i)]; }
 
@@ -134,7 +140,17 @@ float Neighbours::fit() {
     return reach < most_reach ? mean_factor * std::max(1.0f, reach) : 0.0f;
 }
 
-float Neighbours::noise(float receives) const {
+float Neighbours::chance(float receives) const {
+    float sum = 0, square = 0;
+    for (int i = 0; i < count(); ++i) {
+        const float error = receives * (*this)[i].record->error / one_in_hundred;
+        sum += std::sqrt(plane_.closeness(i)) * error * error;
+        square += std::sqrt(plane_.closeness(i));
+    }
+    return core::divide_or(sum, square, 0.0f);
+}
+
+float Neighbours::noise(float receives, bool independent) const {
     // Records of one set err alike, since the same lights stand for their clusters; those of different sets do not.
     std::array<float, representative_sets> of_set{};
     float square = 0;
@@ -142,7 +158,11 @@ float Neighbours::noise(float receives) const {
     for (int i = 0; i < count(); ++i) {
         const Neighbour& n = (*this)[i];
         turned += weight(i) * n.lobe.turned;
-        of_set[n.record->set % of_set.size()] += std::abs(weight(i)) * n.record->error;
+        const float error = std::abs(weight(i)) * n.record->error;
+        if (independent)
+            square += error * error;
+        else
+            of_set[n.record->set % of_set.size()] += error;
     }
     for (const float sum : of_set) square += sum * sum;
     return receives * std::sqrt(square) + turn_error * glm::length(turned);
@@ -168,14 +188,16 @@ ErrorEstimate estimate_error(Neighbours& near, const CacheQuery& q, const CacheE
     error.tolerance = q.tolerance.allows(light);
     // What records are off the plane by,
     const float factor = residual_factor(q.tolerance, light, error.tolerance);
-    const float residual = model.residual * factor * (reach > 1.0f ? reach * factor : 1.0f) * plane.residual();
+    float off = plane.residual();
+    if (model.independent) off = core::sqrt_or_zero(off * off - chance_factor * near.chance(q.receives));
+    const float residual = model.residual * factor * (reach > 1.0f ? reach * factor : 1.0f) * off;
     // a step that may look like a slope,
     float rise = model.step * plane.rise();
     if (radius >= asked_for_columns && rise > residual) rise = model.step * plane.unsure_rise();
     error.unscaled = std::max(residual, rise);
     error.interpolation = model.cache_error_scale * error.unscaled;
     // and the records' own errors.
-    error.noise = model.noise * near.noise(q.receives);
+    error.noise = model.noise * near.noise(q.receives, model.independent);
     return error;
 }
 

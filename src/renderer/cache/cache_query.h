@@ -30,6 +30,7 @@ struct CacheErrorModel {
     float step = 0.5f;            ///< of what light changes by up to the nearest record
     float noise = 1;              ///< of the records' own errors
     float reused = 1;             ///< of the errors of light of the last frame, which was lit with another error scale
+    bool independent = false;     ///< records err each for itself, since rays found their light
     float cache_error_scale = 1;  ///< of the first two: learnt by hold-out validation (cache_validation.h)
 };
 

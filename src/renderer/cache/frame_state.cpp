@@ -12,10 +12,11 @@ float TileState::allowed(const GatherPoint& p, std::size_t i) const {
 
 FrameState::FrameState(const LightingContext& context, const scene::Snapshot& instant, const CutLimits& cut_limits,
                        const CacheErrorModel& error_model, const GlossyPayoff& glossy_payoff, RecordStore& store,
-                       const LightSplit* parts)
+                       const LightSplit* parts, FinalGather* final_gather)
     : light_trees(context.light_trees),
       split(parts),
       cached(parts != nullptr ? parts->static_light : context.light_trees),
+      rays(final_gather),
       tracer(context.tracer),
       seen(context.seen),
       snapshot(instant),
@@ -27,6 +28,7 @@ FrameState::FrameState(const LightingContext& context, const scene::Snapshot& in
       grid(seen.visible.width(), seen.visible.height()),
       tiles(seen.tiles.size()) {
     limits.exact = false;
+    errors.independent = rays != nullptr;
     // Records keep their errors without error scale, which is learnt anew at a cut.
     errors.noise *= limits.error_scale;
 }

@@ -13,6 +13,7 @@
 #include "renderer/cache/request_groups.h"
 #include "renderer/cut/lighting_context.h"
 #include "renderer/cut/shade.h"
+#include "renderer/gather/final_gather.h"
 
 namespace render2mpeg::renderer {
 
@@ -87,11 +88,13 @@ struct FrameState {
     /// `split` of the light trees' light, of which records hold the static part; none where they hold all of it.
     FrameState(const LightingContext& context, const scene::Snapshot& snapshot, const CutLimits& limits,
                const CacheErrorModel& errors, const GlossyPayoff& payoff, RecordStore& records,
-               const LightSplit* split);
+               const LightSplit* split, FinalGather* rays);
 
     const LightTrees& light_trees;  ///< all light
     const LightSplit* split;
     const LightTrees& cached;  ///< what records hold
+    FinalGather* rays;         ///< gathers the sky and indirect light; null: light trees hold them
+    float finer = 1;           ///< rays err by so much less than tolerances allow
     const RayTracer& tracer;
     const Seen& seen;
     const scene::Snapshot& snapshot;

@@ -11,7 +11,8 @@
 namespace render2mpeg::renderer {
 namespace {
 
-void gather_requests_of(const FrameState& frame, const RequestGroup& group, Gatherer& gatherer, GatheredRequests& out) {
+void gather_requests_of(const FrameState& frame, const RequestGroup& group, std::uint32_t pool, Gatherer& gatherer,
+                        GatheredRequests& out) {
     // Gather what uses the cache as a receiver that serves other textures, too.
     GatherPoint receivers[lane_count];
     const GatherPoint* pointers[lane_count];
@@ -42,6 +43,7 @@ void gather_requests_of(const FrameState& frame, const RequestGroup& group, Gath
                                          core::luminance(light.scattered(*pointers[i])), 0.0f);
         out.light.push_back(light);
         out.sets.push_back(static_cast<std::uint8_t>(group.set));
+        out.pools.push_back(pool);
         out.lobes.emplace_back();
         const SurfacePoint& p = pointers[i]->point;
         if (p.bsdf.has_glossy())
@@ -55,7 +57,37 @@ void gather_area(const FrameState& frame, const LightTrees& light_trees, const s
                  GatheredRequests& out) {
     Gatherer gatherer(light_trees, frame.tracer);
     for (const RequestGroup& group : group_requests(frame.seen, requests, frame.camera.position()))
-        gather_requests_of(frame, group, gatherer, out);
+        gather_requests_of(frame, group, out.pools.empty() ? 0 : out.pools.back() + 1, gatherer, out);
+}
+
+/// Adds the sky and indirect light to what was gathered of light trees.
+void gather_rays(FrameState& frame, std::vector<GatheredRequests>& found) {
+    std::vector<GatherRequest> requests;
+    std::vector<GatherPoint> receivers;
+    std::size_t count = 0;
+    for (const GatheredRequests& g : found) count += g.points.size();
+    receivers.reserve(count);
+    std::uint32_t first_pool = 0;
+    for (const GatheredRequests& g : found) {
+        for (std::size_t i = 0; i < g.points.size(); ++i) {
+            const PointRef& ref = g.points[i];
+            const GatherPoint& p = frame.point(ref);
+            receivers.push_back(uses_cache(p, frame.payoff) ? plain_receiver(p) : p);
+            requests.push_back(request_of(receivers.back(), frame.tiles[ref.tile].tolerance[ref.index], frame.pixel_of(ref.tile, p),
+                                          frame.camera));
+            requests.back().pool = first_pool + g.pools[i];
+        }
+        if (!g.pools.empty()) first_pool += g.pools.back() + 1;
+    }
+    const std::vector<RayLight> rays = frame.rays->gather(requests, frame.finer);
+    std::size_t k = 0;
+    for (GatheredRequests& g : found)
+        for (std::size_t i = 0; i < g.points.size(); ++i, ++k) {
+            add(rays[k], receivers[k], g.light[i]);
+            if (!receivers[k].point.bsdf.has_glossy()) continue;
+            g.lobes[i].f0 += rays[k].f0;
+            g.lobes[i].schlick += rays[k].schlick;
+        }
 }
 
 }  // namespace
@@ -85,6 +117,7 @@ std::vector<GatheredRequests> gather(FrameState& frame, const std::vector<std::v
         gather_area(frame, frame.cached, list, found[a]);
         gather_area(frame, frame.light_trees, moving, found[a]);
     });
+    if (frame.rays != nullptr) gather_rays(frame, found);
     for (const GatheredRequests& g : found) frame.shade_counts.add(g.counts);
     return found;
 }

@@ -13,6 +13,7 @@ struct GatheredRequests {
     std::vector<PointLight> light;
     std::vector<GlossyRecord> lobes;
     std::vector<std::uint8_t> sets;  ///< of representatives
+    std::vector<std::uint32_t> pools;  ///< GatherRequest::pool, within the area
     ShadeCounts counts;
 };
 

@@ -51,8 +51,8 @@ void IrradianceCache::cut_to(const Seen& seen, const scene::Snapshot& snapshot) 
 }
 
 FrameLight IrradianceCache::light(const LightingContext& context, const scene::Snapshot& snapshot,
-                                  const CutLimits& limits, const LightSplit* split, ShadeCounts& shade_counts,
-                                  CacheCounts& counts) {
+                                  const CutLimits& limits, const LightSplit* split, FinalGather* rays,
+                                  ShadeCounts& shade_counts, CacheCounts& counts) {
     EXPECTS(!context.tolerance.is_reference());
     if (snapshot.cut_before) cut_to(context.seen, snapshot);
     errors_.cache_error_scale = validation_.cache_error_scale();
@@ -60,7 +60,7 @@ FrameLight IrradianceCache::light(const LightingContext& context, const scene::S
     last_error_scale_ = limits.error_scale;
 
     // Reuse the last frame's light,
-    FrameState frame(context, snapshot, limits, errors_, payoff_, records_, split);
+    FrameState frame(context, snapshot, limits, errors_, payoff_, records_, split, rays);
     start(frame, context.tolerance, history_, moved_);
     moved_ = false;
     // ask the cache for the rest, or gather it,

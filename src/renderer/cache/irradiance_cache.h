@@ -29,7 +29,7 @@ class IrradianceCache {
     /// Light of all points of a frame within their tolerances (not for the reference), gathered or from records; these
     /// hold the static part of it where it is `split`, in all frames of a chunk or in none.
     FrameLight light(const LightingContext& context, const scene::Snapshot& snapshot, const CutLimits& limits,
-                     const LightSplit* split, ShadeCounts& shade_counts, CacheCounts& counts);
+                     const LightSplit* split, FinalGather* rays, ShadeCounts& shade_counts, CacheCounts& counts);
 
     /// Which points were lit elsewhere in their pixels: none but in the last frame, nor by the reference, which asks no
     /// records.

@@ -21,6 +21,7 @@ class PlaneFit {
         samples_[static_cast<std::size_t>(count_++)] = {offset, closeness, value};
     }
     int count() const { return count_; }
+    float closeness(int i) const { return samples_[static_cast<std::size_t>(i)].closeness; }
 
     /// Whether there are samples enough, on several sides, and the place hardly lies beyond them.
     bool fit();

@@ -1,0 +1,83 @@
+#pragma once
+// Light of points by rays over their hemispheres, as many as their tolerances ask for.
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "renderer/base/plan.h"
+#include "renderer/cut/point_light.h"
+#include "renderer/gather/gather_ray.h"
+#include "renderer/gather/surface_cache.h"
+#include "renderer/surface/gather_point.h"
+#include "scene/model/camera.h"
+
+namespace render2mpeg::renderer {
+
+/// A point whose indirect light and sky are wanted.
+struct GatherRequest {
+    const GatherPoint* point = nullptr;
+    PointTolerance tolerance;  ///< `base` holds the luminance that its pixel has already
+    std::uint64_t seed = 0;    ///< of its rays: the same place of the picture, the same rays
+    float extent = 0;          ///< of a pixel there, world: rays shorter than this are followed as paths
+    std::uint32_t pool = 0;    ///< requests of one pool lie next to each other, on about one surface
+};
+
+/// What rays found for one point.
+struct RayLight {
+    glm::vec3 irradiance{0};         ///< over pi; under a lobe what passes it
+    glm::vec3 f0{0}, schlick{0};     ///< the lobe's radiance is f0 x `f0` + f90 x `schlick`
+    float error = 0;                 ///< luminance of the pixel that one point in a hundred exceeds
+    std::uint32_t rays = 0;
+};
+
+/// The request of a point that lies in this pixel of the picture.
+GatherRequest request_of(const GatherPoint& point, const PointTolerance& tolerance, glm::ivec2 pixel,
+                         const scene::Camera& camera);
+
+/// Adds what rays found to a point's light.
+void add(const RayLight& rays, const GatherPoint& point, PointLight& light);
+
+/// What gathering did, summed since construction.
+struct FinalGatherCounts {
+    std::uint64_t points = 0, rays = 0, cell_rays = 0, evaluations = 0, cells = 0;
+};
+
+/// Final gathering [Ward1988, Christensen1999]: the mean of what cosine-distributed rays see, their hits looked up in a
+/// surface cache. The first rays of all points of a pool, less the point's own, tell how much rays differ there, and so
+/// how many a point needs to keep its tolerance: no point's number depends on what its own rays found, which would bias
+/// it. A function of the posed instant and of the requests since `forget`, for any number of threads.
+class FinalGather {
+  public:
+    FinalGather(const PosedScene& posed_scene, const Plan& plan);
+
+    /// Forgets all: light or things are others now. `sky_brightest`: luminance that rays see of the sky at most; the
+    /// light trees have what is beyond.
+    void forget(float sky_brightest);
+
+    /// Light of all requests, in their order.
+    /// `finer`: by how much less than their tolerances allow they may err.
+    std::vector<RayLight> gather(std::span<const GatherRequest> requests, float finer = 1);
+
+    const FinalGatherCounts& counts() const { return counts_; }
+    std::size_t bytes() const { return cache_.bytes(); }
+
+  private:
+    struct Sums;
+    struct Bundle;
+    struct Traced;
+
+    void trace(const GatherRequest& request, const Bundle& bundle, Traced& out) const;
+    void trace_all(std::span<const GatherRequest> requests, std::span<const Bundle> bundles, std::vector<Sums>& sums);
+    std::vector<std::uint32_t> wanted_rays(std::span<const GatherRequest> requests, const std::vector<Sums>& sums,
+                                           float finer) const;
+
+    const PosedScene& posed_scene_;
+    GatherRays gather_rays_;
+    SurfaceCache cache_;
+    bool bodies_block_;
+    float sky_brightest_ = 0;
+    FinalGatherCounts counts_;
+};
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,127 @@
+#include "renderer/gather/gather_ray.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "core/sampling.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Layers and mirrors that a ray passes one after another, and the share of it below which it ends. chosen: 8, 0.02, as
+/// rays of lobes have 6 (lobe_rays.h); what is lost is a fiftieth of what is behind eight panes.
+constexpr int most_surfaces = 8;
+constexpr float least_passing = 0.02f;
+
+/// Own cells beyond this many in a row share the cells of others. chosen: 3, so that rays between two walls that nearly
+/// touch end.
+constexpr std::uint8_t most_own_cells = 3;
+
+/// Interleaves the lower six bits.
+std::uint64_t spread_bits(std::uint64_t v) {
+    std::uint64_t bits = 0;
+    for (unsigned i = 0; i < 6; ++i) bits |= (v >> i & 1u) << (3 * i);
+    return bits;
+}
+
+}  // namespace
+
+GatherRays::GatherRays(const PosedScene& posed_scene, bool sky_light)
+    : posed_scene_(posed_scene), sky_light_(sky_light && posed_scene.sky() != nullptr) {
+    const scene::Animation& film = posed_scene.animation();
+    extent_ = glm::length(film.bounds_max - film.bounds_min);
+    for (const scene::Material& m : film.materials)
+        plain_.push_back(m.alpha_mode == scene::AlphaMode::opaque && m.transmission == 0.0f);
+}
+
+/// The cell of a hit: of one object, one of six directions that its normal is nearest to, a cube of the world whose
+/// size is a power of two. The key's upper bits are the place in the scene, the lower ones a hash of all.
+Sighting GatherRays::sighting(const RayQuery& ray, const Hit& hit, float distance, const RayRules& rules,
+                              std::uint64_t number) const {
+    Sighting s;
+    s.address = hit.address;
+    s.outgoing = -ray.direction;
+    if (distance < rules.near && rules.depth < most_own_cells) {
+        s.key = core::mix(number) | own_cell;
+        s.size = rules.spread * distance;
+        s.depth = static_cast<std::uint8_t>(rules.depth + 1);
+        return s;
+    }
+    const int level = std::ilogb(std::max(rules.spread * distance, std::numeric_limits<float>::min()));
+    s.size = std::ldexp(1.0f, level);
+    const glm::vec3 at = ray.origin + hit.distance * ray.direction;
+    const float facing = glm::dot(hit.geometric_normal, ray.direction) > 0.0f ? -1.0f : 1.0f;
+    const glm::vec3 n = facing * hit.geometric_normal, a = glm::abs(n);
+    const int axis = a.x > a.y && a.x > a.z ? 0 : a.y > a.z ? 1 : 2;
+    const std::uint64_t face = static_cast<std::uint64_t>(2 * axis + (n[axis] < 0 ? 1 : 0));
+    std::uint64_t hash = core::mix(static_cast<std::uint64_t>(hit.address.object) << 16 ^ face << 12 ^
+                                   static_cast<std::uint64_t>(level + 2048));
+    std::uint64_t place = 0;
+    for (int k = 0; k < 3; ++k) {
+        const auto cell = static_cast<std::int64_t>(std::floor(std::ldexp(static_cast<double>(at[k]), -level)));
+        hash = core::mix(hash ^ static_cast<std::uint64_t>(cell));
+        const float part = core::divide_or(
+            std::ldexp(static_cast<float>(cell), level) - posed_scene_.animation().bounds_min[k], extent_, 0.0f);
+        place |= spread_bits(static_cast<std::uint64_t>(std::clamp(part, 0.0f, 1.0f) * 63.0f)) << k;
+    }
+    s.key = (place << 45 | hash >> 19) & ~own_cell;
+    return s;
+}
+
+glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float solid_angle, std::uint64_t number,
+                             std::uint32_t index, std::vector<RayTerm>& terms, std::uint64_t& rays) const {
+    const Air* air = posed_scene_.air();
+    glm::vec3 passing(1), known(0);
+    float distance = 0;
+    bool mirrored = false;
+    for (int step = 0; step < most_surfaces; ++step) {
+        if (step > 0) {
+            hit = posed_scene_.tracer().nearest(ray.origin, ray.direction, ray.far);
+            ++rays;
+        }
+        if (air != nullptr)
+            passing *= std::exp(-(hit.found() ? air->optical_depth(ray.origin, ray.direction, hit.distance)
+                                              : air->depth_to_sky(ray.origin, ray.direction)));
+        if (!hit.found()) {
+            if (!sky_light_ || !(rules.sees_sky || mirrored)) return known;
+            const glm::vec3 sky = posed_scene_.sky()->radiance(ray.direction, solid_angle);
+            const float most = core::divide_or(rules.brightest, core::luminance(sky), 1.0f);
+            return known + passing * sky * std::min(most, 1.0f);
+        }
+        distance += hit.distance;
+        const auto material = static_cast<std::size_t>(posed_scene_.animation().objects[hit.address.object].material);
+        RayTerm term{index, passing, sighting(ray, hit, distance, rules, number + static_cast<std::uint64_t>(step))};
+        if (plain_[material] && !mirrored) {
+            terms.push_back(term);
+            return known;
+        }
+
+        // Look at what passes or mirrors.
+        const SurfacePoint p = posed_scene_.surface_at(hit.address, -ray.direction);
+        if (mirrored && !p.unlit) known += passing * p.alpha * p.emission;
+        const glm::vec3 shown = passing * p.alpha;
+        if (core::luminance(shown) > 0.0f &&
+            (p.bsdf.has_diffuse() || p.bsdf.has_glossy() || p.bsdf.has_diffuse_transmission())) {
+            term.weight = shown;
+            terms.push_back(term);
+        }
+        const bool blocks = rules.bodies_block && p.bounds_body &&
+                            posed_scene_.animation().objects[hit.address.object].body == scene::Body::solid;
+        passing *= blocks ? glm::vec3(0) : posed_scene_.transmittance_at(hit.address, ray.direction);
+        if (!(core::luminance(passing) > least_passing)) {
+            passing = shown * p.bsdf.mirror;
+            if (!rules.sees_lamps || !(core::luminance(passing) > least_passing)) break;
+            ray.direction =
+                core::normalize_or(2.0f * glm::dot(p.shading_normal, p.outgoing) * p.shading_normal - p.outgoing,
+                                   p.geometric_normal);
+            mirrored = true;
+        }
+        ray.origin = offset_origin(p, ray.direction);
+    }
+    return known;
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,67 @@
+#pragma once
+// Follows a gather ray until what it meets is known, or is to be asked of the surface cache.
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "renderer/geometry/ray_tracer.h"
+#include "renderer/surface/posed_scene.h"
+
+namespace render2mpeg::renderer {
+
+/// A place of a surface whose radiance towards `outgoing` is wanted, and the cell of the surface cache that it lies in.
+struct Sighting {
+    std::uint64_t key = 0;  ///< of the cell; sorts cells about by place
+    core::SurfaceAddress address;
+    glm::vec3 outgoing{0};   ///< unit, to where it is seen from
+    float size = 0;          ///< of the cell, world; textures are filtered over it
+    std::uint8_t depth = 0;  ///< of a cell of its own: how many such cells lie between it and the point; else 0
+
+    bool operator<(const Sighting& other) const { return key < other.key; }
+};
+
+/// Keys with this bit are of cells of one ray's own, which no other ray asks.
+inline constexpr std::uint64_t own_cell = std::uint64_t{1} << 63;
+
+/// Part of a ray's radiance that a cell knows.
+struct RayTerm {
+    std::uint32_t ray = 0;  ///< index that its owner gives it
+    glm::vec3 weight{1};
+    Sighting place;
+};
+
+/// How a ray is looked along.
+struct RayRules {
+    float near = 0;           ///< hits nearer than this get a cell of their own, world
+    float spread = 0;         ///< size of cells over the ray's length
+    bool sees_sky = true;     ///< what escapes shows the sky
+    float brightest = 0;      ///< luminance that the sky shows at most
+    bool sees_lamps = false;  ///< lamps behind mirrors are seen; mirrors are black otherwise
+    bool bodies_block = false;  ///< solid bodies of glass let nothing through: caustics have it
+    std::uint8_t depth = 0;   ///< of the place that it leaves, if that has a cell of its own
+};
+
+/// Follows rays through the posed scene.
+class GatherRays {
+  public:
+    explicit GatherRays(const PosedScene& posed_scene, bool sky_light);
+
+    /// Radiance along the ray as far as it is known: of the sky, of lamps behind mirrors. Appends to `terms` those
+    /// surfaces whose light is to be asked. `hit`: what the ray meets first. `number` makes keys of own cells. `rays`
+    /// counts those that it takes more.
+    glm::vec3 follow(RayQuery ray, Hit hit, const RayRules& rules, float solid_angle, std::uint64_t number,
+                     std::uint32_t index, std::vector<RayTerm>& terms, std::uint64_t& rays) const;
+
+    const PosedScene& posed_scene() const { return posed_scene_; }
+
+  private:
+    Sighting sighting(const RayQuery& ray, const Hit& hit, float distance, const RayRules& rules,
+                      std::uint64_t number) const;
+
+    const PosedScene& posed_scene_;
+    bool sky_light_;
+    float extent_;             ///< of the scene, world: places are sorted by its parts
+    std::vector<bool> plain_;  ///< by material: opaque, neither mirror nor glass
+};
+
+}  // namespace render2mpeg::renderer

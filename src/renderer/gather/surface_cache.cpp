@@ -1,0 +1,284 @@
+#include "renderer/gather/surface_cache.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "core/sampling.h"
+#include "parallel/loops.h"
+#include "renderer/base/flush_denormals.h"
+#include "renderer/base/lobe.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Places that a cell is evaluated at, at most. chosen: 16 of 16 and 64, which err alike.
+constexpr std::uint32_t most_places = 16;
+
+/// Size of the cells that a cell's own rays ask, over the length of these rays. chosen: 0.25, twice that of gather rays:
+/// their errors are averaged over the places of all cells that a point sees.
+constexpr float bounce_spread = 0.25f;
+
+/// Lobes seen by a cell are at least so wide: what a mirror-like floor throws is a matter of caustics, and would be
+/// noise here. chosen: 0.25 of alpha, a roughness of 0.5; not tuned.
+constexpr float least_alpha = 0.25f;
+
+/// Change of luminance, as a share, at which the equations count as solved; and sweeps at most, for surfaces that
+/// reflect nearly all. chosen: 1e-3, far below what tolerances are.
+constexpr double solved = 1e-3;
+constexpr int most_sweeps = 64;
+
+/// Places that one task evaluates.
+constexpr std::size_t lessons_at_once = 64;
+
+enum Number : std::uint64_t { lamp, surface, sky, bounce, side };
+
+float uniform(std::uint64_t number, Number use, std::uint64_t which) {
+    return core::uniform(number, use, which);
+}
+
+/// What the equations may carry on: no surface counts as brighter than paths have it.
+constexpr float largest_albedo = 0.98f;
+
+}  // namespace
+
+void CellTable::clear() {
+    slots_.clear();
+    used_ = 0;
+}
+
+std::size_t CellTable::place_of(std::uint64_t key) const {
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t i = core::mix(key) & mask;
+    while (slots_[i].index != none && slots_[i].key != key) i = (i + 1) & mask;
+    return i;
+}
+
+std::uint32_t CellTable::find(std::uint64_t key) const {
+    return slots_.empty() ? none : slots_[place_of(key)].index;
+}
+
+void CellTable::insert(std::uint64_t key, std::uint32_t index) {
+    if (slots_.size() <= 2 * used_) {
+        std::vector<Slot> old(std::max<std::size_t>(2 * slots_.size(), 1024));
+        old.swap(slots_);
+        for (const Slot& s : old)
+            if (s.index != none) slots_[place_of(s.key)] = s;
+    }
+    slots_[place_of(key)] = {key, index};
+    ++used_;
+}
+
+/// What some places of lessons found.
+struct SurfaceCache::Evaluated {
+    std::vector<RayTerm> terms;
+    glm::vec3 known{0};
+    std::uint64_t rays = 0;
+};
+
+SurfaceCache::SurfaceCache(const PosedScene& posed_scene, const Plan& plan)
+    : posed_scene_(posed_scene), gather_rays_(posed_scene, plan.runs(Pass::sky_light)), plan_(plan) {}
+
+void SurfaceCache::forget() {
+    table_.clear();
+    own_table_.clear();
+    cells_.clear();
+    own_cells_.clear();
+    sources_.emplace(posed_scene_, plan_);
+}
+
+std::uint32_t SurfaceCache::make_cell(std::uint64_t key) {
+    const bool is_own = (key & own_cell) != 0;
+    std::vector<Cell>& cells = is_own ? own_cells_ : cells_;
+    const std::uint32_t index = static_cast<std::uint32_t>(cells.size()) | (is_own ? own_index : 0u);
+    cells.emplace_back();
+    (is_own ? own_table_ : table_).insert(key, index);
+    return index;
+}
+
+std::uint32_t SurfaceCache::index_of(std::uint64_t key) const {
+    return ((key & own_cell) != 0 ? own_table_ : table_).find(key);
+}
+
+std::uint32_t SurfaceCache::find(std::uint64_t key) const {
+    const std::uint32_t index = table_.find(key);
+    return index != CellTable::none && cells_[index].places >= most_places ? index : CellTable::none;
+}
+
+/// Light of lamps, shining surfaces and the image of a sky, by next events.
+glm::vec3 SurfaceCache::lamps(const SurfacePoint& p, std::uint64_t number, std::uint64_t& rays) const {
+    const LightQuery query{p.position, shadow_origin(p), p.geometric_normal + p.smooth.tilt};
+    glm::vec3 sum(0);
+    const auto add = [&](const LightSample& s) {
+        const float cosine = glm::dot(p.shading_normal, s.direction);
+        if (!(core::luminance(s.light) > 0.0f) || !(cosine > 0.0f) || !(glm::dot(s.direction, query.normal) > 0.0f))
+            return;
+        glm::vec3 light = evaluate(p.bsdf, p.shading_normal, p.outgoing, s.direction) * cosine * s.light;
+        if (!(core::luminance(light) > 0.0f)) return;
+        if (const Air* air = posed_scene_.air(); air != nullptr) {
+            const glm::vec3 direction = core::normalize_or(s.ray, s.direction);
+            light *= std::isinf(s.far)
+                         ? std::exp(-air->depth_to_sky(query.origin, direction))
+                         : std::exp(-air->optical_depth(query.origin, direction, glm::length(s.ray) * s.far));
+        }
+        ++rays;
+        sum += light * posed_scene_.tracer().passes(query.origin, s.ray, s.far);
+    };
+    const auto pair = [&](Number use) { return glm::vec2(uniform(number, use, 1), uniform(number, use, 2)); };
+    if (sources_->has_lamps()) add(sources_->to_lamp(query, uniform(number, lamp, 0), pair(lamp)));
+    if (sources_->has_surfaces()) add(sources_->to_surface(query, uniform(number, surface, 0), pair(surface)));
+    if (sources_->has_sky()) add(sources_->to_sky(uniform(number, sky, 0), pair(sky)));
+    return sum;
+}
+
+/// Evaluates a place: what lamps send, and one ray whose end sends the rest.
+void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, Evaluated& out) const {
+    glm::vec3 along, across;
+    core::make_frame(place.outgoing, along, across);
+    SurfacePoint p = posed_scene_.surface_at(place.address, place.outgoing, {place.size * along, place.size * across});
+    if (p.unlit) return;
+    // Light from this side or from beyond, in proportion to what is reflected and let through.
+    const float through = core::luminance(p.bsdf.diffuse_transmission);
+    glm::vec3 weight(1);
+    if (through > 0.0f) {
+        const float reflected = core::luminance(p.bsdf.diffuse) + core::luminance(p.bsdf.f0);
+        const float chance = through / (through + reflected);
+        const bool beyond = uniform(number, side, 0) < chance;
+        weight = glm::vec3(1.0f / (beyond ? chance : 1.0f - chance));
+        if (beyond) p = posed_scene_.other_side(p);
+    }
+    const float cosine = glm::dot(p.shading_normal, p.outgoing);
+    const glm::vec3 albedo = diffuse_albedo(p.bsdf, cosine) + glossy_albedo(p.bsdf, cosine);
+    const float brightest = std::max({albedo.x, albedo.y, albedo.z});
+    if (!(brightest > 0.0f)) return;
+    if (brightest > largest_albedo) p.bsdf.scale(largest_albedo / brightest);
+    p.bsdf.alpha = std::max(p.bsdf.alpha, least_alpha);
+    p.bsdf.alpha_along = std::max(p.bsdf.alpha_along, least_alpha);
+
+    const glm::vec3 direct = weight * lamps(p, number, out.rays);
+    if (core::is_finite(direct)) out.known += direct;
+
+    const glm::vec3 direction =
+        core::sample_cosine_hemisphere(p.shading_normal, {uniform(number, bounce, 0), uniform(number, bounce, 1)});
+    if (!(glm::dot(direction, p.geometric_normal + p.smooth.tilt) > 0.0f)) return;
+    weight *= evaluate(p.bsdf, p.shading_normal, p.outgoing, direction) / lobe::inverse_pi;
+    if (!(core::luminance(weight) > 0.0f) || !core::is_finite(weight)) return;
+    const RayQuery ray{shadow_origin(p), direction, std::numeric_limits<float>::infinity()};
+    ++out.rays;
+    RayRules rules;
+    rules.near = place.depth > 0 ? 0.5f * place.size : 0.0f;
+    rules.spread = bounce_spread;
+    rules.sees_sky = !sources_->has_sky();
+    rules.brightest = std::numeric_limits<float>::infinity();
+    rules.sees_lamps = true;
+    rules.depth = place.depth;
+    const std::size_t first = out.terms.size();
+    const glm::vec3 known = weight * gather_rays_.follow(ray, posed_scene_.tracer().nearest(ray.origin, direction, ray.far),
+                                                         rules, lobe::inverse_pi, core::mix(number), 0, out.terms, out.rays);
+    if (core::is_finite(known)) out.known += known;
+    for (std::size_t i = first; i < out.terms.size(); ++i) out.terms[i].weight *= weight;
+}
+
+/// Chooses the places that cells are evaluated at among those where rays met them, evenly.
+void SurfaceCache::plan_lessons(std::vector<Sighting>& wanted, std::vector<Sighting>& places,
+                                std::vector<Lesson>& lessons) {
+    std::stable_sort(wanted.begin(), wanted.end());
+    for (std::size_t first = 0, last = 0; first < wanted.size(); first = last) {
+        const std::uint64_t key = wanted[first].key;
+        while (last < wanted.size() && wanted[last].key == key) ++last;
+        std::uint32_t index = index_of(key);
+        if (index == CellTable::none) index = make_cell(key);
+        const std::size_t asked = last - first, room = most_places - cell(index).places;
+        const std::size_t take = std::min(asked, room);
+        if (take == 0) continue;
+        lessons.push_back({index, static_cast<std::uint32_t>(places.size()), static_cast<std::uint32_t>(take), 0, 0, {}});
+        for (std::size_t i = 0; i < take; ++i) places.push_back(wanted[first + i * asked / take]);
+    }
+    wanted.clear();
+}
+
+void SurfaceCache::evaluate_lessons(std::span<Lesson> lessons, const std::vector<Sighting>& places,
+                                    std::vector<Link>& links, std::vector<Sighting>& wanted) {
+    const std::size_t tasks = (lessons.size() + lessons_at_once - 1) / lessons_at_once;
+    std::vector<Evaluated> found(tasks);
+    parallel::for_each(tasks, [&](std::size_t task) {
+        const FlushDenormals flushed;
+        Evaluated& out = found[task];
+        const std::size_t first = task * lessons_at_once, last = std::min(first + lessons_at_once, lessons.size());
+        for (std::size_t l = first; l < last; ++l) {
+            Lesson& lesson = lessons[l];
+            lesson.first_link = static_cast<std::uint32_t>(out.terms.size());
+            out.known = glm::vec3(0);
+            for (std::uint32_t k = 0; k < lesson.places; ++k) {
+                const Sighting& place = places[lesson.first + k];
+                light_place(place, core::mix(place.key) + cell(lesson.cell).places + k, out);
+            }
+            lesson.known = out.known;
+            lesson.last_link = static_cast<std::uint32_t>(out.terms.size());
+        }
+    });
+    for (std::size_t task = 0; task < tasks; ++task) {
+        const auto base = static_cast<std::uint32_t>(links.size());
+        const std::size_t first = task * lessons_at_once, last = std::min(first + lessons_at_once, lessons.size());
+        for (std::size_t l = first; l < last; ++l) {
+            lessons[l].first_link += base, lessons[l].last_link += base;
+            evaluations_ += lessons[l].places;
+        }
+        for (const RayTerm& t : found[task].terms) {
+            links.push_back({t.place.key, t.weight, index_of(t.place.key)});
+            if (links.back().cell == CellTable::none) wanted.push_back(t.place);
+        }
+        rays_ += found[task].rays;
+    }
+}
+
+/// Gauss-Seidel, the cells learnt last first: they are what the others ask.
+void SurfaceCache::solve(std::span<Lesson> lessons, std::vector<Link>& links) {
+    for (Link& link : links)
+        if (link.cell == CellTable::none) link.cell = index_of(link.key);
+    struct Sum {
+        glm::vec3 before{0};  ///< of places evaluated earlier
+        float count = 1;
+    };
+    std::vector<Sum> sums(lessons.size());
+    for (std::size_t l = 0; l < lessons.size(); ++l) {
+        Cell& taught = cell(lessons[l].cell);
+        sums[l].before = static_cast<float>(taught.places) * taught.radiance + lessons[l].known;
+        taught.places += lessons[l].places;
+        sums[l].count = static_cast<float>(taught.places);
+        taught.radiance = sums[l].before / sums[l].count;
+    }
+    for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+        double change = 0, all = 0;
+        for (std::size_t l = lessons.size(); l-- > 0;) {
+            glm::vec3 sum = sums[l].before;
+            for (std::uint32_t k = lessons[l].first_link; k < lessons[l].last_link; ++k)
+                sum += links[k].weight * cell(links[k].cell).radiance;
+            Cell& taught = cell(lessons[l].cell);
+            sum /= sums[l].count;
+            change += static_cast<double>(std::abs(core::luminance(sum - taught.radiance)));
+            all += static_cast<double>(core::luminance(sum));
+            taught.radiance = sum;
+        }
+        if (!(change > solved * all)) break;
+    }
+}
+
+void SurfaceCache::learn(std::vector<Sighting>& wanted) {
+    own_cells_.clear();
+    own_table_.clear();
+    std::vector<Lesson> lessons;
+    std::vector<Link> links;
+    std::vector<Sighting> places;
+    while (!wanted.empty()) {
+        const std::size_t first = lessons.size();
+        places.clear();
+        plan_lessons(wanted, places, lessons);
+        evaluate_lessons(std::span(lessons).subspan(first), places, links, wanted);
+    }
+    solve(lessons, links);
+}
+
+}  // namespace render2mpeg::renderer

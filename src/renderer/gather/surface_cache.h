@@ -1,0 +1,111 @@
+#pragma once
+// Radiance that surfaces send back along gather rays, kept in cells on the surfaces [Christensen1999].
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "renderer/base/plan.h"
+#include "renderer/gather/gather_ray.h"
+#include "renderer/truth/light_sources.h"
+
+namespace render2mpeg::renderer {
+
+/// A table from keys to indices.
+class CellTable {
+  public:
+    static constexpr std::uint32_t none = 0xffffffffu;
+
+    void clear();
+    std::uint32_t find(std::uint64_t key) const;
+    /// The key is not there yet.
+    void insert(std::uint64_t key, std::uint32_t index);
+    std::size_t bytes() const { return slots_.capacity() * sizeof(Slot); }
+
+  private:
+    struct Slot {
+        std::uint64_t key = 0;
+        std::uint32_t index = none;
+    };
+    std::size_t place_of(std::uint64_t key) const;
+
+    std::vector<Slot> slots_;
+    std::size_t used_ = 0;
+};
+
+/// Cells of the posed instant. A cell's radiance is the mean over some of the places where rays met it: of the light of
+/// lamps, by one shadow ray for each kind, and of one ray that asks the next cell. These cells are learnt as well,
+/// until every ray has an answer; then the sums are solved as the linear equations that they are, so that no bounce is
+/// cut off. Which places a cell has is decided by the order of the questions alone, for any number of threads.
+class SurfaceCache {
+  public:
+    SurfaceCache(const PosedScene& posed_scene, const Plan& plan);
+
+    /// Forgets all: light or things are others now, as posed.
+    void forget();
+
+    /// Index of a cell that needs to learn no more; CellTable::none: ask `learn`.
+    std::uint32_t find(std::uint64_t key) const;
+    /// Index of any cell that was ever asked for.
+    std::uint32_t index_of(std::uint64_t key) const;
+
+    /// Makes known what these sightings ask for; sorts them. Own cells are known until the next call.
+    void learn(std::vector<Sighting>& wanted);
+
+    /// Radiance of a cell.
+    glm::vec3 radiance(std::uint32_t index) const { return cell(index).radiance; }
+
+    std::size_t size() const { return cells_.size(); }
+    std::size_t bytes() const {
+        return (cells_.capacity() + own_cells_.capacity()) * sizeof(Cell) + table_.bytes() + own_table_.bytes();
+    }
+    std::uint64_t rays() const { return rays_; }
+    std::uint64_t evaluations() const { return evaluations_; }
+
+  private:
+    struct Cell {
+        glm::vec3 radiance{0};
+        std::uint32_t places = 0;  ///< that it is the mean of
+    };
+    /// Light that one cell takes over from another: weight times its radiance.
+    struct Link {
+        std::uint64_t key = 0;
+        glm::vec3 weight{0};
+        std::uint32_t cell = CellTable::none;
+    };
+    /// A cell that is being learnt.
+    struct Lesson {
+        std::uint32_t cell = 0;
+        std::uint32_t first = 0, places = 0;           ///< of the places that are evaluated
+        std::uint32_t first_link = 0, last_link = 0;   ///< once they are
+        glm::vec3 known{0};                            ///< sum over places
+    };
+    struct Evaluated;
+
+    /// Indices with this bit are of own cells.
+    static constexpr std::uint32_t own_index = 1u << 31;
+    const Cell& cell(std::uint32_t index) const {
+        return (index & own_index) != 0 ? own_cells_[index & ~own_index] : cells_[index];
+    }
+    Cell& cell(std::uint32_t index) { return const_cast<Cell&>(std::as_const(*this).cell(index)); }
+    std::uint32_t make_cell(std::uint64_t key);
+    void plan_lessons(std::vector<Sighting>& wanted, std::vector<Sighting>& places, std::vector<Lesson>& lessons);
+    void light_place(const Sighting& place, std::uint64_t number, Evaluated& out) const;
+    void evaluate_lessons(std::span<Lesson> lessons, const std::vector<Sighting>& places, std::vector<Link>& links,
+                          std::vector<Sighting>& wanted);
+    void solve(std::span<Lesson> lessons, std::vector<Link>& links);
+    glm::vec3 lamps(const SurfacePoint& p, std::uint64_t number, std::uint64_t& rays) const;
+
+    const PosedScene& posed_scene_;
+    GatherRays gather_rays_;
+    const Plan& plan_;
+    std::optional<LightSources> sources_;  ///< of the posed instant
+    CellTable table_, own_table_;
+    std::vector<Cell> cells_, own_cells_;
+    std::uint64_t rays_ = 0, evaluations_ = 0;
+};
+
+}  // namespace render2mpeg::renderer
