@@ -1,4 +1,4 @@
-#include "renderer/truth/light_paths.h"
+#include "renderer/paths/light_paths.h"
 
 #include <gtest/gtest.h>
 

@@ -7,6 +7,7 @@
 
 #include "core/sampling.h"
 #include "parallel/loops.h"
+#include "renderer/surface/lobe_albedo.h"
 #include "tests/renderer/lighting.h"
 
 namespace render2mpeg::renderer {

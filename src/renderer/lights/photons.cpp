@@ -10,6 +10,7 @@
 #include "parallel/loops.h"
 #include "renderer/base/lobe.h"
 #include "renderer/lights/photon_source.h"
+#include "renderer/surface/lobe_albedo.h"
 #include "renderer/surface/media_path.h"
 
 namespace render2mpeg::renderer {

@@ -43,11 +43,6 @@ struct PhotonResult {
     double lost = 0;    ///< of it, what largest_albedo kept from going on
 };
 
-/// Photons take no surface for brighter than this, so that a closed room has a sum of light and every path an end.
-/// chosen: 0.99, above all real paints (0.97 for barium sulphate); a room of such walls holds 100 times its lamp's
-/// light.
-inline constexpr float largest_albedo = 0.99f;
-
 /// Follows `paths` photons from the lights through the posed scene and leaves a virtual point light wherever one meets
 /// a surface that scatters it: intensity rho / pi dPhi on the side that was hit [Render2MPEG, eq. 6.3]. Photon i takes
 /// the same numbers whatever the scene. Paths end by Russian roulette alone, which loses no light up to largest_albedo.

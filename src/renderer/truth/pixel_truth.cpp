@@ -8,7 +8,7 @@
 #include "core/sampling.h"
 #include "parallel/loops.h"
 #include "renderer/base/flush_denormals.h"
-#include "renderer/truth/light_paths.h"
+#include "renderer/paths/light_paths.h"
 #include "renderer/view/eye_path.h"
 
 namespace render2mpeg::renderer {

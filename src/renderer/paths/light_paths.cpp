@@ -1,4 +1,4 @@
-#include "renderer/truth/light_paths.h"
+#include "renderer/paths/light_paths.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "core/sampling.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/lobe.h"
-#include "renderer/lights/photons.h"
+#include "renderer/surface/lobe_albedo.h"
 
 namespace render2mpeg::renderer {
 namespace {

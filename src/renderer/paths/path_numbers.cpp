@@ -1,4 +1,4 @@
-#include "renderer/truth/path_numbers.h"
+#include "renderer/paths/path_numbers.h"
 
 #include "core/sampling.h"
 

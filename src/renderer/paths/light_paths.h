@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 
+#include "renderer/paths/light_sources.h"
+#include "renderer/paths/path_numbers.h"
 #include "renderer/surface/posed_scene.h"
-#include "renderer/truth/light_sources.h"
-#include "renderer/truth/path_numbers.h"
 
 namespace render2mpeg::renderer {
 

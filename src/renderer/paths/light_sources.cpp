@@ -1,4 +1,4 @@
-#include "renderer/truth/light_sources.h"
+#include "renderer/paths/light_sources.h"
 
 #include <algorithm>
 #include <cmath>
@@ -66,6 +66,7 @@ LightSources::LightSources(const PosedScene& posed_scene, const Plan& plan) : po
 }
 
 void LightSources::find_lamps() {
+    std::vector<SourceExtent> extents;
     for (const scene::LightState& light : posed_scene_.posed().lights) {
         if (!core::is_finite(light.intensity) || !(core::luminance(light.intensity) > 0.0f)) continue;
         Lamp lamp;
@@ -77,13 +78,19 @@ void LightSources::find_lamps() {
             lamp.cone = two_pi * lamp.sine * lamp.sine / (1.0f + lamp.cosine);  // 1 - cos without its cancellation
             lamp.radiance = light.intensity / (std::numbers::pi_v<float> * lamp.sine * lamp.sine);
         }
+        if (lamp.sine > 0.0f) suns_.push_back(lamps_.size());
+        const bool distant = light.kind == scene::LightKind::directional;
+        extents.push_back({distant ? glm::vec3(0) : light.position, 0,
+                           static_cast<double>(core::luminance(light.intensity)), distant});
         lamps_.push_back(lamp);
     }
+    lamp_tree_ = SourceTree(std::move(extents));
 }
 
 void LightSources::find_surfaces() {
     const scene::Snapshot& now = posed_scene_.posed();
     const scene::Animation& film = posed_scene_.animation();
+    std::vector<SourceExtent> extents;
     for (std::uint32_t o = 0; o < film.objects.size(); ++o) {
         const scene::Material& material = film.materials[static_cast<std::size_t>(film.objects[o].material)];
         if (!material.emits() || material.unlit || !now.objects[o].present) continue;
@@ -109,8 +116,10 @@ void LightSources::find_surfaces() {
         emitter.centre = 0.5f * (low + high);
         emitter.radius = 0.5f * glm::length(high - low);
         emitter_of_[o] = static_cast<int>(emitters_.size());
+        extents.push_back({emitter.centre, emitter.radius, emitter.power});
         emitters_.push_back(std::move(emitter));
     }
+    emitter_tree_ = SourceTree(std::move(extents));
 }
 
 void LightSources::find_sky() {
@@ -140,25 +149,16 @@ float LightSources::lamp_weight(const LightQuery& query, const Lamp& lamp) const
 }
 
 float LightSources::lamp_density(const LightQuery& query, std::size_t index) const {
-    float sum = 0;
-    for (const Lamp& lamp : lamps_) sum += lamp_weight(query, lamp);
-    return core::divide_or(lamp_weight(query, lamps_[index]), sum * lamps_[index].cone, 0.0f);
+    const double chance =
+        lamp_tree_.chance_of(query, index, [&](std::size_t i) { return lamp_weight(query, lamps_[i]); });
+    return core::divide_or(static_cast<float>(chance), lamps_[index].cone, 0.0f);
 }
 
 LightSample LightSources::to_lamp(const LightQuery& query, float choice, glm::vec2 u) const {
-    float sum = 0;
-    for (const Lamp& lamp : lamps_) sum += lamp_weight(query, lamp);
-    const Lamp* last = nullptr;
-    float last_weight = 0, left = choice * sum;
-    for (const Lamp& lamp : lamps_) {
-        const float weight = lamp_weight(query, lamp);
-        if (!(weight > 0.0f)) continue;
-        last = &lamp;
-        last_weight = weight;
-        left -= weight;
-        if (left < 0.0f) break;
-    }
-    return last == nullptr ? LightSample{} : lamp_sample(query, *last, last_weight / sum, u);
+    const SourceTree::Choice lamp =
+        lamp_tree_.choose(query, choice, [&](std::size_t i) { return lamp_weight(query, lamps_[i]); });
+    if (!(lamp.chance > 0.0)) return {};
+    return lamp_sample(query, lamps_[lamp.source], static_cast<float>(lamp.chance), u);
 }
 
 LightSample LightSources::lamp_sample(const LightQuery& query, const Lamp& lamp, float chance, glm::vec2 u) const {
@@ -200,24 +200,19 @@ double LightSources::emitter_weight(const LightQuery& query, const Emitter& emit
                                     static_cast<double>(emitter.radius) * static_cast<double>(emitter.radius));
 }
 
+double LightSources::emitter_chance(const LightQuery& query, std::size_t index) const {
+    return emitter_tree_.chance_of(query, index, [&](std::size_t i) { return emitter_weight(query, emitters_[i]); });
+}
+
 LightSample LightSources::to_surface(const LightQuery& query, float choice, glm::vec2 u) const {
     // Choose a surface, then, with what is left of the number, a triangle.
-    double sum = 0;
-    for (const Emitter& emitter : emitters_) sum += emitter_weight(query, emitter);
-    double left = static_cast<double>(choice) * sum, weight = 0;
-    const Emitter* emitter = nullptr;
-    for (const Emitter& e : emitters_) {
-        const double own = emitter_weight(query, e);
-        if (!(own > 0.0)) continue;
-        emitter = &e;
-        weight = own;
-        if (left < own) break;
-        left -= own;
-    }
-    if (emitter == nullptr) return {};
-    const std::size_t triangle = chosen(emitter->sums, std::clamp(left / weight, 0.0, 1.0));
+    const SourceTree::Choice surface =
+        emitter_tree_.choose(query, choice, [&](std::size_t i) { return emitter_weight(query, emitters_[i]); });
+    if (!(surface.chance > 0.0)) return {};
+    const Emitter& emitter = emitters_[surface.source];
+    const std::size_t triangle = chosen(emitter.sums, surface.left);
     const glm::vec2 place = core::sample_triangle(u);
-    const core::SurfaceAddress address{emitter->object, static_cast<std::uint32_t>(triangle), place.x, place.y};
+    const core::SurfaceAddress address{emitter.object, static_cast<std::uint32_t>(triangle), place.x, place.y};
     const scene::Triangle t = scene::triangle_of(posed_scene_.posed(), address.object, address.primitive);
     const glm::vec3 at = (1.0f - place.x - place.y) * t.a + place.x * t.b + place.y * t.c;
 
@@ -241,14 +236,12 @@ float LightSources::surface_density(const LightQuery& query, const core::Surface
     const Emitter& emitter = emitters_[static_cast<std::size_t>(index)];
     const double shines = static_cast<double>(emitter.luminance[address.primitive]);
     if (!(shines > 0.0)) return 0.0f;
-    double sum = 0;
-    for (const Emitter& e : emitters_) sum += emitter_weight(query, e);
     const scene::Triangle t = scene::triangle_of(posed_scene_.posed(), address.object, address.primitive);
     const glm::vec3 at = (1.0f - address.u - address.v) * t.a + address.u * t.b + address.v * t.c;
     const glm::dvec3 d(at - query.position), normal(glm::cross(t.b - t.a, t.c - t.a));
     const double distance2 = glm::dot(d, d), length = std::sqrt(distance2);
     const double cosine = core::divide_or(std::abs(glm::dot(d, normal)), length * glm::length(normal), 0.0);
-    const double by_area = core::divide_or(emitter_weight(query, emitter), sum, 0.0) * shines / emitter.power;
+    const double by_area = emitter_chance(query, static_cast<std::size_t>(index)) * shines / emitter.power;
     return static_cast<float>(core::divide_or(by_area * distance2, cosine, 0.0));
 }
 

@@ -6,17 +6,10 @@
 
 #include "core/surface_address.h"
 #include "renderer/base/plan.h"
+#include "renderer/paths/source_tree.h"
 #include "renderer/surface/posed_scene.h"
-#include "renderer/truth/path_numbers.h"
 
 namespace render2mpeg::renderer {
-
-/// Where a path asks for light.
-struct LightQuery {
-    glm::vec3 position{0};  ///< of the surface
-    glm::vec3 origin{0};    ///< where rays leave it
-    glm::vec3 normal{0};    ///< light from behind it is none
-};
 
 /// Light from one direction. What a surface scatters of it: f_s cos x `light`, if nothing is in the way.
 struct LightSample {
@@ -48,8 +41,8 @@ class LightSources {
     template <class Weight>
     glm::vec3 suns(const LightQuery& query, glm::vec3 direction, Weight&& weight) const {
         glm::vec3 sum(0);
-        for (std::size_t i = 0; i < lamps_.size(); ++i)
-            if (lamps_[i].sine > 0 && glm::dot(direction, lamps_[i].to_light) >= lamps_[i].cosine)
+        for (const std::size_t i : suns_)
+            if (glm::dot(direction, lamps_[i].to_light) >= lamps_[i].cosine)
                 sum += lamps_[i].radiance * weight(lamp_density(query, i));
         return sum;
     }
@@ -82,11 +75,14 @@ class LightSources {
     float lamp_weight(const LightQuery& query, const Lamp& lamp) const;
     float lamp_density(const LightQuery& query, std::size_t index) const;
     LightSample lamp_sample(const LightQuery& query, const Lamp& lamp, float chance, glm::vec2 u) const;
+    double emitter_chance(const LightQuery& query, std::size_t index) const;
     static double emitter_weight(const LightQuery& query, const Emitter& emitter);
 
     const PosedScene& posed_scene_;
     std::vector<Lamp> lamps_;
+    std::vector<std::size_t> suns_;  ///< lamps with a size
     std::vector<Emitter> emitters_;
+    SourceTree lamp_tree_, emitter_tree_;
     std::vector<int> emitter_of_;  ///< by object; -1: shines not
     std::vector<double> sky_;      ///< sums over cells of the sky, rising; empty: none is chosen
 };
